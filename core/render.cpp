@@ -1,0 +1,308 @@
+#include "core/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+
+namespace keypose {
+namespace {
+
+using Rgb8 = Eigen::Matrix<std::uint8_t, 3, 1>;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+double LinearFromSrgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
+double SrgbFromLinear(double l) { return l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055; }
+
+const std::array<double, 256>& LinearTable() {
+  static const std::array<double, 256> table = [] {
+    std::array<double, 256> t;
+    for (int i = 0; i < 256; ++i) t[i] = LinearFromSrgb(i / 255.0);
+    return t;
+  }();
+  return table;
+}
+
+Vector3d ToLinear(const std::uint8_t* rgb) { return {LinearTable()[rgb[0]], LinearTable()[rgb[1]], LinearTable()[rgb[2]]}; }
+Vector3d ToLinear(const Vector3d& srgb) {
+  return (srgb / 255).unaryExpr([](double s) { return LinearFromSrgb(s); });
+}
+
+std::uint8_t ToByte(double linear) { return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0)))); }
+
+/// Pixels that the mesh can cover: [x0,x1) x [y0,y1).
+struct Box {
+  int x0, y0, x1, y1;
+};
+
+Box PixelBounds(const PointsX3& points, const View& view) {
+  const Camera& c = view.camera;
+  const Box all{0, 0, c.width, c.height};
+  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
+  for (int v = 0; v < points.rows(); ++v) {
+    const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
+    // A vertex beside or behind the camera says nothing about where its faces fall; neither does strong distortion far off the axis.
+    if (x.z() <= 1e-3 * x.norm()) return all;
+    const Vector2d p = c.Project(x);
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // Lines bend under distortion, so that a face may reach a little beyond its corners.
+  const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
+  const auto clamp = [](double x, int most) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most))); };
+  return {clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
+          clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
+}
+
+/// Everything a ray needs, worked out once a picture.
+struct Shader {
+  const Mesh& mesh;
+  const RayScene& scene;
+  const View& view;
+  const RenderOptions& options;
+  PointsX3 vertex_normals;
+  Eigen::Matrix3d world_from_camera;
+  Vector3d eye;
+  Vector3d key_lamp, fill_lamp;  ///< unit, in world
+
+  Shader(const Mesh& m, const RayScene& s, const View& v, const RenderOptions& o) : mesh(m), scene(s), view(v), options(o) {
+    if (o.smooth) vertex_normals = m.normals.rows() == m.points.rows() ? m.normals : VertexNormals(m.points, m.faces);
+    world_from_camera = v.camera_from_world.rotation.conjugate().toRotationMatrix();
+    eye = v.Center();
+    key_lamp = world_from_camera * Vector3d(-0.45, -0.65, -0.75).normalized();
+    fill_lamp = world_from_camera * Vector3d(0.75, 0.10, -0.60).normalized();
+  }
+
+  Vector3d Normal(const RayScene::Hit& hit, const Vector3d& direction) const {
+    const auto f = mesh.faces.row(hit.face);
+    const Vector3d a = mesh.points.row(f[0]), b = mesh.points.row(f[1]), c = mesh.points.row(f[2]);
+    const Vector3d flat = (b - a).cross(c - a).normalized();
+    Vector3d n = flat;
+    if (options.smooth) {
+      n = (1 - hit.u - hit.v) * vertex_normals.row(f[0]) + hit.u * vertex_normals.row(f[1]) + hit.v * vertex_normals.row(f[2]);
+      n = n.squaredNorm() > 1e-12 ? n.normalized().eval() : flat;
+    }
+    // Both sides are lit, so that a hole or an inverted face is still seen for what it is.
+    return flat.dot(direction) > 0 ? (-n).eval() : n;
+  }
+
+  Vector3d LinearColor(const RayScene::Hit& hit) const {
+    static const Vector3d kClay = ToLinear(Vector3d(188, 184, 178));
+    if (options.plain) return kClay;
+    const double w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+    if (options.texture && mesh.has_uvs()) {
+      Vector2d uv = Vector2d::Zero();
+      for (int k = 0; k < 3; ++k) uv += w[k] * mesh.uvs.row(mesh.uv_faces(hit.face, k)).transpose();
+      return ToLinear(SampleTexture(*options.texture, uv));
+    }
+    if (options.face_colors.rows() > 0) return ToLinear(options.face_colors.row(hit.face).data());
+    const ColorsX3& colors = options.vertex_colors.rows() > 0 ? options.vertex_colors : mesh.colors;
+    if (colors.rows() == 0) return kClay;
+    Vector3d sum = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) sum += w[k] * colors.row(mesh.faces(hit.face, k)).cast<double>().transpose();
+    return ToLinear(sum);
+  }
+
+  double EdgeDistancePixels(const RayScene::Hit& hit, double depth) const {
+    const auto f = mesh.faces.row(hit.face);
+    const Vector3d p[3] = {mesh.points.row(f[0]), mesh.points.row(f[1]), mesh.points.row(f[2])};
+    const double w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+    const double twice_area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) nearest = std::min(nearest, w[k] * twice_area / std::max((p[(k + 1) % 3] - p[(k + 2) % 3]).norm(), 1e-300));
+    return nearest * view.camera.fx / depth;
+  }
+
+  /// Linear colour that arrives along the ray through a pixel position.
+  bool Trace(const Vector2d& pixel, Vector3d& color) const {
+    const Vector3d in_camera = view.camera.Unproject(pixel);
+    const Vector3d direction = world_from_camera * in_camera;
+    const RayScene::Hit hit = scene.Cast(eye, direction);
+    if (hit.face < 0) return false;
+    const Vector3d n = Normal(hit, direction);
+    const double light = 0.26 + 0.62 * std::max(0.0, n.dot(key_lamp)) + 0.24 * std::max(0.0, n.dot(fill_lamp));
+    color = LinearColor(hit) * (1 - options.shading + options.shading * light);
+    if (options.wireframe && EdgeDistancePixels(hit, hit.distance) < 0.6) color = 0.35 * color;
+    return true;
+  }
+};
+
+void CheckColors(const Mesh& mesh, const RenderOptions& options) {
+  const auto check = [](Eigen::Index have, Eigen::Index want, const char* what) {
+    if (have > 0 && have != want)
+      throw InputError("render: " + std::to_string(have) + " colours for " + std::to_string(want) + " " + what +
+                       "; give one each, or none");
+  };
+  check(options.vertex_colors.rows(), mesh.points.rows(), "vertices");
+  check(options.face_colors.rows(), mesh.faces.rows(), "faces");
+}
+
+Rgb8 Between(const Vector3d* anchors, int count, double t) {
+  if (!(t == t)) return {160, 160, 160};
+  const double x = std::clamp(t, 0.0, 1.0) * (count - 1);
+  const int i = std::min(static_cast<int>(x), count - 2);
+  const Vector3d c = anchors[i] + (x - i) * (anchors[i + 1] - anchors[i]);
+  return c.array().round().cast<std::uint8_t>().matrix();
+}
+
+}  // namespace
+
+Rigid3 LookAt(const Vector3d& eye, const Vector3d& target, const Vector3d& up) {
+  const Vector3d forward = target - eye;
+  if (!(forward.norm() > 0)) throw InputError("render: the camera's eye lies on the point that it should look at; move one of them");
+  const Vector3d z = forward.normalized();
+  Vector3d x = z.cross(up);
+  if (x.norm() < 1e-9 * up.norm()) x = z.unitOrthogonal();
+  x.normalize();
+  Eigen::Matrix3d camera_from_world;
+  camera_from_world << x.transpose(), z.cross(x).transpose(), z.transpose();
+  Rigid3 result;
+  result.rotation = Eigen::Quaterniond(camera_from_world).normalized();
+  result.translation = -(result.rotation * eye);
+  return result;
+}
+
+View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width, int height, const Vector3d& up, double fov_deg) {
+  if (points.rows() == 0) throw InputError("render: nothing to look at: the mesh has no vertices");
+  if (width < 1 || height < 1) throw InputError("render: a picture needs at least one pixel each way");
+  const Vector3d z = up.normalized();
+  // With z up the front is -y; for another up axis any fixed horizontal direction will do.
+  Vector3d right = std::abs(z.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY();
+  right = (right - right.dot(z) * z).normalized();
+  const Vector3d front = right.cross(z);
+  const double a = azimuth_deg * M_PI / 180, e = elevation_deg * M_PI / 180;
+  const Vector3d outward = std::cos(e) * (std::cos(a) * front + std::sin(a) * right) + std::sin(e) * z;
+  const Vector3d center = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
+  View view;
+  view.camera.width = width;
+  view.camera.height = height;
+  view.camera.fx = view.camera.fy = 0.5 * height / std::tan(fov_deg * M_PI / 360);
+  view.camera.cx = 0.5 * width;
+  view.camera.cy = 0.5 * height;
+  const Rigid3 turned = LookAt(center + outward, center, z);
+  const Eigen::Matrix3d rotation = turned.rotation.toRotationMatrix();
+  const double slope_x = 0.94 * 0.5 * width / view.camera.fx, slope_y = 0.94 * 0.5 * height / view.camera.fy;
+  double distance = 0;
+  for (int v = 0; v < points.rows(); ++v) {
+    const Vector3d x = rotation * (points.row(v).transpose() - center);
+    distance = std::max({distance, std::abs(x.x()) / slope_x - x.z(), std::abs(x.y()) / slope_y - x.z()});
+  }
+  if (!(distance > 0)) distance = 1;
+  view.camera_from_world = LookAt(center + distance * outward, center, z);
+  return view;
+}
+
+Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view) {
+  const Camera& c = view.camera;
+  Raster raster{ImageT<int>(c.width, c.height, 1, -1), ImageF(c.width, c.height, 1, std::numeric_limits<float>::infinity())};
+  const Box box = PixelBounds(mesh.points, view);
+  const Eigen::Matrix3d world_from_camera = view.camera_from_world.rotation.conjugate().toRotationMatrix();
+  const Vector3d eye = view.Center();
+  ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
+    const int y = box.y0 + static_cast<int>(row);
+    for (int x = box.x0; x < box.x1; ++x) {
+      // z is 1 along the unprojected ray, so the hit's distance is the depth.
+      const RayScene::Hit hit = scene.Cast(eye, world_from_camera * c.Unproject({x + 0.5, y + 0.5}));
+      if (hit.face < 0) continue;
+      *raster.face.at(x, y) = hit.face;
+      *raster.depth.at(x, y) = static_cast<float>(hit.distance);
+    }
+  });
+  return raster;
+}
+
+Rgb8 MapColor(double t, ColorMap map) {
+  static const Vector3d kViridisAnchors[] = {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
+  static const Vector3d kHeatAnchors[] = {{44, 82, 150}, {66, 160, 190}, {150, 205, 140}, {250, 220, 90}, {240, 130, 50}, {180, 25, 35}};
+  static const Vector3d kDivergingAnchors[] = {{40, 80, 160}, {140, 175, 215}, {242, 242, 242}, {225, 150, 125}, {165, 30, 40}};
+  switch (map) {
+    case ColorMap::kHeat:
+      return Between(kHeatAnchors, 6, t);
+    case ColorMap::kDiverging:
+      return Between(kDivergingAnchors, 5, t);
+    case ColorMap::kViridis:
+      break;
+  }
+  return Between(kViridisAnchors, 5, t);
+}
+
+ColorsX3 MapColors(const Eigen::VectorXd& values, double lowest, double highest, ColorMap map) {
+  const double range = highest > lowest ? highest - lowest : 1;
+  ColorsX3 colors(values.size(), 3);
+  for (Eigen::Index i = 0; i < values.size(); ++i) colors.row(i) = MapColor((values[i] - lowest) / range, map).transpose();
+  return colors;
+}
+
+Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view, const RenderOptions& options) {
+  CheckColors(mesh, options);
+  const Shader shader(mesh, scene, view, options);
+  const Camera& c = view.camera;
+  Image8 image(c.width, c.height, 3);
+  const Box box = PixelBounds(mesh.points, view);
+  const Vector3d background = ToLinear(options.background.data());
+  const int n = std::max(1, options.samples);
+  ParallelFor(c.height, [&](std::int64_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < c.width; ++x) {
+      Vector3d sum = Vector3d::Zero();
+      const bool inside = x >= box.x0 && x < box.x1 && y >= box.y0 && y < box.y1;
+      for (int s = 0; inside && s < n * n; ++s) {
+        Vector3d color = background;
+        shader.Trace({x + (s % n + 0.5) / n, y + (s / n + 0.5) / n}, color);
+        sum += color;
+      }
+      const Vector3d mean = inside ? (sum / (n * n)).eval() : background;
+      for (int k = 0; k < 3; ++k) image.at(x, y)[k] = ToByte(mean[k]);
+    }
+  });
+  return image;
+}
+
+Image8 Render(const Mesh& mesh, const View& view, const RenderOptions& options) {
+  return Render(mesh, RayScene(mesh.points, mesh.faces), view, options);
+}
+
+Vector3d SampleTexture(const Image8& texture, const Vector2d& uv) {
+  const double x = std::clamp(uv.x() * texture.width - 0.5, 0.0, texture.width - 1.0);
+  const double y = std::clamp((1 - uv.y()) * texture.height - 0.5, 0.0, texture.height - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, texture.width - 1), y1 = std::min(y0 + 1, texture.height - 1);
+  const double fx = x - x0, fy = y - y0;
+  Vector3d color;
+  for (int k = 0; k < 3; ++k) {
+    const int c = std::min(k, texture.channels - 1);
+    color[k] = (1 - fy) * ((1 - fx) * texture.at(x0, y0)[c] + fx * texture.at(x1, y0)[c]) +
+               fy * ((1 - fx) * texture.at(x0, y1)[c] + fx * texture.at(x1, y1)[c]);
+  }
+  return color;
+}
+
+Image8 TileImages(const std::vector<Image8>& images, int columns, int gap, Rgb8 background) {
+  if (images.empty() || columns < 1) throw InputError("render: a contact sheet needs at least one image and one column");
+  int cell_width = 0, cell_height = 0;
+  for (const Image8& image : images) {
+    cell_width = std::max(cell_width, image.width);
+    cell_height = std::max(cell_height, image.height);
+  }
+  const int count = static_cast<int>(images.size()), across = std::min(columns, count), rows = (count + across - 1) / across;
+  Image8 sheet(across * cell_width + (across - 1) * gap, rows * cell_height + (rows - 1) * gap, 3);
+  for (std::size_t i = 0; i < sheet.data.size(); ++i) sheet.data[i] = background[static_cast<int>(i % 3)];
+  for (int i = 0; i < count; ++i) {
+    const Image8& image = images[i];
+    const int left = (i % across) * (cell_width + gap) + (cell_width - image.width) / 2;
+    const int top = (i / across) * (cell_height + gap) + (cell_height - image.height) / 2;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int k = 0; k < 3; ++k) sheet.at(left + x, top + y)[k] = image.at(x, y)[std::min(k, image.channels - 1)];
+  }
+  return sheet;
+}
+
+}  // namespace keypose
