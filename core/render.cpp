@@ -36,31 +36,6 @@ Vector3d ToLinear(const Vector3d& srgb) {
 
 std::uint8_t ToByte(double linear) { return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0)))); }
 
-/// Pixels that the mesh can cover: [x0,x1) x [y0,y1).
-struct Box {
-  int x0, y0, x1, y1;
-};
-
-Box PixelBounds(const PointsX3& points, const View& view) {
-  const Camera& c = view.camera;
-  const Box all{0, 0, c.width, c.height};
-  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
-  for (int v = 0; v < points.rows(); ++v) {
-    const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
-    // A vertex beside or behind the camera says nothing about where its faces fall; neither does strong distortion far off the axis.
-    if (x.z() <= 1e-3 * x.norm()) return all;
-    const Vector2d p = c.Project(x);
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  // Lines bend under distortion, so that a face may reach a little beyond its corners.
-  const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
-  const auto clamp = [](double x, int most) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most))); };
-  return {clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
-          clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
-}
-
 /// Everything a ray needs, worked out once a picture.
 struct Shader {
   const Mesh& mesh;
@@ -199,10 +174,30 @@ View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, i
   return view;
 }
 
+PixelBox ProjectedBounds(const PointsX3& points, const View& view) {
+  const Camera& c = view.camera;
+  const PixelBox all{0, 0, c.width, c.height};
+  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
+  for (int v = 0; v < points.rows(); ++v) {
+    const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
+    // A vertex beside or behind the camera says nothing about where its faces fall; neither does strong distortion far off the axis.
+    if (x.z() <= 1e-3 * x.norm()) return all;
+    const Vector2d p = c.Project(x);
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  // Lines bend under distortion, so that a face may reach a little beyond its corners.
+  const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
+  const auto clamp = [](double x, int most) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most))); };
+  return {clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
+          clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
+}
+
 Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view) {
   const Camera& c = view.camera;
   Raster raster{ImageT<int>(c.width, c.height, 1, -1), ImageF(c.width, c.height, 1, std::numeric_limits<float>::infinity())};
-  const Box box = PixelBounds(mesh.points, view);
+  const PixelBox box = ProjectedBounds(mesh.points, view);
   const Eigen::Matrix3d world_from_camera = view.camera_from_world.rotation.conjugate().toRotationMatrix();
   const Vector3d eye = view.Center();
   ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
@@ -245,7 +240,7 @@ Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view, const R
   const Shader shader(mesh, scene, view, options);
   const Camera& c = view.camera;
   Image8 image(c.width, c.height, 3);
-  const Box box = PixelBounds(mesh.points, view);
+  const PixelBox box = ProjectedBounds(mesh.points, view);
   const Vector3d background = ToLinear(options.background.data());
   const int n = std::max(1, options.samples);
   ParallelFor(c.height, [&](std::int64_t row) {

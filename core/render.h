@@ -25,6 +25,14 @@ Rigid3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const E
 View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width, int height,
              const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ(), double fov_deg = 28);
 
+/// Pixels [x0,x1) x [y0,y1) within the image.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+};
+/// Pixels that the mesh's faces can cover, a few more for distortion; the whole image when a vertex is beside or behind the camera.
+PixelBox ProjectedBounds(const PointsX3& points, const View& view);
+
 /// What each pixel's centre ray meets.
 struct Raster {
   ImageT<int> face;  ///< 1 channel; -1 where nothing is hit
