@@ -1,0 +1,63 @@
+# Helpers that every room's CMakeLists.txt uses: keypose_room, keypose_stage, keypose_test, keypose_bench.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
+
+add_library(keypose_flags INTERFACE)
+target_include_directories(keypose_flags INTERFACE ${CMAKE_SOURCE_DIR})
+# Contraction off: a fused multiply-add would give other bits on other processors.
+target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Werror -ffp-contract=off)
+target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)
+find_program(KEYPOSE_MOLD mold)
+if(KEYPOSE_MOLD)
+  target_link_options(keypose_flags INTERFACE -fuse-ld=mold)
+endif()
+find_program(KEYPOSE_CCACHE ccache)
+if(KEYPOSE_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros ${KEYPOSE_CCACHE})
+endif()
+
+# keypose_room(NAME SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
+# One static library keypose_NAME; LINK stays private to the room's sources.
+function(keypose_room name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
+  add_library(keypose_${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(keypose_${name} PUBLIC keypose_flags PRIVATE ${ARG_LINK})
+  target_include_directories(keypose_${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
+  if(NOT name STREQUAL core)
+    target_link_libraries(keypose_${name} PUBLIC keypose_core)
+  endif()
+endfunction()
+
+# keypose_stage(STAGE ROOM room SOURCES stage.cpp): the program bin/keypose-STAGE.
+function(keypose_stage stage)
+  cmake_parse_arguments(ARG "" "ROOM" "SOURCES;LINK" ${ARGN})
+  add_executable(keypose-${stage} ${ARG_SOURCES})
+  target_link_libraries(keypose-${stage} PRIVATE keypose_${ARG_ROOM} ${ARG_LINK})
+endfunction()
+
+# keypose_test(NAME SOURCES foo_test.cpp ... [LINK keypose_room ...] [LABELS full]): a GoogleTest program known to ctest, one ctest entry a program.
+# LABELS full: only `./dev test --full` runs it.
+function(keypose_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;SYSTEM_INCLUDES" ${ARGN})
+  find_package(GTest REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE KEYPOSE_BIN_DIR="${CMAKE_BINARY_DIR}/bin" KEYPOSE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  add_test(NAME ${name} COMMAND ${name})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 900)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()
+
+# keypose_bench(NAME SOURCES foo_bench.cpp ... LINK keypose_room ...): a Google Benchmark program, run by ./dev bench.
+function(keypose_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
+  find_package(benchmark REQUIRED)
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark_main)
+  set_property(GLOBAL APPEND PROPERTY KEYPOSE_BENCHES ${name})
+endfunction()

@@ -1,0 +1,203 @@
+#include "core/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <string>
+#include <unordered_map>
+
+#include "core/errors.h"
+
+namespace keypose {
+namespace {
+
+Eigen::Vector3d FaceCross(const PointsX3& points, const FacesX3& faces, Eigen::Index f) {
+  const Eigen::Vector3d a = points.row(faces(f, 0)), b = points.row(faces(f, 1)), c = points.row(faces(f, 2));
+  return (b - a).cross(c - a);
+}
+
+std::uint64_t DirectedKey(int a, int b) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+}
+
+/// How often each directed edge occurs.
+std::unordered_map<std::uint64_t, int> DirectedEdgeCounts(const FacesX3& faces) {
+  std::unordered_map<std::uint64_t, int> counts;
+  counts.reserve(static_cast<std::size_t>(faces.rows()) * 4);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) ++counts[DirectedKey(faces(f, k), faces(f, (k + 1) % 3))];
+  return counts;
+}
+
+int CountOf(const std::unordered_map<std::uint64_t, int>& counts, int a, int b) {
+  const auto it = counts.find(DirectedKey(a, b));
+  return it == counts.end() ? 0 : it->second;
+}
+
+int CountComponents(int vertex_count, const FacesX3& faces) {
+  std::vector<int> parent(static_cast<std::size_t>(vertex_count));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto find = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  std::vector<char> used(static_cast<std::size_t>(vertex_count), 0);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) used[faces(f, k)] = 1;
+    parent[find(faces(f, 0))] = find(faces(f, 1));
+    parent[find(faces(f, 1))] = find(faces(f, 2));
+  }
+  int components = 0;
+  for (int v = 0; v < vertex_count; ++v) components += used[v] && find(v) == v;
+  return components;
+}
+
+/// Vertices whose faces do not form exactly one closed fan, and vertices without a face.
+void CountFans(int vertex_count, const FacesX3& faces, ClosedReport& report) {
+  std::vector<std::vector<std::pair<int, int>>> link(static_cast<std::size_t>(vertex_count));
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) link[faces(f, k)].emplace_back(faces(f, (k + 1) % 3), faces(f, (k + 2) % 3));
+  for (auto& arcs : link) {
+    if (arcs.empty()) {
+      ++report.unused_vertices;
+      continue;
+    }
+    std::sort(arcs.begin(), arcs.end());
+    const auto successor = [&](int from) {
+      const auto it = std::lower_bound(arcs.begin(), arcs.end(), std::pair<int, int>(from, -1));
+      return it != arcs.end() && it->first == from ? it->second : -1;
+    };
+    const int start = arcs.front().first;
+    std::size_t steps = 0;
+    int at = start;
+    do {
+      at = successor(at);
+      ++steps;
+    } while (at != -1 && at != start && steps <= arcs.size());
+    report.bad_fans += !(at == start && steps == arcs.size());
+  }
+}
+
+}  // namespace
+
+double BoundingDiagonal(const PointsX3& points) {
+  if (points.rows() == 0) return 0;
+  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+}
+
+Eigen::VectorXd FaceAreas(const PointsX3& points, const FacesX3& faces) {
+  Eigen::VectorXd areas(faces.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) areas(f) = 0.5 * FaceCross(points, faces, f).norm();
+  return areas;
+}
+
+double SurfaceArea(const PointsX3& points, const FacesX3& faces) { return FaceAreas(points, faces).sum(); }
+
+double SignedVolume(const PointsX3& points, const FacesX3& faces) {
+  if (points.rows() == 0) return 0;
+  // About the centroid: a mesh far from the origin would lose its volume to cancellation.
+  const Eigen::Vector3d center = points.colwise().mean();
+  double volume = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d a = points.row(faces(f, 0)).transpose() - center, b = points.row(faces(f, 1)).transpose() - center,
+                          c = points.row(faces(f, 2)).transpose() - center;
+    volume += a.dot(b.cross(c));
+  }
+  return volume / 6;
+}
+
+PointsX3 FaceNormals(const PointsX3& points, const FacesX3& faces) {
+  PointsX3 normals(faces.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d cross = FaceCross(points, faces, f);
+    const double length = cross.norm();
+    normals.row(f) = length > 0 ? Eigen::Vector3d(cross / length) : Eigen::Vector3d::Zero();
+  }
+  return normals;
+}
+
+PointsX3 VertexNormals(const PointsX3& points, const FacesX3& faces) {
+  PointsX3 normals = PointsX3::Zero(points.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d cross = FaceCross(points, faces, f);
+    for (int k = 0; k < 3; ++k) normals.row(faces(f, k)) += cross;
+  }
+  for (Eigen::Index v = 0; v < normals.rows(); ++v) {
+    const double length = normals.row(v).norm();
+    if (length > 0) normals.row(v) /= length;
+  }
+  return normals;
+}
+
+std::vector<std::pair<int, int>> UndirectedEdges(const FacesX3& faces) {
+  std::vector<std::pair<int, int>> edges;
+  edges.reserve(static_cast<std::size_t>(faces.rows()) * 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) edges.emplace_back(std::minmax(faces(f, k), faces(f, (k + 1) % 3)));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+std::vector<char> BoundaryVertices(int vertex_count, const FacesX3& faces) {
+  std::vector<char> boundary(static_cast<std::size_t>(vertex_count), 0);
+  const auto counts = DirectedEdgeCounts(faces);
+  for (const auto& [a, b] : UndirectedEdges(faces))
+    if (CountOf(counts, a, b) + CountOf(counts, b, a) != 2) boundary[a] = boundary[b] = 1;
+  return boundary;
+}
+
+ClosedReport CheckClosed(const Mesh& mesh) {
+  ClosedReport report;
+  report.finite = mesh.points.allFinite();
+  const auto counts = DirectedEdgeCounts(mesh.faces);
+  for (const auto& [key, count] : counts) {
+    const int a = static_cast<int>(key >> 32), b = static_cast<int>(key & 0xffffffffu);
+    report.bad_edges += count != 1 || CountOf(counts, b, a) != 1;
+  }
+  CountFans(mesh.vertex_count(), mesh.faces, report);
+  const double diagonal = BoundingDiagonal(mesh.points);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    report.zero_area_faces += FaceCross(mesh.points, mesh.faces, f).norm() <= 1e-14 * diagonal * diagonal;
+  report.components = CountComponents(mesh.vertex_count(), mesh.faces);
+  report.euler = mesh.vertex_count() - report.unused_vertices - mesh.face_count() * 3 / 2 + mesh.face_count();
+  report.volume = SignedVolume(mesh.points, mesh.faces);
+  return report;
+}
+
+void RequireUsable(const Mesh& mesh, const std::string& what) {
+  if (mesh.vertex_count() == 0) throw InputError(what + ": the mesh has no vertices; check that the file is the one you meant");
+  if (mesh.face_count() == 0) throw InputError(what + ": the mesh has no faces; a point cloud must go through 'keypose mesh' first");
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    if (!mesh.points.row(v).allFinite())
+      throw InputError(what + ": vertex " + std::to_string(v) +
+                       " is not finite (NaN or infinity); repair the file or run 'keypose cleanup' on it");
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.faces(f, k) < 0 || mesh.faces(f, k) >= mesh.vertex_count())
+        throw InputError(what + ": face " + std::to_string(f) + " names vertex " + std::to_string(mesh.faces(f, k)) + ", but there are " +
+                         std::to_string(mesh.vertex_count()) + "; the file is damaged");
+}
+
+SurfaceSamples SampleSurface(const PointsX3& points, const FacesX3& faces, int count, std::uint64_t seed) {
+  SurfaceSamples samples;
+  if (faces.rows() == 0) return samples;
+  const Eigen::VectorXd areas = FaceAreas(points, faces);
+  std::vector<double> cumulative(static_cast<std::size_t>(areas.size()));
+  std::partial_sum(areas.data(), areas.data() + areas.size(), cumulative.begin());
+  std::mt19937_64 random(seed);
+  const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-53; };
+  samples.points.resize(count, 3);
+  samples.faces.resize(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    const auto it = std::upper_bound(cumulative.begin(), cumulative.end(), uniform() * cumulative.back());
+    const auto f = std::min<Eigen::Index>(it - cumulative.begin(), faces.rows() - 1);
+    const double r = std::sqrt(uniform()), s = uniform();
+    samples.points.row(i) = (1 - r) * points.row(faces(f, 0)) + r * (1 - s) * points.row(faces(f, 1)) + r * s * points.row(faces(f, 2));
+    samples.faces[static_cast<std::size_t>(i)] = static_cast<int>(f);
+  }
+  return samples;
+}
+
+}  // namespace keypose

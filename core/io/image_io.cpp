@@ -1,0 +1,192 @@
+#include "core/io/image_io.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+using OIIO::ImageInput;
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+namespace {
+
+void RequireReadable(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) throw DiskError("image " + path.string() + " does not exist");
+  if (!fs::is_regular_file(path, error)) throw DiskError("image " + path.string() + " is not a file");
+  if (fs::file_size(path, error) == 0) throw InputError("image " + path.string() + " is empty (0 bytes): copy it from the camera again");
+}
+
+std::unique_ptr<ImageInput> Open(const fs::path& path) {
+  RequireReadable(path);
+  auto input = ImageInput::open(path.string());
+  if (!input)
+    throw InputError("cannot read image " + path.string() + ": " + OIIO::geterror() + "; it is truncated or not a JPEG, PNG or TIFF");
+  return input;
+}
+
+/// JPEG and PNG end with a fixed mark; libjpeg fills what is missing with grey and only warns, so look for the mark itself.
+bool HasEnd(const fs::path& path, const std::string& format) {
+  if (format != "jpeg" && format != "png") return true;
+  FILE* file = std::fopen(path.c_str(), "rb");
+  if (!file) return false;
+  std::array<unsigned char, 65536> tail{};
+  std::fseek(file, 0, SEEK_END);
+  const long size = std::ftell(file);
+  const long take = std::min<long>(size, static_cast<long>(tail.size()));
+  std::fseek(file, size - take, SEEK_SET);
+  const std::size_t got = std::fread(tail.data(), 1, static_cast<std::size_t>(take), file);
+  std::fclose(file);
+  const auto end = tail.begin() + static_cast<std::ptrdiff_t>(got);
+  const std::array<unsigned char, 2> eoi{0xff, 0xd9};
+  const std::array<unsigned char, 4> iend{'I', 'E', 'N', 'D'};
+  if (format == "jpeg") return std::search(tail.begin(), end, eoi.begin(), eoi.end()) != end;
+  return std::search(tail.begin(), end, iend.begin(), iend.end()) != end;
+}
+
+std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name) {
+  const float value = spec.get_float_attribute(name, 0);
+  if (value > 0 && std::isfinite(value)) return value;
+  return std::nullopt;
+}
+
+std::optional<double> SensorWidth(const ImageSpec& spec) {
+  const auto resolution = PositiveAttribute(spec, "Exif:FocalPlaneXResolution");
+  if (!resolution) return std::nullopt;
+  const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
+  const double mm_per_unit = unit == 3 ? 10.0 : unit == 4 ? 1.0 : 25.4;
+  const double pixels = spec.get_int_attribute("Exif:PixelXDimension", spec.width);
+  const double width = pixels / *resolution * mm_per_unit;
+  return width > 1 && width < 100 ? std::optional<double>(width) : std::nullopt;
+}
+
+Image8 Oriented(const Image8& in, int orientation) {
+  if (orientation <= 1 || orientation > 8) return in;
+  const bool swap = orientation >= 5;
+  Image8 out(swap ? in.height : in.width, swap ? in.width : in.height, in.channels);
+  for (int y = 0; y < in.height; ++y)
+    for (int x = 0; x < in.width; ++x) {
+      const int rx = in.width - 1 - x, ry = in.height - 1 - y;
+      const std::array<std::array<int, 2>, 9> to{{{x, y}, {x, y}, {rx, y}, {rx, ry}, {x, ry}, {y, x}, {ry, x}, {ry, rx}, {y, rx}}};
+      std::memcpy(out.at(to[orientation][0], to[orientation][1]), in.at(x, y), static_cast<std::size_t>(in.channels));
+    }
+  return out;
+}
+
+Image8 WithChannels(const Image8& in, int channels) {
+  if (in.channels == channels) return in;
+  Image8 out(in.width, in.height, channels);
+  const std::size_t pixels = static_cast<std::size_t>(in.width) * in.height;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const std::uint8_t* p = in.data.data() + i * in.channels;
+    if (channels == 1)  // BT.601 luma
+      out.data[i] = in.channels < 3 ? p[0] : static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+    else
+      for (int c = 0; c < channels; ++c) out.data[i * channels + c] = in.channels < 3 ? p[0] : p[c];
+  }
+  return out;
+}
+
+}  // namespace
+
+ImageInfo ReadImageInfo(const fs::path& path) {
+  const auto input = Open(path);
+  const ImageSpec& spec = input->spec();
+  ImageInfo info;
+  info.orientation = spec.get_int_attribute("Orientation", 1);
+  info.width = info.orientation >= 5 ? spec.height : spec.width;
+  info.height = info.orientation >= 5 ? spec.width : spec.height;
+  info.channels = spec.nchannels;
+  info.focal_mm = PositiveAttribute(spec, "Exif:FocalLength");
+  info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
+  info.sensor_width_mm = SensorWidth(spec);
+  const std::string make(spec.get_string_attribute("Make")), model(spec.get_string_attribute("Model"));
+  info.camera_model = model.empty() || make.empty() ? make + model : make + " " + model;
+  info.date_time = std::string(spec.get_string_attribute("DateTime"));
+  info.format = input->format_name();
+  return info;
+}
+
+Image8 ReadImage(const fs::path& path, int channels) {
+  const auto input = Open(path);
+  const ImageSpec spec = input->spec();
+  Image8 raw(spec.width, spec.height, spec.nchannels);
+  const bool complete = input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
+  if (!complete || !HasEnd(path, input->format_name())) {
+    const std::string reason = input->geterror();
+    throw InputError("image " + path.string() + " is truncated or damaged" + (reason.empty() ? "" : " (" + reason + ")") +
+                     ": copy it from the camera again, or leave it out");
+  }
+  const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
+  return Oriented(WithChannels(raw, wanted), spec.get_int_attribute("Orientation", 1));
+}
+
+void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
+  auto output = ImageOutput::create(path.string());
+  if (!output) throw DiskError("cannot write image " + path.string() + ": its extension is not a known image format");
+  ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
+  spec.attribute("CompressionQuality", quality);
+  spec.attribute("Compression", path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
+  spec.attribute("png:compressionLevel", 4);
+  if (image.channels == 3) spec.attribute("oiio:ColorSpace", "sRGB");
+  if (exif) {
+    spec.attribute("Make", exif->make);
+    spec.attribute("Model", exif->model);
+    spec.attribute("Orientation", exif->orientation);
+    if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
+    if (exif->focal_35mm > 0) spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
+  }
+  const bool written = output->open(path.string(), spec) && output->write_image(TypeDesc::UINT8, image.data.data()) && output->close();
+  if (!written) {
+    const std::string reason = output->geterror();
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    throw DiskError("cannot write image " + path.string() + ": " + (reason.empty() ? "the disk may be full" : reason));
+  }
+}
+
+Image8 Resized(const Image8& image, int width, int height) {
+  Image8 out(width, height, image.channels);
+  const double sx = static_cast<double>(image.width) / width, sy = static_cast<double>(image.height) / height;
+  const double rx = std::max(1.0, sx) / 2, ry = std::max(1.0, sy) / 2;
+  // Tent of one source pixel when enlarging, box of the footprint when shrinking, as separable weights.
+  const auto taps = [](double center, double radius, int size) {
+    std::vector<std::pair<int, double>> weights;
+    double total = 0;
+    const int first = static_cast<int>(std::floor(center - radius)), last = static_cast<int>(std::ceil(center + radius));
+    for (int i = first; i <= last; ++i) {
+      const double overlap = std::min(i + 1.0, center + radius) - std::max<double>(i, center - radius);
+      if (overlap <= 0) continue;
+      weights.emplace_back(std::clamp(i, 0, size - 1), overlap);
+      total += overlap;
+    }
+    for (auto& w : weights) w.second /= total;
+    return weights;
+  };
+  std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(width));
+  for (int x = 0; x < width; ++x) columns[x] = taps((x + 0.5) * sx, rx, image.width);
+  ParallelFor(height, [&](std::int64_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < image.channels; ++c) {
+        double sum = 0;
+        for (const auto& [j, wy] : taps((y + 0.5) * sy, ry, image.height))
+          for (const auto& [i, wx] : columns[x]) sum += wy * wx * image.at(i, j)[c];
+        out.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(std::clamp(sum, 0.0, 255.0)));
+      }
+  });
+  return out;
+}
+
+}  // namespace keypose

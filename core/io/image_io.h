@@ -1,0 +1,44 @@
+// Reads and writes images (JPEG, PNG, TIFF) and the EXIF that matters here, by OpenImageIO.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/image.h"
+
+namespace keypose {
+
+struct ImageInfo {
+  int width = 0, height = 0;  ///< after EXIF orientation is applied
+  int channels = 0;
+  int orientation = 1;  ///< EXIF orientation as stored
+  std::optional<double> focal_mm;
+  std::optional<double> focal_35mm;       ///< FocalLengthIn35mmFilm
+  std::optional<double> sensor_width_mm;  ///< from FocalPlaneXResolution where given
+  std::string camera_model;               ///< "make model", may be empty
+  std::string date_time;
+  std::string format;  ///< "jpeg", "png", "tiff"
+};
+
+/// Header only. @throws DiskError cannot be opened @throws InputError not an image of a known kind
+ImageInfo ReadImageInfo(const std::filesystem::path& path);
+
+/// Pixels with EXIF orientation applied, as 8 bit with `channels` (1: luma, 3: RGB; alpha is dropped). 0 keeps 1 or 3.
+/// @throws DiskError   cannot be opened
+/// @throws InputError  not an image, or truncated; names the file
+Image8 ReadImage(const std::filesystem::path& path, int channels = 0);
+
+/// EXIF to write into a JPEG.
+struct ExifToWrite {
+  double focal_mm = 0, focal_35mm = 0;
+  std::string make, model;
+  int orientation = 1;
+};
+/// By extension; JPEG at `quality`. @throws DiskError
+void WriteImage(const std::filesystem::path& path, const Image8& image, int quality = 92, const ExifToWrite* exif = nullptr);
+
+/// The image shrunk (box filter per axis) or enlarged (bilinear) to width x height.
+Image8 Resized(const Image8& image, int width, int height);
+
+}  // namespace keypose

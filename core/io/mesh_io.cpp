@@ -1,0 +1,346 @@
+#include "core/io/mesh_io.h"
+
+#define TINYOBJLOADER_USE_DOUBLE
+#include <CGAL/IO/OFF.h>
+#include <CGAL/IO/STL.h>
+#include <CGAL/Simple_cartesian.h>
+#include <tiny_obj_loader.h>
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/ply_io.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+using Point = CGAL::Simple_cartesian<double>::Point_3;
+
+namespace {
+
+/// Triangles of a polygon list by fanning; polygons of fewer than three corners are dropped.
+class Fan {
+ public:
+  explicit Fan(const fs::path& path, std::int64_t vertex_count) : path_(path), vertex_count_(vertex_count) {}
+  template <class Corner>
+  void Add(const Corner* corners, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) Check(static_cast<std::int64_t>(corners[k]));
+    for (std::size_t k = 1; k + 1 < count; ++k)
+      triangles_.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k]), static_cast<int>(corners[k + 1])});
+    ++polygons_;
+  }
+  FacesX3 Take() const {
+    FacesX3 faces(static_cast<Eigen::Index>(triangles_.size()), 3);
+    for (std::size_t f = 0; f < triangles_.size(); ++f)
+      for (int k = 0; k < 3; ++k) faces(static_cast<Eigen::Index>(f), k) = triangles_[f][static_cast<std::size_t>(k)];
+    return faces;
+  }
+
+ private:
+  void Check(std::int64_t v) const {
+    if (v < 0 || v >= vertex_count_)
+      throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}", path_.string(), polygons_, v, vertex_count_));
+  }
+  const fs::path& path_;
+  std::int64_t vertex_count_;
+  std::size_t polygons_ = 0;
+  std::vector<std::array<int, 3>> triangles_;
+};
+
+PointsX3 ColumnsToPoints(const PlyElement& element, const std::array<const char*, 3>& names) {
+  PointsX3 points(static_cast<Eigen::Index>(element.count), 3);
+  for (int k = 0; k < 3; ++k) {
+    const auto& column = element.scalars.at(names[static_cast<std::size_t>(k)]);
+    for (std::size_t i = 0; i < column.size(); ++i) points(static_cast<Eigen::Index>(i), k) = column[i];
+  }
+  return points;
+}
+
+ColorsX3 ColumnsToColors(const PlyElement& element) {
+  const std::array<const char*, 3> names{"red", "green", "blue"};
+  ColorsX3 colors(static_cast<Eigen::Index>(element.count), 3);
+  for (int k = 0; k < 3; ++k) {
+    const auto& column = element.scalars.at(names[static_cast<std::size_t>(k)]);
+    for (std::size_t i = 0; i < column.size(); ++i)
+      colors(static_cast<Eigen::Index>(i), k) =
+          static_cast<std::uint8_t>(std::lround(std::isfinite(column[i]) ? std::clamp(column[i], 0.0, 255.0) : 0.0));
+  }
+  return colors;
+}
+
+const PlyElement& VertexElement(const PlyTable& table, const fs::path& path) {
+  const auto it = table.find("vertex");
+  if (it == table.end() || !it->second.Has("x") || !it->second.Has("y") || !it->second.Has("z"))
+    throw InputError(path.string() + ": the PLY file has no vertices with x, y and z");
+  return it->second;
+}
+
+template <class Target>
+void ReadVertexExtras(const PlyElement& vertex, Target& target) {
+  if (vertex.Has("nx") && vertex.Has("ny") && vertex.Has("nz")) target.normals = ColumnsToPoints(vertex, {"nx", "ny", "nz"});
+  if (vertex.Has("red") && vertex.Has("green") && vertex.Has("blue")) target.colors = ColumnsToColors(vertex);
+}
+
+/// Per-face texture coordinates (MeshLab's `texcoord` list), welded to unique pairs. Triangles only.
+void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
+  const auto it = face.lists.find("texcoord");
+  if (it == face.lists.end() || static_cast<Eigen::Index>(face.count) != mesh.faces.rows()) return;
+  const PlyList& list = it->second;
+  if (list.values.size() != face.count * 6) return;
+  std::map<std::pair<double, double>, int> ids;
+  std::vector<Eigen::Vector2d> uvs;
+  mesh.uv_faces.resize(mesh.faces.rows(), 3);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t at = static_cast<std::size_t>(f) * 6 + static_cast<std::size_t>(k) * 2;
+      const auto [entry, is_new] = ids.emplace(std::pair(list.values[at], list.values[at + 1]), static_cast<int>(uvs.size()));
+      if (is_new) uvs.emplace_back(list.values[at], list.values[at + 1]);
+      mesh.uv_faces(f, k) = entry->second;
+    }
+  mesh.uvs.resize(static_cast<Eigen::Index>(uvs.size()), 2);
+  for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(static_cast<Eigen::Index>(i)) = uvs[i];
+}
+
+Mesh ReadPlyMesh(const fs::path& path) {
+  const PlyTable table = ReadPly(path);
+  const PlyElement& vertex = VertexElement(table, path);
+  Mesh mesh;
+  mesh.points = ColumnsToPoints(vertex, {"x", "y", "z"});
+  ReadVertexExtras(vertex, mesh);
+  const auto face = table.find("face");
+  if (face == table.end()) return mesh;
+  for (const char* name : {"vertex_indices", "vertex_index"}) {
+    const auto it = face->second.lists.find(name);
+    if (it == face->second.lists.end()) continue;
+    Fan fan(path, mesh.points.rows());
+    const PlyList& list = it->second;
+    for (std::size_t i = 0; i + 1 < list.offsets.size(); ++i)
+      fan.Add(list.values.data() + list.offsets[i], list.offsets[i + 1] - list.offsets[i]);
+    mesh.faces = fan.Take();
+    ReadFaceUvs(face->second, mesh);
+    break;
+  }
+  return mesh;
+}
+
+void FillFromObj(const tinyobj::attrib_t& attributes, Mesh& mesh) {
+  mesh.points = Eigen::Map<const PointsX3>(attributes.vertices.data(), static_cast<Eigen::Index>(attributes.vertices.size() / 3), 3);
+  mesh.uvs = Eigen::Map<const UvsX2>(attributes.texcoords.data(), static_cast<Eigen::Index>(attributes.texcoords.size() / 2), 2);
+}
+
+Mesh ReadObjMesh(const fs::path& path) {
+  tinyobj::attrib_t attributes;
+  std::vector<tinyobj::shape_t> shapes;
+  std::string warning, error;
+  std::ifstream in(path);
+  // Polygons are fanned here, not by the library: its ear clipping drops faces that it finds degenerate.
+  const bool read = tinyobj::LoadObj(&attributes, &shapes, nullptr, &warning, &error, &in, nullptr, false, false);
+  if (!read || !error.empty()) throw InputError("cannot read OBJ file " + path.string() + ": " + (error.empty() ? "malformed" : error));
+  Mesh mesh;
+  FillFromObj(attributes, mesh);
+  Fan faces(path, mesh.points.rows()), uv_faces(path, mesh.uvs.rows());
+  bool all_have_uvs = mesh.uvs.rows() > 0;
+  for (const auto& shape : shapes) {
+    std::size_t at = 0;
+    for (const unsigned corners : shape.mesh.num_face_vertices) {
+      std::vector<int> polygon(corners), uv_polygon(corners);
+      for (unsigned k = 0; k < corners; ++k, ++at) {
+        polygon[k] = shape.mesh.indices[at].vertex_index;
+        uv_polygon[k] = shape.mesh.indices[at].texcoord_index;
+        all_have_uvs &= uv_polygon[k] >= 0;
+      }
+      faces.Add(polygon.data(), corners);
+      if (all_have_uvs) uv_faces.Add(uv_polygon.data(), corners);
+    }
+  }
+  mesh.faces = faces.Take();
+  if (all_have_uvs) mesh.uv_faces = uv_faces.Take();
+  if (mesh.uv_faces.rows() != mesh.faces.rows()) {
+    mesh.uvs.resize(0, 2);
+    mesh.uv_faces.resize(0, 3);
+  }
+  return mesh;
+}
+
+template <class Polygons>
+Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Polygons& polygons) {
+  Mesh mesh;
+  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t v = 0; v < points.size(); ++v)
+    mesh.points.row(static_cast<Eigen::Index>(v)) << points[v].x(), points[v].y(), points[v].z();
+  Fan fan(path, mesh.points.rows());
+  for (const auto& polygon : polygons) fan.Add(polygon.data(), polygon.size());
+  mesh.faces = fan.Take();
+  return mesh;
+}
+
+Mesh ReadOffMesh(const fs::path& path) {
+  std::vector<Point> points;
+  std::vector<std::vector<std::size_t>> polygons;
+  std::ifstream in(path);
+  if (!CGAL::IO::read_OFF(in, points, polygons))
+    throw InputError("cannot read OFF file " + path.string() + ": it is malformed or truncated");
+  return FromSoup(path, points, polygons);
+}
+
+Mesh ReadStlMesh(const fs::path& path) {
+  std::vector<Point> points;
+  std::vector<std::array<int, 3>> triangles;
+  std::ifstream in(path, std::ios::binary);
+  if (!CGAL::IO::read_STL(in, points, triangles))
+    throw InputError("cannot read STL file " + path.string() + ": it is malformed or truncated");
+  return FromSoup(path, points, triangles);
+}
+
+bool LooksLikeBinaryStl(const fs::path& path, const std::string& head) {
+  if (head.size() < 84) return false;
+  std::uint32_t triangles = 0;
+  std::memcpy(&triangles, head.data() + 80, 4);
+  return fs::file_size(path) == 84 + std::uint64_t{50} * triangles;
+}
+
+bool LooksLikeObj(const std::string& head) {
+  std::istringstream in(head);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string first;
+    if (!(words >> first) || first[0] == '#') continue;
+    for (const char* key : {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", "l", "p"})
+      if (first == key) return true;
+    return false;
+  }
+  return true;  // comments and nothing else: an OBJ without vertices
+}
+
+template <class T>
+void Put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+/// Header lines and bytes of the vertex element that meshes and clouds share.
+template <class Source>
+void PutVertexHeader(std::string& out, const Source& source) {
+  out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n", source.points.rows());
+  if (source.normals.rows() == source.points.rows()) out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (source.colors.rows() == source.points.rows()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+}
+
+template <class Source>
+void PutVertex(std::string& out, const Source& source, Eigen::Index v) {
+  for (int k = 0; k < 3; ++k) Put<double>(out, source.points(v, k));
+  if (source.normals.rows() == source.points.rows())
+    for (int k = 0; k < 3; ++k) Put<float>(out, static_cast<float>(source.normals(v, k)));
+  if (source.colors.rows() == source.points.rows())
+    for (int k = 0; k < 3; ++k) Put<std::uint8_t>(out, source.colors(v, k));
+}
+
+constexpr const char* kPlyHead = "ply\nformat binary_little_endian 1.0\ncomment Keypose\n";
+
+std::string PlyBytes(const Mesh& mesh) {
+  std::string out = kPlyHead;
+  PutVertexHeader(out, mesh);
+  out += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
+  if (mesh.has_uvs()) out += "property list uchar double texcoord\n";
+  out += "end_header\n";
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, v);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    Put<std::uint8_t>(out, 3);
+    for (int k = 0; k < 3; ++k) Put<std::int32_t>(out, mesh.faces(f, k));
+    if (!mesh.has_uvs()) continue;
+    Put<std::uint8_t>(out, 6);
+    for (int k = 0; k < 3; ++k)
+      for (int c = 0; c < 2; ++c) Put<double>(out, mesh.uvs(mesh.uv_faces(f, k), c));
+  }
+  return out;
+}
+
+std::string ObjText(const Mesh& mesh, const std::string& material_library) {
+  fmt::memory_buffer out;
+  auto to = std::back_inserter(out);
+  if (!material_library.empty()) fmt::format_to(to, "mtllib {}\nusemtl clay\n", material_library);
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    fmt::format_to(to, "v {:.17g} {:.17g} {:.17g}\n", mesh.points(v, 0), mesh.points(v, 1), mesh.points(v, 2));
+  if (mesh.has_uvs())
+    for (Eigen::Index t = 0; t < mesh.uvs.rows(); ++t) fmt::format_to(to, "vt {:.17g} {:.17g}\n", mesh.uvs(t, 0), mesh.uvs(t, 1));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    fmt::format_to(to, "f");
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.has_uvs())
+        fmt::format_to(to, " {}/{}", mesh.faces(f, k) + 1, mesh.uv_faces(f, k) + 1);
+      else
+        fmt::format_to(to, " {}", mesh.faces(f, k) + 1);
+    }
+    fmt::format_to(to, "\n");
+  }
+  return fmt::to_string(out);
+}
+
+}  // namespace
+
+Mesh ReadMesh(const fs::path& path) {
+  if (!fs::exists(path)) throw DiskError("mesh " + path.string() + " does not exist");
+  std::ifstream in(path, std::ios::binary);
+  if (!in || fs::is_directory(path)) throw DiskError("cannot open mesh " + path.string());
+  std::string head(4096, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  in.close();
+  if (head.empty()) throw InputError("mesh " + path.string() + " is empty (0 bytes)");
+  const std::size_t word = std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf"), head.size());
+  std::string start = head.substr(word, 8);
+  std::transform(start.begin(), start.end(), start.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  if (start.rfind("PLY", 0) == 0) return ReadPlyMesh(path);
+  if (start.find("OFF") != std::string::npos && start.find("OFF") < 5) return ReadOffMesh(path);
+  if (start.rfind("SOLID", 0) == 0 || LooksLikeBinaryStl(path, head)) return ReadStlMesh(path);
+  if (LooksLikeObj(head)) return ReadObjMesh(path);
+  throw InputError(path.string() + " is not a PLY, OBJ, OFF or STL mesh (judged by its first bytes)");
+}
+
+void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
+  if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
+  if (path.extension() != ".obj") throw UsageError("cannot write mesh " + path.string() + ": name it .ply or .obj");
+  fs::path library;
+  if (!material_texture.empty() && mesh.has_uvs()) {
+    library = path;
+    library.replace_extension(".mtl");
+    WriteFile(library, fmt::format("newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", material_texture));
+  }
+  WriteFile(path, ObjText(mesh, library.filename().string()));
+}
+
+PointCloud ReadPointCloud(const fs::path& path) {
+  if (!fs::exists(path)) throw DiskError("point cloud " + path.string() + " does not exist");
+  const PlyTable table = ReadPly(path);
+  const PlyElement& vertex = VertexElement(table, path);
+  PointCloud cloud;
+  cloud.points = ColumnsToPoints(vertex, {"x", "y", "z"});
+  ReadVertexExtras(vertex, cloud);
+  if (vertex.Has("confidence")) {
+    const auto& column = vertex.scalars.at("confidence");
+    cloud.confidence = Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())).cast<float>();
+  }
+  return cloud;
+}
+
+void WritePointCloud(const fs::path& path, const PointCloud& cloud) {
+  const bool with_confidence = cloud.confidence.size() == cloud.points.rows();
+  std::string out = kPlyHead;
+  PutVertexHeader(out, cloud);
+  if (with_confidence) out += "property float confidence\n";
+  out += "end_header\n";
+  for (Eigen::Index p = 0; p < cloud.points.rows(); ++p) {
+    PutVertex(out, cloud, p);
+    if (with_confidence) Put<float>(out, cloud.confidence(p));
+  }
+  WriteFile(path, out);
+}
+
+}  // namespace keypose

@@ -1,0 +1,41 @@
+// How an algorithm tells how far it is, and learns that it should stop.
+#pragma once
+
+#include <string_view>
+
+#include "core/errors.h"
+
+namespace keypose {
+
+/// Receives progress. Algorithms take a pointer that may be null; they call `Step` once per outer iteration.
+class Progress {
+ public:
+  virtual ~Progress() = default;
+  /// @param fraction  of the whole stage, in [0,1]
+  /// @param what      a few words for a person
+  virtual void Update(double fraction, std::string_view what) = 0;
+  virtual bool cancelled() const { return false; }
+};
+
+/// Reports and @throws Cancelled when the user asked to stop. Null is fine.
+inline void Step(Progress* progress, double fraction, std::string_view what) {
+  if (!progress) return;
+  if (progress->cancelled()) throw Cancelled();
+  progress->Update(fraction, what);
+}
+
+/// Maps [0,1] of a part of the work into [begin,end] of the whole.
+class SubProgress final : public Progress {
+ public:
+  SubProgress(Progress* whole, double begin, double end) : whole_(whole), begin_(begin), end_(end) {}
+  void Update(double fraction, std::string_view what) override {
+    if (whole_) whole_->Update(begin_ + (end_ - begin_) * fraction, what);
+  }
+  bool cancelled() const override { return whole_ && whole_->cancelled(); }
+
+ private:
+  Progress* whole_;
+  double begin_, end_;
+};
+
+}  // namespace keypose

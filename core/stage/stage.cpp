@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "core/errors.h"
+#include "core/stage/stage_context.h"
+
+namespace keypose::internal {
+namespace fs = std::filesystem;
+
+RunningStage::RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Progress* progress)
+    : spec_(spec), inputs_(std::move(inputs)), outputs_(std::move(outputs)), progress_(progress) {}
+
+RunningStage::~RunningStage() {
+  std::error_code ignored;
+  for (const Pending& pending : pending_) fs::remove_all(pending.temporary_folder, ignored);
+  if (!scratch_.empty()) fs::remove_all(scratch_, ignored);
+}
+
+bool RunningStage::Has(std::string_view port) const { return inputs_.find(port) != inputs_.end() || outputs_.find(port) != outputs_.end(); }
+
+fs::path RunningStage::Input(std::string_view port) const {
+  const auto it = inputs_.find(port);
+  return it == inputs_.end() ? fs::path() : it->second.front();
+}
+
+std::vector<fs::path> RunningStage::Inputs(std::string_view port) const {
+  const auto it = inputs_.find(port);
+  return it == inputs_.end() ? std::vector<fs::path>() : it->second;
+}
+
+fs::path RunningStage::Output(std::string_view port) {
+  for (const Pending& pending : pending_)
+    if (pending.port == port) return pending.temporary;
+  const auto it = outputs_.find(port);
+  if (it == outputs_.end()) return {};
+  Pending pending;
+  pending.port = port;
+  pending.final_path = fs::absolute(it->second.front()).lexically_normal();
+  if (!pending.final_path.has_filename()) pending.final_path = pending.final_path.parent_path();
+  const fs::path parent = pending.final_path.parent_path();
+  std::error_code error;
+  fs::create_directories(parent, error);
+  pending.temporary_folder = parent / fmt::format(".partial-{}-{}-{}", spec_.name, port, ::getpid());
+  fs::create_directories(pending.temporary_folder, error);
+  if (error) throw DiskError(fmt::format("{}: cannot create a folder in {}: {}", spec_.name, parent.string(), error.message()));
+  pending.temporary = pending.temporary_folder / pending.final_path.filename();
+  for (const Port& p : spec_.outputs)
+    if (p.name == port && p.kind == "folder") fs::create_directories(pending.temporary);
+  pending_.push_back(pending);
+  return pending.temporary;
+}
+
+fs::path RunningStage::Scratch() {
+  if (scratch_.empty()) {
+    // Beside the first output, so that large temporary files land on the disk that the user chose.
+    const auto it = outputs_.begin();
+    const fs::path parent =
+        it == outputs_.end() ? fs::temp_directory_path() : fs::absolute(it->second.front()).lexically_normal().parent_path();
+    std::error_code error;
+    fs::create_directories(parent, error);
+    scratch_ = parent / fmt::format(".scratch-{}-{}", spec_.name, ::getpid());
+    fs::create_directories(scratch_, error);
+    if (error) throw DiskError(fmt::format("{}: cannot create {}: {}", spec_.name, scratch_.string(), error.message()));
+  }
+  return scratch_;
+}
+
+void RunningStage::Report(std::string_view name, double value) {
+  measurements_[std::string(name)] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+void RunningStage::ReportJson(std::string_view name, const std::string& json) {
+  measurements_[std::string(name)] = nlohmann::json::parse(json);
+}
+
+void RunningStage::Note(const std::string& line) {
+  std::fprintf(stderr, "%s: %s\n", spec_.name.c_str(), line.c_str());
+  std::fflush(stderr);
+}
+
+void RunningStage::Commit() {
+  for (const Pending& pending : pending_)
+    if (!fs::exists(pending.temporary))
+      throw std::logic_error(fmt::format("stage {} did not write its output '{}'", spec_.name, pending.port));
+  for (const Pending& pending : pending_) {
+    std::error_code error;
+    // rename(2) does not replace a folder that has content: move the old one aside first, so that one of the two always stands.
+    fs::path aside;
+    if (fs::is_directory(pending.final_path)) {
+      aside = pending.temporary_folder / ".old";
+      fs::rename(pending.final_path, aside, error);
+    }
+    if (!error) fs::rename(pending.temporary, pending.final_path, error);
+    if (error) throw DiskError(fmt::format("{}: cannot put {} into place: {}", spec_.name, pending.final_path.string(), error.message()));
+    // Companions that a format needs, such as an OBJ's .mtl.
+    for (const auto& entry : fs::directory_iterator(pending.temporary_folder))
+      if (entry.path() != aside) fs::rename(entry.path(), pending.final_path.parent_path() / entry.path().filename(), error);
+    fs::remove_all(pending.temporary_folder, error);
+  }
+  pending_.clear();
+}
+
+}  // namespace keypose::internal

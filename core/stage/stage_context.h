@@ -1,0 +1,50 @@
+// The context of a running stage: ports bound to paths, outputs that appear only on success, the report. Used by stage_main.cpp only.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/stage/stage.h"
+
+namespace keypose::internal {
+
+using PortPaths = std::map<std::string, std::vector<std::filesystem::path>, std::less<>>;
+
+/// Outputs are written under hidden temporary folders beside their final place, and renamed by Commit.
+class RunningStage final : public StageContext {
+ public:
+  RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Progress* progress);
+  ~RunningStage() override;  ///< removes what was not committed, and the scratch folder
+
+  bool Has(std::string_view port) const override;
+  std::filesystem::path Input(std::string_view port) const override;
+  std::vector<std::filesystem::path> Inputs(std::string_view port) const override;
+  std::filesystem::path Output(std::string_view port) override;
+  std::filesystem::path Scratch() override;
+  Progress* progress() override { return progress_; }
+  using StageContext::Report;
+  void Report(std::string_view name, double value) override;
+  void Report(std::string_view name, std::int64_t value) override { measurements_[std::string(name)] = value; }
+  void Report(std::string_view name, bool value) override { measurements_[std::string(name)] = value; }
+  void Report(std::string_view name, const std::string& value) override { measurements_[std::string(name)] = value; }
+  void ReportJson(std::string_view name, const std::string& json) override;
+  void Note(const std::string& line) override;
+
+  /// Moves all outputs to their final paths. @throws InputError a promised output was not written @throws DiskError
+  void Commit();
+  const nlohmann::json& measurements() const { return measurements_; }
+
+ private:
+  struct Pending {
+    std::string port;
+    std::filesystem::path temporary_folder, temporary, final_path;
+  };
+  const StageSpec& spec_;
+  PortPaths inputs_, outputs_;
+  Progress* progress_;
+  std::vector<Pending> pending_;
+  std::filesystem::path scratch_;
+  nlohmann::json measurements_ = nlohmann::json::object();
+};
+
+}  // namespace keypose::internal

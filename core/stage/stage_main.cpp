@@ -1,0 +1,270 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <iostream>
+#include <new>
+#include <optional>
+
+#include "core/io/files.h"
+#include "core/parallel.h"
+#include "core/stage/stage_context.h"
+#include "core/stage/stage_options.h"
+
+namespace keypose::internal {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+std::atomic<bool> g_interrupted{false};
+void OnSignal(int) { g_interrupted = true; }
+
+void CatchSignals() {
+  struct sigaction action {};
+  action.sa_handler = OnSignal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+/// Progress as JSON lines to the runner's descriptor, or as percent lines for a person at a terminal.
+class StageProgress final : public Progress {
+ public:
+  explicit StageProgress(const std::string& stage) : stage_(stage) {
+    if (const char* text = std::getenv("KEYPOSE_PROGRESS_FD")) descriptor_ = std::atoi(text);
+    // Programs that this stage starts must not hold the runner's pipe open.
+    if (descriptor_ >= 0 && fcntl(descriptor_, F_SETFD, FD_CLOEXEC) != 0) descriptor_ = -1;
+    terminal_ = descriptor_ < 0 && isatty(STDERR_FILENO);
+  }
+  bool cancelled() const override { return g_interrupted; }
+  void Update(double fraction, std::string_view what) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(100) && what == last_what_) return;
+    last_ = now;
+    last_what_ = what;
+    if (descriptor_ >= 0) {
+      const std::string line = json{{"fraction", fraction}, {"what", what}}.dump() + "\n";
+      if (write(descriptor_, line.data(), line.size()) < 0) descriptor_ = -1;
+    } else if (terminal_) {
+      std::fprintf(stderr, "\r\033[K%s %3.0f %%  %.*s", stage_.c_str(), 100 * fraction, static_cast<int>(what.size()), what.data());
+      std::fflush(stderr);
+      drawn_ = true;
+    }
+  }
+  ~StageProgress() override {
+    if (drawn_) std::fprintf(stderr, "\n");
+  }
+
+ private:
+  std::string stage_;
+  int descriptor_ = -1;
+  bool terminal_ = false, drawn_ = false;
+  std::chrono::steady_clock::time_point last_{};
+  std::string last_what_;
+};
+
+json DescribePorts(const std::vector<Port>& ports) {
+  json list = json::array();
+  for (const Port& port : ports)
+    list.push_back({{"name", port.name},
+                    {"kind", port.kind},
+                    {"file", port.file},
+                    {"optional", port.optional},
+                    {"repeatable", port.repeatable},
+                    {"help", port.help}});
+  return list;
+}
+
+json Describe(const StageSpec& spec, const BoundOptions& options) {
+  DescribeVisitor visitor;
+  options.visit(visitor);
+  json tools = json::array();
+  for (const std::string& tool : spec.tools) tools.push_back({{"name", tool}, {"version", ToolVersion(tool)}});
+  return {{"schema", 1},
+          {"stage", spec.name},
+          {"version", spec.version},
+          {"summary", spec.summary},
+          {"inputs", DescribePorts(spec.inputs)},
+          {"outputs", DescribePorts(spec.outputs)},
+          {"options", visitor.options},
+          {"tools", tools},
+          {"resources", {{"cores", spec.cores}, {"memory_bytes", static_cast<std::int64_t>(spec.memory_gib * (1 << 30))}}}};
+}
+
+/// Adds one flag for each option; the parsed value lands in the options struct.
+class FlagVisitor final : public OptionVisitor {
+ public:
+  explicit FlagVisitor(CLI::App& app) : app_(app) {}
+  void operator()(const char* name, bool& value, const OptionDoc& doc) override { Add(name, value, doc); }
+  void operator()(const char* name, int& value, const OptionDoc& doc) override { Add(name, value, doc); }
+  void operator()(const char* name, double& value, const OptionDoc& doc) override { Add(name, value, doc); }
+  void operator()(const char* name, std::string& value, const OptionDoc& doc) override { Add(name, value, doc); }
+
+ private:
+  template <class T>
+  void Add(const char* name, T& value, const OptionDoc& doc) {
+    std::string help = doc.help;
+    if (!doc.unit.empty()) help += " [" + doc.unit + "]";
+    if (!doc.choices.empty()) help += fmt::format(" ({})", fmt::join(doc.choices, ", "));
+    const auto text = [](double bound) { return std::isfinite(bound) ? fmt::format("{:g}", bound) : std::string("..."); };
+    if (std::isfinite(doc.min) || std::isfinite(doc.max)) help += " in " + text(doc.min) + " to " + text(doc.max);
+    app_.add_option(fmt::format("--{}", name), value, help)->capture_default_str()->group("Options");
+  }
+  CLI::App& app_;
+};
+
+struct Arguments {
+  PortPaths inputs, outputs;
+  fs::path report;
+};
+
+/// Parses argv. @return an exit code when the run ends here (help, describe, usage error)
+class CommandLine {
+ public:
+  CommandLine(const StageSpec& spec, const BoundOptions& options)
+      : spec_(spec), options_(options), app_(spec.summary, "keypose " + spec.name) {
+    app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version);
+    app_.add_flag("--describe", describe_, "print ports and options as JSON and stop");
+    app_.add_option("--report", report_, "write measurements to this JSON file")->group("Reports");
+    AddPorts(spec.inputs, "Inputs");
+    AddPorts(spec.outputs, "Outputs");
+    FlagVisitor flags(app_);
+    options.visit(flags);
+  }
+
+  std::optional<int> Parse(int argc, char** argv, Arguments& arguments) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+      std::cout << app_.help();
+      return 0;
+    } catch (const CLI::CallForVersion& version) {
+      std::cout << version.what() << "\n";
+      return 0;
+    } catch (const CLI::ParseError& error) {
+      throw UsageError(std::string(error.what()) + Suggestion() + "; 'keypose " + spec_.name + " --help' lists ports and options");
+    }
+    if (describe_) {
+      std::cout << Describe(spec_, options_).dump(1) << "\n";
+      return 0;
+    }
+    arguments.report = report_;
+    Bind(spec_.inputs, true, arguments.inputs);
+    Bind(spec_.outputs, false, arguments.outputs);
+    CheckOptions();
+    return std::nullopt;
+  }
+
+ private:
+  void AddPorts(const std::vector<Port>& ports, const char* group) {
+    for (const Port& port : ports) {
+      auto* flag =
+          app_.add_option("--" + port.name, paths_[port.name], port.help + " (" + port.kind + (port.optional ? ", optional" : "") + ")");
+      flag->group(group)->allow_extra_args(false)->type_name("PATH");
+      if (!port.repeatable) flag->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+    }
+  }
+
+  std::string Suggestion() {
+    const auto extras = app_.remaining();
+    std::vector<std::string> known;
+    for (const auto* option : app_.get_options()) known.push_back(option->get_name());
+    for (const std::string& extra : extras)
+      if (extra.rfind("--", 0) == 0) return "; did you mean " + NearestWord(extra.substr(0, extra.find('=')), known) + "?";
+    return "";
+  }
+
+  void Bind(const std::vector<Port>& ports, bool must_exist, PortPaths& bound) {
+    for (const Port& port : ports) {
+      const auto& given = paths_[port.name];
+      if (given.empty() && !port.optional) throw UsageError(fmt::format("--{} is missing: {}", port.name, port.help));
+      if (given.empty()) continue;
+      for (const std::string& path : given) {
+        if (must_exist && !fs::exists(path))
+          throw InputError(fmt::format("{}: --{} {} does not exist; check the path", spec_.name, port.name, path));
+        if (must_exist && port.kind == "folder" && !fs::is_directory(path))
+          throw InputError(fmt::format("{}: --{} {} is not a folder", spec_.name, port.name, path));
+        if (must_exist && port.kind == "file" && fs::is_directory(path))
+          throw InputError(fmt::format("{}: --{} {} is a folder, but a file is needed", spec_.name, port.name, path));
+        bound[port.name].emplace_back(path);
+      }
+    }
+  }
+
+  void CheckOptions() {
+    CheckVisitor check;
+    options_.visit(check);
+    std::vector<std::string> problems = check.problems;
+    if (options_.problems)
+      for (std::string& problem : options_.problems()) problems.push_back(std::move(problem));
+    if (!problems.empty()) throw UsageError(fmt::format("{}", fmt::join(problems, "; ")));
+  }
+
+  const StageSpec& spec_;
+  const BoundOptions& options_;
+  CLI::App app_;
+  std::map<std::string, std::vector<std::string>> paths_;
+  std::string report_;
+  bool describe_ = false;
+};
+
+std::int64_t PeakBytes() {
+  rusage own{}, children{};
+  getrusage(RUSAGE_SELF, &own);
+  getrusage(RUSAGE_CHILDREN, &children);
+  return std::int64_t{1024} * std::max(own.ru_maxrss, children.ru_maxrss);
+}
+
+void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::path& path, double seconds, const json& measurements) {
+  ValuesVisitor values;
+  options.visit(values);
+  const json report = {{"schema", 1},        {"stage", spec.name},        {"version", spec.version},     {"options", values.values},
+                       {"seconds", seconds}, {"peak_bytes", PeakBytes()}, {"measurements", measurements}};
+  WriteFileAtomically(path, report.dump(1) + "\n");
+}
+
+int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run) {
+  const auto start = std::chrono::steady_clock::now();
+  Arguments arguments;
+  CommandLine command_line(spec, options);
+  if (const auto code = command_line.Parse(argc, argv, arguments)) return *code;
+  CatchSignals();
+  StageProgress progress(spec.name);
+  RunningStage stage(spec, arguments.inputs, arguments.outputs, &progress);
+  run(stage);
+  if (g_interrupted) throw Cancelled();
+  stage.Commit();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  if (!arguments.report.empty()) WriteReport(spec, options, arguments.report, seconds.count(), stage.measurements());
+  return 0;
+}
+
+int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
+  std::fprintf(stderr, "keypose %s: error: %s\n", spec.name.c_str(), message.c_str());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run) {
+  try {
+    return Run(argc, argv, spec, options, run);
+  } catch (const Error& error) {
+    return Fail(spec, error.code(), error.what());
+  } catch (const fs::filesystem_error& error) {
+    return Fail(spec, ExitCode::kDisk, std::string(error.what()) + "; check permissions and free space");
+  } catch (const std::bad_alloc&) {
+    return Fail(spec, ExitCode::kDisk, "out of memory; close other programs, or lower the resolution options");
+  } catch (const std::exception& error) {
+    return Fail(spec, ExitCode::kBug, std::string(error.what()) + " (this is a bug in Keypose; please report it with the log)");
+  }
+}
+
+}  // namespace keypose::internal
