@@ -1,0 +1,339 @@
+#include "synth/photographer.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "synth/light.h"
+#include "synth/plate.h"
+#include "synth/sensor.h"
+#include "synth/turntable.h"
+
+namespace keypose::synth {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kLampAside_rad = -0.85;  // the lamp stands to the left of the camera
+constexpr double kTableHalfWidth = 0.24;  // [m]
+const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
+constexpr double kGlossPower = 22;
+
+/// Points with z = 1 in the camera's frame at the pixels' corners; inside a pixel the distortion is bilinear to 1e-6 px.
+class RayTable {
+ public:
+  explicit RayTable(const Camera& camera) : stride_(camera.width + 1), corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
+    const auto row = [&](std::int64_t y) {
+      for (int x = 0; x < stride_; ++x) corners_[y * stride_ + x] = camera.Unproject(Vector2d(x, static_cast<double>(y))).head<2>();
+    };
+    ParallelFor(camera.height + 1, row, 16);
+  }
+  /// @param sx, sy  inside the pixel, in [0,1]
+  Vector3d At(int x, int y, double sx, double sy) const {
+    const Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
+    const Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) + sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
+    return {p[0], p[1], 1};
+  }
+
+ private:
+  int stride_;
+  std::vector<Vector2d> corners_;
+};
+
+/// The pixels that the character may cover, [x0, x1) x [y0, y1).
+struct Window {
+  int x0, y0, x1, y1;
+  bool Has(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+};
+
+Window WindowOf(const View& view, const PointsX3& points) {
+  double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const Vector2d pixel = view.Project(points.row(i));
+    for (int k = 0; k < 2; ++k) low[k] = std::min(low[k], pixel[k]), high[k] = std::max(high[k], pixel[k]);
+  }
+  const auto inside = [](double v, int size) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size))); };
+  return {inside(low[0] - 2, view.camera.width), inside(low[1] - 2, view.camera.height), inside(high[0] + 3, view.camera.width),
+          inside(high[1] + 3, view.camera.height)};
+}
+
+}  // namespace
+
+std::vector<std::string> PhotographerOptions::Problems() const {
+  std::vector<std::string> problems;
+  const auto require = [&](bool good, const char* text) {
+    if (!good) problems.emplace_back(text);
+  };
+  require(!elevations_deg.empty() && elevations_deg.size() <= 20, "elevations_deg needs 1 to 20 rings");
+  for (const double e : elevations_deg) require(e > -10 && e < 85, "elevations_deg must be in (-10, 85)");
+  require(views >= static_cast<int>(elevations_deg.size()) && views <= 2000, "views must be at least one a ring and at most 2000");
+  require(width >= 32 && height >= 32 && width <= 10000 && height <= 10000, "width and height must be in [32, 10000] px");
+  require(focal_35mm >= 15 && focal_35mm <= 400, "focal_35mm must be in [15, 400] mm");
+  require(fill > 0.05 && fill <= 1, "fill must be in (0.05, 1]");
+  require(background == "studio" || background == "plain", "background can be studio or plain");
+  require(noise >= 0 && blur_px >= 0 && blur_px < 20 && vignetting >= 0 && vignetting < 1,
+          "noise and blur_px must be >= 0, vignetting in [0, 1)");
+  require(supersampling >= 1 && supersampling <= 8, "supersampling must be in [1, 8]");
+  require(ambient >= 0 && lamp >= 0 && gloss >= 0, "ambient, lamp and gloss must be >= 0");
+  return problems;
+}
+
+struct Photographer::Impl {
+  Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options)
+      : world(the_world),
+        options(the_options),
+        surface(TruthSurface(world, pose)),
+        scene(surface.points, surface.faces),
+        normals(VertexNormals(surface.points, surface.faces)),
+        views(PlaceCameras(surface.points, options)),
+        rays(views.front().view.camera),
+        backdrop(Backdrop(options)),
+        light(surface, normals, scene),
+        table(scene, kTableHalfWidth),
+        lumps(surface.points.rows()) {
+    ParallelFor(
+        world.rest.points.rows(), [&](std::int64_t i) { lumps[i] = world.clay.LumpAt(world.rest.points.row(i)); }, 512);
+    if (options.plate.charuco) plate = MakePlate(options.plate);
+  }
+
+  World world;
+  PhotographerOptions options;
+  Mesh surface;
+  RayScene scene;
+  PointsX3 normals;
+  std::vector<RingView> views;
+  RayTable rays;
+  ImageF backdrop;
+  LightField light;
+  TableLight table;
+  std::vector<int> lumps;  // of each vertex
+  std::optional<Plate> plate;
+};
+
+namespace {
+
+/// One photograph in the making: everything of a view that its pixels share.
+class Exposure {
+ public:
+  template <class Impl>
+  Exposure(const Impl& set, const RingView& ring_view)
+      : world_(set.world),
+        options_(set.options),
+        surface_(set.surface),
+        scene_(set.scene),
+        normals_(set.normals),
+        view_(ring_view.view),
+        rays_(set.rays),
+        backdrop_(set.backdrop),
+        sky_(set.light.sky()),
+        table_(set.table),
+        lumps_(set.lumps),
+        plate_(set.plate ? &*set.plate : nullptr),
+        lamp_direction_(LampDirection(ring_view.azimuth_rad + kLampAside_rad)),
+        world_from_camera_(ring_view.view.camera_from_world.Inverse()),
+        turn_(world_from_camera_.rotation.toRotationMatrix()),
+        window_(WindowOf(view_, surface_.points)) {
+    const double lamp_azimuth = ring_view.azimuth_rad + kLampAside_rad;
+    if (options_.shadows) {
+      lamp_ = set.light.Lamp(lamp_azimuth);
+      table_lamp_ = table_.Lamp(lamp_azimuth);
+    } else {
+      lamp_.assign(lumps_.size(), 1.0f);
+    }
+  }
+
+  /// Light of one pixel; `covered` receives the share of it that is character.
+  Vector3d Pixel(int x, int y, double* covered) const {
+    const int n = options_.supersampling;
+    Vector3d sum = Vector3d::Zero();
+    int hits = 0;
+    if (window_.Has(x, y)) {
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          const Vector3d direction = turn_ * rays_.At(x, y, (i + 0.5) / n, (j + 0.5) / n);
+          const RayScene::Hit hit = scene_.Cast(world_from_camera_.translation, direction);
+          if (hit.face < 0) continue;
+          sum += Shade(hit, direction.normalized());
+          ++hits;
+        }
+    }
+    *covered = static_cast<double>(hits) / (n * n);
+    if (hits == n * n) return sum / hits;
+    return sum / (n * n) + (1 - *covered) * Behind(x, y);
+  }
+
+ private:
+  Vector3d Shade(const RayScene::Hit& hit, const Vector3d& direction) const {
+    const int a = surface_.faces(hit.face, 0), b = surface_.faces(hit.face, 1), c = surface_.faces(hit.face, 2);
+    const double w = 1 - hit.u - hit.v;
+    const auto mix = [&](const PointsX3& rows) -> Vector3d {
+      return (w * rows.row(a) + hit.u * rows.row(b) + hit.v * rows.row(c)).transpose();
+    };
+    const auto mix_light = [&](const std::vector<float>& values) { return w * values[a] + hit.u * values[b] + hit.v * values[c]; };
+    const Vector3d rest = mix(world_.rest.points);
+    const int lump = lumps_[a] == lumps_[b] && lumps_[b] == lumps_[c] ? lumps_[a] : world_.clay.LumpAt(rest);
+    const Vector3d normal = (mix(normals_).normalized() - PosedSlope(world_.clay.RidgeSlope(rest, lump), a, b, c)).normalized();
+    const double lamp = options_.lamp * mix_light(lamp_), facing = std::max(0.0, normal.dot(lamp_direction_));
+    const double room = options_.ambient * (options_.shadows ? mix_light(sky_) : 1);
+    const Vector3d light = lamp * facing * kLampColor + room * kRoomColor;
+    const Vector3d halfway = (lamp_direction_ - direction).normalized();
+    const double shine = world_.clay.lumps[lump].crisp ? 6 : 1;
+    const double gloss = options_.gloss * shine * mix_light(lamp_) * std::pow(std::max(0.0, normal.dot(halfway)), kGlossPower * shine);
+    return world_.clay.Paint(rest, lump).cwiseProduct(light) + gloss * kLampColor;
+  }
+
+  /// Carries a slope on the rest triangle to the posed one: equal rise along equal material edges.
+  Vector3d PosedSlope(const Vector3d& slope, int a, int b, int c) const {
+    if (slope.isZero(0)) return slope;
+    const auto edges = [&](const PointsX3& p) {
+      Eigen::Matrix<double, 3, 2> e;
+      e.col(0) = (p.row(b) - p.row(a)).transpose();
+      e.col(1) = (p.row(c) - p.row(a)).transpose();
+      return e;
+    };
+    const Eigen::Matrix<double, 3, 2> rest = edges(world_.rest.points), posed = edges(surface_.points);
+    const Eigen::Matrix2d metric = posed.transpose() * posed;
+    return posed * metric.inverse() * (rest.transpose() * slope);
+  }
+
+  /// The set behind the character: backdrop, shadow on the table, plate.
+  Vector3d Behind(int x, int y) const {
+    const float* back = backdrop_.at(x, y);
+    Vector3d color(back[0], back[1], back[2]);
+    const Vector3d direction = turn_ * rays_.At(x, y, 0.5, 0.5), eye = world_from_camera_.translation;
+    if (direction[2] >= 0) return color;
+    const Vector3d p = eye + direction * (eye[2] / -direction[2]);
+    const double open = options_.ambient + options_.lamp * lamp_direction_[2];
+    double share = 1;
+    if (options_.shadows) {
+      const double lamp = table_.At(table_lamp_, p[0], p[1]), room = table_.At(table_.sky(), p[0], p[1]);
+      share = (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
+    }
+    if (plate_ && std::abs(p[0]) < plate_->width_m / 2 && std::abs(p[1]) < plate_->height_m / 2) color = open * PlateAt(x, y);
+    return share * color;
+  }
+
+  /// Paper and ink of the plate in one pixel.
+  Vector3d PlateAt(int x, int y) const {
+    const Vector3d eye = world_from_camera_.translation;
+    constexpr int kSamples = 3;
+    double sum = 0;
+    for (int j = 0; j < kSamples; ++j)
+      for (int i = 0; i < kSamples; ++i) {
+        const Vector3d d = turn_ * rays_.At(x, y, (i + 0.5) / kSamples, (j + 0.5) / kSamples);
+        const Vector3d p = eye + d * (eye[2] / -d[2]);
+        const int px = static_cast<int>((p[0] / plate_->width_m + 0.5) * plate_->picture.width);
+        const int py = static_cast<int>((0.5 - p[1] / plate_->height_m) * plate_->picture.height);
+        const bool on = px >= 0 && py >= 0 && px < plate_->picture.width && py < plate_->picture.height;
+        sum += !on || *plate_->picture.at(px, py) > 127 ? 0.80 : 0.035;
+      }
+    return Vector3d::Constant(sum / (kSamples * kSamples));
+  }
+
+  const World& world_;
+  const PhotographerOptions& options_;
+  const Mesh& surface_;
+  const RayScene& scene_;
+  const PointsX3& normals_;
+  const View& view_;
+  const RayTable& rays_;
+  const ImageF& backdrop_;
+  const std::vector<float>& sky_;
+  const TableLight& table_;
+  const std::vector<int>& lumps_;
+  const Plate* plate_;
+  Vector3d lamp_direction_;
+  Rigid3 world_from_camera_;
+  Eigen::Matrix3d turn_;
+  Window window_;
+  std::vector<float> lamp_, table_lamp_;
+};
+
+SensorOptions SensorFor(const PhotographerOptions& options, std::uint64_t photograph) {
+  return {options.blur_px, options.vignetting, options.noise, options.seed * 1000003 + photograph};
+}
+
+const PhotographerOptions& Checked(const PhotographerOptions& options) {
+  const std::vector<std::string> problems = options.Problems();
+  if (!problems.empty()) throw UsageError("synth: " + problems.front());
+  return options;
+}
+
+}  // namespace
+
+Photographer::Photographer(const World& world, const Pose& pose, const PhotographerOptions& options)
+    : impl_(std::make_unique<Impl>(world, pose, Checked(options))) {}
+Photographer::~Photographer() = default;
+Photographer::Photographer(Photographer&&) noexcept = default;
+
+int Photographer::view_count() const { return static_cast<int>(impl_->views.size()); }
+const View& Photographer::ViewAt(int i) const { return impl_->views[i].view; }
+const Mesh& Photographer::surface() const { return impl_->surface; }
+
+SyntheticView Photographer::Take(int i) const {
+  const RingView& ring_view = impl_->views[i];
+  const Exposure exposure(*impl_, ring_view);
+  const int width = impl_->options.width, height = impl_->options.height;
+  SyntheticView photograph{ring_view.view, {}, Image8(width, height, 1)};
+  ImageF linear(width, height, 3);
+  const auto row = [&](std::int64_t y) {
+    for (int x = 0; x < width; ++x) {
+      double covered = 0;
+      const Vector3d color = exposure.Pixel(x, static_cast<int>(y), &covered);
+      for (int c = 0; c < 3; ++c) linear.at(x, static_cast<int>(y))[c] = static_cast<float>(color[c]);
+      *photograph.mask.at(x, static_cast<int>(y)) = covered >= 0.5 ? 255 : 0;
+    }
+  };
+  ParallelFor(height, row, 16);
+  photograph.image = Develop(std::move(linear), SensorFor(impl_->options, static_cast<std::uint64_t>(i) + 1));
+  return photograph;
+}
+
+Image8 Photographer::BackgroundPlate() const { return Develop(impl_->backdrop, SensorFor(impl_->options, 0)); }
+
+std::vector<SyntheticView> Photograph(const World& world, const Pose& pose, const PhotographerOptions& options, Progress* progress) {
+  const Photographer photographer(world, pose, options);
+  std::vector<SyntheticView> photographs;
+  for (int i = 0; i < photographer.view_count(); ++i) {
+    Step(progress, static_cast<double>(i) / photographer.view_count(), "photographs");
+    photographs.push_back(photographer.Take(i));
+  }
+  return photographs;
+}
+
+Scene TruthScene(const World& world, const Pose& pose, const std::vector<SyntheticView>& photographs, int points) {
+  const Mesh surface = TruthSurface(world, pose, true);
+  const PointsX3 normals = VertexNormals(surface.points, surface.faces);
+  const RayScene rays(surface.points, surface.faces);
+  Scene scene;
+  for (const SyntheticView& photograph : photographs) scene.views.push_back(photograph.view);
+  const int stride = std::max(1, surface.vertex_count() / std::max(1, points));
+  std::vector<SparsePoint> found(static_cast<std::size_t>((surface.vertex_count() + stride - 1) / stride));
+  const auto look = [&](std::int64_t i) {
+    const Vector3d x = surface.points.row(i * stride), normal = normals.row(i * stride);
+    SparsePoint& point = found[i];
+    point.position = x;
+    point.color = surface.colors.row(i * stride).transpose();
+    for (std::size_t v = 0; v < scene.views.size(); ++v) {
+      const Vector3d to_camera = scene.views[v].Center() - x;
+      if (normal.dot(to_camera.normalized()) < 0.2 || rays.Occluded(x + 2e-4 * normal, to_camera, 0, 1)) continue;
+      const Vector2d pixel = scene.views[v].Project(x);
+      const Camera& camera = scene.views[v].camera;
+      if (pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] < camera.width && pixel[1] < camera.height) point.views.push_back(static_cast<int>(v));
+    }
+  };
+  ParallelFor(static_cast<std::int64_t>(found.size()), look, 64);
+  for (SparsePoint& point : found)
+    if (point.views.size() >= 2) scene.points.push_back(std::move(point));
+  return scene;
+}
+
+}  // namespace keypose::synth

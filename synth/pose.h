@@ -1,0 +1,49 @@
+// Poses as smooth maps of space with exact correspondence: a material point of the rest pose has one place in every other pose.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+
+namespace keypose::synth {
+
+/// One bend, twist or squash. `x` is where the point is now, `rest` where it was in the rest pose; which points move is decided by `rest`,
+/// so that maps compose without chasing each other.
+///
+/// Source: Barr, Global and Local Deformations of Solid Primitives, SIGGRAPH 1984. Departs: the angle fades out beyond a ball, so that
+/// one limb can bend and the others stay.
+struct Deformation {
+  enum class Kind { kBend, kTwist, kSquash };
+  Kind kind = Kind::kBend;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m] a point on the axis, in the rest pose
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< unit; along the limb
+  Eigen::Vector3d hinge = Eigen::Vector3d::UnitX();  ///< unit, orthogonal to axis; bends turn about it (right hand)
+  double begin = 0, end = 0.1;                       ///< [m] along the axis from origin: where the angle starts and is whole
+  double angle = 0;                                  ///< [rad] of bend or twist
+  double ratio = 1;                                  ///< squash: length along axis times this, width times 1/sqrt(ratio): volume is kept
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] of the ball that the deformation is confined to, in the rest pose
+  double radius = 0;                                 ///< [m] of that ball: full effect inside, none beyond radius + falloff; 0: everywhere
+  double falloff = 0.01;                             ///< [m]
+
+  Eigen::Vector3d Apply(const Eigen::Vector3d& x, const Eigen::Vector3d& rest) const;
+  /// How strongly a material point follows, in [0,1].
+  double Weight(const Eigen::Vector3d& rest) const;
+};
+
+/// A named shape of the character: deformations one after the other. None: the rest pose.
+struct Pose {
+  std::string name = "rest";
+  std::vector<Deformation> steps;
+
+  Eigen::Vector3d operator()(const Eigen::Vector3d& rest) const;
+  PointsX3 operator()(const PointsX3& rest) const;
+  /// Derivative at a material point, by central differences of `h` [m].
+  Eigen::Matrix3d Jacobian(const Eigen::Vector3d& rest, double h = 1e-6) const;
+  /// The material point that the pose carries to `posed`, by Newton's method from `guess`.
+  /// @throws SolverError  no convergence: the point is outside of where the map is one to one
+  Eigen::Vector3d Inverse(const Eigen::Vector3d& posed, const Eigen::Vector3d& guess) const;
+};
+
+}  // namespace keypose::synth

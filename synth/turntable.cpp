@@ -1,0 +1,99 @@
+#include "synth/turntable.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/parallel.h"
+#include "core/render.h"
+#include "synth/noise.h"
+
+namespace keypose::synth {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPi = 3.141592653589793;
+
+Camera MakeCamera(const PhotographerOptions& options) {
+  Camera camera;
+  camera.width = options.width;
+  camera.height = options.height;
+  camera.fx = camera.fy = options.focal_35mm / 36 * std::max(options.width, options.height);
+  camera.cx = options.width / 2.0 + options.principal_shift_px;
+  camera.cy = options.height / 2.0 + options.principal_shift_px;
+  camera.k1 = options.k1;
+  camera.k2 = options.k2;
+  camera.p1 = options.p1;
+  camera.p2 = options.p2;
+  return camera;
+}
+
+}  // namespace
+
+std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOptions& options) {
+  const Camera camera = MakeCamera(options);
+  const Vector3d target(0, 0, (points.col(2).minCoeff() + points.col(2).maxCoeff()) / 2);
+  const double radius = (points.rowwise() - target.transpose()).rowwise().norm().maxCoeff();
+  const double half_angle = std::atan(options.fill * std::min(options.width, options.height) / 2 / camera.fx);
+  const double distance = radius / std::sin(half_angle);
+  Random random(options.seed * 7919 + 11);
+  const int rings = static_cast<int>(options.elevations_deg.size());
+  std::vector<RingView> placed;
+  for (int ring = 0; ring < rings; ++ring) {
+    const int count = options.views / rings + (ring < options.views % rings ? 1 : 0);
+    const double elevation = options.elevations_deg[ring] * kPi / 180;
+    // The tripod is moved between rings: another aim, a slight tilt. Rings start half a step apart, so that views interleave.
+    const Vector3d aim = target + options.aim_jitter * distance * Vector3d(0, 0, random.Uniform(-1, 1));
+    const double roll = 2 * options.aim_jitter * random.Uniform(-1, 1), sideways = options.aim_jitter * distance * random.Uniform(-1, 1);
+    for (int k = 0; k < count; ++k) {
+      RingView view;
+      view.ring = ring;
+      view.azimuth_rad =
+          -kPi / 2 + 2 * kPi * (k + 0.5 * (ring % 2)) / count + options.azimuth_jitter_deg * kPi / 180 * random.Uniform(-1, 1);
+      const Vector3d out(std::cos(view.azimuth_rad), std::sin(view.azimuth_rad), 0), side(-out[1], out[0], 0);
+      const Vector3d eye = target + distance * (std::cos(elevation) * out + std::sin(elevation) * Vector3d::UnitZ());
+      const Vector3d goal = aim + sideways * side;
+      view.view.camera_from_world = LookAt(eye, goal, Eigen::AngleAxisd(roll, (goal - eye).normalized()) * Vector3d::UnitZ());
+      view.view.camera = camera;
+      char name[32];
+      std::snprintf(name, sizeof name, "IMG_%04d.jpg", static_cast<int>(placed.size()) + 1);
+      view.view.name = name;
+      placed.push_back(view);
+    }
+  }
+  return placed;
+}
+
+ImageF Backdrop(const PhotographerOptions& options) {
+  ImageF backdrop(options.width, options.height, 3);
+  const bool studio = options.background == "studio";
+  const auto smooth = [](double t) {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  };
+  const auto row = [&](std::int64_t y) {
+    for (int x = 0; x < options.width; ++x) {
+      const double u = (x + 0.5) / options.height, v = (y + 0.5) / options.height;
+      Vector3d color(0.50, 0.495, 0.49);
+      if (studio) {
+        // A sweep of paper: wall above, table below, an out-of-focus stain pattern, and the grain of the paper.
+        const double table = smooth((v - 0.42) / 0.30);
+        color = (1 - table) * Vector3d(0.36, 0.37, 0.40) + table * Vector3d(0.55, 0.53, 0.51);
+        const double stains = FractalNoise({3.1 * u, 3.1 * v, 0.5}, 3, 0.5, 77), paper = GradientNoise({160 * u, 160 * v, 0.5}, 78);
+        color *= 1 + 0.10 * stains + 0.012 * paper;
+        // Two blurred panels on the wall.
+        const double left = smooth((0.22 - std::abs(u - 0.16)) / 0.06) * smooth((0.13 - std::abs(v - 0.20)) / 0.05);
+        const double right = smooth((0.10 - std::abs(u - 1.16)) / 0.05) * smooth((0.22 - std::abs(v - 0.22)) / 0.05);
+        color += 0.13 * left * Vector3d(0.1, 0.15, 0.35) - 0.14 * right * Vector3d(0.5, 0.6, 0.7);
+      }
+      float* out = backdrop.at(x, static_cast<int>(y));
+      for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(std::max(0.01, color[c]));
+    }
+  };
+  ParallelFor(options.height, row, 16);
+  return backdrop;
+}
+
+}  // namespace keypose::synth

@@ -1,0 +1,25 @@
+// Exact cameras of turntable rings, and the empty set behind the character.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "synth/photographer.h"
+
+namespace keypose::synth {
+
+/// A camera on a ring. In the world's frame the table stands still and the camera goes round it.
+struct RingView {
+  View view;
+  double azimuth_rad = 0;  ///< of the camera about z; the lamp keeps its angle to it
+  int ring = 0;
+};
+
+/// Cameras that see all of `points`, ring after ring. Named IMG_0001.jpg and so on.
+std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOptions& options);
+
+/// Linear RGB of the empty set, static in the camera's frame.
+ImageF Backdrop(const PhotographerOptions& options);
+
+}  // namespace keypose::synth

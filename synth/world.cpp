@@ -1,0 +1,324 @@
+#include "synth/world.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/kd_tree.h"
+#include "core/parallel.h"
+#include "synth/noise.h"
+#include "synth/polygonize.h"
+
+namespace keypose::synth {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kPi = 3.141592653589793;
+
+/// Linear light from the 0..255 sRGB value that a painter would name.
+Vector3d Srgb(int r, int g, int b) {
+  const auto linear = [](int v) { return v <= 10 ? v / 255.0 / 12.92 : std::pow((v / 255.0 + 0.055) / 1.055, 2.4); };
+  return {linear(r), linear(g), linear(b)};
+}
+
+struct Palette {
+  Vector3d body, belly, limb, hand, scarf, horn, spot, spike;
+};
+
+const Palette kPalettes[] = {
+    {Srgb(72, 158, 150), Srgb(226, 204, 150), Srgb(82, 146, 166), Srgb(236, 176, 70), Srgb(206, 74, 62), Srgb(240, 224, 190),
+     Srgb(42, 104, 116), Srgb(228, 128, 62)},
+    {Srgb(204, 112, 76), Srgb(238, 206, 160), Srgb(190, 96, 80), Srgb(120, 148, 88), Srgb(70, 110, 168), Srgb(244, 232, 206),
+     Srgb(140, 62, 52), Srgb(236, 190, 84)},
+    {Srgb(150, 176, 84), Srgb(236, 226, 166), Srgb(118, 156, 82), Srgb(214, 108, 120), Srgb(112, 82, 150), Srgb(236, 216, 180),
+     Srgb(86, 118, 58), Srgb(222, 150, 70)},
+    {Srgb(158, 132, 186), Srgb(236, 214, 206), Srgb(138, 112, 170), Srgb(238, 196, 92), Srgb(84, 150, 130), Srgb(244, 230, 200),
+     Srgb(104, 74, 140), Srgb(222, 110, 98)},
+};
+
+// Builds the creature part by part and remembers the named places.
+class Sculptor {
+ public:
+  explicit Sculptor(std::uint64_t seed) : random_(seed), spread_(seed == 1 ? 0 : 1) {
+    palette_ = kPalettes[seed == 1 ? 0 : random_.Below(4)];
+    clay_.seed = static_cast<std::uint32_t>(Hash(seed) & 0xffffff);
+  }
+
+  void Sculpt() {
+    Body();
+    Head();
+    Ears();
+    Arms();
+    Tail();
+    Spots();
+  }
+
+  const Clay& clay() const { return clay_; }
+  const std::vector<std::pair<std::string, Vector3d>>& places() const { return places_; }
+  std::vector<Pose> Poses() const;
+
+ private:
+  double Vary(double value, double share) { return value * (1 + spread_ * random_.Uniform(-share, share)); }
+  Vector3d Vary(const Vector3d& p, double by_m) {
+    return p + spread_ * by_m * Vector3d(random_.Uniform(-1, 1), random_.Uniform(-1, 1), random_.Uniform(-1, 1));
+  }
+  void Add(const Vector3d& a, double ra, const Vector3d& b, double rb, const Vector3d& color, double blend = 0.006, bool crisp = false) {
+    clay_.lumps.push_back({a, b, ra, rb, blend, color, crisp});
+  }
+  void Ball(const Vector3d& c, double r, const Vector3d& color, double blend = 0.004, bool crisp = false) {
+    Add(c, r, c, r, color, blend, crisp);
+  }
+  void Name(const char* name, const Vector3d& place) { places_.emplace_back(name, place); }
+
+  void Body();
+  void Head();
+  void Ears();
+  void Arms();
+  void Tail();
+  void Spots();
+
+  Random random_;
+  double spread_;  // 0: the demo's own proportions
+  Palette palette_;
+  Clay clay_;
+  std::vector<std::pair<std::string, Vector3d>> places_;
+  Vector3d shoulder_, arm_axis_, elbow_, forearm_axis_;
+};
+
+void Sculptor::Body() {
+  const double girth = Vary(1, 0.12);
+  Add({0, 0, 0.050}, 0.042 * girth, {0.003, 0.001, 0.088}, 0.032 * girth, palette_.body, 0.01);
+  Add({-0.002, -0.017 * girth, 0.046}, 0.029 * girth, {0.001, -0.014 * girth, 0.072}, 0.022 * girth, palette_.belly, 0.004);
+  const Vector3d left_toe = Vary(Vector3d(0.033, -0.040, 0.011), 0.004), right_toe = Vary(Vector3d(-0.044, -0.033, 0.012), 0.004);
+  Add({0.027, -0.002, 0.015}, 0.018, left_toe, 0.0135, palette_.limb, 0.008);
+  Add({-0.028, 0.001, 0.016}, 0.020, right_toe, 0.0155, palette_.limb, 0.008);
+  Name("left_toe", left_toe + Vector3d(0.002, -0.0132, 0));
+  Name("right_toe", right_toe + Vector3d(-0.006, -0.0142, 0));
+  // Two buttons, the lower one off centre.
+  Ball({0.001, -0.0455 * girth, 0.058}, 0.0052, palette_.spike, 0.001, true);
+  Ball({-0.007, -0.0365 * girth, 0.079}, 0.0045, palette_.scarf, 0.001, true);
+  Name("button", {0.001, -0.0455 * girth - 0.005, 0.058});
+  // Spikes down the back, the third leaning to one side.
+  const double heights[4] = {0.150, 0.103, 0.083, 0.062}, backs[4] = {0.024, 0.028, 0.033, 0.039}, sizes[4] = {0.0075, 0.009, 0.010, 0.009};
+  for (int i = 1; i < 4; ++i) {
+    const double lean = i == 2 ? 0.006 : -0.001;
+    const Vector3d tip(lean, backs[i] * girth + Vary(0.013, 0.2), heights[i] + 0.011);
+    Add({0.001, backs[i] * girth - 0.004, heights[i]}, sizes[i], tip, 0.0022, palette_.spike, 0.003);
+    if (i == 2) Name("back_spike", tip + Vector3d(0, 0.002, 0.001));
+  }
+  // A knotted scarf.
+  constexpr int kLinks = 9;
+  for (int i = 0; i < kLinks; ++i) {
+    const double a = 2 * kPi * i / kLinks, b = 2 * kPi * (i + 1) / kLinks;
+    const auto at = [](double t) {
+      return Vector3d(0.001 + 0.0245 * std::cos(t), -0.001 + 0.0235 * std::sin(t), 0.116 + 0.004 * std::sin(t + 0.6));
+    };
+    Add(at(a), 0.0088, at(b), 0.0088, palette_.scarf, 0.003);
+  }
+  Add({0.013, -0.027, 0.110}, 0.0085, {0.018, -0.036, 0.088}, 0.0070, palette_.scarf, 0.003);
+  Name("scarf_end", {0.019, -0.043, 0.085});
+}
+
+void Sculptor::Head() {
+  const double size = Vary(1, 0.08);
+  Add({0, 0, 0.105}, 0.021, {0.001, -0.003, 0.135}, 0.021, palette_.body, 0.01);
+  Add({-0.012, -0.006, 0.157}, 0.034 * size, {0.015, -0.006, 0.159}, 0.033 * size, palette_.body, 0.012);
+  const Vector3d muzzle = Vary(Vector3d(0.004, -0.050, 0.145), 0.003);
+  Add({0.002, -0.030, 0.147}, 0.021, muzzle, 0.0155, palette_.belly, 0.008);
+  const Vector3d nose = muzzle + Vector3d(0.001, -0.0135, 0.0075);
+  Ball(nose, 0.0075, Srgb(52, 38, 40), 0.002, true);
+  Name("nose", nose + Vector3d(0, -0.0075, 0));
+  const double left = Vary(0.0105, 0.15), right = Vary(0.0088, 0.15);
+  const Vector3d left_eye(0.0195, -0.0335 * size - 0.0005, 0.1735), right_eye(-0.0155, -0.0345 * size - 0.0005, 0.1715);
+  const Vector3d look = Vector3d(0.18, -1, 0.12).normalized();
+  Ball(left_eye, left, Srgb(246, 242, 232), 0.0015, true);
+  Ball(right_eye, right, Srgb(246, 242, 232), 0.0015, true);
+  Ball(left_eye + (left - 0.0034) * look, 0.0052, Srgb(28, 26, 32), 0.0005, true);
+  Ball(right_eye + (right - 0.0030) * look, 0.0046, Srgb(28, 26, 32), 0.0005, true);
+  Name("left_eye", left_eye + (left + 0.0018) * look);
+  Name("right_eye", right_eye + (right + 0.0016) * look);
+  // One brow, raised; a smile that goes up on one side.
+  Add(left_eye + Vector3d(-0.008, 0.002, 0.0125), 0.0034, left_eye + Vector3d(0.009, 0.004, 0.0150), 0.0028, palette_.spot, 0.002);
+  Add(muzzle + Vector3d(-0.010, -0.0085, -0.0075), 0.0022, muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024, palette_.scarf, 0.001);
+  Add(muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024, muzzle + Vector3d(0.0135, -0.0060, -0.0030), 0.0020, palette_.scarf, 0.001);
+  // A tuft on the crown, off centre.
+  Add({-0.006, 0.002, 0.188}, 0.0085, {-0.012, 0.012, 0.203}, 0.0035, palette_.spike, 0.004);
+  Name("tuft", {-0.0125, 0.0135, 0.2060});
+}
+
+void Sculptor::Ears() {
+  // A long ear that folds over on the left, a stub of a horn on the right.
+  const Vector3d fold = Vary(Vector3d(0.056, 0.004, 0.196), 0.004), tip = fold + Vector3d(0.019, -0.004, Vary(-0.016, 0.3));
+  Add({0.034, 0.0, 0.172}, 0.0125, fold, 0.0100, palette_.limb, 0.008);
+  Add(fold, 0.0100, tip, 0.0072, palette_.limb, 0.004);
+  Name("ear_fold", fold + Vector3d(0, 0, 0.0100));
+  Name("ear_tip", tip + Vector3d(0.0055, -0.001, -0.0050));
+  const Vector3d horn = Vary(Vector3d(-0.043, 0.006, 0.200), 0.004);
+  Add({-0.032, 0.0, 0.178}, 0.0115, horn, 0.0045, palette_.horn, 0.004);
+  Name("horn_tip", horn + Vector3d(-0.002, 0.001, 0.004));
+}
+
+void Sculptor::Arms() {
+  shoulder_ = Vector3d(0.026, 0.000, 0.096);
+  const Vector3d hand = Vary(Vector3d(0.089, -0.008, 0.088), 0.004);
+  arm_axis_ = (hand - shoulder_).normalized();
+  Add(shoulder_, 0.0145, shoulder_ + 0.9 * (hand - shoulder_), 0.0100, palette_.limb, 0.008);
+  Ball(hand, 0.0135, palette_.hand, 0.003);
+  Add(hand, 0.008, hand + Vector3d(0.004, -0.006, 0.0150), 0.0052, palette_.hand, 0.003);
+  Add(hand, 0.009, hand + Vector3d(0.0155, -0.003, 0.0020), 0.0056, palette_.hand, 0.003);
+  Name("left_thumb", hand + Vector3d(0.0055, -0.0075, 0.0195));
+  Name("left_finger", hand + Vector3d(0.021, -0.004, 0.0025));
+  Name("left_elbow", shoulder_ + 0.5 * (hand - shoulder_) + Vector3d(0, -0.012, 0));
+  const Vector3d right_shoulder(-0.026, -0.001, 0.096);
+  const Vector3d elbow = Vary(Vector3d(-0.064, -0.010, 0.080), 0.003), fist = elbow + Vary(Vector3d(-0.001, -0.036, -0.008), 0.004);
+  elbow_ = elbow;
+  forearm_axis_ = (fist - elbow).normalized();
+  Add(right_shoulder, 0.0145, elbow, 0.0112, palette_.limb, 0.008);
+  Add(elbow, 0.0112, fist, 0.0098, palette_.limb, 0.004);
+  Ball(fist, 0.0140, palette_.hand, 0.003);
+  Add(fist, 0.008, fist + Vector3d(0.010, -0.010, 0.0090), 0.0050, palette_.hand, 0.003);
+  Name("right_elbow", elbow + Vector3d(-0.0095, 0.005, 0));
+  Name("right_fist", fist + Vector3d(-0.003, -0.0135, 0));
+}
+
+void Sculptor::Tail() {
+  const Vector3d root(0.002, 0.030, 0.026), middle = Vary(Vector3d(0.020, 0.064, 0.020), 0.003),
+                                            rise = Vary(Vector3d(0.052, 0.078, 0.034), 0.003),
+                                            tip = rise + Vary(Vector3d(0.012, -0.004, 0.026), 0.003);
+  Add(root, 0.0200, middle, 0.0145, palette_.body, 0.008);
+  Add(middle, 0.0145, rise, 0.0110, palette_.body, 0.004);
+  Add(rise, 0.0110, tip, 0.0065, palette_.spike, 0.004);
+  Name("tail_bend", middle + Vector3d(0.004, 0.009, 0.0105));
+  Name("tail_tip", tip + Vector3d(0.002, -0.001, 0.0062));
+}
+
+void Sculptor::Spots() {
+  const Vector3d places[] = {{-0.034, 0.018, 0.062}, {0.030, 0.026, 0.052}, {-0.018, 0.033, 0.082}, {0.034, 0.004, 0.070},
+                             {-0.030, 0.022, 0.172}, {0.012, 0.028, 0.166}, {0.044, -0.012, 0.160}, {-0.036, -0.016, 0.146},
+                             {0.060, -0.006, 0.102}, {0.020, 0.070, 0.033}};
+  for (const Vector3d& place : places)
+    clay_.spots.push_back({Vary(place, 0.004), Vary(0.0075, 0.3) * (0.75 + 0.06 * static_cast<double>(clay_.spots.size())), palette_.spot});
+}
+
+/// Bends a limb that runs along `axis` from `origin`, between begin and end [m], towards a side; the ball says what belongs to the limb.
+Deformation LimbBend(const Vector3d& origin, const Vector3d& axis, const Vector3d& towards, double begin, double end, double degrees,
+                     const Vector3d& center = Vector3d::Zero(), double radius = 0) {
+  Deformation bend;
+  bend.kind = Deformation::Kind::kBend;
+  bend.origin = origin;
+  bend.axis = axis.normalized();
+  bend.hinge = bend.axis.cross(towards).normalized();
+  bend.begin = begin;
+  bend.end = end;
+  bend.angle = degrees * kPi / 180;
+  bend.center = center;
+  bend.radius = radius;
+  bend.falloff = 0.008;
+  return bend;
+}
+
+Deformation Twist(double begin, double end, double degrees) {
+  Deformation twist;
+  twist.kind = Deformation::Kind::kTwist;
+  twist.origin = Vector3d(0.001, -0.001, 0);
+  twist.begin = begin;
+  twist.end = end;
+  twist.angle = degrees * kPi / 180;
+  return twist;
+}
+
+Deformation Squash(double ratio) {
+  Deformation squash;
+  squash.kind = Deformation::Kind::kSquash;
+  squash.ratio = ratio;
+  return squash;
+}
+
+std::vector<Pose> Sculptor::Poses() const {
+  const auto left_arm = [&](double degrees) {
+    return LimbBend(shoulder_, arm_axis_, Vector3d::UnitZ(), 0.018, 0.048, degrees, shoulder_ + 0.055 * arm_axis_, 0.045);
+  };
+  const auto forearm = [&](double degrees) {
+    return LimbBend(elbow_, forearm_axis_, Vector3d::UnitZ(), -0.002, 0.020, degrees, elbow_ + 0.030 * forearm_axis_, 0.032);
+  };
+  const auto tail = [](double degrees) {
+    return LimbBend({0.002, 0.030, 0.024}, Vector3d::UnitY(), -Vector3d::UnitX(), 0.012, 0.036, degrees, {0.035, 0.065, 0.035}, 0.045);
+  };
+  const auto lean = [](double degrees, const Vector3d& towards) {
+    return LimbBend({0, 0, 0.03}, Vector3d::UnitZ(), towards, 0, 0.075, degrees);
+  };
+  const auto head = [](double degrees) { return Twist(0.112, 0.142, degrees); };
+  const Vector3d forward = -Vector3d::UnitY(), left = Vector3d::UnitX();
+  return {{"rest", {}},
+          {"bent", {head(24), left_arm(52), tail(34), lean(7, -left), Squash(0.96)}},
+          {"wave", {left_arm(80), forearm(60), head(-15)}},
+          {"bow", {left_arm(-25), head(10), lean(22, forward)}},
+          {"squash", {Squash(0.85)}},
+          {"twist", {Twist(0.03, 0.11, 35)}}};
+}
+
+// The vertex nearest to each named place; places that fell on one vertex keep the first name.
+std::vector<TruthLandmark> FindLandmarks(const Mesh& rest, const std::vector<std::pair<std::string, Vector3d>>& places) {
+  const KdTree tree(rest.points);
+  std::vector<TruthLandmark> landmarks;
+  for (const auto& [name, place] : places) landmarks.push_back({name, tree.Nearest(place).index});
+  return landmarks;
+}
+
+}  // namespace
+
+const Pose& World::PoseNamed(const std::string& name) const {
+  std::string known;
+  for (const Pose& pose : poses) {
+    if (pose.name == name) return pose;
+    known += (known.empty() ? "" : ", ") + pose.name;
+  }
+  throw UsageError("synth: there is no pose '" + name + "'; there are " + known);
+}
+
+World MakeWorld(const WorldOptions& options) {
+  if (options.texture != "rich" && options.texture != "weak")
+    throw UsageError("synth: texture is '" + options.texture + "'; it can be rich or weak");
+  if (!(options.spacing_m > 0.0005 && options.spacing_m < 0.02)) throw InputError("synth: spacing_m must be in (0.0005, 0.02) metres");
+  Sculptor sculptor(options.seed);
+  sculptor.Sculpt();
+  World world;
+  world.clay = sculptor.clay();
+  if (options.texture == "weak") world.clay.grain = 0.12;
+  world.poses = sculptor.Poses();
+  Vector3d low, high;
+  world.clay.Bounds(&low, &high);
+  world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, options.spacing_m);
+  world.landmarks = FindLandmarks(world.rest, sculptor.places());
+  return world;
+}
+
+Mesh TruthSurface(const World& world, const Pose& pose, bool with_colors) {
+  Mesh surface;
+  surface.points = pose(world.rest.points);
+  surface.faces = world.rest.faces;
+  if (!with_colors) return surface;
+  surface.colors.resize(surface.points.rows(), 3);
+  const auto paint = [&](std::int64_t i) {
+    const Vector3d x = world.rest.points.row(i);
+    const Vector3d color = world.clay.Paint(x, world.clay.LumpAt(x));
+    for (int c = 0; c < 3; ++c) {
+      const double v = color[c] <= 0.0031308 ? 12.92 * color[c] : 1.055 * std::pow(color[c], 1 / 2.4) - 0.055;
+      surface.colors(i, c) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+    }
+  };
+  ParallelFor(surface.points.rows(), paint, 512);
+  return surface;
+}
+
+PointsX3 LandmarkPositions(const World& world, const Pose& pose) {
+  PointsX3 positions(static_cast<Eigen::Index>(world.landmarks.size()), 3);
+  for (std::size_t i = 0; i < world.landmarks.size(); ++i)
+    positions.row(static_cast<Eigen::Index>(i)) = pose(Vector3d(world.rest.points.row(world.landmarks[i].vertex))).transpose();
+  return positions;
+}
+
+}  // namespace keypose::synth

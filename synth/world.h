@@ -1,0 +1,46 @@
+// A clay character with known truth: its surface, its named points, and its poses. What tests, the demo and the benchmarks live on.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "synth/clay.h"
+#include "synth/pose.h"
+
+namespace keypose::synth {
+
+/// A named material point: a vertex of the truth surface, the same in every pose.
+struct TruthLandmark {
+  std::string name;
+  int vertex = -1;
+};
+
+struct World {
+  Clay clay;
+  Mesh rest;                             ///< truth surface in the rest pose: points and faces; about 0.2 m high, z up, on z = 0
+  std::vector<TruthLandmark> landmarks;  ///< 16 or so
+  std::vector<Pose> poses;               ///< the character's repertoire: rest, bent, wave, bow, squash
+
+  /// @throws UsageError  no pose of that name; lists those there are
+  const Pose& PoseNamed(const std::string& name) const;
+};
+
+struct WorldOptions {
+  std::uint64_t seed = 1;        ///< 1 is the demo's character; others vary proportions, colours, spots
+  double spacing_m = 0.002;      ///< of the polygonisation; 0.002 gives about 100k vertices, 0.005 some 15k
+  std::string texture = "rich";  ///< rich | weak: how much grain the paint has
+};
+
+/// A lopsided clay creature of random proportions: no two sides alike, so that no view can be mistaken for another.
+/// @throws UsageError  unknown texture @throws InputError  spacing out of (0.0005, 0.02)
+World MakeWorld(const WorldOptions& options = {});
+
+/// The world's surface in a pose: vertex i is the same material point as vertex i of world.rest. With vertex colours of the paint if asked.
+Mesh TruthSurface(const World& world, const Pose& pose, bool with_colors = false);
+
+/// Positions of the landmarks in a pose, L x 3 [m].
+PointsX3 LandmarkPositions(const World& world, const Pose& pose);
+
+}  // namespace keypose::synth
