@@ -1,5 +1,8 @@
 #include "core/geometry.h"
 
+#include <Eigen/Geometry>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>

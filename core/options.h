@@ -9,11 +9,11 @@ namespace keypose {
 
 /// What a person and a validator need to know of one option.
 struct OptionDoc {
-  std::string help;                                       ///< one sentence
-  std::string unit;                                       ///< "px", "deg", "" for a pure number
+  std::string help = {};                                  ///< one sentence
+  std::string unit = {};                                  ///< "px", "deg", "" for a pure number
   double min = -std::numeric_limits<double>::infinity();  ///< inclusive; for numbers
   double max = std::numeric_limits<double>::infinity();   ///< inclusive; for numbers
-  std::vector<std::string> choices;                       ///< for strings; empty means any text
+  std::vector<std::string> choices = {};                  ///< for strings; empty means any text
 };
 
 /// Walks over the fields of an options struct:

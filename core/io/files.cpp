@@ -33,7 +33,7 @@ void WriteFile(const fs::path& path, std::string_view text) {
   if (!out) {
     const int reason = errno;
     std::error_code ignored;
-    fs::remove(path, ignored);
+    if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);  // never a device
     throw DiskError("cannot write " + path.string() + ": " + (reason ? std::strerror(reason) : "the disk took only a part") +
                     (reason == ENOSPC ? "; free some space and run again" : ""));
   }

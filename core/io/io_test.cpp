@@ -1,1 +1,265 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "core/testing_shapes.h"
+
+namespace keypose {
+namespace {
+namespace fs = std::filesystem;
+
+class IoTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("keypose_io_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path Put(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  fs::path folder_;
+};
+
+Mesh ColoredSphereWithUvs() {
+  Mesh mesh = MakeIcosphere(2);
+  mesh.normals = VertexNormals(mesh.points, mesh.faces);
+  mesh.colors = ColorsX3::Constant(mesh.points.rows(), 3, 77);
+  mesh.uvs = (mesh.points.leftCols(2).array() * 0.5 + 0.5).matrix();
+  mesh.uv_faces = mesh.faces;
+  return mesh;
+}
+
+using MeshIo = IoTest;
+
+TEST_F(MeshIo, PlyKeepsEveryBitAndTheUvs) {
+  const Mesh mesh = ColoredSphereWithUvs();
+  WriteMesh(folder_ / "m.ply", mesh);
+  const Mesh read = ReadMesh(folder_ / "m.ply");
+  EXPECT_EQ(read.points, mesh.points);
+  EXPECT_EQ(read.faces, mesh.faces);
+  EXPECT_EQ(read.colors, mesh.colors);
+  EXPECT_LT((read.normals - mesh.normals).norm(), 1e-5);
+  ASSERT_TRUE(read.has_uvs());
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(read.uvs.row(read.uv_faces(f, k)), mesh.uvs.row(mesh.uv_faces(f, k)));
+}
+
+TEST_F(MeshIo, ObjKeepsPositionsUvsAndNamesItsMaterial) {
+  const Mesh mesh = ColoredSphereWithUvs();
+  WriteMesh(folder_ / "m.obj", mesh, "texture.png");
+  const Mesh read = ReadMesh(folder_ / "m.obj");
+  // The OBJ parser rounds decimals itself and may miss the last bits.
+  EXPECT_LT((read.points - mesh.points).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_EQ(read.faces, mesh.faces);
+  EXPECT_EQ(read.uv_faces, mesh.uv_faces);
+  EXPECT_LT((read.uvs - mesh.uvs).cwiseAbs().maxCoeff(), 1e-14);
+  EXPECT_NE(ReadFile(folder_ / "m.mtl").find("map_Kd texture.png"), std::string::npos);
+}
+
+TEST_F(MeshIo, FormatIsToldByContentNotByName) {
+  WriteMesh(folder_ / "m.ply", MakeIcosphere(1));
+  fs::rename(folder_ / "m.ply", folder_ / "m.obj");
+  EXPECT_EQ(ReadMesh(folder_ / "m.obj").face_count(), 80);
+}
+
+TEST_F(MeshIo, ReadsQuadsNegativeIndicesOffAndStl) {
+  EXPECT_EQ(ReadMesh(Put("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4 -3 -2 -1\n")).face_count(), 2);
+  EXPECT_EQ(ReadMesh(Put("t.off", "OFF\n# a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).face_count(), 1);
+  const Mesh stl = ReadMesh(
+      Put("t.stl", "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n"));
+  EXPECT_EQ(stl.face_count(), 1);
+  EXPECT_EQ(stl.vertex_count(), 3);
+}
+
+TEST_F(MeshIo, DamagedFilesThrowInputErrorWithThePath) {
+  WriteMesh(folder_ / "whole.ply", MakeIcosphere(2));
+  const std::string bytes = ReadFile(folder_ / "whole.ply");
+  for (const auto& path : {Put("cut.ply", bytes.substr(0, bytes.size() / 2)), Put("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
+                           Put("noise.bin", "\x01\x02\x03 nothing"), Put("empty.ply", ""), Put("cut.off", "OFF\n3 1 0\n0 0 0\n")}) {
+    try {
+      ReadMesh(path);
+      ADD_FAILURE() << path << " was read";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(path.filename().string()), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(ReadMesh(folder_ / "absent.ply"), DiskError);
+}
+
+TEST_F(MeshIo, CloudKeepsConfidence) {
+  PointCloud cloud;
+  cloud.points = PointsX3::Random(10, 3);
+  cloud.normals = cloud.points.rowwise().normalized();
+  cloud.confidence = Eigen::VectorXf::LinSpaced(10, 0, 1);
+  WritePointCloud(folder_ / "c.ply", cloud);
+  const PointCloud read = ReadPointCloud(folder_ / "c.ply");
+  EXPECT_EQ(read.points, cloud.points);
+  EXPECT_EQ(read.confidence, cloud.confidence);
+}
+
+using ImageIo = IoTest;
+
+Image8 Gradient(int width, int height) {
+  Image8 image(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      image.at(x, y)[0] = static_cast<std::uint8_t>(255 * x / width);
+      image.at(x, y)[1] = static_cast<std::uint8_t>(255 * y / height);
+    }
+  return image;
+}
+
+TEST_F(ImageIo, PngIsLossless) {
+  WriteImage(folder_ / "g.png", Gradient(40, 30));
+  EXPECT_EQ(ReadImage(folder_ / "g.png").data, Gradient(40, 30).data);
+}
+
+TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
+  const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};
+  WriteImage(folder_ / "g.jpg", Gradient(64, 32), 98, &exif);
+  const ImageInfo info = ReadImageInfo(folder_ / "g.jpg");
+  EXPECT_NEAR(info.focal_mm.value_or(0), 35, 1e-3);
+  EXPECT_NEAR(info.focal_35mm.value_or(0), 52, 1e-3);
+  EXPECT_EQ(info.camera_model, "Maker Box 1");
+  EXPECT_EQ(info.width, 32);
+  const Image8 image = ReadImage(folder_ / "g.jpg");
+  ASSERT_EQ(image.width, 32);
+  ASSERT_EQ(image.height, 64);
+  // Orientation 6: the stored top row is the right-hand column, so red grows downwards and green to the left.
+  EXPECT_LT(image.at(16, 2)[0], image.at(16, 61)[0]);
+  EXPECT_GT(image.at(2, 32)[1], image.at(29, 32)[1]);
+}
+
+TEST_F(ImageIo, TruncatedJpegThrowsAndNamesTheFile) {
+  WriteImage(folder_ / "g.jpg", Gradient(200, 150));
+  const std::string bytes = ReadFile(folder_ / "g.jpg");
+  Put("cut.jpg", bytes.substr(0, bytes.size() * 2 / 3));
+  try {
+    ReadImage(folder_ / "cut.jpg");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("cut.jpg"), std::string::npos);
+  }
+}
+
+TEST_F(ImageIo, ResizingKeepsTheMean) {
+  Image8 image(64, 64, 1);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) *image.at(x, y) = static_cast<std::uint8_t>((x * 7 + y * 13) % 200);
+  const auto mean = [](const Image8& i) {
+    double sum = 0;
+    for (const auto v : i.data) sum += v;
+    return sum / static_cast<double>(i.data.size());
+  };
+  EXPECT_NEAR(mean(Resized(image, 16, 16)), mean(image), 0.5);
+}
+
+using ColmapIo = IoTest;
+
+Scene SmallScene() {
+  Scene scene;
+  for (const char* name : {"a.jpg", "b.jpg"}) {
+    View view;
+    view.name = name;
+    view.camera = {640, 480, 500, 501, 320, 240, 0.01, -0.02, 1e-4, 2e-4};
+    view.camera_from_world = {Eigen::Quaterniond(1, 0.1, 0.2, name[0] * 0.01).normalized(), {0, 0.1, 3}};
+    scene.views.push_back(view);
+  }
+  SparsePoint point;
+  point.position = {0.1, 0.2, 0.3};
+  point.color << 10, 20, 30;
+  point.error_px = 0.5;
+  point.views = {0, 1};
+  scene.points.push_back(point);
+  return scene;
+}
+
+TEST_F(ColmapIo, BinaryModelComesBack) {
+  const Scene scene = SmallScene();
+  WriteColmapModel(folder_, scene);
+  const Scene read = ReadColmapModel(folder_);
+  ASSERT_EQ(read.views.size(), 2u);
+  for (int v = 0; v < 2; ++v) {
+    EXPECT_LT((read.views[v].Project({0.1, 0, 0.2}) - scene.views[v].Project({0.1, 0, 0.2})).norm(), 1e-9);
+    EXPECT_EQ(read.views[v].name, scene.views[v].name);
+  }
+  ASSERT_EQ(read.points.size(), 1u);
+  EXPECT_EQ(read.points[0].views, scene.points[0].views);
+  EXPECT_EQ(read.points[0].position, scene.points[0].position);
+}
+
+TEST_F(ColmapIo, TruncatedModelThrowsInputError) {
+  WriteColmapModel(folder_, SmallScene());
+  const std::string bytes = ReadFile(folder_ / "images.bin");
+  Put("images.bin", bytes.substr(0, bytes.size() - 9));
+  EXPECT_THROW(ReadColmapModel(folder_), InputError);
+  EXPECT_THROW(ReadColmapModel(folder_ / "absent"), InputError);
+}
+
+using LandmarksIo = IoTest;
+
+TEST_F(LandmarksIo, PicksComeBackAndKnowTheirMesh) {
+  const Mesh mesh = MakeIcosphere(1);
+  WriteLandmarks(folder_ / "l.json", mesh, {{"nose", 3, {0.2, 0.3, 0.5}, ""}});
+  const auto read = ReadLandmarks(folder_ / "l.json", mesh);
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].name, "nose");
+  EXPECT_THROW(ReadLandmarks(folder_ / "l.json", MakeIcosphere(2)), InputError);
+}
+
+TEST_F(LandmarksIo, FaceBeyondTheMeshIsNamed) {
+  Put("l.json", R"({"schema":1,"landmarks":[{"name":"left-eye","face":9001,"barycentric":[1,0,0]}]})");
+  try {
+    ReadLandmarks(folder_ / "l.json", MakeIcosphere(1));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'left-eye' is on face 9001, but the mesh has 80 faces"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(LandmarksIo, TextPairsGiveTheVertices) {
+  const Mesh mesh = MakeIcosphere(1);
+  const auto pairs = ReadLandmarkPairs({Put("p.txt", "# two pairs\n3 5\n7 9\n")}, mesh, mesh);
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_LT((PositionOf(pairs[0].source, mesh) - mesh.points.row(3).transpose()).norm(), 1e-15);
+  EXPECT_LT((PositionOf(pairs[1].target, mesh) - mesh.points.row(9).transpose()).norm(), 1e-15);
+  EXPECT_THROW(ReadLandmarkPairs({Put("q.txt", "3 5\n3 6\n")}, mesh, mesh), InputError);
+  EXPECT_THROW(ReadLandmarkPairs({Put("r.txt", "3 500\n")}, mesh, mesh), InputError);
+  EXPECT_THROW(ReadLandmarkPairs({Put("s.txt", "three 5\n")}, mesh, mesh), InputError);
+}
+
+TEST_F(LandmarksIo, MeshLabPicksSnapToTheSurfaceAndJoinByName) {
+  const Mesh mesh = MakeIcosphere(2);
+  const auto pp = [&](const char* file, double x) {
+    return Put(file, "<!DOCTYPE PickedPoints>\n<PickedPoints>\n<point x=\"" + std::to_string(x) +
+                         "\" y=\"0\" z=\"0\" name=\"tip\" active=\"1\"/>\n</PickedPoints>\n");
+  };
+  const auto pairs = ReadLandmarkPairs({pp("a.pp", 1.0), pp("b.pp", -1.0)}, mesh, mesh);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_GT(PositionOf(pairs[0].source, mesh).x(), 0.95);
+  EXPECT_LT(PositionOf(pairs[0].target, mesh).x(), -0.95);
+  EXPECT_THROW(ReadLandmarkPairs({pp("a.pp", 1.0), pp("c.pp", 9.0)}, mesh, mesh), InputError);
+}
+
+using Files = IoTest;
+
+TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  EXPECT_THROW(WriteFile("/dev/full", std::string(1 << 20, 'x')), DiskError);
+}
+
+TEST(NearestWord, FindsTheTypo) { EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces"); }
+
+}  // namespace
+}  // namespace keypose

@@ -13,7 +13,7 @@ namespace keypose {
 /// @throws InputError  not one of the formats, truncated, an index out of range; says where
 Mesh ReadMesh(const std::filesystem::path& path);
 
-/// Writes .ply (binary little endian) or .obj; doubles keep all their bits in PLY, 17 digits in OBJ.
+/// Writes .ply (binary little endian) or .obj; doubles keep all their bits in PLY; reading an OBJ again may lose the last two.
 /// An OBJ with UVs names `material_texture` in an .mtl beside it when that is given.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh, const std::string& material_texture = "");

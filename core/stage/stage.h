@@ -15,23 +15,23 @@
 namespace keypose {
 
 struct Port {
-  std::string name;
-  std::string kind;  ///< "file" or "folder"
-  std::string help;
-  std::string file;  ///< outputs: name that the runner gives it, e.g. "clean.ply", "images"
+  std::string name = {};
+  std::string kind = {};  ///< "file" or "folder"
+  std::string help = {};
+  std::string file = {};  ///< outputs: name that the runner gives it, e.g. "clean.ply", "images"
   bool optional = false;
   bool repeatable = false;
 };
 
 /// What a stage says of itself.
 struct StageSpec {
-  std::string name;
-  std::string version;  ///< changes whenever the same inputs and options would give other bits
-  std::string summary;  ///< one sentence
-  std::vector<Port> inputs, outputs;
-  std::vector<std::string> tools;  ///< external programs it calls, e.g. "colmap"; their versions enter the fingerprint
-  int cores = 0;                   ///< cores it can use; 0 means all
-  double memory_gib = 1;           ///< what it needs at most, roughly
+  std::string name = {};
+  std::string version = {};  ///< changes whenever the same inputs and options would give other bits
+  std::string summary = {};  ///< one sentence
+  std::vector<Port> inputs = {}, outputs = {};
+  std::vector<std::string> tools = {};  ///< external programs it calls, e.g. "colmap"; their versions enter the fingerprint
+  int cores = 0;                        ///< cores it can use; 0 means all
+  double memory_gib = 1;                ///< what it needs at most, roughly
 };
 
 /// Files in, files out. Outputs appear at their final path only when the stage succeeded.

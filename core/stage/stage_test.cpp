@@ -1,1 +1,150 @@
+#include "core/stage/stage.h"
+
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+
+namespace keypose {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct TestOptions {
+  int copies = 2;
+  double scale = 0.5;
+  std::string mode = "plain";
+  bool loud = false;
+  void Describe(OptionVisitor& visit) {
+    visit("copies", copies, {"how often", "", 1, 9, {}});
+    visit("scale", scale, {"a factor", "m", 0, 1, {}});
+    visit("mode", mode, {"which way", "", -INFINITY, INFINITY, {"plain", "fancy", "fail", "bug"}});
+    visit("loud", loud, {"shout"});
+  }
+};
+
+StageSpec Spec() {
+  return {"test", "1", "Copies a text.", {{"text", "file", "what to copy", ""}}, {{"copy", "file", "the copies", "copy.txt"}}, {}, 1, 0.1};
+}
+
+void CopyStage(StageContext& stage, const TestOptions& options) {
+  std::string out;
+  for (int i = 0; i < options.copies; ++i) out += ReadFile(stage.Input("text"));
+  WriteFile(stage.Output("copy"), out);
+  stage.Report("copies", options.copies);
+  if (options.mode == "fail") throw InputError("told to fail");
+  if (options.mode == "bug") throw std::logic_error("a bug");
+}
+
+class StageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("keypose_stage_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    WriteFile(folder_ / "in.txt", "clay ");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  int Run(std::vector<std::string> extra) {
+    std::vector<std::string> arguments{"keypose-test",
+                                       "--text",
+                                       (folder_ / "in.txt").string(),
+                                       "--copy",
+                                       (folder_ / "out.txt").string(),
+                                       "--report",
+                                       (folder_ / "report.json").string()};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage);
+    error_ = testing::internal::GetCapturedStderr();
+    return code;
+  }
+  int EntriesLeft() const { return static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{})); }
+  fs::path folder_;
+  std::string error_;
+};
+
+TEST_F(StageTest, WritesItsOutputAndReport) {
+  EXPECT_EQ(Run({"--copies", "3"}), 0);
+  EXPECT_EQ(ReadFile(folder_ / "out.txt"), "clay clay clay ");
+  const json report = json::parse(ReadFile(folder_ / "report.json"));
+  EXPECT_EQ(report["stage"], "test");
+  EXPECT_EQ(report["options"]["copies"], 3);
+  EXPECT_EQ(report["options"]["scale"], 0.5);
+  EXPECT_EQ(report["measurements"]["copies"], 3);
+  EXPECT_GT(report["peak_bytes"], 0);
+}
+
+TEST_F(StageTest, FailureLeavesNoOutputAndNoLitter) {
+  EXPECT_EQ(Run({"--mode", "fail"}), 3);
+  EXPECT_FALSE(fs::exists(folder_ / "out.txt"));
+  EXPECT_EQ(EntriesLeft(), 1);
+  EXPECT_NE(error_.find("told to fail"), std::string::npos);
+}
+
+TEST_F(StageTest, FailureKeepsAnEarlierOutput) {
+  ASSERT_EQ(Run({}), 0);
+  EXPECT_EQ(Run({"--mode", "fail"}), 3);
+  EXPECT_EQ(ReadFile(folder_ / "out.txt"), "clay clay ");
+}
+
+TEST_F(StageTest, UnexpectedExceptionIsExitCodeOne) { EXPECT_EQ(Run({"--mode", "bug"}), 1); }
+
+TEST_F(StageTest, UsageErrorsNameTheOption) {
+  EXPECT_EQ(Run({"--copies", "10"}), 2);
+  EXPECT_NE(error_.find("--copies is 10, but must lie in [1, 9]"), std::string::npos) << error_;
+  EXPECT_EQ(Run({"--mode", "odd"}), 2);
+  EXPECT_EQ(Run({"--copeis", "3"}), 2);
+  EXPECT_NE(error_.find("did you mean --copies"), std::string::npos) << error_;
+}
+
+TEST_F(StageTest, MissingInputIsAnInputError) {
+  fs::remove(folder_ / "in.txt");
+  EXPECT_EQ(Run({}), 3);
+  EXPECT_NE(error_.find("in.txt does not exist"), std::string::npos);
+}
+
+TEST_F(StageTest, DescribesItself) {
+  std::string name = "keypose-test", flag = "--describe";
+  char* argv[] = {name.data(), flag.data()};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(RunStage<TestOptions>(2, argv, Spec(), CopyStage), 0);
+  const json description = json::parse(testing::internal::GetCapturedStdout());
+  EXPECT_EQ(description["stage"], "test");
+  EXPECT_EQ(description["inputs"][0]["name"], "text");
+  EXPECT_EQ(description["outputs"][0]["file"], "copy.txt");
+  EXPECT_EQ(description["options"][0]["default"], 2);
+  EXPECT_EQ(description["options"][1]["unit"], "m");
+}
+
+void ToolStage(StageContext& stage, const TestOptions& options) {
+  const std::string output =
+      RunTool(stage, options.loud ? "no-such-program" : "sh", {"-c", options.copies == 9 ? "echo broken; exit 4" : "echo fine"});
+  WriteFile(stage.Output("copy"), output);
+}
+
+TEST_F(StageTest, ExternalToolsFailWithExitCodeFive) {
+  const auto run = [&](const char* flag, const char* value) {
+    std::vector<std::string> arguments{"keypose-test", "--text", (folder_ / "in.txt").string(), "--copy", (folder_ / "out.txt").string(),
+                                       flag,           value};
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), ToolStage);
+    error_ = testing::internal::GetCapturedStderr();
+    return code;
+  };
+  EXPECT_EQ(run("--copies", "1"), 0);
+  EXPECT_EQ(ReadFile(folder_ / "out.txt"), "fine\n");
+  EXPECT_EQ(run("--copies", "9"), 5);
+  EXPECT_NE(error_.find("broken"), std::string::npos);
+  EXPECT_EQ(run("--loud", "true"), 5);
+  EXPECT_NE(error_.find("not installed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace keypose
