@@ -1,0 +1,5 @@
+find_package(nlohmann_json REQUIRED)
+
+keypose_room(texture_bake SOURCES bake.cpp bake_atlas.cpp bake_gain.cpp bake_quality.cpp bake_view.cpp)
+keypose_stage(bake ROOM texture_bake SOURCES bake_stage.cpp)
+keypose_test(bake_test SOURCES bake_test.cpp LINK keypose_texture_bake)

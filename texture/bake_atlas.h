@@ -1,0 +1,40 @@
+// The atlas as a grid of surface points, and what is done to its colours where no photograph reaches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/mesh.h"
+
+namespace keypose::texture {
+
+/// Which surface point each texel shows. Texel (x, y), top row first, has its centre at u = (x + .5) / size, v = 1 - (y + .5) / size.
+struct Atlas {
+  int size = 0;
+  std::vector<int> face;              ///< size^2; -1: no surface
+  std::vector<Eigen::Vector2f> bary;  ///< size^2; weights of the face's second and third corner
+  std::vector<char> inside;  ///< size^2; 1: the texel's centre is in a triangle; 0: at most a texel outside (a chart's rim), or no surface
+  std::int64_t texels = 0;   ///< with centres in a triangle
+
+  Eigen::Vector3f Weights(std::size_t texel) const { return {1 - bary[texel].x() - bary[texel].y(), bary[texel].x(), bary[texel].y()}; }
+};
+
+/// Lowest face wins where triangles overlap. Rim texels take the closest point of the closest triangle.
+/// @throws InputError  no UVs, a UV index out of range, a UV outside [0,1], or not one texel centre covered
+Atlas RasterizeAtlas(const Mesh& mesh, int size);
+
+/// Colours of an atlas in linear light while it is painted.
+struct Painting {
+  std::vector<Eigen::Vector3f> color;  ///< size^2
+  std::vector<char> painted;           ///< size^2; 1: from photographs
+};
+
+/// Paints surface texels that no photograph reached: colours spread over the surface (not over the atlas) as heat does, through the seams
+/// of charts, and the grain at the border of what was seen fades out over a few texels.
+void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting);
+
+/// The picture: `gutter` texels around each chart continue its colours, all else is the mean colour.
+Image8 FinishTexture(const Atlas& atlas, const Painting& painting, int gutter);
+
+}  // namespace keypose::texture

@@ -1,0 +1,104 @@
+// keypose-bake: photographs into the texture of a mesh.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/mesh_io.h"
+#include "core/stage/stage.h"
+#include "texture/bake.h"
+
+namespace keypose::texture {
+namespace {
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "bake";
+  spec.version = "1";
+  spec.summary = "Paints a pose's photographs into the texture of its mesh.";
+  spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
+                 {"images", "folder", "photographs and masks, as capture makes them", ""},
+                 {"model", "folder", "COLMAP model with the cameras", ""}};
+  spec.outputs = {{"texture", "file", "the texture", "texture.png"}};
+  spec.memory_gib = 3;
+  return spec;
+}
+
+/// Index in `images` of each view.
+std::vector<int> MatchImages(const Scene& scene, const ImageSet& images) {
+  std::vector<int> index;
+  for (const View& view : scene.views) {
+    index.push_back(images.Find(view.name));
+    if (index.back() < 0)
+      throw InputError("bake: the model has a view '" + view.name + "', but " + images.folder.string() +
+                       " has no such image; pass the images that the model was made from");
+  }
+  return index;
+}
+
+Photograph Load(const ImageSet& images, int index) {
+  Photograph photograph;
+  photograph.image = ReadImage(images.ImagePath(index), 3);
+  if (!images.images[index].mask.empty()) photograph.mask = ReadImage(images.MaskPath(index), 1);
+  photograph.sharpness = images.images[index].sharpness;
+  return photograph;
+}
+
+struct Mean {
+  double sum = 0;
+  int count = 0;
+  void Add(double x) { sum += x, ++count; }
+  double value() const { return count > 0 ? sum / count : 0; }
+};
+
+void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& result) {
+  Mean psnr, psnr_gain, held_out;
+  int used = 0;
+  nlohmann::json views = nlohmann::json::array();
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    const ViewQuality& q = result.quality[v];
+    used += q.used;
+    if (q.pixels > 0 && q.held_out) held_out.Add(q.psnr_gain_db);
+    if (q.pixels > 0 && !q.held_out) psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db);
+    const Eigen::Vector3f& g = result.gains[v];
+    views.push_back({{"name", scene.views[v].name},
+                     {"used", q.used},
+                     {"held_out", q.held_out},
+                     {"pixels", q.pixels},
+                     {"psnr_db", q.psnr_db},
+                     {"psnr_gain_db", q.psnr_gain_db},
+                     {"gain", {g[0], g[1], g[2]}}});
+  }
+  stage.Report("views_total", static_cast<int>(scene.views.size()));
+  stage.Report("views_used", used);
+  stage.Report("mean_views_per_texel", result.mean_views_per_texel);
+  stage.Report("psnr_db", psnr.value());
+  stage.Report("psnr_gain_db", psnr_gain.value());
+  if (held_out.count > 0) stage.Report("held_out_psnr_db", held_out.value());
+  stage.ReportJson("views", views.dump());
+}
+
+void Run(StageContext& stage, const BakeOptions& options) {
+  const Mesh mesh = ReadMesh(stage.Input("mesh"));
+  const Scene scene = ReadColmapModel(stage.Input("model"));
+  const ImageSet images = ReadImageSet(stage.Input("images"));
+  const std::vector<int> index = MatchImages(scene, images);
+  const BakeResult result = Bake(
+      mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
+  stage.Report("texture_size", options.texture_size);
+  stage.Report("texels", result.texels);
+  stage.Report("seen_texels", result.seen_texels);
+  stage.Report("unseen_texels", result.unseen_texels());
+  stage.Report("unseen_fraction", static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
+  ReportQuality(stage, scene, result);
+  WriteImage(stage.Output("texture"), result.texture);
+}
+
+}  // namespace
+}  // namespace keypose::texture
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::texture::BakeOptions>(argc, argv, keypose::texture::Spec(), keypose::texture::Run);
+}
