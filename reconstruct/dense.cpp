@@ -1,0 +1,105 @@
+#include "reconstruct/dense.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "reconstruct/depth_bounds.h"
+#include "reconstruct/fusion.h"
+#include "reconstruct/patch_match.h"
+#include "reconstruct/view_selection.h"
+#include "reconstruct/visual_hull.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+double ProcessCpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+// Views that look along the outside of a mask by mistake are the more likely the more views there are.
+int OutsideVotes(std::size_t views) { return std::clamp(static_cast<int>(views / 14), 1, 5); }
+
+std::vector<std::vector<Eigen::Vector3d>> Seeds(const std::vector<DenseView>& views, const Scene& scene) {
+  std::vector<std::vector<Eigen::Vector3d>> of_scene(scene.views.size()), seeds(views.size());
+  for (const SparsePoint& point : scene.points)
+    for (const int v : point.views)
+      if (v >= 0 && v < static_cast<int>(of_scene.size())) of_scene[v].push_back(point.position);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i].scene_index >= 0) seeds[i] = of_scene[views[i].scene_index];
+  return seeds;
+}
+
+std::string Names(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
+}
+
+void RequireSources(const std::vector<DenseView>& views, std::vector<std::vector<int>>* sources, DenseResult* result) {
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if ((*sources)[i].size() < 2) {
+      result->views_without_sources.push_back(views[i].name);
+      (*sources)[i].clear();
+    }
+  if (result->views_without_sources.size() == views.size())
+    throw InputError("dense: no view has two others that see the same surface from 3 to 65 degrees apart (" + Names(result->views_without_sources) +
+                     "); take more photographs, closer together");
+}
+
+}  // namespace
+
+void DenseOptions::Describe(OptionVisitor& visit) {
+  visit("backend", backend, {"patchmatch is Keypose's own on all cores; colmap_cuda is COLMAP's, where a CUDA build is installed", "", {}, {},
+                             {"patchmatch", "colmap_cuda"}});
+  visit("max_size", max_size, {"longer side of the pictures that are matched; larger photographs are scaled down", "px", 64, 20000});
+  visit("levels", levels, {"pyramid levels, each of half the size of the one before", "", 1, 6});
+  visit("sources", sources, {"views that each view is matched with", "", 2, 16});
+  visit("geometric_passes", geometric_passes, {"passes in which views confirm each other, at the finest level", "", 0, 6});
+  visit("least_views", least_views, {"views that must agree on a point", "", 2, 10});
+  visit("reprojection_px", reprojection_px, {"largest disagreement of two views on a point, there and back", "px", 0.1, 10});
+  visit("depth_tolerance", depth_tolerance, {"largest relative difference of depth of two views that agree", "", 1e-5, 0.5});
+  visit("normal_tolerance_deg", normal_tolerance_deg, {"largest angle between the normals of two views that agree", "deg", 1, 90});
+  visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
+  visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
+  visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
+}
+
+DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& scene, const DenseOptions& options, Progress* progress) {
+  if (views.size() < 3) throw InputError("dense: " + std::to_string(views.size()) + " views have a mask and a pose; stereo needs at least 3");
+  DenseResult result;
+  Step(progress, 0.02, "visual hull");
+  VisualHullOptions hull_options;
+  hull_options.resolution = options.hull_resolution;
+  hull_options.outside_votes = OutsideVotes(views.size());
+  const VisualHull hull = CarveVisualHull(views, hull_options);
+  result.hull_volume = hull.Volume();
+  std::vector<DepthBounds> bounds(views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) { bounds[i] = HullDepthBounds(hull, views[i]); });
+  std::vector<std::vector<int>> sources = SelectSourceViews(views, bounds, scene, options.sources);
+  RequireSources(views, &sources, &result);
+  PatchMatchOptions match_options;
+  match_options.geometric_passes = options.geometric_passes;
+  const double cpu_before = ProcessCpuSeconds();
+  PatchMatchResult matched = EstimatePlanes(views, sources, bounds, Seeds(views, scene), match_options, progress);
+  result.matching_cpu_seconds = ProcessCpuSeconds() - cpu_before;
+  result.evaluations = matched.evaluations;
+  Step(progress, 0.9, "fusion");
+  FusionOptions fusion;
+  fusion.least_views = options.least_views;
+  fusion.reprojection_px = options.reprojection_px;
+  fusion.depth_tolerance = options.depth_tolerance;
+  fusion.normal_tolerance_deg = options.normal_tolerance_deg;
+  fusion.largest_cost = options.largest_cost;
+  FusionResult fused = FuseDepthMaps(views, sources, matched.maps, fusion);
+  result.completeness = std::move(fused.completeness);
+  result.cloud = std::move(fused.cloud);
+  result.stereo_points = static_cast<int>(result.cloud.points.rows());
+  return result;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,152 @@
+// keypose-dense: photographs and cameras to an oriented, coloured cloud.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/mesh_io.h"
+#include "core/parallel.h"
+#include "core/stage/stage.h"
+#include "reconstruct/dense.h"
+#include "reconstruct/dense_colmap.h"
+#include "reconstruct/patch_match_cost.h"
+#include "reconstruct/visual_hull.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+double CpuSeconds(int who) {
+  rusage usage{};
+  getrusage(who, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+std::string Names(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
+}
+
+// For each view of the model its index in the images folder.
+std::vector<int> MatchToImages(const Scene& scene, const ImageSet& set) {
+  std::vector<int> index;
+  std::vector<std::string> missing, without_mask;
+  for (const View& view : scene.views) {
+    index.push_back(set.Find(view.name));
+    if (index.back() < 0) {
+      missing.push_back(view.name);
+    } else if (set.images[index.back()].mask.empty()) {
+      without_mask.push_back(view.name);
+    }
+  }
+  if (scene.views.empty()) throw InputError("dense: the model has no images; run sfm again");
+  if (!missing.empty())
+    throw InputError("dense: the model names images that are not in " + set.folder.string() + ": " + Names(missing) +
+                     "; pass the images that the model was made from");
+  if (!without_mask.empty()) throw InputError("dense: images without a mask: " + Names(without_mask) + "; run capture again");
+  return index;
+}
+
+std::vector<DenseView> LoadViews(const Scene& scene, const ImageSet& set, const DenseOptions& options, StageContext& stage) {
+  const std::vector<int> image_of = MatchToImages(scene, set);
+  int longest = 1;
+  for (const View& view : scene.views) longest = std::max({longest, view.camera.width, view.camera.height});
+  const double scale = std::min(1.0, static_cast<double>(options.max_size) / longest);
+  std::vector<DenseView> views(scene.views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3), mask = ReadImage(set.MaskPath(image_of[i]), 1);
+    views[i] = PrepareDenseView(scene.views[i], static_cast<int>(i), image, mask, scale, options.levels);
+  });
+  std::vector<std::string> empty;
+  for (const DenseView& view : views)
+    if (view.masked_pixels == 0) empty.push_back(view.name);
+  std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
+  if (!empty.empty()) stage.Note("dense: left out, because the mask is empty or the image too small: " + Names(empty));
+  if (views.size() < 3)
+    throw InputError("dense: only " + std::to_string(views.size()) + " of " + std::to_string(scene.views.size()) +
+                     " images have a mask with anything in it (empty: " + Names(empty) + "); look at the masks of capture");
+  return views;
+}
+
+// COLMAP's cloud holds the background too: what lies outside of the visual hull is not the object.
+PointCloud WithinHull(const PointCloud& cloud, const VisualHull& hull) {
+  std::vector<int> kept;
+  for (int i = 0; i < cloud.points.rows(); ++i)
+    if (hull.Contains(cloud.points.row(i))) kept.push_back(i);
+  PointCloud out;
+  out.points = cloud.points(kept, Eigen::all);
+  if (cloud.normals.rows()) out.normals = cloud.normals(kept, Eigen::all);
+  if (cloud.colors.rows()) out.colors = cloud.colors(kept, Eigen::all);
+  if (cloud.confidence.rows()) out.confidence = cloud.confidence(kept);
+  return out;
+}
+
+PointCloud RunColmap(StageContext& stage, const std::vector<DenseView>& views, const DenseOptions& options) {
+  VisualHullOptions hull;
+  hull.resolution = options.hull_resolution;
+  const PointCloud cloud = RunColmapDense(stage, stage.Input("images"), stage.Input("model"), options.max_size);
+  return WithinHull(cloud, CarveVisualHull(views, hull));
+}
+
+void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, const DenseResult& result) {
+  nlohmann::json completeness = nlohmann::json::object();
+  double mean = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    completeness[views[i].name] = std::round(result.completeness[i] * 1e4) / 1e4;
+    mean += result.completeness[i] / static_cast<double>(views.size());
+  }
+  stage.Report("stereo_points", result.stereo_points);
+  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points);
+  stage.Report("ncc_evaluations", result.evaluations);
+  stage.Report("ncc_per_cpu_second", result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
+  stage.Report("matching_cpu_seconds", result.matching_cpu_seconds);
+  stage.Report("hull_volume", result.hull_volume);
+  stage.Report("completeness_mean", mean);
+  stage.ReportJson("completeness", completeness.dump());
+  stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
+  if (!result.views_without_sources.empty()) stage.Note("dense: views without neighbours, not matched: " + Names(result.views_without_sources));
+}
+
+void Run(StageContext& stage, const DenseOptions& options) {
+  const Scene scene = ReadColmapModel(stage.Input("model"));
+  const ImageSet set = ReadImageSet(stage.Input("images"));
+  const std::vector<DenseView> views = LoadViews(scene, set, options, stage);
+  double masked = 0;
+  for (const DenseView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
+  PointCloud cloud;
+  if (options.backend == "colmap_cuda") {
+    cloud = RunColmap(stage, views, options);
+    if (cloud.points.rows() == 0) throw InputError("dense: COLMAP found no points on the object; look at the masks and at the model");
+  } else {
+    stage.Report("kernel", BestPatchCostKernel().name);
+    DenseResult result = ReconstructDense(views, scene, options, stage.progress());
+    ReportMatching(stage, views, result);
+    cloud = std::move(result.cloud);
+  }
+  const double cpu = CpuSeconds(RUSAGE_SELF) + CpuSeconds(RUSAGE_CHILDREN);
+  stage.Report("points", static_cast<int>(cloud.points.rows()));
+  stage.Report("views", static_cast<int>(views.size()));
+  stage.Report("cpu_seconds", cpu);
+  stage.Report("masked_megapixels", masked);
+  stage.Report("cpu_seconds_per_masked_megapixel", cpu / std::max(masked, 1e-6));
+  WritePointCloud(stage.Output("cloud"), cloud);
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
+
+int main(int argc, char** argv) {
+  keypose::StageSpec spec;
+  spec.name = "dense";
+  spec.version = "1";
+  spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
+  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"}, {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
+  spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"}};
+  spec.tools = {};
+  spec.memory_gib = 2;
+  return keypose::RunStage<keypose::reconstruct::DenseOptions>(argc, argv, spec, keypose::reconstruct::Run);
+}

@@ -1,0 +1,69 @@
+// One red-black pass of PatchMatch over one view: propagation of planes between pixels, choice of source views, refinement.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "reconstruct/dense_view.h"
+#include "reconstruct/depth_bounds.h"
+#include "reconstruct/patch_match_cost.h"
+
+namespace keypose::reconstruct {
+
+/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) = inverse_depth + dx gx + dy gy.
+struct PlaneHypothesis {
+  float inverse_depth = 0, gx = 0, gy = 0;
+};
+/// Unit normal towards the camera, in the camera's frame.
+Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y, const PlaneHypothesis& plane);
+
+/// A plane for each pixel, row-major. Pixels without one have inverse_depth 0 and infinite cost.
+struct PlaneMap {
+  int width = 0, height = 0;
+  std::vector<PlaneHypothesis> planes;
+  std::vector<float> cost;
+  std::vector<std::uint16_t> sources;  ///< bit k: the k-th source view is used here
+
+  PlaneMap() = default;
+  PlaneMap(int w, int h);
+};
+
+/// What a pass over one view reads and does not change.
+struct SweepInputs {
+  const DenseView* reference = nullptr;
+  std::vector<const DenseView*> sources;           ///< at most 16, best first
+  int level = 0;
+  const DepthBounds* bounds = nullptr;
+  std::vector<const ImageF*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
+  const ImageF* prior = nullptr;                   ///< inverse depth expected where texture is weak; may be null
+  float noise_variance = 0;
+  std::uint64_t seed = 0;
+};
+
+struct SweepSettings {
+  bool select_sources = false;  ///< judge all sources with all candidates and choose anew; else use each pixel's choice
+  bool refresh = false;         ///< stored costs are of other conditions: compute them again
+  bool far_areas = false;       ///< also look for planes up to 23 pixels away
+  int refinements = 3;
+  float depth_step_px = 0.5f;   ///< size of random depth changes, as motion in the sources
+  float slope_step = 0.2f;      ///< size of random tilts, tangent of the slant
+  int pass = 0;                 ///< distinguishes the random numbers of passes
+};
+
+constexpr int kMaxSources = 16;
+constexpr int kSourcesUsed = 4;
+constexpr float kColorScale = 18.0f;
+
+/// Motion in the sources (pixels of the level, mean) for a unit change of inverse depth at the object.
+double PixelsPerInverseDepth(const SweepInputs& inputs);
+
+/// Pixels that a pass visits: in the mask, with bounds.
+bool Visited(const SweepInputs& inputs, int x, int y);
+
+/// Improves `map` in place: all pixels of one colour of the checkerboard, then of the other; each reads only the other colour, so the order
+/// within a colour cannot matter. @return number of window correlations computed
+/// Source: Galliani, Lasinger & Schindler, ICCV 2015 (red-black); Xu & Tao, CVPR 2019 (eight areas, joint choice of views, geometric cost).
+/// Departs: planes are stored as inverse depth and its gradient, so that moving a plane to another pixel is two multiplications.
+std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map);
+
+}  // namespace keypose::reconstruct
