@@ -1,0 +1,61 @@
+// The cache: one folder per artifact, named by its fingerprint, that is there as a whole or not at all.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/disk.h"
+#include "pipeline/recipe.h"
+#include "pipeline/stage_info.h"
+
+namespace keypose::pipeline {
+
+struct ArtifactOutput {
+  std::string file;  ///< name in the artifact's folder
+  bool folder = false;
+  Content content;
+};
+
+struct Artifact {
+  std::string fingerprint;
+  std::filesystem::path folder;  ///< absolute; has the outputs, log.txt, report.json, manifest.json
+  Recipe recipe;
+  std::map<std::string, ArtifactOutput> outputs;  ///< by port
+  double seconds = 0;
+  std::int64_t peak_bytes = 0;
+
+  std::filesystem::path Path(const std::string& port) const { return folder / outputs.at(port).file; }
+};
+
+class ArtifactStore {
+ public:
+  /// @param state_folder  the project's .keypose
+  ArtifactStore(Disk& disk, std::filesystem::path state_folder);
+
+  /// The artifact when it is there with every file at its recorded size; else nothing.
+  std::optional<Artifact> Find(const std::string& fingerprint) const;
+
+  /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place; an artifact of the same fingerprint is
+  /// replaced.
+  /// @throws ToolError  a required output was not written @throws DiskError
+  Artifact Commit(const std::filesystem::path& made, const StageInfo& info, const Recipe& recipe, double seconds, std::int64_t peak_bytes);
+
+  std::filesystem::path FolderOf(const std::string& fingerprint) const;
+  /// Fingerprints of all folders in the cache, whole or not.
+  std::vector<std::string> All() const;
+  /// @return bytes of the artifact's files
+  std::uint64_t SizeOf(const std::string& fingerprint) const;
+  void Remove(const std::string& fingerprint);
+
+ private:
+  ArtifactOutput Measure(const std::filesystem::path& made, const PortInfo& port, std::map<std::string, std::uint64_t>* sizes) const;
+
+  Disk& disk_;
+  std::filesystem::path state_folder_;
+};
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,344 @@
+#include "pipeline/builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a shell would say of an exit code, as one of ours.
+ExitCode CodeOf(int raw) {
+  switch (raw) {
+    case 1:
+    case 2:
+    case 3:
+    case 4:
+    case 5:
+    case 6:
+    case 7:
+    case 130:
+      return static_cast<ExitCode>(raw);
+    default:
+      return raw > 128 ? ExitCode::kBug : ExitCode::kTool;
+  }
+}
+
+std::string LastLines(const std::string& text, int count) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    if (!line.empty()) lines.push_back(line);
+  }
+  std::string result;
+  for (std::size_t i = lines.size() > static_cast<std::size_t>(count) ? lines.size() - static_cast<std::size_t>(count) : 0;
+       i < lines.size(); ++i) {
+    result += (result.empty() ? "" : "\n") + lines[i];
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string FolderName(const std::string& step_id) {
+  std::string name = step_id;
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
+Builder::Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock, ResultsFolder& results,
+                 RunObserver& observer, const Limits& limits)
+    : plan_(plan),
+      workshop_(workshop),
+      processes_(processes),
+      clock_(clock),
+      results_(results),
+      observer_(observer),
+      limits_(limits),
+      reported_(static_cast<std::size_t>(plan.size()), false) {}
+
+fs::path Builder::WorkFolder(int step) const {
+  return workshop_.state() / "tmp" / FolderName(plan_.graph().steps[static_cast<std::size_t>(step)].id);
+}
+
+fs::path Builder::FailedFolder(int step) const {
+  return workshop_.state() / "failed" / FolderName(plan_.graph().steps[static_cast<std::size_t>(step)].id);
+}
+
+RunResult Builder::Run(RunRecord record) {
+  record_ = std::move(record);
+  record_.begin = clock_.Now();
+  // Whatever an earlier run left behind: the project is locked, so nobody else is at work here.
+  workshop_.disk.Remove(workshop_.state() / "tmp");
+  std::map<std::string, double> expected;
+  for (int i = 0; i < plan_.size(); ++i) {
+    if (plan_[i].wanted && plan_[i].state != StepPlan::State::kDone) {
+      expected[plan_.graph().steps[static_cast<std::size_t>(i)].id] =
+          plan_[i].last && !plan_[i].last->fingerprint.empty() ? plan_[i].last->seconds : -1;
+    }
+  }
+  observer_.Begin(expected);
+  try {
+    Loop();
+    observer_.End();
+    results_.Save();
+    workshop_.hasher.Save();
+    workshop_.disk.Remove(workshop_.state() / "tmp");
+    SaveRecord();
+  } catch (const Error& error) {
+    processes_.StopAll();
+    workshop_.disk.Remove(workshop_.state() / "tmp");
+    // On a full disk the records cannot be written either; the step's own fault says more.
+    if (result_.code == ExitCode::kOk) throw;
+  }
+  return result_;
+}
+
+void Builder::Loop() {
+  for (const std::string& note : results_.DropStepsOutside(plan_.graph())) observer_.Note(note);
+  for (;;) {
+    if (processes_.interrupted()) return Interrupt();
+    ReportCached();
+    if (result_.code == ExitCode::kOk) StartReady();
+    if (running_.empty() && !processes_.interrupted()) return;
+    for (const ProcessEvent& event : processes_.Wait(0.2)) Handle(event);
+    observer_.Tick();
+  }
+}
+
+void Builder::ReportCached() {
+  for (int i = 0; i < plan_.size(); ++i) {
+    if (plan_[i].state != StepPlan::State::kDone || reported_[static_cast<std::size_t>(i)] || !plan_[i].wanted) continue;
+    Adopt(i, false, 0, 0);
+    ++result_.cached;
+  }
+}
+
+/// The artifact of a step is there: names its results and remembers what it was made from.
+void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes) {
+  reported_[static_cast<std::size_t>(step)] = true;
+  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  const StepPlan& plan = plan_[step];
+  for (const std::string& note : results_.Publish(what, *plan.artifact)) observer_.Note(note);
+  if (made || !plan.last || plan.last->failed || plan.last->fingerprint != plan.fingerprint) {
+    StepRecord record;
+    record.fingerprint = plan.fingerprint;
+    record.recipe = plan.recipe;
+    record.seconds = plan.artifact->seconds;
+    record.peak_bytes = plan.artifact->peak_bytes;
+    record.when = clock_.Now();
+    record.reasons = plan.reasons;
+    if (!made && plan.last && !plan.last->fingerprint.empty()) record.reasons = Differences(plan.last->recipe, plan.recipe);
+    workshop_.records.SetLast(what.id, record);
+  }
+  AddToRecord(step, made ? "made" : "cached", seconds, peak_bytes);
+  observer_.Finished(what.id, made ? "made" : "cached", seconds);
+}
+
+void Builder::AddToRecord(int step, const std::string& status, double seconds, std::int64_t peak_bytes) {
+  record_.steps.push_back(
+      {plan_.graph().steps[static_cast<std::size_t>(step)].id, status, plan_[step].fingerprint, seconds, peak_bytes, plan_[step].reasons});
+}
+
+std::int64_t Builder::MemoryOf(int step) const {
+  const StepPlan& plan = plan_[step];
+  // What it took last time, and some room, is better than what it says of itself.
+  if (plan.last && plan.last->peak_bytes > 0) return plan.last->peak_bytes + plan.last->peak_bytes / 4;
+  return plan_.graph().steps[static_cast<std::size_t>(step)].info.memory_bytes;
+}
+
+bool Builder::MayStart(int step, std::int64_t memory) const {
+  if (running_.empty()) return true;
+  int threads = 0;
+  std::int64_t used = 0;
+  for (const auto& [id, running] : running_) {
+    threads += running.threads;
+    used += running.memory_bytes;
+    // Two steps that would make the same artifact: the second finds it in the cache when the first is done.
+    if (plan_[running.step].fingerprint == plan_[step].fingerprint) return false;
+  }
+  return threads < limits_.cores && (limits_.memory_bytes <= 0 || used + memory <= limits_.memory_bytes);
+}
+
+/// A fair share of the free cores; a step that can use fewer leaves the rest to others.
+int Builder::ThreadsFor(int step, int ready) const {
+  int free = limits_.cores;
+  for (const auto& [id, running] : running_) free -= running.threads;
+  const int usable = plan_.graph().steps[static_cast<std::size_t>(step)].info.cores;
+  const int share = std::max(1, free / std::max(1, ready));
+  return usable > 0 ? std::min(usable, share) : share;
+}
+
+void Builder::StartReady() {
+  const auto is_running = [&](int step) {
+    return std::any_of(running_.begin(), running_.end(), [&](const auto& entry) { return entry.second.step == step; });
+  };
+  for (;;) {
+    std::vector<int> ready = plan_.Ready();
+    std::erase_if(ready, is_running);
+    bool found_in_cache = false;
+    int waiting = static_cast<int>(ready.size());
+    for (const int step : ready) {
+      // Another step of this run may have made the same artifact meanwhile.
+      if (auto artifact = plan_[step].forced ? std::nullopt : workshop_.store.Find(plan_[step].fingerprint)) {
+        plan_.SetDone(step, std::move(*artifact), false);
+        found_in_cache = true;
+        continue;
+      }
+      if (MayStart(step, MemoryOf(step))) Start(step, ThreadsFor(step, waiting));
+      --waiting;
+      if (result_.code != ExitCode::kOk) return;
+    }
+    if (!found_in_cache) return;
+    ReportCached();
+  }
+}
+
+std::vector<fs::path> Builder::PathsOf(const Flow& flow, const PortFlows& port, int step) {
+  const fs::path inputs = WorkFolder(step) / "inputs" / port.port;
+  if (flow.kind == Flow::Kind::kTimeline) {
+    workshop_.disk.Write(inputs / "timeline.json", plan_.graph().timeline_json);
+    return {inputs / "timeline.json"};
+  }
+  if (flow.kind == Flow::Kind::kRun) {
+    workshop_.disk.Write(inputs / "run.json", plan_.RunJson(step));
+    return {port.folder ? inputs : inputs / "run.json"};
+  }
+  return {plan_.SourceOf(flow)};
+}
+
+std::vector<std::string> Builder::ArgumentsOf(int step) {
+  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  const fs::path made = WorkFolder(step) / "made";
+  std::vector<std::string> arguments = {what.program.string()};
+  const auto add = [&](const std::string& flag, const std::string& value) {
+    arguments.push_back("--" + flag);
+    arguments.push_back(value);
+  };
+  for (const PortFlows& port : what.inputs) {
+    for (const Flow& flow : port.flows) {
+      for (const fs::path& path : PathsOf(flow, port, step)) add(port.port, path.string());
+    }
+  }
+  for (const PortInfo& port : what.info.outputs) add(port.name, (made / port.file).string());
+  for (const auto& [name, value] : what.options) add(name, value);
+  add("report", (made / "report.json").string());
+  return arguments;
+}
+
+void Builder::Start(int step, int threads) {
+  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  Running running{step, threads, MemoryOf(step), clock_.Now()};
+  try {
+    workshop_.disk.Remove(WorkFolder(step));
+    workshop_.disk.MakeFolder(WorkFolder(step) / "made");
+    workshop_.disk.MakeFolder(WorkFolder(step) / "scratch");
+    Command command;
+    command.arguments = ArgumentsOf(step);
+    command.environment = {fmt::format("KEYPOSE_THREADS={}", threads), "TMPDIR=" + (WorkFolder(step) / "scratch").string()};
+    command.folder = WorkFolder(step) / "scratch";
+    command.log = WorkFolder(step) / "made" / "log.txt";
+    running_[processes_.Start(command)] = running;
+  } catch (const Error& error) {
+    return Fail(running, static_cast<int>(error.code()), error.what());
+  }
+  observer_.Started(what.id, plan_[step].reasons, threads);
+}
+
+void Builder::Handle(const ProcessEvent& event) {
+  const auto it = running_.find(event.id);
+  if (it == running_.end()) return;
+  const Running running = it->second;
+  if (event.kind == ProcessEvent::Kind::kProgress) {
+    observer_.Progressed(plan_.graph().steps[static_cast<std::size_t>(running.step)].id, event.fraction, event.what);
+    return;
+  }
+  running_.erase(it);
+  if (processes_.interrupted()) return;  // it ended because we are being stopped, or just before: either way it is not kept
+  if (event.exit_code != 0) return Fail(running, event.exit_code, "");
+  try {
+    Succeed(running, event.peak_bytes);
+  } catch (const Error& error) {
+    Fail(running, static_cast<int>(error.code()), error.what());
+  }
+}
+
+void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
+  const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
+  const double seconds = clock_.Now() - running.begin;
+  Artifact artifact = workshop_.store.Commit(WorkFolder(running.step) / "made", what.info, plan_[running.step].recipe, seconds, peak_bytes);
+  workshop_.disk.Remove(WorkFolder(running.step));
+  workshop_.disk.Remove(FailedFolder(running.step));
+  plan_.SetDone(running.step, std::move(artifact), true);
+  ++result_.made;
+  Adopt(running.step, true, seconds, peak_bytes);
+  SaveRecord();
+}
+
+void Builder::Fail(const Running& running, int raw_code, const std::string& message) {
+  const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
+  const ExitCode code = CodeOf(raw_code);
+  const fs::path log = WorkFolder(running.step) / "made" / "log.txt";
+  std::string said = message;
+  try {
+    if (workshop_.disk.Stat(log)) {
+      if (said.empty()) said = LastLines(workshop_.disk.Read(log), 6);
+      workshop_.disk.Remove(FailedFolder(running.step));
+      workshop_.disk.Move(log, FailedFolder(running.step) / "log.txt");
+    }
+    workshop_.disk.Remove(WorkFolder(running.step));
+    StepRecord record = plan_[running.step].last.value_or(StepRecord{});
+    record.failed = true;
+    record.exit_code = static_cast<int>(code);
+    record.failed_fingerprint = plan_[running.step].fingerprint;
+    record.error = said;
+    record.when = clock_.Now();
+    workshop_.records.SetLast(what.id, record);
+  } catch (const Error& error) {
+    said +=
+        fmt::format("\n(and its log could not be kept: {})", error.what());  // on a full disk, say; the first fault is the one that counts
+  }
+  AddToRecord(running.step, "failed", clock_.Now() - running.begin, 0);
+  observer_.Finished(what.id, "failed", clock_.Now() - running.begin);
+  if (result_.code != ExitCode::kOk) return;
+  result_.code = code;
+  result_.message = FailureMessage(running.step, code, raw_code, said);
+}
+
+std::string Builder::FailureMessage(int step, ExitCode code, int raw_code, const std::string& said) const {
+  const std::string& id = plan_.graph().steps[static_cast<std::size_t>(step)].id;
+  std::string message = fmt::format("{} failed with exit code {}", id, static_cast<int>(code));
+  if (raw_code > 128 && code == ExitCode::kBug) {
+    message += fmt::format(": it was ended by signal {}", raw_code - 128);
+    if (raw_code == 128 + 9) message += " (killed: perhaps the machine ran out of memory; try a smaller -j)";
+  } else if (raw_code == 127) {
+    message += ": the program could not be started";
+  }
+  message += "\n" + said;
+  const fs::path log = FailedFolder(step) / "log.txt";
+  if (workshop_.disk.Stat(log)) message += fmt::format("\nits whole log: {} (or `keypose log {}`)", log.string(), id);
+  message += "\nwhen that is mended, `keypose run` goes on from here; what was made before is kept";
+  return message;
+}
+
+void Builder::Interrupt() {
+  processes_.StopAll();
+  for (const auto& [id, running] : running_) {
+    AddToRecord(running.step, "interrupted", clock_.Now() - running.begin, 0);
+    observer_.Finished(plan_.graph().steps[static_cast<std::size_t>(running.step)].id, "interrupted", clock_.Now() - running.begin);
+  }
+  running_.clear();
+  result_.code = ExitCode::kInterrupted;
+  result_.message = "interrupted; what was made before is kept, `keypose run` goes on from here";
+}
+
+void Builder::SaveRecord() {
+  record_.end = clock_.Now();
+  record_.exit_code = static_cast<int>(result_.code);
+  workshop_.records.Save(record_);
+}
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,84 @@
+// Runs what a plan wants, side by side within cores and memory, and keeps cache, records and out/ true at every moment.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "pipeline/clock.h"
+#include "pipeline/observer.h"
+#include "pipeline/plan.h"
+#include "pipeline/process.h"
+#include "pipeline/results_folder.h"
+
+namespace keypose::pipeline {
+
+struct Limits {
+  int cores = 1;                  ///< all running steps together
+  std::int64_t memory_bytes = 0;  ///< all running steps together; 0: not limited
+};
+
+struct RunResult {
+  ExitCode code = ExitCode::kOk;
+  int made = 0, cached = 0;
+  std::string message;  ///< of a failure: which step, what it said, where its log is, what to do
+};
+
+class Builder {
+ public:
+  /// Keeps references to all.
+  Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock, ResultsFolder& results, RunObserver& observer,
+          const Limits& limits);
+
+  /// Runs until nothing is left, a step failed (running ones are finished first), or the user interrupted.
+  /// @param record  its name, command and host are given; the rest is filled in and saved after every step
+  /// @throws DiskError  the state folder cannot be written
+  RunResult Run(RunRecord record);
+
+ private:
+  struct Running {
+    int step = -1;
+    int threads = 1;
+    std::int64_t memory_bytes = 0;
+    double begin = 0;
+  };
+
+  void Loop();
+  void ReportCached();
+  void StartReady();
+  bool MayStart(int step, std::int64_t memory) const;
+  std::int64_t MemoryOf(int step) const;
+  int ThreadsFor(int step, int ready) const;
+  void Start(int step, int threads);
+  std::vector<std::string> ArgumentsOf(int step);
+  std::vector<std::filesystem::path> PathsOf(const Flow& flow, const PortFlows& port, int step);
+  void Handle(const ProcessEvent& event);
+  void Succeed(const Running& running, std::int64_t peak_bytes);
+  void Fail(const Running& running, int exit_code, const std::string& message);
+  void Adopt(int step, bool made, double seconds, std::int64_t peak_bytes);
+  std::string FailureMessage(int step, ExitCode code, int raw_code, const std::string& said) const;
+  void AddToRecord(int step, const std::string& status, double seconds, std::int64_t peak_bytes);
+  void Interrupt();
+  void SaveRecord();
+
+  std::filesystem::path WorkFolder(int step) const;
+  std::filesystem::path FailedFolder(int step) const;
+
+  Plan& plan_;
+  Workshop& workshop_;
+  ProcessRunner& processes_;
+  const Clock& clock_;
+  ResultsFolder& results_;
+  RunObserver& observer_;
+  Limits limits_;
+  RunRecord record_;
+  RunResult result_;
+  std::map<int, Running> running_;  ///< by process id
+  std::vector<bool> reported_;      ///< steps whose artifact was adopted
+};
+
+/// A step id as a folder name.
+std::string FolderName(const std::string& step_id);
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,44 @@
+// The commands of `keypose`. Each prints to standard output and returns an exit code, or throws one of core/errors.h.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "pipeline/plan.h"
+
+namespace keypose::pipeline {
+
+struct RunOptions {
+  std::string folder;  ///< -C
+  Selection selection;
+  std::vector<std::string> set;
+  bool dry_run = false;
+  int cores = 0;         ///< 0: all
+  std::string progress;  ///< "", "bars", "lines", "jsonl"
+  std::string command_line;
+};
+ExitCode RunCommand(const RunOptions& options);
+
+struct InitOptions {
+  std::string folder;
+  std::vector<std::string> poses;  ///< NAME=PHOTO_DIR
+  std::string template_pose;
+};
+ExitCode InitCommand(const InitOptions& options);
+
+ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set);
+ExitCode ExplainCommand(const std::string& folder, const std::string& step, const std::vector<std::string>& set);
+ExitCode LogCommand(const std::string& folder, const std::string& step);
+ExitCode GraphCommand(const std::string& folder, bool dot);
+ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs);
+ExitCode UnlockCommand(const std::string& folder, bool force);
+ExitCode ReportCommand(const std::string& folder);
+ExitCode DoctorCommand();
+ExitCode VersionCommand();
+
+/// What `explain` says of one step.
+std::string Explanation(const Plan& plan, int step);
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,42 @@
+// Content hashes of the project's own files, remembered by size, time and inode so that unchanged files are not read again.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "pipeline/disk.h"
+#include "pipeline/recipe.h"
+
+namespace keypose::pipeline {
+
+class ContentHasher {
+ public:
+  /// @param memory_file  where hashes are remembered
+  /// @param root         remembered paths are relative to it, so that a moved project keeps them
+  ContentHasher(Disk& disk, std::filesystem::path memory_file, std::filesystem::path root);
+
+  /// Of a file, or of all files below a folder; names that start with '.', and Thumbs.db and desktop.ini, do not count, since file
+  /// managers write them. @pre path exists
+  Content Of(const std::filesystem::path& path);
+  /// Hash of one file.
+  std::string OfFile(const std::filesystem::path& path);
+  /// Writes what was learnt, if anything. @throws DiskError
+  void Save();
+  int files_read() const { return files_read_; }
+
+ private:
+  struct Entry {
+    FileStat stat;
+    std::string hash;
+  };
+  void Load();
+
+  Disk& disk_;
+  std::filesystem::path memory_file_, root_;
+  std::map<std::string, Entry> entries_;
+  bool loaded_ = false, changed_ = false;
+  int files_read_ = 0;
+};
+
+}  // namespace keypose::pipeline

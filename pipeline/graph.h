@@ -1,0 +1,88 @@
+// The graph of steps: the pipeline file's rules fanned out over poses, with every input, option and result resolved and checked.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pipeline/pipeline_file.h"
+#include "pipeline/stage_catalog.h"
+
+namespace keypose::pipeline {
+
+/// One thing that flows into an input port.
+struct Flow {
+  enum class Kind {
+    kOutput,    ///< of another step
+    kSource,    ///< a file or folder of the project
+    kTimeline,  ///< a file made from the timeline
+    kRun        ///< a folder that tells of all other steps
+  };
+  Kind kind = Kind::kSource;
+  int step = -1;               ///< kOutput: index into Graph::steps
+  std::string port;            ///< kOutput
+  std::filesystem::path path;  ///< kSource: as the file has it, relative to the project
+  std::string origin;          ///< for people: "photos/bent", "sfm/bent.model", "the timeline"
+  Where where;
+};
+
+struct PortFlows {
+  std::string port;
+  bool folder = false;
+  std::vector<Flow> flows;  ///< at least one
+};
+
+/// A file or folder of the cache that gets a name below out/.
+struct NamedResult {
+  std::string port, inside;    ///< `inside`: one file of a folder port, or empty
+  std::filesystem::path path;  ///< relative to out/
+  Where where;
+};
+
+struct Step {
+  std::string id;           ///< "sfm/rest", "register/bent", "report"
+  std::string rule;         ///< "sfm"
+  std::string pose;         ///< empty for steps of the animation and the project
+  std::string source_pose;  ///< of a pair: the template
+  std::filesystem::path program;
+  StageInfo info;
+  std::vector<PortFlows> inputs;               ///< in the stage's order of ports
+  std::map<std::string, std::string> options;  ///< all of them, canonical
+  std::vector<NamedResult> results;
+  std::vector<int> needs;  ///< indices of the steps it takes from, ascending
+  Where where;
+};
+
+struct Graph {
+  std::string name, template_pose;
+  std::vector<std::string> poses;  ///< template first, then in the order of the timeline, then of the file
+  std::string timeline_json;       ///< what $timeline holds; empty without a timeline
+  std::vector<Step> steps;         ///< each after all that it needs
+
+  /// Steps that a person means by STEP or STEP/POSE, ascending. @throws UsageError  none, with the nearest
+  std::vector<int> Find(const std::string& selector) const;
+};
+
+/// --set STEP.OPTION=V or STEP/POSE.OPTION=V
+struct Override {
+  std::string step, pose, option, value;
+};
+/// @throws UsageError  not of that form
+Override ParseOverride(const std::string& text);
+
+/// Where things are.
+struct Places {
+  std::filesystem::path project;       ///< its root folder
+  std::filesystem::path stage_folder;  ///< has the programs keypose-STAGE
+};
+
+/// Checks and builds all. Asks the stages of all enabled steps to describe themselves.
+///
+/// @throws UsageError  a step, pose, port, option or reference that does not exist, a wrong type, a cycle, two steps that write one
+///                     result; with file:line
+/// @throws ToolError   a stage cannot be asked
+Graph BuildGraph(const PipelineFile& file, const std::vector<Override>& overrides, const Places& places, const Disk& disk,
+                 StageCatalog& catalog);
+
+}  // namespace keypose::pipeline

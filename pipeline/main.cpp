@@ -1,0 +1,192 @@
+// The program `keypose`: its own commands, and `keypose STAGE ...`, which becomes the program keypose-STAGE.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+
+#include "pipeline/commands.h"
+#include "pipeline/session.h"
+#include "pipeline/stage_info.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kCommands = {"init", "run",    "status", "explain", "log",    "graph",
+                                            "gc",   "unlock", "pack",   "report",  "studio", "doctor"};
+
+std::vector<std::string> StageNames() {
+  std::vector<std::string> names;
+  for (const std::string& name : RealDisk().Children(ProgramFolder())) {
+    if (name.starts_with("keypose-")) names.push_back(name.substr(8));
+  }
+  return names;
+}
+
+bool IsCommand(const std::string& word) { return std::find(kCommands.begin(), kCommands.end(), word) != kCommands.end(); }
+
+/// `keypose report` shows the project's report; with the stage's flags it is the stage of that name.
+bool MeansStage(int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return false;
+  const std::string word = argv[1];
+  if (!IsCommand(word)) return true;
+  if (access((ProgramFolder() / ("keypose-" + word)).c_str(), X_OK) != 0) return false;
+  for (int i = 2; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument.starts_with("--") && argument != "--folder") return true;
+  }
+  return false;
+}
+
+[[noreturn]] void BecomeStage(char** argv) {
+  const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
+  if (access(program.c_str(), X_OK) != 0) {
+    std::vector<std::string> known = kCommands;
+    for (const std::string& stage : StageNames()) known.push_back(stage);
+    throw UsageError(
+        fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1], Suggestion(argv[1], known)));
+  }
+  argv[1] = const_cast<char*>(program.c_str());
+  execv(program.c_str(), argv + 1);
+  throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
+}
+
+/// All commands with their flags; `chosen` becomes what was asked for.
+class CommandLine {
+ public:
+  CommandLine(int argc, char** argv) : app_("Keypose: photographs of key poses in, a textured, animated character out.", "keypose") {
+    for (int i = 0; i < argc; ++i) run_.command_line += (i ? " " : "") + std::string(i ? argv[i] : "keypose");
+    app_.require_subcommand(0, 1);
+    app_.add_flag("--version", version_, "versions of keypose and of what it works with");
+    std::string stages;
+    for (const std::string& stage : StageNames()) stages += " " + stage;
+    app_.footer("Stages, also to be used alone (keypose STAGE --help):" + stages);
+    AddInit();
+    AddRun();
+    AddLookers();
+    AddLater();
+  }
+
+  ExitCode Run(int argc, char** argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::CallForHelp&) {
+      for (const CLI::App* command : app_.get_subcommands()) {
+        fmt::print("{}", command->help());
+        return ExitCode::kOk;
+      }
+      fmt::print("{}", app_.help());
+      return ExitCode::kOk;
+    } catch (const CLI::ParseError& error) {
+      throw UsageError(fmt::format("{}; see `keypose --help` or `keypose COMMAND --help`", error.what()));
+    }
+    if (version_) return VersionCommand();
+    if (chosen_) return chosen_();
+    fmt::print("{}", app_.help());
+    return ExitCode::kUsage;
+  }
+
+ private:
+  CLI::App* Command(const std::string& name, const std::string& help, std::function<ExitCode()> action) {
+    CLI::App* command = app_.add_subcommand(name, help);
+    command->callback([this, action = std::move(action)] { chosen_ = action; });
+    return command;
+  }
+  CLI::App* InProject(CLI::App* command) {
+    command->add_option("-C,--folder", run_.folder, "the project's folder; else the current one or the nearest above");
+    return command;
+  }
+  void TakesSet(CLI::App* command) {
+    command->add_option("--set", run_.set, "STEP.OPTION=V or STEP/POSE.OPTION=V, for this time only")->allow_extra_args(false);
+  }
+
+  void AddInit() {
+    CLI::App* init = Command("init", "make a project", [this] { return InitCommand(init_); });
+    init->add_option("DIR", init_.folder, "folder to make")->required();
+    init->add_option("--pose", init_.poses, "NAME=PHOTO_DIR; the photographs are copied")->allow_extra_args(false)->required();
+    init->add_option("--template", init_.template_pose, "the pose whose mesh and UVs all others take; the first unless said");
+  }
+
+  void AddRun() {
+    CLI::App* run = InProject(Command("run", "make what is not up to date", [this] { return RunChecked(); }));
+    Selection& selection = run_.selection;
+    run->add_option("--from", selection.from, "only this step and what follows; what lies before is taken as last made")
+        ->allow_extra_args(false);
+    run->add_option("--until", selection.until, "only this step and what it needs")->allow_extra_args(false);
+    run->add_option("--only", selection.only, "only this step")->allow_extra_args(false);
+    run->add_option("--force", selection.force, "run this step even if it is up to date")->allow_extra_args(false);
+    run->add_flag("--dry-run", run_.dry_run, "say what would run, and why");
+    run->add_option("-j,--jobs", run_.cores, "cores for all steps together; all unless said")->check(CLI::Range(1, 4096));
+    run->add_option("--progress", run_.progress, "bars, lines or jsonl")->check(CLI::IsMember({"bars", "lines", "jsonl"}));
+    run->add_option("--executor", executor_, "local (slurm is not part of this version)");
+    TakesSet(run);
+  }
+
+  ExitCode RunChecked() {
+    if (executor_ == "slurm") throw UsageError("--executor slurm: this version of keypose runs on one machine only; leave the flag out");
+    if (executor_ != "local") throw UsageError(fmt::format("--executor {}: only local is known", executor_));
+    return RunCommand(run_);
+  }
+
+  void AddLookers() {
+    TakesSet(InProject(Command("status", "what is up to date, and what is not", [this] { return StatusCommand(run_.folder, run_.set); })));
+    CLI::App* explain =
+        InProject(Command("explain", "why a step would run, or last ran", [this] { return ExplainCommand(run_.folder, step_, run_.set); }));
+    TakesSet(explain);
+    CLI::App* log = InProject(Command("log", "what a step last said", [this] { return LogCommand(run_.folder, step_); }));
+    for (CLI::App* command : {explain, log}) command->add_option("STEP", step_, "STEP or STEP/POSE")->required();
+    CLI::App* graph =
+        InProject(Command("graph", "the steps and what flows between them", [this] { return GraphCommand(run_.folder, dot_); }));
+    graph->add_flag("--dot", dot_, "for Graphviz");
+    CLI::App* gc = InProject(
+        Command("gc", "remove results that nothing refers to", [this] { return GcCommand(run_.folder, run_.dry_run, keep_runs_); }));
+    gc->add_flag("--dry-run", run_.dry_run, "only say how much");
+    gc->add_option("--keep-runs", keep_runs_, "results of this many last runs stay")->check(CLI::Range(0, 100000))->capture_default_str();
+    CLI::App* unlock = InProject(Command("unlock", "say who holds the project's lock, and clear a stale one",
+                                         [this] { return UnlockCommand(run_.folder, force_); }));
+    unlock->add_flag("--force", force_, "take it away from a machine that is gone");
+    InProject(Command("report", "where the project's report is", [this] { return ReportCommand(run_.folder); }));
+    Command("doctor", "check programs and libraries", [] { return DoctorCommand(); });
+  }
+
+  void AddLater() {
+    for (const std::string name : {"pack", "studio"}) {
+      Command(name, "not part of this version", [name]() -> ExitCode {
+        throw UsageError(fmt::format("this version of keypose has no `{}` yet", name));
+      })->allow_extras();
+    }
+  }
+
+  CLI::App app_;
+  std::function<ExitCode()> chosen_;
+  RunOptions run_;
+  InitOptions init_;
+  std::string step_, executor_ = "local";
+  bool version_ = false, dot_ = false, force_ = false;
+  int keep_runs_ = 10;
+};
+
+int Main(int argc, char** argv) {
+  try {
+    if (MeansStage(argc, argv)) BecomeStage(argv);
+    return static_cast<int>(CommandLine(argc, argv).Run(argc, argv));
+  } catch (const Error& error) {
+    std::fflush(stdout);
+    fmt::print(stderr, "keypose: {}{}\n", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "keypose: a bug: {}\nplease report it with the command that you gave\n", error.what());
+    return static_cast<int>(ExitCode::kBug);
+  }
+}
+
+}  // namespace
+}  // namespace keypose::pipeline
+
+int main(int argc, char** argv) { return keypose::pipeline::Main(argc, argv); }

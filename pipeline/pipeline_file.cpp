@@ -1,0 +1,292 @@
+#include "pipeline/pipeline_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "core/errors.h"
+#include "pipeline/stage_info.h"
+
+namespace keypose::pipeline {
+namespace {
+
+/// Walks the YAML tree; every complaint carries file:line and the path of keys.
+class Reader {
+ public:
+  explicit Reader(std::string file) : file_(std::move(file)) {}
+
+  Where At(const YAML::Node& node) const { return {file_, node.Mark().line + 1}; }
+
+  [[noreturn]] void Fail(const YAML::Node& node, const std::string& message) const {
+    throw UsageError(fmt::format("{}: {}", At(node).Text(), message));
+  }
+
+  /// Calls `entry(key, key_node, value)` for each entry of a map with unique text keys.
+  template <class Entry>
+  void Map(const YAML::Node& node, const std::string& what, const Entry& entry) const {
+    if (node.IsNull()) return;
+    if (!node.IsMap()) Fail(node, fmt::format("{} must be a map of `key: value` lines", what));
+    std::set<std::string> seen;
+    for (const auto& pair : node) {
+      if (!pair.first.IsScalar()) Fail(pair.first, fmt::format("a key of {} must be a plain word", what));
+      const std::string key = pair.first.Scalar();
+      if (!seen.insert(key).second) Fail(pair.first, fmt::format("{} has the key '{}' twice", what, key));
+      entry(key, pair.first, pair.second);
+    }
+  }
+
+  Setting Text(const YAML::Node& node, const std::string& what) const {
+    if (!node.IsScalar()) Fail(node, fmt::format("{} must be a single value", what));
+    return {node.Scalar(), At(node)};
+  }
+
+  void Unknown(const YAML::Node& key, const std::string& what, const std::vector<std::string>& known) const {
+    Fail(key, fmt::format("{} has no key '{}'{}", what, key.Scalar(), Suggestion(key.Scalar(), known)));
+  }
+
+  void CheckName(const YAML::Node& key, const std::string& what) const {
+    const std::string name = key.Scalar();
+    const bool fine = !name.empty() && name[0] != '-' &&
+                      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
+    if (!fine) Fail(key, fmt::format("{} '{}' may have letters, digits, '-' and '_' only, because folders are named by it", what, name));
+  }
+
+  OptionSettings Options(const YAML::Node& node, const std::string& what) const {
+    OptionSettings options;
+    Map(node, what,
+        [&](const std::string& key, const YAML::Node&, const YAML::Node& value) { options[key] = Text(value, what + "." + key); });
+    return options;
+  }
+
+  StepOptionSettings StepOptions(const YAML::Node& node, const std::string& what) const {
+    StepOptionSettings options;
+    Map(node, what, [&](const std::string& step, const YAML::Node& key, const YAML::Node& value) {
+      options[step] = {At(key), Options(value, what + "." + step)};
+    });
+    return options;
+  }
+
+  PoseRule Pose(const std::string& name, const YAML::Node& key, const YAML::Node& node) const {
+    CheckName(key, "the pose name");
+    PoseRule pose;
+    pose.name = name;
+    pose.where = At(key);
+    if (node.IsScalar()) {
+      pose.photos = Text(node, "photos");
+      return pose;
+    }
+    const std::string what = "pose '" + name + "'";
+    Map(node, what, [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+      if (field == "photos")
+        pose.photos = Text(value, field);
+      else if (field == "masks")
+        pose.masks = Text(value, field);
+      else if (field == "background")
+        pose.background = Text(value, field);
+      else if (field == "landmarks")
+        pose.landmarks = Text(value, field);
+      else if (field == "options")
+        pose.options = StepOptions(value, what + ".options");
+      else
+        Unknown(field_key, what, {"photos", "masks", "background", "landmarks", "options"});
+    });
+    return pose;
+  }
+
+  double Number(const YAML::Node& node, const std::string& what) const {
+    const Setting setting = Text(node, what);
+    double value = 0;
+    const char* end_of_text = setting.text.data() + setting.text.size();
+    const auto [end, error] = std::from_chars(setting.text.data(), end_of_text, value);
+    if (error != std::errc() || end != end_of_text || !std::isfinite(value))
+      Fail(node, fmt::format("{} is '{}', but it must be a number", what, setting.text));
+    return value;
+  }
+
+  TimelineKey Key(const YAML::Node& node) const {
+    if (node.IsScalar()) return {Text(node, "timeline"), std::nullopt};
+    TimelineKey key;
+    Map(node, "a timeline key", [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+      if (field == "pose")
+        key.pose = Text(value, "timeline pose");
+      else if (field == "at")
+        key.at_s = Number(value, "timeline 'at'");
+      else
+        Unknown(field_key, "a timeline key", {"pose", "at"});
+    });
+    if (key.pose.text.empty()) Fail(node, "a timeline key needs a pose, as in `{pose: rest, at: 0}`");
+    return key;
+  }
+
+  std::vector<TimelineKey> Timeline(const YAML::Node& node) const {
+    if (!node.IsSequence()) Fail(node, "timeline must be a list of poses, as in `[rest, bent, rest]`");
+    std::vector<TimelineKey> keys;
+    for (const YAML::Node& item : node) {
+      keys.push_back(Key(item));
+      const TimelineKey* before = keys.size() > 1 ? &keys[keys.size() - 2] : nullptr;
+      if (before && before->at_s.has_value() != keys.back().at_s.has_value()) Fail(item, "either all timeline keys have an 'at', or none");
+      if (before && before->at_s && *before->at_s >= *keys.back().at_s)
+        Fail(item, "timeline keys must come in the order of time, each later than the one before");
+    }
+    return keys;
+  }
+
+  std::vector<Setting> References(const YAML::Node& node, const std::string& what) const {
+    if (node.IsNull()) return {};
+    if (!node.IsSequence()) return {Text(node, what)};
+    std::vector<Setting> references;
+    for (const YAML::Node& item : node) references.push_back(Text(item, what));
+    return references;
+  }
+
+  InputRule Input(const YAML::Node& node, const std::string& what) const {
+    InputRule rule;
+    rule.where = At(node);
+    if (!node.IsMap()) {
+      rule.for_template = rule.for_others = References(node, what);
+      return rule;
+    }
+    Map(node, what, [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+      if (field == "template")
+        rule.for_template = References(value, what);
+      else if (field == "others")
+        rule.for_others = References(value, what);
+      else
+        Unknown(key, what, {"template", "others"});
+    });
+    return rule;
+  }
+
+  FanOut Fan(const YAML::Node& node) const {
+    static const std::map<std::string, FanOut> kKinds = {{"pose", FanOut::kPose},
+                                                         {"template", FanOut::kTemplate},
+                                                         {"pair", FanOut::kPair},
+                                                         {"animation", FanOut::kAnimation},
+                                                         {"project", FanOut::kProject}};
+    const Setting setting = Text(node, "for");
+    const auto it = kKinds.find(setting.text);
+    if (it == kKinds.end()) {
+      Fail(node, fmt::format("`for: {}` is not known{}", setting.text,
+                             Suggestion(setting.text, {"pose", "template", "pair", "animation", "project"})));
+    }
+    return it->second;
+  }
+
+  bool Bool(const YAML::Node& node, const std::string& what) const {
+    const Setting setting = Text(node, what);
+    if (setting.text != "true" && setting.text != "false")
+      Fail(node, fmt::format("{} is '{}', but it must be true or false", what, setting.text));
+    return setting.text == "true";
+  }
+
+  StepRule Step(const std::string& name, const YAML::Node& key, const YAML::Node& node) const {
+    CheckName(key, "the step name");
+    StepRule step;
+    step.name = name;
+    step.where = At(key);
+    const std::string what = "step '" + name + "'";
+    Map(node, what, [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+      if (field == "stage")
+        step.stage = Text(value, field);
+      else if (field == "program")
+        step.program = Text(value, field);
+      else if (field == "for")
+        step.fan_out = Fan(value);
+      else if (field == "enabled")
+        step.enabled = Bool(value, what + ".enabled");
+      else if (field == "options")
+        step.options = Options(value, what + ".options");
+      else if (field == "inputs")
+        Map(value, what + ".inputs", [&](const std::string& port, const YAML::Node&, const YAML::Node& input) {
+          step.inputs[port] = Input(input, what + ".inputs." + port);
+        });
+      else if (field == "out")
+        step.out = Options(value, what + ".out");
+      else
+        Unknown(field_key, what, {"stage", "program", "for", "enabled", "inputs", "options", "out"});
+    });
+    return step;
+  }
+
+  PipelineFile File(const YAML::Node& root) const {
+    PipelineFile file;
+    Map(root, "the pipeline", [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+      if (field == "name")
+        file.name = Text(value, field);
+      else if (field == "template")
+        file.template_pose = Text(value, field);
+      else if (field == "timeline")
+        file.timeline = Timeline(value);
+      else if (field == "options")
+        file.options = StepOptions(value, "options");
+      else if (field == "poses")
+        Map(value, "poses", [&](const std::string& name, const YAML::Node& pose_key, const YAML::Node& pose) {
+          file.poses.push_back(Pose(name, pose_key, pose));
+        });
+      else if (field == "steps")
+        Map(value, "steps", [&](const std::string& name, const YAML::Node& step_key, const YAML::Node& step) {
+          file.steps.push_back(Step(name, step_key, step));
+        });
+      else
+        Unknown(key, "the pipeline", {"name", "poses", "template", "timeline", "options", "steps"});
+    });
+    return file;
+  }
+
+ private:
+  std::string file_;
+};
+
+void OverlayStep(const StepRule& over, StepRule* step) {
+  step->enabled = over.enabled;
+  step->where = over.where;
+  // Naming a program replaces the stage, and the other way round.
+  if (over.stage || over.program) {
+    step->stage = over.stage;
+    step->program = over.program;
+  }
+  if (over.fan_out) step->fan_out = over.fan_out;
+  for (const auto& [port, rule] : over.inputs) step->inputs[port] = rule;
+  for (const auto& [name, value] : over.options) step->options[name] = value;
+  for (const auto& [port, path] : over.out) step->out[port] = path;
+}
+
+}  // namespace
+
+const StepRule* PipelineFile::FindStep(const std::string& step) const {
+  const auto it = std::find_if(steps.begin(), steps.end(), [&](const StepRule& rule) { return rule.name == step; });
+  return it == steps.end() ? nullptr : &*it;
+}
+
+const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
+  const auto it = std::find_if(poses.begin(), poses.end(), [&](const PoseRule& rule) { return rule.name == pose; });
+  return it == poses.end() ? nullptr : &*it;
+}
+
+PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {
+  try {
+    return Reader(file).File(YAML::Load(text));
+  } catch (const YAML::Exception& error) {
+    throw UsageError(fmt::format("{}:{}: this is not YAML: {}", file, error.mark.line + 1, error.msg));
+  }
+}
+
+PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project) {
+  PipelineFile result = project;
+  result.steps = defaults.steps;
+  for (const StepRule& over : project.steps) {
+    const auto it = std::find_if(result.steps.begin(), result.steps.end(), [&](const StepRule& step) { return step.name == over.name; });
+    if (it == result.steps.end()) {
+      result.steps.push_back(over);
+    } else {
+      OverlayStep(over, &*it);
+    }
+  }
+  return result;
+}
+
+}  // namespace keypose::pipeline

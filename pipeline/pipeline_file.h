@@ -1,0 +1,89 @@
+// pipeline.yaml: poses, template, timeline, options, steps; read with line numbers, checked, and laid over the default pipeline.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace keypose::pipeline {
+
+/// A place in a file, for messages.
+struct Where {
+  std::string file;
+  int line = 0;
+  std::string Text() const { return file + ":" + std::to_string(line); }
+};
+
+/// One scalar of the file, as text; its type is checked by whoever knows it.
+struct Setting {
+  std::string text;
+  Where where;
+};
+
+using OptionSettings = std::map<std::string, Setting>;  ///< option -> value
+
+struct StepSettings {
+  Where where;
+  OptionSettings options;
+};
+using StepOptionSettings = std::map<std::string, StepSettings>;  ///< by step
+
+/// How many instances a step has.
+enum class FanOut {
+  kPose,       ///< one for each pose
+  kTemplate,   ///< one, on the template
+  kPair,       ///< one for each pose other than the template
+  kAnimation,  ///< one, when there are two poses or more
+  kProject     ///< one
+};
+
+/// What goes into an input port: references, in order. The template may have others than the rest.
+struct InputRule {
+  std::vector<Setting> for_template, for_others;
+  Where where;
+};
+
+struct StepRule {
+  std::string name;
+  Where where;
+  bool enabled = true;
+  std::optional<Setting> stage;    ///< program keypose-STAGE
+  std::optional<Setting> program;  ///< an executable of the user's own; a path relative to the project
+  std::optional<FanOut> fan_out;
+  std::map<std::string, InputRule> inputs;
+  OptionSettings options;
+  std::map<std::string, Setting> out;  ///< output port, or PORT/FILE of a folder -> path below out/
+};
+
+struct PoseRule {
+  std::string name;
+  Where where;
+  std::optional<Setting> photos, masks, background, landmarks;
+  StepOptionSettings options;
+};
+
+struct TimelineKey {
+  Setting pose;
+  std::optional<double> at_s;  ///< [s]; keys without one are a second apart
+};
+
+struct PipelineFile {
+  std::vector<StepRule> steps;  ///< in the order of the file
+  std::vector<PoseRule> poses;
+  std::optional<Setting> name, template_pose;
+  std::vector<TimelineKey> timeline;
+  StepOptionSettings options;
+
+  const StepRule* FindStep(const std::string& step) const;
+  const PoseRule* FindPose(const std::string& pose) const;
+};
+
+/// @param file  how messages name it
+/// @throws UsageError  not YAML, an unknown key (with the nearest known one), a key twice, a wrong type; with file:line
+PipelineFile ParsePipelineFile(const std::string& text, const std::string& file);
+
+/// `project` over `defaults`: its steps add to, change or switch off steps of the same name; all else is the project's.
+PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project);
+
+}  // namespace keypose::pipeline

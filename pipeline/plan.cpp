@@ -1,0 +1,276 @@
+#include "pipeline/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "pipeline/sha256.h"
+
+namespace keypose::pipeline {
+namespace {
+
+using State = StepPlan::State;
+
+std::vector<bool> Marked(const Graph& graph, const std::vector<std::string>& selectors) {
+  std::vector<bool> marked(graph.steps.size(), false);
+  for (const std::string& selector : selectors) {
+    for (const int i : graph.Find(selector)) marked[static_cast<std::size_t>(i)] = true;
+  }
+  return marked;
+}
+
+/// The marked steps and all that follow from them.
+std::vector<bool> WithFollowers(const Graph& graph, std::vector<bool> marked) {
+  for (std::size_t i = 0; i < graph.steps.size(); ++i) {
+    for (const int need : graph.steps[i].needs) marked[i] = marked[i] || marked[static_cast<std::size_t>(need)];
+  }
+  return marked;
+}
+
+/// The marked steps and all that they need.
+std::vector<bool> WithNeeds(const Graph& graph, std::vector<bool> marked) {
+  for (std::size_t i = graph.steps.size(); i-- > 0;) {
+    if (!marked[i]) continue;
+    for (const int need : graph.steps[i].needs) marked[static_cast<std::size_t>(need)] = true;
+  }
+  return marked;
+}
+
+}  // namespace
+
+Plan::Plan(const Graph& graph, Workshop& workshop, const Selection& selection)
+    : graph_(graph), workshop_(workshop), steps_(graph.steps.size()) {
+  Select(selection);
+  CheckSources();
+  for (std::size_t i = 0; i < steps_.size(); ++i) steps_[i].last = workshop_.records.Last(graph_.steps[i].id);
+  Advance();
+}
+
+void Plan::Select(const Selection& selection) {
+  std::vector<bool> wanted(steps_.size(), true);
+  const auto narrow = [&](const std::vector<bool>& to) {
+    for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = wanted[i] && to[i];
+  };
+  if (!selection.from.empty()) narrow(WithFollowers(graph_, Marked(graph_, selection.from)));
+  if (!selection.until.empty()) narrow(WithNeeds(graph_, Marked(graph_, selection.until)));
+  if (!selection.only.empty()) narrow(Marked(graph_, selection.only));
+  const std::vector<bool> forced = Marked(graph_, selection.force);
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    steps_[i].wanted = wanted[i];
+    steps_[i].forced = wanted[i] && forced[i];
+  }
+}
+
+void Plan::CheckSources() const {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    if (!steps_[i].wanted) continue;
+    for (const PortFlows& port : graph_.steps[i].inputs) {
+      for (const Flow& flow : port.flows) {
+        if (flow.kind != Flow::Kind::kSource) continue;
+        const auto stat = workshop_.disk.Stat(SourceOf(flow));
+        const std::string start = fmt::format("{}: step '{}' reads {}, ", flow.where.Text(), graph_.steps[i].id, flow.origin);
+        if (!stat)
+          throw InputError(start + fmt::format("which does not exist; put it at {}, or correct the line", SourceOf(flow).string()));
+        if (stat->folder != port.folder) {
+          throw InputError(start + fmt::format("which is a {}, but '{}' must be a {}", stat->folder ? "folder" : "file", port.port,
+                                               port.folder ? "folder" : "file"));
+        }
+      }
+    }
+  }
+}
+
+std::filesystem::path Plan::SourceOf(const Flow& flow) const {
+  if (flow.kind == Flow::Kind::kSource) return (workshop_.project / flow.path).lexically_normal();
+  if (flow.kind == Flow::Kind::kOutput) return steps_[static_cast<std::size_t>(flow.step)].artifact->Path(flow.port);
+  return {};
+}
+
+void Plan::Advance() {
+  for (int i = 0; i < size(); ++i) {
+    StepPlan& step = steps_[static_cast<std::size_t>(i)];
+    if (step.state != State::kWaiting) continue;
+    bool known = true, missing = false;
+    for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
+      const State state = steps_[static_cast<std::size_t>(need)].state;
+      known = known && (state == State::kDone || state == State::kMissing);
+      missing = missing || state == State::kMissing;
+    }
+    if (!known) continue;
+    if (!missing) {
+      Resolve(i);
+    } else if (!step.wanted && !TakeLastMade(i)) {
+      step.state = State::kMissing;
+    }
+  }
+  CheckMissing();
+}
+
+void Plan::Resolve(int i) {
+  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  if (!step.wanted) {
+    for (const PortFlows& port : graph_.steps[static_cast<std::size_t>(i)].inputs) {
+      for (const Flow& flow : port.flows) {
+        // A source that is gone does not matter to a step that shall not run.
+        if (flow.kind == Flow::Kind::kSource && !workshop_.disk.Stat(SourceOf(flow))) {
+          if (!TakeLastMade(i)) step.state = State::kMissing;
+          return;
+        }
+      }
+    }
+  }
+  step.recipe = MakeRecipe(i);
+  step.fingerprint = step.recipe.Fingerprint();
+  step.artifact = workshop_.store.Find(step.fingerprint);
+  if (step.artifact && !step.forced) {
+    step.state = State::kDone;
+  } else if (step.wanted) {
+    step.state = State::kReady;
+    step.reasons = ReasonsOf(step);
+    step.artifact.reset();
+  } else if (!TakeLastMade(i)) {
+    step.state = State::kMissing;
+  }
+}
+
+bool Plan::TakeLastMade(int i) {
+  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  if (!step.last || step.last->fingerprint.empty()) return false;
+  step.artifact = workshop_.store.Find(step.last->fingerprint);
+  if (!step.artifact) return false;
+  step.recipe = step.artifact->recipe;
+  step.fingerprint = step.artifact->fingerprint;
+  step.state = State::kDone;
+  return true;
+}
+
+Recipe Plan::MakeRecipe(int i) const {
+  const Step& step = graph_.steps[static_cast<std::size_t>(i)];
+  Recipe recipe{step.info.stage, step.info.version, step.info.tools, step.options, {}};
+  for (const PortFlows& port : step.inputs) {
+    for (const Flow& flow : port.flows) recipe.inputs.push_back({port.port, flow.origin, ContentOf(flow, i)});
+  }
+  return recipe;
+}
+
+Content Plan::ContentOf(const Flow& flow, int i) const {
+  switch (flow.kind) {
+    case Flow::Kind::kSource:
+      return workshop_.hasher.Of(SourceOf(flow));
+    case Flow::Kind::kTimeline:
+      return {Sha256Of(graph_.timeline_json), {}};
+    case Flow::Kind::kOutput: {
+      const auto& outputs = steps_[static_cast<std::size_t>(flow.step)].artifact->outputs;
+      const auto it = outputs.find(flow.port);
+      if (it == outputs.end()) throw ToolError(fmt::format("{}: {} was not written by its step", flow.where.Text(), flow.origin));
+      return it->second.content;
+    }
+    case Flow::Kind::kRun:
+      break;
+  }
+  std::map<std::string, std::string> results;
+  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
+    std::string text = steps_[static_cast<std::size_t>(need)].fingerprint;
+    for (const auto& [port, output] : steps_[static_cast<std::size_t>(need)].artifact->outputs) text += port + output.content.hash;
+    results[graph_.steps[static_cast<std::size_t>(need)].id] = Sha256Of(text);
+  }
+  return FolderContent(std::move(results));
+}
+
+std::vector<std::string> Plan::ReasonsOf(const StepPlan& step) const {
+  std::vector<std::string> reasons;
+  if (step.forced) reasons.push_back("--force asks for it");
+  if (!step.last) {
+    reasons.push_back("it has never run");
+    return reasons;
+  }
+  const StepRecord& last = *step.last;
+  if (last.failed && last.failed_fingerprint == step.fingerprint) {
+    reasons.push_back(fmt::format("its last try failed with exit code {}", last.exit_code));
+  }
+  if (last.fingerprint.empty()) {
+    if (reasons.empty()) reasons.push_back("it has never succeeded");
+    return reasons;
+  }
+  for (std::string& difference : Differences(last.recipe, step.recipe)) reasons.push_back(std::move(difference));
+  if (reasons.empty()) reasons.push_back("its artifact is no longer in the cache");
+  return reasons;
+}
+
+void Plan::CheckMissing() const {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    if (!steps_[i].wanted || steps_[i].state != State::kWaiting) continue;
+    for (const int need : graph_.steps[i].needs) {
+      if (steps_[static_cast<std::size_t>(need)].state != State::kMissing) continue;
+      const Step& step = graph_.steps[static_cast<std::size_t>(need)];
+      throw UsageError(
+          fmt::format("{} needs {}, which was not asked for and has not been made yet; run `keypose run --until {}` first, or leave out "
+                      "--from and --only",
+                      graph_.steps[i].id, step.id, step.rule));
+    }
+  }
+}
+
+std::vector<int> Plan::Ready() const {
+  std::vector<int> ready;
+  for (int i = 0; i < size(); ++i) {
+    if ((*this)[i].state == State::kReady) ready.push_back(i);
+  }
+  return ready;
+}
+
+void Plan::SetDone(int i, Artifact artifact, bool made) {
+  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  step.artifact = std::move(artifact);
+  step.made = made;
+  step.state = State::kDone;
+  Advance();
+}
+
+std::vector<std::string> Plan::WaitsFor(int i) const {
+  std::vector<std::string> ids;
+  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
+    if (steps_[static_cast<std::size_t>(need)].state != State::kDone) ids.push_back(graph_.steps[static_cast<std::size_t>(need)].id);
+  }
+  return ids;
+}
+
+std::string Plan::RunJson(int i) const {
+  using nlohmann::json;
+  json steps = json::array();
+  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
+    const Step& step = graph_.steps[static_cast<std::size_t>(need)];
+    const StepPlan& plan = steps_[static_cast<std::size_t>(need)];
+    json outputs = json::object(), inputs = json::object();
+    for (const auto& [port, output] : plan.artifact->outputs) outputs[port] = plan.artifact->Path(port).string();
+    for (const PortFlows& port : step.inputs) {
+      for (const Flow& flow : port.flows) {
+        if (const auto path = SourceOf(flow); !path.empty()) inputs[port.port].push_back(path.string());
+      }
+    }
+    steps.push_back({{"id", step.id},
+                     {"step", step.rule},
+                     {"stage", step.info.stage},
+                     {"pose", step.pose},
+                     {"source_pose", step.source_pose},
+                     {"status", "done"},
+                     {"seconds", plan.artifact->seconds},
+                     {"peak_bytes", plan.artifact->peak_bytes},
+                     {"cached", !plan.made},
+                     {"fingerprint", plan.fingerprint},
+                     {"options", plan.recipe.options},
+                     {"report", (plan.artifact->folder / "report.json").string()},
+                     {"outputs", outputs},
+                     {"inputs", inputs}});
+  }
+  const json timeline = graph_.timeline_json.empty() ? json() : json::parse(graph_.timeline_json);
+  return json{{"schema", 1},
+              {"project", {{"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}}},
+              {"timeline", timeline},
+              {"steps", steps}}
+      .dump(1);
+}
+
+}  // namespace keypose::pipeline

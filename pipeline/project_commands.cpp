@@ -1,0 +1,193 @@
+// Commands that look at a project and change nothing but its housekeeping.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <set>
+
+#include "pipeline/builder.h"
+#include "pipeline/commands.h"
+#include "pipeline/observer.h"
+#include "pipeline/project_lock.h"
+#include "pipeline/session.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+Session Open(const std::string& folder, const std::vector<std::string>& set = {}) {
+  std::vector<Override> overrides;
+  for (const std::string& text : set) overrides.push_back(ParseOverride(text));
+  return Session(FindProject(folder), overrides);
+}
+
+std::string SizeText(std::uint64_t bytes) {
+  if (bytes >= 1000000000) return fmt::format("{:.1f} GB", static_cast<double>(bytes) / 1e9);
+  if (bytes >= 1000000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+  return fmt::format("{} kB", (bytes + 999) / 1000);
+}
+
+std::string StatusText(const Plan& plan, int i) {
+  const StepPlan& step = plan[i];
+  const bool failed = step.last && step.last->failed;
+  switch (step.state) {
+    case StepPlan::State::kDone:
+      return fmt::format("up to date   ({})", DurationText(step.artifact->seconds));
+    case StepPlan::State::kReady:
+      if (failed && step.last->failed_fingerprint == step.fingerprint)
+        return fmt::format("failed       exit code {}; `keypose log` tells more", step.last->exit_code);
+      return fmt::format("{:<12} {}", step.last ? "would run" : "never ran",
+                         step.last ? fmt::format("{}", fmt::join(step.reasons, "; ")) : "");
+    default:
+      return fmt::format("{:<12} for {}", step.last ? "waits" : "never, waits", fmt::join(plan.WaitsFor(i), ", "));
+  }
+}
+
+std::string Bullets(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += "  - " + line + "\n";
+  return text;
+}
+
+}  // namespace
+
+ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set) {
+  Session session = Open(folder, set);
+  const Plan plan(session.graph(), session.workshop(), {});
+  session.workshop().hasher.Save();
+  std::size_t width = 0;
+  for (const Step& step : session.graph().steps) width = std::max(width, step.id.size());
+  for (int i = 0; i < plan.size(); ++i) {
+    std::string line = fmt::format("{:<{}}  {}", session.graph().steps[static_cast<std::size_t>(i)].id, width, StatusText(plan, i));
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print("{}\n", line);
+  }
+  return ExitCode::kOk;
+}
+
+std::string Explanation(const Plan& plan, int i) {
+  const std::string& id = plan.graph().steps[static_cast<std::size_t>(i)].id;
+  const StepPlan& step = plan[i];
+  std::string text;
+  if (step.state == StepPlan::State::kReady) {
+    text = fmt::format("{} would run because\n{}", id, Bullets(step.reasons));
+    if (step.last && step.last->failed)
+      text += fmt::format("  its last try, at {}, failed:\n{}\n", TimeText(step.last->when), step.last->error);
+  } else if (step.state == StepPlan::State::kDone) {
+    text = fmt::format("{} is up to date\n", id);
+    if (step.last && step.last->fingerprint == step.fingerprint && !step.last->reasons.empty()) {
+      text += fmt::format("it was last made or looked up at {} because\n{}", TimeText(step.last->when), Bullets(step.last->reasons));
+    }
+  } else {
+    text = fmt::format("{} waits for {}; whether it runs depends on what comes out there\n", id, fmt::join(plan.WaitsFor(i), ", "));
+  }
+  return text;
+}
+
+ExitCode ExplainCommand(const std::string& folder, const std::string& step, const std::vector<std::string>& set) {
+  Session session = Open(folder, set);
+  const Plan plan(session.graph(), session.workshop(), {});
+  session.workshop().hasher.Save();
+  std::vector<int> shown;
+  for (int i : session.graph().Find(step)) {
+    fmt::print("{}", Explanation(plan, i));
+    // What waits tells nothing by itself: go up to the steps at which the change begins.
+    std::vector<int> above = {i};
+    std::set<int> seen;
+    while (!above.empty()) {
+      const int one = above.back();
+      above.pop_back();
+      for (const int need : session.graph().steps[static_cast<std::size_t>(one)].needs) {
+        if (plan[need].state == StepPlan::State::kDone || !seen.insert(need).second) continue;
+        if (plan[need].state == StepPlan::State::kReady) fmt::print("{}", Explanation(plan, need));
+        above.push_back(need);
+      }
+    }
+  }
+  return ExitCode::kOk;
+}
+
+ExitCode LogCommand(const std::string& folder, const std::string& step) {
+  Session session = Open(folder);
+  for (const int i : session.graph().Find(step)) {
+    const std::string& id = session.graph().steps[static_cast<std::size_t>(i)].id;
+    const auto last = session.records().Last(id);
+    const fs::path failed = session.state() / "failed" / FolderName(id) / "log.txt";
+    const fs::path good = last && !last->fingerprint.empty() ? session.store().FolderOf(last->fingerprint) / "log.txt" : fs::path();
+    const fs::path log = last && last->failed && fs::exists(failed) ? failed : good;
+    if (!last) {
+      fmt::print("--- {} has never run\n", id);
+    } else if (log.empty() || !fs::exists(log)) {
+      fmt::print("--- {} has no log any more{}\n", id, last->failed ? "; it failed with\n" + last->error : "");
+    } else {
+      fmt::print("--- {} {} at {}: {}\n{}", id, last->failed ? "failed" : "was made", TimeText(last->when), log.string(),
+                 session.disk().Read(log));
+    }
+  }
+  return ExitCode::kOk;
+}
+
+ExitCode GraphCommand(const std::string& folder, bool dot) {
+  Session session = Open(folder);
+  if (dot) fmt::print("digraph keypose {{\n  rankdir=LR;\n  node [shape=box];\n");
+  for (const Step& step : session.graph().steps) {
+    if (!dot) fmt::print("{} ({} {})\n", step.id, step.info.stage, step.info.version);
+    if (dot) fmt::print("  \"{}\";\n", step.id);
+    for (const PortFlows& port : step.inputs) {
+      for (const Flow& flow : port.flows) {
+        const std::string from = flow.step >= 0 ? session.graph().steps[static_cast<std::size_t>(flow.step)].id : flow.origin;
+        if (dot) fmt::print("  \"{}\" -> \"{}\" [label=\"{}\"];\n", from, step.id, port.port);
+        if (!dot) fmt::print("  {:<10} <- {}\n", port.port, flow.origin);
+      }
+    }
+    for (const NamedResult& result : step.results) {
+      const std::string from = result.inside.empty() ? result.port : result.port + "/" + result.inside;
+      if (!dot) fmt::print("  {:<10} -> out/{}\n", from, result.path.generic_string());
+    }
+  }
+  if (dot) fmt::print("}}\n");
+  return ExitCode::kOk;
+}
+
+ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
+  const fs::path project = FindProject(folder);
+  const ProjectLock lock(project / ".keypose", "keypose gc");
+  Session session(project, {});
+  std::set<std::string> keep = session.records().Mentioned(keep_runs);
+  const Plan plan(session.graph(), session.workshop(), {});
+  for (int i = 0; i < plan.size(); ++i) {
+    if (plan[i].artifact) keep.insert(plan[i].fingerprint);
+  }
+  std::uint64_t freed = 0;
+  int count = 0;
+  for (const std::string& fingerprint : session.store().All()) {
+    if (keep.contains(fingerprint)) continue;
+    freed += session.store().SizeOf(fingerprint);
+    ++count;
+    if (!dry_run) session.store().Remove(fingerprint);
+  }
+  if (!dry_run) {
+    session.records().DropOldRuns(std::max(keep_runs, 100));
+    session.disk().Remove(session.state() / "tmp");
+    session.disk().Remove(session.state() / "writing");
+  }
+  fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count, count == 1 ? "" : "s", SizeText(freed),
+             session.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
+  return ExitCode::kOk;
+}
+
+ExitCode UnlockCommand(const std::string& folder, bool force) {
+  fmt::print("{}\n", Unlock(FindProject(folder) / ".keypose", force));
+  return ExitCode::kOk;
+}
+
+ExitCode ReportCommand(const std::string& folder) {
+  const fs::path report = FindProject(folder) / "out" / "report" / "index.html";
+  if (!fs::exists(report)) throw InputError("there is no report yet; `keypose run` makes " + report.string());
+  fmt::print("{}\n", report.string());
+  return ExitCode::kOk;
+}
+
+}  // namespace keypose::pipeline

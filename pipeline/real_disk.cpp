@@ -1,0 +1,208 @@
+#include "pipeline/real_disk.h"
+
+#include <fcntl.h>
+#include <linux/fs.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+
+#include "core/errors.h"
+#include "pipeline/sha256.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void Fail(const std::string& what, const fs::path& path, int error) {
+  std::string message = "cannot " + what + " " + path.string() + ": " + std::strerror(error);
+  if (error == ENOSPC || error == EDQUOT)
+    message += "; free some space (`keypose gc` removes old results) and run again: nothing finished is lost";
+  throw DiskError(message);
+}
+
+class Fd {
+ public:
+  explicit Fd(int fd) : fd_(fd) {}
+  ~Fd() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  int get() const { return fd_; }
+  /// Closing reports what the file system could not write.
+  int Close() {
+    const int fd = fd_;
+    fd_ = -1;
+    return close(fd);
+  }
+
+ private:
+  int fd_;
+};
+
+void WriteAll(int fd, const char* data, std::size_t size, const fs::path& path) {
+  while (size > 0) {
+    const ssize_t n = write(fd, data, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) Fail("write", path, errno);
+    data += n;
+    size -= static_cast<std::size_t>(n);
+  }
+}
+
+template <class Consume>
+void ReadAll(const fs::path& path, const Consume& consume) {
+  Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (fd.get() < 0) Fail("read", path, errno);
+  std::vector<char> buffer(1 << 18);
+  for (;;) {
+    const ssize_t n = read(fd.get(), buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) Fail("read", path, errno);
+    if (n == 0) return;
+    consume(buffer.data(), static_cast<std::size_t>(n));
+  }
+}
+
+/// Fills an open file from another, sharing its blocks where the file system can (btrfs, XFS).
+void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to_path) {
+  if (ioctl(to, FICLONE, from) == 0) return;
+  std::vector<char> buffer(1 << 18);
+  for (;;) {
+    const ssize_t n = read(from, buffer.data(), buffer.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) Fail("read", from_path, errno);
+    if (n == 0) return;
+    WriteAll(to, buffer.data(), static_cast<std::size_t>(n), to_path);
+  }
+}
+
+}  // namespace
+
+std::optional<FileStat> RealDisk::Stat(const Path& path) const {
+  struct stat info;
+  if (stat(path.c_str(), &info) != 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
+    Fail("look at", path, errno);
+  }
+  FileStat result;
+  result.folder = S_ISDIR(info.st_mode);
+  result.size = static_cast<std::uint64_t>(info.st_size);
+  result.mtime_ns = static_cast<std::int64_t>(info.st_mtim.tv_sec) * 1000000000 + info.st_mtim.tv_nsec;
+  result.inode = info.st_ino;
+  return result;
+}
+
+std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {
+  std::vector<std::string> names;
+  std::error_code error;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::follow_directory_symlink, error);
+  if (error == std::errc::no_such_file_or_directory) return names;
+  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    if (!it->is_directory(error)) names.push_back(it->path().lexically_relative(folder).generic_string());
+  }
+  if (error) Fail("list", folder, error.value());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<std::string> RealDisk::Children(const Path& folder) const {
+  std::vector<std::string> names;
+  std::error_code error;
+  fs::directory_iterator it(folder, error);
+  if (error == std::errc::no_such_file_or_directory) return names;
+  for (; !error && it != fs::directory_iterator(); it.increment(error)) names.push_back(it->path().filename().string());
+  if (error) Fail("list", folder, error.value());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string RealDisk::Read(const Path& path) const {
+  std::string text;
+  ReadAll(path, [&](const char* data, std::size_t size) { text.append(data, size); });
+  return text;
+}
+
+std::string RealDisk::ContentHash(const Path& path) const {
+  Sha256 hash;
+  ReadAll(path, [&](const char* data, std::size_t size) { hash.Add({data, size}); });
+  return hash.Hex();
+}
+
+/// Fills a temporary file and renames it over the target. The staging folder may be cleared by a run that starts meanwhile, and may lie on
+/// another file system than the target; then the file is made beside the target.
+template <class Fill>
+void RealDisk::Place(const Path& target, const Fill& fill) const {
+  static std::atomic<int> counter = 0;
+  const std::string name = target.filename().string() + ".tmp" + std::to_string(getpid()) + "-" + std::to_string(counter++);
+  std::error_code ignored;
+  if (target.has_parent_path()) const_cast<RealDisk*>(this)->MakeFolder(target.parent_path());
+  for (const bool staged : {true, false}) {
+    if (staged && staging_.empty()) continue;
+    if (staged) fs::create_directories(staging_, ignored);
+    const Path temporary = (staged ? staging_ : target.parent_path()) / name;
+    Fd fd(open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+    if (fd.get() < 0 && staged) continue;
+    if (fd.get() < 0) Fail("write", target, errno);
+    try {
+      fill(fd.get());
+      if (fd.Close() != 0) Fail("write", target, errno);
+    } catch (...) {
+      unlink(temporary.c_str());
+      throw;
+    }
+    if (rename(temporary.c_str(), target.c_str()) == 0) return;
+    const int error = errno;
+    unlink(temporary.c_str());
+    if (!staged || (error != EXDEV && error != ENOENT)) Fail("write", target, error);
+  }
+}
+
+void RealDisk::Write(const Path& path, std::string_view text) {
+  Place(path, [&](int fd) { WriteAll(fd, text.data(), text.size(), path); });
+}
+
+void RealDisk::MakeFolder(const Path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) Fail("make the folder", path, error.value());
+}
+
+void RealDisk::Move(const Path& from, const Path& to) {
+  if (to.has_parent_path()) MakeFolder(to.parent_path());
+  if (rename(from.c_str(), to.c_str()) == 0) return;
+  if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR) Fail("move into place", to, errno);
+  // A folder in the way: swap the two in one step, so that at no moment there is none.
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return Remove(from);
+  Remove(to);
+  if (rename(from.c_str(), to.c_str()) != 0) Fail("move into place", to, errno);
+}
+
+void RealDisk::Copy(const Path& from, const Path& to) {
+  Fd source(open(from.c_str(), O_RDONLY | O_CLOEXEC));
+  if (source.get() < 0) Fail("read", from, errno);
+  Place(to, [&](int fd) {
+    if (lseek(source.get(), 0, SEEK_SET) != 0) Fail("read", from, errno);
+    CopyContent(source.get(), fd, from, to);
+  });
+}
+
+void RealDisk::Remove(const Path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error && error != std::errc::no_such_file_or_directory) Fail("remove", path, error.value());
+}
+
+void RealDisk::Sync(const Path& folder) {
+  Fd fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (fd.get() < 0) Fail("open", folder, errno);
+  if (syncfs(fd.get()) != 0 && errno != EINVAL && errno != ENOSYS) Fail("write", folder, errno);
+}
+
+}  // namespace keypose::pipeline

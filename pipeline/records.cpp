@@ -1,0 +1,101 @@
+#include "pipeline/records.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace keypose::pipeline {
+
+using nlohmann::json;
+
+Records::Records(Disk& disk, std::filesystem::path state_folder) : disk_(disk), state_folder_(std::move(state_folder)) {}
+
+std::filesystem::path Records::StepFile(const std::string& step_id) const { return state_folder_ / "steps" / (step_id + ".json"); }
+
+std::optional<StepRecord> Records::Last(const std::string& step_id) const {
+  if (!disk_.Stat(StepFile(step_id))) return std::nullopt;
+  try {
+    const json value = json::parse(disk_.Read(StepFile(step_id)));
+    StepRecord record;
+    record.fingerprint = value.at("fingerprint").get<std::string>();
+    record.recipe = RecipeFromJson(value.at("recipe"));
+    record.seconds = value.at("seconds").get<double>();
+    record.peak_bytes = value.at("peak_bytes").get<std::int64_t>();
+    record.when = value.at("when").get<double>();
+    record.reasons = value.at("reasons").get<std::vector<std::string>>();
+    record.failed = value.at("failed").get<bool>();
+    record.exit_code = value.at("exit_code").get<int>();
+    record.failed_fingerprint = value.at("failed_fingerprint").get<std::string>();
+    record.error = value.at("error").get<std::string>();
+    return record;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+void Records::SetLast(const std::string& step_id, const StepRecord& record) {
+  const json value = {{"schema", 1},
+                      {"fingerprint", record.fingerprint},
+                      {"recipe", ToJson(record.recipe)},
+                      {"seconds", record.seconds},
+                      {"peak_bytes", record.peak_bytes},
+                      {"when", record.when},
+                      {"reasons", record.reasons},
+                      {"failed", record.failed},
+                      {"exit_code", record.exit_code},
+                      {"failed_fingerprint", record.failed_fingerprint},
+                      {"error", record.error}};
+  disk_.Write(StepFile(step_id), value.dump(1, ' ', false, json::error_handler_t::replace));
+}
+
+void Records::Save(const RunRecord& run) {
+  json steps = json::array();
+  for (const RunStep& step : run.steps) {
+    steps.push_back({{"id", step.id},
+                     {"status", step.status},
+                     {"fingerprint", step.fingerprint},
+                     {"seconds", step.seconds},
+                     {"peak_bytes", step.peak_bytes},
+                     {"reasons", step.reasons}});
+  }
+  const json value = {{"schema", 1},
+                      {"begin", TimeText(run.begin)},
+                      {"seconds", run.end - run.begin},
+                      {"command", run.command},
+                      {"host", run.host},
+                      {"exit_code", run.exit_code},
+                      {"steps", steps}};
+  disk_.Write(state_folder_ / "runs" / (run.name + ".json"), value.dump(1, ' ', false, json::error_handler_t::replace));
+}
+
+std::set<std::string> Records::Mentioned(int runs) const {
+  std::set<std::string> mentioned;
+  std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
+  std::reverse(names.begin(), names.end());
+  if (static_cast<int>(names.size()) > runs) names.resize(static_cast<std::size_t>(runs));
+  for (const std::string& name : names) {
+    const json value = json::parse(disk_.Read(state_folder_ / "runs" / name), nullptr, false);
+    if (!value.is_object()) continue;
+    for (const json& step : value.value("steps", json::array())) mentioned.insert(step.value("fingerprint", ""));
+  }
+  for (const std::string& name : disk_.FilesBelow(state_folder_ / "steps")) {
+    if (!name.ends_with(".json")) continue;
+    if (const auto record = Last(name.substr(0, name.size() - 5))) mentioned.insert(record->fingerprint);
+  }
+  return mentioned;
+}
+
+int Records::DropOldRuns(int runs) {
+  const std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
+  const int drop = std::max(0, static_cast<int>(names.size()) - runs);
+  for (int i = 0; i < drop; ++i) disk_.Remove(state_folder_ / "runs" / names[static_cast<std::size_t>(i)]);
+  return drop;
+}
+
+std::string TimeText(double seconds_since_1970) {
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(seconds_since_1970)));
+}
+
+}  // namespace keypose::pipeline

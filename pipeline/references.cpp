@@ -1,0 +1,185 @@
+#include "pipeline/references.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/errors.h"
+
+namespace keypose::pipeline {
+namespace {
+
+[[noreturn]] void Fail(const Where& where, const std::string& message) { throw UsageError(fmt::format("{}: {}", where.Text(), message)); }
+
+Flow Source(const Setting& path) {
+  Flow flow;
+  flow.kind = Flow::Kind::kSource;
+  flow.path = std::filesystem::path(path.text).lexically_normal();
+  flow.origin = flow.path.generic_string();
+  flow.where = path.where;
+  return flow;
+}
+
+bool IsPath(const std::string& text) { return text.starts_with("./") || text.starts_with("../") || text.starts_with("/"); }
+
+}  // namespace
+
+References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk)
+    : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {}
+
+void References::Connect(const StepRule& rule, int index, Step* step) const {
+  std::vector<std::string> known;
+  for (const PortInfo& port : step->info.inputs) known.push_back(port.name);
+  for (const auto& [port, input] : rule.inputs) {
+    if (!step->info.FindInput(port)) {
+      Fail(input.where,
+           fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name, step->info.stage, port, Suggestion(port, known)));
+    }
+  }
+  for (const PortInfo& port : step->info.inputs) {
+    PortFlows result{port.name, port.kind == "folder", {}};
+    const auto it = rule.inputs.find(port.name);
+    if (it != rule.inputs.end()) {
+      const bool is_template = step->pose == graph_.template_pose;
+      for (const Setting& reference : is_template ? it->second.for_template : it->second.for_others) {
+        for (Flow& flow : Resolve(reference, index, *step)) result.flows.push_back(std::move(flow));
+      }
+    }
+    const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
+    if (result.flows.empty() && !port.optional)
+      Fail(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
+    if (result.flows.size() > 1 && !port.repeatable)
+      Fail(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id, port.name, result.flows.size()));
+    if (result.flows.empty()) continue;
+    for (const Flow& flow : result.flows) {
+      CheckKind(flow, result, *step);
+      if (flow.step >= 0) step->needs.push_back(flow.step);
+      if (flow.kind != Flow::Kind::kRun) continue;
+      for (int i = 0; i < static_cast<int>(graph_.steps.size()); ++i) {
+        if (i != index) step->needs.push_back(i);
+      }
+    }
+    step->inputs.push_back(std::move(result));
+  }
+  std::sort(step->needs.begin(), step->needs.end());
+  step->needs.erase(std::unique(step->needs.begin(), step->needs.end()), step->needs.end());
+}
+
+void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
+  bool folder = port.folder;
+  if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info.FindOutput(flow.port)->kind == "folder";
+  if (flow.kind == Flow::Kind::kTimeline) folder = false;
+  if (folder != port.folder) {
+    Fail(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
+                                 port.port, port.folder ? "folder" : "file"));
+  }
+}
+
+std::vector<Flow> References::Resolve(const Setting& reference, int index, const Step& step) const {
+  if (reference.text.starts_with("$")) return ResolveWord(reference, index, step);
+  if (IsPath(reference.text)) return {Source(reference)};
+  return ResolveOutput(reference, step);
+}
+
+std::vector<Flow> References::ResolveWord(const Setting& reference, int, const Step& step) const {
+  const std::string& word = reference.text;
+  Flow flow;
+  flow.where = reference.where;
+  if (word == "$timeline") {
+    if (graph_.timeline_json.empty()) return {};
+    flow.kind = Flow::Kind::kTimeline;
+    flow.origin = "the timeline";
+    return {flow};
+  }
+  if (word == "$run") {
+    flow.kind = Flow::Kind::kRun;
+    flow.origin = "the results of all other steps";
+    return {flow};
+  }
+  if (word == "$landmarks") return Landmarks(reference, step);
+  if (word != "$photos" && word != "$masks" && word != "$background") {
+    Fail(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
+                                      Suggestion(word, {"$photos", "$masks", "$background", "$landmarks", "$timeline", "$run"})));
+  }
+  const PoseRule* pose = file_.FindPose(step.pose);
+  if (!pose) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
+  if (word == "$photos") return {Source(pose->photos.value_or(Setting{"photos/" + pose->name, pose->where}))};
+  const auto& setting = word == "$masks" ? pose->masks : pose->background;
+  return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
+}
+
+std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
+  if (step.pose.empty()) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
+  std::vector<Flow> flows;
+  std::vector<std::string> poses = {graph_.template_pose};
+  if (step.pose != graph_.template_pose) poses.push_back(step.pose);
+  for (const std::string& name : poses) {
+    const PoseRule* pose = file_.FindPose(name);
+    const Setting setting = pose->landmarks.value_or(Setting{"landmarks/" + name + ".json", pose->where});
+    // A file that nobody named may be missing: then there are no landmarks for this pair yet.
+    if (!pose->landmarks && !disk_.Stat(project_ / setting.text)) return {};
+    flows.push_back(Source(setting));
+  }
+  return flows;
+}
+
+std::vector<std::string> References::SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out,
+                                                   const Step& step) const {
+  const auto others = std::vector<std::string>(graph_.poses.begin() + 1, graph_.poses.end());
+  if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
+    if (!selector.empty())
+      Fail(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out", reference.text, selector));
+    return {""};
+  }
+  if (selector == "template") return {graph_.template_pose};
+  if (selector == "others") return others;
+  if (selector == "all") return graph_.poses;
+  if (!selector.empty() && selector != "pose") {
+    Fail(reference.where,
+         fmt::format("'{}': '@{}' is not known{}", reference.text, selector, Suggestion(selector, {"pose", "template", "others", "all"})));
+  }
+  if (fan_out == FanOut::kTemplate) return {graph_.template_pose};
+  if (step.pose.empty())
+    Fail(reference.where, fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'", step.rule, reference.text));
+  return {step.pose};
+}
+
+std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step& step) const {
+  const auto dot = reference.text.find('.');
+  const auto at = reference.text.find('@');
+  const std::string name = reference.text.substr(0, std::min(dot, at));
+  const std::string port = dot == std::string::npos ? "" : reference.text.substr(dot + 1, at == std::string::npos ? at : at - dot - 1);
+  const std::string selector = at == std::string::npos ? "" : reference.text.substr(at + 1);
+  const StepRule* rule = file_.FindStep(name);
+  std::vector<std::string> known;
+  for (const StepRule& other : file_.steps) known.push_back(other.name);
+  if (!rule)
+    Fail(reference.where,
+         fmt::format("step '{}': there is no step '{}'{} A path of the project starts with ./", step.rule, name, Suggestion(name, known)));
+  if (!rule->enabled)
+    Fail(reference.where,
+         fmt::format("step '{}' takes '{}', but that step is switched off at {}", step.rule, reference.text, rule->where.Text()));
+  std::vector<Flow> flows;
+  for (const std::string& pose : SelectedPoses(reference, selector, *rule->fan_out, step)) {
+    const std::string id = pose.empty() ? name : name + "/" + pose;
+    const auto it = std::find_if(graph_.steps.begin(), graph_.steps.end(), [&](const Step& other) { return other.id == id; });
+    if (it == graph_.steps.end())
+      Fail(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id, reference.text, id));
+    std::vector<std::string> outputs;
+    for (const PortInfo& output : it->info.outputs) outputs.push_back(output.name);
+    if (!it->info.FindOutput(port)) {
+      Fail(reference.where,
+           fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule, it->info.stage, port, Suggestion(port, outputs)));
+    }
+    Flow flow;
+    flow.kind = Flow::Kind::kOutput;
+    flow.step = static_cast<int>(it - graph_.steps.begin());
+    flow.port = port;
+    flow.origin = id + "." + port;
+    flow.where = reference.where;
+    flows.push_back(std::move(flow));
+  }
+  return flows;
+}
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,31 @@
+// Resolves what pipeline.yaml writes at an input port: `sfm.model`, `register.registered@others`, `$photos`, `./a/path`.
+#pragma once
+
+#include "pipeline/graph.h"
+
+namespace keypose::pipeline {
+
+class References {
+ public:
+  /// @param graph  has all step instances, not connected yet; kept by reference
+  References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk);
+
+  /// Fills inputs and needs of `step`, the instance `index` of `rule`.
+  /// @throws UsageError  a port, step, output or word that does not exist, a file where a folder is needed, a required port left empty
+  void Connect(const StepRule& rule, int index, Step* step) const;
+
+ private:
+  std::vector<Flow> Resolve(const Setting& reference, int index, const Step& step) const;
+  std::vector<Flow> ResolveWord(const Setting& reference, int index, const Step& step) const;
+  std::vector<Flow> ResolveOutput(const Setting& reference, const Step& step) const;
+  std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out, const Step& step) const;
+  std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
+  void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;
+
+  const PipelineFile& file_;
+  const Graph& graph_;
+  std::filesystem::path project_;
+  const Disk& disk_;
+};
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,143 @@
+#include "pipeline/results_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+
+namespace keypose::pipeline {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+struct Wanted {
+  fs::path from;
+  std::string hash;
+};
+
+/// Files below out/ that a step shall have there.
+std::map<std::string, Wanted> WantedFiles(const Step& step, const Artifact& artifact) {
+  std::map<std::string, Wanted> wanted;
+  for (const NamedResult& result : step.results) {
+    const auto it = artifact.outputs.find(result.port);
+    if (it == artifact.outputs.end()) continue;  // an optional output that was not written
+    const ArtifactOutput& output = it->second;
+    const fs::path base = artifact.folder / output.file;
+    const std::string name = result.path.generic_string();
+    if (!output.folder) {
+      wanted[name] = {base, output.content.hash};
+    } else if (result.inside.empty()) {
+      for (const auto& [file, hash] : output.content.files) wanted[name + "/" + file] = {base / file, hash};
+    } else if (const auto file = output.content.files.find(result.inside); file != output.content.files.end()) {
+      wanted[name] = {base / file->first, file->second};
+    }
+  }
+  return wanted;
+}
+
+}  // namespace
+
+ResultsFolder::ResultsFolder(Disk& disk, fs::path out, fs::path memory_file)
+    : disk_(disk), out_(std::move(out)), memory_file_(std::move(memory_file)) {
+  Load();
+}
+
+void ResultsFolder::Load() {
+  if (!disk_.Stat(memory_file_)) return;
+  const json memory = json::parse(disk_.Read(memory_file_), nullptr, false);
+  if (!memory.is_object()) return;
+  for (const auto& [name, value] : memory.items()) {
+    entries_[name] = {
+        value.value("step", ""),
+        value.value("sha256", ""),
+        {false, value.value("size", std::uint64_t{0}), value.value("mtime_ns", std::int64_t{0}), value.value("inode", std::uint64_t{0})}};
+  }
+}
+
+void ResultsFolder::Save() {
+  if (!changed_) return;
+  json memory = json::object();
+  for (const auto& [name, entry] : entries_) {
+    memory[name] = {{"step", entry.step},
+                    {"sha256", entry.hash},
+                    {"size", entry.stat.size},
+                    {"mtime_ns", entry.stat.mtime_ns},
+                    {"inode", entry.stat.inode}};
+  }
+  disk_.Write(memory_file_, memory.dump(0));
+  changed_ = false;
+}
+
+bool ResultsFolder::Unchanged(const std::string& name, const Entry& entry) const {
+  const auto stat = disk_.Stat(out_ / name);
+  if (!stat || stat->folder) return false;
+  return *stat == entry.stat || disk_.ContentHash(out_ / name) == entry.hash;
+}
+
+std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact& artifact) {
+  std::vector<std::string> notes;
+  const auto wanted = WantedFiles(step, artifact);
+  std::vector<std::string> stale;
+  for (const auto& [name, entry] : entries_) {
+    if (entry.step == step.id && !wanted.contains(name)) stale.push_back(name);
+  }
+  for (const std::string& name : stale) Drop(name, &notes);
+  for (const auto& [name, file] : wanted) Place(name, step.id, file.from, file.hash, &notes);
+  return notes;
+}
+
+void ResultsFolder::Place(const std::string& name, const std::string& step, const fs::path& from, const std::string& hash,
+                          std::vector<std::string>* notes) {
+  const auto it = entries_.find(name);
+  const auto stat = disk_.Stat(out_ / name);
+  if (stat) {
+    const bool as_left = it != entries_.end() && it->second.stat == *stat;
+    if (as_left && it->second.hash == hash && it->second.step == step) return;
+    const std::string present = as_left ? it->second.hash : stat->folder ? "" : disk_.ContentHash(out_ / name);
+    const bool ours = it != entries_.end() && present == it->second.hash;
+    if (present != hash && !ours) SetAside(name, notes);
+    if (present == hash) {
+      entries_[name] = {step, hash, *stat};
+      changed_ = true;
+      return;
+    }
+  }
+  disk_.Copy(from, out_ / name);
+  entries_[name] = {step, hash, *disk_.Stat(out_ / name)};
+  changed_ = true;
+}
+
+void ResultsFolder::SetAside(const std::string& name, std::vector<std::string>* notes) {
+  std::string aside = name + ".mine";
+  for (int n = 2; disk_.Stat(out_ / aside); ++n) aside = fmt::format("{}.mine{}", name, n);
+  disk_.Move(out_ / name, out_ / aside);
+  notes->push_back(fmt::format("out/{} was changed by hand; that version is out/{} now", name, aside));
+}
+
+void ResultsFolder::Drop(const std::string& name, std::vector<std::string>* notes) {
+  if (Unchanged(name, entries_.at(name))) {
+    disk_.Remove(out_ / name);
+    for (fs::path folder = (out_ / name).parent_path(); folder != out_ && disk_.Children(folder).empty(); folder = folder.parent_path()) {
+      disk_.Remove(folder);
+    }
+  } else if (disk_.Stat(out_ / name)) {
+    notes->push_back(fmt::format("out/{} is no longer a result, but was changed by hand; it stays", name));
+  }
+  entries_.erase(name);
+  changed_ = true;
+}
+
+std::vector<std::string> ResultsFolder::DropStepsOutside(const Graph& graph) {
+  std::vector<std::string> notes, stale;
+  for (const auto& [name, entry] : entries_) {
+    const bool known = std::any_of(graph.steps.begin(), graph.steps.end(), [&](const Step& step) { return step.id == entry.step; });
+    if (!known) stale.push_back(name);
+  }
+  for (const std::string& name : stale) Drop(name, &notes);
+  return notes;
+}
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,565 @@
+// The rebuild rules, with disk, clock and processes in memory.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/errors.h"
+#include "pipeline/testing/fake_house.h"
+
+namespace keypose::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using Names = std::vector<std::string>;
+
+const Names kAllSteps = {"blend", "match/bent", "shape/bent", "shape/rest", "shoot/bent", "shoot/rest", "solve/bent", "solve/rest", "tell"};
+
+template <class ErrorType, class Call>
+std::string MessageOf(const Call& call) {
+  try {
+    call();
+  } catch (const ErrorType& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing of the expected type was thrown";
+  return "";
+}
+
+TEST(Rules, FirstRunMakesEveryStepOnceAndNamesItsResults) {
+  FakeHouse house;
+  const auto outcome = house.Run();
+  EXPECT_EQ(outcome.result.code, ExitCode::kOk);
+  EXPECT_EQ(outcome.ran, kAllSteps);
+  EXPECT_EQ(house.Out("rest/mesh.txt"), "9(model 9plplpl)");
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(source 9(model"));
+  EXPECT_THAT(house.Out("report/index.html"), HasSubstr("blend"));
+}
+
+TEST(Rules, SecondRunRunsNothingAndReadsNoFile) {
+  FakeHouse house;
+  house.Run();
+  const int hashed = house.disk.hashed(), asked = house.processes.asked;
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+  EXPECT_EQ(house.disk.hashed(), hashed);
+  EXPECT_EQ(house.processes.asked, asked) << "stages were asked to describe themselves again";
+}
+
+TEST(Rules, TouchRunsNothing) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Touch(house.project / "photos/rest/IMG_1.jpg");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+}
+
+TEST(Rules, OtherCoreCountRunsNothing) {
+  FakeHouse house;
+  house.Run({}, {}, 1);
+  EXPECT_THAT(house.Run({}, {}, 8).ran, IsEmpty());
+}
+
+TEST(Rules, MovedProjectRunsNothingAndKeepsItsResults) {
+  FakeHouse house;
+  house.Run();
+  house.MoveProject("/mnt/other/machine");
+  const auto outcome = house.Run();
+  EXPECT_THAT(outcome.ran, IsEmpty());
+  EXPECT_THAT(outcome.notes, IsEmpty());
+}
+
+TEST(Rules, ChangedPhotographOfOnePoseRunsThatPoseOnly) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "Bpicture retaken");
+  house.processes.stages["/bin/keypose-shoot"].run = [](const FakeCall& call, MemoryDisk& d) {
+    const std::filesystem::path photos = call.Flag("photos"), images = call.Flag("images");
+    for (const std::string& name : d.FilesBelow(photos)) d.Write(images / name, d.Read(photos / name));
+    return 0;
+  };
+  EXPECT_EQ(house.Look().Reasons("shoot/bent"), "photos/bent/IMG_1.jpg changed\n");
+  const auto outcome = house.Run();
+  EXPECT_EQ(outcome.ran, (Names{"blend", "match/bent", "shape/bent", "shoot/bent", "solve/bent", "tell"}));
+}
+
+TEST(Rules, EqualOutputCutsOffWhatFollows) {
+  FakeHouse house;
+  house.Run();
+  // Another picture whose first letters, all that `solve` looks at, are the same.
+  house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "b picture with a difference");
+  EXPECT_EQ(house.Run().ran, (Names{"shoot/bent", "solve/bent", "tell"}));
+}
+
+TEST(Rules, AddedAndRemovedPhotographsAreNamed) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "photos/rest/IMG_9.jpg", "r new");
+  house.disk.Remove(house.project / "photos/rest/IMG_0.jpg");
+  EXPECT_EQ(house.Look().Reasons("shoot/rest"), "photos/rest/IMG_0.jpg is gone\nphotos/rest/IMG_9.jpg is new\n");
+}
+
+TEST(Rules, FileManagersLitterDoesNotCount) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "photos/rest/.DS_Store", "x");
+  house.disk.Write(house.project / "photos/rest/Thumbs.db", "x");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+}
+
+TEST(Rules, OptionChangeRunsStepAndWhatDependsOnIt) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
+  EXPECT_EQ(house.Look().Reasons("shape/rest"), "option depth: 9 -> 10\n");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/bent", "shape/rest", "tell"}));
+}
+
+TEST(Rules, OptionOfOnePoseRunsThatPoseOnly) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject("poses:\n  rest: photos/rest\n  bent: {photos: photos/bent, options: {shape: {depth: 10}}}\n");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/bent", "tell"}));
+}
+
+TEST(Rules, DefaultMadeExplicitInAnySpellingRunsNothing) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 9}, solve: {speed: 5.0e-1}, shoot: {tone: plain}}\n");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+}
+
+TEST(Rules, OptionSetBackIsTakenFromTheCache) {
+  FakeHouse house;
+  house.Run();
+  EXPECT_THAT(house.Run({}, {"shape.depth=10"}).ran, SizeIs(5));
+  const std::string changed = house.Out("rest/mesh.txt");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+  EXPECT_NE(house.Out("rest/mesh.txt"), changed) << "out/ must follow the cache";
+}
+
+TEST(Rules, SetOfOnePoseRunsThatPoseOnly) {
+  FakeHouse house;
+  house.Run();
+  EXPECT_EQ(house.Run({}, {"shape/bent.depth=10"}).ran, (Names{"blend", "match/bent", "shape/bent", "tell"}));
+}
+
+TEST(Rules, StageVersionChangeRunsIt) {
+  FakeHouse house;
+  house.Run();
+  house.processes.stages["/bin/keypose-match"].describe["version"] = "2";
+  house.disk.Touch("/bin/keypose-match");
+  EXPECT_EQ(house.Look().Reasons("match/bent"), "the stage's version: 1 -> 2\n");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "tell"}));
+}
+
+TEST(Rules, RebuiltStageOfTheSameVersionRunsNothing) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Touch("/bin/keypose-match");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+}
+
+TEST(Rules, ToolVersionChangeRunsItsStage) {
+  FakeHouse house;
+  house.disk.Write("/usr/bin/colmap", "3.8");
+  house.processes.tools["colmap"] = "/usr/bin/colmap";
+  auto& describe = house.processes.stages["/bin/keypose-solve"].describe;
+  describe["tools"] = {{{"name", "colmap"}, {"version", "COLMAP 3.8"}}};
+  house.Run();
+  house.disk.Write("/usr/bin/colmap", "3.9 is larger");
+  describe["tools"] = {{{"name", "colmap"}, {"version", "COLMAP 3.9"}}};
+  EXPECT_EQ(house.Look().Reasons("solve/rest"), "version of the tool colmap: COLMAP 3.8 -> COLMAP 3.9\n");
+  // The models come out equal, so nothing else runs than the report, which shows versions.
+  EXPECT_EQ(house.Run().ran, (Names{"solve/bent", "solve/rest", "tell"}));
+}
+
+TEST(Rules, FailedStepKeepsItsLogStopsWhatDependsAndGoesOnAfterRepair) {
+  FakeHouse house;
+  auto& shape = house.processes.stages["/bin/keypose-shape"].run;
+  const auto good = shape;
+  shape = [](const FakeCall& call, MemoryDisk& d) {
+    d.Write(call.log, "looking\nkeypose shape: error: vertex 7 is not a number\n");
+    d.Write(call.Flag("mesh"), "half");
+    return 3;
+  };
+  const auto outcome = house.Run();
+  EXPECT_EQ(outcome.result.code, ExitCode::kInput);
+  EXPECT_THAT(outcome.result.message, HasSubstr("failed with exit code 3"));
+  EXPECT_THAT(outcome.result.message, HasSubstr("vertex 7 is not a number"));
+  EXPECT_THAT(outcome.result.message, HasSubstr(".keypose/failed/shape.rest/log.txt"));
+  EXPECT_THAT(house.disk.Read(house.project / ".keypose/failed/shape.rest/log.txt"), HasSubstr("vertex 7"));
+  EXPECT_FALSE(house.disk.Stat(house.project / "out/rest/mesh.txt"));
+  EXPECT_THAT(house.Look().Reasons("shape/rest"), HasSubstr("its last try failed with exit code 3"));
+
+  shape = good;
+  const auto second = house.Run();
+  EXPECT_EQ(second.result.code, ExitCode::kOk);
+  EXPECT_EQ(second.ran, (Names{"blend", "match/bent", "shape/bent", "shape/rest", "tell"}));
+  EXPECT_FALSE(house.disk.Stat(house.project / ".keypose/failed/shape.rest"));
+}
+
+TEST(Rules, FailureLeavesNoTemporaryFolder) {
+  FakeHouse house;
+  house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) { return 5; };
+  EXPECT_EQ(house.Run().result.code, ExitCode::kTool);
+  EXPECT_THAT(house.disk.FilesBelow(house.project / ".keypose/tmp"), IsEmpty());
+}
+
+TEST(Rules, SignalledStageIsReportedAsABugWithTheSignal) {
+  FakeHouse house;
+  house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) { return 139; };
+  const auto outcome = house.Run();
+  EXPECT_EQ(outcome.result.code, ExitCode::kBug);
+  EXPECT_THAT(outcome.result.message, HasSubstr("signal 11"));
+}
+
+TEST(Rules, StageThatWritesNothingFails) {
+  FakeHouse house;
+  house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) { return 0; };
+  const auto outcome = house.Run();
+  EXPECT_EQ(outcome.result.code, ExitCode::kTool);
+  EXPECT_THAT(outcome.result.message, HasSubstr("did not write its output 'model'"));
+}
+
+TEST(Rules, FullDiskIsExitCode4AndKeepsWhatWasMade) {
+  FakeHouse house;
+  auto& shape = house.processes.stages["/bin/keypose-shape"].run;
+  const auto good = shape;
+  shape = [&](const FakeCall& call, MemoryDisk& d) {
+    const int code = good(call, d);
+    d.SetFull(true);
+    return code;
+  };
+  EXPECT_EQ(house.Run({}, {}, 1).result.code, ExitCode::kDisk);
+  house.disk.SetFull(false);
+  shape = good;
+  const auto second = house.Run();
+  EXPECT_EQ(second.result.code, ExitCode::kOk);
+  EXPECT_EQ(std::count(second.ran.begin(), second.ran.end(), "shoot/rest"), 0) << "finished work was lost";
+}
+
+TEST(Rules, InterruptKeepsWhatWasMadeAndExitsWith130) {
+  FakeHouse house;
+  house.processes.interrupt_after = 3;
+  const auto outcome = house.Run({}, {}, 1);
+  EXPECT_EQ(outcome.result.code, ExitCode::kInterrupted);
+  EXPECT_EQ(house.disk.FilesBelow(house.project / ".keypose/tmp"), Names());
+  FakeProcesses fresh(house.disk, house.clock);
+  EXPECT_EQ(house.Look().Step("shoot/rest").state, StepPlan::State::kDone);
+}
+
+TEST(Rules, ForceRunsTheStepAgainAndCutsOffWhatFollows) {
+  FakeHouse house;
+  house.Run();
+  EXPECT_EQ(house.Run({.from = {}, .until = {}, .only = {}, .force = {"solve/rest"}}).ran, (Names{"solve/rest"}));
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+}
+
+TEST(Rules, UntilRunsOnlyWhatIsNeeded) {
+  FakeHouse house;
+  EXPECT_EQ(house.Run({.from = {}, .until = {"shape/bent"}, .only = {}, .force = {}}).ran,
+            (Names{"shape/bent", "shoot/bent", "solve/bent"}));
+}
+
+TEST(Rules, FromTakesWhatLiesBeforeAsItWasMade) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "Xchanged");
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
+  EXPECT_EQ(house.Run({.from = {"shape"}, .until = {"shape"}, .only = {}, .force = {}}).ran, (Names{"shape/bent", "shape/rest"}));
+}
+
+TEST(Rules, OnlyRunsJustThatAndNeedsWhatLiesBefore) {
+  FakeHouse house;
+  const Selection only{.from = {}, .until = {}, .only = {"shape/rest"}, .force = {}};
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(only); }), HasSubstr("shape/rest needs solve/rest, which was not asked for"));
+  house.Run({.from = {}, .until = {"solve"}, .only = {}, .force = {}});
+  EXPECT_EQ(house.Run(only).ran, (Names{"shape/rest"}));
+}
+
+TEST(Rules, SelectionOfUnknownStepNamesTheNearest) {
+  FakeHouse house;
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run({.from = {}, .until = {"shap"}, .only = {}, .force = {}}); }),
+              HasSubstr("did you mean 'shape'?"));
+}
+
+TEST(Rules, LookingRunsNothingAndChangesNothing) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "photos/rest/IMG_1.jpg", "Xchanged");
+  const auto before = house.disk.FilesBelow("/");
+  const auto view = house.Look();
+  EXPECT_EQ(view.Step("shoot/rest").state, StepPlan::State::kReady);
+  EXPECT_EQ(view.Step("solve/rest").state, StepPlan::State::kWaiting);
+  EXPECT_THAT(view.plan->WaitsFor(view.graph->Find("solve/rest").front()), ElementsAre("shoot/rest"));
+  EXPECT_EQ(view.Step("shape/bent").state, StepPlan::State::kDone);
+  EXPECT_EQ(house.disk.FilesBelow("/"), before);
+}
+
+TEST(Rules, DeletedResultComesBackWithoutARun) {
+  FakeHouse house;
+  house.Run();
+  const std::string mesh = house.Out("bent/mesh.txt");
+  house.disk.Remove(house.project / "out/bent");
+  EXPECT_THAT(house.Run().ran, IsEmpty());
+  EXPECT_EQ(house.Out("bent/mesh.txt"), mesh);
+}
+
+TEST(Rules, ResultEditedByHandIsKeptBesideTheRestoredOne) {
+  FakeHouse house;
+  house.Run();
+  const std::string mesh = house.Out("bent/mesh.txt");
+  house.disk.Write(house.project / "out/bent/mesh.txt", "sculpted by hand");
+  const auto outcome = house.Run();
+  EXPECT_THAT(outcome.ran, IsEmpty());
+  EXPECT_EQ(house.Out("bent/mesh.txt"), mesh);
+  EXPECT_EQ(house.Out("bent/mesh.txt.mine"), "sculpted by hand");
+  EXPECT_THAT(outcome.notes, ElementsAre(HasSubstr("changed by hand")));
+}
+
+TEST(Rules, ResultsOfARemovedPoseGo) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject("poses: {rest: photos/rest}\n");
+  EXPECT_EQ(house.Run().ran, (Names{"tell"}));
+  EXPECT_FALSE(house.disk.Stat(house.project / "out/bent"));
+  EXPECT_FALSE(house.disk.Stat(house.project / "out/animation"));
+  EXPECT_TRUE(house.disk.Stat(house.project / "out/rest/mesh.txt"));
+}
+
+TEST(Rules, DamagedArtifactIsMadeAgain) {
+  FakeHouse house;
+  house.Run();
+  const auto view = house.Look();
+  house.disk.Write(view.Step("solve/rest").artifact->Path("model"), "cut");
+  EXPECT_EQ(house.Run().ran, (Names{"solve/rest"}));
+}
+
+TEST(Rules, LostCacheExplainsItself) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Remove(house.project / ".keypose/cache");
+  EXPECT_EQ(house.Look().Reasons("shoot/rest"), "its artifact is no longer in the cache\n");
+  EXPECT_EQ(house.Run().ran, kAllSteps);
+}
+
+TEST(Rules, OnePoseEndsInItsReportWithoutAnAnimation) {
+  FakeHouse house;
+  house.WriteProject("poses: {rest: photos/rest}\n");
+  EXPECT_EQ(house.Run().ran, (Names{"shape/rest", "shoot/rest", "solve/rest", "tell"}));
+}
+
+TEST(Rules, PosesWithEqualPhotographsShareArtifacts) {
+  FakeHouse house;
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "IMG_" + std::to_string(i) + ".jpg";
+    house.disk.Write(house.project / "photos/bent" / name, house.disk.Read(house.project / "photos/rest" / name));
+  }
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/rest", "shoot/rest", "solve/rest", "tell"}));
+}
+
+TEST(Rules, IndependentStepsRunSideBySideAndShareTheCores) {
+  FakeHouse house;
+  house.Run({}, {}, 2);
+  EXPECT_EQ(house.processes.most_at_once, 2);
+  EXPECT_EQ(house.processes.calls[0].environment.at("KEYPOSE_THREADS"), "1");
+  EXPECT_EQ(house.processes.calls.back().environment.at("KEYPOSE_THREADS"), "2") << "a step that is alone gets all cores";
+}
+
+TEST(Rules, OneCoreRunsOneAtATime) {
+  FakeHouse house;
+  house.Run({}, {}, 1);
+  EXPECT_EQ(house.processes.most_at_once, 1);
+}
+
+TEST(Rules, LandmarksOfBothPosesAreTakenUpWhenTheyAppear) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "landmarks/rest.json", "rest picks");
+  EXPECT_THAT(house.Run().ran, IsEmpty()) << "one file alone makes no pairs";
+  house.disk.Write(house.project / "landmarks/bent.json", "bent picks");
+  EXPECT_THAT(house.Look().Reasons("match/bent"), HasSubstr("input landmarks now also gets landmarks/rest.json"));
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "tell"}));
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest picks bent picks)"));
+}
+
+TEST(Rules, TimelineOrdersTheKeysAndIsHandedOn) {
+  FakeHouse house;
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [{pose: rest, at: 0}, {pose: bent, at: 0.5}, {pose: rest, at: 2}]\n");
+  house.Run();
+  const auto timeline = nlohmann::json::parse(house.Out("animation/timeline"));
+  EXPECT_EQ(timeline["poses"], (nlohmann::json{"rest", "bent"}));
+  ASSERT_EQ(timeline["keys"].size(), 3u);
+  EXPECT_EQ(timeline["keys"][1]["key"], 1);
+  EXPECT_EQ(timeline["keys"][2]["key"], 0);
+  EXPECT_EQ(timeline["keys"][2]["at"], 2.0);
+}
+
+TEST(Rules, TemplateChangeRunsThePairTheOtherWayRound) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntemplate: bent\n");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/rest", "tell"}));
+}
+
+TEST(Rules, OwnProgramJoinsAndReplacesAStage) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "tools/polish", "program");
+  auto own = house.processes.stages["/bin/keypose-shape"];
+  own.describe["stage"] = "polish";
+  own.run = [](const FakeCall& call, MemoryDisk& d) {
+    d.Write(call.Flag("mesh"), "polished");
+    return 0;
+  };
+  house.processes.stages[(house.project / "tools/polish").string()] = own;
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\nsteps: {shape: {program: tools/polish}}\n");
+  EXPECT_EQ(house.Look().Reasons("shape/rest"), "the stage is another: shape -> polish\n");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/rest", "tell"})) << "both poses give one and the same artifact";
+  EXPECT_EQ(house.Out("rest/mesh.txt"), "polished");
+}
+
+TEST(Rules, OwnStepCanBeAdded) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\n"
+      "steps:\n  deeper: {stage: solve, for: pose, inputs: {images: shoot.images}, options: {depth: 12}, out: {model: "
+      "'deep/{pose}.txt'}}\n");
+  EXPECT_EQ(house.Run().ran, (Names{"deeper/bent", "deeper/rest", "tell"}));
+  EXPECT_EQ(house.Out("deep/rest.txt"), "12plplpl");
+}
+
+TEST(Rules, EstimateOfTheNextRunComesFromTheLast) {
+  FakeHouse house;
+  house.processes.stages["/bin/keypose-solve"].seconds = 42;
+  house.Run();
+  EXPECT_DOUBLE_EQ(house.Look().Step("solve/rest").last->seconds, 42);
+}
+
+TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
+  FakeHouse house;
+  for (auto& [program, stage] : house.processes.stages) stage.describe["resources"]["memory_bytes"] = 800;
+  auto view = house.Look();
+  ContentHasher hasher(house.disk, house.project / ".keypose/hashes.json", house.project);
+  ArtifactStore store(house.disk, house.project / ".keypose");
+  Records records(house.disk, house.project / ".keypose");
+  Workshop workshop{house.disk, hasher, store, records, house.project};
+  Plan plan(*view.graph, workshop, {});
+  ResultsFolder results(house.disk, house.project / "out", house.project / ".keypose/out.json");
+  class Silent final : public RunObserver {
+    void Begin(const std::map<std::string, double>&) override {}
+    void Started(const std::string&, const std::vector<std::string>&, int) override {}
+    void Progressed(const std::string&, double, const std::string&) override {}
+    void Finished(const std::string&, const std::string&, double) override {}
+    void Note(const std::string&) override {}
+  } silent;
+  RunRecord record;
+  record.name = "run";
+  EXPECT_EQ(Builder(plan, workshop, house.processes, house.clock, results, silent, {8, 1500}).Run(record).code, ExitCode::kOk);
+  EXPECT_EQ(house.processes.most_at_once, 1);
+}
+
+// Faults of the file, each with file and line.
+
+struct BadFile {
+  const char* yaml;
+  const char* message;
+};
+class BadFiles : public ::testing::TestWithParam<BadFile> {};
+
+TEST_P(BadFiles, IsAnErrorWithFileAndLine) {
+  FakeHouse house;
+  house.WriteProject(GetParam().yaml);
+  EXPECT_THAT(MessageOf<Error>([&] { house.Look(); }), HasSubstr(GetParam().message));
+  EXPECT_TRUE(house.processes.calls.empty());
+}
+
+const char kPoses[] = "poses: {rest: photos/rest, bent: photos/bent}\n";
+const std::string Poses(const char* rest) { return std::string(kPoses) + rest; }
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, BadFiles,
+    ::testing::Values(
+        BadFile{"posse: {rest: photos/rest}\n", "pipeline.yaml:1: the pipeline has no key 'posse'; did you mean 'poses'?"},
+        BadFile{"poses:\n  rest:\n    photoes: photos/rest\n", "pipeline.yaml:3: pose 'rest' has no key 'photoes'; did you mean 'photos'?"},
+        BadFile{"poses:\n  rest: [a, b]\n", "pipeline.yaml:2: pose 'rest' must be a map"},
+        BadFile{"poses:\n  rest: photos/rest\n  rest: photos/bent\n", "pipeline.yaml:3: poses has the key 'rest' twice"},
+        BadFile{"poses:\n  'a/b': photos/rest\n", "pipeline.yaml:2: the pose name 'a/b' may have letters"},
+        BadFile{"poses: {rest: photos/rest\n", "this is not YAML"}, BadFile{"template: rest\n", "names no pose"},
+        BadFile{"poses: {rest: photos/rest}\ntemplate: rset\n",
+                "pipeline.yaml:2: the template 'rset' is not among the poses; did you mean 'rest'?"},
+        BadFile{"poses: {rest: photos/rest}\ntimeline: [rest, bend]\n", "pipeline.yaml:2: timeline pose 'bend' is not among the poses"},
+        BadFile{"poses: {rest: photos/rest}\ntimeline:\n  - {pose: rest, at: 1}\n  - {pose: rest, at: 0}\n",
+                "pipeline.yaml:4: timeline keys must come in the order of time"},
+        BadFile{"poses: {rest: photos/rest}\ntimeline: [{pose: rest, at: soon}]\n",
+                "pipeline.yaml:2: timeline 'at' is 'soon', but it must be a number"},
+        BadFile{"poses: {rest: photos/rest}\noptions:\n  shap: {depth: 3}\n",
+                "pipeline.yaml:3: options name the step 'shap', which does not exist; did you mean 'shape'?"},
+        BadFile{"poses: {rest: photos/rest}\noptions:\n  shape: {dept: 3}\n",
+                "pipeline.yaml:3: step 'shape': stage 'shape' has no option 'dept'; did you mean 'depth'?"},
+        BadFile{"poses: {rest: photos/rest}\noptions:\n  shape: {depth: deep}\n",
+                "pipeline.yaml:3: step 'shape': option 'depth' is 'deep', but it must be a whole number"},
+        BadFile{"poses: {rest: photos/rest}\noptions:\n  shape: {depth: [1, 2]}\n",
+                "pipeline.yaml:3: options.shape.depth must be a single value"},
+        BadFile{"poses:\n  rest: photos/elsewhere\n", "pipeline.yaml:2: step 'shoot/rest' reads photos/elsewhere, which does not exist"},
+        BadFile{"poses:\n  rest: photos/rest/IMG_0.jpg\n", "which is a file, but 'photos' must be a folder"},
+        BadFile{"poses:\n  rest: {photos: photos/rest, landmarks: l.json}\n  bent: photos/bent\n", "pipeline.yaml:3: step"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  extra: {stage: solve, inputs: {images: shoot.images}}\n",
+                "pipeline.yaml:3: step 'extra' needs `for:`"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  extra: {stage: slove, for: pose}\n",
+                "pipeline.yaml:3: step 'extra': there is no stage 'slove'"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  extra: {program: ./none, for: pose}\n",
+                "pipeline.yaml:3: step 'extra': there is no program"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: sovle.model}}\n",
+                "pipeline.yaml:3: step 'shape': there is no step 'sovle'; did you mean 'solve'?"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: solve.modle}}\n",
+                "stage 'solve' has no output 'modle'; did you mean 'model'?"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {modle: solve.model}}\n",
+                "stage 'shape' has no input 'modle'; did you mean 'model'?"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: shoot.images}}\n",
+                "shoot/rest.images is a folder, but the input 'model' takes a file"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: }}\n", "has nothing for the input 'model'"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: [solve.model, solve.model]}}\n", "takes one thing, not 2"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {inputs: {model: $model}}\n", "'$model' is not known"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  shape: {for: poses}\n",
+                "pipeline.yaml:3: `for: poses` is not known; did you mean 'pose'?"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  solve: {enabled: false}\n",
+                "takes 'solve.model', but that step is switched off at pipeline.yaml:3"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  solve: {out: {model: ../escape.txt}}\n", "must lie inside out/"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  solve: {out: {model: 'rest/mesh.txt'}}\n",
+                "two steps write one result: solve/rest and shape/rest both write out/rest/mesh.txt"},
+        BadFile{"poses: {rest: photos/rest}\nsteps:\n  solve: {out: {model: 'rest'}}\n", "two steps write one result"}));
+
+TEST(Faults, CycleIsNamedWithFileAndLine) {
+  FakeHouse house;
+  house.WriteProject(
+      "poses: {rest: photos/rest}\n"
+      "steps:\n"
+      "  first: {stage: shape, for: pose, inputs: {model: second.mesh}}\n"
+      "  second: {stage: shape, for: pose, inputs: {model: first.mesh}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }),
+              HasSubstr("pipeline.yaml:3: the steps form a cycle: first/rest -> second/rest -> first/rest"));
+}
+
+TEST(Faults, SetIsCheckedLikeTheFile) {
+  FakeHouse house;
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look({}, {"shape.dept=1"}); }), HasSubstr("did you mean 'depth'?"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look({}, {"shap.depth=1"}); }), HasSubstr("did you mean 'shape'?"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look({}, {"shape.depth=1.5"}); }), HasSubstr("must be a whole number"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look({}, {"shape/best.depth=1"}); }), HasSubstr("did you mean 'shape/"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look({}, {"depth=1"}); }), HasSubstr("STEP.OPTION=VALUE"));
+}
+
+TEST(Faults, SourceThatVanishesIsAnInputError) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Remove(house.project / "photos/bent");
+  EXPECT_THAT(MessageOf<InputError>([&] { house.Look(); }),
+              HasSubstr("photos/bent, which does not exist; put it at /home/ann/hero/photos/bent"));
+}
+
+}  // namespace
+}  // namespace keypose::pipeline

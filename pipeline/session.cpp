@@ -1,0 +1,50 @@
+#include "pipeline/session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "core/errors.h"
+
+namespace keypose::pipeline {
+
+namespace fs = std::filesystem;
+
+double RealClock::Now() const { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+fs::path ProgramFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+fs::path DefaultPipelineFile() {
+  const fs::path file = (ProgramFolder() / "../share/keypose/pipeline.yaml").lexically_normal();
+  if (!fs::exists(file)) throw DiskError(fmt::format("the default pipeline {} is missing; install keypose again", file.string()));
+  return file;
+}
+
+fs::path FindProject(const std::string& folder) {
+  const fs::path start = fs::absolute(folder.empty() ? fs::path(".") : fs::path(folder)).lexically_normal();
+  for (fs::path candidate = start;; candidate = candidate.parent_path()) {
+    // "a/b/" has an empty file name at its end, which would make the loop look at the same folder twice.
+    if (!candidate.has_filename() && candidate != candidate.root_path()) continue;
+    if (fs::is_regular_file(candidate / "pipeline.yaml")) return candidate;
+    if (!folder.empty() || candidate == candidate.root_path()) break;
+  }
+  throw UsageError(
+      fmt::format("{} is not a keypose project: it has no pipeline.yaml; make one with `keypose init DIR --pose NAME=PHOTO_DIR`, or name "
+                  "one with -C DIR",
+                  start.string()));
+}
+
+Session::Session(const fs::path& project, const std::vector<Override>& overrides)
+    : project_(project),
+      disk_(project / ".keypose" / "writing"),
+      catalog_(disk_, processes_, project / ".keypose" / "stages.json"),
+      hasher_(disk_, project / ".keypose" / "hashes.json", project),
+      store_(disk_, project / ".keypose"),
+      records_(disk_, project / ".keypose"),
+      workshop_{disk_, hasher_, store_, records_, project} {
+  const PipelineFile defaults = ParsePipelineFile(disk_.Read(DefaultPipelineFile()), "the default pipeline");
+  const PipelineFile own = ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
+  graph_ = BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);
+}
+
+}  // namespace keypose::pipeline

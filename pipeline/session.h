@@ -1,0 +1,57 @@
+// A project opened for a command: its files, graph, cache and records, on the real machine.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/artifact_store.h"
+#include "pipeline/clock.h"
+#include "pipeline/graph.h"
+#include "pipeline/plan.h"
+#include "pipeline/real_disk.h"
+#include "pipeline/real_process.h"
+#include "pipeline/records.h"
+
+namespace keypose::pipeline {
+
+/// Folder of the running program.
+std::filesystem::path ProgramFolder();
+/// The default pipeline that was installed with the program. @throws DiskError  it is missing
+std::filesystem::path DefaultPipelineFile();
+
+/// The project's root: `folder`, or when that is empty the current folder or the nearest one above with a pipeline.yaml.
+/// @throws UsageError  there is none
+std::filesystem::path FindProject(const std::string& folder);
+
+class Session {
+ public:
+  /// Reads pipeline.yaml over the default pipeline and builds the graph. @throws as ParsePipelineFile and BuildGraph
+  Session(const std::filesystem::path& project, const std::vector<Override>& overrides);
+
+  const std::filesystem::path& project() const { return project_; }
+  std::filesystem::path state() const { return project_ / ".keypose"; }
+  std::filesystem::path out() const { return project_ / "out"; }
+  const Graph& graph() const { return graph_; }
+  RealDisk& disk() { return disk_; }
+  RealProcessRunner& processes() { return processes_; }
+  ArtifactStore& store() { return store_; }
+  Records& records() { return records_; }
+  Workshop& workshop() { return workshop_; }
+  const RealClock& clock() const { return clock_; }
+
+ private:
+  std::filesystem::path project_;
+  RealDisk disk_;
+  RealProcessRunner processes_;
+  RealClock clock_;
+  StageCatalog catalog_;
+  ContentHasher hasher_;
+  ArtifactStore store_;
+  Records records_;
+  Graph graph_;
+  Workshop workshop_;
+};
+
+}  // namespace keypose::pipeline

@@ -1,0 +1,54 @@
+// What a stage program says of itself with --describe, and the checking of options against it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace keypose::pipeline {
+
+struct PortInfo {
+  std::string name, kind;  ///< kind is "file" or "folder"
+  std::string file;        ///< outputs: the name that the runner gives it
+  bool optional = false, repeatable = false;
+};
+
+struct OptionInfo {
+  std::string name, type;     ///< type is "bool", "int", "double" or "string"
+  std::string default_value;  ///< canonical text
+  std::string unit;
+  std::optional<double> min, max;
+  std::vector<std::string> choices;
+};
+
+struct StageInfo {
+  std::string stage, version, summary;
+  std::vector<PortInfo> inputs, outputs;
+  std::vector<OptionInfo> options;
+  std::map<std::string, std::string> tools;  ///< external programs and the versions they report
+  int cores = 0;                             ///< 0: all there are
+  std::int64_t memory_bytes = 0;
+
+  const PortInfo* FindInput(const std::string& name) const;
+  const PortInfo* FindOutput(const std::string& name) const;
+  const OptionInfo* FindOption(const std::string& name) const;
+};
+
+/// @param text     JSON as `PROGRAM --describe` prints it
+/// @param program  named in messages
+/// @throws ToolError  not the JSON of the stage contract; says which field
+StageInfo ParseStageInfo(const std::string& text, const std::string& program);
+
+/// The one text that stands for a value: 0.50, .5 and 5e-1 are all "0.5"; yes and on are "true".
+/// @throws UsageError  wrong type, out of range, not among the choices; says what is allowed
+std::string CanonicalOption(const OptionInfo& option, const std::string& text);
+
+/// The option, or @throws UsageError naming the nearest one that the stage has.
+const OptionInfo& OptionOf(const StageInfo& info, const std::string& name);
+
+/// "; did you mean 'x'? (known: x, y, z)"
+std::string Suggestion(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace keypose::pipeline

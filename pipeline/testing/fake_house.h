@@ -1,0 +1,57 @@
+// A whole project in memory: two poses, six stages that are functions on text, and a run with one call.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/builder.h"
+#include "pipeline/plan.h"
+#include "pipeline/testing/fake_processes.h"
+#include "pipeline/testing/memory_disk.h"
+
+namespace keypose::pipeline {
+
+/// The default pipeline of the fake house: shoot (folder) -> solve -> shape -> match (pair) -> blend (animation) -> tell (project).
+/// `solve` depends on the number of photographs and on their first letters only, so that other changes are cut off there.
+extern const char* const kFakePipeline;
+
+class FakeHouse {
+ public:
+  FakeHouse();
+
+  struct Outcome {
+    RunResult result;
+    std::vector<std::string> ran;  ///< step ids of the processes that were started, sorted
+    std::vector<std::string> notes;
+  };
+  Outcome Run(const Selection& selection = {}, const std::vector<std::string>& set = {}, int cores = 4);
+  /// The plan as `status` sees it.
+  struct View {
+    std::unique_ptr<Graph> graph;
+    std::unique_ptr<Plan> plan;
+    const StepPlan& Step(const std::string& id) const { return (*plan)[graph->Find(id).front()]; }
+    /// All reasons of a step in one text.
+    std::string Reasons(const std::string& id) const;
+  };
+  View Look(const Selection& selection = {}, const std::vector<std::string>& set = {});
+
+  /// Moves the project folder; `project` follows.
+  void MoveProject(const std::filesystem::path& to);
+  void WriteProject(const std::string& yaml) { disk.Write(project / "pipeline.yaml", yaml); }
+  std::string Out(const std::string& name) const { return disk.Read(project / "out" / name); }
+
+  MemoryDisk disk;
+  FakeClock clock;
+  FakeProcesses processes{disk, clock};
+  std::filesystem::path project = "/home/ann/hero";
+  std::string default_pipeline = kFakePipeline;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> Open(const std::vector<std::string>& set);
+  std::vector<std::unique_ptr<Parts>> opened_;
+  int runs_ = 0;
+};
+
+}  // namespace keypose::pipeline

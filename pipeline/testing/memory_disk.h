@@ -1,0 +1,57 @@
+// A disk in memory, with settable times.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "pipeline/clock.h"
+#include "pipeline/disk.h"
+
+namespace keypose::pipeline {
+
+class MemoryDisk final : public Disk {
+ public:
+  std::optional<FileStat> Stat(const Path& path) const override;
+  std::vector<std::string> FilesBelow(const Path& folder) const override;
+  std::vector<std::string> Children(const Path& folder) const override;
+  std::string Read(const Path& path) const override;
+  std::string ContentHash(const Path& path) const override;
+  void Write(const Path& path, std::string_view text) override;
+  void MakeFolder(const Path& path) override;
+  void Move(const Path& from, const Path& to) override;
+  void Copy(const Path& from, const Path& to) override;
+  void Remove(const Path& path) override;
+  void Sync(const Path&) override {}
+
+  /// A new time for a file, same content.
+  void Touch(const Path& path);
+  /// Every write from now on fails as on a full disk.
+  void SetFull(bool full) { full_ = full; }
+  int hashed() const { return hashed_; }  ///< files that were read for their hash
+
+ private:
+  struct File {
+    std::string text;
+    std::int64_t mtime_ns = 0;
+    std::uint64_t inode = 0;
+  };
+  void CheckSpace(const Path& path) const;
+  std::map<std::string, File> files_;
+  std::set<std::string> folders_;
+  std::int64_t time_ns_ = 1000;
+  std::uint64_t next_inode_ = 1;
+  bool full_ = false;
+  mutable int hashed_ = 0;
+};
+
+class FakeClock final : public Clock {
+ public:
+  double Now() const override { return now_; }
+  void Advance(double seconds) { now_ += seconds; }
+
+ private:
+  double now_ = 1.7e9;
+};
+
+}  // namespace keypose::pipeline
