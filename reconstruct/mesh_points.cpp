@@ -1,0 +1,149 @@
+#include "reconstruct/mesh_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/kd_tree.h"
+#include "core/parallel.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr int kFewestPoints = 100;
+constexpr std::int64_t kGrain = 2048;
+// Two sides of a thin sheet see half of their neighbours turned away: only near unanimity tells a wrong normal.
+constexpr double kContraryShare = 0.2;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double Median(const Eigen::VectorXd& values) { return Median(std::vector<double>(values.begin(), values.end())); }
+
+PointCloud Selected(const PointCloud& cloud, const std::vector<char>& keep) {
+  std::vector<int> rows;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    if (keep[i]) rows.push_back(static_cast<int>(i));
+  }
+  PointCloud out;
+  out.points = cloud.points(rows, Eigen::all);
+  out.normals = cloud.normals(rows, Eigen::all);
+  if (cloud.colors.rows() > 0) out.colors = cloud.colors(rows, Eigen::all);
+  if (cloud.confidence.size() > 0) out.confidence = cloud.confidence(rows);
+  return out;
+}
+
+// Drops the marked points and counts them.
+int Drop(PointCloud& cloud, const std::vector<char>& keep) {
+  const int dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
+  if (dropped > 0) cloud = Selected(cloud, keep);
+  return dropped;
+}
+
+struct Neighborhood {
+  Eigen::VectorXd mean_distance;  // to the k nearest
+  Eigen::VectorXd spacing;        // from the k-th: k points in a disc of that radius
+  Eigen::VectorXd agreeing;       // share of the k nearest whose normal lies on the same side
+};
+
+Neighborhood Measure(const PointCloud& cloud, int neighbors) {
+  const KdTree tree(cloud.points);
+  const Eigen::Index count = cloud.points.rows();
+  Neighborhood out{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
+  ParallelBlocks(count, kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      // The point finds itself too.
+      const auto near = tree.Nearest(cloud.points.row(i).transpose(), neighbors + 1);
+      double sum = 0;
+      int agree = 0;
+      for (const auto& n : near) {
+        sum += std::sqrt(n.squared_distance);
+        if (n.index != i && cloud.normals.row(n.index).dot(cloud.normals.row(i)) > 0) ++agree;
+      }
+      out.mean_distance[i] = sum / neighbors;
+      out.spacing[i] = std::sqrt(near.back().squared_distance * std::numbers::pi / neighbors);
+      out.agreeing[i] = static_cast<double>(agree) / neighbors;
+    }
+  });
+  return out;
+}
+
+// The divergence theorem on samples: area-weighted normals against offsets from the middle give three times the volume.
+bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
+  const Eigen::RowVector3d middle = cloud.points.colwise().mean();
+  double flux = 0;
+  for (Eigen::Index i = 0; i < cloud.points.rows(); ++i) {
+    flux += spacing[i] * spacing[i] * cloud.normals.row(i).dot(cloud.points.row(i) - middle);
+  }
+  return flux < 0;
+}
+
+void RequireEnough(const PointCloud& cloud, const std::string& what, Eigen::Index before) {
+  if (cloud.points.rows() >= kFewestPoints) return;
+  throw InputError("mesh: of the " + std::to_string(before) + " points of " + what + " only " + std::to_string(cloud.points.rows()) +
+                   " are left after outlier removal, and a surface needs " + std::to_string(kFewestPoints) +
+                   "; raise `outlier_ratio`, lower `min_confidence`, or look at the cloud");
+}
+
+}  // namespace
+
+void RequireMeshable(const PointCloud& cloud, const std::string& what) {
+  const Eigen::Index count = cloud.points.rows();
+  if (count < kFewestPoints) {
+    throw InputError("mesh: " + what + " has " + std::to_string(count) + " points; a surface needs at least " +
+                     std::to_string(kFewestPoints) + ": check the masks and the report of the dense step");
+  }
+  if (cloud.normals.rows() != count)
+    throw InputError("mesh: " + what +
+                     " has no normals (nx ny nz); a surface cannot be fitted without them: take a cloud of the dense step");
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (!cloud.points.row(i).allFinite() || !cloud.normals.row(i).allFinite())
+      throw InputError("mesh: point " + std::to_string(i) + " of " + what + " has a value that is not a finite number; remove it");
+  }
+  const Eigen::RowVector3d extent = cloud.points.colwise().maxCoeff() - cloud.points.colwise().minCoeff();
+  if (!(extent.maxCoeff() > 0))
+    throw InputError("mesh: all " + std::to_string(count) + " points of " + what +
+                     " lie in one place; the reconstruction before it failed");
+}
+
+FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& options, const std::string& what, Progress* progress) {
+  RequireMeshable(cloud, what);
+  const Eigen::Index before = cloud.points.rows();
+  FilteredPoints out;
+  out.cloud = cloud;
+  std::vector<char> keep(before, 1);
+  for (Eigen::Index i = 0; i < before; ++i) {
+    const bool sure = cloud.confidence.size() == 0 || cloud.confidence[i] >= options.min_confidence;
+    keep[i] = sure && cloud.normals.row(i).norm() > 1e-6;
+  }
+  out.removed_unsure = Drop(out.cloud, keep);
+  RequireEnough(out.cloud, what, before);
+  out.cloud.normals.rowwise().normalize();
+
+  Step(progress, 0.1, "looking for strays");
+  Neighborhood near = Measure(out.cloud, options.neighbors);
+  const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * Median(near.mean_distance) : INFINITY;
+  keep.assign(out.cloud.points.rows(), 1);
+  std::vector<char> aligned;
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    keep[i] = near.mean_distance[i] <= limit;
+    if (keep[i]) aligned.push_back(near.agreeing[i] >= kContraryShare);
+  }
+  out.removed_outliers = Drop(out.cloud, keep);
+  out.removed_contrary = Drop(out.cloud, aligned);
+  RequireEnough(out.cloud, what, before);
+
+  Step(progress, 0.6, "measuring the sampling");
+  out.spacing = Measure(out.cloud, options.neighbors).spacing;
+  out.median_spacing = Median(out.spacing);
+  if (!(out.median_spacing > 0))
+    throw InputError("mesh: most points of " + what + " lie on top of each other; fuse the cloud first, so that places are unique");
+  out.normals_flipped = PointInside(out.cloud, out.spacing);
+  if (out.normals_flipped) out.cloud.normals = -out.cloud.normals;
+  return out;
+}
+
+}  // namespace keypose::reconstruct

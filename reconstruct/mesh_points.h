@@ -1,0 +1,40 @@
+// Readies a fused point cloud for meshing: faults named, strays removed, spacing measured.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/progress.h"
+
+namespace keypose::reconstruct {
+
+struct PointFilterOptions {
+  int neighbors = 16;         ///< points that say how dense a place is, >= 4
+  double outlier_ratio = 4;   ///< removed: mean distance to the neighbours above this many times the median; 0 keeps all
+  double min_confidence = 0;  ///< removed: confidence below this, where the cloud has confidences
+};
+
+/// Points that are fit to be meshed.
+struct FilteredPoints {
+  PointCloud cloud;
+  Eigen::VectorXd spacing;  ///< P, distance between neighbouring samples around each point [the cloud's unit]
+  double median_spacing = 0;
+  int removed_unsure = 0;        ///< confidence too low
+  int removed_outliers = 0;      ///< too far from their neighbours
+  int removed_contrary = 0;      ///< normal against nearly all of the neighbours' normals
+  bool normals_flipped = false;  ///< all normals pointed inside and were turned round
+};
+
+/// Throws what makes a cloud unfit to be meshed.
+/// @throws InputError  fewer than 100 points, no normals, a value that is not finite, all points in one place; names `what` and the point
+void RequireMeshable(const PointCloud& cloud, const std::string& what);
+
+/// Removes strays and contrary normals, turns normals outside, and measures the sampling.
+///
+/// @throws InputError  as RequireMeshable, or fewer than 100 points are left
+/// Cost: two passes of `neighbors`-nearest queries. Same bits for any thread count.
+/// Source: the distance rule is Rusu et al. 2008 (statistical outlier removal) with medians for means.
+FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& options, const std::string& what, Progress* progress);
+
+}  // namespace keypose::reconstruct

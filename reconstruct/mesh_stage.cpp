@@ -1,0 +1,44 @@
+// keypose-mesh: an oriented point cloud becomes a coloured surface.
+#include "core/geometry.h"
+#include "core/io/mesh_io.h"
+#include "core/stage/stage.h"
+#include "reconstruct/mesh_surface.h"
+
+namespace {
+
+using keypose::reconstruct::MeshOptions;
+
+void Run(keypose::StageContext& stage, const MeshOptions& options) {
+  const auto path = stage.Input("cloud");
+  const keypose::PointCloud cloud = keypose::ReadPointCloud(path);
+  const auto result = keypose::reconstruct::ReconstructSurface(cloud, options, path.filename().string(), stage.progress());
+  keypose::WriteMesh(stage.Output("surface"), result.mesh);
+  stage.Report("points", static_cast<std::int64_t>(cloud.points.rows()));
+  stage.Report("points_used", static_cast<std::int64_t>(result.used.cloud.points.rows()));
+  stage.Report("points_unsure", result.used.removed_unsure);
+  stage.Report("points_outliers", result.used.removed_outliers);
+  stage.Report("points_contrary_normals", result.used.removed_contrary);
+  stage.Report("normals_flipped", result.used.normals_flipped);
+  stage.Report("spacing", result.used.median_spacing);
+  stage.Report("depth", result.depth);
+  stage.Report("vertices", result.mesh.vertex_count());
+  stage.Report("faces", result.mesh.face_count());
+  stage.Report("trimmed_faces", result.trimmed_faces);
+  stage.Report("removed_components", result.removed_components);
+  stage.Report("kept_closures", result.kept_closures);
+  stage.Report("closed", keypose::CheckClosed(result.mesh).closed());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keypose::StageSpec spec;
+  spec.name = "mesh";
+  spec.version = "1";
+  spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
+  spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false}};
+  spec.outputs = {{"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
+  spec.cores = 1;
+  spec.memory_gib = 4;
+  return keypose::RunStage<MeshOptions>(argc, argv, spec, Run);
+}

@@ -1,0 +1,80 @@
+#include "reconstruct/mesh_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry.h"
+#include "core/kd_tree.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr int kShallowest = 4;
+
+double CellSize(const PointsX3& points, int depth) {
+  const Eigen::RowVector3d extent = points.colwise().maxCoeff() - points.colwise().minCoeff();
+  return kPoissonCubeScale * extent.maxCoeff() / std::pow(2.0, depth);
+}
+
+// Poisson's inside is where the normals come from; a surface that disagrees with its points would turn every later step inside out.
+void FaceAlongNormals(Mesh& mesh, const PointCloud& cloud) {
+  const KdTree tree(cloud.points);
+  const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
+  const int stride = std::max(1, mesh.vertex_count() / 20000);
+  int balance = 0;
+  for (int v = 0; v < mesh.vertex_count(); v += stride) {
+    const auto near = tree.Nearest(mesh.points.row(v).transpose());
+    balance += cloud.normals.row(near.index).dot(normals.row(v)) > 0 ? 1 : -1;
+  }
+  if (balance < 0) mesh.faces.col(1).swap(mesh.faces.col(2));
+}
+
+}  // namespace
+
+void MeshOptions::Describe(OptionVisitor& visit) {
+  visit("depth", depth, {"octree levels; 0 chooses them from the distance between points", "levels", 0, 12, {}});
+  visit("max_depth", max_depth, {"highest number of octree levels that depth 0 chooses", "levels", kShallowest, 12, {}});
+  visit("point_weight", poisson.point_weight,
+        {"how strongly the surface is held to the points; 0 is the unscreened method", "", 0, 100, {}});
+  visit("samples_per_node", poisson.samples_per_node,
+        {"points wanted in a leaf: 1 to 5 for clean clouds, 10 to 20 for noisy ones", "points", 1, 50, {}});
+  visit("neighbors", filter.neighbors, {"points that say how dense a place is", "points", 4, 100, {}});
+  visit("outlier_ratio", filter.outlier_ratio,
+        {"a point is removed when its neighbours are this many times farther than usual; 0 keeps all", "", 0, 1000, {}});
+  visit("min_confidence", filter.min_confidence, {"points of lower confidence are not used", "", 0, 1, {}});
+  visit("trim", trim.trim,
+        {"surface farther from all points than this many point distances is cut away; 0 keeps all", "spacings", 0, 1000, {}});
+  visit("keep_area", trim.keep_area, {"a patch without data stays when it is at most this share of the whole area", "", 0, 1, {}});
+  visit("min_component", trim.min_component, {"parts with fewer faces than this share of the largest part are removed", "", 0, 1, {}});
+}
+
+int DepthForSampling(double diagonal, double spacing, int max_depth) {
+  const double levels = std::ceil(std::log2(diagonal / (2 * spacing)));
+  return static_cast<int>(std::clamp(levels, static_cast<double>(std::min(kShallowest, max_depth)), static_cast<double>(max_depth)));
+}
+
+SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& options, const std::string& what, Progress* progress) {
+  SurfaceResult out;
+  SubProgress filtering(progress, 0, 0.15);
+  out.used = FilterPoints(cloud, options.filter, what, &filtering);
+  out.depth = options.depth > 0 ? options.depth
+                                : DepthForSampling(BoundingDiagonal(out.used.cloud.points), out.used.median_spacing, options.max_depth);
+  Step(progress, 0.15, "fitting the surface");
+  PoissonOptions poisson = options.poisson;
+  poisson.depth = out.depth;
+  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, poisson);
+  FaceAlongNormals(surface, out.used.cloud);
+  out.poisson_faces = surface.face_count();
+
+  Step(progress, 0.85, "trimming");
+  TrimResult trimmed = TrimToData(surface, out.used, CellSize(out.used.cloud.points, out.depth), options.trim);
+  out.trimmed_faces = trimmed.trimmed_faces;
+  out.removed_components = trimmed.removed_components;
+  out.kept_closures = trimmed.kept_closures;
+  out.mesh = std::move(trimmed.mesh);
+  Step(progress, 0.95, "colouring");
+  out.mesh.colors = ColorsFromPoints(out.mesh, out.used);
+  return out;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,47 @@
+// From an oriented, coloured point cloud to a coloured surface.
+#pragma once
+
+#include <string>
+
+#include "core/mesh.h"
+#include "core/options.h"
+#include "core/progress.h"
+#include "reconstruct/mesh_points.h"
+#include "reconstruct/mesh_trim.h"
+#include "reconstruct/poisson.h"
+
+namespace keypose::reconstruct {
+
+/// Options of the mesh stage.
+struct MeshOptions {
+  int depth = 0;      ///< octree levels; 0 chooses from the sampling: ceil(log2(diagonal / (2 spacing)))
+  int max_depth = 9;  ///< the highest that depth 0 chooses
+  PoissonOptions poisson;
+  PointFilterOptions filter;
+  TrimOptions trim;
+
+  void Describe(OptionVisitor& visit);
+};
+
+struct SurfaceResult {
+  Mesh mesh;            ///< with colours where the cloud has them; open where there was no data
+  int depth = 0;        ///< octree levels used
+  FilteredPoints used;  ///< the points that were fitted, and what was removed
+  int poisson_faces = 0;
+  int trimmed_faces = 0;
+  int removed_components = 0;
+  int kept_closures = 0;
+};
+
+/// Octree levels that resolve samples `spacing` apart in a cloud of `diagonal`, in [4, max_depth].
+int DepthForSampling(double diagonal, double spacing, int max_depth);
+
+/// Filters the points, solves screened Poisson, trims what has no data, and colours the rest.
+///
+/// @param what  names the cloud in messages
+/// @throws InputError   see FilterPoints
+/// @throws SolverError  no surface near the points
+/// Same bits for any thread count.
+SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& options, const std::string& what, Progress* progress);
+
+}  // namespace keypose::reconstruct
