@@ -26,9 +26,10 @@ constexpr float kLeastSpread = 0.02f, kMostSpread = 0.12f;
 
 /// What one view says of one texel.
 struct Vote {
-  Vector3f fine, low;   ///< linear light, gain applied
-  Vector3f root;        ///< square root of `fine`: steps of about equal visibility
-  float weight;         ///< resolution, angle, trust, sharpness
+  Vector3f fine, low;  ///< linear light, gain applied
+  Vector3f root;       ///< square root of `fine`: steps of about equal visibility
+  float weight;        ///< resolution, angle, trust, sharpness: its part of the blend
+  float say;  ///< its part in what the views agree upon; flatter, since the view from straight ahead may be the one that sees the lamp
   float agreement = 1;  ///< with the other views, (0, 1]
   int view;
 };
@@ -53,11 +54,11 @@ void WeighAgreement(std::vector<Vote>& votes, double scale) {
   Vector3f middle;
   for (int c = 0; c < 3; ++c) {
     sorted.clear();
-    for (const Vote& vote : votes) sorted.emplace_back(vote.root[c], vote.weight);
+    for (const Vote& vote : votes) sorted.emplace_back(vote.root[c], vote.say);
     middle[c] = WeightedQuantile(sorted, 0.45);
   }
   sorted.clear();
-  for (const Vote& vote : votes) sorted.emplace_back((vote.root - middle).norm(), vote.weight);
+  for (const Vote& vote : votes) sorted.emplace_back((vote.root - middle).norm(), vote.say);
   const float spread = std::clamp(1.4826f * WeightedQuantile(sorted, 0.5), kLeastSpread, kMostSpread);
   for (Vote& vote : votes) {
     const float brighter = (vote.root - middle).sum() > 0 ? 1.4f : 1.0f;
@@ -138,8 +139,9 @@ class Painter {
     vote.low = low.color.cwiseProduct(gains_[v]);
     vote.root = vote.fine.cwiseSqrt();
     vote.weight = static_cast<float>(sighting.trust * pixels_per_texel * cosine * cosine * sharpness_[v]);
+    vote.say = static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
     // A clipped pixel tells only that the surface was at least this bright: a highlight, or an overexposed photograph.
-    if (fine.color.minCoeff() > 0.9f) vote.weight *= 0.1f;
+    if (fine.color.minCoeff() > 0.9f) vote.weight *= 0.1f, vote.say *= 0.3f;
     vote.view = v;
     if (vote.weight > 0) votes.push_back(vote);
   }

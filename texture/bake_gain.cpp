@@ -34,7 +34,7 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, int s
           if (cosine < 0.3) continue;
           const Sighting sighting = views[v].See(x);
           if (sighting.trust <= 0) continue;
-          const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel, 3).color;
+          const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel, 1.5).color;
           // Near black the logarithm is noise, near white the sensor has clipped.
           if (color.minCoeff() < 0.004f || color.maxCoeff() > 0.93f) continue;
           lists[i].push_back({v, sighting.trust * cosine, color.cast<double>().array().log().matrix()});

@@ -1,0 +1,434 @@
+#include "texture/bake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "core/render.h"
+#include "texture/bake_atlas.h"
+#include "texture/bake_gain.h"
+#include "texture/bake_quality.h"
+
+namespace keypose::texture {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+/// A sphere as six n x n patches, each a chart of a 3 x 2 layout with margins; vertices are shared across the charts' seams.
+Mesh PatchSphere(int n, double radius = 1, const Vector3d& center = Vector3d::Zero()) {
+  std::vector<Vector3d> points;
+  std::vector<Vector2d> uvs;
+  std::vector<Eigen::Vector3i> faces, uv_faces;
+  std::map<std::array<long, 3>, int> known;
+  const auto vertex = [&](const Vector3d& cube) {
+    const std::array<long, 3> key = {std::lround(cube.x() * 1e6), std::lround(cube.y() * 1e6), std::lround(cube.z() * 1e6)};
+    const auto [it, added] = known.try_emplace(key, static_cast<int>(points.size()));
+    if (added) points.push_back(center + radius * cube.normalized());
+    return it->second;
+  };
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const double sign = side % 2 ? -1 : 1;
+    std::vector<int> v, t;
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        Vector3d cube;
+        cube[axis] = sign;
+        // Equal angles, so that the faces are of about one size; swapped on the back so that all face outwards.
+        cube[(axis + 1) % 3] = std::tan((2.0 * i / n - 1) * M_PI / 4) * sign;
+        cube[(axis + 2) % 3] = std::tan((2.0 * j / n - 1) * M_PI / 4);
+        v.push_back(vertex(cube));
+        t.push_back(static_cast<int>(uvs.size()));
+        uvs.emplace_back((side % 3 + 0.06 + 0.88 * i / n) / 3, (side / 3 + 0.06 + 0.88 * j / n) / 2);
+      }
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+        for (const Eigen::Vector3i& q : {Eigen::Vector3i(a, b, d), Eigen::Vector3i(a, d, c)}) {
+          faces.emplace_back(v[q[0]], v[q[1]], v[q[2]]);
+          uv_faces.emplace_back(t[q[0]], t[q[1]], t[q[2]]);
+        }
+      }
+  }
+  Mesh mesh;
+  mesh.points.resize(points.size(), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) mesh.points.row(i) = points[i];
+  mesh.uvs.resize(uvs.size(), 2);
+  for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(i) = uvs[i];
+  mesh.faces.resize(faces.size(), 3);
+  mesh.uv_faces.resize(faces.size(), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    mesh.faces.row(i) = faces[i];
+    mesh.uv_faces.row(i) = uv_faces[i];
+  }
+  return mesh;
+}
+
+/// Linear colour of a surface point seen from an eye.
+using Paint = std::function<Vector3f(const Vector3d& x, const Vector3d& eye)>;
+
+Vector3f Smooth(const Vector3d& x, const Vector3d&) {
+  return Vector3f(0.35f + 0.25f * static_cast<float>(std::sin(4 * x.x() + 1)),
+                  0.4f + 0.25f * static_cast<float>(std::cos(5 * x.y() - 2 * x.z())),
+                  0.3f + 0.2f * static_cast<float>(std::sin(3 * x.z() + 2 * x.x())));
+}
+
+Vector3f Checker(const Vector3d& x, const Vector3d&) {
+  const int parity = static_cast<int>(std::floor(x.x() * 2 + 100.3) + std::floor(x.y() * 2 + 100.3) + std::floor(x.z() * 2 + 100.3)) % 2;
+  return parity ? Vector3f(0.5f, 0.35f, 0.2f) : Vector3f(0.12f, 0.2f, 0.3f);
+}
+
+View At(const Vector3d& eye, int size) {
+  View view;
+  view.camera.width = size * 4 / 3;
+  view.camera.height = size;
+  view.camera.fx = view.camera.fy = 1.55 * size;
+  view.camera.cx = size * 2 / 3.0 + 1.5;
+  view.camera.cy = size / 2.0 - 2.5;
+  view.camera.k1 = -0.08;
+  view.camera.p1 = 0.002;
+  view.camera_from_world = LookAt(eye, Vector3d::Zero());
+  return view;
+}
+
+bool AwayFromCheckerEdges(const Vector3d& x) {
+  double nearest = 1;
+  for (int k = 0; k < 3; ++k) nearest = std::min(nearest, std::abs(x[k] * 2 + 100.3 - std::round(x[k] * 2 + 100.3)) / 2);
+  return nearest > 0.02;
+}
+
+/// Two rings of cameras around the unit sphere, and one above and below.
+std::vector<View> AllRound(int size, int around = 8) {
+  std::vector<View> views;
+  for (int ring = 0; ring < 2; ++ring)
+    for (int i = 0; i < around; ++i) {
+      const double a = 2 * M_PI * (i + 0.5 * ring) / around, e = ring ? 0.6 : -0.6;
+      views.push_back(At(4 * Vector3d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)), size));
+    }
+  views.push_back(At({0.01, 0, 4}, size));
+  views.push_back(At({0.01, 0, -4}, size));
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].name = "view_" + std::to_string(i) + ".png";
+  return views;
+}
+
+/// Photographs by 2 x 2 rays a pixel on the mesh; background is white, so that bleeding would show.
+std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& views, const Paint& paint) {
+  const RayScene scene(mesh.points, mesh.faces);
+  std::vector<Photograph> photographs(views.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Camera& c = views[v].camera;
+    Photograph& photograph = photographs[v];
+    photograph.image = Image8(c.width, c.height, 3);
+    photograph.mask = Image8(c.width, c.height, 1);
+    const Vector3d eye = views[v].Center();
+    ParallelFor(c.height, [&](std::int64_t y) {
+      for (int x = 0; x < c.width; ++x) {
+        Vector3f sum = Vector3f::Zero();
+        int hits = 0;
+        for (int s = 0; s < 4; ++s) {
+          const Vector3d ray = c.Unproject({x + (s % 2 + 0.5) / 2, static_cast<double>(y) + (s / 2 + 0.5) / 2});
+          const Vector3d direction = views[v].camera_from_world.rotation.conjugate() * ray;
+          const RayScene::Hit hit = scene.Cast(eye, direction);
+          sum += hit.face < 0 ? Vector3f::Ones() : paint(eye + hit.distance * direction, eye);
+          hits += hit.face >= 0;
+        }
+        for (int k = 0; k < 3; ++k) photograph.image.at(x, static_cast<int>(y))[k] = SrgbOf(sum[k] / 4);
+        *photograph.mask.at(x, static_cast<int>(y)) = hits >= 2 ? 255 : 0;
+      }
+    });
+  }
+  return photographs;
+}
+
+BakeOptions Small() {
+  BakeOptions options;
+  options.texture_size = 384;
+  return options;
+}
+
+BakeResult BakeAll(const Mesh& mesh, const std::vector<View>& views, const std::vector<Photograph>& photographs,
+                   const BakeOptions& options = Small()) {
+  return Bake(
+      mesh, views, [&](int i) { return photographs[i]; }, options);
+}
+
+/// 8-bit PSNR of the texture against the paint, over texels in triangles for which `where` holds.
+double PsnrAgainst(
+    const Mesh& mesh, const Image8& texture, const Paint& truth,
+    const std::function<bool(const Vector3d&)>& where = [](const Vector3d&) { return true; }) {
+  const Atlas atlas = RasterizeAtlas(mesh, texture.width);
+  double sum = 0, count = 0;
+  for (std::size_t texel = 0; texel < atlas.face.size(); ++texel) {
+    if (!atlas.inside[texel]) continue;
+    const Vector3d w = atlas.Weights(texel).cast<double>();
+    Vector3d x = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) x += w[k] * mesh.points.row(mesh.faces(atlas.face[texel], k)).transpose();
+    if (!where(x)) continue;
+    const Vector3f color = truth(x, Vector3d::Zero());
+    for (int k = 0; k < 3; ++k) sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(color[k])), 2), ++count;
+  }
+  EXPECT_GT(count, 1000);
+  return Psnr(sum, count);
+}
+
+TEST(Bake, PaintedSphereComesBack) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth));
+  EXPECT_EQ(result.unseen_texels(), 0);
+  EXPECT_GT(result.mean_views_per_texel, 4);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Smooth), 42);
+  for (const ViewQuality& q : result.quality) {
+    EXPECT_TRUE(q.used);
+    EXPECT_GT(q.pixels, 1000);
+    EXPECT_GT(q.psnr_db, 42);
+  }
+}
+
+TEST(Bake, CheckerComesBack) {
+  const Mesh mesh = PatchSphere(24);
+  const std::vector<View> views = AllRound(400);
+  BakeOptions options = Small();
+  options.texture_size = 640;
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Checker), options);
+  // Hard edges are a pixel wide in the photographs too: away from them nothing may differ, on them only a part of the step.
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker), 33);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker, AwayFromCheckerEdges), 45);
+}
+
+/// Mean squared difference of neighbouring texels of one chart: a blurred edge has less of it than a sharp one.
+double EdgeEnergy(const Mesh& mesh, const Image8& texture) {
+  const Atlas atlas = RasterizeAtlas(mesh, texture.width);
+  double sum = 0, count = 0;
+  for (std::size_t i = 1; i < atlas.face.size(); ++i)
+    if (atlas.inside[i] && atlas.inside[i - 1]) sum += std::pow(texture.data[3 * i] - texture.data[3 * i - 3], 2), ++count;
+  return sum / count;
+}
+
+TEST(Bake, DetailStaysSharpWhenCamerasAreAPixelOff) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> truth = AllRound(240);
+  const std::vector<Photograph> photographs = Shoot(mesh, truth, Checker);
+  std::vector<View> off = truth;
+  for (std::size_t v = 0; v < off.size(); ++v) {
+    off[v].camera.cx += 1.3 * std::sin(5.0 * static_cast<double>(v));
+    off[v].camera.cy += 1.3 * std::cos(7.0 * static_cast<double>(v));
+  }
+  // Votes against outliers sharpen edges too; here only the blending is looked at.
+  BakeOptions options = Small();
+  options.outlier_scale = 0;
+  BakeOptions soft = options;
+  soft.detail_exponent = 1;
+  const double exact = EdgeEnergy(mesh, BakeAll(mesh, truth, photographs, options).texture);
+  const double sharp = EdgeEnergy(mesh, BakeAll(mesh, off, photographs, options).texture);
+  EXPECT_GT(sharp, 0.8 * exact);
+  EXPECT_LT(EdgeEnergy(mesh, BakeAll(mesh, off, photographs, soft).texture), 0.9 * sharp);
+}
+
+TEST(Bake, PhotographsFarFinerThanTheAtlasAreAveragedNotAliased) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(360, 4);
+  const Paint noisy = [](const Vector3d& x, const Vector3d&) {
+    const float s = static_cast<float>(0.3 + 0.25 * std::sin(120 * x.x()) * std::sin(120 * x.y()) * std::sin(120 * x.z()));
+    return Vector3f(s, s, s);
+  };
+  BakeOptions options = Small();
+  options.texture_size = 64;
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, noisy), options);
+  const Paint mean = [](const Vector3d&, const Vector3d&) { return Vector3f(0.3f, 0.3f, 0.3f); };
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, mean), 27);  // the noise itself is at 19 dB
+}
+
+TEST(Bake, OccluderIsNotPaintedOnWhatItHides) {
+  Mesh mesh = PatchSphere(12);
+  Mesh ball = PatchSphere(8, 0.3, {1.6, 0, 0});
+  const int first = mesh.vertex_count(), first_uv = static_cast<int>(mesh.uvs.rows()), first_face = mesh.face_count();
+  const auto append = [](auto& to, const auto& rows) {
+    to.conservativeResize(to.rows() + rows.rows(), to.cols());
+    to.bottomRows(rows.rows()) = rows;
+  };
+  mesh.uvs.col(0) *= 0.5;
+  ball.uvs.col(0) = ball.uvs.col(0) * 0.5 + UvsX2::Constant(ball.uvs.rows(), 2, 0.5).col(0);
+  append(mesh.points, ball.points);
+  append(mesh.uvs, ball.uvs);
+  append(mesh.faces, FacesX3((ball.faces.array() + first).matrix()));
+  append(mesh.uv_faces, FacesX3((ball.uv_faces.array() + first_uv).matrix()));
+  const Paint paint = [](const Vector3d& x, const Vector3d&) {
+    return x.norm() < 1.1 ? Vector3f(0.1f, 0.5f, 0.1f) : Vector3f(0.6f, 0.05f, 0.05f);
+  };
+  const std::vector<View> views = AllRound(240);
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, paint));
+  const Atlas atlas = RasterizeAtlas(mesh, 384);
+  int wrong = 0;
+  for (std::size_t texel = 0; texel < atlas.face.size(); ++texel) {
+    if (!atlas.inside[texel]) continue;
+    const bool is_ball = atlas.face[texel] >= first_face;
+    wrong += (result.texture.data[3 * texel] > result.texture.data[3 * texel + 1]) != is_ball;
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(result.unseen_texels(), result.texels / 10);
+}
+
+TEST(Bake, WanderingHighlightIsAbsentFromTheMap) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  // The lamp sits above the camera, so that its reflection wanders over the sphere with the view.
+  const Paint glossy = [](const Vector3d& x, const Vector3d& eye) {
+    const Vector3d n = x.normalized(), half = ((eye + Vector3d(0, 0, 2)).normalized() + eye.normalized()).normalized();
+    return (Smooth(x, eye) + Vector3f::Constant(n.dot(half) > 0.985 ? 0.6f : 0.0f)).cwiseMin(1.0f).eval();
+  };
+  const std::vector<Photograph> photographs = Shoot(mesh, views, glossy);
+  const BakeResult robust = BakeAll(mesh, views, photographs);
+  BakeOptions trusting = Small();
+  trusting.outlier_scale = 0;
+  EXPECT_GT(PsnrAgainst(mesh, robust.texture, Smooth), 34);
+  EXPECT_LT(PsnrAgainst(mesh, BakeAll(mesh, views, photographs, trusting).texture, Smooth), 30);
+}
+
+TEST(Bake, BackgroundBehindOneWrongMaskIsOutvoted) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  std::vector<Photograph> photographs = Shoot(mesh, views, Smooth);
+  for (int y = 90; y < 150; ++y)
+    for (int x = 130; x < 190; ++x) photographs[3].image.at(x, y)[0] = photographs[3].image.at(x, y)[1] = 240;
+  EXPECT_GT(PsnrAgainst(mesh, BakeAll(mesh, views, photographs).texture, Smooth), 36);
+}
+
+TEST(Bake, MaskedPixelsAreNotPainted) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = {At({4, 0, 0}, 240)};
+  std::vector<Photograph> photographs = Shoot(mesh, views, [](const Vector3d&, const Vector3d&) { return Vector3f(0.2f, 0.4f, 0.2f); });
+  const BakeResult before = BakeAll(mesh, views, photographs);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 160; ++x) {
+      *photographs[0].mask.at(x, y) = 0;
+      photographs[0].image.at(x, y)[0] = 255;
+    }
+  const BakeResult after = BakeAll(mesh, views, photographs);
+  EXPECT_NEAR(static_cast<double>(after.seen_texels) / static_cast<double>(before.seen_texels), 0.5, 0.06);
+  for (std::size_t i = 0; i < after.texture.data.size(); i += 3) ASSERT_LT(after.texture.data[i], after.texture.data[i + 1]);
+}
+
+TEST(Bake, UnseenTexelsAreCountedAndInpaintedFromWhatTheyTouch) {
+  const Mesh mesh = PatchSphere(16);
+  const std::vector<View> views = {At({4, 0, 0}, 300)};
+  // Red above, blue below: the unseen back must follow, smoothly.
+  const Paint halves = [](const Vector3d& x, const Vector3d&) {
+    return x.z() > 0 ? Vector3f(0.5f, 0.1f, 0.1f) : Vector3f(0.1f, 0.1f, 0.5f);
+  };
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, halves));
+  // Seen where the angle to the eye is below max_angle: cos(angle) = (4 cos t - 1) / sqrt(17 - 8 cos t) = cos 75.
+  double cap = 0;
+  for (double t = 0; t < M_PI; t += 1e-4)
+    if ((4 * std::cos(t) - 1) / std::sqrt(17 - 8 * std::cos(t)) > std::cos(75 * M_PI / 180)) cap = t;
+  const double seen = static_cast<double>(result.seen_texels) / static_cast<double>(result.texels);
+  EXPECT_NEAR(seen, (1 - std::cos(cap)) / 2, 0.03);
+  EXPECT_EQ(result.unseen_texels() + result.seen_texels, result.texels);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, halves, [](const Vector3d& x) { return x.x() < 0.1 && std::abs(x.z()) > 0.6; }), 14);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, halves, [](const Vector3d& x) { return x.x() > 0.4 && std::abs(x.z()) > 0.1; }), 38);
+}
+
+TEST(Bake, GuttersContinueTheChart) {
+  const Mesh mesh = PatchSphere(8);
+  const std::vector<View> views = AllRound(160);
+  BakeOptions options = Small();
+  options.gutter = 8;
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth), options);
+  const Atlas atlas = RasterizeAtlas(mesh, 384);
+  for (int y = 20; y < 380; ++y)
+    for (int x = 20; x < 380; ++x) {
+      if (atlas.face[y * 384 + x] >= 0 || atlas.face[y * 384 + x - 4] < 0) continue;  // four texels right of a chart
+      for (int k = 0; k < 3; ++k) ASSERT_NEAR(result.texture.at(x, y)[k], result.texture.at(x - 4, y)[k], 14) << x << " " << y;
+    }
+}
+
+TEST(Bake, HeldOutPhotographsArePredicted) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  BakeOptions options = Small();
+  options.hold_out = 6;
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth), options);
+  int held_out = 0;
+  for (const ViewQuality& q : result.quality) {
+    held_out += q.held_out;
+    EXPECT_NE(q.held_out, q.used);
+    EXPECT_GT(q.psnr_db, 38);
+  }
+  EXPECT_EQ(held_out, 3);
+}
+
+TEST(HarmonizeGains, FindsOneAndOnePointTwo) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = {At({4, 0, 0}, 240), At({3, 2.6, 0}, 240)};
+  std::vector<Photograph> photographs = Shoot(mesh, {views[0]}, Smooth);
+  photographs.push_back(Shoot(mesh, {views[1]}, [](const Vector3d& x, const Vector3d& eye) { return (1.2f * Smooth(x, eye)).eval(); })[0]);
+  const BakeResult result = BakeAll(mesh, views, photographs);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(result.gains[0][k] / result.gains[1][k], 1.2, 0.012);
+    EXPECT_NEAR(result.gains[0][k] * result.gains[1][k], 1, 1e-3);
+  }
+}
+
+TEST(Bake, SameBitsAtOneAndTwoThreads) {
+  const Mesh mesh = PatchSphere(8);
+  const std::vector<View> views = AllRound(120);
+  const std::vector<Photograph> photographs = Shoot(mesh, views, Checker);
+  SetThreadCount(1);
+  const BakeResult one = BakeAll(mesh, views, photographs);
+  SetThreadCount(2);
+  const BakeResult two = BakeAll(mesh, views, photographs);
+  SetThreadCount(0);
+  EXPECT_EQ(one.texture.data, two.texture.data);
+  EXPECT_EQ(one.seen_texels, two.seen_texels);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    EXPECT_EQ(one.gains[v], two.gains[v]);
+    EXPECT_EQ(one.quality[v].psnr_db, two.quality[v].psnr_db);
+  }
+}
+
+template <class Function>
+std::string InputErrorOf(const Function& function) {
+  try {
+    function();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+TEST(Bake, MeshWithoutUsableUvsIsAnInputError) {
+  const std::vector<View> views = {At({4, 0, 0}, 60)};
+  Mesh mesh = PatchSphere(4);
+  const std::vector<Photograph> photographs = Shoot(mesh, views, Smooth);
+  Mesh bare = mesh;
+  bare.uvs.resize(0, 2);
+  bare.uv_faces.resize(0, 3);
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(bare, views, photographs); }), testing::HasSubstr("no texture coordinates"));
+  Mesh tiled = mesh;
+  tiled.uvs(tiled.uv_faces(7, 1), 0) = 1.5;
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(tiled, views, photographs); }), testing::HasSubstr("outside 0..1"));
+  Mesh damaged = mesh;
+  damaged.uv_faces(5, 2) = 100000;
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(damaged, views, photographs); }), testing::HasSubstr("face 5"));
+}
+
+TEST(Bake, MeshOutOfEveryViewIsAnInputError) {
+  const Mesh mesh = PatchSphere(4);
+  std::vector<View> views = {At({4, 0, 0}, 60)};
+  const std::vector<Photograph> photographs = Shoot(mesh, views, Smooth);
+  Mesh away = mesh;
+  away.points.col(1).array() += 50;
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(away, views, photographs); }), testing::HasSubstr("none of the 1 views"));
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, {}, {}); }), testing::HasSubstr("no views"));
+  views[0].camera.width = 61;
+  EXPECT_THAT(InputErrorOf([&] { BakeAll(mesh, views, photographs); }), testing::HasSubstr("pixels"));
+}
+
+}  // namespace
+}  // namespace keypose::texture
