@@ -1,0 +1,93 @@
+#include "register/correspondence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+
+namespace keypose::registration {
+
+namespace {
+constexpr std::int64_t kGrain = 256;
+constexpr double kOnEdge = 1e-9;  // barycentric coordinate below which a foot counts as lying on the opposite edge
+}  // namespace
+
+struct TargetSurface::Impl {
+  Impl(const PointsX3& points, const FacesX3& f) : faces(f), normals(VertexNormals(points, f)), scene(points, f) {
+    std::map<std::pair<int, int>, int> uses;
+    for (Eigen::Index t = 0; t < faces.rows(); ++t)
+      for (int k = 0; k < 3; ++k) ++uses[Edge(t, k)];
+    open_edge.resize(faces.rows());
+    open_vertex.assign(points.rows(), 0);
+    for (Eigen::Index t = 0; t < faces.rows(); ++t)
+      for (int k = 0; k < 3; ++k)
+        if ((open_edge[t][k] = uses[Edge(t, k)] == 1)) open_vertex[faces(t, (k + 1) % 3)] = open_vertex[faces(t, (k + 2) % 3)] = 1;
+  }
+  /// The edge opposite corner k.
+  std::pair<int, int> Edge(Eigen::Index t, int k) const {
+    const int a = faces(t, (k + 1) % 3), b = faces(t, (k + 2) % 3);
+    return {std::min(a, b), std::max(a, b)};
+  }
+  bool OnBoundary(const RayScene::Foot& foot) const {
+    for (int k = 0; k < 3; ++k) {
+      if (foot.barycentric[k] <= kOnEdge && open_edge[foot.face][k]) return true;
+      if (foot.barycentric[k] >= 1 - kOnEdge && open_vertex[faces(foot.face, k)]) return true;
+    }
+    return false;
+  }
+  Eigen::Vector3d NormalAt(const RayScene::Foot& foot) const {
+    Eigen::Vector3d n = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) n += foot.barycentric[k] * normals.row(faces(foot.face, k)).transpose();
+    return n;
+  }
+
+  FacesX3 faces;
+  PointsX3 normals;
+  RayScene scene;
+  std::vector<std::array<bool, 3>> open_edge;
+  std::vector<char> open_vertex;
+};
+
+TargetSurface::TargetSurface(const PointsX3& points, const FacesX3& faces) {
+  Mesh mesh;
+  mesh.points = points;
+  mesh.faces = faces;
+  RequireUsable(mesh, "register: target");
+  impl_ = std::make_unique<Impl>(points, faces);
+}
+
+TargetSurface::~TargetSurface() = default;
+
+Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source_faces, bool reject_crossing) const {
+  const PointsX3 normals = VertexNormals(moved, source_faces);
+  std::optional<RayScene> source;
+  if (reject_crossing) source.emplace(moved, source_faces);
+  Correspondences found{PointsX3(moved.rows(), 3), Eigen::VectorXd::Zero(moved.rows())};
+  ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d p = moved.row(i);
+      const RayScene::Foot foot = impl_->scene.ClosestPoint(p);
+      found.closest.row(i) = foot.face < 0 ? p : foot.point;
+      if (foot.face < 0 || !(normals.row(i).dot(impl_->NormalAt(foot)) > 0) || impl_->OnBoundary(foot)) continue;
+      // The first and last thousandth of the way are left out: they touch the two surfaces themselves.
+      if (source && foot.squared_distance > 0 && source->Occluded(p, foot.point - p, 1e-3, 1 - 1e-3)) continue;
+      found.weights[i] = 1;
+    }
+  });
+  return found;
+}
+
+Eigen::VectorXd TargetSurface::Distances(const PointsX3& points) const {
+  Eigen::VectorXd d(points.rows());
+  ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) d[i] = std::sqrt(impl_->scene.ClosestPoint(points.row(i)).squared_distance);
+  });
+  return d;
+}
+
+}  // namespace keypose::registration

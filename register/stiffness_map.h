@@ -1,0 +1,19 @@
+// A painted stiffness: one factor per vertex.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "core/mesh.h"
+
+namespace keypose::registration {
+
+/// Numbers separated by white space, one for each vertex; '#' starts a comment to the end of the line.
+/// @throws InputError  not a number, not positive, or another count than `vertex_count`; names the line
+Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const std::string& name);
+
+/// Painted greys: factor 8^(luma / 127.5 - 1), so black is 1/8, middle grey 1, white 8.
+/// @throws InputError  no colours, or another number of vertices
+Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count, const std::string& name);
+
+}  // namespace keypose::registration
