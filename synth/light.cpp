@@ -96,7 +96,7 @@ TableLight::TableLight(const RayScene& scene, double half_width) : scene_(&scene
 }
 
 std::vector<float> TableLight::Lamp(double azimuth_rad) const {
-  constexpr int kRays = 12;
+  constexpr int kRays = 20;
   std::vector<float> grid(kGrid * kGrid);
   for (int i = 0; i < kGrid * kGrid; ++i) {
     const double x = half_width_ * (2.0 * (i % kGrid) / (kGrid - 1) - 1), y = half_width_ * (2.0 * (i / kGrid) / (kGrid - 1) - 1);

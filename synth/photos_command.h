@@ -1,0 +1,27 @@
+// `keypose synth photos`: renders a world's photographs and writes them with their truth.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/progress.h"
+#include "synth/photographer.h"
+#include "synth/world.h"
+
+namespace keypose::synth {
+
+struct PhotosCommand {
+  std::filesystem::path output;
+  std::vector<std::string> poses = {"rest", "bent"};
+  WorldOptions world;
+  PhotographerOptions photographer;
+  bool background_plate = false;  ///< also write background/POSE.jpg
+  int jpeg_quality = 94;
+};
+
+/// Writes photos/POSE/*.jpg, truth/POSE/ and, if asked, background/POSE.jpg below `output`.
+/// @return photographs written
+int RunPhotos(const PhotosCommand& command, Progress* progress);
+
+}  // namespace keypose::synth

@@ -1,0 +1,83 @@
+#include "synth/truth_files.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/mesh_io.h"
+#include "synth/plate.h"
+
+namespace keypose::synth {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string LandmarksJson(const Truth& truth) {
+  Json list = Json::array();
+  for (const TruthLandmark& landmark : truth.landmarks) {
+    const Eigen::Vector3d p = truth.surface.points.row(landmark.vertex);
+    list.push_back({{"name", landmark.name}, {"vertex", landmark.vertex}, {"position", {p[0], p[1], p[2]}}});
+  }
+  return Json{{"schema", 1}, {"vertices", truth.surface.vertex_count()}, {"landmarks", list}}.dump(1) + "\n";
+}
+
+std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& world_options, const PhotographerOptions& options) {
+  Json json{{"schema", 1},
+            {"pose", pose.name},
+            {"seed", world_options.seed},
+            {"spacing_m", world_options.spacing_m},
+            {"texture", world_options.texture},
+            {"lumps", world.clay.lumps.size()},
+            {"photographs",
+             {{"views", options.views},
+              {"elevations_deg", options.elevations_deg},
+              {"width", options.width},
+              {"height", options.height},
+              {"focal_35mm", options.focal_35mm},
+              {"background", options.background},
+              {"noise", options.noise},
+              {"blur_px", options.blur_px},
+              {"vignetting", options.vignetting},
+              {"seed", options.seed}}}};
+  if (options.plate.charuco) {
+    const Plate plate = MakePlate(options.plate);
+    Json corners = Json::array();
+    for (Eigen::Index i = 0; i < plate.corners.rows(); ++i)
+      corners.push_back({plate.corners(i, 0), plate.corners(i, 1), plate.corners(i, 2)});
+    json["plate"] = {{"dictionary", "DICT_5X5_100"},       {"squares_x", options.plate.squares_x}, {"squares_y", options.plate.squares_y},
+                     {"square_m", options.plate.square_m}, {"marker_m", options.plate.marker_m},   {"corners_m", corners}};
+  }
+  return json.dump(1) + "\n";
+}
+
+}  // namespace
+
+Truth ReadTruth(const std::filesystem::path& folder) {
+  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}};
+  const std::filesystem::path path = folder / "landmarks.json";
+  try {
+    for (const Json& entry : Json::parse(ReadFile(path)).at("landmarks"))
+      truth.landmarks.push_back({entry.at("name").get<std::string>(), entry.at("vertex").get<int>()});
+  } catch (const nlohmann::json::exception& fault) {
+    throw InputError("synth: " + path.string() + " is not a list of true landmarks (" + fault.what() + "); render the world again");
+  }
+  for (const TruthLandmark& landmark : truth.landmarks)
+    if (landmark.vertex < 0 || landmark.vertex >= truth.surface.vertex_count())
+      throw InputError("synth: " + path.string() + ": landmark '" + landmark.name + "' is on vertex " + std::to_string(landmark.vertex) +
+                       ", but surface.ply has " + std::to_string(truth.surface.vertex_count()) + "; render the world again");
+  return truth;
+}
+
+void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world, const Pose& pose,
+                const WorldOptions& world_options, const PhotographerOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(folder / "cameras", error);
+  if (error) throw DiskError("synth: cannot create the folder " + (folder / "cameras").string() + ": " + error.message());
+  WriteColmapModel(folder / "cameras", truth.cameras);
+  WriteMesh(folder / "surface.ply", truth.surface);
+  WriteFile(folder / "landmarks.json", LandmarksJson(truth));
+  WriteFile(folder / "world.json", WorldJson(world, pose, world_options, options));
+}
+
+}  // namespace keypose::synth

@@ -1,0 +1,35 @@
+// The exact truth of synthetic photographs, as files beside them.
+//
+//     truth/POSE/cameras/        COLMAP's binary model: exact cameras in the character's frame [m], points on the true surface
+//     truth/POSE/masks/NAME.png  255 = character
+//     truth/POSE/surface.ply     vertex i is the same material point in every pose
+//     truth/POSE/landmarks.json  named vertices of surface.ply
+//     truth/POSE/world.json      what was rendered
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/mesh.h"
+#include "synth/photographer.h"
+#include "synth/world.h"
+
+namespace keypose::synth {
+
+/// The truth of one pose.
+struct Truth {
+  Scene cameras;  ///< views sorted by name
+  Mesh surface;
+  std::vector<TruthLandmark> landmarks;
+};
+
+/// @throws InputError  a file missing or malformed @throws DiskError
+Truth ReadTruth(const std::filesystem::path& folder);
+
+/// Everything but the masks. @throws DiskError
+void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world, const Pose& pose,
+                const WorldOptions& world_options, const PhotographerOptions& options);
+
+}  // namespace keypose::synth
