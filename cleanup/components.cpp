@@ -1,0 +1,165 @@
+#include "cleanup/components.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/geometry.h"
+#include "core/ray_scene.h"
+
+namespace keypose::cleanup {
+namespace {
+
+int Root(std::vector<int>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+Mesh OnlyPiece(const Mesh& mesh, const Pieces& pieces, int piece) {
+  std::vector<char> keep(pieces.list.size(), 0);
+  keep[piece] = 1;
+  return KeptPieces(mesh, pieces, keep);
+}
+
+Eigen::AlignedBox3d Box(const PointsX3& points) {
+  Eigen::AlignedBox3d box;
+  for (int i = 0; i < static_cast<int>(points.rows()); ++i) box.extend(points.row(i).transpose());
+  return box;
+}
+
+bool AnyWithin(const PointsX3& points, const RayScene& scene, double gap) {
+  for (int i = 0; i < static_cast<int>(points.rows()); ++i)
+    if (scene.ClosestPoint(points.row(i).transpose(), gap).face >= 0) return true;
+  return false;
+}
+
+struct PieceScene {
+  Mesh mesh;
+  Eigen::AlignedBox3d box;
+  RayScene scene;
+  explicit PieceScene(Mesh m) : mesh(std::move(m)), box(Box(mesh.points)), scene(mesh.points, mesh.faces) {}
+};
+
+bool Touch(const PieceScene& a, const PieceScene& b, double gap) {
+  if (a.box.squaredExteriorDistance(b.box) > gap * gap) return false;
+  return AnyWithin(a.mesh.points, b.scene, gap) || AnyWithin(b.mesh.points, a.scene, gap);
+}
+
+int LargestByArea(const Pieces& pieces) {
+  int best = 0;
+  for (int i = 1; i < static_cast<int>(pieces.list.size()); ++i)
+    if (pieces.list[i].area > pieces.list[best].area) best = i;
+  return best;
+}
+
+int CountDropped(const std::vector<char>& keep) { return static_cast<int>(std::count(keep.begin(), keep.end(), 0)); }
+
+}  // namespace
+
+Pieces FindPieces(const Mesh& mesh) {
+  std::vector<int> parent(mesh.vertex_count());
+  std::iota(parent.begin(), parent.end(), 0);
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    parent[Root(parent, mesh.faces(f, 0))] = Root(parent, mesh.faces(f, 1));
+    parent[Root(parent, mesh.faces(f, 1))] = Root(parent, mesh.faces(f, 2));
+  }
+  Pieces pieces;
+  pieces.of_face.resize(mesh.face_count());
+  std::vector<int> id(mesh.vertex_count(), -1);
+  const Eigen::Vector3d origin = mesh.points.colwise().mean();
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    int& piece = id[Root(parent, mesh.faces(f, 0))];
+    if (piece < 0) {
+      piece = static_cast<int>(pieces.list.size());
+      pieces.list.emplace_back();
+    }
+    pieces.of_face[f] = piece;
+    const Eigen::Vector3d a = mesh.points.row(mesh.faces(f, 0)).transpose() - origin,
+                          b = mesh.points.row(mesh.faces(f, 1)).transpose() - origin,
+                          c = mesh.points.row(mesh.faces(f, 2)).transpose() - origin;
+    Piece& p = pieces.list[piece];
+    ++p.faces;
+    p.area += (b - a).cross(c - a).norm() / 2;
+    p.volume += a.dot(b.cross(c)) / 6;
+  }
+  return pieces;
+}
+
+Mesh KeptPieces(const Mesh& mesh, const Pieces& pieces, const std::vector<char>& keep) {
+  std::vector<int> id(mesh.vertex_count(), -1);
+  int face_count = 0;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    if (!keep[pieces.of_face[f]]) continue;
+    ++face_count;
+    for (int k = 0; k < 3; ++k) id[mesh.faces(f, k)] = 0;
+  }
+  Mesh out;
+  int vertex_count = 0;
+  for (int& i : id)
+    if (i == 0) i = vertex_count++;
+  out.points.resize(vertex_count, 3);
+  out.faces.resize(face_count, 3);
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (id[v] >= 0) out.points.row(id[v]) = mesh.points.row(v);
+  int at = 0;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    if (!keep[pieces.of_face[f]]) continue;
+    for (int k = 0; k < 3; ++k) out.faces(at, k) = id[mesh.faces(f, k)];
+    ++at;
+  }
+  return out;
+}
+
+Mesh WithoutBits(const Mesh& mesh, double min_share, int* removed) {
+  const Pieces pieces = FindPieces(mesh);
+  const double least = min_share * pieces.list[LargestByArea(pieces)].area;
+  std::vector<char> keep;
+  for (const Piece& piece : pieces.list) keep.push_back(piece.area >= least);
+  *removed += CountDropped(keep);
+  return KeptPieces(mesh, pieces, keep);
+}
+
+Mesh WithTouchingPieces(const Mesh& mesh, double gap, int* removed) {
+  const Pieces pieces = FindPieces(mesh);
+  const int count = static_cast<int>(pieces.list.size());
+  if (count == 1) return mesh;
+  std::vector<PieceScene> scenes;
+  scenes.reserve(count);
+  for (int i = 0; i < count; ++i) scenes.emplace_back(OnlyPiece(mesh, pieces, i));
+  std::vector<char> keep(count, 0);
+  std::vector<int> front = {LargestByArea(pieces)};
+  keep[front[0]] = 1;
+  while (!front.empty()) {
+    const int i = front.back();
+    front.pop_back();
+    for (int j = 0; j < count; ++j) {
+      if (keep[j] || !Touch(scenes[i], scenes[j], gap)) continue;
+      keep[j] = 1;
+      front.push_back(j);
+    }
+  }
+  *removed += CountDropped(keep);
+  return KeptPieces(mesh, pieces, keep);
+}
+
+Mesh LargestPieces(const Mesh& closed, int count, int* removed) {
+  const Pieces pieces = FindPieces(closed);
+  if (count == 0 || static_cast<int>(pieces.list.size()) <= count) return closed;
+  std::vector<int> order(pieces.list.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return std::abs(pieces.list[a].volume) > std::abs(pieces.list[b].volume); });
+  std::vector<char> keep(order.size(), 0);
+  for (int i = 0; i < count; ++i) keep[order[i]] = 1;
+  *removed += CountDropped(keep);
+  return KeptPieces(closed, pieces, keep);
+}
+
+void OrientOutward(Mesh& closed) {
+  const Pieces pieces = FindPieces(closed);
+  for (int f = 0; f < closed.face_count(); ++f)
+    if (pieces.list[pieces.of_face[f]].volume < 0) std::swap(closed.faces(f, 1), closed.faces(f, 2));
+}
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,113 @@
+#include "cleanup/holes.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/border.h>
+#include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "cleanup/cgal_convert.h"
+#include "core/geometry.h"
+
+namespace keypose::cleanup {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Halfedge = SurfaceMesh::Halfedge_index;
+using Face = SurfaceMesh::Face_index;
+using Vertex = SurfaceMesh::Vertex_index;
+
+constexpr double kLargeHole = 0.1;        // of the diagonal
+constexpr std::size_t kCubicLimit = 400;  // rim vertices up to which the O(n^3) search is affordable (about a second)
+
+struct Rim {
+  std::size_t vertices = 0;
+  double extent = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+};
+
+Rim Measure(const SurfaceMesh& mesh, Halfedge border) {
+  Rim rim;
+  Eigen::AlignedBox3d box;
+  Halfedge h = border;
+  do {
+    const auto& p = mesh.point(mesh.target(h));
+    const Eigen::Vector3d x(p.x(), p.y(), p.z());
+    box.extend(x);
+    rim.center += x;
+    ++rim.vertices;
+    h = mesh.next(h);
+  } while (h != border);
+  rim.center /= static_cast<double>(rim.vertices);
+  rim.extent = box.diagonal().norm();
+  return rim;
+}
+
+// Always possible on a simple rim; what it intersects is left to the next rung.
+void FillByFan(SurfaceMesh& mesh, Halfedge border, const Eigen::Vector3d& center) {
+  std::vector<Halfedge> rim;
+  Halfedge h = border;
+  do {
+    rim.push_back(h);
+    h = mesh.next(h);
+  } while (h != border);
+  std::vector<std::pair<Vertex, Vertex>> edges;
+  for (const Halfedge e : rim) edges.emplace_back(mesh.source(e), mesh.target(e));
+  const Vertex hub = mesh.add_vertex(Kernel::Point_3(center.x(), center.y(), center.z()));
+  for (const auto& [a, b] : edges) mesh.add_face(a, b, hub);
+}
+
+// True when the triangulation was found; leaves the mesh alone otherwise.
+bool FillSmoothly(SurfaceMesh& mesh, Halfedge border, const Rim& rim, bool large) {
+  std::vector<Face> faces;
+  std::vector<Vertex> vertices;
+  const bool no_cubic = rim.vertices > kCubicLimit;
+  PMP::triangulate_hole(mesh, border, std::back_inserter(faces),
+                        CGAL::parameters::use_2d_constrained_delaunay_triangulation(large).do_not_use_cubic_algorithm(no_cubic));
+  if (faces.empty()) return false;
+  if (rim.vertices <= 4) return true;
+  std::vector<Face> refined = faces;
+  PMP::refine(mesh, faces, std::back_inserter(refined), std::back_inserter(vertices));
+  if (!vertices.empty()) PMP::fair(mesh, vertices, CGAL::parameters::fairing_continuity(large ? 0 : 1));
+  return true;
+}
+
+}  // namespace
+
+HolesResult FillHoles(const Mesh& manifold, Progress* progress) {
+  HolesResult result;
+  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
+  const double diagonal = BoundingDiagonal(manifold.points);
+  std::vector<Halfedge> borders;
+  PMP::extract_boundary_cycles(mesh, std::back_inserter(borders));
+  for (std::size_t i = 0; i < borders.size(); ++i) {
+    Step(progress, static_cast<double>(i) / static_cast<double>(borders.size()), "filling holes");
+    const Rim rim = Measure(mesh, borders[i]);
+    result.largest_over_diag = std::max(result.largest_over_diag, rim.extent / diagonal);
+    if (!FillSmoothly(mesh, borders[i], rim, rim.extent > kLargeHole * diagonal)) {
+      FillByFan(mesh, borders[i], rim.center);
+      ++result.fanned;
+    }
+    ++result.filled;
+  }
+  result.mesh = FromSurfaceMesh(mesh);
+  return result;
+}
+
+Mesh WithoutSlivers(const Mesh& manifold, double max_length) {
+  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
+  PMP::remove_degenerate_faces(mesh);
+  // Caps above 170 degrees and needles beyond 1:20, the limits below which remeshing copes by itself.
+  PMP::experimental::remove_almost_degenerate_faces(mesh, std::cos(170.0 * EIGEN_PI / 180), 20.0, max_length);
+  mesh.collect_garbage();
+  return FromSurfaceMesh(mesh);
+}
+
+}  // namespace keypose::cleanup
