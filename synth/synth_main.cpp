@@ -5,7 +5,10 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/io/files.h"
+#include "synth/damage.h"
 #include "synth/photos_command.h"
+#include "synth/score_command.h"
 
 namespace {
 
@@ -46,13 +49,69 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   });
 }
 
+void AddPick(CLI::App& app, PickCommand& c) {
+  CLI::App* pick = app.add_subcommand("pick", "simulate an artist's clicks: the true landmarks on a reconstructed mesh");
+  pick->add_option("--truth", c.truth, "truth/POSE")->required();
+  pick->add_option("--model", c.model, "the pose's COLMAP model")->required();
+  pick->add_option("--mesh", c.mesh, "mesh in the model's frame")->required();
+  pick->add_option("--output", c.output, "landmarks (.json)")->required();
+  pick->add_option("--reach", c.reach, "leave out landmarks farther from the mesh than this share of its diagonal")->capture_default_str();
+  pick->callback([&c] { std::printf("%s\n", RunPick(c).c_str()); });
+}
+
+struct ScoreFlags {
+  ScoreCommand command;
+  std::string json;
+};
+
+void AddScore(CLI::App& app, ScoreFlags& flags) {
+  ScoreCommand& c = flags.command;
+  CLI::App* score = app.add_subcommand("score", "compare a reconstruction with its truth; prints JSON");
+  score->add_option("--truth", c.truth, "truth/POSE")->required();
+  score->add_option("--model", c.model, "the pose's COLMAP model")->required();
+  score->add_option("--mesh", c.mesh, "mesh in the model's frame")->required();
+  CLI::Option* registered = score->add_option("--registered", c.registered, "the template, registered onto this pose");
+  for (CLI::Option* option : {score->add_option("--template-truth", c.template_truth, "truth/POSE of the template"),
+                              score->add_option("--template-model", c.template_model, "the template's COLMAP model"),
+                              score->add_option("--template-mesh", c.template_mesh, "the template, as registration took it")}) {
+    registered->needs(option);
+    option->needs(registered);
+  }
+  score->add_option("--json", flags.json, "also write it here");
+  score->callback([&flags] {
+    const std::string json = RunScore(flags.command);
+    std::fputs(json.c_str(), stdout);
+    if (!flags.json.empty()) WriteFile(flags.json, json);
+  });
+}
+
+struct DamageFlags {
+  std::string photos, output, kind;
+  std::vector<std::string> names;
+};
+
+void AddDamage(CLI::App& app, DamageFlags& c) {
+  CLI::App* damage = app.add_subcommand("damage", "copy a folder of photographs and spoil some of the copies");
+  damage->add_option("--photos", c.photos, "folder to copy")->required();
+  damage->add_option("--output", c.output, "folder of the copies")->required();
+  damage->add_option("--kind", c.kind, "truncate, empty, no-image, blur, dark, drop, rotate, resize, strip-exif")->required();
+  damage->add_option("--names", c.names, "file names to spoil; all when none is given")->delimiter(',');
+  damage->callback([&c] { DamagePhotos(c.photos, c.output, DamageKindNamed(c.kind), c.names); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("Synthetic worlds with known truth", "keypose-synth");
   app.require_subcommand(1);
   PhotosCommand photos;
+  PickCommand pick;
+  ScoreFlags score;
+  DamageFlags damage;
   AddPhotos(app, photos);
+  AddPick(app, pick);
+  AddScore(app, score);
+  AddDamage(app, damage);
   try {
     app.parse(argc, argv);
     return 0;

@@ -1,0 +1,27 @@
+// Simulates the artist who clicks named points on a reconstructed mesh.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/io/landmarks_io.h"
+#include "core/mesh.h"
+#include "synth/world.h"
+
+namespace keypose::synth {
+
+struct Picks {
+  std::vector<Landmark> landmarks;        ///< on the mesh
+  std::vector<std::string> out_of_reach;  ///< named points that the mesh lacks
+};
+
+/// The points of the mesh closest to the true landmarks.
+///
+/// @param truth            surface whose vertices the landmarks name
+/// @param truth_from_mesh  e.g. of ScoreCameras
+/// @param reach            landmarks farther from the mesh than this share of its diagonal are left out
+Picks PickLandmarks(const Mesh& truth, const std::vector<TruthLandmark>& landmarks, const Mesh& mesh, const Similarity3& truth_from_mesh,
+                    double reach = 0.03);
+
+}  // namespace keypose::synth
