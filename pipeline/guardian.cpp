@@ -87,7 +87,7 @@ int ParentOf(const char* pid_text) {
 
 /// Kills the group and all orphans that came to the guardian, until none is left.
 void KillAll(int group) {
-  for (int round = 0; round < 200; ++round) {
+  for (int round = 0; round < 2000; ++round) {
     kill(-group, SIGKILL);
     if (DIR* processes = opendir("/proc")) {
       while (const dirent* entry = readdir(processes)) {
@@ -97,11 +97,11 @@ void KillAll(int group) {
       closedir(processes);
     }
     for (;;) {
-      const int pid = waitpid(-1, nullptr, round < 2 ? 0 : WNOHANG);
+      const int pid = waitpid(-1, nullptr, WNOHANG);
       if (pid < 0 && errno == ECHILD) return;
-      if (pid == 0) break;
+      if (pid <= 0) break;
     }
-    usleep(10000);
+    usleep(2000);
   }
 }
 

@@ -16,8 +16,10 @@ void Estimate::Started(const std::string& step, double now) { steps_[step].begin
 void Estimate::Progressed(const std::string& step, double fraction) { steps_[step].fraction = std::max(steps_[step].fraction, fraction); }
 
 void Estimate::Finished(const std::string& step, double seconds) {
-  steps_[step].finished = true;
-  steps_[step].expected = seconds;
+  const auto it = steps_.find(step);
+  if (it == steps_.end()) return;  // it was up to date from the start
+  it->second.finished = true;
+  it->second.expected = seconds;
 }
 
 int Estimate::finished() const {

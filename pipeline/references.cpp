@@ -110,9 +110,15 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, int, const S
 
 std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
   if (step.pose.empty()) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
-  std::vector<Flow> flows;
   std::vector<std::string> poses = {graph_.template_pose};
   if (step.pose != graph_.template_pose) poses.push_back(step.pose);
+  for (const std::string& name : poses) {
+    const auto& named = file_.FindPose(name)->landmarks;
+    if (!named || disk_.Stat(project_ / named->text)) continue;
+    throw InputError(fmt::format("{}: the landmarks {} of pose '{}' do not exist; put them there, or correct the line", named->where.Text(),
+                                 named->text, name));
+  }
+  std::vector<Flow> flows;
   for (const std::string& name : poses) {
     const PoseRule* pose = file_.FindPose(name);
     const Setting setting = pose->landmarks.value_or(Setting{"landmarks/" + name + ".json", pose->where});

@@ -53,6 +53,7 @@ void ResultsFolder::Load() {
     entries_[name] = {
         value.value("step", ""),
         value.value("sha256", ""),
+        value.value("next", ""),
         {false, value.value("size", std::uint64_t{0}), value.value("mtime_ns", std::int64_t{0}), value.value("inode", std::uint64_t{0})}};
   }
 }
@@ -63,6 +64,7 @@ void ResultsFolder::Save() {
   for (const auto& [name, entry] : entries_) {
     memory[name] = {{"step", entry.step},
                     {"sha256", entry.hash},
+                    {"next", entry.next},
                     {"size", entry.stat.size},
                     {"mtime_ns", entry.stat.mtime_ns},
                     {"inode", entry.stat.inode}};
@@ -74,39 +76,54 @@ void ResultsFolder::Save() {
 bool ResultsFolder::Unchanged(const std::string& name, const Entry& entry) const {
   const auto stat = disk_.Stat(out_ / name);
   if (!stat || stat->folder) return false;
-  return *stat == entry.stat || disk_.ContentHash(out_ / name) == entry.hash;
+  if (*stat == entry.stat) return true;
+  const std::string present = disk_.ContentHash(out_ / name);
+  return present == entry.hash || present == entry.next;
 }
 
 std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact& artifact) {
   std::vector<std::string> notes;
   const auto wanted = WantedFiles(step, artifact);
-  std::vector<std::string> stale;
+  std::vector<std::string> stale, missing;
   for (const auto& [name, entry] : entries_) {
     if (entry.step == step.id && !wanted.contains(name)) stale.push_back(name);
   }
   for (const std::string& name : stale) Drop(name, &notes);
-  for (const auto& [name, file] : wanted) Place(name, step.id, file.from, file.hash, &notes);
+  for (const auto& [name, file] : wanted) {
+    if (!IsInPlace(name, step.id, file.hash)) missing.push_back(name);
+  }
+  if (missing.empty()) return notes;
+  for (const std::string& name : missing) {
+    entries_[name].step = step.id;
+    entries_[name].next = wanted.at(name).hash;
+  }
+  // Said before it is done: a run that is killed in between must not take its own copy for a file that a person changed.
+  changed_ = true;
+  Save();
+  for (const std::string& name : missing) Place(name, wanted.at(name).from, &notes);
+  Save();
   return notes;
 }
 
-void ResultsFolder::Place(const std::string& name, const std::string& step, const fs::path& from, const std::string& hash,
-                          std::vector<std::string>* notes) {
-  const auto it = entries_.find(name);
+bool ResultsFolder::IsInPlace(const std::string& name, const std::string& step, const std::string& hash) {
   const auto stat = disk_.Stat(out_ / name);
-  if (stat) {
-    const bool as_left = it != entries_.end() && it->second.stat == *stat;
-    if (as_left && it->second.hash == hash && it->second.step == step) return;
-    const std::string present = as_left ? it->second.hash : stat->folder ? "" : disk_.ContentHash(out_ / name);
-    const bool ours = it != entries_.end() && present == it->second.hash;
-    if (present != hash && !ours) SetAside(name, notes);
-    if (present == hash) {
-      entries_[name] = {step, hash, *stat};
-      changed_ = true;
-      return;
-    }
+  if (!stat || stat->folder) return false;
+  const auto it = entries_.find(name);
+  if (it != entries_.end() && it->second.stat == *stat && it->second.hash == hash && it->second.step == step) return true;
+  if (disk_.ContentHash(out_ / name) != hash) return false;
+  entries_[name] = {step, hash, "", *stat};
+  changed_ = true;
+  return true;
+}
+
+void ResultsFolder::Place(const std::string& name, const fs::path& from, std::vector<std::string>* notes) {
+  Entry& entry = entries_.at(name);
+  if (const auto stat = disk_.Stat(out_ / name)) {
+    const std::string present = stat->folder ? "a folder" : disk_.ContentHash(out_ / name);
+    if (present != entry.hash && present != entry.next) SetAside(name, notes);
   }
   disk_.Copy(from, out_ / name);
-  entries_[name] = {step, hash, *disk_.Stat(out_ / name)};
+  entry = {entry.step, entry.next, "", *disk_.Stat(out_ / name)};
   changed_ = true;
 }
 

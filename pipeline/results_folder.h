@@ -27,15 +27,17 @@ class ResultsFolder {
 
  private:
   struct Entry {
-    std::string step, hash;
+    std::string step;
+    std::string hash;  ///< of what was put there; empty: nothing yet
+    std::string next;  ///< of what is being put there: a killed run may have done so already
     FileStat stat;
   };
   std::map<std::string, Entry> entries_;  ///< by path relative to out/
 
   void Load();
   bool Unchanged(const std::string& name, const Entry& entry) const;
-  void Place(const std::string& name, const std::string& step, const std::filesystem::path& from, const std::string& hash,
-             std::vector<std::string>* notes);
+  bool IsInPlace(const std::string& name, const std::string& step, const std::string& hash);
+  void Place(const std::string& name, const std::filesystem::path& from, std::vector<std::string>* notes);
   void SetAside(const std::string& name, std::vector<std::string>* notes);
   void Drop(const std::string& name, std::vector<std::string>* notes);
 

@@ -52,14 +52,14 @@ int Concatenate(const FakeCall& call, MemoryDisk& disk, const std::string& outpu
 int Shoot(const FakeCall& call, MemoryDisk& disk) {
   const std::filesystem::path photos = call.Flag("photos"), images = call.Flag("images");
   disk.MakeFolder(images);
-  for (const std::string& name : disk.FilesBelow(photos)) disk.Write(images / name, call.Flag("tone") + disk.Read(photos / name));
+  for (const std::string& name : disk.FilesBelow(photos)) disk.Write(images / name, disk.Read(photos / name) + call.Flag("tone"));
   return 0;
 }
 
 int Solve(const FakeCall& call, MemoryDisk& disk) {
   const std::filesystem::path images = call.Flag("images");
   std::string text = call.Flag("depth");
-  for (const std::string& name : disk.FilesBelow(images)) text += disk.Read(images / name).substr(0, 2);
+  for (const std::string& name : disk.FilesBelow(images)) text += disk.Read(images / name).substr(0, 1);
   disk.Write(call.Flag("model"), text);
   return 0;
 }
@@ -141,30 +141,33 @@ FakeHouse::FakeHouse() {
     processes.stages["/bin/keypose-" + stage] = {Describe(stage, inputs, outputs, options), run};
   };
   const json depth = Option("depth", "int", 9), tone = Option("tone", "string", "plain");
-  add("shoot", {Port("photos", "folder")}, {Port("images", "folder", "images")}, {tone}, Shoot);
-  add("solve", {Port("images", "folder")}, {Port("model", "file", "model.txt")}, {depth, Option("speed", "double", 0.5)}, Solve);
-  add("shape", {Port("model", "file")}, {Port("mesh", "file", "mesh.txt")}, {depth},
+  const auto list = [](auto... items) { return json::array({items...}); };
+  add("shoot", list(Port("photos", "folder")), list(Port("images", "folder", "images")), list(tone), Shoot);
+  add("solve", list(Port("images", "folder")), list(Port("model", "file", "model.txt")), list(depth, Option("speed", "double", 0.5)),
+      Solve);
+  add("shape", list(Port("model", "file")), list(Port("mesh", "file", "mesh.txt")), list(depth),
       [](const FakeCall& call, MemoryDisk& d) { return Concatenate(call, d, "mesh", {"model"}); });
-  add("match", {Port("source", "file"), Port("target", "file"), Many(Optional(Port("landmarks", "file")))},
-      {Port("matched", "file", "matched.txt")}, json::array(), [](const FakeCall& call, MemoryDisk& d) {
+  add("match", list(Port("source", "file"), Port("target", "file"), Many(Optional(Port("landmarks", "file")))),
+      list(Port("matched", "file", "matched.txt")), json::array(), [](const FakeCall& call, MemoryDisk& d) {
         return Concatenate(call, d, "matched", {"source", "target", "landmarks"});
       });
-  add("blend", {Many(Port("keys", "file")), Optional(Port("timeline", "file"))}, {Port("frames", "folder", "frames")}, json::array(),
-      [](const FakeCall& call, MemoryDisk& d) {
+  add("blend", list(Many(Port("keys", "file")), Optional(Port("timeline", "file"))), list(Port("frames", "folder", "frames")),
+      json::array(), [](const FakeCall& call, MemoryDisk& d) {
         const auto& keys = call.flags.at("keys");
-        for (std::size_t i = 0; i < keys.size(); ++i)
-          d.Write(std::filesystem::path(call.Flag("frames")) / ("frame_" + std::to_string(i)), d.Read(keys[i]));
-        if (call.flags.contains("timeline"))
-          d.Write(std::filesystem::path(call.Flag("frames")) / "timeline", d.Read(call.Flag("timeline")));
+        const std::filesystem::path frames = call.Flag("frames");
+        for (std::size_t i = 0; i < keys.size(); ++i) d.Write(frames / ("frame_" + std::to_string(i)), d.Read(keys[i]));
+        if (call.flags.contains("timeline")) d.Write(frames / "timeline", d.Read(call.Flag("timeline")));
         return 0;
       });
-  add("tell", {Port("run", "folder")}, {Port("report_page", "folder", "report")}, json::array(), Tell);
+  add("tell", list(Port("run", "folder")), list(Port("report_page", "folder", "report")), json::array(), Tell);
   WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntemplate: rest\n");
   for (const std::string pose : {"rest", "bent"}) {
     for (int i = 0; i < 3; ++i)
       disk.Write(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"), pose.substr(0, 1) + " picture " + std::to_string(i));
   }
 }
+
+FakeHouse::~FakeHouse() = default;
 
 std::unique_ptr<FakeHouse::Parts> FakeHouse::Open(const std::vector<std::string>& set) { return std::make_unique<Parts>(*this, set); }
 

@@ -19,6 +19,7 @@ extern const char* const kFakePipeline;
 class FakeHouse {
  public:
   FakeHouse();
+  ~FakeHouse();
 
   struct Outcome {
     RunResult result;

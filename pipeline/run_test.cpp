@@ -1,0 +1,350 @@
+// The program `keypose` with real processes, files and signals; its stages are small text programs.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "core/io/files.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Clock = std::chrono::steady_clock;
+
+const char kTestPipeline[] = R"(steps:
+  gather: {stage: gather, for: pose, inputs: {photos: $photos}}
+  join: {stage: join, for: pose, inputs: {images: gather.images}, out: {text: "{pose}/text.txt"}}
+  merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}}
+)";
+
+double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+void SleepSeconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+/// All files below a folder with their content; times and the run records do not count.
+std::map<std::string, std::string> Snapshot(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
+  }
+  return files;
+}
+
+struct Ended {
+  int code = -1;
+  std::string text;  ///< standard output and error
+};
+
+class RunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char name[] = "/tmp/keypose-run-test-XXXXXX";
+    root_ = mkdtemp(name);
+    Install(root_);
+    MakeProject(root_ / "hero");
+  }
+  void TearDown() override {
+    if (mounted_) umount2((root_ / "small").c_str(), MNT_DETACH);
+    fs::remove_all(root_);
+  }
+
+  /// keypose and its test stages as an installation of their own.
+  static void Install(const fs::path& root) {
+    fs::create_directories(root / "bin");
+    fs::create_directories(root / "share/keypose");
+    fs::copy_file(KEYPOSE_PROGRAM, root / "bin/keypose");
+    for (const std::string stage : {"gather", "join", "merge"}) fs::copy_file(KEYPOSE_TEXT_STAGE, root / ("bin/keypose-" + stage));
+    WriteFile(root / "share/keypose/pipeline.yaml", kTestPipeline);
+  }
+  static void MakeProject(const fs::path& project) {
+    for (const std::string pose : {"rest", "bent"}) {
+      fs::create_directories(project / "photos" / pose);
+      for (int i = 0; i < 4; ++i)
+        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".txt"), pose + " picture " + std::to_string(i) + "\n");
+    }
+    WriteFile(project / "pipeline.yaml", "poses: {rest: photos/rest, bent: photos/bent}\n");
+  }
+
+  pid_t Start(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+    const pid_t pid = fork();
+    if (pid != 0) return pid;
+    const int out = open((root_ / ("output" + std::to_string(getpid()))).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(out, 1);
+    dup2(out, 2);
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+    std::vector<std::string> all = {(root_ / "bin/keypose").string()};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& text : all) argv.push_back(text.data());
+    argv.push_back(nullptr);
+    execv(argv[0], argv.data());
+    _exit(126);
+  }
+  Ended Finish(pid_t pid) const {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadFile(root_ / ("output" + std::to_string(pid)))};
+  }
+  Ended Keypose(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+    return Finish(Start(arguments, environment));
+  }
+  Ended Run(const std::vector<std::string>& more = {}, const std::map<std::string, std::string>& environment = {}) const {
+    std::vector<std::string> arguments = {"run", "-C", (root_ / "hero").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Keypose(arguments, environment);
+  }
+
+  /// Processes whose program lies in this test's bin/.
+  int StagesAlive() const {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator("/proc")) {
+      std::error_code error;
+      const fs::path program = fs::read_symlink(entry.path() / "exe", error);
+      count += !error && program.string().starts_with((root_ / "bin/keypose-").string());
+    }
+    return count;
+  }
+  bool NoStageAliveSoon() const {
+    for (int i = 0; i < 100 && StagesAlive() > 0; ++i) SleepSeconds(0.02);
+    return StagesAlive() == 0;
+  }
+  bool WaitForStage() const {
+    for (int i = 0; i < 500 && StagesAlive() == 0; ++i) SleepSeconds(0.01);
+    return StagesAlive() > 0;
+  }
+
+  fs::path root_;
+  bool mounted_ = false;
+};
+
+TEST_F(RunTest, MakesResultsThenDoesNothingInUnderASecond) {
+  const Ended first = Run();
+  ASSERT_EQ(first.code, 0) << first.text;
+  EXPECT_EQ(ReadFile(root_ / "hero/out/rest/text.txt"), "REST PICTURE 0\nREST PICTURE 1\nREST PICTURE 2\nREST PICTURE 3\n");
+  const auto start = Clock::now();
+  const Ended second = Run();
+  EXPECT_LT(SecondsSince(start), 1.0);
+  EXPECT_EQ(second.code, 0);
+  EXPECT_EQ(second.text, "5 steps up to date\n");
+}
+
+TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
+  const std::map<std::string, std::string> slow = {{"TEXT_STAGE_DELAY_MS", "25"}};
+  MakeProject(root_ / "reference");
+  const auto start = Clock::now();
+  ASSERT_EQ(Keypose({"run", "-C", (root_ / "reference").string()}, slow).code, 0);
+  const double whole = SecondsSince(start);
+  std::mt19937 random(1);
+  int killed_at_work = 0;
+  for (int i = 0; i < 20; ++i) {
+    // Work for the run to be killed in: every second time the pictures change.
+    if (i % 2 == 0) WriteFile(root_ / "hero/photos/rest/IMG_2.txt", "retake " + std::to_string(i));
+    const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, slow);
+    SleepSeconds(std::uniform_real_distribution<double>(0, whole)(random));
+    kill(pid, SIGKILL);
+    killed_at_work += Finish(pid).code == 128 + SIGKILL;
+  }
+  EXPECT_GE(killed_at_work, 10);
+  WriteFile(root_ / "hero/photos/rest/IMG_2.txt", ReadFile(root_ / "reference/photos/rest/IMG_2.txt"));
+  const Ended last = Run();
+  ASSERT_EQ(last.code, 0) << last.text;
+  EXPECT_TRUE(NoStageAliveSoon());
+  EXPECT_EQ(Snapshot(root_ / "hero/out"), Snapshot(root_ / "reference/out"));
+  EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/tmp"));
+  EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/writing"));
+  for (const auto& [name, text] : Snapshot(root_ / "hero")) EXPECT_EQ(name.find(".tmp"), std::string::npos) << name;
+  // Every artifact in the cache is whole: its files are as its manifest says.
+  for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
+    if (entry.path().filename() != "manifest.json") continue;
+    const auto manifest = nlohmann::json::parse(ReadFile(entry.path()));
+    for (const auto& [name, size] : manifest.at("sizes").items())
+      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), size.get<std::uintmax_t>());
+  }
+  EXPECT_EQ(Run().text, "5 steps up to date\n");
+}
+
+TEST_F(RunTest, KilledRunnerTakesAllThatItsStagesStartedAlong) {
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+  ASSERT_TRUE(WaitForStage());
+  SleepSeconds(0.2);
+  kill(pid, SIGKILL);
+  Finish(pid);
+  EXPECT_TRUE(NoStageAliveSoon());
+  EXPECT_EQ(Run().code, 0);
+}
+
+TEST_F(RunTest, CtrlCStopsEverythingAndExitsWith130) {
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "500"}, {"TEXT_STAGE_SPAWN", "1"}});
+  ASSERT_TRUE(WaitForStage());
+  SleepSeconds(0.2);
+  const auto start = Clock::now();
+  kill(pid, SIGINT);
+  const Ended ended = Finish(pid);
+  EXPECT_LT(SecondsSince(start), 4.0);
+  EXPECT_EQ(ended.code, 130);
+  EXPECT_THAT(ended.text, HasSubstr("interrupted"));
+  EXPECT_EQ(StagesAlive(), 0);
+  EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/tmp"));
+  EXPECT_EQ(Run().code, 0);
+}
+
+TEST_F(RunTest, StageThatLeavesAProcessBehindDoesNotHoldTheRunUp) {
+  const Ended ended = Run({}, {{"TEXT_STAGE_SPAWN", "1"}});
+  EXPECT_EQ(ended.code, 0) << ended.text;
+  EXPECT_EQ(StagesAlive(), 0);
+}
+
+TEST_F(RunTest, SecondRunAtTheSameTimeExitsWith7AndNamesTheFirst) {
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "100"}});
+  ASSERT_TRUE(WaitForStage());
+  const Ended second = Run();
+  EXPECT_EQ(second.code, 7);
+  EXPECT_THAT(second.text, HasSubstr("process " + std::to_string(pid) + " on "));
+  EXPECT_THAT(second.text, HasSubstr("since 20"));
+  EXPECT_EQ(Keypose({"unlock", "-C", (root_ / "hero").string()}).code, 7);
+  EXPECT_EQ(Keypose({"status", "-C", (root_ / "hero").string()}).code, 0) << "looking needs no lock";
+  int status = 0;
+  waitpid(pid, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(Keypose({"unlock", "-C", (root_ / "hero").string()}).text, "the project is not locked\n");
+}
+
+TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
+  fs::create_directories(root_ / "small");
+  if (mount("keypose-test", (root_ / "small").c_str(), "tmpfs", 0, "size=400k") != 0)
+    GTEST_SKIP() << "mounting a small tmpfs needs privileges that are not here";
+  mounted_ = true;
+  MakeProject(root_ / "small/hero");
+  for (int i = 0; i < 4; ++i) WriteFile(root_ / "small/hero/photos/rest" / ("IMG_" + std::to_string(i) + ".txt"), std::string(30000, 'a'));
+  const std::vector<std::string> run = {"run", "-C", (root_ / "small/hero").string()};
+  const Ended full = Keypose(run);
+  EXPECT_EQ(full.code, 4) << full.text;
+  EXPECT_THAT(full.text, HasSubstr("error: "));
+  ASSERT_EQ(mount("keypose-test", (root_ / "small").c_str(), "tmpfs", MS_REMOUNT, "size=8m"), 0);
+  const Ended roomy = Keypose(run);
+  EXPECT_EQ(roomy.code, 0) << roomy.text;
+  EXPECT_EQ(ReadFile(root_ / "small/hero/out/rest/text.txt"), std::string(120000, 'A'));
+}
+
+TEST_F(RunTest, MovedAndCopiedProjectsRunNothing) {
+  ASSERT_EQ(Run().code, 0);
+  fs::rename(root_ / "hero", root_ / "moved");
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "moved").string()}).text, "5 steps up to date\n");
+  fs::copy(root_ / "moved", root_ / "copied", fs::copy_options::recursive);
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "copied").string()}).text, "5 steps up to date\n");
+}
+
+TEST_F(RunTest, ExplainAndStatusSayWhatChanged) {
+  EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text, HasSubstr("never ran"));
+  ASSERT_EQ(Run().code, 0);
+  WriteFile(root_ / "hero/photos/bent/IMG_3.txt", "retake\n");
+  EXPECT_THAT(Keypose({"explain", "join/bent", "-C", (root_ / "hero").string()}).text, HasSubstr("photos/bent/IMG_3.txt changed"));
+  EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text,
+              HasSubstr("gather/bent  would run    photos/bent/IMG_3.txt changed"));
+  const Ended run = Run();
+  EXPECT_THAT(run.text, HasSubstr("gather/bent starts"));
+  EXPECT_THAT(run.text, Not(HasSubstr("gather/rest")));
+  EXPECT_THAT(Keypose({"explain", "gather/bent", "-C", (root_ / "hero").string()}).text, HasSubstr("photos/bent/IMG_3.txt changed"));
+}
+
+TEST_F(RunTest, FailureExitsWithTheStagesCodeAndKeepsItsLog) {
+  const Ended ended = Run({"--set", "join.exit_code=6"});
+  EXPECT_EQ(ended.code, 6);
+  EXPECT_THAT(ended.text, HasSubstr("failed with exit code 6"));
+  EXPECT_THAT(ended.text, HasSubstr("told to fail"));
+  EXPECT_THAT(Keypose({"log", "join", "-C", (root_ / "hero").string()}).text, HasSubstr("join at work"));
+  EXPECT_EQ(Run({"--set", "join.exit_code=139"}).code, 1) << "a crash is a bug";
+}
+
+TEST_F(RunTest, OwnExecutableJoinsByNameInTheFile) {
+  fs::create_directories(root_ / "hero/tools");
+  WriteFile(root_ / "hero/tools/count",
+            "#!/bin/sh\n"
+            "if [ \"$1\" = --describe ]; then\n"
+            "  echo '{\"schema\":1,\"stage\":\"count\",\"version\":\"1\",\"inputs\":[{\"name\":\"text\",\"kind\":\"file\"}],'\n"
+            "  echo '\"outputs\":[{\"name\":\"lines\",\"kind\":\"file\",\"file\":\"lines.txt\"}]}'\n"
+            "  exit\n"
+            "fi\n"
+            "wc -l < \"$2\" > \"$4\"\n");
+  chmod((root_ / "hero/tools/count").c_str(), 0755);
+  WriteFile(root_ / "hero/pipeline.yaml",
+            "poses: {rest: photos/rest}\nsteps:\n  count: {program: tools/count, for: pose, inputs: {text: join.text}, out: {lines: "
+            "'{pose}/lines.txt'}}\n");
+  const Ended ended = Run();
+  ASSERT_EQ(ended.code, 0) << ended.text;
+  EXPECT_EQ(ReadFile(root_ / "hero/out/rest/lines.txt"), "4\n");
+}
+
+TEST_F(RunTest, InitCopiesPhotographsAndLeavesOriginals) {
+  const auto before = Snapshot(root_ / "hero/photos");
+  const std::string rest = "rest=" + (root_ / "hero/photos/rest").string(), bent = "bent=" + (root_ / "hero/photos/bent").string();
+  const Ended ended = Keypose({"init", (root_ / "new").string(), "--pose", rest, "--pose", bent, "--template", "bent"});
+  ASSERT_EQ(ended.code, 0) << ended.text;
+  EXPECT_EQ(Snapshot(root_ / "new/photos"), before);
+  EXPECT_EQ(Snapshot(root_ / "hero/photos"), before);
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "new").string()}).code, 0);
+  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT") << "the template comes first";
+  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", rest}).code, 2) << "a folder with content is not overwritten";
+  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "rest=/no/such/folder"}).code, 3);
+}
+
+TEST_F(RunTest, JsonLinesParse) {
+  const Ended ended = Run({"--progress", "jsonl"});
+  ASSERT_EQ(ended.code, 0);
+  std::istringstream lines(ended.text);
+  std::map<std::string, int> events;
+  for (std::string line; std::getline(lines, line);) ++events[nlohmann::json::parse(line).at("event").get<std::string>()];
+  EXPECT_EQ(events["begin"], 1);
+  EXPECT_EQ(events["start"], 5);
+  EXPECT_EQ(events["finish"], 5);
+  EXPECT_GT(events["progress"], 0);
+  EXPECT_EQ(events["end"], 1);
+}
+
+TEST_F(RunTest, GcRemovesWhatNothingRefersTo) {
+  ASSERT_EQ(Run().code, 0);
+  ASSERT_EQ(Run({"--set", "gather.exit_code=0"}).code, 0);
+  WriteFile(root_ / "hero/photos/rest/IMG_0.txt", "other\n");
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1", "--dry-run"}).text,
+              HasSubstr("would remove 3 artifacts"));
+  EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1"}).text, HasSubstr("removed 3 artifacts"));
+  EXPECT_EQ(Run().text, "5 steps up to date\n");
+}
+
+TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {
+  EXPECT_EQ(Keypose({"rnu"}).code, 2);
+  EXPECT_THAT(Keypose({"rnu"}).text, HasSubstr("did you mean 'run'?"));
+  EXPECT_EQ(Keypose({"studio"}).code, 2);
+  EXPECT_EQ(Keypose({"pack"}).code, 2);
+  EXPECT_EQ(Run({"--executor", "slurm"}).code, 2);
+  EXPECT_EQ(Run({"-j", "0"}).code, 2);
+  EXPECT_EQ(Keypose({"run", "-C", root_.string()}).code, 2) << "not a project";
+  EXPECT_EQ(Keypose({"gather", "--describe"}).code, 0) << "`keypose STAGE` becomes the stage";
+}
+
+TEST_F(RunTest, DryRunChangesNothing) {
+  const Ended ended = Run({"--dry-run"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.text, HasSubstr("would run gather/rest: it has never run"));
+  EXPECT_FALSE(fs::exists(root_ / "hero/out"));
+  EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/cache"));
+}
+
+}  // namespace
+}  // namespace keypose::pipeline
