@@ -1,0 +1,94 @@
+#include "interpolate/face_maps.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace keypose::interpolation {
+
+namespace {
+
+constexpr double kSliver = 1e-6;
+
+/// Triangle in its own frame: edges (p1-p0, p2-p0) = frame * upper triangular with positive diagonal.
+struct FlatTriangle {
+  Eigen::Matrix3d axes;  // two in the plane, then the normal
+  Eigen::Matrix2d edges;
+  bool degenerate;
+};
+
+FlatTriangle Flatten(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
+  const Eigen::Vector3d a = p.row(faces(f, 1)) - p.row(faces(f, 0)), b = p.row(faces(f, 2)) - p.row(faces(f, 0));
+  const Eigen::Vector3d n = a.cross(b);
+  const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
+  FlatTriangle t;
+  t.degenerate = !(n.norm() > kSliver * longest);
+  if (t.degenerate) return t;
+  t.axes.col(0) = a.normalized();
+  t.axes.col(2) = n.normalized();
+  t.axes.col(1) = t.axes.col(2).cross(t.axes.col(0));
+  t.edges << a.norm(), t.axes.col(0).dot(b), 0, t.axes.col(1).dot(b);
+  return t;
+}
+
+}  // namespace
+
+Polar2 PolarOf(const Eigen::Matrix2d& j) {
+  const double c = j(0, 0) + j(1, 1), s = j(1, 0) - j(0, 1), r = std::hypot(c, s);
+  Polar2 polar{c / r, s / r, {}};
+  Eigen::Matrix2d rotation;
+  rotation << polar.cosine, -polar.sine, polar.sine, polar.cosine;
+  const Eigen::Matrix2d p = rotation.transpose() * j;
+  polar.stretch = 0.5 * (p + p.transpose());
+  return polar;
+}
+
+Eigen::Matrix2d PowerOf(const Eigen::Matrix2d& m, double t) {
+  const double mean = 0.5 * (m(0, 0) + m(1, 1)), d = 0.5 * (m(0, 0) - m(1, 1)), r = std::hypot(d, m(0, 1));
+  const double high = mean + r, low = (m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1)) / high;
+  const double h = std::pow(high, t), l = std::pow(low, t);
+  if (r <= 1e-15 * high) return 0.5 * (h + l) * Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d traceless;
+  traceless << d, m(0, 1), m(0, 1), -d;
+  return 0.5 * (h + l) * Eigen::Matrix2d::Identity() + (0.5 * (h - l) / r) * traceless;
+}
+
+Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation) {
+  Eigen::Quaterniond q(rotation);
+  q.normalize();
+  if (q.w() < 0) q.coeffs() = -q.coeffs();
+  const double sine = q.vec().norm();
+  if (sine < 1e-12) return 2 * q.vec();
+  return (2 * std::atan2(sine, q.w()) / sine) * q.vec();
+}
+
+Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+std::vector<FaceMap> FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
+  std::vector<FaceMap> maps(faces.rows());
+  ParallelFor(
+      faces.rows(),
+      [&](std::int64_t f) {
+        const FlatTriangle from = Flatten(v, faces, f), to = Flatten(u, faces, f);
+        FaceMap& map = maps[f];
+        map.degenerate = from.degenerate || to.degenerate;
+        if (map.degenerate) return;
+        const Polar2 polar = PolarOf(to.edges * from.edges.inverse());
+        Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity();
+        in_plane.topLeftCorner<2, 2>() << polar.cosine, -polar.sine, polar.sine, polar.cosine;
+        map.frame = from.axes.leftCols<2>();
+        map.rotation = to.axes * in_plane * from.axes.transpose();
+        map.turn = LogOf(map.rotation);
+        map.stretch = polar.stretch;
+      },
+      512);
+  return maps;
+}
+
+}  // namespace keypose::interpolation
