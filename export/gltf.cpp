@@ -1,0 +1,200 @@
+#include "export/gltf.h"
+
+#include <tiny_gltf.h>
+
+#include <cstring>
+#include <limits>
+#include <sstream>
+
+#include "core/errors.h"
+
+namespace keypose::exporting {
+namespace {
+
+using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+constexpr double kLargestGlb = std::numeric_limits<std::uint32_t>::max();
+
+class GlbBuilder {
+ public:
+  GlbBuilder(const AnimatedMesh& mesh, const GlbOptions& options) : mesh_(mesh), options_(options) {
+    model_.asset.version = "2.0";
+    model_.asset.generator = "Keypose";
+    model_.buffers.resize(1);
+  }
+
+  void AddMesh(const std::vector<std::string>& frame_names) {
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    primitive.material = 0;
+    const FloatRows base_points = InGltf(mesh_.points[0]), base_normals = InGltf(mesh_.normals[0]);
+    primitive.attributes["POSITION"] = AddAttribute(base_points, TINYGLTF_TYPE_VEC3, true);
+    primitive.attributes["NORMAL"] = AddAttribute(base_normals, TINYGLTF_TYPE_VEC3, false);
+    if (mesh_.uvs.rows() > 0) {
+      FloatRows uvs = mesh_.uvs.cast<float>();
+      uvs.col(1) = 1.0f - uvs.col(1).array();  // glTF's v grows downwards
+      primitive.attributes["TEXCOORD_0"] = AddAttribute(uvs, TINYGLTF_TYPE_VEC2, false);
+    }
+    primitive.indices = AddIndices();
+    tinygltf::Mesh out;
+    tinygltf::Value::Array target_names;
+    for (std::size_t i = 1; i < mesh_.points.size(); ++i) {
+      primitive.targets.push_back({{"POSITION", AddAttribute(InGltf(mesh_.points[i]) - base_points, TINYGLTF_TYPE_VEC3, true)},
+                                   {"NORMAL", AddAttribute(InGltf(mesh_.normals[i]) - base_normals, TINYGLTF_TYPE_VEC3, false)}});
+      target_names.emplace_back(frame_names[i]);
+    }
+    out.name = options_.name;
+    if (!target_names.empty()) {
+      out.weights.assign(target_names.size(), 0.0);
+      out.extras = tinygltf::Value(tinygltf::Value::Object{{"targetNames", tinygltf::Value(target_names)}});
+    }
+    out.primitives.push_back(primitive);
+    model_.meshes.push_back(out);
+  }
+
+  void AddMaterial(const EncodedImage& texture) {
+    tinygltf::Material material;
+    material.name = "clay";
+    material.pbrMetallicRoughness.metallicFactor = 0;
+    material.pbrMetallicRoughness.roughnessFactor = 0.9;
+    if (!texture.bytes.empty()) {
+      tinygltf::Image image;
+      image.name = texture.name;
+      image.mimeType = texture.mime_type;
+      image.bufferView = AddView(texture.bytes.data(), texture.bytes.size(), 0);
+      model_.images.push_back(image);
+      tinygltf::Sampler sampler;
+      sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+      sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+      sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+      model_.samplers.push_back(sampler);
+      tinygltf::Texture out;
+      out.sampler = 0;
+      out.source = 0;
+      model_.textures.push_back(out);
+      material.pbrMetallicRoughness.baseColorTexture.index = 0;
+    }
+    model_.materials.push_back(material);
+  }
+
+  void AddScene() {
+    tinygltf::Node node;
+    node.name = options_.name;
+    node.mesh = 0;
+    model_.nodes.push_back(node);
+    tinygltf::Scene scene;
+    scene.nodes.push_back(0);
+    model_.scenes.push_back(scene);
+    model_.defaultScene = 0;
+  }
+
+  void AddAnimation() {
+    const int targets = static_cast<int>(mesh_.points.size()) - 1;
+    if (targets == 0) return;
+    const auto moments = PlaybackMoments(targets + 1, options_.playback);
+    FloatRows times(moments.size(), 1), weights = FloatRows::Zero(static_cast<Eigen::Index>(moments.size()) * targets, 1);
+    for (std::size_t i = 0; i < moments.size(); ++i) {
+      times(i, 0) = static_cast<float>(moments[i].seconds);
+      if (moments[i].frame > 0) weights(static_cast<Eigen::Index>(i) * targets + moments[i].frame - 1, 0) = 1;
+    }
+    tinygltf::Animation animation;
+    animation.name = options_.name;
+    tinygltf::AnimationSampler sampler;
+    sampler.interpolation = "LINEAR";
+    sampler.input = AddScalars(times, true);
+    sampler.output = AddScalars(weights, false);
+    animation.samplers.push_back(sampler);
+    tinygltf::AnimationChannel channel;
+    channel.sampler = 0;
+    channel.target_node = 0;
+    channel.target_path = "weights";
+    animation.channels.push_back(channel);
+    model_.animations.push_back(animation);
+  }
+
+  std::string Bytes() {
+    if (static_cast<double>(model_.buffers[0].data.size()) > kLargestGlb - (1 << 20)) {
+      throw InputError("export: " + std::to_string(mesh_.points.size()) + " frames of " + std::to_string(mesh_.source_vertex.size()) +
+                       " vertices need more than the 4 GiB that a GLB can hold; take fewer in-betweens, or use the OBJ or PLY sequence");
+    }
+    tinygltf::TinyGLTF writer;
+    std::ostringstream stream;
+    if (!writer.WriteGltfSceneToStream(&model_, stream, false, true)) throw SolverError("export: tinygltf could not write the GLB");
+    return std::move(stream).str();
+  }
+
+ private:
+  // The only place where the world's axes change.
+  FloatRows InGltf(const PointsX3& rows) const {
+    FloatRows out = rows.cast<float>();
+    if (!options_.z_up) return out;
+    out.col(1) = rows.col(2).cast<float>();
+    out.col(2) = -rows.col(1).cast<float>();
+    return out;
+  }
+
+  int AddView(const void* data, std::size_t size, int target) {
+    auto& bytes = model_.buffers[0].data;
+    bytes.resize((bytes.size() + 3) / 4 * 4);  // accessors start at multiples of their component's size
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = bytes.size();
+    view.byteLength = size;
+    view.target = target;
+    bytes.resize(bytes.size() + size);
+    std::memcpy(bytes.data() + view.byteOffset, data, size);
+    model_.bufferViews.push_back(view);
+    return static_cast<int>(model_.bufferViews.size()) - 1;
+  }
+
+  int AddAccessor(const FloatRows& rows, int type, int view_target, bool with_bounds) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = AddView(rows.data(), sizeof(float) * rows.size(), view_target);
+    accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
+    accessor.count = rows.rows();
+    accessor.type = type;
+    if (with_bounds) {
+      for (Eigen::Index c = 0; c < rows.cols(); ++c) {
+        accessor.minValues.push_back(rows.col(c).minCoeff());
+        accessor.maxValues.push_back(rows.col(c).maxCoeff());
+      }
+    }
+    model_.accessors.push_back(accessor);
+    return static_cast<int>(model_.accessors.size()) - 1;
+  }
+  int AddAttribute(const FloatRows& rows, int type, bool with_bounds) {
+    return AddAccessor(rows, type, TINYGLTF_TARGET_ARRAY_BUFFER, with_bounds);
+  }
+  int AddScalars(const FloatRows& rows, bool with_bounds) { return AddAccessor(rows, TINYGLTF_TYPE_SCALAR, 0, with_bounds); }
+
+  int AddIndices() {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = AddView(mesh_.faces.data(), sizeof(int) * mesh_.faces.size(), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    accessor.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    accessor.count = mesh_.faces.size();
+    accessor.type = TINYGLTF_TYPE_SCALAR;
+    model_.accessors.push_back(accessor);
+    return static_cast<int>(model_.accessors.size()) - 1;
+  }
+
+  const AnimatedMesh& mesh_;
+  const GlbOptions& options_;
+  tinygltf::Model model_;
+};
+
+}  // namespace
+
+std::string MakeGlb(const AnimatedMesh& mesh, const std::vector<std::string>& frame_names, const EncodedImage& texture,
+                    const GlbOptions& options) {
+  if (!texture.bytes.empty() && mesh.uvs.rows() == 0) {
+    throw InputError("export: the texture " + texture.name +
+                     " cannot be used, as the first frame has no texture coordinates; unwrap the template before it is registered");
+  }
+  GlbBuilder builder(mesh, options);
+  builder.AddMesh(frame_names);
+  builder.AddMaterial(texture);
+  builder.AddScene();
+  builder.AddAnimation();
+  return builder.Bytes();
+}
+
+}  // namespace keypose::exporting
