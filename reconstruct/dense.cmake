@@ -2,6 +2,10 @@
 find_package(nlohmann_json REQUIRED)
 
 keypose_room(reconstruct_dense
-  SOURCES dense.cpp dense_colmap.cpp dense_view.cpp depth_bounds.cpp fusion.cpp patch_match.cpp patch_match_cost.cpp patch_match_sweep.cpp
+  SOURCES dense.cpp dense_colmap.cpp dense_view.cpp depth_bounds.cpp fusion.cpp hull_fill.cpp patch_match.cpp patch_match_cost.cpp patch_match_sweep.cpp
           view_selection.cpp visual_hull.cpp)
 keypose_stage(dense ROOM reconstruct_dense SOURCES dense_stage.cpp LINK nlohmann_json::nlohmann_json)
+
+add_library(keypose_dense_test_scene STATIC dense_test_scene.cpp)
+target_link_libraries(keypose_dense_test_scene PUBLIC keypose_reconstruct_dense)
+keypose_bench(dense_bench SOURCES dense_bench.cpp LINK keypose_dense_test_scene)

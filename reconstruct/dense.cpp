@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/fusion.h"
+#include "reconstruct/hull_fill.h"
 #include "reconstruct/patch_match.h"
 #include "reconstruct/view_selection.h"
 #include "reconstruct/visual_hull.h"
@@ -47,15 +48,27 @@ void RequireSources(const std::vector<DenseView>& views, std::vector<std::vector
       (*sources)[i].clear();
     }
   if (result->views_without_sources.size() == views.size())
-    throw InputError("dense: no view has two others that see the same surface from 3 to 65 degrees apart (" + Names(result->views_without_sources) +
-                     "); take more photographs, closer together");
+    throw InputError("dense: no view has two others that see the same surface from 3 to 65 degrees apart (" +
+                     Names(result->views_without_sources) + "); take more photographs, closer together");
+}
+
+void Append(const PointCloud& more, PointCloud* cloud) {
+  const int before = static_cast<int>(cloud->points.rows()), added = static_cast<int>(more.points.rows());
+  cloud->points.conservativeResize(before + added, 3), cloud->normals.conservativeResize(before + added, 3);
+  cloud->colors.conservativeResize(before + added, 3), cloud->confidence.conservativeResize(before + added);
+  cloud->points.bottomRows(added) = more.points, cloud->normals.bottomRows(added) = more.normals;
+  cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
 }
 
 }  // namespace
 
 void DenseOptions::Describe(OptionVisitor& visit) {
-  visit("backend", backend, {"patchmatch is Keypose's own on all cores; colmap_cuda is COLMAP's, where a CUDA build is installed", "", {}, {},
-                             {"patchmatch", "colmap_cuda"}});
+  visit("backend", backend,
+        {"patchmatch is Keypose's own on all cores; colmap_cuda is COLMAP's, where a CUDA build is installed",
+         "",
+         {},
+         {},
+         {"patchmatch", "colmap_cuda"}});
   visit("max_size", max_size, {"longer side of the pictures that are matched; larger photographs are scaled down", "px", 64, 20000});
   visit("levels", levels, {"pyramid levels, each of half the size of the one before", "", 1, 6});
   visit("sources", sources, {"views that each view is matched with", "", 2, 16});
@@ -70,7 +83,8 @@ void DenseOptions::Describe(OptionVisitor& visit) {
 }
 
 DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& scene, const DenseOptions& options, Progress* progress) {
-  if (views.size() < 3) throw InputError("dense: " + std::to_string(views.size()) + " views have a mask and a pose; stereo needs at least 3");
+  if (views.size() < 3)
+    throw InputError("dense: " + std::to_string(views.size()) + " views have a mask and a pose; stereo needs at least 3");
   DenseResult result;
   Step(progress, 0.02, "visual hull");
   VisualHullOptions hull_options;
@@ -99,6 +113,11 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   result.completeness = std::move(fused.completeness);
   result.cloud = std::move(fused.cloud);
   result.stereo_points = static_cast<int>(result.cloud.points.rows());
+  if (options.hull_fill) Append(HullFill(hull, views, bounds, fused.confirmed, result.cloud.points), &result.cloud);
+  if (result.cloud.points.rows() == 0)
+    throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) + " views from " + views.front().name +
+                     " to " + views.back().name +
+                     "); look at the cameras of sfm, and whether the object has texture and the photographs are sharp");
   return result;
 }
 

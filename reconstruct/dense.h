@@ -34,9 +34,9 @@ struct DenseResult {
   int stereo_points = 0;             ///< the first ones of the cloud; the others are the hull's
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
-  std::int64_t evaluations = 0;      ///< windows correlated
+  std::int64_t evaluations = 0;  ///< windows correlated
   double hull_volume = 0;
-  double matching_cpu_seconds = 0;   ///< of PatchMatch alone, all threads together
+  double matching_cpu_seconds = 0;  ///< of PatchMatch alone, all threads together
 };
 
 /// The whole of the stage's computation.
@@ -45,6 +45,7 @@ struct DenseResult {
 /// @param scene  that the views' scene_index point into; its sparse points help, but may be missing
 /// @throws InputError  fewer than 3 views, masks without common space, no view with two or more sources, or nothing that agrees; with names
 /// Same bits for any thread count on one kind of processor.
-DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& scene, const DenseOptions& options, Progress* progress = nullptr);
+DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& scene, const DenseOptions& options,
+                             Progress* progress = nullptr);
 
 }  // namespace keypose::reconstruct

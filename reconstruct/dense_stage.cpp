@@ -22,7 +22,8 @@ namespace {
 double CpuSeconds(int who) {
   rusage usage{};
   getrusage(who, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 std::string Names(const std::vector<std::string>& names) {
@@ -102,13 +103,15 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.Report("stereo_points", result.stereo_points);
   stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points);
   stage.Report("ncc_evaluations", result.evaluations);
-  stage.Report("ncc_per_cpu_second", result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
+  stage.Report("ncc_per_cpu_second",
+               result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
   stage.Report("matching_cpu_seconds", result.matching_cpu_seconds);
   stage.Report("hull_volume", result.hull_volume);
   stage.Report("completeness_mean", mean);
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
-  if (!result.views_without_sources.empty()) stage.Note("dense: views without neighbours, not matched: " + Names(result.views_without_sources));
+  if (!result.views_without_sources.empty())
+    stage.Note("dense: views without neighbours, not matched: " + Names(result.views_without_sources));
 }
 
 void Run(StageContext& stage, const DenseOptions& options) {
@@ -144,7 +147,8 @@ int main(int argc, char** argv) {
   spec.name = "dense";
   spec.version = "1";
   spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
-  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"}, {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
+  spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
+                 {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
   spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"}};
   spec.tools = {};
   spec.memory_gib = 2;

@@ -24,6 +24,7 @@ struct Pinhole {
 };
 
 /// Brightness and mask in one number, so that one read brings both: bits 1..15 are grey (0..32767), bit 0 is set inside the mask.
+/// Grey is 128 plus the difference from the local mean: shading is taken out.
 using GreyMask = ImageT<std::uint16_t>;
 constexpr float kGreyScale = 255.0f / 65535.0f;  ///< times a GreyMask pixel gives grey levels 0..255
 inline bool InMask(std::uint16_t pixel) { return (pixel & 1) != 0; }
@@ -34,11 +35,11 @@ struct DenseView {
     GreyMask grey;
   };
   std::string name;
-  int scene_index = -1;        ///< of Scene::views
+  int scene_index = -1;  ///< of Scene::views
   Rigid3 camera_from_world;
-  std::vector<Level> levels;   ///< 0 is the working resolution; each next has half of it
-  Image8 color;                ///< RGB at level 0
-  double noise = 0;            ///< standard deviation of the sensor's noise at level 0, grey levels
+  std::vector<Level> levels;       ///< 0 is the working resolution; each next has half of it
+  Image8 color;                    ///< RGB at level 0
+  double noise = 0;                ///< standard deviation of the sensor's noise at level 0, grey levels
   std::int64_t masked_pixels = 0;  ///< at level 0
 
   const Pinhole& camera(int level = 0) const { return levels[level].camera; }

@@ -23,8 +23,13 @@ class Fuser {
  public:
   Fuser(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<PlaneMap>& maps,
         const FusionOptions& options)
-      : views_(views), sources_(sources), maps_(maps), options_(options), least_cosine_(std::cos(options.normal_tolerance_deg * M_PI / 180)),
-        confirmed_(views.size()), used_(views.size()) {
+      : views_(views),
+        sources_(sources),
+        maps_(maps),
+        options_(options),
+        least_cosine_(std::cos(options.normal_tolerance_deg * M_PI / 180)),
+        confirmed_(views.size()),
+        used_(views.size()) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       rotations_.push_back(views[i].camera_from_world.rotation.toRotationMatrix());
       centers_.push_back(views[i].Center());
@@ -41,6 +46,7 @@ class Fuser {
       result.completeness.push_back(views_[i].masked_pixels > 0 ? found / static_cast<double>(views_[i].masked_pixels) : 0);
     }
     result.cloud = Cloud();
+    result.confirmed = std::move(confirmed_);
     return result;
   }
 
@@ -91,6 +97,9 @@ class Fuser {
     for (std::size_t pixel = 0; pixel < confirmed_[view].size(); ++pixel) {
       if (!confirmed_[view][pixel] || used_[view][pixel]) continue;
       const Group group = Agreeing(view, pixel);
+      int used = 0;
+      for (int k = 1; k < group.count; ++k) used += used_[group.members[k].view][group.members[k].pixel];
+      if (used >= 2) continue;
       for (int k = 0; k < group.count; ++k) used_[group.members[k].view][group.members[k].pixel] = 1;
       Merge(group);
     }
@@ -144,8 +153,8 @@ class Fuser {
 
 }  // namespace
 
-FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<PlaneMap>& maps,
-                           const FusionOptions& options) {
+FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
+                           const std::vector<PlaneMap>& maps, const FusionOptions& options) {
   return Fuser(views, sources, maps, options).Run();
 }
 

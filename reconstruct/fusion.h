@@ -11,22 +11,23 @@
 namespace keypose::reconstruct {
 
 struct FusionOptions {
-  int least_views = 3;             ///< that see a point, the reference included
-  double reprojection_px = 1.5;    ///< there and back, in the reference
-  double depth_tolerance = 0.01;   ///< relative
+  int least_views = 3;            ///< that see a point, the reference included
+  double reprojection_px = 1.5;   ///< there and back, in the reference
+  double depth_tolerance = 0.01;  ///< relative
   double normal_tolerance_deg = 30;
-  double largest_cost = 0.75;      ///< pixels that match worse do not take part
+  double largest_cost = 0.75;  ///< pixels that match worse do not take part
 };
 
 struct FusionResult {
-  PointCloud cloud;                 ///< normals towards the cameras; confidence in (0, 1]: agreement and match
-  std::vector<double> completeness;  ///< for each view, the share of masked pixels whose depth was confirmed; 0 for views without map
+  PointCloud cloud;                          ///< normals towards the cameras; confidence in (0, 1]: agreement and match
+  std::vector<std::vector<char>> confirmed;  ///< for each view, 1 for each pixel whose depth enough others confirmed
+  std::vector<double> completeness;          ///< for each view, the share of masked pixels that were confirmed; 0 for views without map
 };
 
 /// A pixel is kept when enough of its sources' maps put a surface at the same place with the same normal; those pixels are merged with it
-/// and not used again. Views are taken in order, pixels row by row: the same bits for any thread count.
-/// Source: Merrell et al., ICCV 2007, in the form of Schoenberger et al., ECCV 2016.
-FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<PlaneMap>& maps,
-                           const FusionOptions& options);
+/// and not used again, and a pixel whose neighbours in two views are used already adds nothing. Views are taken in order, pixels row by
+/// row: the same bits for any thread count. Source: Merrell et al., ICCV 2007, in the form of Schoenberger et al., ECCV 2016.
+FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
+                           const std::vector<PlaneMap>& maps, const FusionOptions& options);
 
 }  // namespace keypose::reconstruct

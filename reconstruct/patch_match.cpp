@@ -22,8 +22,16 @@ class Estimator {
  public:
   Estimator(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<DepthBounds>& bounds,
             const std::vector<std::vector<Eigen::Vector3d>>& seeds, const PatchMatchOptions& options, Progress* progress)
-      : views_(views), sources_(sources), bounds_(bounds), seeds_(seeds), options_(options), progress_(progress), maps_(views.size()),
-        inverse_depths_(views.size()), priors_(views.size()), evaluations_(views.size(), 0) {
+      : views_(views),
+        sources_(sources),
+        bounds_(bounds),
+        seeds_(seeds),
+        options_(options),
+        progress_(progress),
+        maps_(views.size()),
+        inverse_depths_(views.size()),
+        priors_(views.size()),
+        evaluations_(views.size(), 0) {
     levels_ = views.empty() ? 0 : static_cast<int>(views[0].levels.size());
     // Work of a pass grows fourfold with each level.
     for (int level = 0; level < levels_; ++level) total_work_ += Passes(level) * std::pow(0.25, level);
@@ -41,7 +49,9 @@ class Estimator {
   }
 
  private:
-  int PhotometricPasses(int level) const { return level == levels_ - 1 ? options_.coarse_passes : options_.fine_passes + (level > 0 ? 1 : 0); }
+  int PhotometricPasses(int level) const {
+    return level == levels_ - 1 ? options_.coarse_passes : options_.fine_passes + (level > 0 ? 1 : 0);
+  }
   int GeometricPasses(int level) const { return level == 0 ? options_.geometric_passes : std::min(1, options_.geometric_passes); }
   int Passes(int level) const { return PhotometricPasses(level) + GeometricPasses(level); }
 

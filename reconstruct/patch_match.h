@@ -19,7 +19,7 @@ struct PatchMatchOptions {
 };
 
 struct PatchMatchResult {
-  std::vector<PlaneMap> maps;  ///< one a view, at level 0; empty for views without sources
+  std::vector<PlaneMap> maps;    ///< one a view, at level 0; empty for views without sources
   std::int64_t evaluations = 0;  ///< windows correlated
 };
 

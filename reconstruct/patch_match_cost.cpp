@@ -13,6 +13,7 @@
 namespace keypose::reconstruct {
 namespace {
 
+constexpr int kTableShift = 5;  // a quarter of a grey level
 constexpr float kLostWeightLimit = 0.5f;
 constexpr float kLostWeightPenalty = 0.2f;  // a plane must not gain by pushing its window out of the source's mask
 
@@ -126,7 +127,7 @@ __attribute__((target("avx2,fma"))) float Avx2Cost(const RefPatch& patch, const 
 }
 
 __attribute__((target("avx512f,avx512dq,avx512bw,avx512vl"))) float Avx512Cost(const RefPatch& patch, const GreyMask& source,
-                                                                              const PatchWarp& warp, float noise_variance) {
+                                                                               const PatchWarp& warp, float noise_variance) {
   const PatchOffsets& offsets = WindowOffsets();
   const __m512 zero = _mm512_setzero_ps(), one = _mm512_set1_ps(1.0f);
   const __m512 right = _mm512_set1_ps(static_cast<float>(source.width - 1)), bottom = _mm512_set1_ps(static_cast<float>(source.height - 1));
@@ -142,7 +143,8 @@ __attribute__((target("avx512f,avx512dq,avx512bw,avx512vl"))) float Avx512Cost(c
     const __m512 z = warped(2), inverse = _mm512_div_ps(one, z);
     const __m512 x = _mm512_mul_ps(warped(0), inverse), y = _mm512_mul_ps(warped(1), inverse);
     __mmask16 inside = _mm512_cmp_ps_mask(x, zero, _CMP_GE_OQ) & _mm512_cmp_ps_mask(y, zero, _CMP_GE_OQ);
-    inside &= _mm512_cmp_ps_mask(x, right, _CMP_LT_OQ) & _mm512_cmp_ps_mask(y, bottom, _CMP_LT_OQ) & _mm512_cmp_ps_mask(z, zero, _CMP_GT_OQ);
+    inside &=
+        _mm512_cmp_ps_mask(x, right, _CMP_LT_OQ) & _mm512_cmp_ps_mask(y, bottom, _CMP_LT_OQ) & _mm512_cmp_ps_mask(z, zero, _CMP_GT_OQ);
     const __m512i x0 = _mm512_cvttps_epi32(x), y0 = _mm512_cvttps_epi32(y);
     const __m512 fx = _mm512_sub_ps(x, _mm512_cvtepi32_ps(x0)), fy = _mm512_sub_ps(y, _mm512_cvtepi32_ps(y0));
     const __m512i index = _mm512_add_epi32(_mm512_mullo_epi32(y0, stride), x0);
@@ -183,16 +185,21 @@ const PatchOffsets& WindowOffsets() {
   return offsets;
 }
 
-void FillRefPatch(const GreyMask& image, int x, int y, float color_scale, RefPatch* patch) {
-  // |offset| and |grey difference| as in ACMM; the table runs over half grey levels.
+BilateralTable::BilateralTable(float color_scale) {
+  for (int i = 0; i < kSize; ++i)
+    similarity[i] = std::exp(-(static_cast<float>((i << kTableShift) + (1 << (kTableShift - 1))) * (255.0f / 32767.0f)) / color_scale);
+}
+
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, RefPatch* patch) {
+  // |offset| and |grey difference|, not their squares, as in ACMM.
   static const std::array<float, kPatchSamples> spatial = [] {
-    std::array<float, kPatchSamples> table;
+    std::array<float, kPatchSamples> weights;
     for (int k = 0; k < kPatchSamples; ++k)
-      table[k] = std::exp(-std::hypot(WindowOffsets().dx[k], WindowOffsets().dy[k]) / (2.0f * kPatchRadius * kPatchRadius));
-    return table;
+      weights[k] = std::exp(-std::hypot(WindowOffsets().dx[k], WindowOffsets().dy[k]) / (2.0f * kPatchRadius * kPatchRadius));
+    return weights;
   }();
   const PatchOffsets& offsets = WindowOffsets();
-  const float center = *image.at(x, y) * kGreyScale, inverse_scale = -1 / color_scale;
+  const int center = *image.at(x, y) >> 1;
   float weight_sum = 0, sum = 0;
   for (int k = 0; k < kPatchSamples; ++k) {
     const int sx = x + static_cast<int>(offsets.dx[k]), sy = y + static_cast<int>(offsets.dy[k]);
@@ -202,7 +209,7 @@ void FillRefPatch(const GreyMask& image, int x, int y, float color_scale, RefPat
     if (!InMask(pixel)) continue;
     const float grey = pixel * kGreyScale;
     patch->value[k] = grey;
-    patch->weight[k] = spatial[k] * std::exp(std::abs(grey - center) * inverse_scale);
+    patch->weight[k] = spatial[k] * table.similarity[std::abs((pixel >> 1) - center) >> kTableShift];
     weight_sum += patch->weight[k];
     sum += patch->weight[k] * grey;
   }

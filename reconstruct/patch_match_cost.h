@@ -24,11 +24,18 @@ struct alignas(64) RefPatch {
   float value[kPatchSamples];  ///< grey levels, less `offset`
   float offset = 0;            ///< weighted mean grey of the window; subtracted from both images to keep single precision exact enough
   float weight_sum = 0;
-  float variance = 0;          ///< weighted, grey levels^2
+  float variance = 0;  ///< weighted, grey levels^2
 };
 
-/// @param color_scale  grey levels at which a sample's weight falls to 1/e
-void FillRefPatch(const GreyMask& image, int x, int y, float color_scale, RefPatch* patch);
+/// exp(-|grey difference| / color_scale), tabulated.
+struct BilateralTable {
+  static constexpr int kSize = 1024;
+  float similarity[kSize];
+  /// @param color_scale  grey levels at which a sample's weight falls to 1/e
+  explicit BilateralTable(float color_scale);
+};
+
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, RefPatch* patch);
 
 /// Where the window's sample (dx, dy) lies in the source image: h0 + dx hx + dy hy, divided by its third coordinate.
 struct PatchWarp {

@@ -13,7 +13,7 @@ constexpr float kCostCap = 1.2f;          // one source that sees a highlight or
 constexpr float kGeometricWeight = 0.2f;  // cost per pixel of disagreement with a source's own depth
 constexpr float kGeometricCap = 3.0f;     // pixels
 constexpr float kPriorWeight = 0.3f;
-constexpr float kLeastCosine = 0.17f;     // planes more slanted than 80 degrees are not worth a window
+constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 // Small, fast, and a pure function of its seed.
@@ -42,7 +42,8 @@ struct Transfer {
 Transfer MakeTransfer(const DenseView& from, const DenseView& to, int level) {
   const Rigid3 to_from = Compose(to.camera_from_world, from.camera_from_world.Inverse());
   const Eigen::Matrix3d k = to.camera(level).K();
-  return {(k * to_from.rotation.toRotationMatrix() * from.camera(level).K().inverse()).cast<float>(), (k * to_from.translation).cast<float>()};
+  return {(k * to_from.rotation.toRotationMatrix() * from.camera(level).K().inverse()).cast<float>(),
+          (k * to_from.translation).cast<float>()};
 }
 
 struct Offset {
@@ -51,7 +52,8 @@ struct Offset {
 
 // Pixels of the other colour, up; the other directions are turns of these.
 constexpr std::array<Offset, 7> kNear = {{{0, -1}, {-1, -2}, {1, -2}, {-2, -3}, {2, -3}, {-3, -4}, {3, -4}}};
-constexpr std::array<Offset, 11> kFar = {{{0, -3}, {0, -5}, {0, -7}, {0, -9}, {0, -11}, {0, -13}, {0, -15}, {0, -17}, {0, -19}, {0, -21}, {0, -23}}};
+constexpr std::array<Offset, 11> kFar = {
+    {{0, -3}, {0, -5}, {0, -7}, {0, -9}, {0, -11}, {0, -13}, {0, -15}, {0, -17}, {0, -19}, {0, -21}, {0, -23}}};
 
 Offset Turned(Offset o, int quarter) {
   for (int i = 0; i < quarter; ++i) o = {-o.dy, o.dx};
@@ -61,8 +63,13 @@ Offset Turned(Offset o, int quarter) {
 class Sweeper {
  public:
   Sweeper(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map)
-      : in_(inputs), set_(settings), map_(*map), image_(inputs.reference->levels[inputs.level].grey), camera_(inputs.reference->camera(inputs.level)),
-        cost_(BestPatchCostKernel().cost), count_(static_cast<int>(std::min<std::size_t>(inputs.sources.size(), kMaxSources))) {
+      : in_(inputs),
+        set_(settings),
+        map_(*map),
+        image_(inputs.reference->levels[inputs.level].grey),
+        camera_(inputs.reference->camera(inputs.level)),
+        cost_(BestPatchCostKernel().cost),
+        count_(static_cast<int>(std::min<std::size_t>(inputs.sources.size(), kMaxSources))) {
     for (int k = 0; k < count_; ++k) {
       to_source_[k] = MakeTransfer(*in_.reference, *in_.sources[k], in_.level);
       from_source_[k] = MakeTransfer(*in_.sources[k], *in_.reference, in_.level);
@@ -103,7 +110,7 @@ class Sweeper {
   }
 
   void Prepare(int x, int y) {
-    FillRefPatch(image_, x, y, kColorScale, &patch_);
+    FillRefPatch(image_, x, y, bilateral_, &patch_);
     const float fx = static_cast<float>(x), fy = static_cast<float>(y);
     for (int k = 0; k < count_; ++k) base_[k] = to_source_[k].a.col(0) * fx + to_source_[k].a.col(1) * fy + to_source_[k].a.col(2);
     prior_ = in_.prior ? *in_.prior->at(x, y) : 0;
@@ -277,6 +284,7 @@ class Sweeper {
   const GreyMask& image_;
   const Pinhole camera_;
   const PatchCostFunction cost_;
+  const BilateralTable bilateral_{kColorScale};
   const int count_;
   float px_per_inverse_depth_ = 1;
   std::array<Transfer, kMaxSources> to_source_, from_source_;
@@ -332,8 +340,6 @@ double PixelsPerInverseDepth(const SweepInputs& inputs) {
   return std::max(1e-9, sum / static_cast<double>(inputs.sources.size()));
 }
 
-std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map) {
-  return Sweeper(inputs, settings, map).Run();
-}
+std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map) { return Sweeper(inputs, settings, map).Run(); }
 
 }  // namespace keypose::reconstruct

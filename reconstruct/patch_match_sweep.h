@@ -31,11 +31,11 @@ struct PlaneMap {
 /// What a pass over one view reads and does not change.
 struct SweepInputs {
   const DenseView* reference = nullptr;
-  std::vector<const DenseView*> sources;           ///< at most 16, best first
+  std::vector<const DenseView*> sources;  ///< at most 16, best first
   int level = 0;
   const DepthBounds* bounds = nullptr;
   std::vector<const ImageF*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
-  const ImageF* prior = nullptr;                   ///< inverse depth expected where texture is weak; may be null
+  const ImageF* prior = nullptr;                     ///< inverse depth expected where texture is weak; may be null
   float noise_variance = 0;
   std::uint64_t seed = 0;
 };
@@ -45,9 +45,9 @@ struct SweepSettings {
   bool refresh = false;         ///< stored costs are of other conditions: compute them again
   bool far_areas = false;       ///< also look for planes up to 23 pixels away
   int refinements = 3;
-  float depth_step_px = 0.5f;   ///< size of random depth changes, as motion in the sources
-  float slope_step = 0.2f;      ///< size of random tilts, tangent of the slant
-  int pass = 0;                 ///< distinguishes the random numbers of passes
+  float depth_step_px = 0.5f;  ///< size of random depth changes, as motion in the sources
+  float slope_step = 0.2f;     ///< size of random tilts, tangent of the slant
+  int pass = 0;                ///< distinguishes the random numbers of passes
 };
 
 constexpr int kMaxSources = 16;

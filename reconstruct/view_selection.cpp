@@ -97,8 +97,8 @@ std::vector<int> Best(const std::vector<DenseView>& views, int view, const std::
 
 }  // namespace
 
-std::vector<std::vector<int>> SelectSourceViews(const std::vector<DenseView>& views, const std::vector<DepthBounds>& bounds, const Scene& scene,
-                                                int count) {
+std::vector<std::vector<int>> SelectSourceViews(const std::vector<DenseView>& views, const std::vector<DepthBounds>& bounds,
+                                                const Scene& scene, int count) {
   const std::vector<std::vector<Sight>> sparse = SparseSights(views, scene);
   std::vector<std::vector<int>> sources(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {

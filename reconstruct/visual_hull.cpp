@@ -89,8 +89,8 @@ MaskField MakeField(const DenseView& view, double margin_px) {
 
 enum class Verdict { kUnseen, kInside, kOutside, kMixed };
 
-// Judges a ball against one mask. The crop's outside counts as outside the mask (it was cut at the mask's bounds) except beyond the photograph,
-// which the caller cannot tell apart: `edges` says which sides of the crop are sides of the photograph.
+// Judges a ball against one mask. The crop's outside counts as outside the mask (it was cut at the mask's bounds) except beyond the
+// photograph, which the caller cannot tell apart: `edges` says which sides of the crop are sides of the photograph.
 Verdict Judge(const MaskField& field, const std::array<bool, 4>& edges, const Eigen::Vector3d& center, double radius) {
   const Eigen::Vector3d h = field.from_world * center.homogeneous();
   if (h.z() <= radius) return Verdict::kUnseen;
@@ -103,7 +103,8 @@ Verdict Judge(const MaskField& field, const std::array<bool, 4>& edges, const Ei
   const double d = field.distance[static_cast<std::size_t>(std::lround(cy)) * field.width + std::lround(cx)];
   // Every pixel is at most as far from the rim as its neighbour plus their distance.
   if (beyond > 0) {
-    const bool photograph_ends = (edges[0] && x < 0) || (edges[1] && x > field.width - 1) || (edges[2] && y < 0) || (edges[3] && y > field.height - 1);
+    const bool photograph_ends =
+        (edges[0] && x < 0) || (edges[1] && x > field.width - 1) || (edges[2] && y < 0) || (edges[3] && y > field.height - 1);
     if (photograph_ends) return radius > 0 ? Verdict::kMixed : Verdict::kUnseen;
     return std::max(d, beyond) > r ? Verdict::kOutside : Verdict::kMixed;
   }
@@ -120,12 +121,14 @@ Verdict JudgePoint(const MaskField& field, const std::array<bool, 4>& edges, con
   if ((edges[0] && px < 0) || (edges[1] && px > field.width - 1) || (edges[2] && py < 0) || (edges[3] && py > field.height - 1))
     return Verdict::kUnseen;
   if (px < 0 || py < 0 || px > field.width - 1 || py > field.height - 1) return Verdict::kOutside;
-  return field.distance[static_cast<std::size_t>(std::lround(py)) * field.width + std::lround(px)] > 0 ? Verdict::kOutside : Verdict::kInside;
+  return field.distance[static_cast<std::size_t>(std::lround(py)) * field.width + std::lround(px)] > 0 ? Verdict::kOutside
+                                                                                                       : Verdict::kInside;
 }
 
 class Carver {
  public:
-  Carver(const std::vector<DenseView>& views, const VisualHullOptions& options) : options_(options), fields_(views.size()), edges_(views.size()) {
+  Carver(const std::vector<DenseView>& views, const VisualHullOptions& options)
+      : options_(options), fields_(views.size()), edges_(views.size()) {
     ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
       fields_[i] = MakeField(views[i], options.mask_margin_px);
       edges_[i] = MaskEdges(views[i]);
@@ -146,7 +149,8 @@ class Carver {
   }
 
  private:
-  // The crop keeps a margin around the mask wherever the photograph goes on; a mask that touches the crop's side touches the photograph's side.
+  // The crop keeps a margin around the mask wherever the photograph goes on; a mask that touches the crop's side touches the photograph's
+  // side.
   static std::array<bool, 4> MaskEdges(const DenseView& view) {
     const GreyMask& grey = view.levels[0].grey;
     std::array<bool, 4> edges{};
@@ -284,8 +288,10 @@ double VisualHull::Volume() const {
 }
 
 VisualHull CarveVisualHull(const std::vector<DenseView>& views, const VisualHullOptions& options) {
-  if (views.size() < 2) throw InputError("dense: the visual hull needs at least 2 views with a mask, there are " + std::to_string(views.size()));
-  const char* kNoSpace = "dense: the masks have no common space, so there is no object to reconstruct; look at the masks and at the cameras' poses";
+  if (views.size() < 2)
+    throw InputError("dense: the visual hull needs at least 2 views with a mask, there are " + std::to_string(views.size()));
+  const char* kNoSpace =
+      "dense: the masks have no common space, so there is no object to reconstruct; look at the masks and at the cameras' poses";
   const Carver carver(views, options);
   const Ball ball = ObjectBall(views);
   Eigen::Vector3d low = ball.center - Eigen::Vector3d::Constant(1.25 * ball.radius);

@@ -12,9 +12,9 @@
 namespace keypose::reconstruct {
 
 struct VisualHullOptions {
-  int resolution = 160;        ///< voxels along the longest side, in [8, 512]
-  int outside_votes = 2;       ///< a voxel is carved when at least this many views see it outside of their masks
-  double mask_margin_px = 2;   ///< masks are grown by this at level 0, for their uncertainty
+  int resolution = 160;       ///< voxels along the longest side, in [8, 512]
+  int outside_votes = 2;      ///< a voxel is carved when at least this many views see it outside of their masks
+  double mask_margin_px = 2;  ///< masks are grown by this at level 0, for their uncertainty
 };
 
 class VisualHull {
@@ -26,7 +26,7 @@ class VisualHull {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< lower corner of voxel (0,0,0)
   double cell = 0;                                   ///< side of a voxel
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
-  std::vector<std::uint8_t> inside;                  ///< size x * y * z, x fastest
+  std::vector<std::uint8_t> inside;  ///< size x * y * z, x fastest
 
   bool Inside(int x, int y, int z) const {
     return x >= 0 && y >= 0 && z >= 0 && x < size.x() && y < size.y() && z < size.z() &&
