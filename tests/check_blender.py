@@ -7,6 +7,11 @@ SHAPE_KEYS counts the morph targets, without the basis. TEXTURE_WIDTH 0 means th
 import sys
 
 import bpy
+import numpy
+
+# Debian 12 pairs Blender 3.4 with numpy 1.24, which dropped the alias that this Blender's glTF importer uses for every file.
+if "bool" not in vars(numpy):
+    numpy.bool = bool
 
 arguments = sys.argv[sys.argv.index("--") + 1:]
 path, expected_keys = arguments[0], int(arguments[1])

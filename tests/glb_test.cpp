@@ -1,0 +1,151 @@
+// The exported file as others see it: the Khronos validator and Blender.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/testing_shapes.h"
+#include "tests/run_program.h"
+
+namespace keypose::tests {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kFrames = 6;
+
+// A tube with texture coordinates that bends over the frames.
+Mesh UnwrappedTube() {
+  Mesh mesh = MakeCylinder(1, 4, 24, 12);
+  mesh.uv_faces = mesh.faces;
+  mesh.uvs.resize(mesh.vertex_count(), 2);
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    mesh.uvs.row(v) << 0.5 + 0.4 * mesh.points(v, 0), 0.5 + 0.1 * mesh.points(v, 2);
+  }
+  return mesh;
+}
+
+class ExportedGlb : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(frames_);
+    Mesh mesh = UnwrappedTube();
+    vertices_ = mesh.vertex_count();
+    for (int i = 0; i < kFrames; ++i) {
+      Mesh frame = mesh;
+      for (int v = 0; v < frame.vertex_count(); ++v) frame.points(v, 0) += 0.05 * i * std::pow(frame.points(v, 2), 2);
+      WriteMesh(frames_ / ("frame_000" + std::to_string(i) + ".ply"), frame);
+    }
+    Image8 texture(64, 32, 3);
+    for (int y = 0; y < texture.height; ++y) {
+      for (int x = 0; x < texture.width; ++x) texture.at(x, y)[0] = static_cast<std::uint8_t>(4 * x), texture.at(x, y)[1] = 120;
+    }
+    WriteImage(texture_, texture);
+  }
+
+  RunResult Export(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> command{"keypose-export", "--frames", frames_, "--animation", animation_};
+    command.insert(command.end(), more.begin(), more.end());
+    return RunProgram(command, folder_.path());
+  }
+  std::string Glb() const { return animation_ / "character.glb"; }
+
+  RunResult Validate() { return RunProgram({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Glb()}, folder_.path()); }
+  RunResult ImportInBlender(int shape_keys, int vertices, int texture_width) {
+    return RunProgram(
+        {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python", KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--",
+         Glb(), std::to_string(shape_keys), std::to_string(vertices), std::to_string(texture_width)},
+        folder_.path());
+  }
+
+  TestFolder folder_;
+  fs::path frames_ = folder_.path() / "frames", animation_ = folder_.path() / "animation", texture_ = folder_.path() / "clay.png";
+  int vertices_ = 0;
+};
+
+bool HasValidator() { return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator"); }
+
+TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
+  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  for (const auto& options : std::vector<std::vector<std::string>>{{"--textures", texture_}, {}, {"--hold", "3", "--loop", "pingpong"}}) {
+    const RunResult exported = Export(options);
+    ASSERT_EQ(exported.exit_code, 0) << exported.output;
+    const RunResult validated = Validate();
+    EXPECT_EQ(validated.exit_code, 0) << validated.output;
+    EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos) << validated.output;
+    fs::remove_all(animation_);
+  }
+}
+
+TEST_F(ExportedGlb, ValidatorScriptFailsOnABrokenFile) {
+  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  ASSERT_EQ(Export().exit_code, 0);
+  fs::resize_file(Glb(), fs::file_size(Glb()) - 100);
+  EXPECT_EQ(Validate().exit_code, 1);
+}
+
+TEST_F(ExportedGlb, BlenderFindsShapeKeysActionAndTexture) {
+  if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
+  const RunResult exported = Export({"--textures", texture_});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  const RunResult imported = ImportInBlender(kFrames - 1, vertices_, 64);
+  EXPECT_EQ(imported.exit_code, 0) << imported.output;
+  const RunResult wrong = ImportInBlender(kFrames, vertices_, 64);
+  EXPECT_EQ(wrong.exit_code, 1) << "the check must fail on another number of shape keys\n" << wrong.output;
+}
+
+TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {
+  const RunResult exported = Export({"--textures", texture_});
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  for (int i = 0; i < kFrames; ++i) {
+    const std::string name = "frame_000" + std::to_string(i);
+    const Mesh frame = ReadMesh(frames_ / (name + ".ply"));
+    for (const std::string kind : {"ply", "obj"}) {
+      const Mesh written = ReadMesh(animation_ / kind / (name + "." + kind));
+      EXPECT_TRUE(written.faces == frame.faces) << kind << " " << name;
+      // 17 digits of OBJ are read back by tinyobjloader, whose parser is off by some last bits.
+      ASSERT_EQ(written.vertex_count(), frame.vertex_count());
+      EXPECT_LE((written.points - frame.points).cwiseAbs().maxCoeff(), kind == "ply" ? 0 : 1e-14) << kind << " " << name;
+      EXPECT_TRUE(written.has_uvs());
+    }
+  }
+  EXPECT_TRUE(fs::exists(animation_ / "textures" / "texture_0.png"));
+  EXPECT_TRUE(fs::exists(animation_ / "animation.json"));
+}
+
+TEST_F(ExportedGlb, ExportAgainGivesTheSameBytes) {
+  ASSERT_EQ(Export({"--textures", texture_}).exit_code, 0);
+  const auto size = fs::file_size(Glb());
+  fs::rename(Glb(), folder_.path() / "first.glb");
+  fs::remove_all(animation_);
+  ASSERT_EQ(Export({"--textures", texture_}).exit_code, 0);
+  EXPECT_EQ(fs::file_size(Glb()), size);
+  EXPECT_EQ(RunProgram({"/usr/bin/cmp", Glb(), folder_.path() / "first.glb"}, folder_.path()).exit_code, 0);
+}
+
+TEST_F(ExportedGlb, MissingFrameIsAnInputErrorThatNamesIt) {
+  fs::remove(frames_ / "frame_0003.ply");
+  const RunResult exported = Export();
+  EXPECT_EQ(exported.exit_code, 3) << exported.output;
+  EXPECT_NE(exported.output.find("frame 3 is missing"), std::string::npos) << exported.output;
+  EXPECT_FALSE(fs::exists(animation_));
+}
+
+TEST_F(ExportedGlb, TextureThatIsNoImageIsAnInputErrorThatNamesIt) {
+  const RunResult exported = Export({"--textures", frames_ / "frame_0000.ply"});
+  EXPECT_EQ(exported.exit_code, 3) << exported.output;
+  EXPECT_NE(exported.output.find("frame_0000.ply"), std::string::npos) << exported.output;
+  EXPECT_FALSE(fs::exists(animation_));
+}
+
+TEST_F(ExportedGlb, FolderWithoutFramesIsAnInputError) {
+  fs::remove_all(frames_);
+  fs::create_directories(frames_);
+  const RunResult exported = Export();
+  EXPECT_EQ(exported.exit_code, 3) << exported.output;
+  EXPECT_NE(exported.output.find("no frames"), std::string::npos) << exported.output;
+}
+
+}  // namespace
+}  // namespace keypose::tests

@@ -1,0 +1,60 @@
+// Runs the built programs as a user would, for tests.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace keypose::tests {
+
+struct RunResult {
+  int exit_code = -1;  ///< 128 + the signal when one ended it; -1 when it ran past the limit and was killed
+  std::string output;  ///< standard output and error together
+};
+
+/// A child process in its own process group.
+class Program {
+ public:
+  /// @param command      program and arguments; a first word without '/' is one of this build's, else of PATH
+  /// @param environment  "NAME=value" entries that replace or extend this process's
+  Program(const std::vector<std::string>& command, const std::filesystem::path& folder, const std::vector<std::string>& environment = {});
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  /// To the whole group, as a terminal does on Ctrl-C.
+  void SendSignal(int signal) const;
+  /// Waits until the output so far contains `text`. @return false when it ended, or after `seconds`
+  bool WaitForOutput(const std::string& text, double seconds);
+  bool running();
+  RunResult Wait(double seconds = 300);
+
+ private:
+  void Read(int milliseconds);
+
+  pid_t pid_ = -1;
+  int pipe_ = -1;
+  bool ended_ = false;
+  RunResult result_;
+};
+
+RunResult RunProgram(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                     const std::vector<std::string>& environment = {}, double seconds = 300);
+
+/// A folder of this test alone, empty at the start, deleted at the end.
+class TestFolder {
+ public:
+  TestFolder();
+  ~TestFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Whether a program is built here or on PATH.
+bool HasProgram(const std::string& name);
+
+}  // namespace keypose::tests
