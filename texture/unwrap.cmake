@@ -1,0 +1,2 @@
+keypose_room(texture_unwrap SOURCES charts.cpp packing.cpp parametrise.cpp unwrap.cpp unwrap_check.cpp)
+keypose_stage(unwrap ROOM texture_unwrap SOURCES unwrap_stage.cpp)

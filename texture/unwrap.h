@@ -1,0 +1,34 @@
+// A closed mesh to a texture layout: charts that lie nearly flat, packed into the unit square.
+#pragma once
+
+#include "core/mesh.h"
+#include "core/options.h"
+#include "core/progress.h"
+#include "texture/unwrap_check.h"
+
+namespace keypose::texture {
+
+struct UnwrapOptions {
+  int texture_size = 2048;       ///< [px] edge of the square texture that the gutter is meant for
+  int gutter = 4;                ///< [px] least distance between two charts
+  double max_distortion = 1.15;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
+  void Describe(OptionVisitor& visit);
+};
+
+struct UnwrapResult {
+  Mesh mesh;  ///< the input's vertices and faces in their order, with UVs
+  int charts = 0;
+  AtlasStretch stretch;
+  double seam_over_diag = 0;   ///< length of all seams over the diagonal
+  double texels_per_unit = 0;  ///< texture pixels along one unit of the surface, on average
+};
+
+/// @param clean  closed oriented 2-manifold
+/// @throws InputError    empty, not finite, not closed, or a face without area; names the place
+/// @throws QualityError  the charts do not fit the texture with this gutter
+/// The layout is proven free of flipped and overlapping triangles in exact arithmetic before it is returned. Same bits for any thread
+/// count. Cost: a few seconds for 20,000 faces. Source: chart growing Sander et al., SGP 2003; flattening Liu et al., SGP 2008; merging,
+/// packing and proof are ours.
+UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress* progress = nullptr);
+
+}  // namespace keypose::texture

@@ -1,0 +1,42 @@
+// keypose-unwrap: texture coordinates for a closed mesh.
+#include "core/io/mesh_io.h"
+#include "core/stage/stage.h"
+#include "texture/unwrap.h"
+
+namespace {
+
+using keypose::StageContext;
+using keypose::StageSpec;
+using keypose::texture::UnwrapOptions;
+using keypose::texture::UnwrapResult;
+
+void Run(StageContext& stage, const UnwrapOptions& options) {
+  const keypose::Mesh clean = keypose::ReadMesh(stage.Input("clean"));
+  const UnwrapResult result = keypose::texture::Unwrapped(clean, options, stage.progress());
+  stage.Report("faces", result.mesh.face_count());
+  stage.Report("charts", result.charts);
+  stage.Report("flipped", 0);  // Unwrapped proves both before it returns
+  stage.Report("overlapping", 0);
+  stage.Report("stretch_l2", result.stretch.l2);
+  stage.Report("stretch_linf", result.stretch.linf);
+  stage.Report("conformal_ratio_mean", result.stretch.conformal_mean);
+  stage.Report("conformal_ratio_p99", result.stretch.conformal_p99);
+  stage.Report("area_deviation", result.stretch.area_deviation);
+  stage.Report("utilisation", result.stretch.utilisation);
+  stage.Report("seam_over_diag", result.seam_over_diag);
+  stage.Report("texels_per_unit", result.texels_per_unit);
+  keypose::WriteMesh(stage.Output("unwrapped"), result.mesh);
+}
+
+const StageSpec kSpec = {.name = "unwrap",
+                         .version = "1",
+                         .summary = "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
+                         .inputs = {{.name = "clean", .kind = "file", .help = "closed mesh (.ply, .obj, .off, .stl)", .file = ""}},
+                         .outputs = {{.name = "unwrapped", .kind = "file", .help = "the same mesh with UVs", .file = "unwrapped.obj"}},
+                         .tools = {},
+                         .cores = 0,
+                         .memory_gib = 1};
+
+}  // namespace
+
+int main(int argc, char** argv) { return keypose::RunStage<UnwrapOptions>(argc, argv, kSpec, Run); }
