@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -132,7 +133,7 @@ class CommandLine {
       : spec_(spec), options_(options), app_(spec.summary, "keypose " + spec.name) {
     app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version);
     app_.add_flag("--describe", describe_, "print ports and options as JSON and stop");
-    app_.add_option("--report", report_, "write measurements to this JSON file")->group("Reports");
+    if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group("Reports");
     AddPorts(spec.inputs, "Inputs");
     AddPorts(spec.outputs, "Outputs");
     FlagVisitor flags(app_);
@@ -155,6 +156,7 @@ class CommandLine {
       std::cout << Describe(spec_, options_).dump(1) << "\n";
       return 0;
     }
+    TakeReportFile();
     arguments.report = report_;
     Bind(spec_.inputs, true, arguments.inputs);
     Bind(spec_.outputs, false, arguments.outputs);
@@ -168,8 +170,27 @@ class CommandLine {
       auto* flag =
           app_.add_option("--" + port.name, paths_[port.name], port.help + " (" + port.kind + (port.optional ? ", optional" : "") + ")");
       flag->group(group)->allow_extra_args(false)->type_name("PATH");
-      if (!port.repeatable) flag->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+      if (!port.repeatable && port.name != "report") flag->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     }
+  }
+
+  bool HasReportPort() const {
+    return std::any_of(spec_.outputs.begin(), spec_.outputs.end(), [](const Port& port) { return port.name == "report"; });
+  }
+
+  /// A stage whose output is itself called `report` takes --report twice: a .json path is the file of measurements, the other one the
+  /// output.
+  void TakeReportFile() {
+    if (!HasReportPort()) return;
+    auto& given = paths_["report"];
+    const auto is_file = [](const std::string& path) { return fs::path(path).extension() == ".json"; };
+    const auto file = std::find_if(given.begin(), given.end(), is_file);
+    if (file != given.end()) {
+      report_ = *file;
+      given.erase(file);
+    }
+    if (given.size() > 1)
+      throw UsageError("--report is given more than once; name one output, and at most one .json file for the measurements");
   }
 
   std::string Suggestion() {

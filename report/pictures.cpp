@@ -1,0 +1,116 @@
+#include "report/pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/geometry.h"
+#include "core/render.h"
+#include "report/html.h"
+
+namespace keypose::report {
+namespace {
+
+std::vector<Picture> Sides(const Mesh& mesh, const RenderOptions& look, const SidesOptions& options) {
+  const RayScene scene(mesh.points, mesh.faces);
+  std::vector<Picture> pictures;
+  for (const double azimuth : options.azimuths_deg) {
+    const View view = FitView(mesh.points, azimuth, options.elevation_deg, options.width, options.height, options.up);
+    pictures.push_back({fmt::format("from {:.0f}\u00b0", azimuth), Render(mesh, scene, view, look)});
+  }
+  return pictures;
+}
+
+}  // namespace
+
+std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture, const SidesOptions& options) {
+  RenderOptions look;
+  look.texture = mesh.has_uvs() ? texture : nullptr;
+  // The photographs hold the lamps' light already; a little shading shows the shape.
+  if (look.texture || mesh.colors.rows() > 0) look.shading = 0.35;
+  return Sides(mesh, look, options);
+}
+
+std::vector<Picture> ShapeSides(const Mesh& mesh, const SidesOptions& options) {
+  RenderOptions look;
+  look.plain = true;
+  look.smooth = false;
+  look.wireframe = mesh.face_count() <= 6000;
+  return Sides(mesh, look, options);
+}
+
+std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest, const SidesOptions& options) {
+  RenderOptions look;
+  look.vertex_colors = MapColors(values, 0, highest, ColorMap::kHeat);
+  look.shading = 0.6;
+  return Sides(mesh, look, options);
+}
+
+std::vector<std::string> HeatStops() {
+  std::vector<std::string> stops;
+  for (int i = 0; i <= 10; ++i) {
+    const auto c = MapColor(i / 10.0, ColorMap::kHeat);
+    stops.push_back(fmt::format("rgb({},{},{})", c[0], c[1], c[2]));
+  }
+  return stops;
+}
+
+std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames, const std::vector<std::string>& captions,
+                          const Image8* texture, const SidesOptions& options) {
+  PointsX3 all(static_cast<Eigen::Index>(frames.size()) * mesh.points.rows(), 3);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    all.middleRows(static_cast<Eigen::Index>(i) * mesh.points.rows(), mesh.points.rows()) = frames[i];
+  const View view = FitView(all, options.azimuths_deg.front(), options.elevation_deg, options.width, options.height, options.up);
+  RenderOptions look;
+  look.texture = mesh.has_uvs() ? texture : nullptr;
+  if (look.texture) look.shading = 0.35;
+  std::vector<Picture> film;
+  Mesh posed = mesh;
+  posed.normals.resize(0, 3);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    posed.points = frames[i];
+    film.push_back({captions[i], Render(posed, view, look)});
+  }
+  return film;
+}
+
+Picture CloudPicture(const PointCloud& cloud, const SidesOptions& options) {
+  const View view = FitView(cloud.points, options.azimuths_deg.front(), options.elevation_deg, options.width, options.height, options.up);
+  Picture picture{Pretty(static_cast<double>(cloud.points.rows())) + " points", Image8(options.width, options.height, 3, 247)};
+  ImageF depth(options.width, options.height, 1, std::numeric_limits<float>::infinity());
+  for (Eigen::Index i = 0; i < cloud.points.rows(); ++i) {
+    const Eigen::Vector3d x = view.camera_from_world * cloud.points.row(i).transpose();
+    const Eigen::Vector2d p = view.camera.Project(x);
+    for (int k = 0; k < 4; ++k) {
+      const int px = static_cast<int>(std::floor(p.x() - 0.5)) + k % 2, py = static_cast<int>(std::floor(p.y() - 0.5)) + k / 2;
+      if (px < 0 || py < 0 || px >= options.width || py >= options.height || static_cast<float>(x.z()) >= *depth.at(px, py)) continue;
+      *depth.at(px, py) = static_cast<float>(x.z());
+      for (int c = 0; c < 3; ++c) picture.image.at(px, py)[c] = cloud.colors.rows() > 0 ? cloud.colors(i, c) : 120;
+    }
+  }
+  return picture;
+}
+
+Image8 MaskTile(const Image8& photograph, const Image8& mask) {
+  Image8 tile = photograph;
+  const auto object = [&](int x, int y) {
+    x = std::clamp(x, 0, mask.width - 1);
+    y = std::clamp(y, 0, mask.height - 1);
+    return *mask.at(x, y) > 127;
+  };
+  for (int y = 0; y < tile.height; ++y)
+    for (int x = 0; x < tile.width; ++x) {
+      const bool inside = object(x, y);
+      const bool rim = inside && !(object(x - 1, y) && object(x + 1, y) && object(x, y - 1) && object(x, y + 1));
+      const std::uint8_t outline[3] = {255, 140, 0};
+      for (int c = 0; c < 3; ++c) {
+        std::uint8_t& value = tile.at(x, y)[c];
+        value = rim ? outline[c] : inside ? value : static_cast<std::uint8_t>(value * 2 / 5);
+      }
+    }
+  return tile;
+}
+
+}  // namespace keypose::report

@@ -1,0 +1,272 @@
+// keypose-report: the record of a run into a page to look at and a file to parse.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/mesh_io.h"
+#include "core/parallel.h"
+#include "core/render.h"
+#include "core/stage/stage.h"
+#include "report/contents.h"
+#include "report/html.h"
+#include "report/pictures.h"
+
+namespace keypose::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportOptions {
+  int picture_width = 360;
+  int film_frames = 10;
+  int mask_tiles = 48;
+  double color_scale_top = 0;
+  std::string up = "z";
+
+  void Describe(OptionVisitor& visit) {
+    visit("picture_width", picture_width, {"width of a rendered picture", "px", 64, 2048});
+    visit("film_frames", film_frames, {"at most this many frames in the film strip", "frames", 2, 200});
+    visit("mask_tiles", mask_tiles, {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
+    visit("color_scale_top", color_scale_top,
+          {"distance, as a share of the diagonal, of the colour scale's end; 0 chooses the 99 % quantile", "", 0, 1});
+    visit("up", up, {"axis that points upwards in the pictures", "", 0, 0, {"x", "y", "z"}});
+  }
+};
+
+StageSpec Spec() {
+  StageSpec spec;
+  spec.name = "report";
+  spec.version = "1";
+  spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
+  spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
+  spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
+  spec.memory_gib = 2;
+  return spec;
+}
+
+/// Reads what the record names, part by part; what fails becomes a line on the page instead of ending the report.
+class Gatherer {
+ public:
+  Gatherer(const ReportOptions& options, Progress* progress) : options_(options), progress_(progress) {
+    sides_.width = options.picture_width;
+    sides_.height = options.picture_width * 10 / 9;
+    sides_.up = options.up == "x" ? Eigen::Vector3d::UnitX() : options.up == "y" ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  }
+
+  Contents Gather(RunRecord run) {
+    Contents contents;
+    contents.run = std::move(run);
+    const double parts = 2.0 * static_cast<double>(contents.run.poses.size()) + 1;
+    double done = 0;
+    for (const std::string& pose : contents.run.poses) {
+      Step(progress_, done++ / parts, "pose " + pose);
+      contents.poses.push_back(GatherPose(contents, pose));
+    }
+    for (const StepRecord* step : contents.run.All("register")) {
+      Step(progress_, done++ / parts, "registration " + step->pose);
+      contents.pairs.push_back(GatherPair(contents, *step));
+    }
+    Step(progress_, (parts - 1) / parts, "animation");
+    Try(contents, "interpolate", [&] { GatherAnimation(contents); });
+    return contents;
+  }
+
+ private:
+  template <class Function>
+  static void Try(Contents& contents, const std::string& what, const Function& function) {
+    try {
+      function();
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      contents.troubles.push_back(what + ": not shown: " + error.what());
+    }
+  }
+
+  PosePart GatherPose(Contents& contents, const std::string& name) {
+    PosePart pose;
+    pose.name = name;
+    const RunRecord& run = contents.run;
+    const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name), *cleanup = run.Find("cleanup", name),
+                     *bake = run.Find("bake", name);
+    if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
+    if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, pose); });
+    if (dense && !dense->Output("cloud").empty())
+      Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
+    if (capture && !capture->Output("images").empty())
+      Try(contents, capture->id, [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
+    return pose;
+  }
+
+  void ShowShape(const fs::path& path, PosePart& pose) const {
+    const Mesh mesh = ReadMesh(path);
+    RequireUsable(mesh, path.string());
+    pose.faces = mesh.face_count();
+    pose.vertices = mesh.vertex_count();
+    SidesOptions sides = sides_;
+    sides.azimuths_deg = {20, 200};
+    pose.shape = ShapeSides(mesh, sides);
+    for (Picture& picture : pose.shape) picture.caption = "Closed mesh, " + Pretty(pose.faces) + " faces, " + picture.caption;
+    if (pose.sides.empty() && mesh.colors.rows() > 0) pose.sides = TexturedSides(mesh, nullptr, sides_);
+  }
+
+  void ShowTextured(const StepRecord& bake, PosePart& pose) const {
+    const Mesh mesh = ReadMesh(bake.Input("mesh"));
+    RequireUsable(mesh, bake.Input("mesh").string());
+    const Image8 texture = ReadImage(bake.Output("texture"), 3);
+    pose.sides = TexturedSides(mesh, &texture, sides_);
+    const int side = options_.picture_width;
+    pose.texture = Picture{fmt::format("Texture, {} x {}", texture.width, texture.height), Resized(texture, side, side)};
+  }
+
+  Picture MaskSheet(const ImageSet& set) const {
+    const int total = static_cast<int>(set.images.size()), shown = std::min(total, options_.mask_tiles);
+    if (total == 0) throw InputError("the image set is empty");
+    std::vector<Image8> tiles(shown);
+    ParallelFor(shown, [&](std::int64_t i) {
+      const int index = static_cast<int>(i * total / shown);
+      const Image8 photograph = ReadImage(set.ImagePath(index), 3);
+      const int width = 150, height = std::max(1, 150 * photograph.height / photograph.width);
+      const Image8 small = Resized(photograph, width, height);
+      tiles[i] = set.images[index].mask.empty() ? small : MaskTile(small, Resized(ReadImage(set.MaskPath(index), 1), width, height));
+    });
+    const std::string some =
+        shown < total ? fmt::format("{} of {} photographs, evenly picked", shown, total) : fmt::format("All {} photographs", total);
+    return {some + "; what the mask leaves out is dark, its edge is drawn in orange.", TileImages(tiles, 7, 4)};
+  }
+
+  PairPart GatherPair(Contents& contents, const StepRecord& step) const {
+    PairPart pair;
+    pair.step = &step;
+    Try(contents, step.id, [&] {
+      if (step.Output("registered").empty() || step.Input("target").empty())
+        throw InputError("the registered mesh or its target is not there");
+      const Mesh registered = ReadMesh(step.Output("registered")), target = ReadMesh(step.Input("target"));
+      RequireUsable(registered, "registered");
+      RequireUsable(target, "target");
+      pair.to_target = DistanceTo(registered, target);
+      pair.from_target = DistanceTo(target, registered);
+      pair.diagonal = BoundingDiagonal(target.points);
+      const double wanted = std::max(pair.to_target.p99, pair.from_target.p99) / pair.diagonal;
+      pair.scale_top = options_.color_scale_top > 0 ? options_.color_scale_top : std::max(wanted, 1e-4);
+      SidesOptions sides = sides_;
+      sides.azimuths_deg = {20, 200};
+      pair.registered = HeatSides(registered, pair.to_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+      pair.target = HeatSides(target, pair.from_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+    });
+    return pair;
+  }
+
+  void GatherAnimation(Contents& contents) const {
+    const StepRecord* step = contents.run.Find("interpolate");
+    if (!step || step->Output("frames").empty()) return;
+    const fs::path folder = step->Output("frames");
+    AnimationPart part;
+    part.frames = ParseDistortion(ReadFile(folder / "distortion.json"));
+    part.keys = static_cast<int>(std::count_if(part.frames.begin(), part.frames.end(), [](const FrameDistortion& f) { return f.key; }));
+    const int count = static_cast<int>(part.frames.size());
+    const auto frame = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
+    Mesh mesh = frame(0);
+    RequireUsable(mesh, "frame_0000.ply");
+    part.face_count = mesh.face_count();
+    DescribeFaces(part, mesh, frame);
+    const Image8 texture = TakeTexture(contents.run, mesh);
+    std::vector<PointsX3> shown;
+    std::vector<std::string> captions;
+    const int strip = std::min(count, options_.film_frames);
+    for (int i = 0; i < strip; ++i) {
+      const int index = strip == 1 ? 0 : static_cast<int>(std::lround(static_cast<double>(i) * (count - 1) / (strip - 1)));
+      shown.push_back(frame(index).points);
+      if (shown.back().rows() != mesh.points.rows()) throw InputError("frames have unlike vertex counts");
+      captions.push_back(fmt::format("t = {:.3g}{}", part.frames[index].t, part.frames[index].key ? ", key" : ""));
+    }
+    SidesOptions sides = sides_;
+    sides.width = sides_.width * 2 / 3;
+    sides.height = sides_.height * 2 / 3;
+    part.film = Film(mesh, shown, captions, texture.empty() ? nullptr : &texture, sides);
+    contents.animation = std::move(part);
+  }
+
+  /// Per-face distortion half-way between the first two keys.
+  template <class FrameReader>
+  static void DescribeFaces(AnimationPart& part, const Mesh& first, const FrameReader& frame) {
+    int next = 1;
+    while (next < static_cast<int>(part.frames.size()) && !part.frames[next].key) ++next;
+    if (next < 2 || next >= static_cast<int>(part.frames.size())) return;
+    const int middle = next / 2;
+    const double t0 = part.frames[0].t, t1 = part.frames[next].t;
+    part.faces_t = part.frames[middle].t;
+    const double share = t1 > t0 ? (part.faces_t - t0) / (t1 - t0) : static_cast<double>(middle) / next;
+    part.faces = PerFace(first.points, frame(middle).points, frame(next).points, first.faces, share);
+  }
+
+  /// The template's texture, and its UVs onto the frames' mesh, when the frames do not carry them themselves.
+  static Image8 TakeTexture(const RunRecord& run, Mesh& mesh) {
+    const StepRecord* bake = run.Find("bake", run.template_pose);
+    if (!bake || bake->Output("texture").empty() || bake->Input("mesh").empty()) return {};
+    const Mesh baked = ReadMesh(bake->Input("mesh"));
+    if (baked.faces.rows() != mesh.faces.rows() || baked.faces != mesh.faces) return {};
+    mesh.uvs = baked.uvs;
+    mesh.uv_faces = baked.uv_faces;
+    return ReadImage(bake->Output("texture"), 3);
+  }
+
+  const ReportOptions& options_;
+  Progress* progress_;
+  SidesOptions sides_;
+};
+
+/// JPEG for photographs and renderings: a page of a few megabytes.
+std::string EncodeJpeg(const fs::path& scratch, const Image8& image) {
+  const fs::path file = scratch / "picture.jpg";
+  WriteImage(file, image, 86);
+  return "data:image/jpeg;base64," + Base64(ReadFile(file));
+}
+
+/// Outputs that have vanished since are as good as never made.
+void ForgetMissing(RunRecord& run) {
+  for (StepRecord& step : run.steps)
+    for (auto it = step.outputs.begin(); it != step.outputs.end();) {
+      if (fs::exists(it->second)) {
+        ++it;
+        continue;
+      }
+      step.trouble += (step.trouble.empty() ? "" : "; ") + std::string("its output ") + it->second.string() + " is no longer there";
+      it = step.outputs.erase(it);
+    }
+}
+
+void Run(StageContext& stage, const ReportOptions& options) {
+  const fs::path input = stage.Input("run"), file = fs::is_directory(input) ? input / "run.json" : input;
+  RunRecord run = ParseRun(ReadFile(file), file.parent_path(), [](const fs::path& path) { return ReadFile(path); });
+  ForgetMissing(run);
+  SubProgress gathering(stage.progress(), 0, 0.9);
+  const Contents contents = Gatherer(options, &gathering).Gather(std::move(run));
+  const fs::path scratch = stage.Scratch(), output = stage.Output("report");
+  const std::string page = BuildPage(contents, [&](const Image8& image) { return EncodeJpeg(scratch, image); });
+  WriteFile(output / "index.html", page);
+  WriteFile(output / "report.json", BuildJson(contents));
+  const std::vector<Verdict> verdicts = Judge(contents);
+  const auto count = [&](Grade grade) {
+    return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(), [&](const Verdict& v) { return v.grade == grade; }));
+  };
+  stage.Report("poses", static_cast<int>(contents.poses.size()));
+  stage.Report("steps", static_cast<int>(contents.run.steps.size()));
+  stage.Report("verdicts_good", count(Grade::kGood));
+  stage.Report("verdicts_look", count(Grade::kLook));
+  stage.Report("verdicts_bad", count(Grade::kBad));
+  stage.Report("page_bytes", static_cast<std::int64_t>(page.size()));
+}
+
+}  // namespace
+}  // namespace keypose::report
+
+int main(int argc, char** argv) {
+  return keypose::RunStage<keypose::report::ReportOptions>(argc, argv, keypose::report::Spec(), keypose::report::Run);
+}

@@ -1,0 +1,56 @@
+// The record of a run: what each step made, from what, and what it measured.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace keypose::report {
+
+/// One step of the run with its stage's report.
+struct StepRecord {
+  std::string id, step, stage, pose, source_pose, status = "done", fingerprint, version;
+  double seconds = 0;
+  std::int64_t peak_bytes = 0;
+  bool cached = false;
+  std::map<std::string, double> numbers;                 ///< measurements; booleans are 0 and 1
+  std::map<std::string, bool> flags;                     ///< measurements that are booleans
+  std::map<std::string, std::string> texts;              ///< measurements that are words
+  std::map<std::string, std::string> lists;              ///< measurements that are arrays or objects, as JSON text
+  std::map<std::string, std::string> options;            ///< as used, as JSON text
+  std::map<std::string, std::filesystem::path> outputs;  ///< by port
+  std::map<std::string, std::vector<std::filesystem::path>> inputs;
+  std::string trouble;  ///< why its report could not be read; empty when all is well
+
+  std::optional<double> Number(const std::string& name) const;
+  std::filesystem::path Output(const std::string& port) const;  ///< empty when the step has no such output
+  std::filesystem::path Input(const std::string& port) const;   ///< first path of the port
+  bool done() const { return status == "done"; }
+};
+
+struct RunRecord {
+  std::string project, template_pose;
+  std::vector<std::string> poses;
+  std::string timeline;  ///< JSON text, empty when there is none
+  std::vector<StepRecord> steps;
+
+  /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or animation.
+  const StepRecord* Find(const std::string& stage, const std::string& pose = "") const;
+  std::vector<const StepRecord*> All(const std::string& stage) const;
+};
+
+/// Gives a file's text, or throws.
+using FileReader = std::function<std::string(const std::filesystem::path&)>;
+
+/// The record from the text of run.json, and the report of every step that it names by `read`.
+///
+/// A step's missing or malformed report is told in StepRecord::trouble, since a report on a broken run is what one needs then.
+/// @param folder  that relative paths are relative to
+/// @throws InputError  not the record of a run
+RunRecord ParseRun(const std::string& text, const std::filesystem::path& folder, const FileReader& read);
+
+}  // namespace keypose::report

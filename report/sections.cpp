@@ -1,0 +1,204 @@
+#include "report/sections.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "report/html.h"
+#include "report/pictures.h"
+
+namespace keypose::report {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+/// Value of a measurement for a person, by the unit in its name.
+std::string Value(const StepRecord& step, const std::string& name) {
+  if (const auto flag = step.flags.find(name); flag != step.flags.end()) return flag->second ? "yes" : "no";
+  if (const auto text = step.texts.find(name); text != step.texts.end()) return Escape(text->second);
+  const auto number = step.Number(name);
+  if (!number) return "";
+  const auto ends = [&](const char* suffix) { return name.size() >= std::char_traits<char>::length(suffix) && name.ends_with(suffix); };
+  if (ends("_fraction") || ends("_over_diag")) return Percent(*number);
+  if (ends("seconds")) return PrettySeconds(*number);
+  if (ends("_bytes")) return PrettyBytes(*number);
+  return Pretty(*number);
+}
+
+/// Adds those of `names` that the step has measured.
+void AddFacts(const StepRecord* step, const std::vector<std::pair<const char*, const char*>>& names, Pairs& facts) {
+  if (!step) return;
+  for (const auto& [label, name] : names)
+    if (const std::string value = Value(*step, name); !value.empty()) facts.emplace_back(label, value);
+}
+
+std::string Chip(const StepRecord& step) {
+  if (!step.done()) return "<span class=\"chip bad\">" + Escape(step.status) + "</span>";
+  return step.cached ? "<span class=\"chip info\">reused</span>" : "<span class=\"chip good\">made</span>";
+}
+
+std::string MissingStages(const Contents& contents, const PosePart& pose) {
+  std::string missing;
+  for (const char* stage : {"capture", "sfm", "dense", "mesh", "cleanup", "bake"}) {
+    if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
+    missing += (missing.empty() ? "" : ", ") + std::string(stage);
+  }
+  return missing.empty() ? "" : "<p class=lead>Not made for this pose: " + missing + ".</p>";
+}
+
+Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
+  Pairs facts;
+  AddFacts(run.Find("capture", pose), {{"photographs", "images"}, {"photographs", "images_total"}, {"mean sharpness", "sharpness_mean"}},
+           facts);
+  if (const StepRecord* sfm = run.Find("sfm", pose); sfm && sfm->Number("images_total"))
+    facts.emplace_back("placed by sfm", Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
+  AddFacts(run.Find("sfm", pose),
+           {{"reprojection error (px)", "reprojection_error_px"}, {"sparse points", "points"}, {"mean track length", "mean_track_length"}},
+           facts);
+  AddFacts(run.Find("dense", pose),
+           {{"dense points", "points"}, {"dense CPU time", "cpu_seconds"}, {"dense completeness", "completeness_mean"}}, facts);
+  AddFacts(run.Find("mesh", pose), {{"Poisson faces", "faces"}}, facts);
+  AddFacts(run.Find("cleanup", pose),
+           {{"faces", "faces"},
+            {"closed 2-manifold", "closed"},
+            {"holes filled", "holes_filled"},
+            {"self-intersections", "self_intersections"},
+            {"genus", "genus"},
+            {"repair rung", "rung"},
+            {"99 % of it from the scan within", "distance_from_input_p99_over_diag"}},
+           facts);
+  AddFacts(run.Find("unwrap", pose),
+           {{"UV charts", "charts"},
+            {"L2 stretch", "stretch_l2"},
+            {"L2 stretch", "l2_stretch"},
+            {"UV area used", "utilisation"},
+            {"flipped in UV", "flipped"}},
+           facts);
+  AddFacts(run.Find("bake", pose),
+           {{"texels unseen", "unseen_fraction"},
+            {"views used", "views_used"},
+            {"views a texel", "mean_views_per_texel"},
+            {"PSNR to photographs (dB)", "psnr_gain_db"}},
+           facts);
+  return facts;
+}
+
+std::string LandmarkTable(const StepRecord& step) {
+  const auto found = step.lists.find("landmark_residuals");
+  if (found == step.lists.end()) return "";
+  Table table({"landmark", "residual, of the diagonal"});
+  for (const auto& entry : nlohmann::json::parse(found->second)) {
+    if (!entry.is_object()) continue;
+    table.Add({Escape(entry.value("name", "")), Percent(entry.value("residual_over_diag", 0.0))});
+  }
+  return table.empty() ? "" : "<h3>Landmarks</h3>" + table.Html();
+}
+
+}  // namespace
+
+std::string Words(const std::string& name) {
+  static const std::pair<const char*, const char*> kUnits[] = {
+      {"_px", " (px)"}, {"_deg", " (\u00b0)"}, {"_db", " (dB)"}, {"_over_diag", " / diagonal"}};
+  std::string text = name, unit;
+  for (const auto& [suffix, shown] : kUnits)
+    if (text.ends_with(suffix)) {
+      text.resize(text.size() - std::char_traits<char>::length(suffix));
+      unit = shown;
+      break;
+    }
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return Escape(text) + unit;
+}
+
+std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode) {
+  if (pictures.empty()) return "";
+  std::string html = "<div class=shots>";
+  for (const Picture& picture : pictures) html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
+  return html + "</div>\n";
+}
+
+std::string EverythingMeasured(const StepRecord& step) {
+  Pairs facts;
+  for (const auto& [name, number] : step.numbers) facts.emplace_back(Words(name), Value(step, name));
+  for (const auto& [name, text] : step.texts) facts.emplace_back(Words(name), Escape(text));
+  std::string html =
+      "<details><summary>" + Escape(step.id.empty() ? step.stage : step.id) + ": everything measured</summary>" + Facts(facts);
+  for (const auto& [name, text] : step.lists) {
+    const std::string shown = text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (whole in report.json)" : text;
+    html += "<details><summary>" + Words(name) + "</summary><code style=\"display:block;white-space:pre-wrap;overflow-wrap:anywhere\">" +
+            Escape(shown) + "</code></details>";
+  }
+  return html + "</details>\n";
+}
+
+std::string StepsSection(const Contents& contents) {
+  double longest = 1e-9, total = 0;
+  for (const StepRecord& step : contents.run.steps) longest = std::max(longest, step.seconds), total += step.seconds;
+  Table table({"step", "stage", "", "time", "", "memory", "fingerprint"});
+  for (const StepRecord& step : contents.run.steps) {
+    const std::string bar = fmt::format("<div class=bar><i{} style=\"width:{:.1f}%\"></i></div>", step.cached ? " class=reused" : "",
+                                        100 * step.seconds / longest);
+    table.Add({Escape(step.id), Escape(step.stage) + (step.version.empty() ? "" : " " + Escape(step.version)), Chip(step),
+               PrettySeconds(step.seconds), bar, PrettyBytes(static_cast<double>(step.peak_bytes)),
+               step.fingerprint.empty() ? "" : "<code>" + Escape(step.fingerprint.substr(0, 10)) + "</code>"});
+  }
+  return "<section id=steps><h2>Steps</h2><p class=lead>" + Pretty(static_cast<double>(contents.run.steps.size())) + " steps, " +
+         PrettySeconds(total) + " of work in all. A reused step shows the time of the run that made it.</p>" + table.Html() +
+         "</section>\n";
+}
+
+std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode) {
+  const bool is_template = pose.name == contents.run.template_pose;
+  std::string html = "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) + "\u2019</h2><p class=lead>" +
+                     (is_template ? "The template: the other poses take its connectivity and texture layout."
+                                  : "Its texture is baked on the registered template.") +
+                     "</p>" + MissingStages(contents, pose) + Facts(PoseFacts(contents.run, pose.name));
+  if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
+  std::vector<Picture> made;
+  if (pose.cloud) made.push_back({"Dense points: " + pose.cloud->caption, pose.cloud->image});
+  made.insert(made.end(), pose.shape.begin(), pose.shape.end());
+  if (pose.texture) made.push_back(*pose.texture);
+  if (!made.empty()) html += "<h3>How it was made</h3>" + Shots(made, encode);
+  if (pose.masks)
+    html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"), Escape(pose.masks->caption));
+  for (const StepRecord& step : contents.run.steps)
+    if (step.pose == pose.name && step.stage != "register") html += EverythingMeasured(step);
+  return html + "</section>\n";
+}
+
+std::string PairSection(const PairPart& pair, const Encoder& encode) {
+  const StepRecord& step = *pair.step;
+  const double d = pair.diagonal;
+  std::string html =
+      "<section id=\"register-" + Escape(step.pose) + "\"><h2>Registration of the template onto \u2018" + Escape(step.pose) + "\u2019</h2>";
+  Pairs facts;
+  AddFacts(&step,
+           {{"flipped triangles", "flipped"},
+            {"degenerate triangles", "degenerate"},
+            {"iterations", "iterations"},
+            {"landmarks", "landmarks"},
+            {"landmark residual, mean", "landmark_mean_over_diag"},
+            {"landmark residual, largest", "landmark_max_over_diag"},
+            {"surface rms / diagonal", "surface_rms_over_diag"}},
+           facts);
+  html += Facts(facts);
+  if (d > 0) {
+    Table table({"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
+    const auto add = [&](const char* name, const OneWayDistance& way) {
+      table.Add({name, Percent(way.mean / d), Percent(way.rms / d), Percent(way.p99 / d), Percent(way.max / d)});
+    };
+    add("registered \u2192 target", pair.to_target);
+    add("target \u2192 registered", pair.from_target);
+    html += table.Html() + "<p class=lead>Two-sided Hausdorff distance: <b>" +
+            Percent(std::max(pair.to_target.max, pair.from_target.max) / d) + "</b> of the diagonal (" +
+            Pretty(std::max(pair.to_target.max, pair.from_target.max)) + " in the target's units).</p>";
+    const std::string scale = ColorScale(HeatStops(), "0", Percent(pair.scale_top) + " of the diagonal or more");
+    html += "<h3>Registered template, coloured by its distance to the target</h3>" + Shots(pair.registered, encode);
+    html += "<h3>Target, coloured by its distance to the registered template</h3>" + Shots(pair.target, encode) + scale;
+  }
+  return html + LandmarkTable(step) + EverythingMeasured(step) + "</section>\n";
+}
+
+}  // namespace keypose::report

@@ -1,0 +1,21 @@
+// The sections of the page, one function each; they return HTML, empty when there is nothing to show.
+#pragma once
+
+#include <string>
+
+#include "report/contents.h"
+
+namespace keypose::report {
+
+std::string StepsSection(const Contents& contents);
+std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode);
+std::string PairSection(const PairPart& pair, const Encoder& encode);
+std::string AnimationSection(const Contents& contents, const Encoder& encode);
+
+/// All measurements of a step, folded away.
+std::string EverythingMeasured(const StepRecord& step);
+std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode);
+/// "reprojection_error_px" -> "reprojection error (px)".
+std::string Words(const std::string& name);
+
+}  // namespace keypose::report

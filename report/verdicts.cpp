@@ -1,0 +1,123 @@
+// The rules of Judge in contents.h.
+#include <algorithm>
+
+#include "report/contents.h"
+#include "report/html.h"
+
+namespace keypose::report {
+namespace {
+
+std::string Bold(const std::string& text) { return "<b>" + text + "</b>"; }
+
+/// Collects verdicts on one step after another.
+class Judges {
+ public:
+  explicit Judges(std::vector<Verdict>& out) : out_(out) {}
+
+  void Sfm(const StepRecord& s) {
+    const auto total = s.Number("images_total"), placed = s.Number("images_placed"), error = s.Number("reprojection_error_px");
+    if (total && placed && *total > 0) {
+      const double share = *placed / *total;
+      Add(share > 0.899 ? Grade::kGood : Grade::kLook, s,
+          Bold(Pretty(*placed) + " of " + Pretty(*total)) + " photographs placed" +
+              (share > 0.899 ? "." : ": the others left gaps; see the log of sfm for their names."));
+    }
+    if (error)
+      Add(*error < 1   ? Grade::kGood
+          : *error < 2 ? Grade::kLook
+                       : Grade::kBad,
+          s,
+          "Mean reprojection error " + Bold(Pretty(*error) + " px") +
+              (*error < 1 ? "." : ": cameras are vague; look for blur, zooming or a moving background."));
+  }
+
+  void Cleanup(const StepRecord& s) {
+    const auto closed = s.Number("closed"), crossings = s.Number("self_intersections");
+    if (closed)
+      Add(*closed > 0 ? Grade::kGood : Grade::kBad, s,
+          *closed > 0 ? "Mesh is a " + Bold("closed, oriented 2-manifold") + "." : "Mesh is " + Bold("not closed") + ".");
+    if (crossings && *crossings > 0) Add(Grade::kBad, s, Bold(Pretty(*crossings)) + " self-intersecting faces remain.");
+    const auto far = s.Number("distance_to_input_p99_over_diag");
+    if (far && *far > 0.02)
+      Add(Grade::kLook, s,
+          "1 % of the cleaned surface is more than " + Bold(Percent(*far)) + " of the diagonal from the scan: large holes were closed.");
+  }
+
+  void Unwrap(const StepRecord& s) {
+    const double flips = s.Number("flipped").value_or(0), overlaps = s.Number("overlaps").value_or(s.Number("overlapping").value_or(0));
+    if (flips > 0 || overlaps > 0)
+      Add(Grade::kBad, s, Bold(Pretty(flips)) + " flipped and " + Bold(Pretty(overlaps)) + " overlapping triangles in the UV layout.");
+  }
+
+  void Bake(const StepRecord& s) {
+    if (const auto unseen = s.Number("unseen_fraction"))
+      Add(*unseen < 0.06  ? Grade::kGood
+          : *unseen < 0.2 ? Grade::kLook
+                          : Grade::kBad,
+          s,
+          Bold(Percent(*unseen)) + " of the texture was in no photograph and is inpainted" +
+              (*unseen < 0.06 ? "." : ": photograph from below or between the limbs."));
+    if (const auto psnr = s.Number("psnr_gain_db"))
+      Add(*psnr > 28   ? Grade::kGood
+          : *psnr > 22 ? Grade::kLook
+                       : Grade::kBad,
+          s, "The textured mesh repeats the photographs at " + Bold(Pretty(*psnr) + " dB") + " PSNR.");
+  }
+
+  void Register(const StepRecord& s) {
+    const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"), landmark = s.Number("landmark_max_over_diag");
+    if (flipped)
+      Add(*flipped == 0    ? Grade::kGood
+          : *flipped <= 20 ? Grade::kLook
+                           : Grade::kBad,
+          s,
+          *flipped == 0 ? Bold("No flipped") + " triangle in the registered template."
+                        : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.");
+    if (rms)
+      Add(*rms < 0.004   ? Grade::kGood
+          : *rms < 0.015 ? Grade::kLook
+                         : Grade::kBad,
+          s, "Registered surface lies " + Bold(Percent(*rms)) + " of the diagonal from the scan (rms).");
+    if (landmark && *landmark > 0.03)
+      Add(Grade::kLook, s, "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal: check its pick.");
+  }
+
+ private:
+  void Add(Grade grade, const StepRecord& s, const std::string& text) { out_.push_back({grade, s.id.empty() ? s.stage : s.id, text}); }
+  std::vector<Verdict>& out_;
+};
+
+void JudgeAnimation(const AnimationPart& animation, std::vector<Verdict>& out) {
+  const DistortionRow area = AreaRow(animation.frames), volume = VolumeRow(animation.frames);
+  if (area.frames == 0) return;
+  const auto better = [](double ours, double linear) { return std::abs(ours) <= std::abs(linear) ? "less than" : "more than"; };
+  out.push_back({Grade::kInfo, "interpolate",
+                 "In-betweens depart from the first key by " + Bold(Percent(area.mean)) + " in area (" +
+                     better(area.mean, area.linear_mean) + " straight lines: " + Percent(area.linear_mean) + ") and " +
+                     Bold(Percent(volume.mean)) + " in volume (" + better(volume.mean, volume.linear_mean) +
+                     " straight lines: " + Percent(volume.linear_mean) + ")."});
+}
+
+}  // namespace
+
+std::vector<Verdict> Judge(const Contents& contents) {
+  std::vector<Verdict> verdicts;
+  Judges judges(verdicts);
+  for (const StepRecord& step : contents.run.steps) {
+    if (!step.done())
+      verdicts.push_back({Grade::kBad, step.id, "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing below."});
+    if (!step.trouble.empty()) verdicts.push_back({Grade::kLook, step.id, Escape(step.trouble)});
+    if (step.stage == "sfm") judges.Sfm(step);
+    if (step.stage == "cleanup") judges.Cleanup(step);
+    if (step.stage == "unwrap") judges.Unwrap(step);
+    if (step.stage == "bake") judges.Bake(step);
+    if (step.stage == "register") judges.Register(step);
+  }
+  if (contents.animation) JudgeAnimation(*contents.animation, verdicts);
+  for (const std::string& trouble : contents.troubles) verdicts.push_back({Grade::kLook, "report", Escape(trouble)});
+  const auto rank = [](Grade grade) { return grade == Grade::kBad ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3; };
+  std::stable_sort(verdicts.begin(), verdicts.end(), [&](const Verdict& a, const Verdict& b) { return rank(a.grade) < rank(b.grade); });
+  return verdicts;
+}
+
+}  // namespace keypose::report
