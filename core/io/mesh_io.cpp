@@ -294,7 +294,9 @@ Mesh ReadMesh(const fs::path& path) {
   head.resize(static_cast<std::size_t>(in.gcount()));
   in.close();
   if (head.empty()) throw InputError("mesh " + path.string() + " is empty (0 bytes)");
-  const std::size_t word = std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf"), head.size());
+  const auto next_word = [&head](std::size_t from) { return std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf", from), head.size()); };
+  std::size_t word = next_word(0);
+  while (word < head.size() && head[word] == '#') word = next_word(std::min(head.find('\n', word), head.size()));
   std::string start = head.substr(word, 8);
   std::transform(start.begin(), start.end(), start.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   if (start.rfind("PLY", 0) == 0) return ReadPlyMesh(path);
