@@ -37,6 +37,7 @@ std::string ContentHasher::OfFile(const std::filesystem::path& path) {
   const std::string key = path.lexically_proximate(root_).generic_string();
   const auto it = entries_.find(key);
   if (it != entries_.end() && it->second.stat == *stat) return it->second.hash;
+  if (cancelled_ && cancelled_()) throw Cancelled();
   ++files_read_;
   changed_ = true;
   return (entries_[key] = {*stat, disk_.ContentHash(path)}).hash;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -21,6 +22,8 @@ class ContentHasher {
   Content Of(const std::filesystem::path& path);
   /// Hash of one file.
   std::string OfFile(const std::filesystem::path& path);
+  /// @param cancelled  asked before each file that must be read; true makes that throw Cancelled
+  void SetCancel(std::function<bool()> cancelled) { cancelled_ = std::move(cancelled); }
   /// Writes what was learnt, if anything. @throws DiskError
   void Save();
   int files_read() const { return files_read_; }
@@ -34,6 +37,7 @@ class ContentHasher {
 
   Disk& disk_;
   std::filesystem::path memory_file_, root_;
+  std::function<bool()> cancelled_;
   std::map<std::string, Entry> entries_;
   bool loaded_ = false, changed_ = false;
   int files_read_ = 0;

@@ -27,7 +27,7 @@ class Display : public RunObserver {
   void Started(const std::string& step, const std::vector<std::string>&, int) override { estimate_.Started(step, clock_.Now()); }
   void Progressed(const std::string& step, double fraction, const std::string&) override { estimate_.Progressed(step, fraction); }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
-    if (status == "cached" && !expects_.contains(step)) ++up_to_date_;
+    up_to_date_ += status == "cached";
     estimate_.Finished(step, status == "cached" ? 0 : seconds);
   }
 
@@ -38,7 +38,6 @@ class Display : public RunObserver {
 
   const Clock& clock_;
   Estimate estimate_;
-  std::map<std::string, double> expects_;
   int up_to_date_ = 0;
 };
 

@@ -49,15 +49,11 @@ std::vector<std::string> PoseOrder(const PipelineFile& file, const std::string& 
   return order;
 }
 
-std::string TimelineJson(const PipelineFile& file, const std::vector<std::string>& order) {
-  if (file.timeline.empty()) return "";
+std::string TimelineJson(const PipelineFile& file) {
+  if (file.timeline.empty() || !file.timeline[0].at_s) return "";
   nlohmann::json keys = nlohmann::json::array();
-  for (std::size_t i = 0; i < file.timeline.size(); ++i) {
-    const TimelineKey& key = file.timeline[i];
-    const auto index = std::find(order.begin(), order.end(), key.pose.text) - order.begin();
-    keys.push_back({{"pose", key.pose.text}, {"key", index}, {"at", key.at_s.value_or(static_cast<double>(i))}});
-  }
-  return nlohmann::json{{"schema", 1}, {"poses", order}, {"keys", keys}}.dump(1);
+  for (const TimelineKey& key : file.timeline) keys.push_back({{"pose", key.pose.text}, {"time", *key.at_s}});
+  return nlohmann::json{{"schema", 1}, {"fps", file.fps}, {"keys", keys}}.dump(1);
 }
 
 void CheckOptionSteps(const PipelineFile& file, const StepOptionSettings& options) {
@@ -114,9 +110,12 @@ class GraphBuilder {
     }
     if (file_.template_pose) CheckPose(file_, *file_.template_pose, "the template");
     graph_.template_pose = file_.template_pose ? file_.template_pose->text : file_.poses[0].name;
+    graph_.name_given = file_.name.has_value();
     graph_.name = file_.name ? file_.name->text : places_.project.filename().string();
     graph_.poses = PoseOrder(file_, graph_.template_pose);
-    graph_.timeline_json = TimelineJson(file_, graph_.poses);
+    graph_.timeline_json = TimelineJson(file_);
+    for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
+    if (graph_.keys.empty()) graph_.keys = graph_.poses;
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
   }
@@ -168,7 +167,7 @@ class GraphBuilder {
 
   void SetOption(Step* step, const std::string& name, const std::string& text, const Where& where) const {
     try {
-      step->options[name] = CanonicalOption(OptionOf(step->info, name), text);
+      step->options[name] = CanonicalOption(OptionOf(step->info, name), text == "$fps" ? fmt::format("{}", file_.fps) : text);
     } catch (const UsageError& error) {
       Fail(where, fmt::format("step '{}': {}", step->rule, error.what()));
     }

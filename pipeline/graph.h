@@ -55,9 +55,12 @@ struct Step {
 };
 
 struct Graph {
-  std::string name, template_pose;
+  std::string name;         ///< the file's, else the folder's
+  bool name_given = false;  ///< by the file; a folder's name decides over no result
+  std::string template_pose;
   std::vector<std::string> poses;  ///< template first, then in the order of the timeline, then of the file
-  std::string timeline_json;       ///< what $timeline holds; empty without a timeline
+  std::vector<std::string> keys;   ///< poses as the timeline has them, repeats included; `poses` without a timeline
+  std::string timeline_json;       ///< what $timeline holds; empty when the keys have no times
   std::vector<Step> steps;         ///< each after all that it needs
 
   /// Steps that a person means by STEP or STEP/POSE, ascending. @throws UsageError  none, with the nearest

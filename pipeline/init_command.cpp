@@ -33,9 +33,16 @@ NewPose ParsePose(const std::string& text) {
   return pose;
 }
 
-std::string PipelineText(const std::vector<NewPose>& poses, const std::string& template_pose) {
-  std::string text =
-      "# What this project is made of. All that is not said here is as in the default pipeline; see docs/pipeline.md.\nposes:\n";
+/// The folder's name without what would need escapes in YAML.
+std::string SafeName(const fs::path& folder) {
+  std::string name = folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+  std::erase_if(name, [](unsigned char c) { return c < 32 || c == '"' || c == '\\'; });
+  return name;
+}
+
+std::string PipelineText(const std::string& name, const std::vector<NewPose>& poses, const std::string& template_pose) {
+  std::string text = "# What this project is made of. All that is not said here is as in the default pipeline; see docs/pipeline.md.\n";
+  text += fmt::format("name: \"{}\"\nposes:\n", name);
   for (const NewPose& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose.name);
   text += fmt::format("template: {}\n", template_pose);
   if (poses.size() > 1) {
@@ -76,7 +83,7 @@ ExitCode InitCommand(const InitOptions& options) {
     disk.MakeFolder(folder / "photos" / pose.name);
   }
   // Last, so that a folder with a pipeline.yaml is a whole project.
-  disk.Write(folder / "pipeline.yaml", PipelineText(poses, template_pose));
+  disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
   fmt::print("{}: {} file{} copied; the photographs you named stay as they are\nnext: keypose run -C {}\n", folder.string(), count,
              count == 1 ? "" : "s", options.folder);
   return ExitCode::kOk;

@@ -107,6 +107,12 @@ class Reader {
     return value;
   }
 
+  double Fps(const YAML::Node& node) const {
+    const double fps = Number(node, "fps");
+    if (fps <= 0 || fps > 1000) Fail(node, fmt::format("fps is {}, but it must be more than 0 and at most 1000", fps));
+    return fps;
+  }
+
   TimelineKey Key(const YAML::Node& node) const {
     if (node.IsScalar()) return {Text(node, "timeline"), std::nullopt};
     TimelineKey key;
@@ -124,6 +130,7 @@ class Reader {
 
   std::vector<TimelineKey> Timeline(const YAML::Node& node) const {
     if (!node.IsSequence()) Fail(node, "timeline must be a list of poses, as in `[rest, bent, rest]`");
+    if (node.size() < 2) Fail(node, "a timeline needs two keys or more");
     std::vector<TimelineKey> keys;
     for (const YAML::Node& item : node) {
       keys.push_back(Key(item));
@@ -150,6 +157,7 @@ class Reader {
       rule.for_template = rule.for_others = References(node, what);
       return rule;
     }
+    rule.split = true;
     Map(node, what, [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
       if (field == "template")
         rule.for_template = References(value, what);
@@ -221,6 +229,8 @@ class Reader {
         file.template_pose = Text(value, field);
       else if (field == "timeline")
         file.timeline = Timeline(value);
+      else if (field == "fps")
+        file.fps = Fps(value);
       else if (field == "options")
         file.options = StepOptions(value, "options");
       else if (field == "poses")
@@ -232,7 +242,7 @@ class Reader {
           file.steps.push_back(Step(name, step_key, step));
         });
       else
-        Unknown(key, "the pipeline", {"name", "poses", "template", "timeline", "options", "steps"});
+        Unknown(key, "the pipeline", {"name", "poses", "template", "timeline", "fps", "options", "steps"});
     });
     return file;
   }

@@ -38,8 +38,10 @@ enum class FanOut {
   kProject     ///< one
 };
 
-/// What goes into an input port: references, in order. The template may have others than the rest.
+/// What goes into an input port: references, in order. The template may have others than the rest. A step that is not of one pose takes
+/// such a split rule once for each key on the timeline.
 struct InputRule {
+  bool split = false;  ///< written as {template: ..., others: ...}
   std::vector<Setting> for_template, for_others;
   Where where;
 };
@@ -65,13 +67,14 @@ struct PoseRule {
 
 struct TimelineKey {
   Setting pose;
-  std::optional<double> at_s;  ///< [s]; keys without one are a second apart
+  std::optional<double> at_s;  ///< [s]; all keys have one, or none
 };
 
 struct PipelineFile {
   std::vector<StepRule> steps;  ///< in the order of the file
   std::vector<PoseRule> poses;
   std::optional<Setting> name, template_pose;
+  double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;
   StepOptionSettings options;
 

@@ -1,6 +1,7 @@
 #include "pipeline/plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -171,6 +172,8 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
       break;
   }
   std::map<std::string, std::string> results;
+  results["the project's name and keys"] =
+      Sha256Of((graph_.name_given ? graph_.name : "") + "\n" + fmt::format("{}\n{}", fmt::join(graph_.keys, " "), graph_.timeline_json));
   for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
     std::string text = steps_[static_cast<std::size_t>(need)].fingerprint;
     for (const auto& [port, output] : steps_[static_cast<std::size_t>(need)].artifact->outputs) text += port + output.content.hash;
@@ -265,7 +268,11 @@ std::string Plan::RunJson(int i) const {
                      {"outputs", outputs},
                      {"inputs", inputs}});
   }
-  const json timeline = graph_.timeline_json.empty() ? json() : json::parse(graph_.timeline_json);
+  // The timeline as $timeline has it, or without times when the file gives none.
+  json timeline = graph_.timeline_json.empty() ? json{{"schema", 1}, {"keys", json::array()}} : json::parse(graph_.timeline_json);
+  if (graph_.timeline_json.empty()) {
+    for (const std::string& key : graph_.keys) timeline["keys"].push_back({{"pose", key}});
+  }
   return json{{"schema", 1},
               {"project", {{"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}}},
               {"timeline", timeline},

@@ -85,11 +85,12 @@ struct RealProcessRunner::Child {
   std::string partial_line;
 };
 
-RealProcessRunner::RealProcessRunner() {
+RealProcessRunner::RealProcessRunner(bool catch_signals) {
+  ::signal(SIGPIPE, SIG_IGN);
+  if (!catch_signals) return;
   struct sigaction action {};
   action.sa_handler = OnInterrupt;  // no SA_RESTART: a wait shall end at once
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
 }
 
 RealProcessRunner::~RealProcessRunner() { StopAll(); }

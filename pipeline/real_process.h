@@ -10,8 +10,8 @@ namespace keypose::pipeline {
 
 class RealProcessRunner final : public ProcessRunner {
  public:
-  /// Takes over SIGINT and SIGTERM of the whole process.
-  RealProcessRunner();
+  /// @param catch_signals  take over SIGINT, SIGTERM and SIGHUP of the whole process; else they end it at once
+  explicit RealProcessRunner(bool catch_signals = false);
   ~RealProcessRunner() override;
 
   /// Every process started from now on keeps this descriptor open until all it started is gone: the project's lock.

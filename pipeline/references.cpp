@@ -39,12 +39,7 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
   for (const PortInfo& port : step->info.inputs) {
     PortFlows result{port.name, port.kind == "folder", {}};
     const auto it = rule.inputs.find(port.name);
-    if (it != rule.inputs.end()) {
-      const bool is_template = step->pose == graph_.template_pose;
-      for (const Setting& reference : is_template ? it->second.for_template : it->second.for_others) {
-        for (Flow& flow : Resolve(reference, index, *step)) result.flows.push_back(std::move(flow));
-      }
-    }
+    if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
       Fail(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
@@ -65,6 +60,25 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
   step->needs.erase(std::unique(step->needs.begin(), step->needs.end()), step->needs.end());
 }
 
+std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
+  std::vector<Flow> flows;
+  const auto add = [&](const Step& of) {
+    for (const Setting& reference : of.pose == graph_.template_pose ? rule.for_template : rule.for_others) {
+      for (Flow& flow : Resolve(reference, of)) flows.push_back(std::move(flow));
+    }
+  };
+  if (!rule.split || !step.pose.empty()) {
+    add(step);
+    return flows;
+  }
+  for (const std::string& key : graph_.keys) {
+    Step of = step;
+    of.pose = key;
+    add(of);
+  }
+  return flows;
+}
+
 void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
   bool folder = port.folder;
   if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info.FindOutput(flow.port)->kind == "folder";
@@ -75,13 +89,13 @@ void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& 
   }
 }
 
-std::vector<Flow> References::Resolve(const Setting& reference, int index, const Step& step) const {
-  if (reference.text.starts_with("$")) return ResolveWord(reference, index, step);
+std::vector<Flow> References::Resolve(const Setting& reference, const Step& step) const {
+  if (reference.text.starts_with("$")) return ResolveWord(reference, step);
   if (IsPath(reference.text)) return {Source(reference)};
   return ResolveOutput(reference, step);
 }
 
-std::vector<Flow> References::ResolveWord(const Setting& reference, int, const Step& step) const {
+std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& step) const {
   const std::string& word = reference.text;
   Flow flow;
   flow.where = reference.where;

@@ -15,8 +15,9 @@ class References {
   void Connect(const StepRule& rule, int index, Step* step) const;
 
  private:
-  std::vector<Flow> Resolve(const Setting& reference, int index, const Step& step) const;
-  std::vector<Flow> ResolveWord(const Setting& reference, int index, const Step& step) const;
+  std::vector<Flow> FlowsOf(const InputRule& rule, const Step& step) const;
+  std::vector<Flow> Resolve(const Setting& reference, const Step& step) const;
+  std::vector<Flow> ResolveWord(const Setting& reference, const Step& step) const;
   std::vector<Flow> ResolveOutput(const Setting& reference, const Step& step) const;
   std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out, const Step& step) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;

@@ -94,8 +94,11 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   }
   if (missing.empty()) return notes;
   for (const std::string& name : missing) {
-    entries_[name].step = step.id;
-    entries_[name].next = wanted.at(name).hash;
+    Entry& entry = entries_[name];
+    const auto stat = entry.next.empty() ? std::nullopt : disk_.Stat(out_ / name);
+    if (stat && !stat->folder && disk_.ContentHash(out_ / name) == entry.next) entry.hash = entry.next;
+    entry.step = step.id;
+    entry.next = wanted.at(name).hash;
   }
   // Said before it is done: a run that is killed in between must not take its own copy for a file that a person changed.
   changed_ = true;

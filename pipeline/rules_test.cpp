@@ -379,17 +379,36 @@ TEST(Rules, LandmarksOfBothPosesAreTakenUpWhenTheyAppear) {
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest picks bent picks)"));
 }
 
-TEST(Rules, TimelineOrdersTheKeysAndIsHandedOn) {
+TEST(Rules, TimelineOrdersAndRepeatsTheKeysAndIsHandedOn) {
   FakeHouse house;
   house.WriteProject(
-      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [{pose: rest, at: 0}, {pose: bent, at: 0.5}, {pose: rest, at: 2}]\n");
+      "poses: {rest: photos/rest, bent: photos/bent}\nfps: 30\n"
+      "timeline: [{pose: rest, at: 0}, {pose: bent, at: 0.5}, {pose: rest, at: 2}]\n");
   house.Run();
   const auto timeline = nlohmann::json::parse(house.Out("animation/timeline"));
-  EXPECT_EQ(timeline["poses"], (nlohmann::json{"rest", "bent"}));
+  EXPECT_EQ(timeline["fps"], 30);
   ASSERT_EQ(timeline["keys"].size(), 3u);
-  EXPECT_EQ(timeline["keys"][1]["key"], 1);
-  EXPECT_EQ(timeline["keys"][2]["key"], 0);
-  EXPECT_EQ(timeline["keys"][2]["at"], 2.0);
+  EXPECT_EQ(timeline["keys"][1]["pose"], "bent");
+  EXPECT_EQ(timeline["keys"][2]["time"], 2.0);
+  EXPECT_EQ(house.Out("animation/frame_0"), house.Out("rest/mesh.txt"));
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(target"));
+  EXPECT_EQ(house.Out("animation/frame_2"), house.Out("rest/mesh.txt"));
+}
+
+TEST(Rules, TimelineWithoutTimesOnlyOrdersTheKeys) {
+  FakeHouse house;
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [bent, rest]\n");
+  house.Run();
+  EXPECT_FALSE(house.disk.Stat(house.project / "out/animation/timeline"));
+  EXPECT_EQ(house.Out("animation/frame_1"), house.Out("rest/mesh.txt"));
+}
+
+TEST(Rules, FramesPerSecondReachAnOptionThatNamesThem) {
+  FakeHouse house;
+  house.WriteProject("poses: {rest: photos/rest}\nfps: 12\nsteps: {shape: {options: {depth: $fps}}}\n");
+  EXPECT_EQ(house.Look().Step("shoot/rest").state, StepPlan::State::kReady);
+  house.Run();
+  EXPECT_EQ(house.Out("rest/mesh.txt"), "12(model 9rrr)");
 }
 
 TEST(Rules, TemplateChangeRunsThePairTheOtherWayRound) {
@@ -486,7 +505,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"poses: {rest: photos/rest}\ntimeline: [rest, bend]\n", "pipeline.yaml:2: timeline pose 'bend' is not among the poses"},
         BadFile{"poses: {rest: photos/rest}\ntimeline:\n  - {pose: rest, at: 1}\n  - {pose: rest, at: 0}\n",
                 "pipeline.yaml:4: timeline keys must come in the order of time"},
-        BadFile{"poses: {rest: photos/rest}\ntimeline: [{pose: rest, at: soon}]\n",
+        BadFile{"poses: {rest: photos/rest}\ntimeline: [{pose: rest, at: soon}, rest]\n",
                 "pipeline.yaml:2: timeline 'at' is 'soon', but it must be a number"},
         BadFile{"poses: {rest: photos/rest}\noptions:\n  shap: {depth: 3}\n",
                 "pipeline.yaml:3: options name the step 'shap', which does not exist; did you mean 'shape'?"},

@@ -77,7 +77,7 @@ ExitCode RunCommand(const RunOptions& options) {
   for (const std::string& text : options.set) overrides.push_back(ParseOverride(text));
   std::unique_ptr<ProjectLock> lock;
   if (!options.dry_run) lock = std::make_unique<ProjectLock>(project / ".keypose", options.command_line);
-  Session session(project, overrides);
+  Session session(project, overrides, true);
   if (lock) session.processes().KeepOpen(lock->fd());
   if (lock) session.disk().Remove(session.state() / "writing");
   Plan plan(session.graph(), session.workshop(), options.selection);

@@ -34,14 +34,16 @@ fs::path FindProject(const std::string& folder) {
                   start.string()));
 }
 
-Session::Session(const fs::path& project, const std::vector<Override>& overrides)
+Session::Session(const fs::path& project, const std::vector<Override>& overrides, bool catch_signals)
     : project_(project),
       disk_(project / ".keypose" / "writing"),
+      processes_(catch_signals),
       catalog_(disk_, processes_, project / ".keypose" / "stages.json"),
       hasher_(disk_, project / ".keypose" / "hashes.json", project),
       store_(disk_, project / ".keypose"),
       records_(disk_, project / ".keypose"),
       workshop_{disk_, hasher_, store_, records_, project} {
+  hasher_.SetCancel([this] { return processes_.interrupted(); });
   const PipelineFile defaults = ParsePipelineFile(disk_.Read(DefaultPipelineFile()), "the default pipeline");
   const PipelineFile own = ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
   graph_ = BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);

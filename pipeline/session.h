@@ -28,7 +28,8 @@ std::filesystem::path FindProject(const std::string& folder);
 class Session {
  public:
   /// Reads pipeline.yaml over the default pipeline and builds the graph. @throws as ParsePipelineFile and BuildGraph
-  Session(const std::filesystem::path& project, const std::vector<Override>& overrides);
+  /// @param catch_signals  for commands that run steps: see RealProcessRunner
+  Session(const std::filesystem::path& project, const std::vector<Override>& overrides, bool catch_signals = false);
 
   const std::filesystem::path& project() const { return project_; }
   std::filesystem::path state() const { return project_ / ".keypose"; }

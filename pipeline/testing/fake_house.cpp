@@ -105,7 +105,7 @@ const char* const kFakePipeline = R"(steps:
   blend:
     stage: blend
     for: animation
-    inputs: {keys: [shape.mesh@template, match.matched@others], timeline: $timeline}
+    inputs: {keys: {template: shape.mesh, others: match.matched}, timeline: $timeline}
     out: {frames: animation}
   tell:
     stage: tell

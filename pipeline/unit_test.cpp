@@ -1,0 +1,252 @@
+// The runner's parts one by one: option values, stage descriptions, hashes, differences, estimates, the real disk.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "core/errors.h"
+#include "pipeline/observer.h"
+#include "pipeline/pipeline_file.h"
+#include "pipeline/real_disk.h"
+#include "pipeline/recipe.h"
+#include "pipeline/results_folder.h"
+#include "pipeline/sha256.h"
+#include "pipeline/stage_info.h"
+#include "pipeline/testing/memory_disk.h"
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+template <class ErrorType, class Call>
+std::string MessageOf(const Call& call) {
+  try {
+    call();
+  } catch (const ErrorType& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing of the expected type was thrown";
+  return "";
+}
+
+OptionInfo NumberOption(const std::string& type) {
+  OptionInfo option;
+  option.name = "size";
+  option.type = type;
+  option.unit = "px";
+  option.min = 1;
+  option.max = 10;
+  return option;
+}
+
+TEST(Sha256, KnownAnswers) {
+  EXPECT_EQ(Sha256Of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(Sha256Of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(CanonicalOption, OneTextForAllSpellingsOfAValue) {
+  EXPECT_EQ(CanonicalOption(NumberOption("double"), "2.50"), "2.5");
+  EXPECT_EQ(CanonicalOption(NumberOption("double"), "+25e-1"), "2.5");
+  EXPECT_EQ(CanonicalOption(NumberOption("double"), "3"), "3");
+  EXPECT_EQ(CanonicalOption(NumberOption("int"), "007"), "7");
+  OptionInfo flag;
+  flag.name = "flag";
+  flag.type = "bool";
+  for (const char* text : {"true", "True", "yes", "on", "1"}) EXPECT_EQ(CanonicalOption(flag, text), "true");
+  for (const char* text : {"false", "No", "off", "0"}) EXPECT_EQ(CanonicalOption(flag, text), "false");
+}
+
+TEST(CanonicalOption, FaultsSayWhatIsAllowed) {
+  EXPECT_EQ(MessageOf<UsageError>([] { CanonicalOption(NumberOption("int"), "11"); }),
+            "option 'size' is 11, but it must be between 1 and 10 px");
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("int"), "2.5"); }), HasSubstr("must be a whole number"));
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), "nan"); }), HasSubstr("must be a number"));
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), ""); }), HasSubstr("must be a number"));
+  OptionInfo choice;
+  choice.name = "method";
+  choice.type = "string";
+  choice.choices = {"arap", "linear"};
+  EXPECT_EQ(MessageOf<UsageError>([&] { CanonicalOption(choice, "arp"); }), "option 'method' is 'arp', but it must be one of arap, linear");
+}
+
+TEST(ParseStageInfo, BrokenDescriptionsNameTheProgramAndTheField) {
+  EXPECT_THAT(MessageOf<ToolError>([] { ParseStageInfo("hello", "/x/keypose-y"); }), HasSubstr("/x/keypose-y"));
+  EXPECT_THAT(MessageOf<ToolError>([] { ParseStageInfo("{}", "p"); }), HasSubstr("schema"));
+  const std::string head = R"({"schema":1,"stage":"s","version":"1","inputs":[],"outputs":[)";
+  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","kind":"thing"}]})", "p"); }), HasSubstr("kind 'thing'"));
+  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","file":"../x"}]})", "p"); }), HasSubstr("plain name"));
+  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","file":"x"},{"name":"b","file":"x"}]})", "p"); }),
+              HasSubstr("two outputs have the file 'x'"));
+  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"(],"options":[{"name":"o","type":"int","default":"x"}]})", "p"); }),
+              HasSubstr("whole number"));
+}
+
+Recipe SomeRecipe() {
+  Recipe recipe{"mesh", "1", {{"colmap", "3.8"}}, {{"depth", "9"}}, {}};
+  recipe.inputs.push_back({"cloud", "dense/rest.cloud", {"aaaa", {}}});
+  recipe.inputs.push_back({"images", "photos/rest", FolderContent({{"a.jpg", "1"}, {"b.jpg", "2"}})});
+  return recipe;
+}
+
+TEST(Recipe, FingerprintFollowsContentAndNotOrigin) {
+  const std::string before = SomeRecipe().Fingerprint();
+  EXPECT_EQ(before.size(), 64u);
+  Recipe moved = SomeRecipe();
+  moved.inputs[0].origin = "elsewhere";
+  EXPECT_EQ(moved.Fingerprint(), before);
+  std::vector<Recipe> changed(6, SomeRecipe());
+  changed[0].stage = "mush";
+  changed[1].version = "2";
+  changed[2].tools["colmap"] = "3.9";
+  changed[3].options["depth"] = "10";
+  changed[4].inputs[0].content.hash = "aaab";
+  changed[5].inputs[0].port = "clouds";
+  for (const Recipe& recipe : changed) EXPECT_NE(recipe.Fingerprint(), before);
+}
+
+TEST(Recipe, NoTwoFieldListsRunTogether) {
+  Recipe a{"s", "1", {}, {{"x", "1"}, {"y", "2"}}, {}}, b{"s", "1", {{"x", "1"}}, {{"y", "2"}}, {}},
+      c{"s1", "", {}, {{"x", "1"}, {"y", "2"}}, {}};
+  EXPECT_NE(a.Fingerprint(), b.Fingerprint());
+  EXPECT_NE(a.Fingerprint(), c.Fingerprint());
+}
+
+TEST(Differences, EachInPlainWords) {
+  EXPECT_TRUE(Differences(SomeRecipe(), SomeRecipe()).empty());
+  Recipe now = SomeRecipe();
+  now.version = "2";
+  now.tools["colmap"] = "3.9";
+  now.options = {{"depth", "10"}, {"trim", "7"}};
+  now.inputs[0].content.hash = "bbbb";
+  now.inputs[1].content = FolderContent({{"a.jpg", "9"}, {"c.jpg", "3"}});
+  EXPECT_THAT(
+      Differences(SomeRecipe(), now),
+      ElementsAre("the stage's version: 1 -> 2", "version of the tool colmap: 3.8 -> 3.9", "option depth: 9 -> 10", "option trim is new: 7",
+                  "dense/rest.cloud changed", "photos/rest/a.jpg changed", "photos/rest/b.jpg is gone", "photos/rest/c.jpg is new"));
+}
+
+TEST(Differences, ManyFilesAreSummedUp) {
+  Recipe before = SomeRecipe(), now = SomeRecipe();
+  std::map<std::string, std::string> a, b;
+  for (int i = 0; i < 50; ++i) a["f" + std::to_string(i)] = "1", b["f" + std::to_string(i)] = "2";
+  before.inputs[1].content = FolderContent(a);
+  now.inputs[1].content = FolderContent(b);
+  const auto differences = Differences(before, now);
+  ASSERT_EQ(differences.size(), 6u);
+  EXPECT_EQ(differences.back(), "and 45 more files of photos/rest");
+}
+
+TEST(Estimate, CountsEarlierDurationsAndOwnPace) {
+  Estimate estimate;
+  estimate.Begin({{"a", 10}, {"b", 30}});
+  EXPECT_DOUBLE_EQ(estimate.Fraction(0), 0);
+  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 40);
+  estimate.Started("a", 0);
+  EXPECT_NEAR(*estimate.SecondsLeft(5), 35, 1e-9);
+  estimate.Finished("a", 10);
+  EXPECT_NEAR(estimate.Fraction(10), 0.25, 1e-9);
+  estimate.Started("b", 10);
+  estimate.Progressed("b", 0.5);
+  // Half done after 30 s: at its own pace it takes 60 s, after the record 30 s; the mean of both.
+  EXPECT_NEAR(*estimate.SecondsLeft(40), 22.5, 1e-9);
+}
+
+TEST(Estimate, SaysNothingOfTimeWhenNothingIsKnown) {
+  Estimate estimate;
+  estimate.Begin({{"a", -1}, {"b", -1}});
+  EXPECT_FALSE(estimate.SecondsLeft(0));
+  estimate.Finished("never announced", 3);
+  EXPECT_EQ(estimate.total(), 2);
+}
+
+TEST(DurationText, Grows) {
+  EXPECT_EQ(DurationText(0.25), "0.2 s");
+  EXPECT_EQ(DurationText(42), "42 s");
+  EXPECT_EQ(DurationText(125), "2 min 05 s");
+  EXPECT_EQ(DurationText(4320), "1 h 12 min");
+}
+
+TEST(Overlay, ProjectChangesStepsFieldByField) {
+  const PipelineFile defaults =
+      ParsePipelineFile("steps: {a: {stage: x, for: pose, options: {p: 1, q: 2}}, b: {stage: y, for: pose}}", "default");
+  const PipelineFile own = ParsePipelineFile("steps: {a: {options: {q: 3}}, b: {enabled: false}, c: {stage: z, for: project}}", "own");
+  const PipelineFile both = Overlay(defaults, own);
+  ASSERT_EQ(both.steps.size(), 3u);
+  EXPECT_EQ(both.steps[0].stage->text, "x");
+  EXPECT_EQ(both.steps[0].options.at("p").text, "1");
+  EXPECT_EQ(both.steps[0].options.at("q").text, "3");
+  EXPECT_FALSE(both.steps[1].enabled);
+  EXPECT_EQ(both.steps[2].name, "c");
+}
+
+class RealDiskTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char name[] = "/tmp/keypose-disk-test-XXXXXX";
+    root_ = mkdtemp(name);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+  fs::path root_;
+};
+
+TEST_F(RealDiskTest, WritesThroughItsStagingFolderAndLeavesNothingThere) {
+  RealDisk disk(root_ / "staging");
+  disk.Write(root_ / "a/b/file", "content");
+  EXPECT_EQ(disk.Read(root_ / "a/b/file"), "content");
+  EXPECT_EQ(disk.Children(root_ / "a/b"), (std::vector<std::string>{"file"}));
+  EXPECT_TRUE(fs::is_empty(root_ / "staging"));
+  EXPECT_EQ(disk.ContentHash(root_ / "a/b/file"), Sha256Of("content"));
+}
+
+TEST_F(RealDiskTest, CopyIsIndependentOfItsSource) {
+  RealDisk disk;
+  disk.Write(root_ / "a", "content");
+  disk.Copy(root_ / "a", root_ / "sub/b");
+  std::ofstream(root_ / "sub/b", std::ios::app) << " edited";
+  EXPECT_EQ(disk.Read(root_ / "a"), "content");
+}
+
+TEST_F(RealDiskTest, MoveReplacesAFolderThatHasContent) {
+  RealDisk disk;
+  disk.Write(root_ / "new/x", "new");
+  disk.Write(root_ / "old/x", "old");
+  disk.Write(root_ / "old/y", "old");
+  disk.Move(root_ / "new", root_ / "old");
+  EXPECT_EQ(disk.FilesBelow(root_ / "old"), (std::vector<std::string>{"x"}));
+  EXPECT_EQ(disk.Read(root_ / "old/x"), "new");
+  EXPECT_FALSE(disk.Stat(root_ / "new"));
+}
+
+TEST_F(RealDiskTest, FaultsAreDiskErrorsWithPathAndReason) {
+  RealDisk disk;
+  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Read(root_ / "none"); }), HasSubstr("none: No such file or directory"));
+  disk.Write(root_ / "file", "");
+  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Write(root_ / "file/below", "x"); }), HasSubstr("file"));
+  EXPECT_FALSE(disk.Stat(root_ / "file/below"));
+}
+
+TEST(ResultsFolder, OwnCopyOfAKilledRunIsNotTakenForAnEdit) {
+  MemoryDisk disk;
+  disk.Write("/p/.keypose/cache/m.txt", "new");
+  disk.Write("/p/out/m.txt", "new");  // placed, but the run was killed before it could say so
+  disk.Write("/p/.keypose/out.json",
+             R"({"m.txt":{"step":"s","sha256":"","next":")" + Sha256Of("new") + R"(","size":0,"mtime_ns":0,"inode":0}})");
+  Step step;
+  step.id = "s";
+  step.results.push_back({"mesh", "", "m.txt", {}});
+  Artifact artifact;
+  artifact.folder = "/p/.keypose/cache";
+  disk.Write("/p/.keypose/cache/m.txt", "newer");
+  artifact.outputs["mesh"] = {"m.txt", false, {Sha256Of("newer"), {}}};
+  ResultsFolder results(disk, "/p/out", "/p/.keypose/out.json");
+  EXPECT_TRUE(results.Publish(step, artifact).empty());
+  EXPECT_EQ(disk.Read("/p/out/m.txt"), "newer");
+  EXPECT_EQ(disk.FilesBelow("/p/out").size(), 1u);
+}
+
+}  // namespace
+}  // namespace keypose::pipeline
