@@ -176,7 +176,7 @@ Mesh Ladder::Climb() {
   if (auto mesh = Try("R0 weld", [&]() -> std::optional<Mesh> {
         Mesh turned = kept_;
         OrientOutward(turned);
-        const bool apart = options_.keep_components == 1 && options_.wrap && FindPieces(turned).list.size() > 1;
+        const bool apart = options_.keep_components == 1 && FindPieces(turned).list.size() > 1;
         if (apart || !Acceptable(turned)) return std::nullopt;
         return Finish(turned);
       }))
@@ -184,7 +184,8 @@ Mesh Ladder::Climb() {
   Fill();
   Step(progress_, 0.4, "holes filled");
   // Pieces that belong together but are not joined: only the wrap makes one surface of them.
-  const bool apart = options_.keep_components == 1 && options_.wrap && FindPieces(filled_).list.size() > 1;
+  const bool apart = options_.keep_components == 1 && FindPieces(filled_).list.size() > 1;
+  if (apart) last_fault_ = "pieces that touch or cross can only be joined by the wrap, or kept apart with --keep_components 0";
   if (auto mesh = Try("R2 fill", [&]() -> std::optional<Mesh> {
         if (apart || !Acceptable(filled_)) return std::nullopt;
         return Finish(filled_);

@@ -1,0 +1,343 @@
+#include "cleanup/cleanup.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "cleanup/components.h"
+#include "cleanup/intersections.h"
+#include "cleanup/soup.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::cleanup {
+namespace {
+
+constexpr double kSphereVolume = 4 * EIGEN_PI / 3;
+
+Mesh Moved(Mesh mesh, const Eigen::RowVector3d& by, double scale = 1) {
+  mesh.points = (mesh.points * scale).rowwise() + by;
+  return mesh;
+}
+
+Mesh Together(const Mesh& a, const Mesh& b) {
+  Mesh out;
+  out.points.resize(a.points.rows() + b.points.rows(), 3);
+  out.points << a.points, b.points;
+  out.faces.resize(a.faces.rows() + b.faces.rows(), 3);
+  out.faces << a.faces, b.faces.array() + a.vertex_count();
+  return out;
+}
+
+template <class Keep>
+Mesh WithFaces(Mesh mesh, Keep keep) {
+  int count = 0;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (keep(f)) mesh.faces.row(count++) = mesh.faces.row(f).eval();
+  mesh.faces.conservativeResize(count, 3);
+  return mesh;
+}
+
+/// Without the faces whose centre lies below z.
+Mesh Above(const Mesh& mesh, double z) {
+  return WithFaces(mesh, [&](int f) {
+    return (mesh.points(mesh.faces(f, 0), 2) + mesh.points(mesh.faces(f, 1), 2) + mesh.points(mesh.faces(f, 2), 2)) / 3 >= z;
+  });
+}
+
+Mesh Soup(const Mesh& mesh) {
+  Mesh out;
+  out.points.resize(mesh.faces.rows() * 3, 3);
+  out.faces.resize(mesh.faces.rows(), 3);
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      out.points.row(3 * f + k) = mesh.points.row(mesh.faces(f, k));
+      out.faces(f, k) = 3 * f + k;
+    }
+  return out;
+}
+
+CleanupOptions Faces(int faces) {
+  CleanupOptions options;
+  options.faces = faces;
+  return options;
+}
+
+void ExpectClosed(const Mesh& mesh) {
+  const ClosedReport report = CheckClosed(mesh);
+  EXPECT_TRUE(report.closed()) << report.bad_edges << " bad edges, " << report.bad_fans << " bad fans, volume " << report.volume;
+  EXPECT_FALSE(SelfIntersects(mesh));
+}
+
+TEST(MakeClosedManifold, GoodMeshComesBackBitForBit) {
+  Mesh sphere = MakeIcosphere(3);
+  sphere.colors = ColorsX3::Constant(sphere.points.rows(), 3, 77);
+  const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
+  EXPECT_EQ(result.rung, "as-is");
+  EXPECT_EQ(result.mesh.points, sphere.points);
+  EXPECT_EQ(result.mesh.faces, sphere.faces);
+  EXPECT_EQ(result.mesh.colors, sphere.colors);
+}
+
+TEST(MakeClosedManifold, CubeOfTwelveFacesStaysACube) {
+  const Mesh cube = MakeBox(1, 1, 1);
+  const CleanupResult result = MakeClosedManifold(cube, {});
+  EXPECT_EQ(result.mesh.face_count(), 12);
+  EXPECT_DOUBLE_EQ(result.volume, 1);
+}
+
+TEST(MakeClosedManifold, RefineReachesTheCountWithinTwoPercent) {
+  CleanupOptions options = Faces(3000);
+  options.refine = true;
+  const CleanupResult result = MakeClosedManifold(MakeIcosphere(3), options);
+  ExpectClosed(result.mesh);
+  EXPECT_NEAR(result.mesh.face_count(), 3000, 60);
+  EXPECT_LT(result.to_input.max, 2e-3);  // a facet of the input bulges by 2.2e-3 of the diagonal under the sphere
+}
+
+TEST(MakeClosedManifold, DenseSphereIsRemeshedEvenlyToTheCount) {
+  for (const char* remesh : {"uniform", "adaptive"}) {
+    CleanupOptions options = Faces(2000);
+    options.remesh = remesh;
+    const CleanupResult result = MakeClosedManifold(MakeIcosphere(5), options);
+    ExpectClosed(result.mesh);
+    EXPECT_NEAR(result.mesh.face_count(), 2000, 40) << remesh;
+    EXPECT_NEAR(result.volume, kSphereVolume, 0.01 * kSphereVolume) << remesh;
+    EXPECT_EQ(result.genus, 0);
+    EXPECT_LT(result.from_input.max, 0.003);
+    EXPECT_GT(result.mean_min_angle_deg, 40) << remesh;
+  }
+}
+
+TEST(MakeClosedManifold, HolesAreFilledWithTheCurvatureAround) {
+  const Mesh sphere = MakeIcosphere(4);
+  const Mesh holed = WithFaces(sphere, [](int f) { return f % 640 > 3; });
+  const CleanupResult result = MakeClosedManifold(holed, Faces(6000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.rung, "R2 fill");
+  EXPECT_EQ(result.holes_filled, 8);
+  EXPECT_NEAR(result.volume, kSphereVolume, 0.01 * kSphereVolume);
+  for (int v = 0; v < result.mesh.vertex_count(); ++v) ASSERT_NEAR(result.mesh.points.row(v).norm(), 1, 0.01);
+}
+
+TEST(MakeClosedManifold, OpenBowlGetsAFlatLid) {
+  const Mesh bowl = Above(MakeIcosphere(4), -0.2);
+  const CleanupResult result = MakeClosedManifold(bowl, Faces(8000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.holes_filled, 1);
+  EXPECT_GT(result.largest_hole_over_diag, 0.5);
+  // Sphere above z = -0.2: pi h^2 (3 - h) / 3 with h = 1.2.
+  EXPECT_NEAR(result.volume, EIGEN_PI * 1.44 * 1.8 / 3, 0.06);
+  EXPECT_GT(result.mesh.points.col(2).minCoeff(), -0.3);
+}
+
+TEST(MakeClosedManifold, FlippedFacesAreTurned) {
+  Mesh sphere = MakeIcosphere(3);
+  for (int f = 0; f < sphere.face_count(); f += 3) std::swap(sphere.faces(f, 1), sphere.faces(f, 2));
+  const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.rung, "R0 weld");
+  EXPECT_NEAR(result.volume, SignedVolume(MakeIcosphere(3).points, MakeIcosphere(3).faces), 1e-9);
+}
+
+TEST(MakeClosedManifold, InsideOutIsTurnedOutward) {
+  Mesh sphere = MakeIcosphere(2);
+  sphere.faces.col(1).swap(sphere.faces.col(2));
+  EXPECT_GT(MakeClosedManifold(sphere, Faces(2000)).volume, 0);
+}
+
+TEST(MakeClosedManifold, DuplicateShellsBecomeOne) {
+  const Mesh sphere = MakeIcosphere(3);
+  Mesh twin = sphere;
+  twin.faces.col(1).swap(twin.faces.col(2));
+  const CleanupResult result = MakeClosedManifold(Together(sphere, twin), Faces(2000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.mesh.face_count(), sphere.face_count());
+  EXPECT_EQ(result.merged_vertices, sphere.vertex_count());
+}
+
+TEST(MakeClosedManifold, TriangleSoupIsWelded) {
+  const Mesh sphere = MakeIcosphere(3);
+  const CleanupResult result = MakeClosedManifold(Soup(sphere), Faces(2000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.mesh.vertex_count(), sphere.vertex_count());
+  EXPECT_EQ(result.mesh.face_count(), sphere.face_count());
+}
+
+TEST(MakeClosedManifold, FinsAreCutOff) {
+  Mesh sphere = MakeIcosphere(3);
+  const int vertex_count = sphere.vertex_count(), face_count = sphere.face_count();
+  sphere.points.conservativeResize(vertex_count + 3, 3);
+  sphere.faces.conservativeResize(face_count + 3, 3);
+  for (int i = 0; i < 3; ++i) {
+    const int a = sphere.faces(100 * i, 0), b = sphere.faces(100 * i, 1);
+    sphere.points.row(vertex_count + i) = 1.2 * sphere.points.row(a);
+    sphere.faces.row(face_count + i) << a, b, vertex_count + i;
+  }
+  const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.mesh.face_count(), face_count);
+  EXPECT_LT(result.mesh.points.rowwise().norm().maxCoeff(), 1.0001);
+}
+
+TEST(MakeClosedManifold, CrossingSpheresBecomeOneSurface) {
+  const Mesh pair = Together(MakeIcosphere(3), Moved(MakeIcosphere(3), {1.1, 0, 0}));
+  const CleanupResult result = MakeClosedManifold(pair, Faces(3000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.components, 1);
+  EXPECT_EQ(result.rung.substr(0, 2), "R4");
+  EXPECT_GT(result.self_intersections_before, 0);
+  // Two spheres less the lens between them; the wrap rounds the groove and polyhedra lie inside of their spheres.
+  const double h = 1 - 0.55, lens = 2 * EIGEN_PI * h * h * (3 - h) / 3;
+  EXPECT_NEAR(result.volume, 2 * kSphereVolume - lens, 0.03 * kSphereVolume);
+}
+
+TEST(MakeClosedManifold, SpikePushedThroughTheOtherSideIsMended) {
+  Mesh sphere = MakeIcosphere(4);
+  int top = 0;
+  sphere.points.col(2).maxCoeff(&top);
+  sphere.points.row(top) << 0, 0, -1.2;
+  const CleanupResult result = MakeClosedManifold(sphere, Faces(6000));
+  ExpectClosed(result.mesh);
+  EXPECT_GT(result.self_intersections_before, 0);
+  EXPECT_NEAR(result.volume, kSphereVolume, 0.05 * kSphereVolume);
+}
+
+TEST(MakeClosedManifold, SmallBitsAreDroppedAndFarPiecesToo) {
+  const Mesh main = MakeIcosphere(3);
+  const Mesh scene = Together(Together(main, Moved(MakeIcosphere(1), {3, 0, 0}, 0.02)), Moved(MakeIcosphere(2), {0, 4, 0}, 0.5));
+  const CleanupResult one = MakeClosedManifold(scene, Faces(2000));
+  ExpectClosed(one.mesh);
+  EXPECT_EQ(one.components, 1);
+  EXPECT_EQ(one.components_removed, 2);
+  EXPECT_EQ(one.mesh.face_count(), main.face_count());
+  CleanupOptions all = Faces(4000);
+  all.keep_components = 0;
+  all.min_component = 0;
+  const CleanupResult kept = MakeClosedManifold(scene, all);
+  EXPECT_EQ(kept.components, 3);
+  EXPECT_EQ(kept.components_removed, 0);
+}
+
+TEST(MakeClosedManifold, ColoursComeFromTheNearestSurface) {
+  Mesh sphere = MakeIcosphere(5);
+  sphere.colors.resize(sphere.points.rows(), 3);
+  for (int v = 0; v < sphere.vertex_count(); ++v)
+    sphere.colors.row(v).setConstant(static_cast<std::uint8_t>(std::lround(127 + 100 * sphere.points(v, 2))));
+  const CleanupResult result = MakeClosedManifold(sphere, Faces(1500));
+  ASSERT_EQ(result.mesh.colors.rows(), result.mesh.points.rows());
+  for (int v = 0; v < result.mesh.vertex_count(); ++v) ASSERT_NEAR(result.mesh.colors(v, 1), 127 + 100 * result.mesh.points(v, 2), 3);
+}
+
+TEST(MakeClosedManifold, ScaleDoesNotMatter) {
+  const Mesh bowl = Above(MakeIcosphere(4), -0.5);
+  const CleanupResult unit = MakeClosedManifold(bowl, Faces(1500));
+  for (const double scale : {1e-3, 1e3}) {
+    const CleanupResult scaled = MakeClosedManifold(Moved(bowl, {0, 0, 0}, scale), Faces(1500));
+    ExpectClosed(scaled.mesh);
+    EXPECT_EQ(scaled.rung, unit.rung);
+    EXPECT_NEAR(scaled.mesh.face_count(), unit.mesh.face_count(), 0.02 * 1500);
+    EXPECT_NEAR(scaled.volume / std::pow(scale, 3), unit.volume, 2e-3 * unit.volume);
+  }
+}
+
+TEST(MakeClosedManifold, CleaningTwiceChangesNothing) {
+  const CleanupResult once = MakeClosedManifold(Above(MakeIcosphere(4), -0.5), Faces(1500));
+  const CleanupResult twice = MakeClosedManifold(once.mesh, Faces(1500));
+  EXPECT_EQ(twice.mesh.points, once.mesh.points);
+  EXPECT_EQ(twice.mesh.faces, once.mesh.faces);
+}
+
+TEST(MakeClosedManifold, SameBitsForAnyThreadCount) {
+  const Mesh scene = Together(Above(MakeIcosphere(3), -0.5), Moved(MakeBox(1, 1, 1), {0.5, 0, 0}));
+  SetThreadCount(1);
+  const CleanupResult one = MakeClosedManifold(scene, Faces(1500));
+  SetThreadCount(2);
+  const CleanupResult two = MakeClosedManifold(scene, Faces(1500));
+  SetThreadCount(0);
+  EXPECT_EQ(one.mesh.points, two.mesh.points);
+  EXPECT_EQ(one.mesh.faces, two.mesh.faces);
+  EXPECT_EQ(one.to_input.mean, two.to_input.mean);
+}
+
+TEST(MakeClosedManifold, TorusKeepsItsHandle) {
+  Mesh torus;
+  const int n = 40, m = 20;
+  torus.points.resize(n * m, 3);
+  torus.faces.resize(2 * n * m, 3);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j) {
+      const double a = 2 * EIGEN_PI * i / n, b = 2 * EIGEN_PI * j / m;
+      torus.points.row(i * m + j) << (2 + 0.6 * std::cos(b)) * std::cos(a), (2 + 0.6 * std::cos(b)) * std::sin(a), 0.6 * std::sin(b);
+      const int p = i * m + j, q = (i + 1) % n * m + j, r = (i + 1) % n * m + (j + 1) % m, s = i * m + (j + 1) % m;
+      torus.faces.row(2 * p) << p, q, r;
+      torus.faces.row(2 * p + 1) << p, r, s;
+    }
+  const CleanupResult result = MakeClosedManifold(torus, Faces(1000));
+  ExpectClosed(result.mesh);
+  EXPECT_EQ(result.genus, 1);
+}
+
+TEST(MakeClosedManifold, EmptyMeshThrowsInputError) {
+  EXPECT_THROW(MakeClosedManifold(Mesh(), {}), InputError);
+  Mesh points = MakeIcosphere(1);
+  points.faces.resize(0, 3);
+  EXPECT_THROW(MakeClosedManifold(points, {}), InputError);
+}
+
+TEST(MakeClosedManifold, NanVertexThrowsInputErrorThatNamesIt) {
+  Mesh sphere = MakeIcosphere(2);
+  sphere.points(37, 1) = std::numeric_limits<double>::quiet_NaN();
+  try {
+    MakeClosedManifold(sphere, {});
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("37"), std::string::npos) << error.what();
+  }
+}
+
+TEST(MakeClosedManifold, AllVerticesInOnePlaceThrowsInputError) {
+  Mesh mesh = MakeIcosphere(1);
+  mesh.points.setConstant(0.5);
+  EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
+}
+
+TEST(MakeClosedManifold, FacesWithoutDistinctCornersThrowInputError) {
+  Mesh mesh = MakeIcosphere(1);
+  mesh.faces.col(1) = mesh.faces.col(0);
+  EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
+}
+
+TEST(MakeClosedManifold, WithoutTheWrapATangleIsAQualityError) {
+  const Mesh pair = Together(MakeIcosphere(3), Moved(MakeIcosphere(3), {0.05, 0, 0}));
+  CleanupOptions options = Faces(3000);
+  options.wrap = false;
+  EXPECT_THROW(MakeClosedManifold(pair, options), QualityError);
+}
+
+TEST(IntersectingFaces, CountsTheFacesOfTwoCrossingBoxes) {
+  int pairs = 0;
+  EXPECT_TRUE(IntersectingFaces(MakeBox(1, 1, 1), &pairs).empty());
+  EXPECT_EQ(pairs, 0);
+  EXPECT_FALSE(IntersectingFaces(Together(MakeBox(1, 1, 1), Moved(MakeBox(1, 1, 1), {0.5, 0.4, 0.3})), &pairs).empty());
+  EXPECT_GT(pairs, 0);
+}
+
+TEST(OrientedManifold, NonManifoldEdgeIsCut) {
+  Mesh book;  // three pages on one spine
+  book.points.resize(5, 3);
+  book.points << 0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, -1, -1, 0;
+  book.faces.resize(3, 3);
+  book.faces << 0, 1, 2, 0, 1, 3, 0, 1, 4;
+  const Mesh cut = OrientedManifold(book, 1e-9).mesh;
+  EXPECT_EQ(cut.face_count(), 3);
+  EXPECT_GT(FindPieces(cut).list.size(), 1u);
+}
+
+}  // namespace
+}  // namespace keypose::cleanup
