@@ -31,7 +31,7 @@ std::vector<std::vector<Eigen::Vector3d>> Seeds(const std::vector<DenseView>& vi
     for (const int v : point.views)
       if (v >= 0 && v < static_cast<int>(of_scene.size())) of_scene[v].push_back(point.position);
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i].scene_index >= 0) seeds[i] = of_scene[views[i].scene_index];
+    if (views[i].scene_index >= 0 && views[i].scene_index < static_cast<int>(of_scene.size())) seeds[i] = of_scene[views[i].scene_index];
   return seeds;
 }
 

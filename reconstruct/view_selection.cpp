@@ -44,7 +44,8 @@ bool InFront(const DenseView& view, const DepthBounds& bounds, const Eigen::Vect
 std::vector<std::vector<Sight>> SparseSights(const std::vector<DenseView>& views, const Scene& scene) {
   std::vector<int> dense_of(scene.views.size(), -1);
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i].scene_index >= 0) dense_of[views[i].scene_index] = static_cast<int>(i);
+    if (views[i].scene_index >= 0 && views[i].scene_index < static_cast<int>(dense_of.size()))
+      dense_of[views[i].scene_index] = static_cast<int>(i);
   std::vector<std::vector<Sight>> sights(views.size());
   for (const SparsePoint& point : scene.points) {
     std::vector<int> seen;

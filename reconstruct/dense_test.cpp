@@ -1,0 +1,130 @@
+#include "reconstruct/dense.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "reconstruct/dense_colmap.h"
+#include "reconstruct/dense_test_scene.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using testing::Accuracy;
+using testing::Measure;
+using testing::Prepared;
+using testing::RenderedScene;
+using testing::RenderRing;
+
+TEST(ReconstructDense, TexturedBallIsAccurateAndComplete) {
+  const RenderedScene scene = RenderRing({.views = 9, .size = 150, .k1 = -0.05});
+  const DenseResult result = ReconstructDense(Prepared(scene, {}), scene.scene, {});
+  const Accuracy accuracy = Measure(scene, result.cloud, result.stereo_points);
+  EXPECT_LT(accuracy.footprints_90, 1.0);
+  EXPECT_LT(accuracy.outliers, 0.002);
+  EXPECT_GT(accuracy.completeness, 0.97);
+  EXPECT_LT(accuracy.normal_deg_mean, 8);
+  EXPECT_GT(result.stereo_points, 5000);
+  EXPECT_TRUE(result.views_without_sources.empty());
+  ASSERT_EQ(result.completeness.size(), 18u);
+  for (const double share : result.completeness) EXPECT_GT(share, 0.5);
+  for (int i = 0; i < result.stereo_points; ++i) {
+    ASSERT_GT(result.cloud.confidence[i], 0.0f);
+    ASSERT_LE(result.cloud.confidence[i], 1.0f);
+  }
+}
+
+TEST(ReconstructDense, BallWithoutTextureGivesTheHullAndNoRandomDepths) {
+  const RenderedScene scene = RenderRing({.views = 8, .size = 110, .contrast = 0});
+  const DenseResult result = ReconstructDense(Prepared(scene, {}), scene.scene, {});
+  EXPECT_LT(result.stereo_points, 30);
+  const int count = static_cast<int>(result.cloud.points.rows());
+  ASSERT_GT(count, 3000);
+  for (int i = result.stereo_points; i < count; ++i) ASSERT_LE(result.cloud.confidence[i], 0.1f);
+  const Accuracy accuracy = Measure(scene, result.cloud, count);
+  EXPECT_LT(accuracy.footprints_90, 6) << "the hull of 16 views is near the ball except in its dent";
+  EXPECT_GT(accuracy.completeness, 0.6);
+}
+
+TEST(ReconstructDense, SameBitsForAnyThreadCount) {
+  const RenderedScene scene = RenderRing({.views = 8, .size = 72});
+  SetThreadCount(1);
+  const DenseResult one = ReconstructDense(Prepared(scene, {}), scene.scene, {});
+  SetThreadCount(2);
+  const DenseResult two = ReconstructDense(Prepared(scene, {}), scene.scene, {});
+  SetThreadCount(0);
+  ASSERT_GT(one.stereo_points, 500);
+  ASSERT_EQ(one.cloud.points.rows(), two.cloud.points.rows());
+  EXPECT_TRUE((one.cloud.points.array() == two.cloud.points.array()).all());
+  EXPECT_TRUE((one.cloud.normals.array() == two.cloud.normals.array()).all());
+  EXPECT_TRUE((one.cloud.confidence.array() == two.cloud.confidence.array()).all());
+  EXPECT_EQ(one.evaluations, two.evaluations);
+}
+
+TEST(ReconstructDense, TooFewOrLonelyViewsThrowWithTheirNames) {
+  RenderedScene scene = RenderRing({.views = 3, .size = 60});  // 120 degrees apart; the two rings lie 30 degrees apart
+  std::vector<DenseView> views = Prepared(scene, {});
+  try {
+    ReconstructDense({views[0], views[1], views[2]}, scene.scene, {});
+    FAIL() << "views 120 degrees apart share nothing";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("view_100.png"), std::string::npos) << e.what();
+  }
+  views.resize(2);
+  EXPECT_THROW(ReconstructDense(views, scene.scene, {}), InputError);
+}
+
+TEST(PrepareDenseView, NamesTheImageWhoseSizeIsWrong) {
+  View view;
+  view.name = "IMG_7.jpg";
+  view.camera = {.width = 100, .height = 80, .fx = 100, .fy = 100, .cx = 50, .cy = 40};
+  try {
+    PrepareDenseView(view, 0, Image8(90, 80, 3), Image8(90, 80, 1), 1, 1);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("IMG_7.jpg"), std::string::npos);
+  }
+  EXPECT_THROW(PrepareDenseView(view, 0, Image8(100, 80, 3), Image8(100, 81, 1), 1, 1), InputError);
+  const DenseView empty = PrepareDenseView(view, 0, Image8(100, 80, 3), Image8(100, 80, 1), 1, 1);
+  EXPECT_EQ(empty.masked_pixels, 0);
+  EXPECT_TRUE(empty.levels.empty());
+}
+
+TEST(PrepareDenseView, UndistortsScalesAndCrops) {
+  // A bright dot placed by the distorted camera is found where the straight camera projects it.
+  View view;
+  view.camera = {.width = 400, .height = 300, .fx = 380, .fy = 380, .cx = 203, .cy = 148, .k1 = -0.12, .k2 = 0.03};
+  const Eigen::Vector3d point(0.3, -0.2, 1);
+  const Eigen::Vector2d pixel = view.camera.Project(point);
+  Image8 image(400, 300, 3, 10), mask(400, 300, 1);
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 400; ++x) {
+      const double d2 = (Eigen::Vector2d(x + 0.5, y + 0.5) - pixel).squaredNorm();
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<std::uint8_t>(10 + 200 * std::exp(-d2 / 18));
+      if (d2 < 900) *mask.at(x, y) = 255;
+    }
+  const DenseView out = PrepareDenseView(view, 0, image, mask, 0.5, 2);
+  ASSERT_EQ(out.levels.size(), 2u);
+  EXPECT_LT(out.camera().width, 60) << "cropped to the mask";
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double total = 0;
+  for (int y = 0; y < out.color.height; ++y)
+    for (int x = 0; x < out.color.width; ++x) {
+      const double weight = std::max(0, *out.color.at(x, y) - 12);
+      sum += weight * Eigen::Vector2d(x, y), total += weight;
+    }
+  EXPECT_LT((sum / total - out.camera().Project(point)).norm(), 0.05);
+  EXPECT_LT((0.5 * (out.camera().Project(point) - Eigen::Vector2d(0.5, 0.5)) - out.camera(1).Project(point)).norm(), 1e-9);
+}
+
+TEST(ColmapDense, KnowsBuildsWithoutCuda) {
+  EXPECT_FALSE(SaysWithCuda("COLMAP 3.8 -- Structure-from-Motion\n (Commit Unknown on Unknown without CUDA)"));
+  EXPECT_TRUE(SaysWithCuda("COLMAP 3.8 -- Structure-from-Motion\n (Commit 1 on 2023 with CUDA)"));
+  EXPECT_FALSE(SaysWithCuda(""));
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct

@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/parallel.h"
+#include "reconstruct/patch_match.h"
+#include "reconstruct/patch_match_cost.h"
+#include "reconstruct/patch_match_sweep.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+GreyMask NoiseImage(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  GreyMask image(width, height, 1);
+  for (std::uint16_t& pixel : image.data) pixel = static_cast<std::uint16_t>((random() & 0xFFFE) | 1);
+  return image;
+}
+
+// The same picture blurred, so that bilinear sampling is near the truth.
+GreyMask SmoothImage(int width, int height, double phase_x, double phase_y) {
+  GreyMask image(width, height, 1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = x + phase_x, v = y + phase_y;
+      const double grey =
+          128 + 40 * std::sin(0.31 * u + 0.11 * v) + 30 * std::sin(0.07 * u - 0.36 * v) + 20 * std::sin(0.2 * u * 0.9 + 0.23 * v);
+      *image.at(x, y) = static_cast<std::uint16_t>(std::lround(grey * 32767 / 255)) << 1 | 1;
+    }
+  return image;
+}
+
+PatchWarp Shift(float x, float y) { return {{x, y, 1}, {1, 0, 0}, {0, 1, 0}}; }
+
+TEST(PatchCost, ExactTranslationCostsNothing) {
+  const GreyMask image = NoiseImage(64, 64, 1);
+  GreyMask moved(64, 64, 1, 1);
+  for (int y = 3; y < 64; ++y)
+    for (int x = 0; x < 57; ++x) *moved.at(x, y) = *image.at(x + 7, y - 3);
+  RefPatch patch;
+  FillRefPatch(image, 30, 30, BilateralTable(18), &patch);
+  for (const PatchCostKernel& kernel : AvailablePatchCostKernels())
+    EXPECT_LT(kernel.cost(patch, moved, Shift(23, 33), 0), 1e-6f) << kernel.name;
+}
+
+TEST(PatchCost, GainAndOffsetOfTheSourceDoNotMatter) {
+  const GreyMask image = SmoothImage(64, 64, 0, 0);
+  GreyMask darker = image;
+  for (std::uint16_t& pixel : darker.data) pixel = static_cast<std::uint16_t>(((pixel >> 1) / 2 + 3000) << 1 | 1);
+  RefPatch patch;
+  FillRefPatch(image, 30, 30, BilateralTable(18), &patch);
+  EXPECT_LT(BestPatchCostKernel().cost(patch, darker, Shift(30, 30), 0), 1e-5f);
+}
+
+TEST(PatchCost, SlantedPlaneWarpOfSmoothTextureCostsLittleAndWrongPlaneMuch) {
+  const GreyMask image = SmoothImage(80, 80, 0, 0);
+  // source(x', y') = image(x, y) with x' = 0.8 x + 6.3, y' = y + 0.1 x + 1.2: an oblique view of a plane.
+  GreyMask source(80, 80, 1);
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const double u = (x - 6.3) / 0.8, v = y - 0.1 * u - 1.2;
+      const double grey =
+          128 + 40 * std::sin(0.31 * u + 0.11 * v) + 30 * std::sin(0.07 * u - 0.36 * v) + 20 * std::sin(0.2 * u * 0.9 + 0.23 * v);
+      *source.at(x, y) = static_cast<std::uint16_t>(std::lround(grey * 32767 / 255)) << 1 | 1;
+    }
+  RefPatch patch;
+  FillRefPatch(image, 40, 40, BilateralTable(1000), &patch);
+  const PatchWarp warp{{0.8f * 40 + 6.3f, 40 + 4.0f + 1.2f, 1}, {0.8f, 0.1f, 0}, {0, 1, 0}};
+  PatchWarp wrong = warp;
+  wrong.h0[0] += 6;
+  EXPECT_LT(BestPatchCostKernel().cost(patch, source, warp, 0), 1e-3f);
+  EXPECT_GT(BestPatchCostKernel().cost(patch, source, wrong, 0), 0.2f);
+}
+
+TEST(PatchCost, KernelsAgreeOnRandomWarpsToOneInTenThousand) {
+  const GreyMask image = NoiseImage(96, 80, 2);
+  GreyMask source = NoiseImage(96, 80, 3);
+  for (int y = 0; y < 80; ++y)  // a mask with a ragged rim
+    for (int x = 0; x < 96; ++x)
+      if (x + (y * 7) % 5 < 20) *source.at(x, y) &= 0xFFFE;
+  const std::vector<PatchCostKernel> kernels = AvailablePatchCostKernels();
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  RefPatch patch;
+  int partial = 0;
+  const BilateralTable table(60);
+  for (int trial = 0; trial < 20000; ++trial) {
+    FillRefPatch(image, static_cast<int>(random() % 96), static_cast<int>(random() % 80), table, &patch);
+    PatchWarp warp{{48 + 60 * unit(random), 40 + 50 * unit(random), 1},
+                   {1 + 0.5f * unit(random), 0.5f * unit(random), 0.01f * unit(random)},
+                   {0.5f * unit(random), 1 + 0.5f * unit(random), 0.01f * unit(random)}};
+    if (trial % 50 == 0) warp.h0[2] = trial % 100 ? -1.0f : 0.0f;  // behind the camera, and in its plane
+    const float reference = kernels[0].cost(patch, source, warp, 0.5f);
+    ASSERT_TRUE(reference >= 0 && reference <= kWorstCost);
+    partial += reference < kWorstCost;
+    for (const PatchCostKernel& kernel : kernels)
+      ASSERT_NEAR(kernel.cost(patch, source, warp, 0.5f), reference, 1e-4f) << kernel.name << " trial " << trial;
+  }
+  EXPECT_GT(partial, 5000);
+}
+
+TEST(PatchCost, WindowMostlyOutsideTheSourceMaskIsWorst) {
+  const GreyMask image = NoiseImage(64, 64, 5);
+  GreyMask source = image;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (x < 32) *source.at(x, y) &= 0xFFFE;
+  RefPatch patch;
+  FillRefPatch(image, 30, 30, BilateralTable(1000), &patch);
+  EXPECT_EQ(BestPatchCostKernel().cost(patch, source, Shift(30, 30), 0), kWorstCost);
+  FillRefPatch(image, 36, 30, BilateralTable(1000), &patch);
+  EXPECT_LT(BestPatchCostKernel().cost(patch, source, Shift(36, 30), 0), 0.1f);
+}
+
+TEST(PatchCost, FlatWindowsWithNoiseTellNothing) {
+  GreyMask flat(64, 64, 1), other = flat;
+  std::mt19937 random(6);
+  for (std::size_t i = 0; i < flat.data.size(); ++i) {
+    flat.data[i] = static_cast<std::uint16_t>((16000 + random() % 64) << 1 | 1);  // about a quarter of a grey level
+    other.data[i] = static_cast<std::uint16_t>((16000 + random() % 64) << 1 | 1);
+  }
+  RefPatch patch;
+  FillRefPatch(flat, 30, 30, BilateralTable(18), &patch);
+  for (int shift = -8; shift <= 8; ++shift) EXPECT_NEAR(BestPatchCostKernel().cost(patch, other, Shift(30.0f + shift, 30), 0.36f), 1, 0.1);
+  EXPECT_GT(BestPatchCostKernel().cost(patch, flat, Shift(30, 30), 0.36f), 0.7f) << "even a perfect match of noise must not convince";
+}
+
+Rigid3 RandomPose(std::mt19937* random) {
+  std::uniform_real_distribution<double> unit(-0.2, 0.2);
+  Rigid3 pose;
+  pose.rotation = Eigen::Quaterniond(1, unit(*random), unit(*random), unit(*random)).normalized();
+  pose.translation = Eigen::Vector3d(unit(*random), unit(*random), unit(*random));
+  return pose;
+}
+
+// H = K_s (R - t n^T / d) K_r^-1 for n^T X + d = 0 maps pixels of plane points, both ways.
+TEST(PlaneHypothesis, HomographyMapsPlanePointsBothWays) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const Pinhole r{640, 480, 700, 710, 320.2, 239.1}, s{600, 500, 650, 640, 290, 260};
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rigid3 s_from_r = RandomPose(&random);
+    Eigen::Vector3d corners[3];
+    for (Eigen::Vector3d& x : corners) x = Eigen::Vector3d(unit(random), unit(random), 4 + unit(random));
+    // Inverse depth is linear over the picture: fit it through the three points.
+    Eigen::Matrix3d a;
+    Eigen::Vector3d w;
+    for (int i = 0; i < 3; ++i) a.row(i) = r.Project(corners[i]).homogeneous(), w[i] = 1 / corners[i].z();
+    const Eigen::Vector3d m = a.inverse() * w;  // (gx, gy, inverse depth at the origin)
+    const Eigen::Matrix3d h = s.K() * (s_from_r.rotation.toRotationMatrix() * r.K().inverse() + s_from_r.translation * m.transpose());
+    for (const Eigen::Vector3d& x : corners) {
+      const Eigen::Vector3d there = h * r.Project(x).homogeneous(), back = h.inverse() * s.Project(s_from_r * x).homogeneous();
+      EXPECT_LT((there.hnormalized() - s.Project(s_from_r * x)).norm(), 1e-9);
+      EXPECT_LT((back.hnormalized() - r.Project(x)).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(PlaneHypothesis, NormalIsThatOfThePlaneAndFacesTheCamera) {
+  const Pinhole camera{640, 480, 700, 710, 320.2, 239.1};
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.4, -0.8).normalized(), point(0.2, 0.1, 3);
+  auto inverse_depth = [&](double x, double y) { return normal.dot(camera.Ray(x, y)) / normal.dot(point); };
+  const PlaneHypothesis plane{static_cast<float>(inverse_depth(300, 200)),
+                              static_cast<float>(inverse_depth(301, 200) - inverse_depth(300, 200)),
+                              static_cast<float>(inverse_depth(300, 201) - inverse_depth(300, 200))};
+  EXPECT_LT((PlaneNormal(camera, 300, 200, plane) - normal).norm(), 1e-4);  // single precision differences
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
