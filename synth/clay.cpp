@@ -79,7 +79,7 @@ Vector3d Clay::Paint(const Vector3d& x, int lump) const {
   const double coarse = noise(0.005, 2), fine = noise(0.0021, 3), hue = noise(0.009, 5);
   if (!clay.crisp)
     for (const Spot& spot : spots) {
-      const double edge = (x - spot.center).norm() - spot.radius * (1 + 0.25 * hue);
+      const double edge = (x - spot.center).norm() - spot.radius * (1 + 0.25 * std::min(1.0, grain) * hue);
       if (edge < 0.0004) color += (spot.color - color) * (1 - Ramp(edge, -0.0004, 0.0004));
     }
   // Kneaded clay: streaks of two shades, a fine grain, and specks of dust in it.

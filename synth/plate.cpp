@@ -30,8 +30,9 @@ Plate MakePlate(const PlateOptions& options) {
   plate.height_m = board_height + 2 * plate.border_m;
   plate.corners.resize(static_cast<Eigen::Index>(board->chessboardCorners.size()), 3);
   for (Eigen::Index i = 0; i < plate.corners.rows(); ++i) {
+    // OpenCV counts the board's y downwards in its drawing.
     const cv::Point3f& p = board->chessboardCorners[static_cast<std::size_t>(i)];
-    plate.corners.row(i) << p.x - board_width / 2, p.y - board_height / 2, 0;
+    plate.corners.row(i) << p.x - board_width / 2, board_height / 2 - p.y, 0;
   }
   return plate;
 }

@@ -57,7 +57,8 @@ Truth ReadTruth(const std::filesystem::path& folder) {
   Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}};
   const std::filesystem::path path = folder / "landmarks.json";
   try {
-    for (const Json& entry : Json::parse(ReadFile(path)).at("landmarks"))
+    const Json json = Json::parse(ReadFile(path));
+    for (const Json& entry : json.at("landmarks"))
       truth.landmarks.push_back({entry.at("name").get<std::string>(), entry.at("vertex").get<int>()});
   } catch (const nlohmann::json::exception& fault) {
     throw InputError("synth: " + path.string() + " is not a list of true landmarks (" + fault.what() + "); render the world again");

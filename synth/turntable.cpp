@@ -30,23 +30,29 @@ Camera MakeCamera(const PhotographerOptions& options) {
   return camera;
 }
 
-/// Largest share of the image's half height (or half width, if that is tighter) that the points reach in rings of cameras at `distance`.
-double Reach(const PointsX3& points, const Camera& camera, const std::vector<double>& elevations_deg, const Vector3d& target,
-             double distance) {
+/// Largest share of the image's half height or half width that the points reach in a ring of cameras.
+double Reach(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target, double distance) {
   constexpr int kAround = 24;
   double reach = 0;
-  for (const double elevation_deg : elevations_deg)
-    for (int k = 0; k < kAround; ++k) {
-      const double azimuth = 2 * kPi * k / kAround, elevation = elevation_deg * kPi / 180;
-      const Vector3d out(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-      const Rigid3 camera_from_world = LookAt(target + distance * out, target);
-      for (Eigen::Index i = 0; i < points.rows(); i += 8) {
-        const Eigen::Vector2d pixel = camera.Project(camera_from_world * Vector3d(points.row(i)));
-        reach = std::max(
-            {reach, std::abs(pixel[0] - camera.cx) / (camera.width / 2.0), std::abs(pixel[1] - camera.cy) / (camera.height / 2.0)});
-      }
+  for (int k = 0; k < kAround; ++k) {
+    const double azimuth = 2 * kPi * k / kAround;
+    const Vector3d out(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    const Rigid3 camera_from_world = LookAt(target + distance * out, target);
+    for (Eigen::Index i = 0; i < points.rows(); i += 8) {
+      const Eigen::Vector2d pixel = camera.Project(camera_from_world * Vector3d(points.row(i)));
+      reach =
+          std::max({reach, std::abs(pixel[0] - camera.cx) / (camera.width / 2.0), std::abs(pixel[1] - camera.cy) / (camera.height / 2.0)});
     }
+  }
   return reach;
+}
+
+/// Where the ring's cameras stand so that the points fill the wanted share of the image.
+double FitDistance(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target, double fill) {
+  const double radius = (points.rowwise() - target.transpose()).rowwise().norm().maxCoeff();
+  double distance = 2.5 * radius * camera.fx / std::min(camera.width, camera.height);
+  for (int round = 0; round < 4; ++round) distance *= Reach(points, camera, elevation, target, distance) / fill;
+  return distance;
 }
 
 }  // namespace
@@ -54,15 +60,13 @@ double Reach(const PointsX3& points, const Camera& camera, const std::vector<dou
 std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOptions& options) {
   const Camera camera = MakeCamera(options);
   const Vector3d target(0, 0, (points.col(2).minCoeff() + points.col(2).maxCoeff()) / 2);
-  const double radius = (points.rowwise() - target.transpose()).rowwise().norm().maxCoeff();
-  double distance = 2 * radius * camera.fx / std::min(options.width, options.height);
-  for (int round = 0; round < 4; ++round) distance *= Reach(points, camera, options.elevations_deg, target, distance) / options.fill;
   Random random(options.seed * 7919 + 11);
   const int rings = static_cast<int>(options.elevations_deg.size());
   std::vector<RingView> placed;
   for (int ring = 0; ring < rings; ++ring) {
     const int count = options.views / rings + (ring < options.views % rings ? 1 : 0);
     const double elevation = options.elevations_deg[ring] * kPi / 180;
+    const double distance = FitDistance(points, camera, elevation, target, options.fill);
     // The tripod is moved between rings: another aim, a slight tilt. Rings start half a step apart, so that views interleave.
     const Vector3d aim = target + options.aim_jitter * distance * Vector3d(0, 0, random.Uniform(-1, 1));
     const double roll = 2 * options.aim_jitter * random.Uniform(-1, 1), sideways = options.aim_jitter * distance * random.Uniform(-1, 1);

@@ -242,7 +242,7 @@ std::vector<Pose> Sculptor::Poses() const {
     return LimbBend(shoulder_, arm_axis_, Vector3d::UnitZ(), 0.018, 0.048, degrees, shoulder_ + 0.055 * arm_axis_, 0.045);
   };
   const auto forearm = [&](double degrees) {
-    return LimbBend(elbow_, forearm_axis_, Vector3d::UnitZ(), -0.002, 0.020, degrees, elbow_ + 0.030 * forearm_axis_, 0.032);
+    return LimbBend(elbow_, forearm_axis_, Vector3d::UnitZ(), 0.006, 0.026, degrees, elbow_ + 0.032 * forearm_axis_, 0.026);
   };
   const auto tail = [](double degrees) {
     return LimbBend({0.002, 0.030, 0.024}, Vector3d::UnitY(), -Vector3d::UnitX(), 0.012, 0.036, degrees, {0.035, 0.065, 0.035}, 0.045);
@@ -254,7 +254,7 @@ std::vector<Pose> Sculptor::Poses() const {
   const Vector3d forward = -Vector3d::UnitY(), left = Vector3d::UnitX();
   return {{"rest", {}},
           {"bent", {head(24), left_arm(52), tail(34), lean(7, -left), Squash(0.96)}},
-          {"wave", {left_arm(80), forearm(60), head(-15)}},
+          {"wave", {left_arm(80), forearm(45), head(-15)}},
           {"bow", {left_arm(-25), head(10), lean(22, forward)}},
           {"squash", {Squash(0.85)}},
           {"twist", {Twist(0.03, 0.11, 35)}}};

@@ -1,0 +1,147 @@
+// What keypose-synth writes: photographs with EXIF, their truth, spoilt copies, exit codes.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "synth/damage.h"
+#include "synth/photos_command.h"
+#include "synth/score_command.h"
+#include "synth/truth_files.h"
+
+namespace keypose::synth {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Six small photographs of each of two poses, rendered once for all tests of this file.
+class SynthFiles : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::path(::testing::TempDir()) / ("keypose_synth_files_" + std::to_string(::getpid()));
+    command_.output = folder_;
+    command_.world.spacing_m = 0.006;
+    command_.photographer.views = 6;
+    command_.photographer.width = 200, command_.photographer.height = 150;
+    command_.background_plate = true;
+    written_ = RunPhotos(command_, nullptr);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+  fs::path Spoilt(DamageKind kind, const std::string& name) const {
+    const fs::path to = folder_ / ("spoilt_" + std::to_string(static_cast<int>(kind)));
+    DamagePhotos(folder_ / "photos/rest", to, kind, {name});
+    return to / name;
+  }
+  static inline fs::path folder_;
+  static inline PhotosCommand command_;
+  static inline int written_ = 0;
+};
+
+TEST_F(SynthFiles, PhotographsCarryTheCameraInTheirExif) {
+  EXPECT_EQ(written_, 12);
+  const ImageInfo info = ReadImageInfo(folder_ / "photos/bent/IMG_0006.jpg");
+  EXPECT_EQ(info.width, 200);
+  EXPECT_EQ(info.height, 150);
+  EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 60);
+  EXPECT_NEAR(info.focal_mm.value_or(0), 40, 0.01);
+  EXPECT_NE(info.camera_model.find("Keypose"), std::string::npos);
+  EXPECT_EQ(ReadImageInfo(folder_ / "background/rest.jpg").width, 200);
+  EXPECT_EQ(ReadImage(folder_ / "truth/rest/masks/IMG_0001.jpg.png").channels, 1);
+}
+
+TEST_F(SynthFiles, TruthComesBackAsItWasRendered) {
+  const World world = MakeWorld(command_.world);
+  const Truth truth = ReadTruth(folder_ / "truth/bent");
+  const Photographer photographer(world, world.PoseNamed("bent"), command_.photographer);
+  EXPECT_EQ(truth.surface.points, photographer.surface().points);
+  EXPECT_EQ(truth.surface.faces, world.rest.faces);
+  ASSERT_EQ(truth.cameras.views.size(), 6u);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(truth.cameras.views[i].name, photographer.ViewAt(i).name);
+    EXPECT_LT((truth.cameras.views[i].Center() - photographer.ViewAt(i).Center()).norm(), 1e-12);
+    EXPECT_DOUBLE_EQ(truth.cameras.views[i].camera.k1, photographer.ViewAt(i).camera.k1);
+  }
+  ASSERT_EQ(truth.landmarks.size(), world.landmarks.size());
+  EXPECT_EQ(truth.landmarks[3].vertex, world.landmarks[3].vertex);
+  EXPECT_THROW(ReadTruth(folder_ / "photos"), Error);
+}
+
+TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
+  ScoreCommand command{folder_ / "truth/bent", folder_ / "truth/bent/cameras", folder_ / "truth/bent/surface.ply", {}, {}, {}, {}};
+  const std::string json = RunScore(command);
+  EXPECT_NE(json.find("\"placed\": 6"), std::string::npos);
+  EXPECT_NE(json.find("\"closed\": true"), std::string::npos);
+}
+
+TEST_F(SynthFiles, PicksAreReadableLandmarksOfTheMesh) {
+  const fs::path mesh_path = folder_ / "truth/rest/surface.ply", output = folder_ / "rest_picks.json";
+  RunPick({folder_ / "truth/rest", folder_ / "truth/rest/cameras", mesh_path, output, 0.03});
+  const Mesh mesh = ReadMesh(mesh_path);
+  const std::vector<Landmark> landmarks = ReadLandmarks(output, mesh);
+  const Truth truth = ReadTruth(folder_ / "truth/rest");
+  ASSERT_EQ(landmarks.size(), truth.landmarks.size());
+  const Eigen::Vector3d expected = truth.surface.points.row(truth.landmarks[0].vertex);
+  EXPECT_LT((PositionOf(landmarks[0], mesh) - expected).norm(), 1e-12);
+}
+
+TEST_F(SynthFiles, DamagedCopiesAreDamagedAsNamedAndOriginalsAreNot) {
+  const std::string name = "IMG_0002.jpg";
+  const std::string original_bytes = ReadFile(folder_ / "photos/rest" / name);
+  const Image8 original = ReadImage(folder_ / "photos/rest" / name, 3);
+  EXPECT_THROW(ReadImage(Spoilt(DamageKind::kTruncate, name)), InputError);
+  EXPECT_THROW(ReadImage(Spoilt(DamageKind::kEmpty, name)), InputError);
+  EXPECT_THROW(ReadImage(Spoilt(DamageKind::kNoImage, name)), InputError);
+  EXPECT_FALSE(fs::exists(Spoilt(DamageKind::kDrop, name)));
+  EXPECT_FALSE(ReadImageInfo(Spoilt(DamageKind::kStripExif, name)).focal_35mm.has_value());
+  EXPECT_EQ(ReadImageInfo(Spoilt(DamageKind::kResize, name)).width, 160);
+  const Image8 dark = ReadImage(Spoilt(DamageKind::kDark, name), 3);
+  EXPECT_LT(std::accumulate(dark.data.begin(), dark.data.end(), 0.0) / static_cast<double>(dark.data.size()), 12);
+  const fs::path turned = Spoilt(DamageKind::kRotate, name);
+  EXPECT_EQ(ReadImageInfo(turned).orientation, 6);
+  const Image8 upright = ReadImage(turned, 3);
+  ASSERT_EQ(upright.width, original.width);
+  double difference = 0;
+  for (std::size_t i = 0; i < original.data.size(); ++i) difference += std::abs(original.data[i] - upright.data[i]);
+  EXPECT_LT(difference / static_cast<double>(original.data.size()), 3);  // one more JPEG compression
+  EXPECT_EQ(ReadFile(folder_ / "photos/rest" / name), original_bytes);
+}
+
+TEST_F(SynthFiles, BlurTakesTheEdgesAway) {
+  const auto roughness = [](const Image8& image) {
+    double sum = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 1; x < image.width; ++x) sum += std::abs(image.at(x, y)[1] - image.at(x - 1, y)[1]);
+    return sum;
+  };
+  const double sharp = roughness(ReadImage(folder_ / "photos/rest/IMG_0001.jpg", 3));
+  EXPECT_LT(roughness(ReadImage(Spoilt(DamageKind::kBlur, "IMG_0001.jpg"), 3)), 0.5 * sharp);
+}
+
+TEST_F(SynthFiles, UnknownDamageAndUnknownPhotographThrow) {
+  EXPECT_THROW(DamageKindNamed("melt"), UsageError);
+  EXPECT_THROW(DamagePhotos(folder_ / "photos/rest", folder_ / "spoilt_x", DamageKind::kDrop, {"none.jpg"}), InputError);
+}
+
+TEST(SynthProgram, ExitCodesNameTheFault) {
+  const std::string program = std::string(KEYPOSE_BIN_DIR) + "/keypose-synth";
+  const auto run = [&](const std::string& arguments) {
+    return WEXITSTATUS(std::system((program + " " + arguments + " > /dev/null 2>&1").c_str()));
+  };
+  EXPECT_EQ(run("--help"), 0);
+  EXPECT_EQ(run(""), 2);
+  EXPECT_EQ(run("photos --output x --texture shiny"), 2);
+  EXPECT_EQ(run("photos --output x --poses jump --spacing 0.01"), 2);
+  EXPECT_EQ(run("pick --truth /nonexistent --model m --mesh x --output y"), 3);
+  EXPECT_EQ(run("damage --photos /nonexistent --output /dev/null/x --kind blur"), 4);
+}
+
+}  // namespace
+}  // namespace keypose::synth
