@@ -73,14 +73,7 @@ RunResult Builder::Run(RunRecord record) {
   record_.begin = clock_.Now();
   // Whatever an earlier run left behind: the project is locked, so nobody else is at work here.
   workshop_.disk.Remove(workshop_.state() / "tmp");
-  std::map<std::string, double> expected;
-  for (int i = 0; i < plan_.size(); ++i) {
-    if (plan_[i].wanted && plan_[i].state != StepPlan::State::kDone) {
-      expected[plan_.graph().steps[static_cast<std::size_t>(i)].id] =
-          plan_[i].last && !plan_[i].last->fingerprint.empty() ? plan_[i].last->seconds : -1;
-    }
-  }
-  observer_.Begin(expected);
+  observer_.Begin(ExpectedSeconds());
   try {
     Loop();
     observer_.End();
@@ -95,6 +88,23 @@ RunResult Builder::Run(RunRecord record) {
     if (result_.code == ExitCode::kOk) throw;
   }
   return result_;
+}
+
+/// From the step's own last run, else from that of the same step on another pose.
+std::map<std::string, double> Builder::ExpectedSeconds() const {
+  const auto& steps = plan_.graph().steps;
+  std::map<std::string, double> of_rule, expected;
+  const auto known = [&](int i) { return plan_[i].last && !plan_[i].last->fingerprint.empty(); };
+  for (int i = 0; i < plan_.size(); ++i) {
+    if (known(i)) of_rule[steps[static_cast<std::size_t>(i)].rule] = plan_[i].last->seconds;
+  }
+  for (int i = 0; i < plan_.size(); ++i) {
+    if (!plan_[i].wanted || plan_[i].state == StepPlan::State::kDone) continue;
+    const Step& step = steps[static_cast<std::size_t>(i)];
+    const auto sibling = of_rule.find(step.rule);
+    expected[step.id] = known(i) ? plan_[i].last->seconds : sibling != of_rule.end() ? sibling->second : -1;
+  }
+  return expected;
 }
 
 void Builder::Loop() {
@@ -316,6 +326,8 @@ std::string Builder::FailureMessage(int step, ExitCode code, int raw_code, const
     if (raw_code == 128 + 9) message += " (killed: perhaps the machine ran out of memory; try a smaller -j)";
   } else if (raw_code == 127) {
     message += ": the program could not be started";
+  } else if (code == ExitCode::kDisk && said.empty()) {  // on a full disk there is no room for its log either
+    message += ": a file could not be read or written, and no log could be kept; is there free space on the disk?";
   }
   message += "\n" + said;
   const fs::path log = FailedFolder(step) / "log.txt";

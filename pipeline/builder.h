@@ -45,6 +45,7 @@ class Builder {
   };
 
   void Loop();
+  std::map<std::string, double> ExpectedSeconds() const;
   void ReportCached();
   void StartReady();
   bool MayStart(int step, std::int64_t memory) const;

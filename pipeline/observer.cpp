@@ -31,24 +31,18 @@ double Estimate::FractionOf(const std::string& step) const {
   return it == steps_.end() ? 0 : it->second.fraction;
 }
 
-double Estimate::Typical() const {
-  double sum = 0;
-  int count = 0;
-  for (const auto& [step, item] : steps_) {
-    if (item.expected < 0) continue;
-    sum += item.expected;
-    ++count;
-  }
-  return count ? sum / count : -1;
+bool Estimate::Known(const Item& item) const { return item.finished || item.expected >= 0 || item.fraction > 0.02; }
+
+bool Estimate::AllKnown() const {
+  return std::all_of(steps_.begin(), steps_.end(), [&](const auto& step) { return Known(step.second); });
 }
 
 double Estimate::Duration(const Item& item, double now) const {
-  const double typical = Typical();
-  const double expected = item.expected >= 0 ? item.expected : typical >= 0 ? typical : 1;
-  if (item.begin < 0 || item.finished) return expected;
+  if (item.begin < 0 || item.finished) return item.expected;
   const double elapsed = now - item.begin;
   // The further a step is, the more its own pace counts.
-  const double pace = item.fraction > 0.02 ? elapsed / item.fraction : expected;
+  const double pace = item.fraction > 0.02 ? elapsed / item.fraction : item.expected;
+  const double expected = item.expected >= 0 ? item.expected : pace;
   return std::max(elapsed, (1 - item.fraction) * expected + item.fraction * pace);
 }
 
@@ -62,23 +56,22 @@ double Estimate::Done(const Item& item, double now) const {
 
 double Estimate::Fraction(double now) const {
   double all = 0, done = 0;
+  const bool in_seconds = AllKnown();
   for (const auto& [step, item] : steps_) {
-    all += Duration(item, now);
-    done += Done(item, now);
+    all += in_seconds ? Duration(item, now) : 1;
+    done += in_seconds ? Done(item, now) : item.finished ? 1 : item.fraction;
   }
   return all > 0 ? std::clamp(done / all, 0.0, 1.0) : 1;
 }
 
 std::optional<double> Estimate::SecondsLeft(double now) const {
-  bool known = Typical() >= 0;
+  if (!AllKnown()) return std::nullopt;
   double left = 0;
   int running = 0;
   for (const auto& [step, item] : steps_) {
-    known = known || item.fraction > 0.02;
     left += Duration(item, now) - Done(item, now);
     running += item.begin >= 0 && !item.finished;
   }
-  if (!known) return std::nullopt;
   return std::max(0.0, left / std::max(1, running));
 }
 

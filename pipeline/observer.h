@@ -32,9 +32,9 @@ class Estimate {
   /// @param seconds  it took; 0 when it was in the cache
   void Finished(const std::string& step, double seconds);
 
-  /// Of the whole run, in [0,1]; steps of unknown duration count as the mean of the known ones.
+  /// Of the whole run, in [0,1]: of its seconds when all steps have run before, else of its steps.
   double Fraction(double now) const;
-  /// Nothing while no duration is known at all.
+  /// Nothing while a step has neither run before nor got under way.
   std::optional<double> SecondsLeft(double now) const;
   int total() const { return static_cast<int>(steps_.size()); }
   int finished() const;
@@ -47,7 +47,8 @@ class Estimate {
     double fraction = 0;
     bool finished = false;
   };
-  double Typical() const;
+  bool Known(const Item& item) const;
+  bool AllKnown() const;
   double Duration(const Item& item, double now) const;
   double Done(const Item& item, double now) const;
   std::map<std::string, Item> steps_;

@@ -29,6 +29,13 @@ std::string SizeText(std::uint64_t bytes) {
   return fmt::format("{} kB", (bytes + 999) / 1000);
 }
 
+/// A few of many names.
+std::string Some(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 3;
+  if (names.size() <= kShown + 1) return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "), names.size() - kShown);
+}
+
 std::string StatusText(const Plan& plan, int i) {
   const StepPlan& step = plan[i];
   const bool failed = step.last && step.last->failed;
@@ -41,7 +48,7 @@ std::string StatusText(const Plan& plan, int i) {
       return fmt::format("{:<12} {}", step.last ? "would run" : "never ran",
                          step.last ? fmt::format("{}", fmt::join(step.reasons, "; ")) : "");
     default:
-      return fmt::format("{:<12} for {}", step.last ? "waits" : "never, waits", fmt::join(plan.WaitsFor(i), ", "));
+      return fmt::format("{:<12} for {}", step.last ? "waits" : "never, waits", Some(plan.WaitsFor(i)));
   }
 }
 

@@ -161,6 +161,8 @@ TEST(Estimate, SaysNothingOfTimeWhenNothingIsKnown) {
   EXPECT_FALSE(estimate.SecondsLeft(0));
   estimate.Finished("never announced", 3);
   EXPECT_EQ(estimate.total(), 2);
+  estimate.Finished("a", 100);
+  EXPECT_DOUBLE_EQ(estimate.Fraction(100), 0.5) << "counted in steps while a duration is unknown";
 }
 
 TEST(DurationText, Grows) {
