@@ -86,25 +86,24 @@ DistortionReport MeasureDistortion(const Sequence& sequence, const FacesX3& face
 }
 
 std::string ToJson(const DistortionReport& report, const Sequence& sequence, const std::string& method) {
-  nlohmann::ordered_json json = {{"schema", 1}, {"method", method}, {"key_frames", sequence.key_frames}};
-  auto& frames = json["frames"] = nlohmann::ordered_json::array();
-  auto& histograms = json["face_area_histograms"];
-  histograms["low"] = FaceHistogram().low;
-  histograms["high"] = FaceHistogram().high;
+  using Json = nlohmann::ordered_json;
+  Json frames = Json::array(), counts = Json::array(), segments = Json::array();
   for (const FrameDistortion& f : report.frames) {
     frames.push_back(
-        {{"t", f.t}, {"area", f.area}, {"volume", f.volume}, {"linear_area", f.linear_area}, {"linear_volume", f.linear_volume}});
-    histograms["frames"].push_back({{"t", f.t}, {"counts", f.faces.counts}, {"linear_counts", f.linear_faces.counts}});
+        Json{{"t", f.t}, {"area", f.area}, {"volume", f.volume}, {"linear_area", f.linear_area}, {"linear_volume", f.linear_volume}});
+    counts.push_back(Json{{"t", f.t}, {"counts", f.faces.counts}, {"linear_counts", f.linear_faces.counts}});
   }
-  auto& segments = json["segments"] = nlohmann::ordered_json::array();
   for (const SegmentDistortion& s : report.segments)
-    segments.push_back({{"from_frame", s.from_frame},
-                        {"to_frame", s.to_frame},
-                        {"in_betweens", s.to_frame - s.from_frame - 1},
-                        {"area", ToJson(s.area)},
-                        {"volume", ToJson(s.volume)},
-                        {"linear_area", ToJson(s.linear_area)},
-                        {"linear_volume", ToJson(s.linear_volume)}});
+    segments.push_back(Json{{"from_frame", s.from_frame},
+                            {"to_frame", s.to_frame},
+                            {"in_betweens", s.to_frame - s.from_frame - 1},
+                            {"area", ToJson(s.area)},
+                            {"volume", ToJson(s.volume)},
+                            {"linear_area", ToJson(s.linear_area)},
+                            {"linear_volume", ToJson(s.linear_volume)}});
+  const Json histograms = {{"low", FaceHistogram().low}, {"high", FaceHistogram().high}, {"frames", counts}};
+  const Json json = {{"schema", 1},      {"method", method},     {"key_frames", sequence.key_frames},
+                     {"frames", frames}, {"segments", segments}, {"face_area_histograms", histograms}};
   return json.dump(1) + "\n";
 }
 

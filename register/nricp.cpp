@@ -12,7 +12,7 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr double kPcgTolerance = 1e-7;
+constexpr double kPcgTolerance = 1e-5;
 constexpr int kPcgSteps = 12;  // beyond this a new factor is cheaper
 
 class Stopwatch {

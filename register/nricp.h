@@ -54,7 +54,7 @@ struct NricpResult {
 /// @throws Cancelled
 /// Cost: one analysis; per round a few closest point searches and solves. Same bits for any thread count.
 /// Source: Ebner et al., E-StopMotion, Algorithm 1 (its inner loop is printed with the comparison reversed), after Amberg et al. 2007.
-/// Departs: solves between factorisations are conjugate gradients to 1e-7 (exact_solves turns that off).
+/// Departs: solves between factorisations are conjugate gradients to 1e-5 of the right-hand side (exact_solves turns that off).
 NricpResult RegisterNricp(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
                           const Eigen::VectorXd& stiffness, const NricpOptions& options, Progress* progress = nullptr);
 

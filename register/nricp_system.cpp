@@ -178,18 +178,24 @@ Eigen::MatrixXd NricpSystem::SolveDirect() {
 
 Eigen::MatrixXd NricpSystem::Impl::Multiply(const Eigen::MatrixXd& x) const {
   Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.rows(), 3);
-  for (int d = 0; d < 3; ++d) {
-    const double* in = x.col(d).data();
-    double* out = y.col(d).data();
-    for (int c = 0; c + 1 < static_cast<int>(pattern.columns.size()); ++c) {
-      int s = pattern.columns[c];
-      double sum = values[s] * in[c];  // the diagonal comes first
-      for (++s; s < pattern.columns[c + 1]; ++s) {
-        sum += values[s] * in[pattern.rows[s]];
-        out[pattern.rows[s]] += values[s] * in[c];
-      }
-      out[c] += sum;
+  const double *x0 = x.col(0).data(), *x1 = x.col(1).data(), *x2 = x.col(2).data();
+  double *y0 = y.col(0).data(), *y1 = y.col(1).data(), *y2 = y.col(2).data();
+  for (int c = 0; c + 1 < static_cast<int>(pattern.columns.size()); ++c) {
+    int s = pattern.columns[c];
+    double sum0 = values[s] * x0[c], sum1 = values[s] * x1[c], sum2 = values[s] * x2[c];  // the diagonal comes first
+    for (++s; s < pattern.columns[c + 1]; ++s) {
+      const int r = pattern.rows[s];
+      const double value = values[s];
+      sum0 += value * x0[r];
+      sum1 += value * x1[r];
+      sum2 += value * x2[r];
+      y0[r] += value * x0[c];
+      y1[r] += value * x1[c];
+      y2[r] += value * x2[c];
     }
+    y0[c] += sum0;
+    y1[c] += sum1;
+    y2[c] += sum2;
   }
   return y;
 }

@@ -141,8 +141,8 @@ void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& option
 void Run(StageContext& stage, const RegisterOptions& options) {
   Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
-  RequireUsable(source, "register: source");
-  RequireUsable(target, "register: target");
+  RequireUsable(source, stage.Input("source").string());
+  RequireUsable(target, stage.Input("target").string());
   const CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
   const Eigen::VectorXd stiffness = LoadStiffness(stage, source.vertex_count());
   SubProgress bending(stage.progress(), 0.0, 0.9);
