@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cleanup/cleanup.h"
+#include "core/geometry.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
 
@@ -21,6 +22,7 @@ void ReportDistance(StageContext& stage, const std::string& name, const SurfaceD
 
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
+  keypose::RequireUsable(surface, stage.Input("surface").string());
   const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress());
   stage.Report("input_faces", surface.face_count());
   stage.Report("faces", result.mesh.face_count());

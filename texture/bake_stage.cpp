@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
@@ -82,6 +83,7 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
 
 void Run(StageContext& stage, const BakeOptions& options) {
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
+  RequireUsable(mesh, stage.Input("mesh").string());
   const Scene scene = ReadColmapModel(stage.Input("model"));
   const ImageSet images = ReadImageSet(stage.Input("images"));
   const std::vector<int> index = MatchImages(scene, images);

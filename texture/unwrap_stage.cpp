@@ -1,4 +1,5 @@
 // keypose-unwrap: texture coordinates for a closed mesh.
+#include "core/geometry.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
 #include "texture/unwrap.h"
@@ -12,6 +13,7 @@ using keypose::texture::UnwrapResult;
 
 void Run(StageContext& stage, const UnwrapOptions& options) {
   const keypose::Mesh clean = keypose::ReadMesh(stage.Input("clean"));
+  keypose::RequireUsable(clean, stage.Input("clean").string());
   const UnwrapResult result = keypose::texture::Unwrapped(clean, options, stage.progress());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("charts", result.charts);
