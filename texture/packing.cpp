@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -14,7 +15,7 @@ namespace keypose::texture {
 namespace {
 
 constexpr int kWord = 64;
-constexpr int kDirections = 4;
+constexpr int kDirections = 8;  // four quarter turns, then the same from a turn of 45 degrees
 
 // Rows of bits, `words` a row, one spare word so that a shifted row can be tested without a bound check.
 struct Bitmap {
@@ -27,6 +28,13 @@ struct Bitmap {
     for (int x = std::max(x0, 0); x <= std::min(x1, width - 1); ++x) Row(y)[x / kWord] |= std::uint64_t{1} << (x % kWord);
   }
 };
+
+// What goes first, and which of the free places is best; which pair packs best differs from mesh to mesh.
+struct Strategy {
+  bool by_area;  // else by extent
+  bool low_top;  // lowest upper end wins, else lowest centre of area
+};
+constexpr std::array<Strategy, 2> kStrategies = {{{false, false}, {true, true}}};
 
 struct Place {
   int direction = 0, x = 0, y = 0;
@@ -111,9 +119,24 @@ Bitmap Dilated(const Bitmap& map, int radius) {
   return wide;
 }
 
-bool Free(const Bitmap& square, const Bitmap& shape, int x, int y) {
+// Rows far apart first: most places are taken, and that shows soonest in the broad middle of a shape.
+std::vector<int> TestOrder(int height) {
+  std::vector<int> order;
+  std::vector<char> seen(height, 0);
+  for (int step = height; step > 0; step /= 2) {
+    for (int r = step / 2; r < height; r += step) {
+      if (!seen[r]) order.push_back(r);
+      seen[r] = 1;
+    }
+  }
+  for (int r = 0; r < height; ++r)
+    if (!seen[r]) order.push_back(r);
+  return order;
+}
+
+bool Free(const Bitmap& square, const Bitmap& shape, const std::vector<int>& rows, int x, int y) {
   const int word = x / kWord, shift = x % kWord;
-  for (int r = 0; r < shape.height; ++r) {
+  for (const int r : rows) {
     const std::uint64_t* below = square.Row(y + r) + word;
     const std::uint64_t* bits = shape.Row(r);
     for (int w = 0; w + 1 < shape.words; ++w) {
@@ -123,6 +146,17 @@ bool Free(const Bitmap& square, const Bitmap& shape, int x, int y) {
     }
   }
   return true;
+}
+
+double MeanRow(const Bitmap& map) {
+  double sum = 0, count = 0;
+  for (int y = 0; y < map.height; ++y) {
+    for (int w = 0; w < map.words; ++w) {
+      sum += static_cast<double>(y) * std::popcount(map.Row(y)[w]);
+      count += std::popcount(map.Row(y)[w]);
+    }
+  }
+  return sum / count;
 }
 
 void Stamp(const Bitmap& shape, int x, int y, Bitmap& square) {
@@ -139,15 +173,21 @@ class Packer {
     for (const Shape& shape : shapes) laid_.push_back(Laid(shape.points));
     for (const Shape& shape : shapes)
       for (int f = 0; f < static_cast<int>(shape.corners.rows()); ++f) area_ += Area(shape, f);
-    order_.resize(shapes.size());
-    std::iota(order_.begin(), order_.end(), 0);
-    std::stable_sort(order_.begin(), order_.end(), [&](int a, int b) { return Extent(a) > Extent(b); });
+    for (const bool by_area : {false, true}) {
+      std::vector<int>& order = orders_[by_area];
+      order.resize(shapes.size());
+      std::iota(order.begin(), order.end(), 0);
+      std::vector<double> size;
+      for (int i = 0; i < static_cast<int>(shapes.size()); ++i)
+        size.push_back(by_area ? laid_[i].colwise().maxCoeff().prod() : laid_[i].maxCoeff());
+      std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return size[a] > size[b]; });
+    }
   }
 
   Packing Run() {
     double low = 0, high = std::sqrt(0.92 / area_);
     std::vector<Place> best;
-    for (double scale = high * 0.93; scale > 0.03 * high; scale *= 0.9) {
+    for (double scale = high * 0.93, least = 0.03 * high; scale > least; scale *= 0.9) {
       if (const auto places = Placed(scale)) {
         best = *places;
         low = scale;
@@ -175,11 +215,10 @@ class Packer {
                           r = shape.points.row(shape.corners(f, 2));
     return ((q - p).x() * (r - p).y() - (q - p).y() * (r - p).x()) / 2;
   }
-  double Extent(int i) const { return laid_[i].maxCoeff(); }
   UvsX2 Cells(int shape, int direction, double scale) const {
-    // Exact quarter turns.
     UvsX2 p = laid_[shape] * (scale * grid_);
-    for (int k = 0; k < direction; ++k) {
+    if (direction >= 4) p = Turned(p, EIGEN_PI / 4);
+    for (int k = 0; k < direction % 4; ++k) {  // exact quarter turns
       UvsX2 q(p.rows(), 2);
       q.col(0) = -p.col(1);
       q.col(1) = p.col(0);
@@ -188,19 +227,20 @@ class Packer {
     return Grounded(p);
   }
 
-  // First free cell from the bottom, then from the left; the direction that ends lowest wins.
-  std::optional<Place> Find(int shape, double scale, const Bitmap& square, Bitmap& stamp) const {
+  // First free cell from the bottom, then from the left; the direction whose area comes to lie lowest wins.
+  std::optional<Place> Find(int shape, double scale, bool low_top, const Bitmap& square, Bitmap& stamp) const {
     std::array<std::optional<Place>, kDirections> found;
-    std::array<int, kDirections> top{};
+    std::array<double, kDirections> top{};
     std::vector<Bitmap> maps(kDirections, Bitmap(1, 1));
     ParallelFor(kDirections, [&](std::int64_t d) {
       maps[d] = Dilated(Drawn(Cells(shape, static_cast<int>(d), scale), shapes_[shape].corners, gutter_), gutter_);
       const Bitmap& map = maps[d];
+      const std::vector<int> rows = TestOrder(map.height);
       for (int y = 0; y + map.height <= grid_; ++y) {
         for (int x = 0; x + map.width <= grid_; ++x) {
-          if (!Free(square, map, x, y)) continue;
+          if (!Free(square, map, rows, x, y)) continue;
           found[d] = Place{static_cast<int>(d), x, y};
-          top[d] = y + map.height;
+          top[d] = y + (low_top ? map.height : MeanRow(map));
           return;
         }
       }
@@ -214,11 +254,18 @@ class Packer {
   }
 
   std::optional<std::vector<Place>> Placed(double scale) const {
+    for (const Strategy& strategy : kStrategies) {
+      if (auto places = Placed(scale, strategy)) return places;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<std::vector<Place>> Placed(double scale, const Strategy& strategy) const {
     std::vector<Place> places(shapes_.size());
     Bitmap square(grid_, grid_);
     Bitmap stamp(1, 1);
-    for (const int shape : order_) {
-      const std::optional<Place> place = Find(shape, scale, square, stamp);
+    for (const int shape : orders_[strategy.by_area]) {
+      const std::optional<Place> place = Find(shape, scale, strategy.low_top, square, stamp);
       if (!place) return std::nullopt;
       Stamp(stamp, place->x, place->y, square);
       places[shape] = *place;
@@ -242,7 +289,7 @@ class Packer {
   int grid_ = 0, gutter_ = 0;
   double area_ = 0;
   std::vector<UvsX2> laid_;
-  std::vector<int> order_;
+  std::array<std::vector<int>, 2> orders_;
 };
 
 }  // namespace

@@ -24,7 +24,7 @@ struct Packing {
 };
 
 /// @throws QualityError  not even a thousandth of the square can be used (far too many shapes for the gutter)
-/// Bottom-left placement of bitmaps, four directions a shape, tallest first; the scale is found by bisection. Deterministic.
+/// Bottom-left placement of bitmaps, eight directions a shape, tallest first; the scale is found by bisection. Deterministic.
 Packing Pack(const std::vector<Shape>& shapes, const PackingOptions& options);
 
 }  // namespace keypose::texture

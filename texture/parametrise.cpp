@@ -18,7 +18,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLeastArea = 1e-4;  // of the area in space: thinner than that counts as flipped
+constexpr double kLeastArea = 0.02;  // of the area in space: thinner than that counts as flipped
 
 // Triangle in its own plane: corner 0 in the origin, corner 1 on the x axis, corner 2 above it.
 struct Flat {
@@ -245,6 +245,7 @@ Distortion MeasureDistortion(const Surface& surface, const Chart& chart, const U
   }
   out.mean = area > 0 ? sum / area : std::numeric_limits<double>::infinity();
   std::sort(values.begin(), values.end());
+  out.max = values.back().first;
   double below = 0;
   for (const auto& [value, weight] : values) {
     below += weight;

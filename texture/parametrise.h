@@ -15,10 +15,10 @@ namespace keypose::texture {
 /// nothing, else from Tutte's embedding with the rim on a circle. Departs: cotangents are kept in [1e-2, 1e2].
 std::optional<UvsX2> Flattened(const Surface& surface, const Chart& chart, int iterations);
 
-/// Area-weighted mean and 99th percentile of max(s1, 1 / s2) over the faces, where s1 >= s2 stretch the surface to the plane. 1 is an
-/// isometry.
+/// Area-weighted mean and 99th percentile, and maximum, of max(s1, 1 / s2) over the faces, where s1 >= s2 stretch the surface to the plane.
+/// 1 is an isometry.
 struct Distortion {
-  double mean = 1, p99 = 1;
+  double mean = 1, p99 = 1, max = 1;
 };
 Distortion MeasureDistortion(const Surface& surface, const Chart& chart, const UvsX2& uvs);
 

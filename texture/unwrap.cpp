@@ -24,7 +24,10 @@ constexpr int kFacesPerChart = 300;  // at the start, before charts are merged
 constexpr int kLloydRounds = 6;
 constexpr int kRounds = 25;  // of flattening while charts are cut and merged
 constexpr int kFinalRounds = 200;
-constexpr double kWorstDistortion = 2;   // 99th percentile within a chart
+constexpr int kSmoothPasses = 4;
+constexpr double kLargestShare = 0.12;  // of the whole area in one chart: larger ones pack badly
+constexpr double kP99Distortion = 2;    // within a chart
+constexpr double kWorstDistortion = 8;
 constexpr double kLeastFlatness = 0.35;  // |sum of normals| / area below which a merge is not even tried
 
 struct FlatChart {
@@ -40,6 +43,7 @@ class Atlas {
 
   void Cut();
   void Join();
+  void Smooth();
   void Refine();
   std::vector<FlatChart>& charts() { return charts_; }
 
@@ -65,7 +69,8 @@ std::optional<FlatChart> Atlas::TryFlat(std::vector<int> faces, int rounds) cons
   if (!uvs) return std::nullopt;
   if (flat.chart.faces.size() > 1) {
     const Distortion distortion = MeasureDistortion(surface_, flat.chart, *uvs);
-    if (!(distortion.mean <= max_distortion_) || !(distortion.p99 <= kWorstDistortion)) return std::nullopt;
+    if (!(distortion.mean <= max_distortion_) || !(distortion.p99 <= kP99Distortion) || !(distortion.max <= kWorstDistortion))
+      return std::nullopt;
   }
   flat.uvs = std::move(*uvs);
   return flat;
@@ -134,7 +139,7 @@ bool Atlas::WorthJoining(const FlatChart& a, const FlatChart& b) const {
       area += surface_.areas[f];
     }
   }
-  return sum.norm() >= kLeastFlatness * area;
+  return area <= kLargestShare * surface_.areas.sum() && sum.norm() >= kLeastFlatness * area;
 }
 
 // Goes once over the pairs, those that share most of their rims first; each chart takes part in one merge a round.
@@ -183,10 +188,37 @@ void Atlas::Join() {
   }
 }
 
+// Teeth along the seams waste texture and show as ragged seams: a face with two neighbours in another chart goes over to it.
+void Atlas::Smooth() {
+  const int face_count = static_cast<int>(surface_.faces.rows());
+  std::vector<int> label(face_count);
+  for (int c = 0; c < static_cast<int>(charts_.size()); ++c)
+    for (const int f : charts_[c].chart.faces) label[f] = c;
+  std::vector<int> size(charts_.size(), 0);
+  for (const int c : label) ++size[c];
+  for (int pass = 0; pass < kSmoothPasses; ++pass) {
+    for (int f = 0; f < face_count; ++f) {
+      for (int k = 0; k < 3; ++k) {
+        const int other = label[surface_.neighbors(f, k)];
+        if (other == label[f] || other != label[surface_.neighbors(f, (k + 1) % 3)] || size[label[f]] == 1) continue;
+        --size[label[f]];
+        ++size[other];
+        label[f] = other;
+      }
+    }
+  }
+  std::vector<std::vector<int>> work(charts_.size());
+  for (int f = 0; f < face_count; ++f) work[label[f]].push_back(f);
+  charts_.clear();
+  Settle(std::move(work));
+}
+
 // More rounds for the charts that stay; where they lead into a fold, the earlier result is kept.
 void Atlas::Refine() {
   ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t i) {
-    if (std::optional<UvsX2> uvs = Flattened(surface_, charts_[i].chart, kFinalRounds)) charts_[i].uvs = std::move(*uvs);
+    const Chart& chart = charts_[i].chart;
+    std::optional<UvsX2> uvs = Flattened(surface_, chart, kFinalRounds);
+    if (uvs && MeasureDistortion(surface_, chart, *uvs).max <= kWorstDistortion) charts_[i].uvs = std::move(*uvs);
   });
 }
 
@@ -246,6 +278,8 @@ UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress
   Step(progress, 0.05, "cutting charts");
   Atlas atlas(surface, options.max_distortion, progress);
   atlas.Cut();
+  atlas.Join();
+  atlas.Smooth();
   atlas.Join();
   Step(progress, 0.65, "flattening");
   atlas.Refine();
