@@ -141,6 +141,7 @@ void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes
     record.peak_bytes = plan.artifact->peak_bytes;
     record.when = clock_.Now();
     record.reasons = plan.reasons;
+    record.found = !made;
     if (!made && plan.last && !plan.last->fingerprint.empty()) record.reasons = Differences(plan.last->recipe, plan.recipe);
     workshop_.records.SetLast(what.id, record);
   }

@@ -28,17 +28,21 @@ class Display : public RunObserver {
   void Progressed(const std::string& step, double fraction, const std::string&) override { estimate_.Progressed(step, fraction); }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     up_to_date_ += status == "cached";
+    made_ += status == "made";
     estimate_.Finished(step, status == "cached" ? 0 : seconds);
   }
 
  protected:
   double Percent() const { return 100 * estimate_.Fraction(clock_.Now()); }
   std::optional<double> SecondsLeft() const { return estimate_.SecondsLeft(clock_.Now()); }
-  std::string UpToDateText() const { return fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s"); }
+  std::string Summary() const {
+    const std::string up_to_date = fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s");
+    return made_ ? fmt::format("{} made, {}", made_, up_to_date) : up_to_date;
+  }
 
   const Clock& clock_;
   Estimate estimate_;
-  int up_to_date_ = 0;
+  int up_to_date_ = 0, made_ = 0;
 };
 
 class Lines final : public Display {
@@ -61,7 +65,7 @@ class Lines final : public Display {
     if (status != "cached") Print(FinishedText(step, status, seconds));
   }
   void Note(const std::string& line) override { Print(line); }
-  void End() override { Print(UpToDateText()); }
+  void End() override { Print(Summary()); }
 
  private:
   void Print(const std::string& line) {
@@ -97,7 +101,7 @@ class Bars final : public Display {
   void End() override {
     running_.clear();
     Clear();
-    std::puts(UpToDateText().c_str());
+    std::puts(Summary().c_str());
   }
 
  private:

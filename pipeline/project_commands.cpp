@@ -85,7 +85,10 @@ std::string Explanation(const Plan& plan, int i) {
   } else if (step.state == StepPlan::State::kDone) {
     text = fmt::format("{} is up to date\n", id);
     if (step.last && step.last->fingerprint == step.fingerprint && !step.last->reasons.empty()) {
-      text += fmt::format("it was last made or looked up at {} because\n{}", TimeText(step.last->when), Bullets(step.last->reasons));
+      std::vector<std::string> reasons = step.last->reasons;
+      std::replace(reasons.begin(), reasons.end(), std::string("it has never run"), std::string("it had never run before"));
+      text += fmt::format("{} at {} because\n{}", step.last->found ? "it was found in the cache, and not run," : "it last ran",
+                          TimeText(step.last->when), Bullets(reasons));
     }
   } else {
     text = fmt::format("{} waits for {}; whether it runs depends on what comes out there\n", id, fmt::join(plan.WaitsFor(i), ", "));

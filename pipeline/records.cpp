@@ -25,6 +25,7 @@ std::optional<StepRecord> Records::Last(const std::string& step_id) const {
     record.peak_bytes = value.at("peak_bytes").get<std::int64_t>();
     record.when = value.at("when").get<double>();
     record.reasons = value.at("reasons").get<std::vector<std::string>>();
+    record.found = value.value("found", false);
     record.failed = value.at("failed").get<bool>();
     record.exit_code = value.at("exit_code").get<int>();
     record.failed_fingerprint = value.at("failed_fingerprint").get<std::string>();
@@ -43,6 +44,7 @@ void Records::SetLast(const std::string& step_id, const StepRecord& record) {
                       {"peak_bytes", record.peak_bytes},
                       {"when", record.when},
                       {"reasons", record.reasons},
+                      {"found", record.found},
                       {"failed", record.failed},
                       {"exit_code", record.exit_code},
                       {"failed_fingerprint", record.failed_fingerprint},

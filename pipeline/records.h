@@ -21,6 +21,7 @@ struct StepRecord {
   std::int64_t peak_bytes = 0;
   double when = 0;                   ///< seconds since 1970 of the last end
   std::vector<std::string> reasons;  ///< why it last ran
+  bool found = false;                ///< instead of running, it was found in the cache then
   bool failed = false;               ///< the last try failed
   int exit_code = 0;                 ///< of that failure
   std::string failed_fingerprint;

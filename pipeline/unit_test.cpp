@@ -14,6 +14,7 @@
 #include "pipeline/sha256.h"
 #include "pipeline/stage_info.h"
 #include "pipeline/testing/memory_disk.h"
+#include "pipeline/testing/message_of.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -21,17 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-template <class ErrorType, class Call>
-std::string MessageOf(const Call& call) {
-  try {
-    call();
-  } catch (const ErrorType& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing of the expected type was thrown";
-  return "";
-}
 
 OptionInfo NumberOption(const std::string& type) {
   OptionInfo option;
