@@ -34,7 +34,7 @@ struct Sums {
   float w, r, rr, s, ss, rs;
 };
 
-float CostOf(const Sums& sums, const RefPatch& patch, float noise_variance) {
+__attribute__((always_inline)) inline float CostOf(const Sums& sums, const RefPatch& patch, float noise_variance) {
   const float lost = 1 - sums.w / patch.weight_sum;
   if (!(lost <= kLostWeightLimit)) return kWorstCost;  // also when the window has no weight at all
   const float inverse = 1 / sums.w;
