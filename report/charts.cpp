@@ -49,25 +49,27 @@ std::string Tick(double value, double step, bool percent) {
 }
 
 std::string Grid(const Frame& frame, const ChartLabels& labels) {
-  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" width=\"100%\" role=img><text class=title x={} y=16>{}</text>", kWidth, kHeight,
-                                4, labels.title);
+  std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" width=\"100%\" role=\"img\"><text class=\"title\" x=\"{}\" y=\"16\">{}</text>",
+                                kWidth, kHeight, 4, labels.title);
   for (const double v : frame.y.Ticks()) {
     const double y = frame.Y(v);
-    svg += fmt::format("<line x1={:.1f} x2={:.1f} y1={:.1f} y2={:.1f} stroke=\"{}\"/>", kLeft, kWidth - kRight, y, y,
+    svg += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>", kLeft, kWidth - kRight, y, y,
                        std::abs(v) < 1e-12 ? "#9aa5b1" : "#e7eaee");
-    svg += fmt::format("<text x={:.1f} y={:.1f} text-anchor=end>{}</text>", kLeft - 7, y + 4, Tick(v, frame.y.step, labels.percent));
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", kLeft - 7, y + 4,
+                       Tick(v, frame.y.step, labels.percent));
   }
   for (const double v : frame.x.Ticks())
-    svg += fmt::format("<text x={:.1f} y={:.1f} text-anchor=middle>{}</text>", frame.X(v), kHeight - kBottom + 17,
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", frame.X(v), kHeight - kBottom + 17,
                        Tick(v, frame.x.step, false));
-  svg += fmt::format("<text x={:.1f} y={:.1f} text-anchor=middle>{}</text>", (kLeft + kWidth - kRight) / 2, kHeight - 4, labels.x);
+  svg +=
+      fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", (kLeft + kWidth - kRight) / 2, kHeight - 4, labels.x);
   return svg;
 }
 
 std::string LegendItem(double& x, const std::string& name, const std::string& color, bool dashed) {
-  const std::string item =
-      fmt::format("<line x1={:.1f} x2={:.1f} y1=32 y2=32 stroke=\"{}\" stroke-width=3{}/><text x={:.1f} y=36>{}</text>", x, x + 20, color,
-                  dashed ? " stroke-dasharray=\"5 3\"" : "", x + 26, name);
+  const std::string item = fmt::format(
+      "<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"32\" y2=\"32\" stroke=\"{}\" stroke-width=\"3\"{}/><text x=\"{:.1f}\" y=\"36\">{}</text>", x,
+      x + 20, color, dashed ? " stroke-dasharray=\"5 3\"" : "", x + 26, name);
   x += 44 + 7.0 * static_cast<double>(name.size());
   return item;
 }
@@ -89,10 +91,10 @@ std::string LineChart(const std::vector<Series>& series, const ChartLabels& labe
   for (const Series& s : series) {
     std::string points;
     for (std::size_t i = 0; i < s.x.size(); ++i) points += fmt::format("{:.1f},{:.1f} ", frame.X(s.x[i]), frame.Y(s.y[i]));
-    svg += fmt::format("<polyline points=\"{}\" fill=none stroke=\"{}\" stroke-width=2.2{}/>", points, s.color,
+    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.2\"{}/>", points, s.color,
                        s.dashed ? " stroke-dasharray=\"6 4\"" : "");
     for (std::size_t i = 0; i < s.x.size() && s.x.size() <= 60; ++i)
-      svg += fmt::format("<circle cx={:.1f} cy={:.1f} r=2.8 fill=\"{}\"/>", frame.X(s.x[i]), frame.Y(s.y[i]), s.color);
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.8\" fill=\"{}\"/>", frame.X(s.x[i]), frame.Y(s.y[i]), s.color);
     svg += LegendItem(legend, s.name, s.color, s.dashed);
   }
   return svg + "</svg>";
@@ -115,7 +117,7 @@ std::string HistogramChart(const std::vector<HistogramSeries>& series, double lo
       path += fmt::format("L{:.1f} {:.1f}L{:.1f} {:.1f}", left, y, right, y);
     }
     path += fmt::format("L{:.1f} {:.1f}Z", frame.X(high), frame.Y(0));
-    svg += fmt::format("<path d=\"{}\" fill=\"{}\" fill-opacity=.32 stroke=\"{}\" stroke-width=1.3/>", path, s.color, s.color);
+    svg += fmt::format("<path d=\"{}\" fill=\"{}\" fill-opacity=\".32\" stroke=\"{}\" stroke-width=\"1.3\"/>", path, s.color, s.color);
     svg += LegendItem(legend, s.name, s.color, false);
   }
   return svg + "</svg>";

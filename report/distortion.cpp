@@ -72,10 +72,15 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
   std::vector<FrameDistortion> frames;
   try {
     const json document = json::parse(text);
+    const std::vector<int> keys = document.value("key_frames", std::vector<int>());
     for (const json& entry : document.at("frames")) {
       const std::size_t i = frames.size();
-      FrameDistortion frame{Finite(entry, "t", i),           Finite(entry, "area", i),          Finite(entry, "volume", i),
-                            Finite(entry, "linear_area", i), Finite(entry, "linear_volume", i), entry.value("key", false)};
+      FrameDistortion frame{Finite(entry, "t", i),
+                            Finite(entry, "area", i),
+                            Finite(entry, "volume", i),
+                            Finite(entry, "linear_area", i),
+                            Finite(entry, "linear_volume", i),
+                            std::find(keys.begin(), keys.end(), static_cast<int>(i)) != keys.end()};
       frames.push_back(frame);
     }
   } catch (const json::exception& error) {

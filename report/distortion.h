@@ -22,8 +22,8 @@ struct DistortionRow {
   int frames = 0;
 };
 
-/// Parses distortion.json: {"frames": [{"t", "area", "volume", "linear_area", "linear_volume", ["key"]}]}; values may be relative (0 at the
-/// first key) or ratios (1 at the first key), which is found from the first frame.
+/// Parses distortion.json: {"frames": [{"t", "area", "volume", "linear_area", "linear_volume"}], "key_frames": [0, ...]}; values may be
+/// relative (0 at the first key) or ratios (1 at the first key), which is found from the first frame.
 /// @throws InputError  malformed, no frames, or a value that is not finite
 std::vector<FrameDistortion> ParseDistortion(const std::string& text);
 

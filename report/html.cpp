@@ -53,7 +53,7 @@ tr.past td{color:var(--soft)}
 .facts{display:grid;grid-template-columns:repeat(auto-fill,minmax(215px,1fr));gap:0 26px;margin:10px 0 4px}
 .facts div{display:flex;justify-content:space-between;gap:12px;border-bottom:1px solid var(--line);padding:5px 0}
 .facts span{color:var(--soft)}
-.facts b{font-weight:600;text-align:right;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
+.facts b{font-weight:600;text-align:right;min-width:4.2em;font-variant-numeric:tabular-nums;overflow-wrap:anywhere}
 figure{margin:16px 0 0}
 figcaption{color:var(--soft);font-size:13px;margin-top:6px;max-width:90ch}
 img{max-width:100%;height:auto;display:block;border-radius:6px}
@@ -125,8 +125,8 @@ std::string PrettyBytes(double bytes) {
 }
 
 std::string Percent(double share) {
-  const double p = 100 * share;
-  return std::abs(p) < 1 && p != 0 ? fmt::format("{:.2f} %", p) : fmt::format("{:.1f} %", p);
+  const double p = 100 * std::abs(share);
+  return (share < 0 ? "\u2212" : "") + (p < 1 && p != 0 ? fmt::format("{:.2f}\u00a0%", p) : fmt::format("{:.1f}\u00a0%", p));
 }
 
 std::string Base64(const std::string& bytes) {

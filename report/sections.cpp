@@ -85,15 +85,13 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   return facts;
 }
 
-std::string LandmarkTable(const StepRecord& step) {
+std::string LandmarkResiduals(const StepRecord& step) {
   const auto found = step.lists.find("landmark_residuals");
   if (found == step.lists.end()) return "";
-  Table table({"landmark", "residual, of the diagonal"});
-  for (const auto& entry : nlohmann::json::parse(found->second)) {
-    if (!entry.is_object()) continue;
-    table.Add({Escape(entry.value("name", "")), Percent(entry.value("residual_over_diag", 0.0))});
-  }
-  return table.empty() ? "" : "<h3>Landmarks</h3>" + table.Html();
+  Pairs facts;
+  for (const auto& entry : nlohmann::json::parse(found->second))
+    if (entry.is_object()) facts.emplace_back(Escape(entry.value("name", "")), Percent(entry.value("residual_over_diag", 0.0)));
+  return facts.empty() ? "" : "<h3>Landmark residuals, of the diagonal</h3>" + Facts(facts);
 }
 
 }  // namespace
@@ -198,7 +196,7 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
     html += "<h3>Registered template, coloured by its distance to the target</h3>" + Shots(pair.registered, encode);
     html += "<h3>Target, coloured by its distance to the registered template</h3>" + Shots(pair.target, encode) + scale;
   }
-  return html + LandmarkTable(step) + EverythingMeasured(step) + "</section>\n";
+  return html + LandmarkResiduals(step) + EverythingMeasured(step) + "</section>\n";
 }
 
 }  // namespace keypose::report

@@ -21,8 +21,9 @@ using Eigen::Vector3f;
 
 /// Large-scale colour is what remains when the photograph is averaged over 2^3 pixels each way.
 constexpr double kBandLevels = 3;
-/// Views agree to about this much (square root of linear light) even where nothing is wrong: noise, shading that turns with the table.
-constexpr float kLeastSpread = 0.02f, kMostSpread = 0.12f;
+/// Views support each other when their colours (square root of linear light) are about this near: noise, and shading that turns with the
+/// table.
+constexpr float kLikeness = 0.1f;
 
 /// What one view says of one texel.
 struct Vote {
@@ -34,37 +35,21 @@ struct Vote {
   int view;
 };
 
-/// Smallest value with at least `share` of the weight at or below it.
-float WeightedQuantile(std::vector<std::pair<float, float>>& value_weight, double share) {
-  std::sort(value_weight.begin(), value_weight.end());
-  double total = 0, below = 0;
-  for (const auto& [value, weight] : value_weight) total += weight;
-  for (const auto& [value, weight] : value_weight) {
-    below += weight;
-    if (below >= share * total) return value;
-  }
-  return value_weight.back().first;
-}
-
-/// Lowers the agreement of votes far from the weighted median. A little below the middle, since what deceives (lamps, white paper) is
-/// mostly bright.
-void WeighAgreement(std::vector<Vote>& votes, double scale) {
-  if (votes.size() < 2 || scale <= 0) return;
-  thread_local std::vector<std::pair<float, float>> sorted;
-  Vector3f middle;
-  for (int c = 0; c < 3; ++c) {
-    sorted.clear();
-    for (const Vote& vote : votes) sorted.emplace_back(vote.root[c], vote.say);
-    middle[c] = WeightedQuantile(sorted, 0.45);
-  }
-  sorted.clear();
-  for (const Vote& vote : votes) sorted.emplace_back((vote.root - middle).norm(), vote.say);
-  const float spread = std::clamp(1.4826f * WeightedQuantile(sorted, 0.5), kLeastSpread, kMostSpread);
+/// Lowers the agreement of votes that few others support.
+///
+/// Support is the share of the say that lies near a vote's colour. Unlike a distance to the median it changes smoothly along the surface:
+/// where lit and shaded views are about equally many both stay, and no seam appears where the majority turns.
+void WeighAgreement(std::vector<Vote>& votes, double strictness) {
+  if (votes.size() < 2 || strictness <= 0) return;
+  float most = 0;
   for (Vote& vote : votes) {
-    const float brighter = (vote.root - middle).sum() > 0 ? 1.4f : 1.0f;
-    const float r = brighter * (vote.root - middle).norm() / (static_cast<float>(scale) * spread);
-    vote.agreement = 1 / (1 + r * r * r * r);
+    float support = 0;
+    for (const Vote& other : votes)
+      support += other.say * std::exp(-0.5f * (vote.root - other.root).squaredNorm() / (kLikeness * kLikeness));
+    vote.agreement = support;
+    most = std::max(most, support);
   }
+  for (Vote& vote : votes) vote.agreement = static_cast<float>(std::pow(vote.agreement / most, strictness));
 }
 
 /// Low band as the mean of all, high band from the best.
@@ -123,7 +108,7 @@ class Painter {
   }
 
   Vector3f Color(std::vector<Vote>& votes) const {
-    WeighAgreement(votes, options_.outlier_scale);
+    WeighAgreement(votes, options_.strictness);
     return Blend(votes, options_.detail_exponent);
   }
 

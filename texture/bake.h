@@ -22,7 +22,7 @@ struct BakeOptions {
   double edge_feather = 10;
   double max_angle = 75;
   double detail_exponent = 6;
-  double outlier_scale = 2;
+  double strictness = 3;
   bool harmonize = true;
   int hold_out = 0;
 
@@ -35,8 +35,8 @@ struct BakeOptions {
     visit("max_angle", max_angle, {"views that see the surface more aslant than this do not count", "deg", 10, 89});
     visit("detail_exponent", detail_exponent,
           {"how much the best view rules in fine detail; 1 blends detail as softly as large-scale colour", "", 1, 50});
-    visit("outlier_scale", outlier_scale,
-          {"colours further than this many standard deviations from the other views' lose their weight; 0 trusts all", "sd", 0, 100});
+    visit("strictness", strictness,
+          {"how fast a colour loses weight that few other views support (lamps, wrong masks); 0 trusts all", "", 0, 20});
     visit("harmonize", harmonize, {"estimate one gain a view and channel, so that exposure and white balance agree", ""});
     visit("hold_out", hold_out,
           {"leave every n-th photograph out of the texture and report how well it is predicted; 0 uses all", "photographs", 0, 1000});
