@@ -33,7 +33,7 @@ struct RegisterOptions {
     visit("epsilon", nricp.epsilon, {"an inner loop ends when the maps change less than this", "", 0, 1, {}});
     visit("max_inner", nricp.max_inner, {"solves in one round at most", "", 1, 1000, {}});
     visit("reject_crossing", nricp.reject_crossing, {"also drop correspondences that pass through the template", "", 0, 1, {}});
-    visit("exact_solves", nricp.exact_solves, {"factor at every solve; slower, same result to 1e-5 of the diagonal", "", 0, 1, {}});
+    visit("exact_solves", nricp.exact_solves, {"factor at every solve; about three times slower, same quality", "", 0, 1, {}});
     visit("max_surface_rms", max_surface_rms, {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
     visit("max_flipped_share", max_flipped_share, {"fail when a larger share of faces is flipped", "", 0, 1, {}});
   }
