@@ -15,7 +15,7 @@ namespace keypose::reconstruct {
 /// Options of the mesh stage.
 struct MeshOptions {
   int depth = 0;      ///< octree levels; 0 chooses from the sampling: ceil(log2(diagonal / (2 spacing)))
-  int max_depth = 9;  ///< the highest that depth 0 chooses
+  int max_depth = 8;  ///< the highest that depth 0 chooses
   PoissonOptions poisson;
   PointFilterOptions filter;
   TrimOptions trim;
