@@ -60,8 +60,12 @@ void ContentHasher::Save() {
   if (!changed_) return;
   json memory = json::object();
   for (const auto& [name, entry] : entries_) memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.hash};
-  disk_.Write(memory_file_, memory.dump(0));
   changed_ = false;
+  try {
+    disk_.Write(memory_file_, memory.dump(0));
+  } catch (const DiskError&) {
+    // Only a memory: on a full or read-only disk the files are read again next time.
+  }
 }
 
 }  // namespace keypose::pipeline

@@ -24,7 +24,7 @@ class ContentHasher {
   std::string OfFile(const std::filesystem::path& path);
   /// @param cancelled  asked before each file that must be read; true makes that throw Cancelled
   void SetCancel(std::function<bool()> cancelled) { cancelled_ = std::move(cancelled); }
-  /// Writes what was learnt, if anything. @throws DiskError
+  /// Writes what was learnt, if anything and if the disk lets it.
   void Save();
   int files_read() const { return files_read_; }
 

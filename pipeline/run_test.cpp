@@ -212,7 +212,7 @@ TEST_F(RunTest, StageThatLeavesAProcessBehindDoesNotHoldTheRunUp) {
 }
 
 TEST_F(RunTest, SecondRunAtTheSameTimeExitsWith7AndNamesTheFirst) {
-  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "5000"}});
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "1500"}});
   ASSERT_TRUE(WaitForStage());
   const Ended second = Run();
   EXPECT_EQ(second.code, 7);

@@ -63,7 +63,11 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
     }
     memory.entries[unknown[i]] = {{"stamp", Stamp(unknown[i])}, {"tools", tools}, {"describe", answers[i].output}};
   }
-  if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(1));
+  try {
+    if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));
+  } catch (const DiskError&) {
+    // Only a memory: on a full or read-only disk the programs are asked again next time.
+  }
 }
 
 const StageInfo& StageCatalog::Get(const std::filesystem::path& program) const { return stages_.at(program.string()); }
