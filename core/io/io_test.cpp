@@ -97,6 +97,17 @@ TEST_F(MeshIo, DamagedFilesThrowInputErrorWithThePath) {
   EXPECT_THROW(ReadMesh(folder_ / "absent.ply"), DiskError);
 }
 
+TEST_F(MeshIo, ObjVertexThatIsNoNumberThrowsWithItsLine) {
+  for (const char* bad : {"nan", "inf", "clay"}) {
+    try {
+      ReadMesh(Put("bad.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 ") + bad + "\nf 1 2 3\n"));
+      ADD_FAILURE() << bad << " was read";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("bad.obj:3"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST_F(MeshIo, CloudKeepsConfidence) {
   PointCloud cloud;
   cloud.points = PointsX3::Random(10, 3);

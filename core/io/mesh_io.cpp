@@ -11,6 +11,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -136,7 +137,28 @@ void FillFromObj(const tinyobj::attrib_t& attributes, Mesh& mesh) {
   mesh.uvs = Eigen::Map<const UvsX2>(attributes.texcoords.data(), static_cast<Eigen::Index>(attributes.texcoords.size() / 2), 2);
 }
 
+/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the positions' own text first.
+void RequireNumbersInObj(const fs::path& path) {
+  std::ifstream in(path);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.size() < 2 || line[0] != 'v' || (line[1] != ' ' && line[1] != '\t')) continue;
+    const char* at = line.c_str() + 1;
+    for (int k = 0; k < 3; ++k) {
+      char* end = nullptr;
+      const double value = std::strtod(at, &end);
+      if (end == at || !std::isfinite(value))
+        throw InputError(
+            fmt::format("{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the file and export it again",
+                        path.string(), number, line.substr(0, 60)));
+      at = end;
+    }
+  }
+}
+
 Mesh ReadObjMesh(const fs::path& path) {
+  RequireNumbersInObj(path);
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::string warning, error;
