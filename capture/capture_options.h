@@ -1,0 +1,47 @@
+// Options of keypose-capture.
+#pragma once
+
+#include "capture/masking.h"
+#include "core/options.h"
+
+namespace keypose::capture {
+
+struct CaptureOptions {
+  int max_size = 0;  ///< longer side of the images written; 0 keeps the photographs' own
+  int min_images = 8;
+  double min_sharpness = 0.25;  ///< crispness below which a photograph counts as blurred
+  int sharpness_px = 1600;      ///< longer side at which sharpness is judged
+  double min_mask = 0.002;      ///< share of the image below which a mask counts as black
+  double max_bad_share = 0.2;   ///< more blurred or black photographs than this share stop the run
+  int jpeg_quality = 96;        ///< where pixels had to be turned or resized
+  int mask_px = 512;            ///< longer side at which masks are found
+  int mask_rounds = 3;
+  double mask_smoothness = 12;
+  double plate_difference = 6;
+
+  MaskOptions Masking() const {
+    MaskOptions masking;
+    masking.working_px = mask_px;
+    masking.rounds = mask_rounds;
+    masking.smoothness = mask_smoothness;
+    masking.plate_difference = plate_difference;
+    return masking;
+  }
+
+  void Describe(OptionVisitor& visit) {
+    visit("max_size", max_size, {"longer side of the images written; 0 keeps the photographs' size", "px", 0, 100000, {}});
+    visit("min_images", min_images, {"fewer photographs than this are an error", "", 2, 10000, {}});
+    visit("min_sharpness", min_sharpness, {"a photograph less crisp than this counts as blurred; 0 accepts all", "", 0, 1, {}});
+    visit("sharpness_px", sharpness_px, {"longer side at which sharpness is judged", "px", 64, 100000, {}});
+    visit("min_mask", min_mask, {"a mask that covers less of the image than this counts as black", "", 0, 1, {}});
+    visit("max_bad_share", max_bad_share, {"share of blurred or black photographs from which the set is refused", "", 0, 1, {}});
+    visit("jpeg_quality", jpeg_quality, {"JPEG quality where pixels had to be turned or resized", "", 50, 100, {}});
+    visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
+    visit("mask_rounds", mask_rounds, {"rounds of segmentation, each learning from the one before", "", 1, 10, {}});
+    visit("mask_smoothness", mask_smoothness, {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
+    visit("plate_difference", plate_difference,
+          {"colour difference to the background plate that tells object from set", "CIE Lab", 1, 50, {}});
+  }
+};
+
+}  // namespace keypose::capture

@@ -1,0 +1,34 @@
+// How much likelier a pixel is in one zone of a set of photographs than in another, by its colour and its local contrast.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// Labels of a pixel: which zone it belongs to.
+enum Zone : std::uint8_t { kNeither = 0, kBackground = 1, kObject = 2 };
+
+/// Smoothed histograms of two zones. Colour is Lab (32 x 64 x 64 bins); contrast is the standard deviation of lightness around a pixel,
+/// which tells a coat from the wall of the same colour behind it. Both are taken as independent.
+class ZoneOdds {
+ public:
+  /// Counts the pixels of an RGB image under its zones (one channel, values of Zone, same size).
+  void Add(const Image8& image, const Image8& zones);
+  /// Adds another's counts, `weight` times. Call before Finish.
+  void Add(const ZoneOdds& other, float weight);
+  /// Turns counts into shares; call once, after all of Add.
+  void Finish();
+  /// ln p(pixel | object) / p(pixel | background) of each pixel, clamped to +-limit.
+  ImageF Of(const Image8& image, double limit) const;
+
+ private:
+  struct Histograms {
+    std::vector<float> color, contrast;
+    float total = 0;
+  };
+  Histograms zones_[2];  // background, object
+};
+
+}  // namespace keypose::capture

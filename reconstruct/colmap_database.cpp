@@ -1,0 +1,218 @@
+#include "reconstruct/colmap_database.h"
+
+#include <sqlite3.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstring>
+
+#include "core/errors.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::int64_t kMaxImages = 2147483647;
+constexpr int kDescriptorSize = 128, kSimpleRadial = 2;
+
+constexpr const char* kSchema = R"(
+CREATE TABLE cameras (camera_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, model INTEGER NOT NULL, width INTEGER NOT NULL,
+  height INTEGER NOT NULL, params BLOB, prior_focal_length INTEGER NOT NULL);
+CREATE TABLE images (image_id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, name TEXT NOT NULL UNIQUE, camera_id INTEGER NOT NULL,
+  prior_qw REAL, prior_qx REAL, prior_qy REAL, prior_qz REAL, prior_tx REAL, prior_ty REAL, prior_tz REAL,
+  CONSTRAINT image_id_check CHECK(image_id >= 0 and image_id < 2147483647), FOREIGN KEY(camera_id) REFERENCES cameras(camera_id));
+CREATE UNIQUE INDEX index_name ON images(name);
+CREATE TABLE keypoints (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB,
+  FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+CREATE TABLE descriptors (image_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB,
+  FOREIGN KEY(image_id) REFERENCES images(image_id) ON DELETE CASCADE);
+CREATE TABLE matches (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB);
+CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY NOT NULL, rows INTEGER NOT NULL, cols INTEGER NOT NULL, data BLOB,
+  config INTEGER NOT NULL, F BLOB, E BLOB, H BLOB, qvec BLOB, tvec BLOB);
+)";
+
+[[noreturn]] void Throw(sqlite3* database, const std::string& what) {
+  throw DiskError("the matching database: " + what + ": " + (database ? sqlite3_errmsg(database) : "out of memory") +
+                  "; check free space in the temporary folder");
+}
+
+/// A prepared statement that frees itself.
+class Statement {
+ public:
+  Statement(sqlite3* database, const char* sql) : database_(database) {
+    if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK) Throw(database, sql);
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  void Bind(int at, std::int64_t value) { sqlite3_bind_int64(statement_, at, value); }
+  void Bind(int at, const std::string& value) { sqlite3_bind_text(statement_, at, value.c_str(), -1, SQLITE_TRANSIENT); }
+  void BindBlob(int at, const void* data, std::size_t bytes) {
+    sqlite3_bind_blob(statement_, at, data, static_cast<int>(bytes), SQLITE_TRANSIENT);
+  }
+  /// @return whether there is a row
+  bool Next() {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) Throw(database_, "a statement failed");
+    return code == SQLITE_ROW;
+  }
+  void RunOnce() {
+    Next();
+    sqlite3_reset(statement_);
+  }
+  std::int64_t Integer(int column) const { return sqlite3_column_int64(statement_, column); }
+  const void* Blob(int column) const { return sqlite3_column_blob(statement_, column); }
+  std::size_t Bytes(int column) const { return static_cast<std::size_t>(sqlite3_column_bytes(statement_, column)); }
+
+ private:
+  sqlite3* database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+sqlite3* OpenFile(const fs::path& path, int flags) {
+  sqlite3* database = nullptr;
+  if (sqlite3_open_v2(path.c_str(), &database, flags, nullptr) != SQLITE_OK) {
+    const std::string reason = database ? sqlite3_errmsg(database) : "out of memory";
+    sqlite3_close(database);
+    throw DiskError("cannot open the matching database " + path.string() + ": " + reason);
+  }
+  return database;
+}
+
+std::int64_t PairId(int first, int second) { return kMaxImages * (first + 1) + second + 1; }
+
+}  // namespace
+
+void ColmapDatabase::Closer::operator()(sqlite3* database) const { sqlite3_close(database); }
+ColmapDatabase::ColmapDatabase(const fs::path& path) : database_(OpenFile(path, SQLITE_OPEN_READWRITE)) {}
+ColmapDatabase::~ColmapDatabase() = default;
+ColmapDatabase::ColmapDatabase(ColmapDatabase&&) noexcept = default;
+
+void ColmapDatabase::Execute(const std::string& sql) const {
+  if (sqlite3_exec(database_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) Throw(database_.get(), "a statement failed");
+}
+
+ColmapDatabase ColmapDatabase::Create(const fs::path& path, const Camera& camera, bool focal_known,
+                                      const std::vector<std::string>& images) {
+  ColmapDatabase database(OpenFile(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE));
+  database.Execute("PRAGMA synchronous = OFF");
+  database.Execute(kSchema);
+  database.Execute("BEGIN");
+  const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
+  Statement add_camera(database.database_.get(), "INSERT INTO cameras VALUES (1, ?, ?, ?, ?, ?)");
+  add_camera.Bind(1, kSimpleRadial);
+  add_camera.Bind(2, camera.width);
+  add_camera.Bind(3, camera.height);
+  add_camera.BindBlob(4, parameters, sizeof parameters);
+  add_camera.Bind(5, focal_known ? 1 : 0);
+  add_camera.RunOnce();
+  Statement add_image(database.database_.get(), "INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, 1)");
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    add_image.Bind(1, static_cast<std::int64_t>(i + 1));
+    add_image.Bind(2, images[i]);
+    add_image.RunOnce();
+  }
+  database.Execute("COMMIT");
+  return database;
+}
+
+Features ColmapDatabase::ReadFeatures(int image) const {
+  Features features;
+  Statement keypoints(database_.get(), "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");
+  keypoints.Bind(1, image + 1);
+  if (!keypoints.Next()) return features;
+  const auto rows = keypoints.Integer(0), columns = keypoints.Integer(1);
+  Statement descriptors(database_.get(), "SELECT rows, cols, data FROM descriptors WHERE image_id = ?");
+  descriptors.Bind(1, image + 1);
+  const bool fits = descriptors.Next() && descriptors.Integer(0) == rows && descriptors.Integer(1) == kDescriptorSize &&
+                    descriptors.Bytes(2) == static_cast<std::size_t>(rows) * kDescriptorSize &&
+                    keypoints.Bytes(2) == static_cast<std::size_t>(rows * columns) * sizeof(float) && (columns == 6 || columns == 4);
+  if (!fits)
+    throw ToolError("COLMAP wrote features of an unknown form for image " + std::to_string(image + 1) + "; version 3.8 is expected");
+  const auto* values = static_cast<const float*>(keypoints.Blob(2));
+  features.positions.resize(rows, 2);
+  features.scales.resize(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const float* v = values + i * columns;
+    features.positions.row(i) << v[0], v[1];
+    features.scales(i) = columns == 6 ? std::sqrt(std::abs(v[2] * v[5] - v[3] * v[4])) : v[2];
+  }
+  const auto* bytes = static_cast<const std::uint8_t*>(descriptors.Blob(2));
+  features.descriptors.assign(bytes, bytes + rows * kDescriptorSize);
+  return features;
+}
+
+void ColmapDatabase::WriteMatches(const std::vector<PairMatches>& matches) {
+  Execute("PRAGMA synchronous = OFF");
+  Execute("BEGIN");
+  Statement add(database_.get(), "INSERT INTO matches VALUES (?, ?, 2, ?)");
+  for (const PairMatches& pair : matches) {
+    add.Bind(1, PairId(pair.first, pair.second));
+    add.Bind(2, static_cast<std::int64_t>(pair.features.size()));
+    static_assert(sizeof(pair.features[0]) == 8);
+    add.BindBlob(3, pair.features.data(), pair.features.size() * 8);
+    add.RunOnce();
+  }
+  Execute("COMMIT");
+}
+
+void ColmapDatabase::AddPairsFrom(const fs::path& other) {
+  {
+    Statement attach(database_.get(), "ATTACH ? AS other");
+    attach.Bind(1, other.string());
+    attach.RunOnce();
+  }
+  Execute("PRAGMA synchronous = OFF");
+  Execute("INSERT INTO matches SELECT * FROM other.matches ORDER BY pair_id");
+  Execute("INSERT INTO two_view_geometries SELECT * FROM other.two_view_geometries ORDER BY pair_id");
+  Execute("DETACH other");
+}
+
+std::vector<VerifiedPair> ColmapDatabase::VerifiedPairs() const {
+  const Eigen::Matrix3d k_inverse = ReadCameraMatrix().inverse();
+  std::vector<VerifiedPair> pairs;
+  Statement select(database_.get(), "SELECT pair_id, rows, config, F, E, H FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
+  while (select.Next()) {
+    const std::int64_t id = select.Integer(0);
+    VerifiedPair pair{
+        static_cast<int>(id / kMaxImages) - 1, static_cast<int>(id % kMaxImages) - 1, static_cast<int>(select.Integer(1)), {}};
+    // COLMAP's TwoViewGeometry: 2 calibrated, 3 uncalibrated, 4 to 6 planar or panoramic.
+    const auto config = select.Integer(2);
+    if (config >= 2 && config <= 6) {
+      const int column = config == 2 ? 4 : config == 3 ? 3 : 5;
+      pair.geometry.kind = config == 2 ? PairGeometry::kEssential : config == 3 ? PairGeometry::kFundamental : PairGeometry::kHomography;
+      if (select.Bytes(column) != 9 * sizeof(double))
+        throw ToolError("COLMAP wrote two-view geometries of an unknown form; version 3.8 is expected");
+      pair.geometry.matrix =
+          Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(static_cast<const double*>(select.Blob(column)));
+      if (config == 2) pair.geometry.matrix = (k_inverse.transpose() * pair.geometry.matrix * k_inverse).eval();
+    }
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+void ColmapDatabase::ReplaceInliers(const std::vector<PairMatches>& pairs) {
+  Execute("BEGIN");
+  Statement update(database_.get(), "UPDATE two_view_geometries SET rows = ?, data = ? WHERE pair_id = ?");
+  for (const PairMatches& pair : pairs) {
+    update.Bind(1, static_cast<std::int64_t>(pair.features.size()));
+    update.BindBlob(2, pair.features.data(), pair.features.size() * 8);
+    update.Bind(3, PairId(pair.first, pair.second));
+    update.RunOnce();
+  }
+  Execute("COMMIT");
+}
+
+Eigen::Matrix3d ColmapDatabase::ReadCameraMatrix() const {
+  Statement select(database_.get(), "SELECT params FROM cameras WHERE camera_id = 1");
+  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  if (!select.Next() || select.Bytes(0) < 3 * sizeof(double)) throw ToolError("the matching database has no camera");
+  const auto* p = static_cast<const double*>(select.Blob(0));
+  k(0, 0) = k(1, 1) = p[0];
+  k(0, 2) = p[1];
+  k(1, 2) = p[2];
+  return k;
+}
+
+}  // namespace keypose::reconstruct

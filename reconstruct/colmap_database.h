@@ -1,0 +1,79 @@
+// COLMAP 3.8's SQLite database: cameras, images, features, matches, two-view geometries.
+//
+// We write cameras and images ourselves, so that ids follow the names' order, and matches, which our own matcher finds; COLMAP's programs
+// add features and verified geometries. Image ids count from 1.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/camera.h"
+
+struct sqlite3;
+
+namespace keypose::reconstruct {
+
+/// Features of one image.
+struct Features {
+  Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> positions;  ///< F x 2 [px]
+  Eigen::VectorXf scales;                                              ///< F [px]
+  std::vector<std::int16_t> descriptors;                               ///< F x 128, each 0..255
+  int count() const { return static_cast<int>(scales.size()); }
+};
+
+/// Matched features of two images, first < second (0-based images).
+struct PairMatches {
+  int first = 0, second = 0;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> features;
+};
+
+/// How COLMAP relates two images.
+struct PairGeometry {
+  enum Kind { kEssential, kFundamental, kHomography, kOther } kind = kOther;
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< fundamental matrix (second^T F first = 0) or homography second <- first, in pixels
+};
+
+/// How many matches of a pair stood the geometric test.
+struct VerifiedPair {
+  int first = 0, second = 0, inliers = 0;
+  PairGeometry geometry;
+};
+
+class ColmapDatabase {
+ public:
+  /// A new database with one SIMPLE_RADIAL camera and the images in the order given.
+  /// @throws DiskError  cannot be written
+  static ColmapDatabase Create(const std::filesystem::path& path, const Camera& camera, bool focal_known,
+                               const std::vector<std::string>& images);
+  /// @throws DiskError  cannot be opened
+  explicit ColmapDatabase(const std::filesystem::path& path);
+  ~ColmapDatabase();
+  ColmapDatabase(ColmapDatabase&&) noexcept;
+  ColmapDatabase(const ColmapDatabase&) = delete;
+
+  /// Features of image i (0-based); none when COLMAP found none.
+  Features ReadFeatures(int image) const;
+  void WriteMatches(const std::vector<PairMatches>& matches);
+  /// Copies matches and two-view geometries of another database, by pair id.
+  void AddPairsFrom(const std::filesystem::path& other);
+  /// Pairs with at least one inlier, by pair id. Essential matrices are turned into fundamental ones with the camera's K.
+  std::vector<VerifiedPair> VerifiedPairs() const;
+  /// Puts other inliers in the place of a verified pair's.
+  void ReplaceInliers(const std::vector<PairMatches>& pairs);
+
+ private:
+  struct Closer {
+    void operator()(sqlite3* database) const;
+  };
+  explicit ColmapDatabase(sqlite3* database) : database_(database) {}
+  void Execute(const std::string& sql) const;
+  Eigen::Matrix3d ReadCameraMatrix() const;
+  std::unique_ptr<sqlite3, Closer> database_;
+};
+
+}  // namespace keypose::reconstruct

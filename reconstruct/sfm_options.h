@@ -1,0 +1,57 @@
+// Options of keypose-sfm.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+#include "reconstruct/descriptor_matching.h"
+#include "reconstruct/pair_list.h"
+
+namespace keypose::reconstruct {
+
+struct SfmOptions {
+  int max_image_size = 2000;      ///< longer side at which features are found
+  int max_features = 8192;        ///< per image
+  double peak_threshold = 0.002;  ///< COLMAP's default of 0.0067 leaves little on clay, plush and paint
+  bool affine_shape = true;
+  bool domain_size_pooling = false;
+  int mask_margin_px = 4;
+  int all_pairs_limit = PairListOptions{}.all_pairs_limit;
+  int neighbors = PairListOptions{}.neighbors;
+  int similar = PairListOptions{}.similar;
+  double max_ratio = MatchOptions{}.max_ratio;
+  bool guided_matching = true;
+  int min_inliers = 15;
+  double min_triangulation_deg = 1.5;
+  double min_placed = 0.6;
+  bool level = true;
+
+  PairListOptions PairList() const {
+    PairListOptions pairs;
+    pairs.all_pairs_limit = all_pairs_limit;
+    pairs.neighbors = neighbors;
+    pairs.similar = similar;
+    return pairs;
+  }
+
+  void Describe(OptionVisitor& visit) {
+    visit("max_image_size", max_image_size, {"longer side at which features are found", "px", 320, 20000, {}});
+    visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});
+    visit("peak_threshold", peak_threshold, {"least contrast of a feature; smaller finds more on weak texture", "", 1e-4, 0.1, {}});
+    visit("affine_shape", affine_shape, {"adapt features to slanted surfaces: more matches between distant views", "", 0, 1, {}});
+    visit("domain_size_pooling", domain_size_pooling, {"pool descriptors over sizes: some more matches, three times slower", "", 0, 1, {}});
+    visit("mask_margin_px", mask_margin_px, {"masks grow by this before features are looked for", "px", 0, 100, {}});
+    visit("all_pairs_limit", all_pairs_limit, {"up to this many images all pairs are matched", "", 0, 100000, {}});
+    visit("neighbors", neighbors, {"neighbours in name order, both ways round the circle, that are always matched", "", 0, 1000, {}});
+    visit("similar", similar, {"most similar images that each image is matched with", "", 0, 10000, {}});
+    visit("max_ratio", max_ratio, {"Lowe's ratio: nearest over second nearest descriptor", "", 0.1, 1, {}});
+    visit("guided_matching", guided_matching, {"match once more along epipolar lines", "", 0, 1, {}});
+    visit("min_inliers", min_inliers, {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
+    visit("min_triangulation_deg", min_triangulation_deg, {"least angle between rays of a point", "deg", 0.1, 30, {}});
+    visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
+    visit("level", level, {"turn the model upright, centre it, and scale the mean camera distance to 1", "", 0, 1, {}});
+  }
+};
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,232 @@
+// keypose-sfm: images and masks to cameras and sparse points, in an upright frame.
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+#include "core/stage/stage.h"
+#include "reconstruct/guided_matching.h"
+#include "reconstruct/leveling.h"
+#include "reconstruct/sfm_colmap.h"
+
+namespace {
+namespace fs = std::filesystem;
+using namespace keypose;
+using namespace keypose::reconstruct;
+using nlohmann::json;
+
+/// Seconds of each part of the work.
+class Stopwatch {
+ public:
+  void Lap(StageContext& stage, const std::string& name) {
+    const auto now = std::chrono::steady_clock::now();
+    stage.Report("seconds_" + name, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// The one camera: median focal length of the EXIF data, else COLMAP's guess of 1.2 times the longer side.
+Camera StartCamera(const ImageSet& set, bool& focal_known) {
+  std::vector<double> focals;
+  for (const CapturedImage& image : set.images) {
+    if (image.width != set.images[0].width || image.height != set.images[0].height)
+      throw InputError("sfm: " + image.name + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) + ", but " +
+                       set.images[0].name + " is " + std::to_string(set.images[0].width) + " x " + std::to_string(set.images[0].height) +
+                       "; one camera is assumed: run capture again");
+    if (image.focal_px > 0) focals.push_back(image.focal_px);
+  }
+  Camera camera;
+  camera.width = set.images[0].width;
+  camera.height = set.images[0].height;
+  std::sort(focals.begin(), focals.end());
+  focal_known = !focals.empty();
+  camera.fx = camera.fy = focal_known ? focals[focals.size() / 2] : 1.2 * std::max(camera.width, camera.height);
+  camera.cx = camera.width / 2.0;
+  camera.cy = camera.height / 2.0;
+  return camera;
+}
+
+std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const std::vector<ImagePair>& pairs, const SfmOptions& options,
+                                    Progress* progress) {
+  std::vector<PairMatches> matches(pairs.size());
+  MatchOptions matching;
+  matching.max_ratio = options.max_ratio;
+  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    const auto [i, j] = pairs[static_cast<std::size_t>(k)];
+    PairMatches& pair = matches[static_cast<std::size_t>(k)];
+    pair.first = i;
+    pair.second = j;
+    pair.features = MatchDescriptors(features[static_cast<std::size_t>(i)], features[static_cast<std::size_t>(j)], matching);
+  });
+  std::erase_if(matches, [&](const PairMatches& pair) { return static_cast<int>(pair.features.size()) < options.min_inliers; });
+  return matches;
+}
+
+/// Matches verified pairs once more along their epipolar lines, and keeps what is more. @return inliers gained
+int MatchAlongLines(ColmapDatabase& database, const std::vector<Features>& features, const SfmOptions& options, Progress* progress) {
+  constexpr double kMaxError_px = 4;  // COLMAP's own threshold
+  const std::vector<VerifiedPair> pairs = database.VerifiedPairs();
+  std::vector<PairMatches> guided(pairs.size());
+  MatchOptions matching;
+  matching.max_ratio = options.max_ratio;
+  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    const VerifiedPair& pair = pairs[static_cast<std::size_t>(k)];
+    if (pair.geometry.kind == PairGeometry::kOther) return;
+    PairMatches& found = guided[static_cast<std::size_t>(k)];
+    found.first = pair.first;
+    found.second = pair.second;
+    found.features = MatchGuided(features[static_cast<std::size_t>(pair.first)], features[static_cast<std::size_t>(pair.second)],
+                                 pair.geometry, matching, kMaxError_px);
+    if (static_cast<int>(found.features.size()) <= pair.inliers) found.features.clear();
+  });
+  int gained = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (!guided[k].features.empty()) gained += static_cast<int>(guided[k].features.size()) - pairs[k].inliers;
+  std::erase_if(guided, [](const PairMatches& pair) { return pair.features.empty(); });
+  database.ReplaceInliers(guided);
+  return gained;
+}
+
+json NotPlaced(const ImageSet& set, const Scene& scene) {
+  json names = json::array();
+  std::size_t next = 0;
+  for (const CapturedImage& image : set.images) {
+    while (next < scene.views.size() && scene.views[next].name < image.name) ++next;
+    if (next == scene.views.size() || scene.views[next].name != image.name) names.push_back(image.name);
+  }
+  return names;
+}
+
+void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& options) {
+  if (static_cast<double>(scene.views.size()) >= options.min_placed * static_cast<double>(set.images.size())) return;
+  std::string names;
+  for (const json& name : NotPlaced(set, scene)) names += (names.empty() ? "" : ", ") + name.get<std::string>();
+  throw InputError(
+      "sfm: the photographs do not join: only " + std::to_string(scene.views.size()) + " of " + std::to_string(set.images.size()) +
+      " could be placed in one model. Not placed: " + names +
+      ". Take more photographs between these (15 degrees apart or less, rings 20 degrees apart), in focus and evenly lit, or give the "
+      "surface more texture (speckles, fingerprints); masks that miss parts of the object also cause this (see contact_sheet.jpg)");
+}
+
+void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene, const fs::path& model) {
+  stage.Report("images_total", static_cast<int>(set.images.size()));
+  stage.Report("images_placed", static_cast<int>(scene.views.size()));
+  stage.ReportJson("not_placed", NotPlaced(set, scene).dump());
+  for (const auto& [name, value] : AnalyzeModel(stage, model)) {
+    if (name == "mean_reprojection_error")
+      stage.Report("reprojection_error_px", value);
+    else
+      stage.Report(name, value);
+  }
+  const Camera& camera = scene.views.at(0).camera;
+  stage.ReportJson("camera", json{{"model", "OPENCV"},
+                                  {"width", camera.width},
+                                  {"height", camera.height},
+                                  {"fx", camera.fx},
+                                  {"fy", camera.fy},
+                                  {"cx", camera.cx},
+                                  {"cy", camera.cy},
+                                  {"k1", camera.k1},
+                                  {"k2", camera.k2},
+                                  {"p1", camera.p1},
+                                  {"p2", camera.p2}}
+                                 .dump());
+}
+
+void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matches, const ColmapDatabase& database) {
+  int inliers = 0;
+  const auto verified = database.VerifiedPairs();
+  for (const VerifiedPair& pair : verified) inliers += pair.inliers;
+  stage.Report("pairs_tried", static_cast<int>(pairs));
+  stage.Report("pairs_matched", static_cast<int>(with_matches));
+  stage.Report("pairs_verified", static_cast<int>(verified.size()));
+  stage.Report("verified_matches", inliers);
+}
+
+/// Features and verified matches of the set, in a COLMAP database.
+void BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch) {
+  bool focal_known = false;
+  const Camera camera = StartCamera(set, focal_known);
+  std::vector<std::string> names;
+  for (const CapturedImage& image : set.images) names.push_back(image.name);
+  ColmapDatabase::Create(files.database, camera, focal_known, names);
+  WriteFeatureMasks(set, files, options.mask_margin_px);
+  ExtractFeatures(stage, set, files, options);
+  watch.Lap(stage, "features");
+  std::vector<Features> features;
+  {
+    const ColmapDatabase database(files.database);
+    for (std::size_t i = 0; i < names.size(); ++i) features.push_back(database.ReadFeatures(static_cast<int>(i)));
+  }
+  double count = 0;
+  for (const Features& f : features) count += f.count();
+  stage.Report("mean_features", count / static_cast<double>(features.size()));
+  Step(stage.progress(), 0.4, "choosing pairs");
+  const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
+  watch.Lap(stage, "pairs");
+  Step(stage.progress(), 0.45, "matching");
+  const auto matches = MatchPairs(features, pairs, options, stage.progress());
+  watch.Lap(stage, "matching");
+  Step(stage.progress(), 0.6, "verifying matches");
+  VerifyMatches(stage, files, matches, options);
+  watch.Lap(stage, "verification");
+  ColmapDatabase database(files.database);
+  if (options.guided_matching) {
+    Step(stage.progress(), 0.65, "matching along epipolar lines");
+    stage.Report("guided_gain", MatchAlongLines(database, features, options, stage.progress()));
+    watch.Lap(stage, "guided_matching");
+  }
+  ReportMatches(stage, pairs.size(), matches.size(), database);
+}
+
+void Run(StageContext& stage, const SfmOptions& options) {
+  Stopwatch watch;
+  const ImageSet set = ReadImageSet(stage.Input("images"));
+  if (set.images.size() < 3)
+    throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) + " photographs; at least 3 are needed");
+  const fs::path scratch = stage.Scratch();
+  const SfmFiles files{scratch, set.folder, scratch / "masks", scratch / "database.db"};
+  Step(stage.progress(), 0, "features");
+  BuildDatabase(stage, set, files, options, watch);
+  Step(stage.progress(), 0.7, "mapping");
+  const auto models = MapImages(stage, files, options);
+  watch.Lap(stage, "mapping");
+  Scene scene;
+  if (!models.empty()) scene = ReadColmapModel(models[0]);
+  json sizes = json::array();
+  for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
+  stage.ReportJson("model_sizes", sizes.dump());
+  RequirePlaced(set, scene, options);
+  ReportModel(stage, set, scene, models[0]);
+  if (options.level) {
+    const Leveling leveling = LevelScene(scene);
+    stage.Report("rings", leveling.rings);
+    stage.Report("centered_on_axis", leveling.centered_on_axis);
+    stage.Report("ring_plane_rms", leveling.plane_rms);
+    stage.Report("ring_circle_rms", leveling.circle_rms);
+    scene = reconstruct::Transformed(leveling.level_from_model, scene);
+  }
+  WriteColmapModel(stage.Output("model"), scene);
+}
+
+const StageSpec kSpec = {
+    .name = "sfm",
+    .version = "1",
+    .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
+    .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""}},
+    .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"}},
+    .tools = {"colmap"},
+    .cores = 0,
+    .memory_gib = 3};
+
+}  // namespace
+
+int main(int argc, char** argv) { return RunStage<SfmOptions>(argc, argv, kSpec, Run); }
