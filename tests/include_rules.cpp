@@ -28,7 +28,7 @@ std::string RoomOf(const std::string& path) {
 
 // Files are the business of a stage's own program, of tests, and of the adapters to COLMAP, which speaks in files.
 bool MayTouchFiles(const std::string& file) {
-  static const std::regex pattern(".*(_stage|_test|_bench|_colmap|/main)\\.cpp");
+  static const std::regex pattern(".*((_stage|_test|_bench|/main)\\.cpp|_colmap\\.(cpp|h))");
   return std::regex_match(file, pattern);
 }
 

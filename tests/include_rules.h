@@ -17,10 +17,10 @@ struct Breach {
 ///
 /// @param file  path from the project's root, with '/', for example "register/nricp.cpp"
 /// @param text  its contents
-/// Rules: a stage room -> itself, core, core/stage; core/io only in *_stage.cpp, main.cpp and *_test.cpp. core/stage, core/io -> core
-/// (and core/stage -> core/io/files.h, which knows no format).
-/// synth -> core, core/io. pipeline -> core, core/io. core -> core. tests, bench -> anything.
-/// Headers -> the project's own, Eigen and the standard library. CGAL, PCL, Ceres, TetGen, OpenCV and Embree only in .cpp.
+/// Rules: a stage room -> itself, core, core/stage; core/io only in *_stage.cpp, main.cpp, *_test.cpp and *_colmap.{h,cpp}. core/stage,
+/// core/io -> core (and core/stage -> core/io/files.h, which knows no format). synth -> core, core/io. pipeline -> core, core/io. core ->
+/// core. tests, bench -> anything. Headers -> the project's own, Eigen and the standard library. CGAL, PCL, Ceres, TetGen, OpenCV and
+/// Embree only in .cpp.
 std::vector<Breach> IncludeBreaches(const std::string& file, const std::string& text);
 
 /// All of the project's .h and .cpp below `root`, sorted; build folders and node_modules are not entered.
