@@ -82,6 +82,7 @@ std::vector<std::string> PhotographerOptions::Problems() const {
   require(noise >= 0 && blur_px >= 0 && blur_px < 20 && vignetting >= 0 && vignetting < 1,
           "noise and blur_px must be >= 0, vignetting in [0, 1)");
   require(supersampling >= 1 && supersampling <= 8, "supersampling must be in [1, 8]");
+  require(table_shadow >= 0 && table_shadow <= 1, "table_shadow must be in [0, 1]");
   require(ambient >= 0 && lamp >= 0 && gloss >= 0, "ambient, lamp and gloss must be >= 0");
   return problems;
 }
@@ -215,7 +216,8 @@ class Exposure {
     double share = 1;
     if (options_.shadows) {
       const double lamp = table_.At(table_lamp_, p[0], p[1]), room = table_.At(table_.sky(), p[0], p[1]);
-      share = (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
+      const double darkened = (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
+      share = 1 - options_.table_shadow * (1 - darkened);
     }
     if (plate_ && std::abs(p[0]) < plate_->width_m / 2 && std::abs(p[1]) < plate_->height_m / 2) color = open * PlateAt(x, y);
     return share * color;

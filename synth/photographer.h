@@ -33,6 +33,7 @@ struct PhotographerOptions {
   double aim_jitter = 0.004;          ///< of the camera between rings, times distance
   std::string background = "studio";  ///< studio (structured, static in the camera's frame) | plain
   bool shadows = true;
+  double table_shadow = 0.25;          ///< darkness of the shadow on the table: 1 is one lamp in a dark room, 0.25 a light tent
   double ambient = 0.42, lamp = 0.75;  ///< light on white clay, linear
   double gloss = 0.035;                ///< height of the wet highlight, linear
   double noise = 1;                    ///< sensor noise, times that of an ordinary camera

@@ -153,6 +153,7 @@ TEST(Photographer, BackgroundIsStaticAndEqualsThePlateWithoutTheCharacter) {
 TEST(Photographer, ShadowFallsAwayFromTheLamp) {
   PhotographerOptions options = Small();
   options.noise = 0;
+  options.table_shadow = 1;
   const Photographer photographer(Creature(), Creature().PoseNamed("rest"), options);
   const Image8 empty = photographer.BackgroundPlate();
   const SyntheticView photograph = photographer.Take(0);

@@ -38,6 +38,7 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   photos->add_option("--blur", c.photographer.blur_px, "standard deviation of the lens blur [px]")->capture_default_str();
   photos->add_option("--vignetting", c.photographer.vignetting, "light lost in the corners")->capture_default_str();
   photos->add_option("--backdrop", c.photographer.background, "studio | plain")->capture_default_str();
+  photos->add_option("--table-shadow", c.photographer.table_shadow, "darkness of the shadow on the table, 0 to 1")->capture_default_str();
   photos->add_flag("!--no-shadows", c.photographer.shadows, "light that nothing blocks");
   photos->add_flag("--charuco", c.photographer.plate.charuco, "a ChArUco plate under the character");
   photos->add_flag("--background-plate", c.background_plate, "also photograph the empty set");

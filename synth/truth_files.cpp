@@ -38,6 +38,7 @@ std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& 
               {"background", options.background},
               {"noise", options.noise},
               {"blur_px", options.blur_px},
+              {"table_shadow", options.table_shadow},
               {"vignetting", options.vignetting},
               {"seed", options.seed}}}};
   if (options.plate.charuco) {
