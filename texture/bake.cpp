@@ -27,9 +27,9 @@ constexpr float kLikeness = 0.1f;
 
 /// What one view says of one texel.
 struct Vote {
-  Vector3f fine, low;  ///< linear light, gain applied
-  Vector3f root;       ///< square root of `fine`: steps of about equal visibility
-  float weight;        ///< resolution, angle, trust, sharpness: its part of the blend
+  Vector3f fine, low;       ///< linear light, gain applied
+  Vector3f root, low_root;  ///< their square roots: steps of about equal visibility. A highlight shows in the low band beyond its rim
+  float weight;             ///< resolution, angle, trust, sharpness: its part of the blend
   float say;  ///< its part in what the views agree upon; flatter, since the view from straight ahead may be the one that sees the lamp
   float agreement = 1;  ///< with the other views, (0, 1]
   int view;
@@ -44,8 +44,10 @@ void WeighAgreement(std::vector<Vote>& votes, double strictness) {
   float most = 0;
   for (Vote& vote : votes) {
     float support = 0;
-    for (const Vote& other : votes)
-      support += other.say * std::exp(-0.5f * (vote.root - other.root).squaredNorm() / (kLikeness * kLikeness));
+    for (const Vote& other : votes) {
+      const float apart = (vote.root - other.root).squaredNorm() + (vote.low_root - other.low_root).squaredNorm();
+      support += other.say * std::exp(-0.5f * apart / (kLikeness * kLikeness));
+    }
     vote.agreement = support;
     most = std::max(most, support);
   }
@@ -123,6 +125,7 @@ class Painter {
     vote.fine = fine.color.cwiseProduct(gains_[v]);
     vote.low = low.color.cwiseProduct(gains_[v]);
     vote.root = vote.fine.cwiseSqrt();
+    vote.low_root = vote.low.cwiseSqrt();
     vote.weight = static_cast<float>(sighting.trust * pixels_per_texel * cosine * cosine * sharpness_[v]);
     vote.say = static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
     // A clipped pixel tells only that the surface was at least this bright: a highlight, or an overexposed photograph.
