@@ -54,7 +54,8 @@ RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d
 }  // namespace
 
 struct RayScene::Impl {
-  Impl(const PointsX3& p, const FacesX3& f) : points(p), faces(f), device(rtcNewDevice("threads=1,set_affinity=0")) {
+  Impl(const PointsX3& p, const FacesX3& f) : points(p), faces(f), device(rtcNewDevice("threads=1")) {
+    // One thread builds the tree, so that it, and with it the face of a tie, never depends on timing.
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <mutex>
 #include <random>
+#include <set>
+#include <thread>
 
 #include "core/errors.h"
 #include "core/kd_tree.h"
@@ -28,7 +32,7 @@ TEST(RayScene, ClosestPointEqualsBruteForce) {
   const RayScene scene(shape.points, shape.faces);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1.5, 2.5);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Vector3d p(uniform(random), uniform(random), uniform(random));
     double brute = 1e300;
     for (Eigen::Index f = 0; f < shape.faces.rows(); ++f) {
@@ -47,6 +51,22 @@ TEST(RayScene, ClosestPointKeepsToTheRadius) {
   const RayScene scene(sphere.points, sphere.faces);
   EXPECT_LT(scene.ClosestPoint({3, 0, 0}, 1.9).face, 0);
   EXPECT_GE(scene.ClosestPoint({3, 0, 0}, 2.1).face, 0);
+}
+
+TEST(RayScene, LeavesTheLoopsOfTheProcessTheirThreads) {
+  const Mesh sphere = MakeIcosphere(2);
+  const RayScene scene(sphere.points, sphere.faces);
+  SetThreadCount(2);
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  for (int round = 0; round < 200 && threads.size() < 2; ++round)
+    ParallelFor(64, [&](std::int64_t) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      const std::lock_guard lock(mutex);
+      threads.insert(std::this_thread::get_id());
+    });
+  SetThreadCount(0);
+  EXPECT_GE(threads.size(), 2u);
 }
 
 TEST(RayScene, EmptyMeshThrowsInputError) { EXPECT_THROW(RayScene(PointsX3(0, 3), FacesX3(0, 3)), InputError); }
