@@ -17,7 +17,7 @@ std::string Grouped(long long value) {
 
 bool LooksNumeric(const std::string& cell) {
   if (cell.empty()) return false;
-  if (cell.rfind("\u2212", 0) == 0 || cell == "\u2013") return true;
+  if (cell.rfind("\u2212", 0) == 0 || cell == "\u2013" || cell == "N/A") return true;
   return std::isdigit(static_cast<unsigned char>(cell[0])) || (cell[0] == '+' && cell.size() > 1);
 }
 
