@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 
 #include "cleanup/components.h"
 #include "cleanup/holes.h"
@@ -114,6 +115,8 @@ std::optional<Mesh> Ladder::Mended(const Mesh& mesh) {
   if (mended.face_count() > 0 && CheckClosed(mended).zero_area_faces > 0) mended = WithoutSlivers(mended, 1e-3);
   if (mended.face_count() == 0) return std::nullopt;
   OrientOutward(mended);
+  // Cutting out a crossing can cut a neck through.
+  mended = LargestPieces(mended, options_.keep_components, &result_.components_removed);
   if (Acceptable(mended)) return mended;
   return std::nullopt;
 }
@@ -181,7 +184,12 @@ Mesh Ladder::Climb() {
         return Finish(turned);
       }))
     return *mesh;
-  Fill();
+  try {
+    Fill();
+  } catch (const std::logic_error& error) {  // CGAL met a case it does not take; the wrap takes everything
+    last_fault_ = std::string("R2 fill: ") + error.what();
+    filled_ = kept_;
+  }
   Step(progress_, 0.4, "holes filled");
   // Pieces that belong together but are not joined: only the wrap makes one surface of them.
   const bool apart = options_.keep_components == 1 && FindPieces(filled_).list.size() > 1;
@@ -216,13 +224,18 @@ bool KeptAsIs(const Mesh& surface, const Mesh& normalized, const CleanupOptions&
 }  // namespace
 
 void CleanupOptions::Describe(OptionVisitor& visit) {
-  visit("faces", faces, {"wanted number of faces; surfaces with more are remeshed to it within 2 %", "faces", 100, 5000000, {}});
-  visit("refine", refine, {"also remesh surfaces that have fewer faces than wanted", "", 0, 1, {}});
-  visit("remesh", remesh, {"equal triangles, or more of them where the surface bends", "", 0, 0, {"uniform", "adaptive"}});
-  visit("keep_components", keep_components, {"pieces of the result, largest first; 0 keeps all", "pieces", 0, 1000000, {}});
-  visit("min_component", min_component, {"pieces with less than this share of the largest one's area are dropped", "", 0, 1, {}});
-  visit("wrap", wrap, {"allow an alpha wrap when local repair fails", "", 0, 1, {}});
-  visit("wrap_alpha", wrap_alpha, {"alpha of the wrap over the diagonal; 0 chooses it from faces", "", 0, 0.2, {}});
+  visit("faces", faces,
+        {.help = "wanted number of faces; surfaces with more are remeshed to it within 2 %", .unit = "faces", .min = 100, .max = 5000000});
+  visit("refine", refine, {.help = "also remesh surfaces that have fewer faces than wanted", .unit = ""});
+  visit("remesh", remesh,
+        {.help = "equal triangles, or more of them where the surface bends", .unit = "", .choices = {"uniform", "adaptive"}});
+  visit("keep_components", keep_components,
+        {.help = "pieces of the result, largest first; 0 keeps all", .unit = "pieces", .min = 0, .max = 1000000});
+  visit("min_component", min_component,
+        {.help = "pieces with less than this share of the largest one's area are dropped", .unit = "", .min = 0, .max = 1});
+  visit("wrap", wrap, {.help = "allow an alpha wrap when local repair fails", .unit = ""});
+  visit("wrap_alpha", wrap_alpha,
+        {.help = "alpha of the wrap over the diagonal; 0 chooses it from faces", .unit = "", .min = 0, .max = 0.2});
 }
 
 CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress) {
