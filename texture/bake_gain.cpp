@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -14,9 +16,13 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// More than this between two photographs of one pose is no exposure, but an error of this estimate.
+constexpr double kMostGain = 3;
+
 struct Observation {
   int view;
   double weight;
+  double slant;  ///< -log of the cosine to the eye
   Vector3d log_color;
 };
 using Observations = std::vector<std::vector<Observation>>;  // one list a surface point
@@ -37,45 +43,68 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, int s
           const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel, 1.5).color;
           // Near black the logarithm is noise, near white the sensor has clipped.
           if (color.minCoeff() < 0.004f || color.maxCoeff() > 0.93f) continue;
-          lists[i].push_back({v, sighting.trust * cosine, color.cast<double>().array().log().matrix()});
+          lists[i].push_back({v, sighting.trust * cosine, -std::log(cosine), color.cast<double>().array().log().matrix()});
         }
       },
       64);
   return lists;
 }
 
-/// One round of weighted least squares for the log gains of a channel. `gain` enters only through the outlier weights.
-VectorXd SolveRound(const Observations& lists, int channel, const VectorXd& gain, double scale) {
-  const int n = static_cast<int>(gain.size());
-  MatrixXd matrix = MatrixXd::Zero(n, n);
-  VectorXd right = VectorXd::Zero(n);
+/// The unknowns of a channel: a log gain for each view, and how fast brightness falls with the slant of the surface (1 for a flash on the
+/// camera, about 0 for a room's light). Without the last one, views that mostly see slanted surface would be taken for dark ones.
+struct Unknowns {
+  VectorXd log_gain;
+  double falloff = 0;
+  double Corrected(const Observation& o, int channel) const { return o.log_color[channel] + log_gain[o.view] + falloff * o.slant; }
+};
+
+/// Outlier weights of one point's observations under the present estimate.
+void Weigh(const std::vector<Observation>& list, int channel, const Unknowns& unknowns, double scale, std::vector<double>& weights) {
+  double total = 0, mean = 0;
+  for (const Observation& o : list) {
+    total += o.weight;
+    mean += o.weight * unknowns.Corrected(o, channel);
+  }
+  mean /= total;
+  weights.clear();
+  for (const Observation& o : list) {
+    const double r = (unknowns.Corrected(o, channel) - mean) / scale;
+    weights.push_back(o.weight / ((1 + r * r) * (1 + r * r)));
+  }
+}
+
+/// One round of weighted least squares, each point's own colour eliminated.
+Unknowns SolveRound(const Observations& lists, int channel, const Unknowns& before, double scale) {
+  const int n = static_cast<int>(before.log_gain.size());
+  MatrixXd matrix = MatrixXd::Zero(n + 1, n + 1);
+  VectorXd right = VectorXd::Zero(n + 1);
   std::vector<double> weights;
   for (const auto& list : lists) {
     if (list.size() < 2) continue;
-    double total = 0, mean = 0;
-    for (const Observation& o : list) {
-      total += o.weight;
-      mean += o.weight * (o.log_color[channel] + gain[o.view]);
-    }
-    mean /= total;
-    weights.clear();
-    double sum = 0, sum_log = 0;
-    for (const Observation& o : list) {
-      const double r = (o.log_color[channel] + gain[o.view] - mean) / scale;
-      weights.push_back(o.weight / ((1 + r * r) * (1 + r * r)));
-      sum += weights.back();
-      sum_log += weights.back() * o.log_color[channel];
+    Weigh(list, channel, before, scale, weights);
+    double sum = 0, sum_log = 0, sum_slant = 0;
+    for (std::size_t a = 0; a < list.size(); ++a) {
+      sum += weights[a];
+      sum_log += weights[a] * list[a].log_color[channel];
+      sum_slant += weights[a] * list[a].slant;
     }
     for (std::size_t a = 0; a < list.size(); ++a) {
-      right[list[a].view] -= weights[a] * (list[a].log_color[channel] - sum_log / sum);
-      matrix(list[a].view, list[a].view) += weights[a];
-      for (std::size_t b = 0; b < list.size(); ++b) matrix(list[a].view, list[b].view) -= weights[a] * weights[b] / sum;
+      const int v = list[a].view;
+      const double slant = list[a].slant - sum_slant / sum, log_color = list[a].log_color[channel] - sum_log / sum;
+      right[v] -= weights[a] * log_color;
+      right[n] -= weights[a] * slant * log_color;
+      matrix(v, v) += weights[a];
+      for (std::size_t b = 0; b < list.size(); ++b) matrix(v, list[b].view) -= weights[a] * weights[b] / sum;
+      matrix(v, n) += weights[a] * slant;
+      matrix(n, v) += weights[a] * slant;
+      matrix(n, n) += weights[a] * slant * slant;
     }
   }
-  // Only differences of log gains are known; this holds their mean, and views without neighbours, at zero.
-  const double anchor = 1e-5 * std::max(matrix.trace() / n, 1e-9);
-  matrix.diagonal().array() += anchor;
-  return matrix.ldlt().solve(right);
+  // Only differences of log gains are known; this holds their mean, and views without neighbours, at zero. Shading that the model does not
+  // know pulls whole rings of views apart a little; gains are believed only as far as the photographs insist.
+  matrix.diagonal().array() += 0.05 * std::max(matrix.diagonal().head(n).mean(), 1e-9);
+  const VectorXd solved = matrix.ldlt().solve(right);
+  return {solved.head(n), solved[n]};
 }
 
 }  // namespace
@@ -83,14 +112,21 @@ VectorXd SolveRound(const Observations& lists, int channel, const VectorXd& gain
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views, int samples) {
   const Observations lists = Observe(mesh, views, samples);
   const int n = static_cast<int>(views.size());
-  std::vector<Eigen::Vector3f> gains(n, Eigen::Vector3f::Ones());
+  MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
-    VectorXd gain = VectorXd::Zero(n);
+    Unknowns unknowns{VectorXd::Zero(n), 0};
     // Graduated: nearly plain least squares first, then only what lies within a few per cent counts fully.
-    for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15}) gain = SolveRound(lists, channel, gain, scale);
-    gain.array() -= gain.mean();
-    for (int v = 0; v < n; ++v) gains[v][channel] = static_cast<float>(std::clamp(std::exp(gain[v]), 0.5, 2.0));
+    for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15}) unknowns = SolveRound(lists, channel, unknowns, scale);
+    log_gains.col(channel) = unknowns.log_gain;
   }
+  std::vector<int> by_brightness(n);
+  std::iota(by_brightness.begin(), by_brightness.end(), 0);
+  std::sort(by_brightness.begin(), by_brightness.end(),
+            [&](int a, int b) { return std::pair(log_gains.row(a).sum(), a) < std::pair(log_gains.row(b).sum(), b); });
+  const Eigen::RowVector3d reference = log_gains.row(by_brightness[n / 3]);
+  std::vector<Eigen::Vector3f> gains(n);
+  for (int v = 0; v < n; ++v)
+    gains[v] = (log_gains.row(v) - reference).array().exp().max(1.0 / kMostGain).min(kMostGain).cast<float>().matrix().transpose();
   return gains;
 }
 

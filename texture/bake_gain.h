@@ -8,11 +8,12 @@
 
 namespace keypose::texture {
 
-/// Factors on linear light, one row a view, geometric mean 1 in each channel, each in [0.5, 2]; 1 where a view shares nothing.
+/// Factors on linear light, one row a view, each in [1/3, 3]. The view a third of the way down from the brightest keeps its colours, so
+/// that the texture is exposed like a good photograph of the set. Views that share nothing with others are left nearly as they are.
 ///
-/// Robust least squares of log colours at points spread over the surface, the colour of the surface eliminated (Goldman's and texrecon's
-/// global adjustment; the normal matrix is views x views). A highlight or a wrong mask is an outlier and loses its say. Deterministic; the
-/// same bits for any thread count.
+/// Robust least squares of log colours at points spread over the surface, the colour of the surface eliminated (as in
+/// Waechter et al., ECCV 2014; the normal matrix is views x views). A highlight or a wrong mask is an outlier and loses its say.
+/// Deterministic; the same bits for any thread count.
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views, int samples = 6000);
 
 }  // namespace keypose::texture

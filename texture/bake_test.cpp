@@ -378,7 +378,7 @@ TEST(HarmonizeGains, FindsOneAndOnePointTwo) {
   const BakeResult result = BakeAll(mesh, views, photographs);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(result.gains[0][k] / result.gains[1][k], 1.2, 0.012);
-    EXPECT_NEAR(result.gains[0][k] * result.gains[1][k], 1, 1e-3);
+    EXPECT_EQ(result.gains[1][k], 1);  // the brighter one keeps its colours
   }
 }
 
