@@ -5,6 +5,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -17,7 +18,7 @@ constexpr double kSquaredLength = 512.0 * 512.0;
 
 constexpr int kLanes = 16;                    // descriptors side by side in a packed block
 constexpr int kPackedBlock = kLanes * kSize;  // 16-bit numbers of a block
-constexpr int kRows = 4;                      // descriptors of a that one pass over a block serves
+constexpr int kRows = 8;                      // descriptors of a that one pass over a block serves
 
 /// Blocks of 16 descriptors with their dimensions interleaved two by two, as the multiply-add instruction wants them; zero-filled.
 std::vector<std::int16_t> Packed(const Features& features) {
@@ -31,41 +32,76 @@ std::vector<std::int16_t> Packed(const Features& features) {
   return packed;
 }
 
-using DotBlock = void (*)(const std::int16_t* const rows[kRows], const std::int16_t* block, std::int32_t dots[kRows][kLanes]);
+struct Dots {
+  alignas(64) std::int32_t value[kRows][kLanes];
+  std::uint32_t above[kRows];  ///< bit for each lane whose value exceeds the least that counts
+};
 
-/// Dot products of 4 descriptors with the 16 of a block.
-void DotBlockPortable(const std::int16_t* const rows[kRows], const std::int16_t* block, std::int32_t dots[kRows][kLanes]) {
+using DotBlock = void (*)(const std::int16_t* const rows[kRows], const std::int16_t* block, std::int32_t least, Dots& dots);
+
+/// Dot products of 8 descriptors with the 16 of a block.
+void DotBlockPortable(const std::int16_t* const rows[kRows], const std::int16_t* block, std::int32_t least, Dots& dots) {
   for (int r = 0; r < kRows; ++r) {
-    for (int lane = 0; lane < kLanes; ++lane) dots[r][lane] = 0;
+    for (int lane = 0; lane < kLanes; ++lane) dots.value[r][lane] = 0;
     for (int k = 0; k < kSize; k += 2)
       for (int lane = 0; lane < kLanes; ++lane)
-        dots[r][lane] += rows[r][k] * block[k * kLanes + 2 * lane] + rows[r][k + 1] * block[k * kLanes + 2 * lane + 1];
+        dots.value[r][lane] += rows[r][k] * block[k * kLanes + 2 * lane] + rows[r][k + 1] * block[k * kLanes + 2 * lane + 1];
+    dots.above[r] = 0;
+    for (int lane = 0; lane < kLanes; ++lane) dots.above[r] |= static_cast<std::uint32_t>(dots.value[r][lane] > least) << lane;
   }
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void DotBlockAvx2(const std::int16_t* const rows[kRows], const std::int16_t* block,
-                                                  std::int32_t dots[kRows][kLanes]) {
-  __m256i sums[kRows][2];
-  for (auto& row : sums) row[0] = row[1] = _mm256_setzero_si256();
+__attribute__((target("avx2"))) void DotBlockAvx2(const std::int16_t* const rows[kRows], const std::int16_t* block, std::int32_t least,
+                                                  Dots& dots) {
+  constexpr int kHalf = kRows / 2;  // as many sums as there are registers for
+  for (int start = 0; start < kRows; start += kHalf) {
+    __m256i sums[kHalf][2];
+    for (auto& row : sums) row[0] = row[1] = _mm256_setzero_si256();
+    for (int k = 0; k < kSize; k += 2) {
+      const auto* at = reinterpret_cast<const __m256i*>(block + k * kLanes);
+      const __m256i low = _mm256_loadu_si256(at), high = _mm256_loadu_si256(at + 1);
+      for (int r = 0; r < kHalf; ++r) {
+        std::int32_t two;
+        std::memcpy(&two, rows[start + r] + k, sizeof two);
+        const __m256i both = _mm256_set1_epi32(two);
+        sums[r][0] = _mm256_add_epi32(sums[r][0], _mm256_madd_epi16(both, low));
+        sums[r][1] = _mm256_add_epi32(sums[r][1], _mm256_madd_epi16(both, high));
+      }
+    }
+    for (int r = 0; r < kHalf; ++r) {
+      dots.above[start + r] = 0;
+      for (int h = 0; h < 2; ++h) {
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(dots.value[start + r] + 8 * h), sums[r][h]);
+        const int mask = _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(sums[r][h], _mm256_set1_epi32(least))));
+        dots.above[start + r] |= static_cast<std::uint32_t>(mask) << (8 * h);
+      }
+    }
+  }
+}
+
+__attribute__((target("avx512f,avx512vnni"))) void DotBlockVnni(const std::int16_t* const rows[kRows], const std::int16_t* block,
+                                                                std::int32_t least, Dots& dots) {
+  __m512i sums[kRows];
+  for (__m512i& sum : sums) sum = _mm512_setzero_si512();
   for (int k = 0; k < kSize; k += 2) {
-    const auto* at = reinterpret_cast<const __m256i*>(block + k * kLanes);
-    const __m256i low = _mm256_loadu_si256(at), high = _mm256_loadu_si256(at + 1);
+    const __m512i lanes = _mm512_loadu_si512(block + k * kLanes);
     for (int r = 0; r < kRows; ++r) {
       std::int32_t two;
       std::memcpy(&two, rows[r] + k, sizeof two);
-      const __m256i both = _mm256_set1_epi32(two);
-      sums[r][0] = _mm256_add_epi32(sums[r][0], _mm256_madd_epi16(both, low));
-      sums[r][1] = _mm256_add_epi32(sums[r][1], _mm256_madd_epi16(both, high));
+      sums[r] = _mm512_dpwssd_epi32(sums[r], _mm512_set1_epi32(two), lanes);
     }
   }
-  for (int r = 0; r < kRows; ++r)
-    for (int h = 0; h < 2; ++h) _mm256_storeu_si256(reinterpret_cast<__m256i*>(dots[r] + 8 * h), sums[r][h]);
+  for (int r = 0; r < kRows; ++r) {
+    _mm512_storeu_si512(dots.value[r], sums[r]);
+    dots.above[r] = _mm512_cmpgt_epi32_mask(sums[r], _mm512_set1_epi32(least));
+  }
 }
 #endif
 
 DotBlock ChooseDotBlock() {
 #if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512vnni")) return DotBlockVnni;
   if (__builtin_cpu_supports("avx2")) return DotBlockAvx2;
 #endif
   return DotBlockPortable;
@@ -104,20 +140,20 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchDescriptors(const Feat
   std::vector<NearestTwo> of_a(static_cast<std::size_t>(a.count())), of_b(static_cast<std::size_t>(b.count()));
   const std::vector<std::int16_t> packed = Packed(b);
   const int blocks = (b.count() + kLanes - 1) / kLanes, least = std::max(0, LeastDot(options));
-  alignas(32) std::int32_t dots[kRows][kLanes];
+  Dots dots;
   for (int tile = 0; tile < blocks; tile += kTile)
     for (int i = 0; i < a.count(); i += kRows) {
       const int rows_here = std::min(kRows, a.count() - i);
       const std::int16_t* rows[kRows];
       for (int r = 0; r < kRows; ++r) rows[r] = a.descriptors.data() + static_cast<std::ptrdiff_t>(i + std::min(r, rows_here - 1)) * kSize;
       for (int block = tile; block < std::min(blocks, tile + kTile); ++block) {
-        dot_block(rows, packed.data() + static_cast<std::ptrdiff_t>(block) * kPackedBlock, dots);
+        dot_block(rows, packed.data() + static_cast<std::ptrdiff_t>(block) * kPackedBlock, least, dots);
         for (int r = 0; r < rows_here; ++r)
-          for (int lane = 0; lane < kLanes; ++lane) {
-            const int j = block * kLanes + lane;
-            if (dots[r][lane] <= least || j >= b.count()) continue;
-            of_a[static_cast<std::size_t>(i + r)].Offer(dots[r][lane], j);
-            of_b[static_cast<std::size_t>(j)].Offer(dots[r][lane], i + r);
+          for (std::uint32_t above = dots.above[r]; above != 0; above &= above - 1) {
+            const int lane = std::countr_zero(above), j = block * kLanes + lane;
+            if (j >= b.count()) continue;
+            of_a[static_cast<std::size_t>(i + r)].Offer(dots.value[r][lane], j);
+            of_b[static_cast<std::size_t>(j)].Offer(dots.value[r][lane], i + r);
           }
       }
     }

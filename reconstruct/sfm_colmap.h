@@ -7,6 +7,7 @@
 
 #include "core/io/image_set.h"
 #include "core/stage/stage.h"
+#include "reconstruct/bundle_adjustment.h"
 #include "reconstruct/colmap_database.h"
 #include "reconstruct/sfm_options.h"
 
@@ -29,6 +30,12 @@ void VerifyMatches(StageContext& stage, const SfmFiles& files, const std::vector
 
 /// Incremental mapping on one thread (sums over threads depend on their number). @return model folders, most images first
 std::vector<std::filesystem::path> MapImages(StageContext& stage, const SfmFiles& files, const SfmOptions& options);
+
+/// The features that COLMAP joined into the points of a model.
+/// @param scene  the same model as ReadColmapModel gives it
+/// @param features  of all images of the set
+std::vector<Observation> ReadObservations(const std::filesystem::path& model, const ImageSet& set, const Scene& scene,
+                                          const std::vector<Features>& features);
 
 /// What `colmap model_analyzer` says, as name and number.
 std::vector<std::pair<std::string, double>> AnalyzeModel(StageContext& stage, const std::filesystem::path& model);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -146,6 +147,38 @@ std::vector<fs::path> MapImages(StageContext& stage, const SfmFiles& files, cons
   std::vector<fs::path> folders;
   for (auto& model : models) folders.push_back(std::move(model.second));
   return folders;
+}
+
+std::vector<Observation> ReadObservations(const fs::path& model, const ImageSet& set, const Scene& scene,
+                                          const std::vector<Features>& features) {
+  // COLMAP's layout: a count, then for each point id, position, colour, error, track length, and (image id, feature) pairs. The points
+  // come in the order in which ReadColmapModel reads them.
+  const std::string bytes = ReadFile(model / "points3D.bin");
+  std::size_t at = 0;
+  const auto get = [&]<class T>(T) {
+    T value;
+    if (at + sizeof(T) > bytes.size()) throw ToolError("COLMAP's points3D.bin is truncated");
+    std::memcpy(&value, bytes.data() + at, sizeof(T));
+    at += sizeof(T);
+    return value;
+  };
+  std::vector<int> view_of(set.images.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of[static_cast<std::size_t>(i)] = static_cast<int>(v);
+  std::vector<Observation> observations;
+  const auto points = get(std::uint64_t{});
+  for (std::uint64_t p = 0; p < points; ++p) {
+    at += 8 + 3 * 8 + 3 + 8;
+    const auto length = get(std::uint64_t{});
+    for (std::uint64_t t = 0; t < length; ++t) {
+      const std::size_t image = get(std::uint32_t{}) - 1U;
+      const auto feature = static_cast<Eigen::Index>(get(std::uint32_t{}));
+      if (image >= set.images.size() || view_of[image] < 0 || feature >= features[image].count())
+        throw ToolError("COLMAP's points3D.bin names a feature that is not there");
+      observations.push_back({view_of[image], static_cast<int>(p), features[image].positions.row(feature).transpose().cast<double>()});
+    }
+  }
+  return observations;
 }
 
 std::vector<std::pair<std::string, double>> AnalyzeModel(StageContext& stage, const fs::path& model) {

@@ -24,6 +24,7 @@ struct SfmOptions {
   bool guided_matching = true;
   int min_inliers = 15;
   double min_triangulation_deg = 1.5;
+  bool refine_camera = true;
   double min_placed = 0.6;
   bool level = true;
 
@@ -49,6 +50,7 @@ struct SfmOptions {
     visit("guided_matching", guided_matching, {"match once more along epipolar lines", "", 0, 1, {}});
     visit("min_inliers", min_inliers, {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
     visit("min_triangulation_deg", min_triangulation_deg, {"least angle between rays of a point", "deg", 0.1, 30, {}});
+    visit("refine_camera", refine_camera, {"adjust all once more with principal point and four distortion terms", "", 0, 1, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
     visit("level", level, {"turn the model upright, centre it, and scale the mean camera distance to 1", "", 0, 1, {}});
   }

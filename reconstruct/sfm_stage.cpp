@@ -151,8 +151,9 @@ void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matc
   stage.Report("verified_matches", inliers);
 }
 
-/// Features and verified matches of the set, in a COLMAP database.
-void BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch) {
+/// Features and verified matches of the set, in a COLMAP database. @return the features
+std::vector<Features> BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options,
+                                    Stopwatch& watch) {
   bool focal_known = false;
   const Camera camera = StartCamera(set, focal_known);
   std::vector<std::string> names;
@@ -185,6 +186,29 @@ void BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
     watch.Lap(stage, "guided_matching");
   }
   ReportMatches(stage, pairs.size(), matches.size(), database);
+  return features;
+}
+
+/// The model with the full camera: COLMAP's one distortion term is a start.
+Scene Refined(StageContext& stage, const Scene& scene, const std::vector<Observation>& observations) {
+  BundleOptions options;
+  // With few views the principal point hides in the poses.
+  options.refine_principal_point = scene.views.size() >= 12;
+  options.refine_distortion = scene.views.size() >= 12;
+  BundleResult result = AdjustBundle(scene, observations, options, stage.progress());
+  stage.Report("colmap_reprojection_error_px", result.before_px);
+  stage.Report("refined_reprojection_error_px", result.after_px);
+  stage.Report("observations_dropped", result.dropped);
+  return std::move(result.scene);
+}
+
+Scene Leveled(StageContext& stage, const Scene& scene) {
+  const Leveling leveling = LevelScene(scene);
+  stage.Report("rings", leveling.rings);
+  stage.Report("centered_on_axis", leveling.centered_on_axis);
+  stage.Report("ring_plane_rms", leveling.plane_rms);
+  stage.Report("ring_circle_rms", leveling.circle_rms);
+  return reconstruct::Transformed(leveling.level_from_model, scene);
 }
 
 void Run(StageContext& stage, const SfmOptions& options) {
@@ -195,7 +219,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   const fs::path scratch = stage.Scratch();
   const SfmFiles files{scratch, set.folder, scratch / "masks", scratch / "database.db"};
   Step(stage.progress(), 0, "features");
-  BuildDatabase(stage, set, files, options, watch);
+  const std::vector<Features> features = BuildDatabase(stage, set, files, options, watch);
   Step(stage.progress(), 0.7, "mapping");
   const auto models = MapImages(stage, files, options);
   watch.Lap(stage, "mapping");
@@ -205,16 +229,13 @@ void Run(StageContext& stage, const SfmOptions& options) {
   for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
   stage.ReportJson("model_sizes", sizes.dump());
   RequirePlaced(set, scene, options);
-  ReportModel(stage, set, scene, models[0]);
-  if (options.level) {
-    const Leveling leveling = LevelScene(scene);
-    stage.Report("rings", leveling.rings);
-    stage.Report("centered_on_axis", leveling.centered_on_axis);
-    stage.Report("ring_plane_rms", leveling.plane_rms);
-    stage.Report("ring_circle_rms", leveling.circle_rms);
-    scene = reconstruct::Transformed(leveling.level_from_model, scene);
-  }
-  WriteColmapModel(stage.Output("model"), scene);
+  Step(stage.progress(), 0.9, "bundle adjustment");
+  if (options.refine_camera) scene = Refined(stage, scene, ReadObservations(models[0], set, scene, features));
+  watch.Lap(stage, "refinement");
+  if (options.level) scene = Leveled(stage, scene);
+  const fs::path output = stage.Output("model");
+  WriteColmapModel(output, scene);
+  ReportModel(stage, set, scene, output);
 }
 
 const StageSpec kSpec = {

@@ -1,0 +1,221 @@
+// keypose-capture as its users run it: exit codes, messages, files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "capture/capture_test_images.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+
+namespace keypose::capture {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string output;
+};
+
+class CaptureProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "capture_test_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    root = pattern;
+    photos = root / "photos";
+    images = root / "images";
+    fs::create_directories(photos);
+  }
+  void TearDown() override { fs::remove_all(root); }
+
+  void WritePhotos(int count, int width = 180, int height = 120, const ExifToWrite* exif = nullptr) {
+    for (int i = 0; i < count; ++i)
+      WriteImage(photos / ("p" + std::to_string(10 + i) + ".jpg"), MakeTestPhoto(i, width, height, TestWall::kDark).image, 95, exif);
+  }
+
+  Outcome Run(const std::string& more = "") const {
+    const fs::path log = root / "log.txt";
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --photos " + photos.string() + " --images " +
+                                images.string() + " --report " + (root / "report.json").string() + " " + more + " > " + log.string() +
+                                " 2>&1";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
+  }
+  std::string Report() const { return ReadFile(root / "report.json"); }
+
+  fs::path root, photos, images;
+};
+
+TEST_F(CaptureProgram, KeepsJpegBytesAndWritesMasksListAndSheet) {
+  ExifToWrite exif;
+  exif.focal_35mm = 60;
+  exif.make = "Maker";
+  exif.model = "Model";
+  WritePhotos(9, 180, 120, &exif);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 9U);
+  EXPECT_DOUBLE_EQ(set.images[0].focal_px, 60.0 / 36 * 180);
+  EXPECT_EQ(ReadFile(images / "p10.jpg"), ReadFile(photos / "p10.jpg"));
+  const Image8 mask = ReadImage(images / "masks/p10.jpg.png", 1), truth = MakeTestPhoto(0, 180, 120, TestWall::kDark).truth;
+  double both = 0, either = 0;
+  for (std::size_t i = 0; i < mask.data.size(); ++i) both += mask.data[i] && truth.data[i], either += mask.data[i] || truth.data[i];
+  EXPECT_GT(both / either, 0.94);
+  EXPECT_TRUE(fs::exists(images / "contact_sheet.jpg"));
+}
+
+TEST_F(CaptureProgram, TwoRunsGiveTheSameBytes) {
+  WritePhotos(8);
+  ASSERT_EQ(Run().code, 0);
+  const std::string first = ReadFile(images / "capture.json") + ReadFile(images / "masks/p12.jpg.png");
+  fs::remove_all(images);
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_EQ(ReadFile(images / "capture.json") + ReadFile(images / "masks/p12.jpg.png"), first);
+}
+
+TEST_F(CaptureProgram, PhotographsWithoutExifAreAccepted) {
+  WritePhotos(8);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("no focal length"));
+  EXPECT_THAT(Report(), HasSubstr("\"focal_known\": false"));
+}
+
+TEST_F(CaptureProgram, ReadsPngAndTiffAndTurnsPortraits) {
+  WritePhotos(6);
+  WriteImage(photos / "q.png", MakeTestPhoto(6, 180, 120, TestWall::kDark).image);
+  WriteImage(photos / "r.tif", MakeTestPhoto(7, 180, 120, TestWall::kDark).image);
+  WriteImage(photos / "s.jpg", MakeTestPhoto(8, 120, 180, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 9U);
+  for (const CapturedImage& image : set.images) EXPECT_EQ(image.width, 180) << image.name;
+  EXPECT_EQ(ReadImageInfo(images / "s.jpg").height, 120);
+}
+
+TEST_F(CaptureProgram, AppliesExifOrientationToPixels) {
+  ExifToWrite exif;
+  exif.orientation = 6;
+  WritePhotos(8, 180, 120, &exif);
+  ASSERT_EQ(Run().code, 0);
+  const ImageInfo info = ReadImageInfo(images / "p10.jpg");
+  EXPECT_EQ(info.orientation, 1);
+  EXPECT_EQ(info.width, 120);
+  EXPECT_EQ(info.height, 180);
+}
+
+TEST_F(CaptureProgram, MasksOfTheUserWin) {
+  WritePhotos(8);
+  Image8 mask(180, 120, 1, 0);
+  for (int y = 20; y < 60; ++y)
+    for (int x = 30; x < 90; ++x) *mask.at(x, y) = 255;
+  fs::create_directories(photos / "masks");
+  WriteImage(photos / "masks/p13.png", mask);
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_EQ(ReadImage(images / "masks/p13.jpg.png", 1).data, mask.data);
+  EXPECT_NE(ReadImage(images / "masks/p12.jpg.png", 1).data, mask.data);
+}
+
+TEST_F(CaptureProgram, BackgroundPlateBesideThePhotographsIsUsed) {
+  WritePhotos(8);
+  WriteImage(photos / "background.png", MakeTestWall(180, 120, TestWall::kDark));
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_EQ(ReadImageSet(images).images.size(), 8U);
+  EXPECT_THAT(Report(), HasSubstr("\"background_plate\": true"));
+}
+
+TEST_F(CaptureProgram, ShrinksToMaxSize) {
+  WritePhotos(8);
+  ASSERT_EQ(Run("--max_size 90").code, 0);
+  EXPECT_EQ(ReadImageInfo(images / "p10.jpg").width, 90);
+  EXPECT_EQ(ReadImageInfo(images / "masks/p10.jpg.png").width, 90);
+}
+
+TEST_F(CaptureProgram, EmptyFolderIsAnInputError) {
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("has no photographs"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, TwoSizesAreAnInputErrorThatNamesThem) {
+  WritePhotos(8);
+  WriteImage(photos / "other.jpg", MakeTestPhoto(0, 200, 120, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("other.jpg"));
+}
+
+TEST_F(CaptureProgram, TruncatedJpegsAreAllNamed) {
+  WritePhotos(9);
+  for (const char* name : {"p11.jpg", "p15.jpg"}) {
+    const std::string bytes = ReadFile(photos / name);
+    WriteFile(photos / name, bytes.substr(0, bytes.size() / 2));
+  }
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p11.jpg"));
+  EXPECT_THAT(outcome.output, HasSubstr("p15.jpg"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, FilesThatAreNoImagesAreNamed) {
+  WritePhotos(8);
+  WriteFile(photos / "text.jpg", "not a photograph");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("text.jpg"));
+}
+
+TEST_F(CaptureProgram, CopiesAreAnInputError) {
+  WritePhotos(8);
+  fs::copy_file(photos / "p12.jpg", photos / "p99.jpg");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p99.jpg = p12.jpg"));
+}
+
+TEST_F(CaptureProgram, BlurredSetIsAnInputErrorThatNamesThem) {
+  for (int i = 0; i < 8; ++i) {
+    const TestPhoto photo = MakeTestPhoto(i, 360, 240, TestWall::kDark);
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"), i < 4 ? photo.image : Blurred(photo.image, 4));
+  }
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("4 of 8 photographs are blurred: p4.jpg, p5.jpg, p6.jpg, p7.jpg"));
+  EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, BlackMasksAreAnInputError) {
+  WritePhotos(8);
+  fs::create_directories(photos / "masks");
+  for (int i = 0; i < 8; ++i) WriteImage(photos / ("masks/p" + std::to_string(10 + i) + ".png"), Image8(180, 120, 1, 0));
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("masks of 8 of 8 photographs are black"));
+}
+
+TEST_F(CaptureProgram, MaskOfAnotherSizeIsAnInputError) {
+  WritePhotos(8);
+  fs::create_directories(photos / "masks");
+  WriteImage(photos / "masks/p12.png", Image8(90, 60, 1, 255));
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("is 90 x 60, but p12.jpg is 180 x 120"));
+}
+
+TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
+  WritePhotos(8);
+  EXPECT_EQ(Run("--min_sharpnes 0").code, 2);
+}
+
+}  // namespace
+}  // namespace keypose::capture
