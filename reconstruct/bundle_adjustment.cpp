@@ -160,7 +160,7 @@ BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& ob
   for (int round = 0; round < 2; ++round) {
     Step(progress, 0.5 * round, "bundle adjustment");
     result.iterations += Solve(result.scene, kept, options);
-    kept = Inliers(result.scene, kept, options.max_error_px);
+    kept = Inliers(result.scene, observations, options.max_error_px);
   }
   result.observations = static_cast<int>(kept.size());
   result.dropped = static_cast<int>(observations.size() - kept.size());

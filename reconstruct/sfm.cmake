@@ -8,3 +8,4 @@ keypose_room(reconstruct_sfm
   LINK SQLite::SQLite3 Ceres::ceres)
 set_source_files_properties(descriptor_matching.cpp PROPERTIES COMPILE_OPTIONS -O3)
 keypose_stage(sfm ROOM reconstruct_sfm SOURCES sfm_stage.cpp LINK nlohmann_json::nlohmann_json)
+keypose_test(sfm_test SOURCES sfm_test.cpp LINK keypose_reconstruct_sfm SQLite::SQLite3)

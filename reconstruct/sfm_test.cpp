@@ -1,0 +1,522 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "reconstruct/bundle_adjustment.h"
+#include "reconstruct/colmap_database.h"
+#include "reconstruct/descriptor_matching.h"
+#include "reconstruct/guided_matching.h"
+#include "reconstruct/leveling.h"
+#include "reconstruct/pair_list.h"
+
+namespace keypose::reconstruct {
+namespace {
+namespace fs = std::filesystem;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using testing::ElementsAre;
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Random unit-512 descriptors, as SIFT's are: non-negative 8-bit numbers.
+Features RandomFeatures(int count, std::mt19937& random) {
+  Features features;
+  features.positions.resize(count, 2);
+  features.scales.resize(count);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (int i = 0; i < count; ++i) {
+    features.positions.row(i) << 640 * uniform(random), 480 * uniform(random);
+    features.scales(i) = 1 + 10 * uniform(random);
+    Eigen::VectorXd d(128);
+    for (int k = 0; k < 128; ++k) d(k) = std::pow(uniform(random), 4);
+    d *= 512 / d.norm();
+    for (int k = 0; k < 128; ++k) features.descriptors.push_back(static_cast<std::int16_t>(std::min(255.0, std::round(d(k)))));
+  }
+  return features;
+}
+
+Features Permuted(const Features& features, const std::vector<int>& order) {
+  Features out;
+  out.positions.resize(static_cast<Eigen::Index>(order.size()), 2);
+  out.scales.resize(static_cast<Eigen::Index>(order.size()));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    out.positions.row(static_cast<Eigen::Index>(i)) = features.positions.row(order[i]);
+    out.scales(static_cast<Eigen::Index>(i)) = features.scales(order[i]);
+    const auto from = features.descriptors.begin() + static_cast<std::ptrdiff_t>(order[i]) * 128;
+    out.descriptors.insert(out.descriptors.end(), from, from + 128);
+  }
+  return out;
+}
+
+std::vector<int> Shuffled(int count, std::mt19937& random) {
+  std::vector<int> order(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) order[static_cast<std::size_t>(i)] = i;
+  for (int i = count - 1; i > 0; --i) std::swap(order[static_cast<std::size_t>(i)], order[random() % static_cast<unsigned>(i + 1)]);
+  return order;
+}
+
+/// The same search in floating point, pair by pair.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchByDefinition(const Features& a, const Features& b, const MatchOptions& options) {
+  Eigen::MatrixXd angles(a.count(), b.count());
+  for (int i = 0; i < a.count(); ++i)
+    for (int j = 0; j < b.count(); ++j) {
+      double dot = 0;
+      for (int k = 0; k < 128; ++k)
+        dot += static_cast<double>(a.descriptors[static_cast<std::size_t>(i) * 128 + k]) *
+               b.descriptors[static_cast<std::size_t>(j) * 128 + k];
+      angles(i, j) = std::acos(std::min(1.0, dot / (512.0 * 512.0)));
+    }
+  const auto best = [&](const Eigen::VectorXd& row) {
+    int at = 0;
+    const double nearest = row.minCoeff(&at);
+    double second = kPi / 2;
+    for (int j = 0; j < row.size(); ++j)
+      if (j != at) second = std::min(second, row(j));
+    return nearest <= options.max_distance && nearest < options.max_ratio * second ? at : -1;
+  };
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> matches;
+  for (int i = 0; i < a.count(); ++i)
+    if (const int j = best(angles.row(i)); j >= 0 && best(angles.col(j)) == i) matches.emplace_back(i, j);
+  return matches;
+}
+
+TEST(MatchDescriptors, FindsAPermutationExactly) {
+  std::mt19937 random(5);
+  const Features a = RandomFeatures(203, random);
+  const auto order = Shuffled(203, random);
+  const auto matches = MatchDescriptors(a, Permuted(a, order), {});
+  ASSERT_EQ(matches.size(), 203U);
+  for (const auto& [i, j] : matches) EXPECT_EQ(static_cast<int>(i), order[j]);
+}
+
+TEST(MatchDescriptors, AgreesWithTheDefinitionOnNoisyDescriptors) {
+  std::mt19937 random(6);
+  const Features a = RandomFeatures(151, random);
+  Features b = Permuted(a, Shuffled(151, random));
+  std::normal_distribution<double> noise(0, 14);
+  for (std::int16_t& d : b.descriptors) d = static_cast<std::int16_t>(std::clamp(d + noise(random), 0.0, 255.0));
+  const MatchOptions options;
+  const auto expected = MatchByDefinition(a, b, options);
+  EXPECT_GT(expected.size(), 20U);
+  EXPECT_EQ(MatchDescriptors(a, b, options), expected);
+}
+
+TEST(MatchDescriptors, NoFeaturesGiveNoMatches) {
+  std::mt19937 random(7);
+  EXPECT_TRUE(MatchDescriptors(Features{}, RandomFeatures(5, random), {}).empty());
+  EXPECT_TRUE(MatchDescriptors(RandomFeatures(5, random), Features{}, {}).empty());
+}
+
+TEST(LargestFeatures, KeepsTheLargestInTheirOrder) {
+  std::mt19937 random(8);
+  Features features = RandomFeatures(4, random);
+  features.scales << 2, 9, 1, 5;
+  EXPECT_EQ(LargestFeatures(features, 2).scales, Eigen::Vector2f(9, 5));
+}
+
+/// Two images a base line along x apart, so that epipolar lines are rows.
+PairGeometry RowGeometry() {
+  PairGeometry geometry;
+  geometry.kind = PairGeometry::kFundamental;
+  geometry.matrix << 0, 0, 0, 0, 0, -1, 0, 1, 0;
+  return geometry;
+}
+
+TEST(MatchGuided, FindsOnTheLineWhatARivalElsewhereHides) {
+  std::mt19937 random(9);
+  Features a = RandomFeatures(1, random);
+  a.positions.row(0) << 100, 200;
+  Features b = Permuted(a, {0, 0});  // twice the same descriptor: the ratio test alone must refuse
+  b.positions.row(0) << 300, 201;
+  b.positions.row(1) << 300, 260;
+  EXPECT_TRUE(MatchDescriptors(a, b, {}).empty());
+  EXPECT_THAT(MatchGuided(a, b, RowGeometry(), {}, 4), ElementsAre(std::pair<std::uint32_t, std::uint32_t>(0, 0)));
+}
+
+TEST(MatchGuided, TriesExactlyTheFeaturesWithinTheError) {
+  std::mt19937 random(10);
+  const Features a = RandomFeatures(300, random);
+  Features b = Permuted(a, Shuffled(300, random));
+  PairGeometry geometry;
+  geometry.kind = PairGeometry::kFundamental;
+  geometry.matrix << 1e-7, -3e-6, 2e-3, 2.6e-6, 2e-7, -2.2e-2, -2.4e-3, 2.1e-2, 1.1;
+  const auto matches = MatchGuided(a, b, geometry, {.max_ratio = 1, .max_distance = 1.5}, 4);
+  for (const auto& [i, j] : matches) {
+    const Vector3d x = a.positions.row(i).transpose().cast<double>().homogeneous(),
+                   y = b.positions.row(j).transpose().cast<double>().homogeneous();
+    const Vector3d line = geometry.matrix * x;
+    const double e2 = std::pow(y.dot(line), 2);
+    EXPECT_LE(e2, 16 * (line.head<2>().squaredNorm() + (geometry.matrix.transpose() * y).head<2>().squaredNorm()));
+  }
+  EXPECT_GT(matches.size(), 10U);
+}
+
+TEST(MatchGuided, GridMissesNothingNearSteepAndFlatLines) {
+  std::mt19937 random(11);
+  const Features a = RandomFeatures(120, random);
+  for (const double angle : {0.0, 0.4, 0.8, 1.2, 1.57}) {
+    // Features moved along a direction: the geometry of a sideways camera, rotated.
+    const Vector2d along(std::cos(angle), std::sin(angle));
+    Features b = a;
+    for (int i = 0; i < b.count(); ++i) b.positions.row(i) += (30 + i % 50) * along.cast<float>().transpose();
+    PairGeometry geometry;
+    geometry.kind = PairGeometry::kFundamental;
+    geometry.matrix << 0, 0, along.y(), 0, 0, -along.x(), -along.y(), along.x(), 0;
+    EXPECT_EQ(MatchGuided(a, b, geometry, {}, 4).size(), 120U) << angle;
+  }
+}
+
+TEST(MatchGuided, HomographyLooksAroundTheTarget) {
+  std::mt19937 random(12);
+  Features a = RandomFeatures(1, random);
+  a.positions.row(0) << 100, 100;
+  Features b = Permuted(a, {0, 0});
+  b.positions.row(0) << 110, 106;  // 1 px off the shifted place
+  b.positions.row(1) << 140, 105;
+  PairGeometry geometry;
+  geometry.kind = PairGeometry::kHomography;
+  geometry.matrix << 1, 0, 10, 0, 1, 5, 0, 0, 1;
+  EXPECT_THAT(MatchGuided(a, b, geometry, {}, 4), ElementsAre(std::pair<std::uint32_t, std::uint32_t>(0, 0)));
+}
+
+TEST(CircularPairs, CloseTheRing) {
+  EXPECT_THAT(CircularPairs(5, 1), ElementsAre(ImagePair(0, 1), ImagePair(0, 4), ImagePair(1, 2), ImagePair(2, 3), ImagePair(3, 4)));
+  EXPECT_EQ(CircularPairs(4, 3), AllPairs(4));
+  EXPECT_TRUE(CircularPairs(1, 2).empty());
+}
+
+TEST(SimilarPairs, TakesTheBestOfEitherSideAndNeverZero) {
+  Eigen::MatrixXi scores = Eigen::MatrixXi::Zero(4, 4);
+  scores(0, 1) = scores(1, 0) = 5;
+  scores(0, 2) = scores(2, 0) = 7;
+  EXPECT_THAT(SimilarPairs(scores, 1), ElementsAre(ImagePair(0, 1), ImagePair(0, 2)));
+}
+
+/// Two rings of `per_ring` images: each shares features with its neighbours in the ring and with the same azimuth of the other ring.
+std::vector<Features> TwoRings(int per_ring, std::mt19937& random) {
+  std::vector<Features> images;
+  std::vector<Features> shared;
+  for (int i = 0; i < 3 * per_ring; ++i) shared.push_back(RandomFeatures(30, random));
+  const auto append = [](Features& to, const Features& from) {
+    Features sum;
+    sum.positions.resize(to.count() + from.count(), 2);
+    sum.scales.resize(to.count() + from.count());
+    sum.positions << to.positions, from.positions;
+    sum.scales << to.scales, from.scales;
+    sum.descriptors = to.descriptors;
+    sum.descriptors.insert(sum.descriptors.end(), from.descriptors.begin(), from.descriptors.end());
+    to = sum;
+  };
+  for (int ring = 0; ring < 2; ++ring)
+    for (int i = 0; i < per_ring; ++i) {
+      Features f = RandomFeatures(20, random);
+      append(f, shared[static_cast<std::size_t>(ring * per_ring + i)]);
+      append(f, shared[static_cast<std::size_t>(ring * per_ring + (i + 1) % per_ring)]);
+      append(f, shared[static_cast<std::size_t>(2 * per_ring + i)]);
+      images.push_back(f);
+    }
+  return images;
+}
+
+TEST(ChoosePairs, ClosesEachRingAndTiesTheRingsOfAShuffledSet) {
+  std::mt19937 random(13);
+  constexpr int kPerRing = 12;
+  const auto rings = TwoRings(kPerRing, random);
+  const auto order = Shuffled(2 * kPerRing, random);
+  std::vector<Features> images;
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    images.push_back(rings[static_cast<std::size_t>(order[k])]);
+    place[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  }
+  PairListOptions options;
+  options.all_pairs_limit = 10;
+  options.neighbors = 1;
+  options.similar = 3;
+  const auto pairs = ChoosePairs(images, options);
+  EXPECT_LT(pairs.size(), 24U * 3U + 24U);
+  const auto has = [&](int i, int j) {
+    const int a = place[static_cast<std::size_t>(i)], b = place[static_cast<std::size_t>(j)];
+    return std::binary_search(pairs.begin(), pairs.end(), ImagePair(std::min(a, b), std::max(a, b)));
+  };
+  for (int i = 0; i < kPerRing; ++i) {
+    EXPECT_TRUE(has(i, (i + 1) % kPerRing)) << i;
+    EXPECT_TRUE(has(kPerRing + i, kPerRing + (i + 1) % kPerRing)) << i;
+    EXPECT_TRUE(has(i, kPerRing + i)) << i;
+  }
+  SetThreadCount(3);
+  EXPECT_EQ(ChoosePairs(images, options), pairs);
+  SetThreadCount(0);
+}
+
+TEST(ChoosePairs, FewImagesGiveAllPairs) { EXPECT_EQ(ChoosePairs(std::vector<Features>(5), {}), AllPairs(5)); }
+
+class DatabaseTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "sfm_test_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder = pattern;
+    camera.width = 640;
+    camera.height = 480;
+    camera.fx = camera.fy = 800;
+    camera.cx = 320;
+    camera.cy = 240;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  /// Writes a verified pair the way COLMAP does.
+  void AddGeometry(const fs::path& path, int first, int second, int rows, int config, const Eigen::Matrix3d& f,
+                   const Eigen::Matrix3d& e) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+    sqlite3_stmt* add = nullptr;
+    sqlite3_prepare_v2(database,
+                       "INSERT INTO two_view_geometries (pair_id, rows, cols, data, config, F, E, H) VALUES (?, ?, 2, ?, ?, ?, ?, ?)", -1,
+                       &add, nullptr);
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rf = f, re = e;
+    const std::vector<std::uint32_t> data(static_cast<std::size_t>(2 * rows));
+    sqlite3_bind_int64(add, 1, 2147483647LL * (first + 1) + second + 1);
+    sqlite3_bind_int(add, 2, rows);
+    sqlite3_bind_blob(add, 3, data.data(), 8 * rows, SQLITE_TRANSIENT);
+    sqlite3_bind_int(add, 4, config);
+    sqlite3_bind_blob(add, 5, rf.data(), 72, SQLITE_TRANSIENT);
+    sqlite3_bind_blob(add, 6, re.data(), 72, SQLITE_TRANSIENT);
+    sqlite3_bind_blob(add, 7, rf.data(), 72, SQLITE_TRANSIENT);
+    EXPECT_EQ(sqlite3_step(add), SQLITE_DONE);
+    sqlite3_finalize(add);
+    sqlite3_close(database);
+  }
+  fs::path folder;
+  Camera camera;
+};
+
+TEST_F(DatabaseTest, PartsJoinInPairOrder) {
+  const std::vector<std::string> names{"a.jpg", "b.jpg", "c.jpg"};
+  ColmapDatabase whole = ColmapDatabase::Create(folder / "whole.db", camera, true, names);
+  ColmapDatabase::Create(folder / "one.db", camera, true, names).WriteMatches({{1, 2, {{0, 3}, {4, 5}}}});
+  ColmapDatabase::Create(folder / "two.db", camera, true, names).WriteMatches({{0, 1, {{7, 8}}}});
+  AddGeometry(folder / "one.db", 1, 2, 20, 3, Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero());
+  AddGeometry(folder / "two.db", 0, 1, 17, 2, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity());
+  AddGeometry(folder / "two.db", 0, 2, 0, 0, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero());
+  whole.AddPairsFrom(folder / "one.db");
+  whole.AddPairsFrom(folder / "two.db");
+  const auto pairs = whole.VerifiedPairs();
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs[0].first, 0);
+  EXPECT_EQ(pairs[0].second, 1);
+  EXPECT_EQ(pairs[0].inliers, 17);
+  EXPECT_EQ(pairs[1].inliers, 20);
+  EXPECT_EQ(pairs[1].geometry.kind, PairGeometry::kFundamental);
+  EXPECT_EQ(pairs[1].geometry.matrix, Eigen::Matrix3d::Identity());
+  // An essential matrix of normalised points becomes a fundamental matrix of pixels.
+  Eigen::Matrix3d k_inverse;
+  k_inverse << 1 / 800.0, 0, -0.4, 0, 1 / 800.0, -0.3, 0, 0, 1;
+  EXPECT_EQ(pairs[0].geometry.kind, PairGeometry::kEssential);
+  EXPECT_LT((pairs[0].geometry.matrix - k_inverse.transpose() * k_inverse).norm(), 1e-12);
+}
+
+TEST_F(DatabaseTest, ReplacedInliersAreRead) {
+  ColmapDatabase database = ColmapDatabase::Create(folder / "d.db", camera, false, {"a.jpg", "b.jpg"});
+  AddGeometry(folder / "d.db", 0, 1, 17, 3, Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero());
+  database.ReplaceInliers({{0, 1, std::vector<std::pair<std::uint32_t, std::uint32_t>>(29)}});
+  EXPECT_EQ(database.VerifiedPairs().at(0).inliers, 29);
+}
+
+TEST_F(DatabaseTest, ImagesWithoutFeaturesReadAsEmpty) {
+  EXPECT_EQ(ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg"}).ReadFeatures(0).count(), 0);
+}
+
+TEST_F(DatabaseTest, MissingFileThrowsDiskError) { EXPECT_THROW(ColmapDatabase(folder / "none.db"), DiskError); }
+
+/// Cameras on rings about +z at 4 units, looking at (0, 0, 0.5), in the frame of truth; points on a blob there.
+Scene RingScene(const std::vector<std::pair<double, int>>& rings, double arc, double roll, double noise, std::mt19937& random) {
+  Scene scene;
+  std::normal_distribution<double> gauss(0, 1);
+  Camera camera;
+  camera.width = 640, camera.height = 480, camera.fx = camera.fy = 900, camera.cx = 320, camera.cy = 240;
+  for (const auto& [elevation, count] : rings)
+    for (int i = 0; i < count; ++i) {
+      const double azimuth = arc * i / count - kPi / 2;
+      const Vector3d target(0, 0, 0.5);
+      Vector3d center =
+          target + 4 * Vector3d(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
+      center += noise * Vector3d(gauss(random), gauss(random), gauss(random));
+      const Vector3d forward = (target - center).normalized(), right = forward.cross(Vector3d::UnitZ()).normalized();
+      Eigen::Matrix3d rotation;
+      rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+      rotation = Eigen::AngleAxisd(roll, Vector3d::UnitZ()).toRotationMatrix() * rotation;
+      View view;
+      view.name = "v" + std::to_string(1000 + scene.views.size());
+      view.camera = camera;
+      view.camera_from_world.rotation = Eigen::Quaterniond(rotation);
+      view.camera_from_world.translation = -(rotation * center);
+      scene.views.push_back(view);
+    }
+  for (int p = 0; p < 400; ++p) {
+    SparsePoint point;
+    Vector3d direction(gauss(random), gauss(random), gauss(random));
+    point.position = Vector3d(0, 0, 0.5) + direction.normalized().cwiseProduct(Vector3d(0.4, 0.3, 0.5));
+    point.color << 200, 100, 50;
+    scene.points.push_back(point);
+  }
+  return scene;
+}
+
+Similarity3 SomeSimilarity() {
+  Similarity3 s;
+  s.scale = 3.7;
+  s.rotation = (Eigen::AngleAxisd(1.9, Vector3d(0.3, -0.8, 0.5).normalized())).toRotationMatrix();
+  s.translation = Vector3d(5, -2, 9);
+  return s;
+}
+
+double TiltDeg(const Similarity3& level_from_truth) {
+  return std::acos(std::min(1.0, (level_from_truth.rotation * Vector3d::UnitZ()).z())) * 180 / kPi;
+}
+
+Similarity3 LevelFromTruth(const Leveling& leveling, const Similarity3& model_from_truth) {
+  Similarity3 product;
+  product.scale = leveling.level_from_model.scale * model_from_truth.scale;
+  product.rotation = leveling.level_from_model.rotation * model_from_truth.rotation;
+  product.translation = leveling.level_from_model * model_from_truth.translation;
+  return product;
+}
+
+struct LevelCase {
+  const char* name;
+  std::vector<std::pair<double, int>> rings;
+  double arc, roll, noise;
+};
+
+class LevelSceneOn : public testing::TestWithParam<LevelCase> {};
+
+// 0.1 degrees: a tilt that moves the top of a figure by a thousandth of its height and more.
+TEST_P(LevelSceneOn, FindsTheAxisWithinATenthOfADegree) {
+  std::mt19937 random(21);
+  const LevelCase& c = GetParam();
+  const Scene truth = RingScene(c.rings, c.arc, c.roll, c.noise, random);
+  const Leveling leveling = LevelScene(reconstruct::Transformed(SomeSimilarity(), truth));
+  const Similarity3 found = LevelFromTruth(leveling, SomeSimilarity());
+  EXPECT_LT(TiltDeg(found), 0.1);
+  EXPECT_TRUE(leveling.centered_on_axis);
+  const Vector3d axis_foot = found * Vector3d(0, 0, 0);
+  EXPECT_LT(axis_foot.head<2>().norm(), 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(Captures, LevelSceneOn,
+                         testing::Values(LevelCase{"one ring", {{0.35, 24}}, 2 * kPi, 0, 0},
+                                         LevelCase{"two rings, camera rolled", {{0.2, 16}, {0.7, 16}}, 2 * kPi, 0.3, 0},
+                                         LevelCase{"most of a ring", {{0.35, 18}}, 1.3 * kPi, 0.1, 0},
+                                         LevelCase{"three noisy rings", {{0.1, 24}, {0.4, 24}, {0.8, 20}}, 2 * kPi, 0.02, 0.004}),
+                         [](const auto& c) { return std::to_string(c.index); });
+
+TEST(LevelScene, PutsTheObjectOnTheFloorAndTheFirstCameraInFront) {
+  std::mt19937 random(22);
+  const Scene model = reconstruct::Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
+  const Scene level = reconstruct::Transformed(LevelScene(model).level_from_model, model);
+  double lowest = 1e9, distance = 0;
+  for (const SparsePoint& point : level.points) lowest = std::min(lowest, point.position.z());
+  for (const View& view : level.views) distance += (view.Center() - Vector3d(0, 0, 0.125)).norm() / 20;
+  EXPECT_NEAR(lowest, 0, 0.01);
+  EXPECT_NEAR(distance, 1, 0.02);
+  EXPECT_NEAR(level.views[0].Center().x(), 0, 1e-9);
+  EXPECT_LT(level.views[0].Center().y(), 0);
+  EXPECT_GT(level.views[0].Center().z(), 0.2);
+}
+
+TEST(LevelScene, ProjectionsStayWhereTheyAre) {
+  std::mt19937 random(23);
+  const Scene model = reconstruct::Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
+  const Scene level = reconstruct::Transformed(LevelScene(model).level_from_model, model);
+  for (std::size_t v = 0; v < model.views.size(); v += 3)
+    EXPECT_LT((model.views[v].Project(model.points[v].position) - level.views[v].Project(level.points[v].position)).norm(), 1e-7);
+}
+
+TEST(LevelScene, TooFewViewsThrow) {
+  std::mt19937 random(24);
+  Scene scene = RingScene({{0.3, 2}}, 2 * kPi, 0, 0, random);
+  EXPECT_THROW(LevelScene(scene), InputError);
+  scene = RingScene({{0.3, 5}}, 2 * kPi, 0, 0, random);
+  scene.points.resize(3);
+  EXPECT_THROW(LevelScene(scene), InputError);
+}
+
+struct BundleCase {
+  Scene truth, start;
+  std::vector<Observation> observations;
+};
+
+BundleCase MakeBundleCase() {
+  std::mt19937 random(31);
+  std::normal_distribution<double> gauss(0, 1);
+  BundleCase c;
+  c.truth = RingScene({{0.2, 10}, {0.7, 8}}, 2 * kPi, 0, 0, random);
+  for (View& view : c.truth.views) {
+    view.camera.cx += 4, view.camera.cy -= 3;
+    view.camera.k1 = -0.06, view.camera.k2 = 0.02, view.camera.p1 = 3e-4, view.camera.p2 = -2e-4;
+  }
+  for (int v = 0; v < 18; ++v)
+    for (int p = 0; p < 400; p += 2)
+      c.observations.push_back({v, p,
+                                c.truth.views[static_cast<std::size_t>(v)].Project(c.truth.points[static_cast<std::size_t>(p)].position) +
+                                    0.2 * Vector2d(gauss(random), gauss(random))});
+  for (std::size_t k = 0; k < c.observations.size(); k += 60) c.observations[k].pixel += Vector2d(80, -50);  // wrong matches
+  c.start = c.truth;
+  for (View& view : c.start.views) {
+    view.camera.fx *= 1.02, view.camera.fy *= 1.02;
+    view.camera.cx = 320, view.camera.cy = 240;
+    view.camera.k1 = view.camera.k2 = view.camera.p1 = view.camera.p2 = 0;
+    view.camera_from_world.translation += 0.02 * Vector3d(gauss(random), gauss(random), gauss(random));
+  }
+  for (SparsePoint& point : c.start.points) point.position += 0.01 * Vector3d(gauss(random), gauss(random), gauss(random));
+  return c;
+}
+
+PointsX3 Centers(const Scene& scene) {
+  PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
+  for (std::size_t v = 0; v < scene.views.size(); ++v) centers.row(static_cast<Eigen::Index>(v)) = scene.views[v].Center().transpose();
+  return centers;
+}
+
+// 200 points in 18 views at 0.2 px: the camera centres follow to well under a thousandth of their distance of 4.
+TEST(AdjustBundle, RecoversCamerasDespiteWrongMatches) {
+  const BundleCase c = MakeBundleCase();
+  const BundleResult result = AdjustBundle(c.start, c.observations, {});
+  const Similarity3 align = FitSimilarity(Centers(result.scene), Centers(c.truth));
+  const PointsX3 moved = keypose::Transformed(align, Centers(result.scene));
+  EXPECT_LT((moved - Centers(c.truth)).rowwise().norm().maxCoeff(), 0.004);
+  const Camera& found = result.scene.views[0].camera;
+  EXPECT_NEAR(found.fx, 900, 3);
+  EXPECT_NEAR(found.cx, 324, 2);
+  EXPECT_LT(result.after_px, 0.3);
+  EXPECT_GE(result.dropped, 55);
+  EXPECT_LE(result.dropped, 70);
+}
+
+TEST(AdjustBundle, SameBitsForAnyThreadCount) {
+  const BundleCase c = MakeBundleCase();
+  SetThreadCount(1);
+  const BundleResult one = AdjustBundle(c.start, c.observations, {});
+  SetThreadCount(4);
+  const BundleResult four = AdjustBundle(c.start, c.observations, {});
+  SetThreadCount(0);
+  EXPECT_EQ(Centers(one.scene), Centers(four.scene));
+}
+
+TEST(AdjustBundle, BadIndicesAndDifferentCamerasThrow) {
+  BundleCase c = MakeBundleCase();
+  EXPECT_THROW(AdjustBundle(c.start, {{99, 0, Vector2d(0, 0)}}, {}), InputError);
+  c.start.views[3].camera.fx += 1;
+  EXPECT_THROW(AdjustBundle(c.start, c.observations, {}), InputError);
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
