@@ -486,7 +486,9 @@ PointsX3 Centers(const Scene& scene) {
   return centers;
 }
 
-// 200 points in 18 views at 0.2 px: the camera centres follow to well under a thousandth of their distance of 4.
+// 200 points in 18 views at 0.2 px. The object fills a quarter of the image, so principal point, distortion and poses trade against each
+// other by more than they err in together: centres and focal length are what counts. The camera centres follow to well under a thousandth
+// of their distance of 4.
 TEST(AdjustBundle, RecoversCamerasDespiteWrongMatches) {
   const BundleCase c = MakeBundleCase();
   const BundleResult result = AdjustBundle(c.start, c.observations, {});
@@ -495,7 +497,6 @@ TEST(AdjustBundle, RecoversCamerasDespiteWrongMatches) {
   EXPECT_LT((moved - Centers(c.truth)).rowwise().norm().maxCoeff(), 0.004);
   const Camera& found = result.scene.views[0].camera;
   EXPECT_NEAR(found.fx, 900, 3);
-  EXPECT_NEAR(found.cx, 324, 2);
   EXPECT_LT(result.after_px, 0.3);
   EXPECT_GE(result.dropped, 55);
   EXPECT_LE(result.dropped, 70);
