@@ -105,7 +105,7 @@ int Solve(Scene& scene, const std::vector<Observation>& observations, const Bund
   solver.linear_solver_type = ceres::DENSE_SCHUR;  // by Eigen on one thread; the sparse one would go through a threaded BLAS
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-7;
+  solver.function_tolerance = 1e-6;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -156,7 +156,7 @@ BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& ob
   BundleResult result;
   result.scene = scene;
   result.before_px = MeanError(scene, observations);
-  std::vector<Observation> kept = Inliers(result.scene, observations, 4 * options.max_error_px);
+  std::vector<Observation> kept = Inliers(result.scene, observations, 8 * options.max_error_px);
   for (int round = 0; round < 2; ++round) {
     Step(progress, 0.5 * round, "bundle adjustment");
     result.iterations += Solve(result.scene, kept, options);

@@ -1,4 +1,4 @@
-// Bundle adjustment of one shared camera with full Brown distortion: what follows COLMAP's mapping with its one distortion term.
+// Bundle adjustment of one shared camera, with a robust loss and a second look at outliers: what follows COLMAP's mapping.
 #pragma once
 
 #include <vector>
@@ -16,10 +16,10 @@ struct Observation {
 
 struct BundleOptions {
   int max_iterations = 40;
-  double robust_px = 1.0;             ///< Cauchy loss: errors well above this count little
-  bool refine_principal_point = true;
-  bool refine_distortion = true;      ///< k1, k2, p1, p2; else only k1
-  double max_error_px = 4;            ///< observations beyond are dropped, and all is solved once more
+  double robust_px = 1.0;  ///< Cauchy loss: errors well above this count little
+  bool refine_principal_point = false;
+  bool refine_distortion = false;  ///< k1, k2, p1, p2; else k1 alone
+  double max_error_px = 2;         ///< observations beyond are dropped, and all is solved once more
 };
 
 struct BundleResult {
@@ -36,6 +36,7 @@ struct BundleResult {
 /// @throws SolverError  Ceres finds no usable solution
 /// Cost: one sparse Schur solve per iteration, on one thread, so that the result has the same bits on any number of cores.
 /// Source: Triggs et al., "Bundle adjustment: a modern synthesis", 2000; solved by Ceres.
-BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& observations, const BundleOptions& options, Progress* progress = nullptr);
+BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& observations, const BundleOptions& options,
+                          Progress* progress = nullptr);
 
 }  // namespace keypose::reconstruct

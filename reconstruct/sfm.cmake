@@ -9,3 +9,8 @@ keypose_room(reconstruct_sfm
 set_source_files_properties(descriptor_matching.cpp PROPERTIES COMPILE_OPTIONS -O3)
 keypose_stage(sfm ROOM reconstruct_sfm SOURCES sfm_stage.cpp LINK nlohmann_json::nlohmann_json)
 keypose_test(sfm_test SOURCES sfm_test.cpp LINK keypose_reconstruct_sfm SQLite::SQLite3)
+keypose_test(sfm_program_test SOURCES sfm_program_test.cpp LINK keypose_core)
+add_dependencies(sfm_program_test keypose-sfm)
+if(TARGET keypose-capture)
+  add_dependencies(sfm_program_test keypose-capture)
+endif()

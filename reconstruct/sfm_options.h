@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/options.h"
+#include "reconstruct/bundle_adjustment.h"
 #include "reconstruct/descriptor_matching.h"
 #include "reconstruct/pair_list.h"
 
@@ -24,7 +25,8 @@ struct SfmOptions {
   bool guided_matching = true;
   int min_inliers = 15;
   double min_triangulation_deg = 1.5;
-  bool refine_camera = true;
+  bool refine_principal_point = BundleOptions{}.refine_principal_point;
+  bool refine_distortion = BundleOptions{}.refine_distortion;
   double min_placed = 0.6;
   bool level = true;
 
@@ -50,7 +52,9 @@ struct SfmOptions {
     visit("guided_matching", guided_matching, {"match once more along epipolar lines", "", 0, 1, {}});
     visit("min_inliers", min_inliers, {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
     visit("min_triangulation_deg", min_triangulation_deg, {"least angle between rays of a point", "deg", 0.1, 30, {}});
-    visit("refine_camera", refine_camera, {"adjust all once more with principal point and four distortion terms", "", 0, 1, {}});
+    visit("refine_principal_point", refine_principal_point,
+          {"also solve for the principal point; objects that fill little of the image do not determine it", "", 0, 1, {}});
+    visit("refine_distortion", refine_distortion, {"solve for k1, k2, p1, p2 instead of k1 alone; for wide lenses", "", 0, 1, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
     visit("level", level, {"turn the model upright, centre it, and scale the mean camera distance to 1", "", 0, 1, {}});
   }

@@ -189,13 +189,12 @@ std::vector<Features> BuildDatabase(StageContext& stage, const ImageSet& set, co
   return features;
 }
 
-/// The model with the full camera: COLMAP's one distortion term is a start.
-Scene Refined(StageContext& stage, const Scene& scene, const std::vector<Observation>& observations) {
-  BundleOptions options;
-  // With few views the principal point hides in the poses.
-  options.refine_principal_point = scene.views.size() >= 12;
-  options.refine_distortion = scene.views.size() >= 12;
-  BundleResult result = AdjustBundle(scene, observations, options, stage.progress());
+/// The model adjusted once more, with a robust loss.
+Scene Refined(StageContext& stage, const Scene& scene, const std::vector<Observation>& observations, const SfmOptions& options) {
+  BundleOptions bundle;
+  bundle.refine_principal_point = options.refine_principal_point;
+  bundle.refine_distortion = options.refine_distortion;
+  BundleResult result = AdjustBundle(scene, observations, bundle, stage.progress());
   stage.Report("colmap_reprojection_error_px", result.before_px);
   stage.Report("refined_reprojection_error_px", result.after_px);
   stage.Report("observations_dropped", result.dropped);
@@ -230,7 +229,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   stage.ReportJson("model_sizes", sizes.dump());
   RequirePlaced(set, scene, options);
   Step(stage.progress(), 0.9, "bundle adjustment");
-  if (options.refine_camera) scene = Refined(stage, scene, ReadObservations(models[0], set, scene, features));
+  scene = Refined(stage, scene, ReadObservations(models[0], set, scene, features), options);
   watch.Lap(stage, "refinement");
   if (options.level) scene = Leveled(stage, scene);
   const fs::path output = stage.Output("model");
@@ -240,7 +239,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "1",
+    .version = "2",
     .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""}},
     .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"}},

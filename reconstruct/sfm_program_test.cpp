@@ -1,0 +1,127 @@
+// keypose-sfm as its users run it: a synthetic ring against its truth, the same bytes twice, and its errors.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <random>
+
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+
+namespace keypose::reconstruct {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string output;
+};
+
+class SfmProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "sfm_program_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    root = pattern;
+  }
+  void TearDown() override { fs::remove_all(root); }
+
+  Outcome Run(const std::string& environment, const std::string& program, const std::string& arguments) const {
+    const fs::path log = root / "log.txt";
+    const std::string command = environment + " " + KEYPOSE_BIN_DIR + "/" + program + " " + arguments + " > " + log.string() + " 2>&1";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
+  }
+  Outcome Sfm(const std::string& environment, const std::string& model) const {
+    return Run(environment, "keypose-sfm", "--images " + (root / "images").string() + " --model " + (root / model).string());
+  }
+
+  /// Eight images of noise that has nothing in common, with full masks.
+  void WriteUnrelatedImages() const {
+    std::mt19937 random(3);
+    ImageSet set;
+    set.folder = root / "images";
+    fs::create_directories(set.folder / "masks");
+    for (int i = 0; i < 8; ++i) {
+      Image8 coarse(40, 30, 3);
+      for (std::uint8_t& v : coarse.data) v = static_cast<std::uint8_t>(random() % 256);
+      CapturedImage image;
+      image.name = "n" + std::to_string(i) + ".png";
+      image.width = 320;
+      image.height = 240;
+      image.focal_px = 400;
+      image.mask = "masks/" + image.name + ".png";
+      WriteImage(set.folder / image.name, Resized(coarse, 320, 240));
+      WriteImage(set.folder / image.mask, Image8(320, 240, 1, 255));
+      set.images.push_back(image);
+    }
+    WriteImageSet(set);
+  }
+
+  fs::path root;
+};
+
+std::string ModelBytes(const fs::path& model) {
+  return ReadFile(model / "cameras.bin") + ReadFile(model / "images.bin") + ReadFile(model / "points3D.bin");
+}
+
+PointsX3 Centers(const Scene& scene) {
+  PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
+  for (std::size_t v = 0; v < scene.views.size(); ++v) centers.row(static_cast<Eigen::Index>(v)) = scene.views[v].Center().transpose();
+  return centers;
+}
+
+TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
+  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") || !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
+    GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_EQ(
+      Run("", "keypose-synth", "photos --output " + root.string() + " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
+          .code,
+      0);
+  ASSERT_EQ(Run("", "keypose-capture", "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string()).code, 0);
+  const Outcome one = Sfm("KEYPOSE_THREADS=1", "one"), two = Sfm("KEYPOSE_THREADS=2", "two");
+  ASSERT_EQ(one.code, 0) << one.output;
+  ASSERT_EQ(two.code, 0) << two.output;
+  EXPECT_EQ(ModelBytes(root / "one") == ModelBytes(root / "two"), true);
+  const Scene found = ReadColmapModel(root / "one"), truth = ReadColmapModel(root / "truth/rest/cameras");
+  ASSERT_EQ(found.views.size(), truth.views.size());
+  const Similarity3 align = FitSimilarity(Centers(found), Centers(truth));
+  const PointsX3 moved = Transformed(align, Centers(found)), centers = Centers(truth);
+  // The bound that real photographs must keep; small images of a rendered ring keep it with room.
+  const double distance = centers.rowwise().norm().mean();
+  EXPECT_LT((moved - centers).rowwise().norm().mean(), 0.005 * distance);
+  // The turntable's axis is z on both sides.
+  EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));
+}
+
+TEST_F(SfmProgram, PhotographsThatDoNotJoinAreAnInputErrorThatListsThem) {
+  WriteUnrelatedImages();
+  const Outcome outcome = Sfm("", "model");
+  EXPECT_EQ(outcome.code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("do not join: only 0 of 8"));
+  EXPECT_THAT(outcome.output, HasSubstr("n0.png, n1.png"));
+  EXPECT_FALSE(fs::exists(root / "model"));
+}
+
+TEST_F(SfmProgram, MissingColmapIsAToolErrorThatNamesThePackage) {
+  WriteUnrelatedImages();
+  const Outcome outcome = Sfm("KEYPOSE_COLMAP=" + (root / "nothing").string(), "model");
+  EXPECT_EQ(outcome.code, 5) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("apt-get install colmap"));
+}
+
+TEST_F(SfmProgram, FolderThatIsNoImageSetIsAnInputError) {
+  fs::create_directories(root / "images");
+  const Outcome outcome = Sfm("", "model");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("capture.json"));
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
