@@ -52,8 +52,9 @@ Eigen::Vector3d Squash(const Deformation& d, const Eigen::Vector3d& x, double we
 }  // namespace
 
 double Deformation::Weight(const Eigen::Vector3d& rest) const {
-  if (radius <= 0) return 1;
-  return 1 - SmoothStep(((rest - center).norm() - radius) / falloff);
+  const double in_ball = radius <= 0 ? 1 : 1 - SmoothStep(((rest - center).norm() - radius) / falloff);
+  if (reach <= 0) return in_ball;
+  return in_ball * (1 - SmoothStep(((rest - origin).cross(axis).norm() - reach) / falloff));
 }
 
 Eigen::Vector3d Deformation::Apply(const Eigen::Vector3d& x, const Eigen::Vector3d& rest) const {

@@ -26,6 +26,7 @@ struct Deformation {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] of the ball that the deformation is confined to, in the rest pose
   double radius = 0;                                 ///< [m] of that ball: full effect inside, none beyond radius + falloff; 0: everywhere
   double falloff = 0.01;                             ///< [m]
+  double reach = 0;  ///< [m] of a tube round the axis, in the rest pose: full effect inside, none beyond reach + falloff; 0: everywhere
 
   Eigen::Vector3d Apply(const Eigen::Vector3d& x, const Eigen::Vector3d& rest) const;
   /// How strongly a material point follows, in [0,1].

@@ -1,4 +1,4 @@
-// keypose-synth: worlds with known truth. Photographs, simulated picks, scores, and damage for tests.
+// keypose-synth: worlds with known truth. Photographs, pairs for registration, simulated picks, scores, and damage for tests.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "synth/damage.h"
+#include "synth/pair_command.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
 
@@ -48,6 +49,28 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
     ConsoleProgress progress;
     std::printf("%d photographs in %s\n", RunPhotos(c, &progress), (c.output / "photos").c_str());
   });
+}
+
+void AddPair(CLI::App& app, PairCommand& c) {
+  CLI::App* pair = app.add_subcommand("pair", "two scans of a clay thing that bends far, and the exact place of every vertex");
+  pair->add_option("DIR,--output", c.output, "folder to write into")->required();
+  pair->add_option("--shape", c.pair.shape.shape, "tentacle | character")->capture_default_str();
+  pair->add_option("--seed", c.pair.shape.seed, "0 is the plain tentacle; others vary proportions and planes")->capture_default_str();
+  pair->add_option("--bend", c.pair.shape.bend_deg, "of the limbs [deg], 0 to 280")->capture_default_str();
+  pair->add_option("--twist", c.pair.shape.twist_deg, "of the limbs round their own axes [deg]")->capture_default_str();
+  pair->add_option("--squash", c.pair.shape.squash, "height of the target times this, widths by its inverse root")->capture_default_str();
+  pair->add_option("--landmarks", c.pair.shape.places, "picks; tips and body first, then along the limbs")->capture_default_str();
+  pair->add_option("--vertices", c.pair.vertices, "of the source, about")->capture_default_str();
+  pair->add_option("--ratio", c.pair.ratio, "target faces for one source face")->capture_default_str();
+  pair->add_option("--noise", c.pair.noise, "of target vertices, a standard deviation for each axis over the diagonal")
+      ->capture_default_str();
+  pair->add_option("--landmark-noise", c.pair.landmark_noise, "of the picks on the target; below 0: four times --noise")
+      ->capture_default_str();
+  pair->add_option("--holes", c.pair.holes, "in the target, none on a landmark")->capture_default_str();
+  pair->add_option("--hole-area", c.pair.hole_area, "share of the target's area that the holes take in all")->capture_default_str();
+  pair->add_option("--turn", c.pair.turn_deg, "of the whole target about an axis of the seed's [deg]")->capture_default_str();
+  pair->add_option("--scale", c.pair.scale, "of the whole target")->capture_default_str();
+  pair->callback([&c] { std::printf("%s\n", RunPair(c).c_str()); });
 }
 
 void AddPick(CLI::App& app, PickCommand& c) {
@@ -106,10 +129,12 @@ int main(int argc, char** argv) {
   CLI::App app("Synthetic worlds with known truth", "keypose-synth");
   app.require_subcommand(1);
   PhotosCommand photos;
+  PairCommand pair;
   PickCommand pick;
   ScoreFlags score;
   DamageFlags damage;
   AddPhotos(app, photos);
+  AddPair(app, pair);
   AddPick(app, pick);
   AddScore(app, score);
   AddDamage(app, damage);
