@@ -1,0 +1,411 @@
+#include "interpolate/volumetric.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/camera.h"
+#include "core/cholesky.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "interpolate/face_maps.h"
+#include "interpolate/graph_turns.h"
+#include "interpolate/place_inside.h"
+#include "interpolate/tet_maps.h"
+#include "interpolate/tetrahedralize.h"
+
+namespace keypose::interpolation {
+
+namespace {
+
+constexpr double kStiffest = 1e4;  // weight of the second key's energy over the first's, at most: flattened tetrahedra
+constexpr double kVolumeTolerance = 1e-10;
+constexpr int kVolumeRounds = 8;
+constexpr double kReach = 0.1;  // of the diagonal: how far the volume's correction spreads
+
+/// Sum over edges of the squared turn of the normal over the edge's share of area: free of scale; 4 pi or so for a ball, more for what is
+/// folded or twisted. Source: hinge energy, Grinspun et al. 2003.
+double BendingEnergy(const PointsX3& p, const FacesX3& faces) {
+  struct Side {
+    int low, high, face;
+    bool operator<(const Side& o) const { return std::tie(low, high, face) < std::tie(o.low, o.high, o.face); }
+  };
+  std::vector<Side> sides;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(faces(f, k), faces(f, (k + 1) % 3));
+      sides.push_back({low, high, static_cast<int>(f)});
+    }
+  std::sort(sides.begin(), sides.end());
+  const Eigen::VectorXd areas = FaceAreas(p, faces);
+  const PointsX3 normals = FaceNormals(p, faces);
+  double sum = 0;
+  for (std::size_t s = 0; s + 1 < sides.size(); ++s) {
+    if (sides[s].low != sides[s + 1].low || sides[s].high != sides[s + 1].high) continue;
+    const int a = sides[s].face, b = sides[s + 1].face;
+    const double edge = (p.row(sides[s].low) - p.row(sides[s].high)).squaredNorm();
+    const double angle = 2 * std::asin(std::min(1.0, 0.5 * (normals.row(a) - normals.row(b)).norm()));
+    sum += angle * angle * edge / std::max(areas[a] + areas[b], 0.05 * edge);  // bounded: one sliver does not decide
+  }
+  return sum;
+}
+
+/// Whether the second key is the one to fill. A rule that gives the same key when the two change places.
+bool SecondIsSmoother(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
+  const double bend_v = BendingEnergy(v, faces), bend_u = BendingEnergy(u, faces);
+  if (bend_v != bend_u) return bend_u < bend_v;
+  return std::lexicographical_compare(u.data(), u.data() + u.size(), v.data(), v.data() + v.size());
+}
+
+/// Path of each body's centroid: the whole's centroid goes straight, the bodies' offsets from it turn with the whole.
+class BodyPaths {
+ public:
+  BodyPaths(const PointsX3& v, const PointsX3& u, const Solid& solid)
+      : body_(solid.body_of_point), points_(v.rows()), bodies_(solid.bodies) {
+    start_ = Means(v);
+    end_ = Means(u);
+    whole_start_ = v.colwise().mean().transpose();
+    whole_end_ = u.colwise().mean().transpose();
+    rotation_ = FitSimilarity(v, u, {}, false).rotation;
+    turn_ = LogOf(rotation_);
+  }
+
+  /// Moves each body so that the centroid of its surface's vertices lies where it belongs at time t.
+  void Apply(double t, PointsX3& points) const {
+    PointsX3 shift = Means(points);
+    const Eigen::Matrix3d turn = ExpOf(t * turn_);
+    for (Eigen::Index b = 0; b < shift.rows(); ++b) {
+      const Eigen::Vector3d d0 = start_.row(b).transpose() - whole_start_, d1 = end_.row(b).transpose() - whole_end_;
+      const Eigen::Vector3d goal = (1 - t) * whole_start_ + t * whole_end_ + turn * ((1 - t) * d0 + t * (rotation_.transpose() * d1));
+      shift.row(b) = goal.transpose() - shift.row(b);
+    }
+    for (Eigen::Index i = 0; i < points_; ++i)
+      if (body_[i] >= 0) points.row(i) += shift.row(body_[i]);
+  }
+
+ private:
+  PointsX3 Means(const PointsX3& points) const {
+    PointsX3 sum = PointsX3::Zero(bodies_, 3);
+    Eigen::VectorXd count = Eigen::VectorXd::Zero(sum.rows());
+    for (Eigen::Index i = 0; i < points_; ++i)
+      if (body_[i] >= 0) sum.row(body_[i]) += points.row(i), count[body_[i]] += 1;
+    return count.cwiseInverse().asDiagonal() * sum;
+  }
+  const std::vector<int>& body_;
+  Eigen::Index points_, bodies_;
+  PointsX3 start_, end_;
+  Eigen::Vector3d whole_start_, whole_end_, turn_;
+  Eigen::Matrix3d rotation_;
+};
+
+/// Volume of each body, about one of its own vertices so that far bodies keep their digits.
+Eigen::VectorXd BodyVolumes(const PointsX3& p, const FacesX3& faces, const Solid& solid) {
+  Eigen::VectorXd volumes = Eigen::VectorXd::Zero(solid.bodies);
+  std::vector<int> about(solid.bodies, -1);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    int& origin = about[solid.body_of_face[f]];
+    if (origin < 0) origin = faces(f, 0);
+    const Eigen::Vector3d a = p.row(faces(f, 0)) - p.row(origin), b = p.row(faces(f, 1)) - p.row(origin),
+                          c = p.row(faces(f, 2)) - p.row(origin);
+    volumes[solid.body_of_face[f]] += a.dot(b.cross(c)) / 6;
+  }
+  return volumes;
+}
+
+/// Everything between the key that was filled and the other one.
+class FilledKey {
+ public:
+  FilledKey(const PointsX3& from, const PointsX3& to, const FacesX3& faces, const std::string& from_name, const std::string& to_name,
+            const VolumetricOptions& options)
+      : from_(from),
+        to_(to),
+        faces_(faces),
+        options_(options),
+        solid_(Tetrahedralize(from, faces, from_name, {options.element_size, options.max_tetrahedra})),
+        shapes_(TetShapesOf(solid_.points, solid_.tets)) {
+    start_volumes_ = BodyVolumes(from_, faces_, solid_);
+    end_volumes_ = BodyVolumes(to_, faces_, solid_);
+    for (int b = 0; b < solid_.bodies; ++b)
+      if (!(end_volumes_[b] > 0))
+        throw InputError(to_name + ": body " + std::to_string(b) +
+                         " is inside out or has no volume there, though it has in the other key; register it again");
+    maps_ = TetMapsOf(shapes_, PlaceInside(solid_, shapes_, faces_, to_), solid_.tets);
+    inverted_ = static_cast<int>(std::count_if(maps_.begin(), maps_.end(), [](const TetMap& m) { return m.inverted; }));
+  }
+
+  int inverted() const { return inverted_; }
+
+  /// What only the key that is used in the end needs.
+  void Prepare() {
+    Lift();
+    Weigh();
+    Factor();
+    sums_.emplace(solid_.points.rows(), solid_.tets);
+    paths_.emplace(from_, to_, solid_);
+  }
+
+  std::vector<PointsX3> At(const std::vector<double>& times) const;
+  VolumetricReport Report() const;
+
+ private:
+  /// One tetrahedron at work in a frame: what is wanted of its corners is exp(t turn) exp(t remainder) axes S^t corners.
+  struct Element {
+    Eigen::Vector3d turn, remainder, stretch;  ///< stretch: logarithms; for inverted ones the factors themselves
+    Eigen::Matrix3d axes;
+    Eigen::Matrix<double, 3, 4> corners;
+    bool inverted, has_remainder;
+  };
+
+  void Lift();
+  void Weigh();
+  Eigen::Vector3d WeightOf(std::int64_t t) const;
+  void Factor();
+  static void Want(const Element& element, double t, Eigen::Matrix<double, 3, 4>& corners);
+  void KeepVolumes(const std::vector<double>& times, std::vector<PointsX3>& frames) const;
+  PointsX3 VolumeGradient(const PointsX3& points) const;
+
+  PointsX3 from_, to_;
+  FacesX3 faces_;
+  VolumetricOptions options_;
+  Solid solid_;
+  std::vector<TetShape> shapes_;
+  Eigen::VectorXd start_volumes_, end_volumes_;
+  std::vector<TetMap> maps_;
+  int inverted_ = 0;
+  double largest_turn_ = 0, largest_tear_ = 0;
+  std::vector<Element> elements_;
+  std::optional<CornerSums> sums_;
+  std::optional<BodyPaths> paths_;
+  SparseCholesky fit_, spread_;
+};
+
+void FilledKey::Lift() {
+  std::vector<Eigen::Matrix3d> rotations(maps_.size());
+  std::vector<char> doubtful(maps_.size());
+  for (std::size_t t = 0; t < maps_.size(); ++t) rotations[t] = maps_[t].rotation, doubtful[t] = maps_[t].inverted;
+  elements_.resize(maps_.size());
+  LiftedTurns lifted;
+  if (options_.follow_turns) lifted = LiftTurns(rotations, solid_.opposite, doubtful);
+  for (std::size_t t = 0; t < maps_.size(); ++t) {
+    Element& e = elements_[t];
+    e.turn = options_.follow_turns ? lifted.turns[t] : LogOf(rotations[t]);
+    e.remainder = options_.follow_turns ? lifted.remainders[t] : Eigen::Vector3d::Zero();
+    e.has_remainder = e.remainder.squaredNorm() > 0;
+    e.axes = maps_[t].axes;
+    e.inverted = maps_[t].inverted;
+    e.stretch = e.inverted ? maps_[t].stretch : maps_[t].stretch.array().log().matrix().eval();
+    largest_turn_ = std::max(largest_turn_, e.turn.norm());
+  }
+  largest_tear_ = lifted.largest_tear;
+}
+
+// Both keys' Dirichlet energies ask for the same map A(t), the second's seen through A(1)^-1: together a weight v0 I + v1 S^-2 in the first
+// key's frame. Any such weight gives the keys at the ends; this one is the sum that the swapped keys would have.
+Eigen::Vector3d FilledKey::WeightOf(std::int64_t t) const {
+  Eigen::Vector3d weight = Eigen::Vector3d::Constant(shapes_[t].volume);
+  const Eigen::Vector3d& s = maps_[t].stretch;
+  if (!maps_[t].inverted) weight += shapes_[t].volume * (s.prod() * s.array().square().inverse()).min(kStiffest).matrix();
+  return weight;
+}
+
+void FilledKey::Weigh() {
+  for (std::size_t t = 0; t < maps_.size(); ++t)
+    elements_[t].corners = WeightOf(t).asDiagonal() * (maps_[t].axes.transpose() * shapes_[t].gradients);
+}
+
+void FilledKey::Factor() {
+  const Eigen::Index n = solid_.points.rows();
+  Eigen::SparseMatrix<double> h = LaplacianOf(n, solid_.tets, shapes_, [&](std::int64_t t) -> Eigen::Matrix3d {
+    return maps_[t].axes * WeightOf(t).asDiagonal() * maps_[t].axes.transpose();
+  });
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t)
+    for (int k = 0; k < 4; ++k) mass[solid_.tets(t, k)] += 0.25 * shapes_[t].volume * (1 + std::abs(maps_[t].stretch.prod()));
+  const double reach = kReach * BoundingDiagonal(from_);
+  double trace = 0;
+  for (Eigen::Index i = 0; i < n; ++i) trace += h.coeff(i, i);
+  const double ground = trace / static_cast<double>(n);
+  std::vector<char> grounded(solid_.bodies, 0);
+  Eigen::SparseMatrix<double> screened = h;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int body = solid_.body_of_point[i];
+    if (body < 0 || !grounded[body]) h.coeffRef(i, i) += ground;
+    screened.coeffRef(i, i) += body < 0 ? ground : mass[i] / (reach * reach);
+    if (body >= 0) grounded[body] = 1;
+  }
+  fit_.Analyze(h);
+  fit_.Factor(h);
+  if (!options_.keep_volume) return;
+  spread_.Analyze(screened);
+  spread_.Factor(screened);
+}
+
+void FilledKey::Want(const Element& e, double t, Eigen::Matrix<double, 3, 4>& corners) {
+  Eigen::Vector3d stretch;
+  for (int k = 0; k < 3; ++k) stretch[k] = e.inverted ? 1 - t + t * e.stretch[k] : std::exp(t * e.stretch[k]);
+  Eigen::Matrix3d turn = ExpOf(t * e.turn);
+  if (e.has_remainder) turn *= ExpOf(t * e.remainder);
+  corners.noalias() = (turn * e.axes * stretch.asDiagonal()) * e.corners;
+}
+
+PointsX3 FilledKey::VolumeGradient(const PointsX3& p) const {
+  PointsX3 gradient = PointsX3::Zero(solid_.points.rows(), 3);
+  for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+    const Eigen::RowVector3d a = p.row(faces_(f, 0)), ab = p.row(faces_(f, 1)) - a, ac = p.row(faces_(f, 2)) - a;
+    const Eigen::RowVector3d share = ab.cross(ac) / 6;
+    for (int k = 0; k < 3; ++k) gradient.row(faces_(f, k)) += share;
+  }
+  return gradient;
+}
+
+// Newton on one number a body: all of it grows by a screened response to even pressure, so what is far from the surface hardly moves.
+void FilledKey::KeepVolumes(const std::vector<double>& times, std::vector<PointsX3>& frames) const {
+  std::vector<std::size_t> open(frames.size());
+  for (std::size_t c = 0; c < open.size(); ++c) open[c] = c;
+  for (int round = 0; round < kVolumeRounds && !open.empty(); ++round) {
+    std::vector<std::size_t> off;
+    std::vector<Eigen::VectorXd> missing;
+    for (std::size_t c : open) {
+      const Eigen::VectorXd goal = ((1 - times[c]) * start_volumes_.array().log() + times[c] * end_volumes_.array().log()).exp().matrix();
+      const Eigen::VectorXd gap = goal - BodyVolumes(frames[c], faces_, solid_);
+      if ((gap.array().abs() <= kVolumeTolerance * goal.array()).all()) continue;
+      off.push_back(c);
+      missing.push_back(gap);
+    }
+    open = off;
+    if (open.empty()) return;
+    Eigen::MatrixXd pressure(solid_.points.rows(), 3 * open.size());
+    for (std::size_t c = 0; c < open.size(); ++c) pressure.middleCols<3>(3 * c) = VolumeGradient(frames[open[c]]);
+    const Eigen::MatrixXd growth = spread_.Solve(pressure);
+    for (std::size_t c = 0; c < open.size(); ++c) {
+      Eigen::VectorXd gain = Eigen::VectorXd::Zero(solid_.bodies);
+      const auto z = growth.middleCols<3>(3 * c);
+      const auto g = pressure.middleCols<3>(3 * c);
+      for (Eigen::Index i = 0; i < from_.rows(); ++i)
+        if (solid_.body_of_point[i] >= 0) gain[solid_.body_of_point[i]] += z.row(i).dot(g.row(i));
+      for (Eigen::Index i = 0; i < solid_.points.rows(); ++i)
+        if (const int body = solid_.body_of_point[i]; body >= 0) frames[open[c]].row(i) += missing[c][body] / gain[body] * z.row(i);
+    }
+  }
+}
+
+std::vector<PointsX3> FilledKey::At(const std::vector<double>& times) const {
+  const Eigen::Index n = solid_.points.rows(), v = from_.rows(), count = static_cast<Eigen::Index>(times.size());
+  Eigen::MatrixXd rhs(n, 3 * count);
+  for (Eigen::Index c = 0; c < count; ++c)
+    rhs.middleCols<3>(3 * c) =
+        sums_->Sum([&](std::int64_t t, Eigen::Matrix<double, 3, 4>& corners) { Want(elements_[t], times[c], corners); });
+  const Eigen::MatrixXd x = fit_.Solve(rhs);
+  std::vector<PointsX3> frames(count);
+  for (Eigen::Index c = 0; c < count; ++c) frames[c] = x.middleCols<3>(3 * c);
+  if (options_.keep_volume) KeepVolumes(times, frames);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    paths_->Apply(times[c], frames[c]);
+    frames[c].conservativeResize(v, 3);
+    for (Eigen::Index i = 0; i < v; ++i)
+      if (solid_.body_of_point[i] < 0) frames[c].row(i) = (1 - times[c]) * from_.row(i) + times[c] * to_.row(i);
+    if (times[c] == 0) frames[c] = from_;
+    if (times[c] == 1) frames[c] = to_;
+  }
+  return frames;
+}
+
+VolumetricReport FilledKey::Report() const {
+  VolumetricReport report;
+  report.tetrahedra = static_cast<int>(solid_.tets.rows());
+  report.nodes = static_cast<int>(solid_.points.rows());
+  report.bodies = solid_.bodies;
+  report.inverted = inverted_;
+  report.largest_turn = largest_turn_;
+  report.largest_tear = largest_tear_;
+  return report;
+}
+
+}  // namespace
+
+struct VolumetricInterpolator::Impl {
+  Impl(const PointsX3& v_, const PointsX3& u_, const FacesX3& faces_, const VolumetricOptions& o)
+      : v(v_), u(u_), faces(faces_), options(o) {
+    swapped = SecondIsSmoother(v, u, faces);
+    std::string fault;
+    std::unique_ptr<FilledKey> preferred = Filled(swapped, fault);
+    if (preferred && preferred->inverted() == 0) {
+      Use(std::move(preferred), swapped, "");
+      return;
+    }
+    std::string other_fault;
+    std::unique_ptr<FilledKey> other = Filled(!swapped, other_fault);
+    if (!preferred && !other) throw InputError(fault + " (nor can the " + Name(!swapped) + " be filled)");
+    if (!preferred || (other && other->inverted() < preferred->inverted())) {
+      const std::string why = preferred ? "it turns fewer tetrahedra inside out" : fault;
+      Use(std::move(other), !swapped, "the " + Name(!swapped) + " was filled instead: " + why);
+    } else {
+      Use(std::move(preferred), swapped, "");
+    }
+  }
+
+  static std::string Name(bool second) { return second ? "second key" : "first key"; }
+
+  /// @return null and the reason where this key cannot be filled
+  std::unique_ptr<FilledKey> Filled(bool second, std::string& fault) const {
+    const std::string from = "interpolate: " + Name(second), to = "interpolate: " + Name(!second);
+    try {
+      return std::make_unique<FilledKey>(second ? u : v, second ? v : u, faces, from, to, options);
+    } catch (const InputError& e) {
+      fault = e.what();
+      return nullptr;
+    }
+  }
+
+  void Use(std::unique_ptr<FilledKey> key, bool second, const std::string& note) {
+    filled = std::move(key);
+    swapped = second;
+    filled->Prepare();
+    report = filled->Report();
+    report.meshed_key = second ? 1 : 0;
+    report.note = note;
+  }
+
+  PointsX3 v, u;
+  FacesX3 faces;
+  VolumetricOptions options;
+  bool swapped = false;
+  std::unique_ptr<FilledKey> filled;
+  VolumetricReport report;
+};
+
+VolumetricInterpolator::VolumetricInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces,
+                                               const VolumetricOptions& options) {
+  if (v.rows() != u.rows())
+    throw InputError("interpolate: the keys have " + std::to_string(v.rows()) + " and " + std::to_string(u.rows()) +
+                     " vertices; register all poses from one template first");
+  Mesh mesh;
+  mesh.faces = faces;
+  mesh.points = v;
+  RequireUsable(mesh, "interpolate: first key");
+  mesh.points = u;
+  RequireUsable(mesh, "interpolate: second key");
+  impl_ = std::make_unique<Impl>(v, u, faces, options);
+}
+
+VolumetricInterpolator::~VolumetricInterpolator() = default;
+VolumetricInterpolator::VolumetricInterpolator(VolumetricInterpolator&&) noexcept = default;
+
+PointsX3 VolumetricInterpolator::At(double t) const { return At(std::vector<double>{t}).front(); }
+
+std::vector<PointsX3> VolumetricInterpolator::At(const std::vector<double>& times) const {
+  if (!impl_->swapped) return impl_->filled->At(times);
+  std::vector<double> back(times.size());
+  std::transform(times.begin(), times.end(), back.begin(), [](double t) { return 1 - t; });
+  return impl_->filled->At(back);
+}
+
+const VolumetricReport& VolumetricInterpolator::report() const { return impl_->report; }
+
+}  // namespace keypose::interpolation
