@@ -1,0 +1,93 @@
+// Registration side by side: the template, what it should become, and what programs made of it. The pictures of docs/.
+//
+//   registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH...
+//
+// SOURCE and every MESH of its faces carry one checker, painted on SOURCE in its own space; faces that MESH turned inside out, judged by
+// the nearest face of TARGET as the report's `flipped` is, are red. TARGET is plain. All but SOURCE share TARGET's view. Degrees.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/kd_tree.h"
+#include "core/render.h"
+
+namespace keypose {
+namespace {
+
+PointsX3 FaceCenters(const Mesh& mesh) {
+  PointsX3 centers(mesh.faces.rows(), 3);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    centers.row(f) = (mesh.points.row(mesh.faces(f, 0)) + mesh.points.row(mesh.faces(f, 1)) + mesh.points.row(mesh.faces(f, 2))) / 3;
+  return centers;
+}
+
+// Hue runs along the longest side of the box, so that what came from where shows; squares in space tell stretch.
+ColorsX3 Checker(const Mesh& source) {
+  const PointsX3 centers = FaceCenters(source);
+  const Eigen::RowVector3d low = source.points.colwise().minCoeff(), size = source.points.colwise().maxCoeff() - low;
+  int along = 0;
+  size.maxCoeff(&along);
+  const double square = size[along] / 14;
+  ColorsX3 colors = MapColors((centers.col(along).array() - low[along]) / size[along], 0, 1);
+  for (Eigen::Index f = 0; f < centers.rows(); ++f) {
+    const int steps = static_cast<int>(std::floor((centers(f, along) - low[along]) / square)) +
+                      static_cast<int>(std::floor((centers(f, (along + 1) % 3) - low[(along + 1) % 3]) / square));
+    for (int c = 0; c < 3; ++c) colors(f, c) = static_cast<std::uint8_t>(steps % 2 == 0 ? colors(f, c) : 128 + colors(f, c) / 2);
+  }
+  return colors;
+}
+
+int PaintFlipped(const Mesh& mesh, const Mesh& target, ColorsX3* colors) {
+  const KdTree tree(FaceCenters(target));
+  const PointsX3 normals = FaceNormals(mesh.points, mesh.faces), target_normals = FaceNormals(target.points, target.faces),
+                 centers = FaceCenters(mesh);
+  int flipped = 0;
+  for (Eigen::Index f = 0; f < centers.rows(); ++f)
+    if (normals.row(f).dot(target_normals.row(tree.Nearest(centers.row(f).transpose()).index)) < 0) {
+      colors->row(f) << 214, 30, 40;
+      ++flipped;
+    }
+  return flipped;
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() < 7) throw UsageError("registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH...");
+  const int width = std::atoi(arguments[1].c_str());
+  const double azimuth = std::atof(arguments[2].c_str()), elevation = std::atof(arguments[3].c_str());
+  const Mesh source = ReadMesh(arguments[4]), target = ReadMesh(arguments[5]);
+  const View of_target = FitView(target.points, azimuth, elevation, width, width);
+  const ColorsX3 checker = Checker(source);
+  RenderOptions painted, plain;
+  painted.smooth = false;
+  painted.face_colors = checker;
+  plain.plain = true;
+  std::vector<Image8> tiles = {Render(source, FitView(source.points, azimuth, elevation, width, width), painted),
+                               Render(target, of_target, plain)};
+  for (std::size_t i = 6; i < arguments.size(); ++i) {
+    const Mesh mesh = ReadMesh(arguments[i]);
+    if (mesh.faces != source.faces) throw InputError(arguments[i] + " does not have the faces of " + arguments[4] + "; register it first");
+    painted.face_colors = checker;
+    std::printf("%s: %d of %d faces flipped\n", arguments[i].c_str(), PaintFlipped(mesh, target, &painted.face_colors), mesh.face_count());
+    tiles.push_back(Render(mesh, of_target, painted));
+  }
+  WriteImage(arguments[0], TileImages(tiles, static_cast<int>(tiles.size())), 88);
+  return 0;
+}
+
+}  // namespace
+}  // namespace keypose
+
+int main(int argc, char** argv) {
+  try {
+    return keypose::Run({argv + 1, argv + argc});
+  } catch (const keypose::Error& error) {
+    std::fprintf(stderr, "registration_views: error: %s\n", error.what());
+    return static_cast<int>(error.code());
+  }
+}
