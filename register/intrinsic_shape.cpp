@@ -1,0 +1,181 @@
+#include "register/intrinsic_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "register/hierarchy.h"
+
+namespace keypose::registration {
+
+namespace {
+
+// Over the square root of the area. Smaller bumps come and go with the pose; fingers of one hand would only multiply the assignments.
+constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
+
+/// Vertices of the piece with the largest area.
+std::vector<char> InLargestPiece(const Mesh& mesh) {
+  std::vector<int> parent(static_cast<std::size_t>(mesh.vertex_count()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[static_cast<std::size_t>(v)] != v) {
+      auto& up = parent[static_cast<std::size_t>(v)];
+      up = parent[static_cast<std::size_t>(up)];
+      v = up;
+    }
+    return v;
+  };
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 1; k < 3; ++k) {
+      const int a = root(mesh.faces(f, 0)), b = root(mesh.faces(f, k));
+      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  const Eigen::VectorXd face_areas = FaceAreas(mesh.points, mesh.faces);
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.vertex_count());
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) area[root(mesh.faces(f, 0))] += face_areas[f];
+  Eigen::Index largest = 0;
+  if (!(area.maxCoeff(&largest) > 0)) throw InputError("register: the surface has no area");
+  std::vector<char> in(parent.size());
+  for (std::size_t v = 0; v < in.size(); ++v) in[v] = root(static_cast<int>(v)) == largest;
+  return in;
+}
+
+void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
+  const std::vector<char> in = InLargestPiece(mesh);
+  Mesh piece;
+  std::vector<int> to_piece(in.size(), -1), from_piece;
+  for (std::size_t v = 0; v < in.size(); ++v)
+    if (in[v]) to_piece[v] = static_cast<int>(from_piece.size()), from_piece.push_back(static_cast<int>(v));
+  piece.points.resize(static_cast<Eigen::Index>(from_piece.size()), 3);
+  for (std::size_t i = 0; i < from_piece.size(); ++i) piece.points.row(static_cast<Eigen::Index>(i)) = mesh.points.row(from_piece[i]);
+  piece.faces.resize(mesh.face_count(), 3);
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (in[static_cast<std::size_t>(mesh.faces(f, 0))]) {
+      for (int k = 0; k < 3; ++k) piece.faces(kept, k) = to_piece[static_cast<std::size_t>(mesh.faces(f, k))];
+      ++kept;
+    }
+  piece.faces.conservativeResize(kept, 3);
+  std::vector<CoarseLevel> levels;
+  if (piece.vertex_count() > vertices) levels = MakeHierarchy(piece.points, piece.faces, {vertices});
+  if (levels.empty()) {
+    shape.proxy = piece;
+    shape.fine = from_piece;
+    shape.proxy_of = to_piece;
+  } else {
+    shape.proxy.points = levels[0].points;
+    shape.proxy.faces = levels[0].faces;
+    for (const int v : levels[0].fine) shape.fine.push_back(from_piece[static_cast<std::size_t>(v)]);
+    shape.proxy_of.assign(in.size(), -1);
+    for (std::size_t v = 0; v < in.size(); ++v)
+      if (in[v]) shape.proxy_of[v] = levels[0].up[static_cast<std::size_t>(to_piece[v])];
+  }
+  shape.scale = std::sqrt(SurfaceArea(shape.proxy.points, shape.proxy.faces));
+  shape.proxy.points /= shape.scale;
+  shape.proxy.normals = VertexNormals(shape.proxy.points, shape.proxy.faces);
+}
+
+void BuildSamples(int count, IntrinsicShape& shape) {
+  shape.samples = shape.graph->FarthestPoints(count);
+  shape.graph->From(shape.samples, &shape.sample_of);
+  shape.sample_distances = shape.graph->Rows(shape.samples);
+  shape.all.functions = shape.spectrum.functions.cast<float>();
+  shape.all.weights = shape.spectrum.areas.cast<float>();
+  const auto count_made = static_cast<Eigen::Index>(shape.samples.size());
+  shape.sampled.functions.resize(count_made, shape.all.functions.cols());
+  for (Eigen::Index s = 0; s < count_made; ++s)
+    shape.sampled.functions.row(s) = shape.all.functions.row(shape.samples[static_cast<std::size_t>(s)]);
+  Eigen::VectorXd areas = Eigen::VectorXd::Constant(count_made, 1e-9);
+  for (std::size_t v = 0; v < shape.sample_of.size(); ++v) areas[shape.sample_of[v]] += shape.spectrum.areas[static_cast<Eigen::Index>(v)];
+  shape.sampled.weights = areas.cast<float>();
+  shape.mean_distance = shape.sample_distances.transpose() * (areas / areas.sum());
+}
+
+/// Mean distance and heat kernel signatures, each as a share of the surface's own mean.
+void BuildDescriptors(IntrinsicShape& shape) {
+  const std::vector<double> times = {0.003, 0.01, 0.03};  // at unit area: from a limb's girth to half the body
+  const Spectrum& s = shape.spectrum;
+  shape.descriptors.resize(shape.proxy.vertex_count(), 1 + static_cast<Eigen::Index>(times.size()));
+  shape.descriptors.col(0) = shape.mean_distance / s.areas.dot(shape.mean_distance);
+  const Eigen::MatrixXd squared = s.functions.cwiseAbs2();
+  for (std::size_t t = 0; t < times.size(); ++t) {
+    const Eigen::VectorXd heat = squared * (-times[t] * s.values.array()).exp().matrix();
+    shape.descriptors.col(1 + static_cast<Eigen::Index>(t)) = (heat / s.areas.dot(heat)).array().max(1e-6).log();
+  }
+}
+
+void BuildTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
+  shape.tips = known;
+  const std::size_t limit = known.size() + static_cast<std::size_t>(most);
+  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(shape.proxy.vertex_count(), 1e9);
+  if (!known.empty()) nearest = shape.graph->From(known);
+  for (const Peak& peak : FindPeaks(shape.graph->neighbors(), shape.mean_distance)) {
+    if (peak.persistence < kLeastPersistence || shape.tips.size() >= limit) break;
+    if (nearest[peak.vertex] < kLeastSeparation) continue;
+    shape.tips.push_back(peak.vertex);
+    nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
+  }
+  shape.tip_distances = shape.graph->Rows(shape.tips);
+}
+
+/// Unit tangent vectors of the field's rise at the vertices asked for; zero where it has none.
+PointsX3 RiseAt(const Mesh& mesh, const Eigen::VectorXd& field, const std::vector<int>& at) {
+  PointsX3 rise = PointsX3::Zero(mesh.vertex_count(), 3);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::Vector3d p0 = mesh.points.row(mesh.faces(f, 0)), p1 = mesh.points.row(mesh.faces(f, 1)),
+                          p2 = mesh.points.row(mesh.faces(f, 2));
+    const Eigen::Vector3d normal = (p1 - p0).cross(p2 - p0);
+    const double doubled = normal.norm();
+    if (!(doubled > 0)) continue;
+    // The gradient times twice the area: larger faces weigh more at their corners.
+    const Eigen::Vector3d gradient =
+        normal.cross((p2 - p1) * field[mesh.faces(f, 0)] + (p0 - p2) * field[mesh.faces(f, 1)] + (p1 - p0) * field[mesh.faces(f, 2)]) /
+        doubled;
+    for (int k = 0; k < 3; ++k) rise.row(mesh.faces(f, k)) += gradient.transpose();
+  }
+  PointsX3 picked(static_cast<Eigen::Index>(at.size()), 3);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Eigen::RowVector3d n = mesh.normals.row(at[i]), g = rise.row(at[i]);
+    const Eigen::RowVector3d tangent = g - g.dot(n) * n;
+    picked.row(static_cast<Eigen::Index>(i)) =
+        tangent.norm() > 1e-12 ? Eigen::RowVector3d(tangent.normalized()) : Eigen::RowVector3d::Zero();
+  }
+  return picked;
+}
+
+}  // namespace
+
+IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const std::vector<int>& known, const IntrinsicOptions& options) {
+  IntrinsicShape shape;
+  BuildProxy(mesh, options.vertices, shape);
+  if (shape.proxy.vertex_count() < 4) throw InputError("register: the surface has fewer than 4 vertices, too few to compare");
+  shape.graph = std::make_unique<GeodesicGraph>(shape.proxy.points, shape.proxy.faces);
+  shape.spectrum = LaplaceSpectrum(shape.proxy.points, shape.proxy.faces, std::min(options.functions, shape.proxy.vertex_count() / 3 + 1));
+  BuildSamples(options.samples, shape);
+  BuildDescriptors(shape);
+  std::vector<int> known_tips;
+  for (const int vertex : known) known_tips.push_back(shape.proxy_of[static_cast<std::size_t>(vertex)]);
+  BuildTips(known_tips, options.tips, shape);
+  return shape;
+}
+
+Eigen::MatrixXd TurnsBetweenTips(const IntrinsicShape& shape, const std::vector<int>& tips, const std::vector<int>& at) {
+  std::vector<PointsX3> rises;
+  for (const int tip : tips) rises.push_back(RiseAt(shape.proxy, shape.tip_distances.row(tip).transpose(), at));
+  const auto count = static_cast<Eigen::Index>(tips.size());
+  Eigen::MatrixXd turns(static_cast<Eigen::Index>(at.size()), count * (count - 1) / 2);
+  Eigen::Index column = 0;
+  for (std::size_t a = 0; a < tips.size(); ++a)
+    for (std::size_t b = a + 1; b < tips.size(); ++b, ++column)
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        const Eigen::Vector3d u = rises[a].row(row), v = rises[b].row(row), n = shape.proxy.normals.row(at[i]);
+        turns(row, column) = n.dot(u.cross(v));
+      }
+  return turns;
+}
+
+}  // namespace keypose::registration

@@ -1,0 +1,221 @@
+#include "register/suggest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/kd_tree.h"
+#include "register/dense_map.h"
+#include "register/intrinsic_shape.h"
+#include "register/map_search.h"
+
+namespace keypose::registration {
+
+namespace {
+
+constexpr double kTipAgrees = 0.12;  // how far a matched tip may lie from where the refined map puts it
+const std::vector<int> kFinalSizes = {32, 40, 50, 60, 70, 80, 100, 120};
+
+/// Both poses and all that is found about them.
+struct Search {
+  const Mesh& source_mesh;
+  const Mesh& target_mesh;
+  IntrinsicShape source, target;
+  std::vector<int> known_source, known_target;  ///< input vertices
+  std::vector<MapCandidate> candidates;
+  PointMaps maps;              ///< between all proxy vertices
+  Eigen::VectorXd confidence;  ///< of proxy vertices of the source
+};
+
+int HeaviestCorner(const SurfacePoint& point) {
+  Eigen::Index k = 0;
+  point.weights.maxCoeff(&k);
+  return point.vertices[k];
+}
+
+std::string Percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.0f %%", 100 * share);
+  return text;
+}
+
+/// Known pairs as vertices, where both lie on the pieces that are compared and on proxy vertices not taken yet.
+void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
+  if (known.empty()) return;
+  const KdTree tree(search.target_mesh.points);
+  for (const LandmarkGoal& goal : known) {
+    const int source = HeaviestCorner(goal.source);
+    if (source < 0 || source >= search.source_mesh.vertex_count())
+      throw InputError("register: landmark '" + goal.name + "' is not on the source; it was picked on another mesh: pick it again");
+    search.known_source.push_back(source);
+    search.known_target.push_back(tree.Nearest(goal.target).index);
+  }
+}
+
+/// Sample maps as maps of all proxy vertices, then refined with more functions.
+void RefineOnProxies(Search& search) {
+  const IntrinsicShape &a = search.source, &b = search.target;
+  const JointEmbedding coarse = FitEmbedding(a.sampled, b.sampled, search.candidates[0].maps, kFinalSizes[0]);
+  search.maps = NearestRows(coarse.SourceRows(a.all.functions), coarse.TargetRows(b.all.functions));
+  std::vector<int> sizes;
+  const auto most = static_cast<int>(std::min(a.all.functions.cols(), b.all.functions.cols()));
+  for (const int size : kFinalSizes)
+    if (size <= most) sizes.push_back(size);
+  if (sizes.empty()) sizes = {most};
+  search.maps = RefineMaps(a.all, b.all, std::move(search.maps), sizes);
+  search.confidence = MapConfidence(a, b, search.maps);
+}
+
+class FaceOfVertex {
+ public:
+  explicit FaceOfVertex(const Mesh& mesh) : place_(static_cast<std::size_t>(mesh.vertex_count()), {-1, 0}) {
+    for (Eigen::Index f = mesh.faces.rows() - 1; f >= 0; --f)
+      for (int k = 0; k < 3; ++k) place_[static_cast<std::size_t>(mesh.faces(f, k))] = {static_cast<int>(f), k};
+  }
+  void Set(int vertex, int& face, Eigen::Vector3d& barycentric) const {
+    face = place_[static_cast<std::size_t>(vertex)].first;
+    barycentric = Eigen::Vector3d::Unit(place_[static_cast<std::size_t>(vertex)].second);
+  }
+
+ private:
+  std::vector<std::pair<int, int>> place_;
+};
+
+/// Vertices of a proxy pair to suggest.
+struct ProxyPair {
+  int source, target;
+  double confidence;
+  const char* origin;
+};
+
+std::vector<ProxyPair> TipPairs(const Search& search) {
+  std::vector<ProxyPair> pairs;
+  const MapCandidate& best = search.candidates[0];
+  for (std::size_t k = 0; k < best.source_tips.size(); ++k) {
+    const int s = best.source_tips[k], t = best.target_tips[k];
+    if (s < static_cast<int>(search.known_source.size())) continue;
+    const int vs = search.source.tips[static_cast<std::size_t>(s)], vt = search.target.tips[static_cast<std::size_t>(t)];
+    // Where the ends and the refined map disagree, one of the two is wrong.
+    const double off = search.target.tip_distances(t, search.maps.forward[static_cast<std::size_t>(vs)]);
+    const double back = search.source.tip_distances(s, search.maps.backward[static_cast<std::size_t>(vt)]);
+    if (std::max(off, back) > kTipAgrees) continue;
+    const double agreement = 1 - std::max(off, back) / kTipAgrees;
+    pairs.push_back({vs, vt, std::max(search.confidence[vs], 0.5 + 0.5 * agreement), "tip"});
+  }
+  return pairs;
+}
+
+/// Tips, then confident vertices far from all others.
+std::vector<ProxyPair> ChoosePairs(const Search& search, const SuggestOptions& options) {
+  std::vector<ProxyPair> pairs = TipPairs(search);
+  std::stable_sort(pairs.begin(), pairs.end(), [](const ProxyPair& a, const ProxyPair& b) { return a.confidence > b.confidence; });
+  if (static_cast<int>(pairs.size()) > options.count) pairs.resize(static_cast<std::size_t>(options.count));
+  std::vector<int> taken;
+  for (const int v : search.known_source)
+    if (search.source.proxy_of[static_cast<std::size_t>(v)] >= 0) taken.push_back(search.source.proxy_of[static_cast<std::size_t>(v)]);
+  for (const ProxyPair& pair : pairs) taken.push_back(pair.source);
+  Eigen::VectorXd distance = taken.empty() ? search.source.mean_distance : search.source.graph->From(taken);
+  while (static_cast<int>(pairs.size()) < options.count) {
+    int next = -1;
+    double most = 0.05;  // closer together, a pair adds nothing
+    for (int v = 0; v < search.source.proxy.vertex_count(); ++v) {
+      if (search.confidence[v] < options.min_confidence) continue;
+      const double worth = distance[v] * search.confidence[v];
+      if (worth > most) most = worth, next = v;
+    }
+    if (next < 0) break;
+    pairs.push_back({next, search.maps.forward[static_cast<std::size_t>(next)], search.confidence[next], "intrinsic"});
+    distance = distance.cwiseMin(search.source.graph->From({next}));
+  }
+  return pairs;
+}
+
+void FillDense(Search& search, Suggestion& suggestion) {
+  const IntrinsicShape &a = search.source, &b = search.target;
+  const JointEmbedding joint =
+      FitEmbedding(a.all, b.all, search.maps, static_cast<int>(std::min(a.all.functions.cols(), b.all.functions.cols())));
+  const OnProxy mapped = PreciseMap(a, FootOnProxy(search.source_mesh, a), b, search.maps, joint);
+  suggestion.dense = NearestVertices(search.target_mesh, b, mapped);
+  suggestion.confidence = Eigen::VectorXd::Zero(search.source_mesh.vertex_count());
+  for (std::size_t v = 0; v < suggestion.dense.size(); ++v)
+    if (suggestion.dense[v] >= 0) suggestion.confidence[static_cast<Eigen::Index>(v)] = search.confidence[a.proxy_of[v]];
+}
+
+void FillPairs(const Search& search, const SuggestOptions& options, Suggestion& suggestion) {
+  const FaceOfVertex on_source(search.source_mesh), on_target(search.target_mesh);
+  for (const ProxyPair& pair : ChoosePairs(search, options)) {
+    SuggestedPair suggested;
+    const int source = search.source.fine[static_cast<std::size_t>(pair.source)];
+    int target = search.target.fine[static_cast<std::size_t>(pair.target)];
+    if (pair.origin != std::string("tip") && suggestion.dense[static_cast<std::size_t>(source)] >= 0)
+      target = suggestion.dense[static_cast<std::size_t>(source)];
+    on_source.Set(source, suggested.pick.source_face, suggested.pick.source_barycentric);
+    on_target.Set(target, suggested.pick.target_face, suggested.pick.target_barycentric);
+    suggested.pick.name = "suggested-" + std::to_string(suggestion.pairs.size() + 1);
+    suggested.confidence = pair.confidence;
+    suggested.origin = pair.origin;
+    suggestion.pairs.push_back(std::move(suggested));
+  }
+}
+
+/// The score of the best candidate that is another map, not the same one from other tips.
+double Margin(const Search& search) {
+  const MapCandidate& best = search.candidates[0];
+  for (const MapCandidate& other : search.candidates) {
+    double apart = 0;
+    for (std::size_t s = 0; s < best.maps.forward.size(); ++s)
+      apart += search.target.sample_distances(best.maps.forward[s], search.target.samples[static_cast<std::size_t>(other.maps.forward[s])]);
+    if (apart / static_cast<double>(best.maps.forward.size()) > 0.15) return other.score / std::max(best.score, 1e-9) - 1;
+  }
+  return 1;
+}
+
+}  // namespace
+
+std::vector<std::string> SuggestOptions::Problems() const {
+  std::vector<std::string> problems;
+  if (count < 0 || count > 1000) problems.push_back("count must be from 0 to 1000");
+  if (proxy_vertices < 100 || proxy_vertices > 20000) problems.push_back("proxy_vertices must be from 100 to 20000");
+  if (samples < 50 || samples > proxy_vertices) problems.push_back("samples must be from 50 to proxy_vertices");
+  if (functions < 20 || functions > 500) problems.push_back("functions must be from 20 to 500");
+  if (candidates < 1 || candidates > 10000) problems.push_back("candidates must be from 1 to 10000");
+  if (!(min_confidence >= 0 && min_confidence <= 1)) problems.push_back("min_confidence must be from 0 to 1");
+  return problems;
+}
+
+Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& known, const SuggestOptions& options,
+                            Progress* progress) {
+  RequireUsable(source, "register: source");
+  RequireUsable(target, "register: target");
+  if (const auto problems = options.Problems(); !problems.empty()) throw InputError("register: " + problems.front());
+  Search search{source, target, {}, {}, {}, {}, {}, {}, {}};
+  TakeKnown(known, search);
+  IntrinsicOptions intrinsic;
+  intrinsic.vertices = options.proxy_vertices;
+  intrinsic.samples = options.samples;
+  intrinsic.functions = options.functions;
+  Step(progress, 0.0, "landmarks: the source's limbs");
+  search.source = MakeIntrinsicShape(source, search.known_source, intrinsic);
+  Step(progress, 0.3, "landmarks: the target's limbs");
+  search.target = MakeIntrinsicShape(target, search.known_target, intrinsic);
+  Step(progress, 0.6, "landmarks: candidate maps");
+  search.candidates = SearchMaps(search.source, search.target, static_cast<int>(known.size()), options.candidates);
+  Step(progress, 0.8, "landmarks: refining");
+  RefineOnProxies(search);
+  Suggestion suggestion;
+  suggestion.distortion = search.candidates[0].distortion;
+  suggestion.orientation = OrientationShare(search.source, search.target, search.maps.forward);
+  suggestion.margin = Margin(search);
+  FillDense(search, suggestion);
+  FillPairs(search, options, suggestion);
+  suggestion.explanation = "limb ends: " + std::to_string(search.source.tips.size()) + " on the source, " +
+                           std::to_string(search.target.tips.size()) + " on the target, " +
+                           std::to_string(search.candidates[0].source_tips.size()) + " matched; " + Percent(suggestion.orientation) +
+                           " of the surface keeps its orientation";
+  return suggestion;
+}
+
+}  // namespace keypose::registration
