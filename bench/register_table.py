@@ -47,7 +47,8 @@ class Pair:
         self.truth = truth                # mesh of the exact places, or None
         self.gt = gt                      # file for the scorer, or None
         self.keys = keys or {}            # what the row is about
-        self.itself = None                # the scorer on the truth
+        self.known = None                 # (source, truth) meshes of the faces whose corners have a known place, or None
+        self.itself = None                # flips that the truth has by the scorer's measure
 
 
 class Judge:
@@ -65,9 +66,9 @@ class Judge:
         return json.loads(done.stdout)
 
     def itself(self, pair):
-        """Flips that the truth has by the scorer's measure; None where the truth is not known for every vertex."""
-        if pair.itself is None and pair.truth:
-            pair.itself = self.score(pair.source, pair.truth, pair.target).get('flipped')
+        """Flips of the true places; where some vertices have none, of the faces between those that do."""
+        if pair.itself is None and pair.known:
+            pair.itself = self.score(pair.known[0], pair.known[1], pair.target).get('flipped')
         return pair.itself
 
     def judge(self, pair, registered):
@@ -168,26 +169,31 @@ def real_pairs(args, judge, work):
         if not (folder / 'source.obj').exists() or (args.only and folder.name not in args.only):
             continue
         gt = folder / 'gt.txt' if (folder / 'gt.txt').exists() else folder / 'landmarks.txt'
-        truth = truth_of(folder, gt, work / f'{folder.name}_truth.ply', judge.meshes)
+        known, whole = known_faces(folder, gt, work, judge.meshes)
         for count in args.landmarks:
             lines = (folder / 'landmarks.txt').read_text().splitlines(keepends=True)[:count]
             chosen = work / f'{folder.name}_{count}.txt'
             chosen.write_text(''.join(lines))
-            yield Pair(folder.name, folder / 'source.obj', folder / 'target.obj', chosen if count else None, [chosen] if count else [], len(lines),
-                       truth, gt, {'pair': folder.name, 'landmarks': len(lines)})
+            pair = Pair(folder.name, folder / 'source.obj', folder / 'target.obj', chosen if count else None, [chosen] if count else [], len(lines),
+                        known[1] if whole else None, gt, {'pair': folder.name, 'landmarks': len(lines)})
+            pair.known = known
+            yield pair
 
 
-def truth_of(folder, gt, path, meshes):
-    """The source's faces at the target's vertices, where every source vertex has one."""
+def known_faces(folder, gt, work, meshes):
+    """Files of the source and of its true places with only the faces whose corners have one, or None; and whether that is all of them."""
     points, faces = meshes.read(str(folder / 'source.obj'))
     target, _ = meshes.read(str(folder / 'target.obj'))
     rows = np.loadtxt(gt, dtype=int)[:, :2]
-    if len(np.unique(rows[:, 0])) != len(points):
-        return None
-    places = np.empty_like(points)
+    places = np.full(points.shape, np.nan)
     places[rows[:, 0]] = target[rows[:, 1]]
-    write_ply(path, places, faces)
-    return path
+    kept = faces[np.isfinite(places[faces]).all((1, 2))]
+    if len(kept) == 0:
+        return None, False
+    files = work / f'{folder.name}_known_source.ply', work / f'{folder.name}_known_truth.ply'
+    write_ply(files[0], points, kept)
+    write_ply(files[1], np.where(np.isfinite(places), places, target[0]), kept)
+    return files, len(kept) == len(faces)
 
 
 def synthetic_pairs(args, judge, work):
@@ -202,8 +208,10 @@ def synthetic_pairs(args, judge, work):
                                     '--landmarks', str(count), '--noise', str(args.noise), '--holes', str(args.holes), '--hole-area', str(args.hole_area),
                                     '--ratio', str(args.ratio), '--turn', str(args.turn)], check=True, stdout=subprocess.DEVNULL)
                 picks = [folder / 'source_landmarks.json', folder / 'target_landmarks.json'] if count else []
-                yield Pair(name, folder / 'source.ply', folder / 'target.ply', folder / 'landmarks.txt' if count else None, picks, count,
-                           folder / 'truth.ply', None, {'shape': args.shape, 'bend': angle, 'landmarks': count, 'seed': seed})
+                pair = Pair(name, folder / 'source.ply', folder / 'target.ply', folder / 'landmarks.txt' if count else None, picks, count,
+                            folder / 'truth.ply', None, {'shape': args.shape, 'bend': angle, 'landmarks': count, 'seed': seed})
+                pair.known = (pair.source, pair.truth)
+                yield pair
 
 
 def is_failure(row):

@@ -92,25 +92,26 @@ Mesh WithoutFaces(const Mesh& mesh, const std::vector<char>& removed) {
   return rest;
 }
 
-// Holes keep away from `keep` by half a radius more than their own, and from each other, as long as there is room.
+bool IsFar(const PointsX3& points, const Eigen::RowVector3d& from, double distance) {
+  return points.rows() == 0 || (points.rowwise() - from).rowwise().squaredNorm().minCoeff() >= distance * distance;
+}
+
+// Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as long as there is room.
 Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3& keep) {
   if (options.holes == 0) return mesh;
   const double radius = std::sqrt(SurfaceArea(mesh.points, mesh.faces) * options.hole_area / options.holes / 3.141592653589793);
   Random random(SeedOf(options, kHoles));
   const auto around = FacesAround(mesh);
-  std::vector<Vector3d> taken;
-  for (Eigen::Index i = 0; i < keep.rows(); ++i) taken.push_back(keep.row(i));
+  PointsX3 centers(0, 3);
   std::vector<char> removed(mesh.faces.rows(), 0);
-  for (int hole = 0; hole < options.holes; ++hole)
-    for (int attempt = 0; attempt < 1000; ++attempt) {
-      const int vertex = random.Below(mesh.vertex_count());
-      const Vector3d center = mesh.points.row(vertex);
-      const double room = attempt < 500 ? 1.5 * radius : 0;
-      if (std::any_of(taken.begin(), taken.end(), [&](const Vector3d& p) { return (p - center).norm() < room; })) continue;
-      taken.push_back(center);
-      Punch(mesh, around, vertex, radius, &removed);
-      break;
-    }
+  for (int attempt = 0; attempt < 1000 * options.holes && centers.rows() < options.holes; ++attempt) {
+    const int vertex = random.Below(mesh.vertex_count());
+    const double room = attempt < 500 * options.holes ? radius : 0;
+    if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 2.5 * room)) continue;
+    centers.conservativeResize(centers.rows() + 1, Eigen::NoChange);
+    centers.row(centers.rows() - 1) = mesh.points.row(vertex);
+    Punch(mesh, around, vertex, radius, &removed);
+  }
   return WithoutFaces(mesh, removed);
 }
 
