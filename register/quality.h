@@ -32,7 +32,7 @@ struct RegistrationQuality {
 };
 
 /// @throws InputError  unusable mesh
-/// Deterministic; 10,000 stratified area samples a way and all vertices.
+/// Deterministic; 6,000 stratified area samples a way and all vertices.
 RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target);
 
 /// Stretch alone; cheap.
