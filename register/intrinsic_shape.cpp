@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/parallel.h"
 #include "register/hierarchy.h"
 
 namespace keypose::registration {
@@ -15,6 +16,8 @@ namespace {
 
 // Over the square root of the area. Smaller bumps come and go with the pose; fingers of one hand would only multiply the assignments.
 constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
+constexpr std::size_t kLeastTips = 5;
+constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
 
 /// Vertices of the piece with the largest area.
 std::vector<char> InLargestPiece(const Mesh& mesh) {
@@ -94,31 +97,33 @@ void BuildSamples(int count, IntrinsicShape& shape) {
   shape.mean_distance = shape.sample_distances.transpose() * (areas / areas.sum());
 }
 
-/// Mean distance and heat kernel signatures, each as a share of the surface's own mean.
+/// Positions with details finer than the square root of `time` smoothed away.
+PointsX3 Smoothed(const IntrinsicShape& shape, double time) {
+  const Spectrum& s = shape.spectrum;
+  const Eigen::MatrixXd parts = s.functions.transpose() * s.areas.asDiagonal() * shape.proxy.points;
+  return s.functions * ((-time * s.values.array()).exp().matrix().asDiagonal() * parts);
+}
+
+/// How far the surface bulges out at a scale: what smoothing takes away along the normal, its spread scaled to `kBulgeSpread`.
+Eigen::VectorXd Bulge(const IntrinsicShape& shape, double finer, double coarser) {
+  const Eigen::VectorXd out = (Smoothed(shape, finer) - Smoothed(shape, coarser)).cwiseProduct(shape.proxy.normals).rowwise().sum();
+  const double spread = std::sqrt(shape.spectrum.areas.dot(out.cwiseAbs2()));
+  return out * (kBulgeSpread / std::max(spread, 1e-12));
+}
+
+/// Mean distance, heat kernel signatures, and bulges at three scales.
 void BuildDescriptors(IntrinsicShape& shape) {
   const std::vector<double> times = {0.003, 0.01, 0.03};  // at unit area: from a limb's girth to half the body
   const Spectrum& s = shape.spectrum;
-  shape.descriptors.resize(shape.proxy.vertex_count(), 1 + static_cast<Eigen::Index>(times.size()));
+  shape.descriptors.resize(shape.proxy.vertex_count(), 1 + 2 * static_cast<Eigen::Index>(times.size()));
   shape.descriptors.col(0) = shape.mean_distance / s.areas.dot(shape.mean_distance);
   const Eigen::MatrixXd squared = s.functions.cwiseAbs2();
   for (std::size_t t = 0; t < times.size(); ++t) {
     const Eigen::VectorXd heat = squared * (-times[t] * s.values.array()).exp().matrix();
-    shape.descriptors.col(1 + static_cast<Eigen::Index>(t)) = (heat / s.areas.dot(heat)).array().max(1e-6).log();
+    const auto column = 1 + 2 * static_cast<Eigen::Index>(t);
+    shape.descriptors.col(column) = (heat / s.areas.dot(heat)).array().max(1e-6).log();
+    shape.descriptors.col(column + 1) = Bulge(shape, times[t] / 3, times[t]);
   }
-}
-
-void BuildTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
-  shape.tips = known;
-  const std::size_t limit = known.size() + static_cast<std::size_t>(most);
-  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(shape.proxy.vertex_count(), 1e9);
-  if (!known.empty()) nearest = shape.graph->From(known);
-  for (const Peak& peak : FindPeaks(shape.graph->neighbors(), shape.mean_distance)) {
-    if (peak.persistence < kLeastPersistence || shape.tips.size() >= limit) break;
-    if (nearest[peak.vertex] < kLeastSeparation) continue;
-    shape.tips.push_back(peak.vertex);
-    nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
-  }
-  shape.tip_distances = shape.graph->Rows(shape.tips);
 }
 
 /// Unit tangent vectors of the field's rise at the vertices asked for; zero where it has none.
@@ -148,7 +153,7 @@ PointsX3 RiseAt(const Mesh& mesh, const Eigen::VectorXd& field, const std::vecto
 
 }  // namespace
 
-IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const std::vector<int>& known, const IntrinsicOptions& options) {
+IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options) {
   IntrinsicShape shape;
   BuildProxy(mesh, options.vertices, shape);
   if (shape.proxy.vertex_count() < 4) throw InputError("register: the surface has fewer than 4 vertices, too few to compare");
@@ -156,26 +161,36 @@ IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const std::vector<int>& know
   shape.spectrum = LaplaceSpectrum(shape.proxy.points, shape.proxy.faces, std::min(options.functions, shape.proxy.vertex_count() / 3 + 1));
   BuildSamples(options.samples, shape);
   BuildDescriptors(shape);
-  std::vector<int> known_tips;
-  for (const int vertex : known) known_tips.push_back(shape.proxy_of[static_cast<std::size_t>(vertex)]);
-  BuildTips(known_tips, options.tips, shape);
   return shape;
 }
 
-Eigen::MatrixXd TurnsBetweenTips(const IntrinsicShape& shape, const std::vector<int>& tips, const std::vector<int>& at) {
-  std::vector<PointsX3> rises;
-  for (const int tip : tips) rises.push_back(RiseAt(shape.proxy, shape.tip_distances.row(tip).transpose(), at));
-  const auto count = static_cast<Eigen::Index>(tips.size());
-  Eigen::MatrixXd turns(static_cast<Eigen::Index>(at.size()), count * (count - 1) / 2);
-  Eigen::Index column = 0;
-  for (std::size_t a = 0; a < tips.size(); ++a)
-    for (std::size_t b = a + 1; b < tips.size(); ++b, ++column)
-      for (std::size_t i = 0; i < at.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        const Eigen::Vector3d u = rises[a].row(row), v = rises[b].row(row), n = shape.proxy.normals.row(at[i]);
-        turns(row, column) = n.dot(u.cross(v));
-      }
-  return turns;
+void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
+  shape.tips = known;
+  const std::size_t limit = known.size() + static_cast<std::size_t>(most);
+  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(shape.proxy.vertex_count(), 1e9);
+  if (!known.empty()) nearest = shape.graph->From(known);
+  for (const Peak& peak : FindPeaks(shape.graph->neighbors(), shape.mean_distance)) {
+    if (peak.persistence < kLeastPersistence || shape.tips.size() >= limit) break;
+    if (nearest[peak.vertex] < kLeastSeparation) continue;
+    shape.tips.push_back(peak.vertex);
+    nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
+  }
+  // A shape without limbs still has places that are farthest from each other.
+  for (const int sample : shape.samples) {
+    if (shape.tips.size() >= std::min(limit, known.size() + kLeastTips)) break;
+    if (nearest[sample] < kLeastSeparation) continue;
+    shape.tips.push_back(sample);
+    nearest = nearest.cwiseMin(shape.graph->From({sample}));
+  }
+  shape.tip_distances = shape.graph->Rows(shape.tips);
+}
+
+std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape, const Eigen::MatrixXd& distances) {
+  std::vector<PointsX3> rises(static_cast<std::size_t>(distances.rows()));
+  ParallelFor(distances.rows(), [&](std::int64_t r) {
+    rises[static_cast<std::size_t>(r)] = RiseAt(shape.proxy, distances.row(r).transpose(), shape.samples);
+  });
+  return rises;
 }
 
 }  // namespace keypose::registration

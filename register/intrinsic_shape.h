@@ -32,15 +32,19 @@ struct IntrinsicShape {
 };
 
 struct IntrinsicOptions {
-  int vertices = 1000, samples = 250, functions = 80, tips = 9;
+  int vertices = 1000, samples = 250, functions = 80;
 };
 
-/// @param known  input vertices of landmarks, they become the first tips (those on small pieces are left out: see `known_used`)
-/// @throws InputError  no surface
-IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const std::vector<int>& known, const IntrinsicOptions& options);
+/// All but the tips. @throws InputError  no surface
+IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options);
 
-/// For each row of `at` (proxy vertices) and each pair of the tips chosen: sin of the angle from the way to one tip to the way to the
-/// other, about the outward normal. Equal under bending, opposite in a mirror image.
-Eigen::MatrixXd TurnsBetweenTips(const IntrinsicShape& shape, const std::vector<int>& tips, const std::vector<int>& at);
+/// Fills tips and tip_distances.
+/// @param known  proxy vertices of landmarks; they become the first tips
+/// @param most   further tips at most
+void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape);
+
+/// For each row of `distances` (R x P, to some place) the unit tangent along which it rises at each sample (S x 3, zero where there is
+/// none). Two such directions and the outward normal tell a surface from its mirror image.
+std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape, const Eigen::MatrixXd& distances);
 
 }  // namespace keypose::registration

@@ -1,8 +1,10 @@
 #include "register/map_search.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "core/camera.h"
 #include "core/parallel.h"
 #include "register/tip_matching.h"
 
@@ -12,15 +14,20 @@ namespace {
 
 constexpr double kTurnWeight = 0.15;        // of turns (up to 1) beside distances (over the square root of the area)
 constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1)
-constexpr double kHintWeight = 0.5;         // of the start's rows while few functions are in use
+constexpr Eigen::Index kMarks = 12;
+constexpr double kHintWeight = 0.5;  // of the start's rows while few functions are in use
 const std::vector<int> kHintedSizes = {8, 10, 12, 14, 17, 20}, kFreeSizes = {24, 28, 32};
 
 /// What all candidates share.
 struct Pair {
   const IntrinsicShape& source;
   const IntrinsicShape& target;
-  Eigen::MatrixXd source_between, target_between;          ///< distances between samples
-  Eigen::MatrixXd source_descriptors, target_descriptors;  ///< at samples
+  Eigen::MatrixXd source_between, target_between;                         ///< distances between samples
+  Eigen::MatrixXd source_descriptors, target_descriptors;                 ///< at samples
+  std::vector<PointsX3> source_tip_rises, target_tip_rises;               ///< ways to tips
+  std::vector<PointsX3> source_mark_rises;                                ///< ways to the first kMarks samples, which lie farthest apart
+  std::vector<PointsX3> target_sample_rises;                              ///< ways to all samples
+  PointsX3 source_normals, target_normals, source_places, target_places;  ///< at samples
 };
 
 Eigen::MatrixXd AtSamples(const Eigen::MatrixXd& rows, const std::vector<int>& samples) {
@@ -30,12 +37,36 @@ Eigen::MatrixXd AtSamples(const Eigen::MatrixXd& rows, const std::vector<int>& s
 }
 
 Pair MakePair(const IntrinsicShape& source, const IntrinsicShape& target) {
+  const Eigen::Index marks = std::min<Eigen::Index>(kMarks, source.sample_distances.rows());
   return {source,
           target,
           AtSamples(source.sample_distances.transpose(), source.samples),
           AtSamples(target.sample_distances.transpose(), target.samples),
           AtSamples(source.descriptors, source.samples),
-          AtSamples(target.descriptors, target.samples)};
+          AtSamples(target.descriptors, target.samples),
+          RisesAtSamples(source, source.tip_distances),
+          RisesAtSamples(target, target.tip_distances),
+          RisesAtSamples(source, source.sample_distances.topRows(marks)),
+          RisesAtSamples(target, target.sample_distances),
+          AtSamples(source.proxy.normals, source.samples),
+          AtSamples(target.proxy.normals, target.samples),
+          AtSamples(source.proxy.points, source.samples),
+          AtSamples(target.proxy.points, target.samples)};
+}
+
+/// For each sample and each pair of the tips chosen: the sine of the angle from the way to one to the way to the other, about the outward
+/// normal. Equal under bending, opposite in a mirror image.
+Eigen::MatrixXd TurnsBetween(const std::vector<PointsX3>& rises, const std::vector<int>& tips, const PointsX3& normals) {
+  const auto count = static_cast<Eigen::Index>(tips.size());
+  Eigen::MatrixXd turns(normals.rows(), count * (count - 1) / 2);
+  Eigen::Index column = 0;
+  for (std::size_t a = 0; a < tips.size(); ++a)
+    for (std::size_t b = a + 1; b < tips.size(); ++b, ++column)
+      for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+        const Eigen::RowVector3d u = rises[static_cast<std::size_t>(tips[a])].row(i), v = rises[static_cast<std::size_t>(tips[b])].row(i);
+        turns(i, column) = normals.row(i).dot(u.cross(v));
+      }
+  return turns;
 }
 
 TipProblem MakeTipProblem(const IntrinsicShape& source, const IntrinsicShape& target, int known) {
@@ -48,6 +79,31 @@ TipProblem MakeTipProblem(const IntrinsicShape& source, const IntrinsicShape& ta
   for (Eigen::Index i = 0; i < a.rows(); ++i)
     for (Eigen::Index j = 0; j < b.rows(); ++j) problem.unlike(i, j) = std::min(1.0, (a.row(i) - b.row(j)).cwiseAbs().mean());
   return problem;
+}
+
+Eigen::MatrixXd StraightDistances(const IntrinsicShape& shape) {
+  const auto count = static_cast<Eigen::Index>(shape.tips.size());
+  Eigen::MatrixXd distances(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      distances(i, j) = (shape.proxy.points.row(shape.tips[static_cast<std::size_t>(i)]) -
+                         shape.proxy.points.row(shape.tips[static_cast<std::size_t>(j)]))
+                            .norm();
+  return distances;
+}
+
+/// Three quarters of the assignments by distances along the surface; the rest by straight distances, for poses that are alike but of bodies
+/// that differ (a long tail and a short one).
+std::vector<TipAssignment> Assignments(const IntrinsicShape& source, const IntrinsicShape& target, int known, int tried) {
+  TipProblem problem = MakeTipProblem(source, target, known);
+  const int straight = tried / 4;
+  std::vector<TipAssignment> assignments = MatchTips(problem, tried - straight);
+  problem.source_distances = StraightDistances(source);
+  problem.target_distances = StraightDistances(target);
+  for (TipAssignment& more : MatchTips(problem, std::max(1, straight)))
+    if (std::none_of(assignments.begin(), assignments.end(), [&](const auto& a) { return a.target_of == more.target_of; }))
+      assignments.push_back(std::move(more));
+  return assignments;
 }
 
 /// Rows that are alike where a point lies alike towards the tips; `turns` is left for judging the result.
@@ -84,30 +140,44 @@ double Coverage(const std::vector<int>& map, const Eigen::VectorXf& weights) {
   return covered / static_cast<double>(weights.sum());
 }
 
-double Correlation(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const std::vector<int>& map, const Eigen::VectorXd& weights) {
+/// Do the ways to marks keep their order about the normal when marks and samples are mapped? 1 yes, -1 for a mirror image.
+double OrientationOf(const Pair& pair, const std::vector<int>& map, const Eigen::VectorXd& weights) {
   double ab = 0, aa = 1e-12, bb = 1e-12;
-  for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    const auto row = b.row(map[static_cast<std::size_t>(i)]);
-    ab += weights[i] * a.row(i).dot(row);
-    aa += weights[i] * a.row(i).squaredNorm();
-    bb += weights[i] * row.squaredNorm();
+  const std::size_t marks = pair.source_mark_rises.size();
+  for (Eigen::Index i = 0; i < pair.source_normals.rows(); ++i) {
+    const int j = map[static_cast<std::size_t>(i)];
+    const Eigen::RowVector3d n = pair.source_normals.row(i), m = pair.target_normals.row(j);
+    for (std::size_t k = 0; k < marks; ++k) {
+      const Eigen::RowVector3d u = n.cross(pair.source_mark_rises[k].row(i));
+      const Eigen::RowVector3d v = m.cross(pair.target_sample_rises[static_cast<std::size_t>(map[k])].row(j));
+      for (std::size_t l = k + 1; l < marks; ++l) {
+        const double a = u.dot(pair.source_mark_rises[l].row(i));
+        const double b = v.dot(pair.target_sample_rises[static_cast<std::size_t>(map[l])].row(j));
+        ab += weights[i] * a * b;
+        aa += weights[i] * a * a;
+        bb += weights[i] * b * b;
+      }
+    }
   }
   return ab / std::sqrt(aa * bb);
 }
 
-void Judge(const Pair& pair, const Eigen::MatrixXd& source_turns, const Eigen::MatrixXd& target_turns, MapCandidate& c) {
+void Judge(const Pair& pair, MapCandidate& c) {
   const Eigen::VectorXd ws = pair.source.sampled.weights.cast<double>() / pair.source.sampled.weights.sum();
   const Eigen::VectorXd wt = pair.target.sampled.weights.cast<double>() / pair.target.sampled.weights.sum();
   c.distortion = 0.5 * (Distortion(pair.source_between, pair.target_between, c.maps.forward, ws) +
                         Distortion(pair.target_between, pair.source_between, c.maps.backward, wt));
   c.coverage = std::min(Coverage(c.maps.forward, pair.target.sampled.weights), Coverage(c.maps.backward, pair.source.sampled.weights));
-  c.orientation = Correlation(source_turns, target_turns, c.maps.forward, ws);
+  c.orientation = OrientationOf(pair, c.maps.forward, ws);
   c.unlike = 0;
   for (Eigen::Index i = 0; i < ws.size(); ++i)
     c.unlike +=
         ws[i] *
         (pair.source_descriptors.row(i) - pair.target_descriptors.row(c.maps.forward[static_cast<std::size_t>(i)])).cwiseAbs().mean();
-  c.score = c.distortion + 0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.05 * c.unlike;
+  const PointsX3 image = AtSamples(pair.target_places, c.maps.forward);
+  const Similarity3 fit = FitSimilarity(pair.source_places, image, ws);
+  c.unfit = std::sqrt(ws.dot((Transformed(fit, pair.source_places) - image).rowwise().squaredNorm()));
+  c.score = 0.1 * c.unfit + c.distortion + 0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.1 * c.unlike;
 }
 
 MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
@@ -117,14 +187,14 @@ MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
       c.source_tips.push_back(static_cast<int>(s));
       c.target_tips.push_back(assignment.target_of[s]);
     }
-  const Eigen::MatrixXd source_turns = TurnsBetweenTips(pair.source, c.source_tips, pair.source.samples);
-  const Eigen::MatrixXd target_turns = TurnsBetweenTips(pair.target, c.target_tips, pair.target.samples);
+  const Eigen::MatrixXd source_turns = TurnsBetween(pair.source_tip_rises, c.source_tips, pair.source_normals);
+  const Eigen::MatrixXd target_turns = TurnsBetween(pair.target_tip_rises, c.target_tips, pair.target_normals);
   MatchHints hints{StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
                    StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns), kHintWeight};
   c.maps = NearestRows(hints.source, hints.target);
   c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kHintedSizes, hints);
   c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kFreeSizes);
-  Judge(pair, source_turns, target_turns, c);
+  Judge(pair, c);
   return c;
 }
 
@@ -136,14 +206,13 @@ MapCandidate JudgeMaps(const IntrinsicShape& source, const IntrinsicShape& targe
   candidate.source_tips = source_tips;
   candidate.target_tips = target_tips;
   candidate.maps = maps;
-  Judge(MakePair(source, target), TurnsBetweenTips(source, source_tips, source.samples),
-        TurnsBetweenTips(target, target_tips, target.samples), candidate);
+  Judge(MakePair(source, target), candidate);
   return candidate;
 }
 
 std::vector<MapCandidate> SearchMaps(const IntrinsicShape& source, const IntrinsicShape& target, int known, int tried) {
   const Pair pair = MakePair(source, target);
-  const std::vector<TipAssignment> assignments = MatchTips(MakeTipProblem(source, target, known), tried);
+  const std::vector<TipAssignment> assignments = Assignments(source, target, known, tried);
   std::vector<MapCandidate> candidates(assignments.size());
   ParallelFor(static_cast<std::int64_t>(assignments.size()),
               [&](std::int64_t i) { candidates[static_cast<std::size_t>(i)] = Grow(pair, assignments[static_cast<std::size_t>(i)]); });

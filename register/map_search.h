@@ -15,6 +15,7 @@ struct MapCandidate {
   double distortion = 1;                      ///< mean change of distances between samples, both ways
   double orientation = 0;                     ///< correlation of the turns between tips, -1 (mirror image) to 1
   double coverage = 0;                        ///< share of samples that are hit, the worse of both ways
+  double unfit = 1;                           ///< root mean square distance that the best turn and scale of the whole leaves
   double unlike = 1;                          ///< mean difference of descriptors
   double score = 1;                           ///< of all these, lower is better
 };

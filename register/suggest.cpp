@@ -17,6 +17,7 @@ namespace keypose::registration {
 namespace {
 
 constexpr double kTipAgrees = 0.12;  // how far a matched tip may lie from where the refined map puts it
+constexpr int kMostTips = 9;
 const std::vector<int> kFinalSizes = {32, 40, 50, 60, 70, 80, 100, 120};
 
 /// Both poses and all that is found about them.
@@ -24,7 +25,7 @@ struct Search {
   const Mesh& source_mesh;
   const Mesh& target_mesh;
   IntrinsicShape source, target;
-  std::vector<int> known_source, known_target;  ///< input vertices
+  std::vector<int> known_source, known_target;  ///< proxy vertices
   std::vector<MapCandidate> candidates;
   PointMaps maps;              ///< between all proxy vertices
   Eigen::VectorXd confidence;  ///< of proxy vertices of the source
@@ -42,16 +43,19 @@ std::string Percent(double share) {
   return text;
 }
 
-/// Known pairs as vertices, where both lie on the pieces that are compared and on proxy vertices not taken yet.
+/// Known pairs as proxy vertices; those with an end on another piece are left out.
 void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
   if (known.empty()) return;
   const KdTree tree(search.target_mesh.points);
   for (const LandmarkGoal& goal : known) {
-    const int source = HeaviestCorner(goal.source);
-    if (source < 0 || source >= search.source_mesh.vertex_count())
+    const int vertex = HeaviestCorner(goal.source);
+    if (vertex < 0 || vertex >= search.source_mesh.vertex_count())
       throw InputError("register: landmark '" + goal.name + "' is not on the source; it was picked on another mesh: pick it again");
+    const int source = search.source.proxy_of[static_cast<std::size_t>(vertex)];
+    const int target = search.target.proxy_of[static_cast<std::size_t>(tree.Nearest(goal.target).index)];
+    if (source < 0 || target < 0) continue;
     search.known_source.push_back(source);
-    search.known_target.push_back(tree.Nearest(goal.target).index);
+    search.known_target.push_back(target);
   }
 }
 
@@ -113,9 +117,7 @@ std::vector<ProxyPair> ChoosePairs(const Search& search, const SuggestOptions& o
   std::vector<ProxyPair> pairs = TipPairs(search);
   std::stable_sort(pairs.begin(), pairs.end(), [](const ProxyPair& a, const ProxyPair& b) { return a.confidence > b.confidence; });
   if (static_cast<int>(pairs.size()) > options.count) pairs.resize(static_cast<std::size_t>(options.count));
-  std::vector<int> taken;
-  for (const int v : search.known_source)
-    if (search.source.proxy_of[static_cast<std::size_t>(v)] >= 0) taken.push_back(search.source.proxy_of[static_cast<std::size_t>(v)]);
+  std::vector<int> taken = search.known_source;
   for (const ProxyPair& pair : pairs) taken.push_back(pair.source);
   Eigen::VectorXd distance = taken.empty() ? search.source.mean_distance : search.source.graph->From(taken);
   while (static_cast<int>(pairs.size()) < options.count) {
@@ -192,17 +194,19 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::v
   RequireUsable(target, "register: target");
   if (const auto problems = options.Problems(); !problems.empty()) throw InputError("register: " + problems.front());
   Search search{source, target, {}, {}, {}, {}, {}, {}, {}};
-  TakeKnown(known, search);
   IntrinsicOptions intrinsic;
   intrinsic.vertices = options.proxy_vertices;
   intrinsic.samples = options.samples;
   intrinsic.functions = options.functions;
   Step(progress, 0.0, "landmarks: the source's limbs");
-  search.source = MakeIntrinsicShape(source, search.known_source, intrinsic);
+  search.source = MakeIntrinsicShape(source, intrinsic);
   Step(progress, 0.3, "landmarks: the target's limbs");
-  search.target = MakeIntrinsicShape(target, search.known_target, intrinsic);
+  search.target = MakeIntrinsicShape(target, intrinsic);
   Step(progress, 0.6, "landmarks: candidate maps");
-  search.candidates = SearchMaps(search.source, search.target, static_cast<int>(known.size()), options.candidates);
+  TakeKnown(known, search);
+  FindTips(search.known_source, kMostTips, search.source);
+  FindTips(search.known_target, kMostTips, search.target);
+  search.candidates = SearchMaps(search.source, search.target, static_cast<int>(search.known_source.size()), options.candidates);
   Step(progress, 0.8, "landmarks: refining");
   RefineOnProxies(search);
   Suggestion suggestion;
