@@ -4,8 +4,10 @@
 #include <cholmod.h>
 
 #include <string>
+#include <vector>
 
 #include "core/errors.h"
+#include "core/parallel.h"
 
 extern "C" void openblas_set_num_threads(int threads);
 
@@ -28,6 +30,36 @@ struct SparseCholesky::Impl {
   cholmod_factor* factor = nullptr;
   int analyze_calls = 0;
 };
+
+namespace {
+
+constexpr Eigen::Index kColumnBlock = 12;  // wide enough for dense kernels, narrow enough to share among threads
+
+/// What one thread needs to solve: CHOLMOD's state is not to be shared.
+struct SolveSpace {
+  SolveSpace() { cholmod_start(&common), common.print = 0; }
+  ~SolveSpace() {
+    cholmod_free_dense(&y, &common);
+    cholmod_free_dense(&e, &common);
+    cholmod_finish(&common);
+  }
+  cholmod_common common{};
+  cholmod_dense *y = nullptr, *e = nullptr;
+};
+
+cholmod_dense ViewOf(double* data, Eigen::Index rows, Eigen::Index cols) {
+  cholmod_dense view{};
+  view.nrow = static_cast<std::size_t>(rows);
+  view.ncol = static_cast<std::size_t>(cols);
+  view.nzmax = static_cast<std::size_t>(rows * cols);
+  view.d = view.nrow;
+  view.x = data;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  return view;
+}
+
+}  // namespace
 
 namespace {
 
@@ -78,20 +110,37 @@ void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
 
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
-  cholmod_dense view{};
-  view.nrow = static_cast<std::size_t>(b.rows());
-  view.ncol = static_cast<std::size_t>(b.cols());
-  view.nzmax = static_cast<std::size_t>(b.size());
-  view.d = view.nrow;
-  view.x = const_cast<double*>(b.data());
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense view = ViewOf(const_cast<double*>(b.data()), b.rows(), b.cols());
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &view, &impl_->common);
   if (!x) throw SolverError("sparse Cholesky: solve failed, status " + std::to_string(impl_->common.status));
   Eigen::MatrixXd result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols());
   cholmod_free_dense(&x, &impl_->common);
   if (!result.allFinite()) throw SolverError("sparse Cholesky: the solution is not finite");
   return result;
+}
+
+void SparseCholesky::SolveInPlace(Eigen::MatrixXd& b) const {
+  if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
+  std::vector<char> failed((b.cols() + kColumnBlock - 1) / kColumnBlock, 0);
+  // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels.
+  ParallelBlocks(b.cols(), kColumnBlock, [&](std::int64_t begin, std::int64_t end) {
+    SolveSpace space;
+    cholmod_dense columns = ViewOf(b.data() + begin * b.rows(), b.rows(), end - begin);
+    cholmod_dense* x = &columns;  // CHOLMOD copies the right-hand side into y before it writes the solution
+    const int ok = cholmod_solve2(CHOLMOD_A, impl_->factor, &columns, nullptr, &x, nullptr, &space.y, &space.e, &space.common);
+    failed[begin / kColumnBlock] = !ok || x != &columns || !b.middleCols(begin, end - begin).allFinite();
+  });
+  for (char f : failed)
+    if (f) throw SolverError("sparse Cholesky: the solution is not finite");
+}
+
+SparseCholesky SparseCholesky::SameAnalysis() const {
+  SparseCholesky copy;
+  if (!impl_->factor) throw SolverError("sparse Cholesky: copy before analysis");
+  copy.impl_->factor = cholmod_copy_factor(impl_->factor, &copy.impl_->common);
+  if (!copy.impl_->factor) throw SolverError("sparse Cholesky: out of memory");
+  if (copy.impl_->factor->xtype != CHOLMOD_PATTERN) throw SolverError("sparse Cholesky: copy an analysis before its first factorisation");
+  return copy;
 }
 
 int SparseCholesky::analyze_calls() const { return impl_->analyze_calls; }

@@ -21,6 +21,10 @@ class SparseCholesky {
   void Factor(const Eigen::SparseMatrix<double>& lower);
   /// @param b  N x R @return N x R
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& b) const;
+  /// Replaces b, N x R, by the solution. Columns are solved in blocks on all threads; same bits for any thread count.
+  void SolveInPlace(Eigen::MatrixXd& b) const;
+  /// A solver with this one's analysis, ready for Factor with other values of the same pattern. Call it between Analyze and Factor.
+  SparseCholesky SameAnalysis() const;
   int analyze_calls() const;  ///< how often the pattern was analysed
   long factor_nonzeros() const;
 

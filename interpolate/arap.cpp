@@ -1,190 +1,39 @@
 #include "interpolate/arap.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCore>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
-#include <string>
+#include <optional>
 
-#include "core/camera.h"
-#include "core/cholesky.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
-#include "interpolate/face_maps.h"
-#include "interpolate/turns.h"
+#include "interpolate/differential_turns.h"
+#include "interpolate/pair_paths.h"
+#include "interpolate/volume_correction.h"
 
 namespace keypose::interpolation {
 
 namespace {
 
-using EdgeWeights = std::array<double, 3>;  // of the edges opposite corners 0, 1, 2
+constexpr double kAtKey = 1e-12;  // of the diagonal: constraints that ask for no more leave the key as it is
 
-/// Half cotangents of a triangle's corners.
-EdgeWeights HalfCotangents(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
-  EdgeWeights w;
-  for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d a = p.row(faces(f, (k + 1) % 3)) - p.row(faces(f, k)), b = p.row(faces(f, (k + 2) % 3)) - p.row(faces(f, k));
-    w[k] = 0.5 * a.dot(b) / a.cross(b).norm();
-  }
-  return w;
+/// Whether `a` comes first in the order that decides which key the computation starts from.
+bool Before(const PointsX3& a, const PointsX3& b) {
+  return !std::lexicographical_compare(b.data(), b.data() + b.size(), a.data(), a.data() + a.size());
 }
 
-std::vector<int> ComponentsOf(Eigen::Index vertex_count, const FacesX3& faces) {
-  std::vector<int> parent(vertex_count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 1; k < 3; ++k) {
-      const int a = find(faces(f, 0)), b = find(faces(f, k));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  std::vector<int> component(vertex_count);
-  for (int i = 0; i < static_cast<int>(vertex_count); ++i) component[i] = find(i);
-  return component;
+void SetGrowth(const PoissonSystem& system, SegmentMaps& maps) {
+  Eigen::MatrixXd growth(maps.faces.size(), 1);
+  for (Eigen::Index f = 0; f < growth.rows(); ++f)
+    growth(f, 0) = maps.faces[f].degenerate ? 0.0 : 0.5 * std::log(maps.faces[f].stretch.determinant());
+  const Eigen::MatrixXd smooth = system.SmoothOverVertices(growth);
+  const FacesX3& faces = system.faces();
+  for (Eigen::Index f = 0; f < growth.rows(); ++f)
+    maps.faces[f].growth = (smooth(faces(f, 0), 0) + smooth(faces(f, 1), 0) + smooth(faces(f, 2), 0)) / 3;
 }
 
-/// Path of each part's centroid: the body's centroid goes straight, the parts' offsets from it turn with the whole body.
-class CentroidPaths {
- public:
-  CentroidPaths(const PointsX3& v, const PointsX3& u, const FacesX3& faces) : component_(ComponentsOf(v.rows(), faces)) {
-    const Eigen::Index n = v.rows();
-    count_.setZero(n);
-    start_ = end_ = PointsX3::Zero(n, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      count_[component_[i]] += 1;
-      start_.row(component_[i]) += v.row(i);
-      end_.row(component_[i]) += u.row(i);
-    }
-    for (Eigen::Index c = 0; c < n; ++c)
-      if (count_[c] > 0) start_.row(c) /= count_[c], end_.row(c) /= count_[c];
-    body_start_ = v.colwise().mean();
-    body_end_ = u.colwise().mean();
-    if (n >= 3 && (v.rowwise() - v.colwise().mean()).norm() > 0) body_rotation_ = FitSimilarity(v, u, {}, false).rotation;
-    body_turn_ = LogOf(body_rotation_);
-  }
-
-  /// One vertex of each part: its lowest.
-  bool IsGround(Eigen::Index i) const { return component_[i] == i; }
-
-  /// Moves each part so that its centroid lies where it belongs at time t.
-  void Apply(double t, PointsX3& points) const {
-    PointsX3 mean = PointsX3::Zero(points.rows(), 3);
-    for (Eigen::Index i = 0; i < points.rows(); ++i) mean.row(component_[i]) += points.row(i);
-    const Eigen::Matrix3d turn = ExpOf(t * body_turn_);
-    for (Eigen::Index c = 0; c < points.rows(); ++c) {
-      if (count_[c] == 0) continue;
-      const Eigen::Vector3d d0 = start_.row(c).transpose() - body_start_, d1 = end_.row(c).transpose() - body_end_;
-      const Eigen::Vector3d goal = (1 - t) * body_start_ + t * body_end_ + turn * ((1 - t) * d0 + t * (body_rotation_.transpose() * d1));
-      mean.row(c) = goal.transpose() - mean.row(c) / count_[c];
-    }
-    for (Eigen::Index i = 0; i < points.rows(); ++i) points.row(i) += mean.row(component_[i]);
-  }
-
- private:
-  std::vector<int> component_;
-  Eigen::VectorXd count_;
-  PointsX3 start_, end_;
-  Eigen::Vector3d body_start_, body_end_;
-  Eigen::Matrix3d body_rotation_ = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d body_turn_;
-};
-
-}  // namespace
-
-struct ArapInterpolator::Impl {
-  Impl(const PointsX3& v_, const PointsX3& u_, const FacesX3& f, const ArapOptions& o)
-      : v(v_), u(u_), faces(f), options(o), maps(FaceMapsOf(v_, u_, f)), paths(v_, u_, f) {
-    if (options.follow_turns) MakeTurnsConsistent(faces, maps);
-    weights.resize(faces.rows());
-    for (Eigen::Index t = 0; t < faces.rows(); ++t) weights[t] = WeightsOf(t);
-    BuildIncidence();
-    Factor();
-  }
-
-  EdgeWeights WeightsOf(Eigen::Index f) const {
-    // A face without area has no cotangents: an equilateral triangle's, made small, keep its corners joined.
-    if (maps[f].degenerate) return {1e-3, 1e-3, 1e-3};
-    EdgeWeights w = HalfCotangents(v, faces, f);
-    if (!options.symmetric) return w;
-    const EdgeWeights w_u = HalfCotangents(u, faces, f);
-    for (int k = 0; k < 3; ++k) w[k] += w_u[k];
-    return w;
-  }
-
-  void BuildIncidence() {
-    first_corner.assign(v.rows() + 1, 0);
-    for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) ++first_corner[faces(f, k) + 1];
-    std::partial_sum(first_corner.begin(), first_corner.end(), first_corner.begin());
-    corners.resize(3 * faces.rows());
-    std::vector<int> at(first_corner.begin(), first_corner.end() - 1);
-    for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) corners[at[faces(f, k)]++] = static_cast<int>(3 * f + k);
-  }
-
-  void Factor() {
-    std::vector<Eigen::Triplet<double>> triplets;
-    triplets.reserve(9 * faces.rows() + v.rows());
-    double total = 0;
-    for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        const int i = faces(f, (k + 1) % 3), j = faces(f, (k + 2) % 3);
-        if (i == j) continue;
-        triplets.emplace_back(std::max(i, j), std::min(i, j), -weights[f][k]);
-        triplets.emplace_back(i, i, weights[f][k]);
-        triplets.emplace_back(j, j, weights[f][k]);
-        total += std::abs(weights[f][k]);
-      }
-    const double ground = std::max(total / static_cast<double>(std::max<Eigen::Index>(1, v.rows())), 1e-12);
-    for (Eigen::Index i = 0; i < v.rows(); ++i)
-      if (paths.IsGround(i)) triplets.emplace_back(static_cast<int>(i), static_cast<int>(i), ground);
-    Eigen::SparseMatrix<double> h(v.rows(), v.rows());
-    h.setFromTriplets(triplets.begin(), triplets.end());
-    solver.Analyze(h);
-    solver.Factor(h);
-  }
-
-  /// Per face: the wanted edges at time t, times their weights, summed at each corner.
-  void FaceTerms(double t, std::vector<std::array<Eigen::Vector3d, 3>>& terms) const {
-    ParallelFor(
-        faces.rows(),
-        [&](std::int64_t f) {
-          std::array<Eigen::Vector3d, 3> edge;  // k: from corner k+1 to corner k+2
-          const FaceMap& map = maps[f];
-          const Eigen::Matrix2d stretch =
-              options.log_stretch ? PowerOf(map.stretch, t) : ((1 - t) * Eigen::Matrix2d::Identity() + t * map.stretch).eval();
-          const Eigen::Matrix3d turn = ExpOf(t * map.turn) * ExpOf(t * map.remainder);
-          for (int k = 0; k < 3; ++k) {
-            const int i = faces(f, (k + 1) % 3), j = faces(f, (k + 2) % 3);
-            const Eigen::Vector3d e = (v.row(j) - v.row(i)).transpose();
-            if (map.degenerate)
-              edge[k] = (1 - t) * e + t * (u.row(j) - u.row(i)).transpose();
-            else
-              edge[k] = turn * (map.frame * (stretch * (map.frame.transpose() * e)));
-          }
-          for (int k = 0; k < 3; ++k)  // corner k ends edge k+1 and starts edge k+2
-            terms[f][k] = weights[f][(k + 1) % 3] * edge[(k + 1) % 3] - weights[f][(k + 2) % 3] * edge[(k + 2) % 3];
-        },
-        512);
-  }
-
-  PointsX3 v, u;
-  FacesX3 faces;
-  ArapOptions options;
-  std::vector<FaceMap> maps;
-  CentroidPaths paths;
-  std::vector<EdgeWeights> weights;
-  std::vector<int> first_corner, corners;
-  SparseCholesky solver;
-};
-
-ArapInterpolator::ArapInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces, const ArapOptions& options) {
+void RequireKeys(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
   if (v.rows() != u.rows())
     throw InputError("interpolate: the keys have " + std::to_string(v.rows()) + " and " + std::to_string(u.rows()) +
                      " vertices; register all poses from one template first");
@@ -194,6 +43,159 @@ ArapInterpolator::ArapInterpolator(const PointsX3& v, const PointsX3& u, const F
   RequireUsable(mesh, "interpolate: first key");
   mesh.points = u;
   RequireUsable(mesh, "interpolate: second key");
+}
+
+KeyRefs EnergyKeys(const PointsX3& v, const PointsX3& u, bool symmetric) { return symmetric ? KeyRefs{v, u} : KeyRefs{v}; }
+
+}  // namespace
+
+CentroidPaths::CentroidPaths(const PointsX3& v, const PointsX3& u, const std::vector<int>& parts, int part_count,
+                             const Eigen::Vector3d& body_turn)
+    : start_(PointsX3::Zero(part_count, 3)), end_(PointsX3::Zero(part_count, 3)), body_turn_(body_turn) {
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(part_count);
+  for (Eigen::Index i = 0; i < v.rows(); ++i) {
+    count[parts[i]] += 1;
+    start_.row(parts[i]) += v.row(i);
+    end_.row(parts[i]) += u.row(i);
+  }
+  body_start_ = v.colwise().mean();
+  body_end_ = u.colwise().mean();
+  const Eigen::Matrix3d body = ExpOf(body_turn);
+  for (int p = 0; p < part_count; ++p) {
+    start_.row(p) = start_.row(p) / count[p] - body_start_.transpose();
+    end_.row(p) = (end_.row(p) / count[p] - body_end_.transpose()) * body;
+  }
+}
+
+Eigen::Vector3d CentroidPaths::At(int part, double t) const {
+  return (1 - t) * body_start_ + t * body_end_ + ExpOf(t * body_turn_) * ((1 - t) * start_.row(part) + t * end_.row(part)).transpose();
+}
+
+ArapOptions PaperOptions() {
+  ArapOptions options;
+  options.symmetric = false;
+  options.stretch = Stretch::kLinear;
+  options.follow_turns = false;
+  options.correct_volume = false;
+  return options;
+}
+
+struct ArapInterpolator::Impl {
+  Impl(const PointsX3& first, const PointsX3& second, const FacesX3& faces, const ArapOptions& o)
+      : options(o),
+        // All is computed from one key to the other in an order that the keys alone decide, so that the way back has the same bits.
+        reversed(o.symmetric && !Before(first, second)),
+        v(reversed ? second : first),
+        u(reversed ? first : second),
+        system(EnergyKeys(v, u, o.symmetric), faces, RowsOf(o.constraints, static_cast<int>(first.rows())),
+               {.screened = o.correct_volume || o.follow_turns || o.stretch == Stretch::kBalanced}) {
+    maps = FaceMapsOf(v, u, faces);
+    if (options.follow_turns) report.turns = FollowTurns(system, maps, options.turn_overrides, reversed);
+    if (options.stretch == Stretch::kBalanced) SetGrowth(system, maps);
+    if (report.turns.differential) differential.emplace(system, maps);
+    paths.emplace(v, u, system.faces(), maps, options.stretch);
+    centroids.emplace(v, u, system.parts(), system.part_count(), maps.body_turn);
+    if (options.correct_volume) PrepareVolumes();
+    Describe();
+  }
+
+  void PrepareVolumes() {
+    volumes.emplace(system);
+    v_volumes = volumes->Volumes(v);
+    u_volumes = volumes->Volumes(u);
+    for (double target : PathVolumes(v_volumes, u_volumes, 0.5)) report.corrected_parts += std::isfinite(target);
+    if (report.corrected_parts == 0) return volumes.reset();
+    if (report.turns.differential || maps.vertex_turns.rows() == 0) return;  // directions are then solved for each frame
+    // Outward fields of both keys; on the way each vertex blends them, turned as its surroundings turn.
+    std::vector<PointsX3> z = volumes->Directions({v, u});
+    v_outward = std::move(z[0]);
+    u_outward = std::move(z[1]);
+    const Eigen::Matrix3d body = ExpOf(maps.body_turn);
+    for (Eigen::Index i = 0; i < u_outward.rows(); ++i)
+      u_outward.row(i) = (ExpOf(maps.vertex_turns.row(i)).transpose() * (body.transpose() * u_outward.row(i).transpose())).transpose();
+  }
+
+  void Describe() {
+    report.degenerate_faces =
+        static_cast<int>(std::count_if(maps.faces.begin(), maps.faces.end(), [](const FaceMap& m) { return m.degenerate; }));
+    if (!options.follow_turns)
+      for (const FaceMap& m : maps.faces) report.turns.largest_turn = std::max(report.turns.largest_turn, m.turn.norm());
+    if (volumes) report.closed_parts = static_cast<int>(std::count(volumes->closed_parts().begin(), volumes->closed_parts().end(), 1));
+    report.dropped_constraints = system.dropped_rows();
+    outward_maps = reversed ? Reversed(maps) : maps;
+  }
+
+  /// Targets of the rows in use at time t of the keys as computed.
+  RowTargets Targets(double t) const {
+    // A path is a function of the caller's time.
+    const RowTargets given = reversed ? TargetsOf(options.constraints, u, v, 1 - t) : TargetsOf(options.constraints, v, u, t);
+    RowTargets targets(static_cast<Eigen::Index>(system.rows().size()), 3);
+    for (Eigen::Index r = 0; r < targets.rows(); ++r) {
+      const int source = system.row_sources()[r];
+      targets.row(r) = source >= 0 ? given.row(source).transpose().eval() : centroids->At(-1 - source, t);
+    }
+    return targets;
+  }
+
+  bool IsKey(double t, const RowTargets& targets) const {
+    if ((t != 0 && t != 1) || !options.symmetric) return false;
+    const PointsX3& key = t == 0 ? v : u;
+    if (options.constraints.floor) {
+      const Floor& floor = *options.constraints.floor;
+      for (Eigen::Index i = 0; floor.vertices.empty() && i < key.rows(); ++i)
+        if (key(i, 2) < floor.height) return false;
+      for (int i : floor.vertices)
+        if (key(i, 2) < floor.height) return false;
+    }
+    return (system.RowsAt(key) - targets).cwiseAbs().maxCoeff() <= kAtKey * (BoundingDiagonal(v) + BoundingDiagonal(u));
+  }
+
+  PointsX3 Outward(double t, const PointsX3& frame) const {
+    if (v_outward.rows() == 0) return volumes->Direction(frame);
+    PointsX3 z(frame.rows(), 3);
+    const Eigen::Matrix3d body = ExpOf(t * maps.body_turn);
+    for (Eigen::Index i = 0; i < z.rows(); ++i)
+      z.row(i) =
+          (body * (ExpOf(t * maps.vertex_turns.row(i)) * ((1 - t) * v_outward.row(i) + t * u_outward.row(i)).transpose())).transpose();
+    return z;
+  }
+
+  void Finish(double t, PointsX3& frame, FrameFacts& facts) const {
+    std::vector<int> held;
+    for (int pass = 0; pass < 4; ++pass) {
+      if (volumes) {
+        const std::vector<double> targets = PathVolumes(v_volumes, u_volumes, t);
+        VolumeCorrection::Result result = volumes->Apply(frame, Outward(t, frame), targets, held);
+        if (result.unreachable > 0) result = volumes->Apply(frame, volumes->Direction(frame), targets, held);
+        facts.volume_move = std::max(facts.volume_move, result.largest_move);
+      }
+      if (!options.constraints.floor) return;
+      const std::size_t before = held.size();
+      const std::vector<int> now = system.LiftToFloor(frame, *options.constraints.floor);
+      std::vector<int> merged;
+      std::set_union(held.begin(), held.end(), now.begin(), now.end(), std::back_inserter(merged));
+      held = std::move(merged);
+      facts.floor_vertices = static_cast<int>(held.size());
+      if (!volumes || held.size() == before) return;
+    }
+  }
+
+  ArapOptions options;
+  bool reversed;
+  PointsX3 v, u;
+  PoissonSystem system;
+  SegmentMaps maps, outward_maps;  // as computed; from the caller's first key to the second
+  std::optional<PairPaths> paths;
+  std::optional<CentroidPaths> centroids;
+  std::optional<DifferentialTurns> differential;
+  std::optional<VolumeCorrection> volumes;
+  std::vector<double> v_volumes, u_volumes;
+  PointsX3 v_outward, u_outward;
+  ArapReport report;
+};
+
+ArapInterpolator::ArapInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces, const ArapOptions& options) {
+  RequireKeys(v, u, faces);
   impl_ = std::make_unique<Impl>(v, u, faces, options);
 }
 
@@ -202,40 +204,35 @@ ArapInterpolator::ArapInterpolator(ArapInterpolator&&) noexcept = default;
 
 PointsX3 ArapInterpolator::At(double t) const { return At(std::vector<double>{t}).front(); }
 
-std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& times) const {
+std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given, std::vector<FrameFacts>* facts) const {
   const Impl& s = *impl_;
-  const Eigen::Index n = s.v.rows(), count = static_cast<Eigen::Index>(times.size());
-  Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(n, 3 * count);
-  std::vector<std::array<Eigen::Vector3d, 3>> terms(s.faces.rows());
-  for (Eigen::Index c = 0; c < count; ++c) {
-    s.FaceTerms(times[c], terms);
-    // Gathered by vertex in a fixed order: no two threads add to one sum.
-    ParallelFor(
-        n,
-        [&](std::int64_t i) {
-          for (int at = s.first_corner[i]; at < s.first_corner[i + 1]; ++at)
-            rhs.block<1, 3>(i, 3 * c) += terms[s.corners[at] / 3][s.corners[at] % 3].transpose();
-        },
-        1024);
-  }
-  const Eigen::MatrixXd x = s.solver.Solve(rhs);
-  std::vector<PointsX3> frames(count);
-  for (Eigen::Index c = 0; c < count; ++c) {
-    frames[c] = x.middleCols<3>(3 * c);
-    s.paths.Apply(times[c], frames[c]);
-  }
+  const int count = static_cast<int>(given.size());
+  std::vector<double> times = given;
+  if (s.reversed)
+    for (double& t : times) t = 1 - t;
+  std::vector<RowTargets> targets;
+  std::vector<Eigen::Matrix3d> turns;
+  for (double t : times) targets.push_back(s.Targets(t)), turns.push_back(ExpOf(t * s.maps.body_turn));
+  EdgeBatch edges(s.system.faces().rows(), count);
+  if (s.differential)
+    for (int k = 0; k < count; ++k) s.paths->EvaluateWith(s.differential->At(times[k]), times[k], k, edges);
+  else
+    s.paths->Evaluate(times, edges);
+  std::vector<PointsX3> frames = s.system.Solve(edges, targets, turns);
+  std::vector<FrameFacts> found(count);
+  ParallelFor(count, [&](std::int64_t k) {
+    if (s.IsKey(times[k], targets[k]))
+      frames[k] = times[k] == 0 ? s.v : s.u;
+    else
+      s.Finish(times[k], frames[k], found[k]);
+  });
+  if (facts) *facts = std::move(found);
   return frames;
 }
 
-int ArapInterpolator::degenerate_faces() const {
-  return static_cast<int>(std::count_if(impl_->maps.begin(), impl_->maps.end(), [](const FaceMap& m) { return m.degenerate; }));
-}
-
-double ArapInterpolator::largest_turn() const {
-  double largest = 0;
-  for (const FaceMap& m : impl_->maps) largest = std::max(largest, m.turn.norm());
-  return largest;
-}
+const ArapReport& ArapInterpolator::report() const { return impl_->report; }
+const SegmentMaps& ArapInterpolator::maps() const { return impl_->outward_maps; }
+const PoissonSystem& ArapInterpolator::system() const { return impl_->system; }
 
 PointsX3 InterpolateLinearly(const PointsX3& v, const PointsX3& u, double t) { return (1 - t) * v + t * u; }
 

@@ -2,41 +2,70 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/mesh.h"
+#include "interpolate/constraints.h"
+#include "interpolate/face_maps.h"
+#include "interpolate/poisson.h"
+#include "interpolate/turns.h"
 
 namespace keypose::interpolation {
 
 struct ArapOptions {
-  bool symmetric = true;     ///< energies of both directions together; else from the first key only, as in the paper
-  bool log_stretch = true;   ///< S^t; else (1-t) I + t S, as in the paper
-  bool follow_turns = true;  ///< neighbours turn the same way round (see below); else every face takes its shortest turn
+  bool symmetric = true;                 ///< energies of both directions together; else from the first key only, as in the paper
+  Stretch stretch = Stretch::kBalanced;  ///< how a face's stretch grows with t
+  bool follow_turns = true;              ///< neighbours turn the same way round (see turns.h); else every face takes its shortest turn
+  bool correct_volume = true;            ///< closed parts whose volumes have one sign follow v0^(1-t) v1^t
+  std::vector<TurnOverride> turn_overrides = {};
+  Constraints constraints = {};
 };
 
-/// Frames between keys V and U: each triangle's map is split into turn and stretch, both are taken to the power t, and vertices are fitted.
+/// The paper's own energy, reduced to V unknowns: the same frames as PaperInterpolator.
+ArapOptions PaperOptions();
+
+struct ArapReport {
+  int degenerate_faces = 0;
+  TurnReport turns;
+  int closed_parts = 0, corrected_parts = 0;     ///< connected parts of the mesh, and those whose volume is corrected
+  std::vector<std::string> dropped_constraints;  ///< rows that follow from others
+};
+
+/// What it took to make one frame.
+struct FrameFacts {
+  double volume_move = 0;  ///< largest move of a vertex by the volume correction
+  int floor_vertices = 0;  ///< held at the floor
+};
+
+/// Frames between keys V and U: each triangle's map is split into turn and stretch, both go from nothing to their whole, and vertices are
+/// fitted to the wanted edges.
 ///
-/// One Laplacian (of both keys) is factored once; its right-hand side per t comes from the wanted edges, in divergence form. Each connected
-/// part keeps its centroid on the path that the whole body's turn gives it. At(0) and At(1) give the keys to solver precision.
-/// follow_turns grows a tree over neighbouring faces, least difference first, and adds to each face the whole turns that bring its rotation
-/// vector nearest to its parent's, so that a bend beyond 180 degrees does not tear where the shortest turn changes side. Cost: one
-/// factorisation of V x V, one solve with three right-hand sides a frame. Same bits for any thread count. Source: Ebner et al.,
-/// E-StopMotion, section 4.2; Alexa et al. 2000; Baxter et al. 2008. Reduced from (V+F) to V unknowns: the free fourth vertices leave
-/// exactly the cotangent Laplacian. Departs: symmetric energy, log stretch.
+/// Energy, matrix and turns are symmetric: swapping the keys gives the same frames at 1 - t, to the last bits (the keys are put in a fixed
+/// order first). At(0) and At(1) have the keys' own bits, unless a constraint moves them. Each connected part keeps its centroid on the
+/// path that the body's turn gives it, unless constraints hold it. Cost: two factorisations of V x V on one analysis, one solve with three
+/// right-hand sides a frame, all frames of a call in one batch. Same bits for any thread count. Source: Ebner et al., E-StopMotion, section
+/// 4.2; Alexa et al. 2000; Baxter et al. 2008. Reduced from (V+F) to V unknowns: the free fourth vertices leave exactly the cotangent
+/// Laplacian. Departs: symmetric energy, turns beyond 180 degrees, balanced stretch, volume that follows the keys.
 class ArapInterpolator {
  public:
-  /// @throws InputError   other numbers of vertices, unusable mesh
+  /// @throws InputError   other numbers of vertices, unusable mesh, bad constraint or override
   /// @throws SolverError  the Laplacian cannot be factored
   ArapInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces, const ArapOptions& options = {});
   ~ArapInterpolator();
   ArapInterpolator(ArapInterpolator&&) noexcept;
 
   PointsX3 At(double t) const;
-  /// Several frames with one batch of solves.
-  std::vector<PointsX3> At(const std::vector<double>& times) const;
+  /// Several frames with one batch of solves; memory grows with their number (about 0.5 kB a face and frame).
+  std::vector<PointsX3> At(const std::vector<double>& times, std::vector<FrameFacts>* facts = nullptr) const;
 
-  int degenerate_faces() const;
-  double largest_turn() const;  ///< of any face [rad]; beyond pi only with follow_turns
+  const ArapReport& report() const;
+  /// Faces' maps from V to U with their turns, for splines through many keys.
+  const SegmentMaps& maps() const;
+  const PoissonSystem& system() const;
+
+  int degenerate_faces() const { return report().degenerate_faces; }
+  double largest_turn() const { return report().turns.largest_turn; }  ///< of any face relative to the body [rad]
 
  private:
   struct Impl;
@@ -44,5 +73,16 @@ class ArapInterpolator {
 };
 
 PointsX3 InterpolateLinearly(const PointsX3& v, const PointsX3& u, double t);
+
+/// Path of each connected part's centroid between two keys: the body's centroid goes straight, the parts' offsets turn with the body.
+class CentroidPaths {
+ public:
+  CentroidPaths(const PointsX3& v, const PointsX3& u, const std::vector<int>& parts, int part_count, const Eigen::Vector3d& body_turn);
+  Eigen::Vector3d At(int part, double t) const;
+
+ private:
+  PointsX3 start_, end_;  // offsets from the body's centroid, part by part; end_ turned back
+  Eigen::Vector3d body_start_, body_end_, body_turn_;
+};
 
 }  // namespace keypose::interpolation

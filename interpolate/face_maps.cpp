@@ -33,6 +33,21 @@ FlatTriangle Flatten(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
   return t;
 }
 
+FaceMap MapOf(const FlatTriangle& from, const FlatTriangle& to) {
+  FaceMap map;
+  map.frame.setZero();
+  map.degenerate = from.degenerate || to.degenerate;
+  if (map.degenerate) return map;
+  const Polar2 polar = PolarOf(to.edges * from.edges.inverse());
+  Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity();
+  in_plane.topLeftCorner<2, 2>() << polar.cosine, -polar.sine, polar.sine, polar.cosine;
+  map.frame = from.axes.leftCols<2>();
+  map.rotation = to.axes * in_plane * from.axes.transpose();
+  map.turn = LogOf(map.rotation);
+  map.stretch = polar.stretch;
+  return map;
+}
+
 }  // namespace
 
 Polar2 PolarOf(const Eigen::Matrix2d& j) {
@@ -70,24 +85,48 @@ Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
-std::vector<FaceMap> FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
-  std::vector<FaceMap> maps(faces.rows());
+Eigen::Matrix3d RotationAt(const SegmentMaps& maps, Eigen::Index face, double t) {
+  const FaceMap& map = maps.faces[face];
+  return ExpOf(t * maps.body_turn) * ExpOf(t * map.turn) * ExpOf(t * map.remainder);
+}
+
+double BalancedTime(double t, double x) {
+  // Series of log(1 + t (e^x - 1)) / x, whose terms keep tau(t, x) + tau(1-t, -x) = 1 one by one; bounded so that it stays rising.
+  x = std::clamp(x, -1.0, 1.0);
+  return t + t * (1 - t) * x * (0.5 + x * ((1 - 2 * t) / 6 + x * (1 - 6 * t + 6 * t * t) / 24));
+}
+
+Eigen::Matrix2d StretchAt(const FaceMap& map, Stretch stretch, double t) {
+  if (stretch == Stretch::kLinear) return (1 - t) * Eigen::Matrix2d::Identity() + t * map.stretch;
+  if (stretch == Stretch::kLogarithmic) return PowerOf(map.stretch, t);
+  const Eigen::Matrix2d rest = std::exp(-map.growth) * map.stretch;
+  return std::exp(t * map.growth) * PowerOf(rest, BalancedTime(t, std::log(rest.determinant())));
+}
+
+SegmentMaps Reversed(const SegmentMaps& maps) {
+  SegmentMaps back = maps;
+  back.body_turn = -maps.body_turn;
+  const Eigen::Matrix3d body = ExpOf(maps.body_turn);
+  for (std::size_t f = 0; f < maps.faces.size(); ++f) {
+    const FaceMap& there = maps.faces[f];
+    FaceMap& map = back.faces[f];
+    map.frame = there.rotation * there.frame;
+    map.rotation = there.rotation.transpose();
+    // rotation = B T S with B = exp(body), T = exp(turn), S = exp(remainder). Back at t': B^-t' (B T^-t' B^-1) ((B T) S^-t' (B T)^-1).
+    map.turn = -(body * there.turn);
+    map.remainder = -(body * (ExpOf(there.turn) * there.remainder));
+    map.stretch = there.stretch.inverse();
+    map.growth = -there.growth;
+  }
+  back.vertex_turns = -(maps.vertex_turns * body.transpose());
+  return back;
+}
+
+SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
+  SegmentMaps maps;
+  maps.faces.resize(faces.rows());
   ParallelFor(
-      faces.rows(),
-      [&](std::int64_t f) {
-        const FlatTriangle from = Flatten(v, faces, f), to = Flatten(u, faces, f);
-        FaceMap& map = maps[f];
-        map.degenerate = from.degenerate || to.degenerate;
-        if (map.degenerate) return;
-        const Polar2 polar = PolarOf(to.edges * from.edges.inverse());
-        Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity();
-        in_plane.topLeftCorner<2, 2>() << polar.cosine, -polar.sine, polar.sine, polar.cosine;
-        map.frame = from.axes.leftCols<2>();
-        map.rotation = to.axes * in_plane * from.axes.transpose();
-        map.turn = LogOf(map.rotation);
-        map.stretch = polar.stretch;
-      },
-      512);
+      faces.rows(), [&](std::int64_t f) { maps.faces[f] = MapOf(Flatten(v, faces, f), Flatten(u, faces, f)); }, 512);
   return maps;
 }
 

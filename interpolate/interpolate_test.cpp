@@ -11,10 +11,8 @@
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
 #include "interpolate/arap.h"
-#include "interpolate/distortion.h"
 #include "interpolate/face_maps.h"
 #include "interpolate/paper_arap.h"
-#include "interpolate/sequence.h"
 #include "interpolate/turns.h"
 
 namespace keypose::interpolation {
@@ -86,8 +84,7 @@ TEST(Arap, UniformGrowthIsGeometricWithLogAndStraightWithLinearStretch) {
   const Mesh mesh = MakeIcosphere(2);
   const PointsX3 grown = 3 * mesh.points;
   EXPECT_LT(Gap(ArapInterpolator(mesh.points, grown, mesh.faces).At(0.25), std::pow(3, 0.25) * mesh.points), 1e-12);
-  EXPECT_LT(Gap(ArapInterpolator(mesh.points, grown, mesh.faces, {.symmetric = false, .log_stretch = false}).At(0.25), 1.5 * mesh.points),
-            1e-12);
+  EXPECT_LT(Gap(ArapInterpolator(mesh.points, grown, mesh.faces, PaperOptions()).At(0.25), 1.5 * mesh.points), 1e-12);
   EXPECT_LT(Gap(PaperInterpolator(mesh.points, grown, mesh.faces).At(0.25), 1.5 * mesh.points), 1e-10);
 }
 
@@ -102,8 +99,7 @@ TEST(Arap, MiddleOfATurnBy179DegreesIs89AndAHalf) {
 
 TEST(Arap, ReducedSystemEqualsThePapersTetrahedra) {
   const Keys keys;
-  const ArapInterpolator reduced(keys.mesh.points, keys.u, keys.mesh.faces,
-                                 {.symmetric = false, .log_stretch = false, .follow_turns = false});
+  const ArapInterpolator reduced(keys.mesh.points, keys.u, keys.mesh.faces, PaperOptions());
   const PaperInterpolator paper(keys.mesh.points, keys.u, keys.mesh.faces);
   for (double t : {0.0, 0.1, 0.5, 0.8, 1.0}) EXPECT_LT(Gap(reduced.At(t), paper.At(t)), 1e-9);
 }
@@ -192,23 +188,11 @@ TEST(Arap, BendBeyondHalfATurnKeepsItsAreaWhenTurnsFollow) {
   const Mesh mesh = MakeCylinder(0.12, 2, 16, 80);
   const PointsX3 u = Bent(mesh.points, 2, 270 * kPi / 180);
   const auto distortion = [&](bool follow) {
-    const PointsX3 frame = ArapInterpolator(mesh.points, u, mesh.faces, {.log_stretch = false, .follow_turns = follow}).At(0.5);
+    const PointsX3 frame = ArapInterpolator(mesh.points, u, mesh.faces, {.follow_turns = follow}).At(0.5);
     return std::abs(SurfaceArea(frame, mesh.faces) / std::sqrt(SurfaceArea(mesh.points, mesh.faces) * SurfaceArea(u, mesh.faces)) - 1);
   };
   EXPECT_LT(distortion(true), 2e-3);
   EXPECT_GT(distortion(false), 4 * distortion(true));
-}
-
-TEST(MakeTurnsConsistent, KeepsEveryRotation) {
-  const Mesh mesh = MakeCylinder(0.12, 2, 16, 80);
-  std::vector<FaceMap> maps = FaceMapsOf(mesh.points, Bent(mesh.points, 2, 450 * kPi / 180), mesh.faces);
-  MakeTurnsConsistent(mesh.faces, maps);
-  double largest = 0;
-  for (const FaceMap& map : maps) {
-    EXPECT_LT((ExpOf(map.turn) * ExpOf(map.remainder) - map.rotation).norm(), 1e-9);
-    largest = std::max(largest, map.turn.norm());
-  }
-  EXPECT_GT(largest, 6.5);  // 450 degrees are 7.85 rad, less half a ring of triangles
 }
 
 TEST(Arap, FacesWithoutAreaAreHeldByTheirNeighbours) {
@@ -229,63 +213,6 @@ TEST(Arap, BadKeysThrowInputError) {
   EXPECT_THROW(ArapInterpolator(mesh.points, mesh.points.topRows(5), mesh.faces), InputError);
   EXPECT_THROW(ArapInterpolator(PointsX3(0, 3), PointsX3(0, 3), FacesX3(0, 3)), InputError);
   EXPECT_THROW(PaperInterpolator(mesh.points, nan, mesh.faces), InputError);
-  EXPECT_THROW(Interpolate({mesh.points}, mesh.faces, {}, Method::kArap), InputError);
-  EXPECT_THROW(Interpolate({mesh.points, mesh.points.topRows(5)}, mesh.faces, {1}, Method::kArap), InputError);
-}
-
-TEST(Interpolate, KeysComeOutWithTheirOwnBits) {
-  const Keys keys;
-  const PointsX3 third = keys.mesh.points * 1.1;
-  for (const Method method : {Method::kArap, Method::kPaper, Method::kLinear}) {
-    const Sequence s = Interpolate({keys.mesh.points, keys.u, third}, keys.mesh.faces, {3, 0}, method);
-    ASSERT_EQ(s.frames.size(), 6u);
-    EXPECT_EQ(s.key_frames, (std::vector<int>{0, 4, 5}));
-    EXPECT_EQ(s.frames[0].points, keys.mesh.points);
-    EXPECT_EQ(s.frames[4].points, keys.u);
-    EXPECT_EQ(s.frames[5].points, third);
-  }
-}
-
-TEST(AlignedKeys, UndoesTheMotionItMayUndo) {
-  const Mesh mesh = MakeBox(1, 2, 3);
-  Similarity3 yaw, any;
-  yaw.rotation = Turn(0.8, {0, 0, 1});
-  yaw.translation << 1, 2, 3;
-  any.rotation = Turn(0.8, {1, 1, 1});
-  any.scale = 1.3;
-  EXPECT_LT(Gap(AlignedKeys({mesh.points, Transformed(yaw, mesh.points)}, AlignKeys::kUpright)[1], mesh.points), 1e-12);
-  EXPECT_LT(Gap(AlignedKeys({mesh.points, Transformed(any, mesh.points)}, AlignKeys::kSimilarity)[1], mesh.points), 1e-12);
-  EXPECT_GT(Gap(AlignedKeys({mesh.points, Transformed(any, mesh.points)}, AlignKeys::kRigid)[1], mesh.points), 0.05);
-  EXPECT_EQ(AlignedKeys({mesh.points, Transformed(any, mesh.points)}, AlignKeys::kNone)[1], Transformed(any, mesh.points));
-}
-
-TEST(MeasureDistortion, UniformGrowthHasKnownMeanDeviationAndRatio) {
-  const Mesh mesh = MakeIcosphere(2);
-  const Sequence s = Interpolate({mesh.points, 2 * mesh.points}, mesh.faces, {3}, Method::kArap);
-  const DistortionReport report = MeasureDistortion(s, mesh.faces);
-  const double a = std::pow(4, 0.25) - 1, b = 1, c = std::pow(4, 0.75) - 1, mean = (a + b + c) / 3;
-  EXPECT_NEAR(report.segments[0].area.mean, mean, 1e-10);
-  EXPECT_NEAR(report.segments[0].area.sd, std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2),
-              1e-10);
-  EXPECT_LT(report.segments[0].area.path_deviation, 1e-10);
-  EXPECT_NEAR(report.segments[0].linear_area.path_deviation, 1.5 * 1.5 / 2 - 1, 1e-9);
-  EXPECT_NEAR(report.segments[0].volume.end_ratio, 8, 1e-12);
-  EXPECT_NEAR(report.frames[2].linear_volume, 3.375, 1e-10);
-  EXPECT_NEAR(report.frames[4].t, 1, 0);
-  int total = 0;
-  for (int count : report.frames[1].faces.counts) total += count;
-  EXPECT_EQ(total, mesh.face_count());
-}
-
-TEST(InBetweensFromTimeline, RoundsToFramesAndNamesTheBadKey) {
-  const auto read = [](const std::string& text, int keys) { return InBetweensFromTimeline(text, "timeline.json", keys); };
-  EXPECT_EQ(read(R"({"schema":1,"fps":24,"keys":[{"pose":"a","time":0},{"pose":"b","time":0.5},{"pose":"a","time":1.5}]})", 3),
-            (std::vector<int>{11, 23}));
-  EXPECT_THROW(read("not json", 2), InputError);
-  EXPECT_THROW(read(R"({"fps":24,"keys":[{"time":0}]})", 2), InputError);
-  EXPECT_THROW(read(R"({"fps":0,"keys":[{"time":0},{"time":1}]})", 2), InputError);
-  EXPECT_THROW(read(R"({"fps":24,"keys":[{"time":1},{"time":0}]})", 2), InputError);
-  EXPECT_THROW(read(R"({"fps":24,"keys":[{"time":0},{"pose":"b"}]})", 2), InputError);
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+// Four doubles at a time, with the elementary functions that faces' paths need. The same bits with and without AVX2.
+#pragma once
+
+#include <cstdint>
+
+namespace keypose::interpolation {
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // everything here is inlined: no vector crosses a call
+
+using Lanes = double __attribute__((vector_size(32)));
+using LaneBits = std::int64_t __attribute__((vector_size(32)));
+
+#define KEYPOSE_INLINE inline __attribute__((always_inline))
+
+KEYPOSE_INLINE Lanes Spread(double x) { return Lanes{x, x, x, x}; }
+KEYPOSE_INLINE Lanes Select(LaneBits mask, Lanes a, Lanes b) { return (Lanes)(((LaneBits)a & mask) | ((LaneBits)b & ~mask)); }
+
+/// Nearest integers of |x| < 2^51, and those integers' low bits in `bits`.
+KEYPOSE_INLINE Lanes Rounded(Lanes x, LaneBits& bits) {
+  const Lanes magic = Spread(0x1.8p52), shifted = x + magic;
+  bits = (LaneBits)shifted;
+  return shifted - magic;
+}
+
+/// e^x, within 2 ulp, for |x| <= 700 (clamped beyond). Range reduction by ln 2, then a polynomial of degree 13 (Taylor; |r| <= 0.347).
+KEYPOSE_INLINE Lanes Exp(Lanes x) {
+  x = Select(x > Spread(700.0), Spread(700.0), x);
+  x = Select(x < Spread(-700.0), Spread(-700.0), x);
+  LaneBits k;
+  const Lanes n = Rounded(x * Spread(1.4426950408889634), k);
+  const Lanes r = (x - n * Spread(0x1.62e42feep-1)) - n * Spread(0x1.a39ef35793c76p-33);
+  constexpr double kTerms[] = {1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
+                               1.0 / 720,        1.0 / 120,       1.0 / 24,       1.0 / 6,       0.5,          1.0,         1.0};
+  Lanes p = Spread(kTerms[0]);
+  for (int i = 1; i < 14; ++i) p = p * r + Spread(kTerms[i]);
+  return (Lanes)((LaneBits)p + (k << 52));
+}
+
+/// Sine and cosine, within 2e-16 of the truth, for |x| up to 1e5. Range reduction by pi/2, then Taylor polynomials (|r| <= 0.786).
+KEYPOSE_INLINE void SinCos(Lanes x, Lanes& sine, Lanes& cosine) {
+  LaneBits k;
+  const Lanes n = Rounded(x * Spread(0.63661977236758134308), k);
+  const Lanes r = ((x - n * Spread(0x1.921fb544p0)) - n * Spread(0x1.0b4611a6p-34)) - n * Spread(0x1.3198a2e037073p-69);
+  const Lanes q = r * r;
+  constexpr double kSine[] = {-1.0 / 1307674368000, 1.0 / 6227020800, -1.0 / 39916800, 1.0 / 362880, -1.0 / 5040, 1.0 / 120, -1.0 / 6};
+  constexpr double kCosine[] = {1.0 / 20922789888000, -1.0 / 87178291200, 1.0 / 479001600, -1.0 / 3628800,
+                                1.0 / 40320,          -1.0 / 720,         1.0 / 24};
+  Lanes s = Spread(kSine[0]), c = Spread(kCosine[0]);
+  for (int i = 1; i < 7; ++i) s = s * q + Spread(kSine[i]), c = c * q + Spread(kCosine[i]);
+  s = r + r * q * s;
+  c = Spread(1.0) - Spread(0.5) * q + q * q * c;
+  const LaneBits one = {1, 1, 1, 1}, two = {2, 2, 2, 2};
+  const LaneBits odd = (k & one) == one, sine_down = ((k & two) << 62), cosine_down = (((k + one) & two) << 62);
+  sine = (Lanes)((LaneBits)Select(odd, c, s) ^ sine_down);
+  cosine = (Lanes)((LaneBits)Select(odd, s, c) ^ cosine_down);
+}
+
+/// Three numbers a lane.
+struct Lanes3 {
+  Lanes x, y, z;
+};
+
+/// v turned by `angle` about the unit `axis` (Rodrigues), from the angle's sine and cosine.
+KEYPOSE_INLINE Lanes3 Turned(const double* axis, Lanes sine, Lanes cosine, const Lanes3& v) {
+  const Lanes ax = Spread(axis[0]), ay = Spread(axis[1]), az = Spread(axis[2]);
+  const Lanes along = (ax * v.x + ay * v.y + az * v.z) * (Spread(1.0) - cosine);
+  return {v.x * cosine + (ay * v.z - az * v.y) * sine + ax * along, v.y * cosine + (az * v.x - ax * v.z) * sine + ay * along,
+          v.z * cosine + (ax * v.y - ay * v.x) * sine + az * along};
+}
+
+#pragma GCC diagnostic pop
+
+}  // namespace keypose::interpolation

@@ -1,0 +1,60 @@
+// Inside of PoissonSystem, shared by its sources only.
+#pragma once
+
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
+#include <array>
+
+#include "core/cholesky.h"
+#include "interpolate/poisson.h"
+
+namespace keypose::interpolation {
+
+using EdgeWeights = std::array<double, 3>;  ///< of the edges opposite corners 0, 1, 2
+
+struct PoissonSystem::Impl {
+  Impl(const KeyRefs& keys, const FacesX3& faces, const PoissonOptions& options);
+
+  void FindParts();
+  void BuildIncidence();
+  void Weigh(const KeyRefs& keys);
+  Eigen::SparseMatrix<double> LowerLaplacian() const;
+  void Assemble();
+  double Kappa() const { return 1 / (screening_length * screening_length); }
+  void RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, Eigen::MatrixXd& rhs) const;
+
+  // In poisson_rows.cpp.
+  void AcceptRows(const std::vector<ConstraintRow>& given);
+  void AddCentroidRows();
+  void FactorRows();
+  /// C (system)^-1 C^T for the coupled rows.
+  Eigen::MatrixXd Compliance(const SparseCholesky& system, const std::vector<ConstraintRow>& some) const;
+  Eigen::MatrixXd ValuesOf(const std::vector<ConstraintRow>& some, const Eigen::MatrixXd& x) const;
+  void SolveWithRows(Eigen::MatrixXd& rhs, const std::vector<RowTargets>& targets) const;
+  void CentreFreeParts(PointsX3& points, const RowTargets& targets) const;
+  std::vector<int> BendToFloor(PointsX3& points, const std::vector<int>& candidates, double height) const;
+
+  Eigen::Index n = 0;
+  FacesX3 faces;
+  PoissonOptions options;
+  std::vector<int> lowest, parts, part_size;  // of each vertex: its part's lowest vertex, its part; of each part: its vertices
+  int part_count = 0;
+  std::vector<int> first_corner, corners;
+  std::vector<EdgeWeights> weights;
+  Eigen::VectorXd area, mass;
+  double screening_length = 0;
+  SparseCholesky solver, screened;
+
+  std::vector<ConstraintRow> rows;
+  std::vector<int> sources;
+  std::vector<std::string> dropped;
+  int coupled = 0;                 // the first rows, solved by multipliers; the others are centroids of parts that nothing else touches
+  std::vector<int> touched_parts;  // parts that coupled rows reach
+  Eigen::MatrixXd part_sums;       // coupled x touched: sums of the rows' weights over each part
+  Eigen::MatrixXd compliance;      // C H^-1 C^T + diag(compliance)
+  Eigen::PartialPivLU<Eigen::MatrixXd> multipliers;
+  std::vector<ConstraintRow> exact;  // of the coupled rows
+  Eigen::PartialPivLU<Eigen::MatrixXd> exact_screened;
+};
+
+}  // namespace keypose::interpolation
