@@ -99,7 +99,10 @@ bool IsFar(const PointsX3& points, const Eigen::RowVector3d& from, double distan
 // Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as long as there is room.
 Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3& keep) {
   if (options.holes == 0) return mesh;
-  const double radius = std::sqrt(SurfaceArea(mesh.points, mesh.faces) * options.hole_area / options.holes / 3.141592653589793);
+  const double area = SurfaceArea(mesh.points, mesh.faces);
+  const double radius = std::sqrt(area * options.hole_area / options.holes / 3.141592653589793);
+  // Every face at a vertex of the ball goes, and so about half an edge more than the ball.
+  const double half_edge = std::sqrt(area / static_cast<double>(mesh.face_count()) / std::sqrt(3.0));
   Random random(SeedOf(options, kHoles));
   const auto around = FacesAround(mesh);
   PointsX3 centers(0, 3);
@@ -110,7 +113,7 @@ Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3&
     if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 2.5 * room)) continue;
     centers.conservativeResize(centers.rows() + 1, Eigen::NoChange);
     centers.row(centers.rows() - 1) = mesh.points.row(vertex);
-    Punch(mesh, around, vertex, radius, &removed);
+    Punch(mesh, around, vertex, radius - half_edge, &removed);
   }
   return WithoutFaces(mesh, removed);
 }

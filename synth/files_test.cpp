@@ -139,6 +139,8 @@ TEST(SynthProgram, ExitCodesNameTheFault) {
   EXPECT_EQ(run(""), 2);
   EXPECT_EQ(run("photos --output x --texture shiny"), 2);
   EXPECT_EQ(run("photos --output x --poses jump --spacing 0.01"), 2);
+  EXPECT_EQ(run("pair /dev/null/x --bend 400"), 2);
+  EXPECT_EQ(run("pair /dev/null/x --bend 60 --vertices 300"), 4);
   EXPECT_EQ(run("pick --truth /nonexistent --model m --mesh x --output y"), 3);
   EXPECT_EQ(run("damage --photos /nonexistent --output /dev/null/x --kind blur"), 4);
 }
