@@ -1,19 +1,19 @@
 #include "interpolate/tetrahedralize.h"
 
-#define TETLIBRARY
-#include <tetgen.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <new>
+#include <numbers>
 #include <numeric>
+#include <optional>
 #include <sstream>
 #include <string>
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "interpolate/face_crossings.h"
+#include "interpolate/run_tetgen.h"
 
 namespace keypose::interpolation {
 
@@ -64,7 +64,7 @@ double WindingNumber(const Eigen::RowVector3d& x, const PointsX3& points, const 
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
     sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
-  return sum / (2 * EIGEN_PI);
+  return sum / (2 * std::numbers::pi);
 }
 
 void RequireClosed(const PointsX3& points, const FacesX3& faces, const std::string& what) {
@@ -122,13 +122,6 @@ std::vector<int> BodiesOf(const PointsX3& points, const FacesX3& faces, const st
   return of_face;
 }
 
-std::string Explain(int code) {
-  if (code == 3) return "the surface touches or passes through itself";
-  if (code == 4 || code == 5) return "two places of the surface lie too close to each other to put anything between them";
-  if (code == 1) return "there is not enough memory for its tetrahedra";
-  return "TetGen could not fill it (its code " + std::to_string(code) + ")";
-}
-
 /// One body as TetGen takes and gives it.
 class Filler {
  public:
@@ -142,35 +135,6 @@ class Filler {
       for (int k = 0; k < 3; ++k) faces_(f, k) = local_[faces(f, k)];
     points_.resize(static_cast<Eigen::Index>(global_.size()), 3);
     for (std::size_t i = 0; i < global_.size(); ++i) points_.row(static_cast<Eigen::Index>(i)) = points.row(global_[i]);
-  }
-
-  /// @return TetGen's fault, 0 for none
-  int Run(const std::string& switches, tetgenio& out) const {
-    tetgenio in;
-    in.firstnumber = 0;
-    in.numberofpoints = static_cast<int>(points_.rows());
-    in.pointlist = new REAL[3 * points_.rows()];
-    std::copy(points_.data(), points_.data() + points_.size(), in.pointlist);
-    in.numberoffacets = static_cast<int>(faces_.rows());
-    in.facetlist = new tetgenio::facet[in.numberoffacets];
-    for (int f = 0; f < in.numberoffacets; ++f) {
-      tetgenio::facet& facet = in.facetlist[f];
-      tetgenio::init(&facet);
-      facet.numberofpolygons = 1;
-      facet.polygonlist = new tetgenio::polygon[1];
-      facet.polygonlist[0].numberofvertices = 3;
-      facet.polygonlist[0].vertexlist = new int[3];
-      for (int k = 0; k < 3; ++k) facet.polygonlist[0].vertexlist[k] = faces_(f, k);
-    }
-    std::string text = switches;
-    try {
-      tetrahedralize(text.data(), &in, &out);
-    } catch (int code) {
-      return code == 0 ? 2 : code;
-    } catch (const std::bad_alloc&) {
-      return 1;
-    }
-    return 0;
   }
 
   std::string Switches(const TetrahedralizeOptions& options) const {
@@ -203,8 +167,8 @@ class Filler {
 constexpr std::array<Triple, 4> kFaceOpposite = {
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};  // seen from outside, of a positive tetrahedron
 
-double SixVolumes(const REAL* p, const int* t) {
-  const auto at = [&](int k) { return Eigen::Vector3d(p[3 * t[k]], p[3 * t[k] + 1], p[3 * t[k] + 2]); };
+double SixVolumes(const std::vector<double>& p, const int* t) {
+  const auto at = [&](int k) { return Eigen::Map<const Eigen::Vector3d>(p.data() + 3 * t[k]); };
   return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0));
 }
 
@@ -216,17 +180,17 @@ Triple Rotated(const Triple& t) {
 
 /// Tetrahedra on the inner side of the surface: TetGen fills hollows as well. Corners come out in positive order.
 /// @return 1 for tetrahedra to keep; empty when a face of the surface is missing
-std::vector<char> InnerTets(tetgenio& out, const FacesX3& faces) {
+std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
   std::map<Triple, int> surface;  // 1: seen once from inside
   for (Eigen::Index f = 0; f < faces.rows(); ++f) surface[Rotated({faces(f, 0), faces(f, 1), faces(f, 2)})] = 0;
-  const int count = out.numberoftetrahedra;
+  const int count = static_cast<int>(out.tets.size()) / 4;
   std::vector<std::array<char, 4>> wall(count);
   std::vector<char> inner(count, 0);
   std::vector<int> open;
   for (int t = 0; t < count; ++t) {
-    int* corner = out.tetrahedronlist + 4 * t;
-    if (SixVolumes(out.pointlist, corner) < 0)
-      std::swap(corner[2], corner[3]), std::swap(out.neighborlist[4 * t + 2], out.neighborlist[4 * t + 3]);
+    int* corner = out.tets.data() + 4 * t;
+    if (SixVolumes(out.points, corner) < 0)
+      std::swap(corner[2], corner[3]), std::swap(out.neighbours[4 * t + 2], out.neighbours[4 * t + 3]);
     for (int k = 0; k < 4; ++k) {
       const Triple side = {corner[kFaceOpposite[k][0]], corner[kFaceOpposite[k][1]], corner[kFaceOpposite[k][2]]};
       const auto out_side = surface.find(Rotated(side));
@@ -242,7 +206,7 @@ std::vector<char> InnerTets(tetgenio& out, const FacesX3& faces) {
     const int t = open.back();
     open.pop_back();
     for (int k = 0; k < 4; ++k) {
-      const int next = out.neighborlist[4 * t + k];
+      const int next = out.neighbours[4 * t + k];
       if (wall[t][k] || next < 0 || inner[next]) continue;
       inner[next] = 1;
       open.push_back(next);
@@ -258,21 +222,22 @@ struct Parts {
   std::vector<std::array<int, 4>> tets, opposite;
 };
 
-void Append(const tetgenio& out, const std::vector<char>& inner, const Filler& filler, int body, int first_inner_point, Parts& parts) {
+void Append(const TetgenMesh& out, const std::vector<char>& inner, const Filler& filler, int body, int first_inner_point, Parts& parts) {
   const int surface_points = static_cast<int>(filler.global().size());
-  std::vector<int> point(out.numberofpoints, -1), tet(out.numberoftetrahedra, -1);
+  const int tet_count = static_cast<int>(out.tets.size()) / 4;
+  std::vector<int> point(out.points.size() / 3, -1), tet(tet_count, -1);
   std::copy(filler.global().begin(), filler.global().end(), point.begin());
   int next_tet = static_cast<int>(parts.tets.size());
-  for (int t = 0; t < out.numberoftetrahedra; ++t)
+  for (int t = 0; t < tet_count; ++t)
     if (inner[t]) tet[t] = next_tet++;
-  for (int t = 0; t < out.numberoftetrahedra; ++t) {
+  for (int t = 0; t < tet_count; ++t) {
     if (!inner[t]) continue;
     std::array<int, 4> corners, behind;
     for (int k = 0; k < 4; ++k) {
-      const int p = out.tetrahedronlist[4 * t + k], n = out.neighborlist[4 * t + k];
+      const int p = out.tets[4 * t + k], n = out.neighbours[4 * t + k];
       if (p >= surface_points && point[p] < 0) {
         point[p] = first_inner_point + static_cast<int>(parts.inner_points.size());
-        parts.inner_points.push_back({out.pointlist[3 * p], out.pointlist[3 * p + 1], out.pointlist[3 * p + 2]});
+        parts.inner_points.push_back({out.points[3 * p], out.points[3 * p + 1], out.points[3 * p + 2]});
         parts.inner_bodies.push_back(body);
       }
       corners[k] = point[p];
@@ -281,6 +246,20 @@ void Append(const tetgenio& out, const std::vector<char>& inner, const Filler& f
     parts.tets.push_back(corners);
     parts.opposite.push_back(behind);
   }
+}
+
+[[noreturn]] void ThrowUnfillable(const PointsX3& points, const FacesX3& faces, const std::string& what) {
+  const std::optional<std::pair<int, int>> crossing = FirstCrossing(points, faces);
+  std::string why = "TetGen refused it; two places of its surface touch or nearly touch";
+  if (crossing) {
+    const auto name = [&](int f) {
+      return std::to_string(faces(f, 0)) + "," + std::to_string(faces(f, 1)) + "," + std::to_string(faces(f, 2));
+    };
+    why = "its surface passes through itself, where the face of vertices " + name(crossing->first) + " crosses that of " +
+          name(crossing->second);
+  }
+  throw InputError(what + ": the body that holds vertex " + std::to_string(faces.minCoeff()) + " cannot be filled with tetrahedra: " + why +
+                   Remedy());
 }
 
 Solid Joined(const PointsX3& points, const FacesX3& faces, Parts&& parts, std::vector<int>&& body_of_face, int bodies) {
@@ -312,13 +291,10 @@ Solid Tetrahedralize(const PointsX3& points, const FacesX3& faces, const std::st
   Parts parts;
   for (int b = 0; b < bodies; ++b) {
     const Filler filler(points, FacesOf(faces, body_of_face, b));
-    tetgenio out;
-    const int fault = filler.Run(filler.Switches(options), out);
-    const std::vector<char> inner = fault == 0 ? InnerTets(out, filler.faces()) : std::vector<char>();
-    if (inner.empty())
-      throw InputError(what + ": the body that holds vertex " + std::to_string(filler.global().front()) +
-                       " cannot be filled with tetrahedra: " + (fault == 0 ? Explain(3) : Explain(fault)) + Remedy());
-    Append(out, inner, filler, b, static_cast<int>(points.rows()), parts);
+    std::optional<TetgenMesh> mesh = RunTetgen(filler.points(), filler.faces(), filler.Switches(options));
+    const std::vector<char> inner = mesh ? InnerTets(*mesh, filler.faces()) : std::vector<char>();
+    if (inner.empty()) ThrowUnfillable(points, FacesOf(faces, body_of_face, b), what);
+    Append(*mesh, inner, filler, b, static_cast<int>(points.rows()), parts);
   }
   return Joined(points, faces, std::move(parts), std::move(body_of_face), bodies);
 }

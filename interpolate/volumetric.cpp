@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
-#include "core/camera.h"
 #include "core/cholesky.h"
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -26,8 +26,9 @@ namespace {
 
 constexpr double kStiffest = 1e4;  // weight of the second key's energy over the first's, at most: flattened tetrahedra
 constexpr double kVolumeTolerance = 1e-10;
-constexpr int kVolumeRounds = 8;
-constexpr double kReach = 0.1;  // of the diagonal: how far the volume's correction spreads
+constexpr int kVolumeRounds = 30;
+constexpr double kRigidShare = 0.25;  // of the volume: enough to be the body that the rest turns against
+constexpr double kReach = 0.1;        // of the diagonal: how far the volume's correction spreads
 
 /// Sum over edges of the squared turn of the normal over the edge's share of area: free of scale; 4 pi or so for a ball, more for what is
 /// folded or twisted. Source: hinge energy, Grinspun et al. 2003.
@@ -66,14 +67,14 @@ bool SecondIsSmoother(const PointsX3& v, const PointsX3& u, const FacesX3& faces
 /// Path of each body's centroid: the whole's centroid goes straight, the bodies' offsets from it turn with the whole.
 class BodyPaths {
  public:
-  BodyPaths(const PointsX3& v, const PointsX3& u, const Solid& solid)
+  BodyPaths(const PointsX3& v, const PointsX3& u, const Solid& solid, const Eigen::Vector3d& turn)
       : body_(solid.body_of_point), points_(v.rows()), bodies_(solid.bodies) {
     start_ = Means(v);
     end_ = Means(u);
     whole_start_ = v.colwise().mean().transpose();
     whole_end_ = u.colwise().mean().transpose();
-    rotation_ = FitSimilarity(v, u, {}, false).rotation;
-    turn_ = LogOf(rotation_);
+    turn_ = turn;
+    rotation_ = ExpOf(turn_);
   }
 
   /// Moves each body so that the centroid of its surface's vertices lies where it belongs at time t.
@@ -118,6 +119,49 @@ Eigen::VectorXd BodyVolumes(const PointsX3& p, const FacesX3& faces, const Solid
   return volumes;
 }
 
+/// A volume along a step.
+struct Cubic {
+  std::array<double, 4> c = {0, 0, 0, 0};  // of 1, x, x^2, x^3
+  double At(double x) const { return c[0] + x * (c[1] + x * (c[2] + x * c[3])); }
+  /// The step from 0 that reaches `goal`; 0 where Newton's method finds none.
+  double Reach(double goal) const {
+    double x = 0;
+    for (int round = 0; round < kVolumeRounds; ++round) {
+      const double slope = c[1] + x * (2 * c[2] + x * 3 * c[3]), gap = goal - At(x);
+      if (!(slope > 0)) return 0;
+      x += gap / slope;
+      if (std::abs(gap) <= 1e-15 * goal) break;
+    }
+    return std::abs(goal - At(x)) <= kVolumeTolerance * goal ? x : 0;
+  }
+};
+
+/// Each body's volume at p + x z as a cubic of x.
+std::vector<Cubic> VolumesAlong(const PointsX3& p, const PointsX3& z, const FacesX3& faces, const Solid& solid) {
+  std::vector<Cubic> volumes(solid.bodies);
+  std::vector<int> about(solid.bodies, -1);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    int& origin = about[solid.body_of_face[f]];
+    if (origin < 0) origin = faces(f, 0);
+    std::array<Eigen::Vector3d, 3> a, d;
+    for (int k = 0; k < 3; ++k) a[k] = p.row(faces(f, k)) - p.row(origin), d[k] = z.row(faces(f, k)) - z.row(origin);
+    const Eigen::Vector3d aa = a[1].cross(a[2]), ad = a[1].cross(d[2]) + d[1].cross(a[2]), dd = d[1].cross(d[2]);
+    std::array<double, 4>& c = volumes[solid.body_of_face[f]].c;
+    c[0] += a[0].dot(aa) / 6;
+    c[1] += (d[0].dot(aa) + a[0].dot(ad)) / 6;
+    c[2] += (d[0].dot(ad) + a[0].dot(dd)) / 6;
+    c[3] += d[0].dot(dd) / 6;
+  }
+  return volumes;
+}
+
+/// Makes rotations relative to those around one of them. @return what they were turned against
+Eigen::Matrix3d TurnAgainst(int body, const std::vector<double>& weights, std::vector<Eigen::Matrix3d>& rotations) {
+  const Eigen::Matrix3d mean = MeanAround(body, rotations, weights);
+  for (Eigen::Matrix3d& rotation : rotations) rotation = mean.transpose() * rotation;
+  return mean;
+}
+
 /// Everything between the key that was filled and the other one.
 class FilledKey {
  public:
@@ -144,25 +188,29 @@ class FilledKey {
   /// What only the key that is used in the end needs.
   void Prepare() {
     Lift();
-    Weigh();
     Factor();
+    Weigh();
     sums_.emplace(solid_.points.rows(), solid_.tets);
-    paths_.emplace(from_, to_, solid_);
+    paths_.emplace(from_, to_, solid_, body_turn_);
   }
 
   std::vector<PointsX3> At(const std::vector<double>& times) const;
   VolumetricReport Report() const;
 
  private:
-  /// One tetrahedron at work in a frame: what is wanted of its corners is exp(t turn) exp(t remainder) axes S^t corners.
+  /// One tetrahedron at work in a frame: what is wanted of its corners is exp(t turn) exp(t remainder) axes stretch(t) corners.
   struct Element {
-    Eigen::Vector3d turn, remainder, stretch;  ///< stretch: logarithms; for inverted ones the factors themselves
+    Eigen::Vector3d turn, remainder;
+    Eigen::Vector3d stretch;  ///< logarithms less the region's growth; for inverted ones the factors themselves
+    double growth = 0;        ///< log of the region's linear growth
+    double volume_log = 0;    ///< of its own volume beyond the region's
     Eigen::Matrix3d axes;
     Eigen::Matrix<double, 3, 4> corners;
     bool inverted, has_remainder;
   };
 
   void Lift();
+  void ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns);
   void Weigh();
   Eigen::Vector3d WeightOf(std::int64_t t) const;
   void Factor();
@@ -178,6 +226,7 @@ class FilledKey {
   Eigen::VectorXd start_volumes_, end_volumes_;
   std::vector<TetMap> maps_;
   int inverted_ = 0;
+  Eigen::Vector3d body_turn_ = Eigen::Vector3d::Zero();
   double largest_turn_ = 0, largest_tear_ = 0;
   std::vector<Element> elements_;
   std::optional<CornerSums> sums_;
@@ -186,23 +235,46 @@ class FilledKey {
 };
 
 void FilledKey::Lift() {
-  std::vector<Eigen::Matrix3d> rotations(maps_.size());
-  std::vector<char> doubtful(maps_.size());
-  for (std::size_t t = 0; t < maps_.size(); ++t) rotations[t] = maps_[t].rotation, doubtful[t] = maps_[t].inverted;
-  elements_.resize(maps_.size());
+  const std::size_t count = maps_.size();
+  std::vector<Eigen::Matrix3d> rotations(count);
+  std::vector<char> doubtful(count);
+  std::vector<double> weights(count);
+  for (std::size_t t = 0; t < count; ++t)
+    rotations[t] = maps_[t].rotation, doubtful[t] = maps_[t].inverted, weights[t] = doubtful[t] ? 0 : shapes_[t].volume;
+  const Body body = BodyOf(rotations, weights);
+  body_turn_ = LogOf(TurnAgainst(body.node, weights, rotations));
   LiftedTurns lifted;
-  if (options_.follow_turns) lifted = LiftTurns(rotations, solid_.opposite, doubtful);
-  for (std::size_t t = 0; t < maps_.size(); ++t) {
+  if (options_.follow_turns) {
+    lifted = LiftTurns(rotations, body.node, solid_.opposite, doubtful);
+    if (body.share < kRigidShare) {  // no torso to speak of: the longest turns are shortest seen from the middle
+      const int middle = MiddleOf(lifted.turns, weights);
+      body_turn_ = LogOf(ExpOf(body_turn_) * TurnAgainst(middle, weights, rotations));
+      lifted = LiftTurns(rotations, middle, solid_.opposite, doubtful);
+    }
+    ChooseBodyTurn(lifted.turns);
+  }
+  elements_.resize(count);
+  for (std::size_t t = 0; t < count; ++t) {
     Element& e = elements_[t];
     e.turn = options_.follow_turns ? lifted.turns[t] : LogOf(rotations[t]);
     e.remainder = options_.follow_turns ? lifted.remainders[t] : Eigen::Vector3d::Zero();
     e.has_remainder = e.remainder.squaredNorm() > 0;
-    e.axes = maps_[t].axes;
-    e.inverted = maps_[t].inverted;
-    e.stretch = e.inverted ? maps_[t].stretch : maps_[t].stretch.array().log().matrix().eval();
     largest_turn_ = std::max(largest_turn_, e.turn.norm());
   }
   largest_tear_ = lifted.largest_tear;
+}
+
+// Whole turns of everything do not show in the keys. The least turning of all clay is the likeliest.
+void FilledKey::ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns) {
+  const double angle = body_turn_.norm();
+  if (angle < 1e-6) return;
+  const Eigen::Vector3d principal = body_turn_, whole = 2 * std::numbers::pi / angle * principal;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k : {0, -1, 1}) {
+    double sum = 0;
+    for (std::size_t t = 0; t < turns.size(); ++t) sum += shapes_[t].volume * (principal + k * whole + turns[t]).squaredNorm();
+    if (sum < 0.999 * least) least = sum, body_turn_ = principal + k * whole;
+  }
 }
 
 // Both keys' Dirichlet energies ask for the same map A(t), the second's seen through A(1)^-1: together a weight v0 I + v1 S^-2 in the first
@@ -214,9 +286,30 @@ Eigen::Vector3d FilledKey::WeightOf(std::int64_t t) const {
   return weight;
 }
 
+// A region that grows does so geometrically, x^t. What a tetrahedron's volume does beyond its region goes straight: a bend, whose inside
+// shrinks as its outside grows, then keeps its arc at every moment (Want).
 void FilledKey::Weigh() {
-  for (std::size_t t = 0; t < maps_.size(); ++t)
-    elements_[t].corners = WeightOf(t).asDiagonal() * (maps_[t].axes.transpose() * shapes_[t].gradients);
+  const Eigen::Index n = solid_.points.rows();
+  Eigen::MatrixXd volumes = Eigen::MatrixXd::Zero(n, 2);
+  for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t)
+    for (int k = 0; k < 4; ++k)
+      volumes.row(solid_.tets(t, k)) += Eigen::RowVector2d(shapes_[t].volume, shapes_[t].volume * maps_[t].stretch.prod());
+  const Eigen::MatrixXd spread = spread_.Solve(volumes);
+  for (std::size_t t = 0; t < maps_.size(); ++t) {
+    Element& e = elements_[t];
+    e.axes = maps_[t].axes;
+    e.inverted = maps_[t].inverted;
+    e.corners = WeightOf(t).asDiagonal() * (e.axes.transpose() * shapes_[t].gradients);
+    e.stretch = maps_[t].stretch;
+    if (e.inverted) continue;
+    Eigen::RowVector2d region = Eigen::RowVector2d::Zero();
+    for (int k = 0; k < 4; ++k) region += spread.row(solid_.tets(t, k));
+    const double own = std::log(e.stretch.prod());
+    // Next to tetrahedra that are inside out the mean can fail; then it has no region but itself.
+    e.growth = (region[0] > 0 && region[1] > 0 ? std::log(region[1] / region[0]) : own) / 3;
+    e.volume_log = own - 3 * e.growth;
+    e.stretch = (e.stretch.array().log() - e.growth).matrix();
+  }
 }
 
 void FilledKey::Factor() {
@@ -239,16 +332,19 @@ void FilledKey::Factor() {
     screened.coeffRef(i, i) += body < 0 ? ground : mass[i] / (reach * reach);
     if (body >= 0) grounded[body] = 1;
   }
+  h.makeCompressed();  // vertices without faces had no entry
+  screened.makeCompressed();
   fit_.Analyze(h);
   fit_.Factor(h);
-  if (!options_.keep_volume) return;
   spread_.Analyze(screened);
   spread_.Factor(screened);
 }
 
 void FilledKey::Want(const Element& e, double t, Eigen::Matrix<double, 3, 4>& corners) {
   Eigen::Vector3d stretch;
-  for (int k = 0; k < 3; ++k) stretch[k] = e.inverted ? 1 - t + t * e.stretch[k] : std::exp(t * e.stretch[k]);
+  // tau: the share of the way at which exp(tau volume_log) is 1 - t + t exp(volume_log).
+  const double x = e.volume_log, tau = std::abs(x) < 1e-9 ? t : std::log1p(t * std::expm1(x)) / x;
+  for (int k = 0; k < 3; ++k) stretch[k] = e.inverted ? 1 - t + t * e.stretch[k] : std::exp(t * e.growth + tau * e.stretch[k]);
   Eigen::Matrix3d turn = ExpOf(t * e.turn);
   if (e.has_remainder) turn *= ExpOf(t * e.remainder);
   corners.noalias() = (turn * e.axes * stretch.asDiagonal()) * e.corners;
@@ -264,34 +360,20 @@ PointsX3 FilledKey::VolumeGradient(const PointsX3& p) const {
   return gradient;
 }
 
-// Newton on one number a body: all of it grows by a screened response to even pressure, so what is far from the surface hardly moves.
+// One number a body: all of it grows by a screened response to even pressure, so what is far from the surface hardly moves. Along that
+// growth the volume is a cubic, whose root needs no further solve.
 void FilledKey::KeepVolumes(const std::vector<double>& times, std::vector<PointsX3>& frames) const {
-  std::vector<std::size_t> open(frames.size());
-  for (std::size_t c = 0; c < open.size(); ++c) open[c] = c;
-  for (int round = 0; round < kVolumeRounds && !open.empty(); ++round) {
-    std::vector<std::size_t> off;
-    std::vector<Eigen::VectorXd> missing;
-    for (std::size_t c : open) {
-      const Eigen::VectorXd goal = ((1 - times[c]) * start_volumes_.array().log() + times[c] * end_volumes_.array().log()).exp().matrix();
-      const Eigen::VectorXd gap = goal - BodyVolumes(frames[c], faces_, solid_);
-      if ((gap.array().abs() <= kVolumeTolerance * goal.array()).all()) continue;
-      off.push_back(c);
-      missing.push_back(gap);
-    }
-    open = off;
-    if (open.empty()) return;
-    Eigen::MatrixXd pressure(solid_.points.rows(), 3 * open.size());
-    for (std::size_t c = 0; c < open.size(); ++c) pressure.middleCols<3>(3 * c) = VolumeGradient(frames[open[c]]);
-    const Eigen::MatrixXd growth = spread_.Solve(pressure);
-    for (std::size_t c = 0; c < open.size(); ++c) {
-      Eigen::VectorXd gain = Eigen::VectorXd::Zero(solid_.bodies);
-      const auto z = growth.middleCols<3>(3 * c);
-      const auto g = pressure.middleCols<3>(3 * c);
-      for (Eigen::Index i = 0; i < from_.rows(); ++i)
-        if (solid_.body_of_point[i] >= 0) gain[solid_.body_of_point[i]] += z.row(i).dot(g.row(i));
-      for (Eigen::Index i = 0; i < solid_.points.rows(); ++i)
-        if (const int body = solid_.body_of_point[i]; body >= 0) frames[open[c]].row(i) += missing[c][body] / gain[body] * z.row(i);
-    }
+  Eigen::MatrixXd pressure(solid_.points.rows(), 3 * frames.size());
+  for (std::size_t c = 0; c < frames.size(); ++c) pressure.middleCols<3>(3 * c) = VolumeGradient(frames[c]);
+  const Eigen::MatrixXd growth = spread_.Solve(pressure);
+  for (std::size_t c = 0; c < frames.size(); ++c) {
+    const PointsX3 z = growth.middleCols<3>(3 * c);
+    const std::vector<Cubic> volumes = VolumesAlong(frames[c], z, faces_, solid_);
+    std::vector<double> step(solid_.bodies);
+    for (int b = 0; b < solid_.bodies; ++b)
+      step[b] = volumes[b].Reach(std::exp((1 - times[c]) * std::log(start_volumes_[b]) + times[c] * std::log(end_volumes_[b])));
+    for (Eigen::Index i = 0; i < solid_.points.rows(); ++i)
+      if (const int body = solid_.body_of_point[i]; body >= 0) frames[c].row(i) += step[body] * z.row(i);
   }
 }
 
@@ -299,8 +381,9 @@ std::vector<PointsX3> FilledKey::At(const std::vector<double>& times) const {
   const Eigen::Index n = solid_.points.rows(), v = from_.rows(), count = static_cast<Eigen::Index>(times.size());
   Eigen::MatrixXd rhs(n, 3 * count);
   for (Eigen::Index c = 0; c < count; ++c)
-    rhs.middleCols<3>(3 * c) =
-        sums_->Sum([&](std::int64_t t, Eigen::Matrix<double, 3, 4>& corners) { Want(elements_[t], times[c], corners); });
+    rhs.middleCols<3>(3 * c) = sums_->Sum([&](std::int64_t t, Eigen::Matrix<double, 3, 4>& corners) {
+      Want(elements_[t], times[c], corners);
+    }) * ExpOf(times[c] * body_turn_).transpose();
   const Eigen::MatrixXd x = fit_.Solve(rhs);
   std::vector<PointsX3> frames(count);
   for (Eigen::Index c = 0; c < count; ++c) frames[c] = x.middleCols<3>(3 * c);
