@@ -3,11 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
-#include "core/kd_tree.h"
 #include "core/ray_scene.h"
 #include "synth/noise.h"
 #include "synth/surface_grid.h"
@@ -57,22 +57,26 @@ std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
   return around;
 }
 
-// Removes the faces connected to `vertex` within a ball: the other side of a thin limb stays.
-void Punch(const Mesh& mesh, const std::vector<std::vector<int>>& around, int vertex, double radius, std::vector<char>* removed) {
-  const Vector3d center = mesh.points.row(vertex);
-  std::vector<int> front = {vertex};
+// Removes faces round `center`, nearest vertices first, until they have the wanted area. Only what is connected goes: the other side of a
+// thin limb stays.
+void Punch(const Mesh& mesh, const Eigen::VectorXd& areas, const std::vector<std::vector<int>>& around, int center, double area,
+           std::vector<char>* removed) {
+  const auto distance = [&](int v) { return (mesh.points.row(v) - mesh.points.row(center)).squaredNorm(); };
+  std::set<std::pair<double, int>> front = {{0, center}};
   std::vector<char> seen(mesh.points.rows(), 0);
-  seen[vertex] = 1;
-  while (!front.empty()) {
-    const int v = front.back();
-    front.pop_back();
+  seen[center] = 1;
+  double gone = 0;
+  while (!front.empty() && gone < area) {
+    const int v = front.begin()->second;
+    front.erase(front.begin());
     for (const int f : around[v]) {
+      if ((*removed)[f]) continue;
       (*removed)[f] = 1;
+      gone += areas[f];
       for (int k = 0; k < 3; ++k) {
         const int next = mesh.faces(f, k);
-        if (seen[next] || (Vector3d(mesh.points.row(next)) - center).norm() > radius) continue;
+        if (!seen[next]) front.emplace(distance(next), next);
         seen[next] = 1;
-        front.push_back(next);
       }
     }
   }
@@ -99,10 +103,8 @@ bool IsFar(const PointsX3& points, const Eigen::RowVector3d& from, double distan
 // Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as long as there is room.
 Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3& keep) {
   if (options.holes == 0) return mesh;
-  const double area = SurfaceArea(mesh.points, mesh.faces);
-  const double radius = std::sqrt(area * options.hole_area / options.holes / 3.141592653589793);
-  // Every face at a vertex of the ball goes, and so about half an edge more than the ball.
-  const double half_edge = std::sqrt(area / static_cast<double>(mesh.face_count()) / std::sqrt(3.0));
+  const Eigen::VectorXd areas = FaceAreas(mesh.points, mesh.faces);
+  const double area = areas.sum() * options.hole_area / options.holes, radius = std::sqrt(area / 3.141592653589793);
   Random random(SeedOf(options, kHoles));
   const auto around = FacesAround(mesh);
   PointsX3 centers(0, 3);
@@ -113,7 +115,7 @@ Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3&
     if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 2.5 * room)) continue;
     centers.conservativeResize(centers.rows() + 1, Eigen::NoChange);
     centers.row(centers.rows() - 1) = mesh.points.row(vertex);
-    Punch(mesh, around, vertex, radius - half_edge, &removed);
+    Punch(mesh, areas, around, vertex, area, &removed);
   }
   return WithoutFaces(mesh, removed);
 }

@@ -208,8 +208,8 @@ TEST(ClayPair, HolesAreAsManyAndAsLargeAsAskedAndSpareTheLandmarks) {
     EXPECT_EQ(EulerNumber(holed.target), 2 - count);
     EXPECT_EQ(CheckClosed(holed.target).components, 1);
     const double area = SurfaceArea(whole.target.points, whole.target.faces);
-    // Their rims follow edges, and a ball cuts more than a disc from a thin limb.
-    EXPECT_NEAR(1 - SurfaceArea(holed.target.points, holed.target.faces) / area, share, 0.25 * share);
+    // Each goes over by less than the faces of one vertex.
+    EXPECT_NEAR(1 - SurfaceArea(holed.target.points, holed.target.faces) / area, share, 0.2 * share);
     for (std::size_t i = 0; i < holed.picks.size(); ++i)
       EXPECT_LT((PositionOf(holed.picks[i].target, holed.target) - PositionOf(whole.picks[i].target, whole.target)).norm(), 1e-12);
   }
