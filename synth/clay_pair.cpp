@@ -112,7 +112,7 @@ Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3&
   for (int attempt = 0; attempt < 1000 * options.holes && centers.rows() < options.holes; ++attempt) {
     const int vertex = random.Below(mesh.vertex_count());
     const double room = attempt < 500 * options.holes ? radius : 0;
-    if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 2.5 * room)) continue;
+    if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 3.5 * room)) continue;
     centers.conservativeResize(centers.rows() + 1, Eigen::NoChange);
     centers.row(centers.rows() - 1) = mesh.points.row(vertex);
     Punch(mesh, areas, around, vertex, area, &removed);
