@@ -118,14 +118,15 @@ std::vector<Arc> Bridges(const PointsX3& points, const std::vector<std::vector<i
 
 }  // namespace
 
-GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces) : neighbors_(static_cast<std::size_t>(points.rows())) {
+GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways ways)
+    : neighbors_(static_cast<std::size_t>(points.rows())) {
   if (points.rows() == 0) throw InputError("register: distances along a surface need a mesh with vertices");
   std::vector<Arc> arcs;
   for (const SharedEdge& edge : SharedEdges(faces)) {
     arcs.push_back({edge.a, edge.b, (points.row(edge.a) - points.row(edge.b)).norm()});
     neighbors_[static_cast<std::size_t>(edge.a)].push_back(edge.b);
     neighbors_[static_cast<std::size_t>(edge.b)].push_back(edge.a);
-    if (edge.right < 0 || edge.left == edge.right) continue;
+    if (ways == kEdgesOnly || edge.right < 0 || edge.left == edge.right) continue;
     const double length = UnfoldedLength(edge, points);
     if (std::isfinite(length)) arcs.push_back({edge.left, edge.right, length});
   }

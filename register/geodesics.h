@@ -13,8 +13,9 @@ namespace keypose::registration {
 /// true geodesics by a few percent. Pieces that do not touch are joined by their closest vertices, so that every distance is finite.
 class GeodesicGraph {
  public:
+  enum Ways { kEdgesOnly, kUnfolded };  ///< kEdgesOnly: faster, distances up to 15 % too long
   /// @throws InputError  no vertices
-  GeodesicGraph(const PointsX3& points, const FacesX3& faces);
+  GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways ways = kUnfolded);
   int size() const { return static_cast<int>(offset_.size()) - 1; }
   /// Distance of every vertex to the nearest source; `nearest`, when given, becomes the index into `sources` of that one.
   Eigen::VectorXd From(const std::vector<int>& sources, std::vector<int>* nearest = nullptr) const;

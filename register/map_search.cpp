@@ -15,6 +15,7 @@ namespace {
 constexpr double kTurnWeight = 0.15;        // of turns (up to 1) beside distances (over the square root of the area)
 constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1)
 constexpr Eigen::Index kMarks = 12;
+constexpr double kLikeness = 0.5;    // of descriptors afterwards
 constexpr double kHintWeight = 0.5;  // of the start's rows while few functions are in use
 const std::vector<int> kHintedSizes = {8, 10, 12, 14, 17, 20}, kFreeSizes = {24, 28, 32};
 
@@ -193,7 +194,8 @@ MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
                    StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns), kHintWeight};
   c.maps = NearestRows(hints.source, hints.target);
   c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kHintedSizes, hints);
-  c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kFreeSizes);
+  const MatchHints likeness{pair.source_descriptors.cast<float>(), pair.target_descriptors.cast<float>(), kLikeness};
+  c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kFreeSizes, likeness);
   Judge(pair, c);
   return c;
 }

@@ -16,9 +16,10 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr double kTipAgrees = 0.12;  // how far a matched tip may lie from where the refined map puts it
+constexpr double kTipAgrees = 0.06;  // how far a matched tip may lie from where the refined map puts it
 constexpr int kMostTips = 9;
-const std::vector<int> kFinalSizes = {32, 40, 50, 60, 70, 80, 100, 120};
+constexpr double kLikeness = 1;  // weight of descriptors beside eigenfunctions: what looks alike belongs together
+const std::vector<int> kFinalSizes = {14, 20, 26, 32, 40, 50, 60, 80, 100, 120};
 
 /// Both poses and all that is found about them.
 struct Search {
@@ -69,7 +70,8 @@ void RefineOnProxies(Search& search) {
   for (const int size : kFinalSizes)
     if (size <= most) sizes.push_back(size);
   if (sizes.empty()) sizes = {most};
-  search.maps = RefineMaps(a.all, b.all, std::move(search.maps), sizes);
+  const MatchHints hints{a.descriptors.cast<float>(), b.descriptors.cast<float>(), kLikeness};
+  search.maps = RefineMaps(a.all, b.all, std::move(search.maps), sizes, hints);
   search.confidence = MapConfidence(a, b, search.maps);
 }
 

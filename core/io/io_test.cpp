@@ -250,6 +250,27 @@ TEST_F(LandmarksIo, TextPairsGiveTheVertices) {
   EXPECT_THROW(ReadLandmarkPairs({Put("s.txt", "three 5\n")}, mesh, mesh), InputError);
 }
 
+TEST_F(LandmarksIo, PairsComeBackWithWhatAPersonSaidOfThem) {
+  const Mesh source = MakeIcosphere(1), target = MakeIcosphere(2);
+  LandmarkPair pair{"ear", {"ear", 3, {0.25, 0.25, 0.5}, ""}, {"ear", 300, {1, 0, 0}, ""}, false, 0.5, "tip"};
+  WriteLandmarkPairs(folder_ / "pairs.json", source, target, {pair});
+  const auto read = ReadLandmarkPairs({folder_ / "pairs.json"}, source, target);
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(read[0].name, "ear");
+  EXPECT_EQ(read[0].target.face, 300);
+  EXPECT_EQ(read[0].source.barycentric, pair.source.barycentric);
+  EXPECT_FALSE(read[0].confirmed);
+  EXPECT_EQ(read[0].confidence, 0.5);
+  EXPECT_EQ(read[0].origin, "tip");
+  EXPECT_THROW(ReadLandmarkPairs({folder_ / "pairs.json"}, target, source), InputError);  // picked on other meshes
+  EXPECT_THROW(ReadLandmarkPairs({Put("one.json", R"({"schema":1,"landmarks":[]})")}, source, target), InputError);
+  EXPECT_THROW(ReadLandmarkPairs({Put("cut.json", R"({"schema":1,"pairs":[{"name":)")}, source, target), InputError);
+  const std::string place = R"({"face":1,"barycentric":[1,0,0]})";
+  const std::string entry = R"({"name":"a","source":)" + place + R"(,"target":)" + place + "}";
+  EXPECT_TRUE(ReadLandmarkPairs({Put("hand.json", R"({"pairs":[)" + entry + "]}")}, source, target)[0].confirmed);
+  EXPECT_THROW(ReadLandmarkPairs({Put("twice.json", R"({"pairs":[)" + entry + "," + entry + "]}")}, source, target), InputError);
+}
+
 TEST_F(LandmarksIo, MeshLabPicksSnapToTheSurfaceAndJoinByName) {
   const Mesh mesh = MakeIcosphere(2);
   const auto pp = [&](const char* file, double x) {

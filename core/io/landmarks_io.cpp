@@ -89,6 +89,58 @@ std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& sour
   return pairs;
 }
 
+json PlaceOf(const Landmark& landmark) {
+  return {{"face", landmark.face}, {"barycentric", {landmark.barycentric(0), landmark.barycentric(1), landmark.barycentric(2)}}};
+}
+
+Landmark PlaceFrom(const json& place, const std::string& name, const Mesh& mesh, const fs::path& path) {
+  Landmark landmark;
+  landmark.name = name;
+  landmark.face = place.at("face");
+  for (int k = 0; k < 3; ++k) landmark.barycentric(k) = place.at("barycentric").at(static_cast<std::size_t>(k));
+  landmark.mesh_id = SignatureOf(mesh);
+  RequireOnMesh(landmark, mesh, path);
+  return landmark;
+}
+
+void RequirePickedOn(const json& root, const char* side, const Mesh& mesh, const fs::path& path) {
+  if (!root.contains(side)) return;
+  const long vertices = root[side].value("vertices", -1L), faces = root[side].value("faces", -1L);
+  if (vertices != mesh.vertex_count() || faces != mesh.face_count())
+    throw InputError(
+        fmt::format("{}: the pairs were picked on a {} with {} vertices and {} faces, but this one has {}; pick them again, or pass that "
+                    "mesh",
+                    path.string(), side, vertices, faces, SignatureOf(mesh)));
+}
+
+std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text, const Mesh& source, const Mesh& target) {
+  std::vector<LandmarkPair> pairs;
+  try {
+    const json root = json::parse(text);
+    if (!root.contains("pairs") && root.contains("landmarks"))
+      throw InputError(path.string() + " holds the picks of one mesh; give the other mesh's picks as a second file");
+    RequirePickedOn(root, "source", source, path);
+    RequirePickedOn(root, "target", target, path);
+    std::set<std::string> names;
+    for (const json& entry : root.at("pairs")) {
+      LandmarkPair pair;
+      pair.name = entry.at("name");
+      if (!names.insert(pair.name).second)
+        throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one", path.string(), pair.name));
+      pair.source = PlaceFrom(entry.at("source"), pair.name, source, path);
+      pair.target = PlaceFrom(entry.at("target"), pair.name, target, path);
+      pair.confirmed = entry.value("confirmed", true);
+      pair.confidence = entry.value("confidence", 1.0);
+      pair.origin = entry.value("origin", "");
+      pairs.push_back(std::move(pair));
+    }
+  } catch (const json::exception& error) {
+    throw InputError(path.string() + " is not a file of landmark pairs: " + error.what());
+  }
+  if (pairs.empty()) throw InputError(path.string() + " holds no landmark");
+  return pairs;
+}
+
 std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh) {
   boost::property_tree::ptree tree;
   std::istringstream in(ReadFile(path));
@@ -169,9 +221,30 @@ void WriteLandmarks(const fs::path& path, const Mesh& mesh, const std::vector<La
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
+void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& target, const std::vector<LandmarkPair>& pairs) {
+  json root;
+  root["schema"] = 1;
+  root["source"] = {{"vertices", source.vertex_count()}, {"faces", source.face_count()}};
+  root["target"] = {{"vertices", target.vertex_count()}, {"faces", target.face_count()}};
+  root["pairs"] = json::array();
+  for (const LandmarkPair& pair : pairs)
+    root["pairs"].push_back({{"name", pair.name},
+                             {"source", PlaceOf(pair.source)},
+                             {"target", PlaceOf(pair.target)},
+                             {"confidence", pair.confidence},
+                             {"origin", pair.origin},
+                             {"confirmed", pair.confirmed}});
+  WriteFileAtomically(path, root.dump(1) + "\n");
+}
+
 std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target) {
   if (paths.empty()) return {};
-  if (paths.size() == 1) return ReadVertexPairs(paths[0], source, target);
+  if (paths.size() == 1) {
+    const std::string text = ReadFile(paths[0]);
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first != std::string::npos && text[first] == '{') return ReadJsonPairs(paths[0], text, source, target);
+    return ReadVertexPairs(paths[0], source, target);
+  }
   if (paths.size() > 2)
     throw InputError("landmarks: give one file of pairs, or the source's picks and the target's; not " + std::to_string(paths.size()) +
                      " files");

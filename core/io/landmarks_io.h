@@ -21,6 +21,9 @@ struct Landmark {
 struct LandmarkPair {
   std::string name;
   Landmark source, target;
+  bool confirmed = true;    ///< false: a program's suggestion that no person has confirmed
+  double confidence = 1;    ///< of a suggestion, 0 to 1
+  std::string origin = {};  ///< of a suggestion, for a person: "tip", "intrinsic"; else empty
 };
 
 /// One pose's picks from JSON: {"schema":1,"mesh":{"vertices":V,"faces":F},"landmarks":[{"name":..,"face":..,"barycentric":[a,b,c]},...]}.
@@ -28,9 +31,13 @@ struct LandmarkPair {
 std::vector<Landmark> ReadLandmarks(const std::filesystem::path& path, const Mesh& mesh);
 void WriteLandmarks(const std::filesystem::path& path, const Mesh& mesh, const std::vector<Landmark>& landmarks);
 
-/// Pairs from one file (text lines `source_vertex target_vertex`, 0-based) or two (JSON picks or MeshLab .pp of source and target, joined
-/// by name). MeshLab's points are free positions: they snap to the closest point of the mesh, and more than 2 % of the diagonal away is an
-/// error.
+/// Pairs in one file, with where each came from: {"schema":1,"source":{"vertices":V,"faces":F},"target":{...},"pairs":[{"name":..,
+/// "source":{"face":..,"barycentric":[a,b,c]},"target":{...},"confidence":0..1,"origin":..,"confirmed":true|false},...]}.
+void WriteLandmarkPairs(const std::filesystem::path& path, const Mesh& source, const Mesh& target, const std::vector<LandmarkPair>& pairs);
+
+/// Pairs from one file (text lines `source_vertex target_vertex`, 0-based, or the JSON of WriteLandmarkPairs) or two (JSON picks or MeshLab
+/// .pp of source and target, joined by name). MeshLab's points are free positions: they snap to the closest point of the mesh, and more
+/// than 2 % of the diagonal away is an error.
 /// @throws InputError  as above, and when the two files share no name
 std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<std::filesystem::path>& paths, const Mesh& source, const Mesh& target);
 
