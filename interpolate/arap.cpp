@@ -16,21 +16,12 @@ namespace keypose::interpolation {
 
 namespace {
 
+constexpr int kGrowthPasses = 4;  // so that growth of a region wider than a limb counts, and a bend's inside and outside cancel
 constexpr double kAtKey = 1e-12;  // of the diagonal: constraints that ask for no more leave the key as it is
 
 /// Whether `a` comes first in the order that decides which key the computation starts from.
 bool Before(const PointsX3& a, const PointsX3& b) {
   return !std::lexicographical_compare(b.data(), b.data() + b.size(), a.data(), a.data() + a.size());
-}
-
-void SetGrowth(const PoissonSystem& system, SegmentMaps& maps) {
-  Eigen::MatrixXd growth(maps.faces.size(), 1);
-  for (Eigen::Index f = 0; f < growth.rows(); ++f)
-    growth(f, 0) = maps.faces[f].degenerate ? 0.0 : 0.5 * std::log(maps.faces[f].stretch.determinant());
-  const Eigen::MatrixXd smooth = system.SmoothOverVertices(growth);
-  const FacesX3& faces = system.faces();
-  for (Eigen::Index f = 0; f < growth.rows(); ++f)
-    maps.faces[f].growth = (smooth(faces(f, 0), 0) + smooth(faces(f, 1), 0) + smooth(faces(f, 2), 0)) / 3;
 }
 
 void RequireKeys(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
@@ -78,6 +69,16 @@ ArapOptions PaperOptions() {
   options.follow_turns = false;
   options.correct_volume = false;
   return options;
+}
+
+void SetGrowth(const PoissonSystem& system, SegmentMaps& maps) {
+  Eigen::MatrixXd growth(maps.faces.size(), 1);
+  for (Eigen::Index f = 0; f < growth.rows(); ++f)
+    growth(f, 0) = maps.faces[f].degenerate ? 0.0 : 0.5 * std::log(maps.faces[f].stretch.determinant());
+  const Eigen::MatrixXd smooth = system.SmoothOverVertices(growth, kGrowthPasses);
+  const FacesX3& faces = system.faces();
+  for (Eigen::Index f = 0; f < growth.rows(); ++f)
+    maps.faces[f].growth = (smooth(faces(f, 0), 0) + smooth(faces(f, 1), 0) + smooth(faces(f, 2), 0)) / 3;
 }
 
 struct ArapInterpolator::Impl {

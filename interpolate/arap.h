@@ -74,6 +74,9 @@ class ArapInterpolator {
 
 PointsX3 InterpolateLinearly(const PointsX3& v, const PointsX3& u, double t);
 
+/// Fills `growth` of each face: log of the linear scale of the region round it, smoothed over the system's screening length.
+void SetGrowth(const PoissonSystem& system, SegmentMaps& maps);
+
 /// Path of each connected part's centroid between two keys: the body's centroid goes straight, the parts' offsets turn with the body.
 class CentroidPaths {
  public:

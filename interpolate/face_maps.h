@@ -43,7 +43,8 @@ struct FaceMap {
 struct SegmentMaps {
   std::vector<FaceMap> faces;
   Eigen::Vector3d body_turn = Eigen::Vector3d::Zero();
-  PointsX3 vertex_turns;  ///< V x 3, turns smoothed over the surface; empty until FollowTurns
+  PointsX3 vertex_turns;      ///< V x 3, turns smoothed over the surface; empty until FollowTurns
+  bool differential = false;  ///< turn and remainder are not to be used: rotations come from DifferentialTurns
 };
 
 /// Rotation vector of a rotation matrix, |w| <= pi, exact near 0 and near pi.

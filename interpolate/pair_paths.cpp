@@ -1,5 +1,7 @@
 #include "interpolate/pair_paths.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -19,40 +21,68 @@ void SetTurns(const Eigen::Vector3d& turn, std::array<double, 3>& axis, double& 
   for (int c = 0; c < 3; ++c) axis[c] = angle > 0 ? turn[c] / angle : 0.0;
 }
 
-Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eigen::Index f, const FaceMap& map, const Eigen::Matrix3d& body,
-                Stretch stretch) {
+using Edges = Eigen::Matrix<double, 3, 2>;
+
+/// log(m) = (log_det / 2) I + n, n^2 = discriminant I; false where the logarithm is not real, or nearly so.
+bool LogOf2(const Eigen::Matrix2d& m, double& log_det, Eigen::Matrix2d& n, double& discriminant) {
+  const double root = std::sqrt(m.determinant());
+  log_det = 2 * std::log(root);
+  const double mean = 0.5 * m.trace() / root, half = 0.5 * (m(0, 0) - m(1, 1)) / root;
+  n << half, m(0, 1) / root, m(1, 0) / root, -half;
+  // exp(n s) = cosh(s) I + sinh(s) n for the unit n: the traceless part is sinh, or sine, of what is sought.
+  const double q = half * half + n(0, 1) * n(1, 0);
+  if (!(mean > -0.9) || (mean <= 0 && q >= 0)) return false;
+  double factor = 1 - q / 6;
+  if (std::abs(q) > 1e-6) factor = q > 0 ? std::asinh(std::sqrt(q)) / std::sqrt(q) : std::atan2(std::sqrt(-q), mean) / std::sqrt(-q);
+  if (mean < 0 && std::abs(q) <= 1e-6) return false;
+  n *= factor;
+  discriminant = q * factor * factor;
+  return true;
+}
+
+/// The face's plane rotated within itself, then stretched; `tilt` keeps the rest of the remainder.
+bool ShearOf(const FaceMap& map, Eigen::Matrix2d& shear, Eigen::Vector3d& tilt) {
+  const Eigen::Vector3d normal = map.frame.col(0).cross(map.frame.col(1));
+  const Eigen::Matrix3d remainder = ExpOf(map.remainder);
+  const Eigen::Quaterniond q(remainder);
+  const double angle = 2 * std::atan2(q.vec().dot(normal), q.w());
+  shear = Eigen::Rotation2Dd(angle).toRotationMatrix() * map.stretch;
+  tilt = LogOf(remainder * ExpOf(-angle * normal));
+  return true;
+}
+
+Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eigen::Index f, const SegmentMaps& maps,
+                const Eigen::Matrix3d& body, Stretch stretch) {
+  const FaceMap& map = maps.faces[f];
   Record r{};
-  SetTurns(map.turn, r.turn_axis, r.turn_angle);
-  SetTurns(map.remainder, r.remainder_axis, r.remainder_angle);
-  Eigen::Matrix<double, 3, 2> plain, projected, second;
+  Edges plain, second, generated;
   for (int k = 0; k < 2; ++k) {
     plain.col(k) = v.row(faces(f, k + 1)) - v.row(faces(f, 0));
     second.col(k) = u.row(faces(f, k + 1)) - u.row(faces(f, 0));
   }
+  const auto applied = [&](const Eigen::Matrix2d& m) { return (map.frame * (m * (map.frame.transpose() * plain))).eval(); };
   if (map.degenerate) {
     // Straight from edge to edge, seen from the body.
-    r.turn_angle = r.remainder_angle = 0;
-    projected = body.transpose() * second - plain;
-    r.linear_low = r.linear_ratio = 1;
+    generated = body.transpose() * second - plain;
     r.straight = true;
   } else {
-    const Eigen::Matrix2d& s = map.stretch;
-    const double mean = 0.5 * (s(0, 0) + s(1, 1)), d = 0.5 * (s(0, 0) - s(1, 1)), radius = std::hypot(d, s(0, 1));
-    const double high = mean + radius, low = (s(0, 0) * s(1, 1) - s(0, 1) * s(0, 1)) / high;
-    // Projector on the eigenvector of the larger stretch; any will do where both are equal.
-    Eigen::Matrix2d p = 0.5 * Eigen::Matrix2d::Identity();
-    if (radius > 1e-300) p += 0.5 / radius * (Eigen::Matrix2d() << d, s(0, 1), s(0, 1), -d).finished();
-    projected = map.frame * (p * (map.frame.transpose() * plain));
-    r.growth = stretch == Stretch::kBalanced ? map.growth : 0.0;
-    r.log_high = std::log(high) - r.growth;
-    r.log_low = std::log(low) - r.growth;
-    r.log_area = r.log_high + r.log_low;
-    r.linear_low = low;
-    r.linear_ratio = high - low;
+    SetTurns(map.turn, r.turn_axis, r.turn_angle);
+    Eigen::Vector3d tilt = map.remainder;
+    Eigen::Matrix2d shear = map.stretch, n;
+    const bool in_one =
+        stretch == Stretch::kBalanced && !maps.differential && ShearOf(map, shear, tilt) && LogOf2(shear, r.log_area, n, r.discriminant);
+    if (!in_one) {
+      tilt = map.remainder;
+      LogOf2(map.stretch, r.log_area, n, r.discriminant);  // symmetric and positive: always real
+    }
+    SetTurns(tilt, r.tilt_axis, r.tilt_angle);
     r.straight = stretch == Stretch::kLinear;
+    generated = applied(r.straight ? map.stretch - Eigen::Matrix2d::Identity() : n);
+    r.growth = stretch == Stretch::kBalanced ? map.growth : 0.0;
+    r.log_area -= 2 * r.growth;
   }
   std::copy(plain.data(), plain.data() + 6, r.plain.begin());
-  std::copy(projected.data(), projected.data() + 6, r.projected.begin());
+  std::copy(generated.data(), generated.data() + 6, r.generated.begin());
   return r;
 }
 
@@ -65,27 +95,46 @@ KEYPOSE_INLINE Lanes BalancedLanes(Lanes t, double log_area) {
                                              Spread(x) * (one - Spread(6.0) * t + Spread(6.0) * t * t) / Spread(24.0)));
 }
 
+constexpr int kTerms = 18;
+/// 1 / (2n)! and 1 / (2n+1)!: cosh and sinh(x) / x as series of x^2, which serve cosine and sine where x^2 is negative.
+struct EvenSeries {
+  constexpr EvenSeries() {
+    double factorial = 1;
+    for (int n = 0; n < kTerms; ++n) {
+      cosh[n] = 1 / factorial;
+      factorial *= 2 * n + 1;
+      sinh[n] = 1 / factorial;
+      factorial *= 2 * n + 2;
+    }
+  }
+  double cosh[kTerms] = {}, sinh[kTerms] = {};
+};
+constexpr EvenSeries kSeries;
+
 KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* times, int stride, double* edges) {
   for (int first = 0; first < stride; first += 4) {
     Lanes t;
     __builtin_memcpy(&t, times + first, sizeof t);
-    Lanes shrink, ratio;
-    if (r.straight) {
-      shrink = Spread(1.0) - t + t * Spread(r.linear_low);
-      ratio = t * Spread(r.linear_ratio);
-    } else {
-      const Lanes grown = t * Spread(r.growth), tau = balanced ? BalancedLanes(t, r.log_area) : t;
-      shrink = Exp(grown + tau * Spread(r.log_low));
-      ratio = Exp(grown + tau * Spread(r.log_high)) - shrink;
+    Lanes plain = Spread(1.0), generated = t;
+    if (!r.straight) {
+      const Lanes tau = balanced ? BalancedLanes(t, r.log_area) : t, x = Spread(r.discriminant) * tau * tau;
+      Lanes cosh_like = Spread(kSeries.cosh[kTerms - 1]), sinh_like = Spread(kSeries.sinh[kTerms - 1]);
+      for (int n = kTerms - 2; n >= 0; --n) {
+        cosh_like = cosh_like * x + Spread(kSeries.cosh[n]);
+        sinh_like = sinh_like * x + Spread(kSeries.sinh[n]);
+      }
+      const Lanes scale = Exp(t * Spread(r.growth) + tau * Spread(0.5 * r.log_area));
+      plain = scale * cosh_like;
+      generated = scale * tau * sinh_like;
     }
-    Lanes sine, cosine, sine_left, cosine_left;
+    Lanes sine, cosine, tilt_sine, tilt_cosine;
     SinCos(t * Spread(r.turn_angle), sine, cosine);
-    SinCos(t * Spread(r.remainder_angle), sine_left, cosine_left);
+    SinCos(t * Spread(r.tilt_angle), tilt_sine, tilt_cosine);
     for (int k = 0; k < 2; ++k) {
-      const double *a = r.plain.data() + 3 * k, *b = r.projected.data() + 3 * k;
-      Lanes3 e = {shrink * Spread(a[0]) + ratio * Spread(b[0]), shrink * Spread(a[1]) + ratio * Spread(b[1]),
-                  shrink * Spread(a[2]) + ratio * Spread(b[2])};
-      e = Turned(r.remainder_axis.data(), sine_left, cosine_left, e);
+      const double *a = r.plain.data() + 3 * k, *b = r.generated.data() + 3 * k;
+      Lanes3 e = {plain * Spread(a[0]) + generated * Spread(b[0]), plain * Spread(a[1]) + generated * Spread(b[1]),
+                  plain * Spread(a[2]) + generated * Spread(b[2])};
+      e = Turned(r.tilt_axis.data(), tilt_sine, tilt_cosine, e);
       e = Turned(r.turn_axis.data(), sine, cosine, e);
       __builtin_memcpy(edges + (3 * k + 0) * stride + first, &e.x, sizeof e.x);
       __builtin_memcpy(edges + (3 * k + 1) * stride + first, &e.y, sizeof e.y);
@@ -115,8 +164,8 @@ PairPaths::PairPaths(const PointsX3& v, const PointsX3& u, const FacesX3& faces,
     : records_(maps.faces.size()), balanced_(stretch == Stretch::kBalanced) {
   const Eigen::Matrix3d body = ExpOf(maps.body_turn);
   ParallelFor(
-      static_cast<std::int64_t>(records_.size()),
-      [&](std::int64_t f) { records_[f] = RecordOf(v, u, faces, f, maps.faces[f], body, stretch); }, 512);
+      static_cast<std::int64_t>(records_.size()), [&](std::int64_t f) { records_[f] = RecordOf(v, u, faces, f, maps, body, stretch); },
+      512);
 }
 
 void PairPaths::Evaluate(const std::vector<double>& times, EdgeBatch& edges) const {
@@ -135,14 +184,14 @@ void PairPaths::EvaluateWith(const std::vector<Eigen::Matrix3d>& rotations, doub
       static_cast<std::int64_t>(records_.size()),
       [&](std::int64_t f) {
         const Record& r = records_[f];
-        double shrink = 1 - t + t * r.linear_low, ratio = t * r.linear_ratio;
+        double plain = 1, generated = t;
         if (!r.straight) {
-          const double tau = balanced_ ? BalancedTime(t, r.log_area) : t;
-          shrink = std::exp(t * r.growth + tau * r.log_low);
-          ratio = std::exp(t * r.growth + tau * r.log_high) - shrink;
+          const double tau = balanced_ ? BalancedTime(t, r.log_area) : t, root = std::sqrt(std::max(0.0, r.discriminant)), x = tau * root;
+          const double scale = std::exp(t * r.growth + tau * 0.5 * r.log_area);
+          plain = scale * std::cosh(x);
+          generated = scale * (root > 1e-8 ? std::sinh(x) / root : tau);
         }
-        using Edges = Eigen::Matrix<double, 3, 2>;
-        edges.Set(f, frame, rotations[f] * (shrink * Edges::Map(r.plain.data()) + ratio * Edges::Map(r.projected.data())));
+        edges.Set(f, frame, rotations[f] * (plain * Edges::Map(r.plain.data()) + generated * Edges::Map(r.generated.data())));
       },
       512);
 }

@@ -10,9 +10,14 @@
 
 namespace keypose::interpolation {
 
-/// Evaluates exp(t turn) exp(t remainder) S(t) on each face's edges; body_turn is left to PoissonSystem::Solve.
+/// Evaluates each face's way on its edges: exp(t turn) K^t G(t); body_turn is left to PoissonSystem::Solve.
 ///
-/// Constants of a face are kept in one record; four times are evaluated at once. Same bits with and without AVX2, and for any thread count.
+/// The remainder is split into a tilt K of the face's plane and a rotation within it. That rotation and the stretch are one 2 x 2 matrix,
+/// and with Stretch::kBalanced G(t) goes along that matrix's own exponential: e^(t g) exp(tau(t) log(e^-g G)). A simple shear is its turn
+/// and stretch in one, so it stays a simple shear on the way (exactly), where powers of the two apart would narrow a twisted limb. Other
+/// kinds of stretch, a matrix without real logarithm, and turns by relative rotations take the whole remainder for K, and the symmetric
+/// stretch. Constants of a face are kept in one record; four times are evaluated at once. Same bits with and without AVX2, and for any
+/// thread count.
 class PairPaths {
  public:
   /// @param v, u  the keys of `maps`
@@ -23,14 +28,13 @@ class PairPaths {
   /// One frame with rotations relative to the body that were found elsewhere.
   void EvaluateWith(const std::vector<Eigen::Matrix3d>& relative_rotations, double t, int frame, EdgeBatch& edges) const;
 
-  /// S(t) = shrink(t) I + ratio(t) P, applied to both edges: shrink * plain + ratio * projected.
+  /// log G = (log_area / 2) I + N with N^2 = discriminant * I. G(t) edges = scale (cosh-like plain + sinh-like generated).
   struct Record {
-    std::array<double, 3> turn_axis, remainder_axis;
-    double turn_angle, remainder_angle;
-    std::array<double, 6> plain, projected;
-    double log_high, log_low, growth, log_area;  ///< of the stretch without growth: logarithms of its eigenvalues, and their sum
-    double linear_low, linear_ratio;             ///< linear: shrink = 1 - t + t low, ratio = t * this
-    bool straight;                               ///< edges go straight or stretch is linear: no exponentials
+    std::array<double, 3> turn_axis, tilt_axis;
+    double turn_angle, tilt_angle;
+    std::array<double, 6> plain, generated;  ///< edges, and N (or what grows with t, when straight) applied to them
+    double growth, log_area, discriminant;   ///< log_area: without growth
+    bool straight;                           ///< plain + t generated: linear stretch, faces without area
   };
 
  private:

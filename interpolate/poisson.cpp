@@ -247,20 +247,28 @@ Eigen::MatrixXd PoissonSystem::SolveScreened(const Eigen::MatrixXd& b) const {
   return x;
 }
 
-Eigen::MatrixXd PoissonSystem::SmoothOverVertices(const Eigen::MatrixXd& face_values) const {
+Eigen::MatrixXd PoissonSystem::SmoothOverVertices(const Eigen::MatrixXd& face_values, int passes) const {
   const Impl& s = *impl_;
-  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(s.n, face_values.cols());
-  for (Eigen::Index i = 0; i < s.n; ++i) {
-    double area = 0;
-    for (int at = s.first_corner[i]; at < s.first_corner[i + 1]; ++at) {
-      const int f = s.corners[at] / 3;
-      b.row(i) += s.area[f] / 3 * face_values.row(f);
-      area += s.area[f] / 3;
-    }
-    b.row(i) *= s.Kappa() * (area > 0 ? s.mass[i] / area : 0.0);
+  const double kappa = s.Kappa();
+  Eigen::MatrixXd x(s.n, face_values.cols());
+  ParallelFor(
+      s.n,
+      [&](std::int64_t i) {
+        Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(face_values.cols());
+        double area = 0;
+        for (int at = s.first_corner[i]; at < s.first_corner[i + 1]; ++at) {
+          sum += s.area[s.corners[at] / 3] * face_values.row(s.corners[at] / 3);
+          area += s.area[s.corners[at] / 3];
+        }
+        x.row(i) = sum * (area > 0 ? kappa * s.mass[i] / area : 0.0);
+      },
+      1024);
+  s.screened.SolveInPlace(x);
+  for (int pass = 1; pass < passes; ++pass) {
+    x = (kappa * s.mass).asDiagonal() * x;
+    s.screened.SolveInPlace(x);
   }
-  s.screened.SolveInPlace(b);
-  return b;
+  return x;
 }
 
 }  // namespace keypose::interpolation

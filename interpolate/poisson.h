@@ -93,8 +93,9 @@ class PoissonSystem {
 
   /// (H + kappa M)^-1 b: smooth over 1 / sqrt(kappa), local beyond. M: a third of the faces' areas, summed over keys, on the diagonal.
   Eigen::MatrixXd SolveScreened(const Eigen::MatrixXd& b) const;
-  /// Values of faces, F x C, as smooth values of vertices, V x C: kappa (H + kappa M)^-1 M. Keeps constants.
-  Eigen::MatrixXd SmoothOverVertices(const Eigen::MatrixXd& face_values) const;
+  /// Values of faces, F x C, as smooth values of vertices, V x C: kappa (H + kappa M)^-1 M, applied `passes` times. Keeps constants; what
+  /// varies over a length l falls to 1 / (1 + (2 pi screening_length / l)^2) with each pass.
+  Eigen::MatrixXd SmoothOverVertices(const Eigen::MatrixXd& face_values, int passes = 1) const;
   /// A displacement made to keep all exact rows (and z of `held` vertices), changed as little as possible in the screened norm.
   PointsX3 WithoutRows(const PointsX3& displacement, const std::vector<int>& held = {}) const;
   /// Screening length, 1 / sqrt(kappa).

@@ -16,15 +16,20 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr double kFullTurn = 6.283185307179586;
-constexpr double kNoAxis = 1e-6;       // rotations below this have no usable axis
-constexpr double kSmallTurn = 0.1;     // smooth turns below this fade out: their axis is noise
-constexpr double kSingularZone = 0.3;  // more than this from the parent: the axis cannot be trusted
+constexpr double kNoAxis = 1e-6;      // rotations below this have no usable axis
+constexpr double kSmallTurn = 0.1;    // smooth turns below this fade out: their axis is noise
+constexpr double kTrustedTurn = 3.5;  // up to here a rotation vector magnifies noise less than twofold
+constexpr double kSlack = 0.3;        // beyond what neighbours' rotations differ
+constexpr double kDamping = 0.5;
 constexpr double kLargestRemainder = 1.5;
 constexpr double kTear = 0.5;
+constexpr double kFewFaces = 0.005, kFewEdges = 0.01;
 constexpr double kClusterSine2 = 0.0076;  // sin^2 of half of 10 degrees
 constexpr double kBodySine2 = 0.0302;     // sin^2 of half of 20 degrees
 constexpr int kCandidates = 32, kSamples = 512;
 constexpr int kBuckets = 160;
+constexpr int kSmoothingPasses = 3;
+constexpr double kLeastWeight = 1e-3;
 
 /// sin^2 of half the angle between two rotations: as good as the angle for comparing, without arccosines.
 double Difference(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) { return (a - b).squaredNorm() / 8; }
@@ -89,17 +94,27 @@ class Lift {
 
   /// Splits each face's rotation into a turn about a smooth axis and a remainder across it.
   void Smooth() {
-    Eigen::MatrixXd raw(maps_.faces.size(), 3);
-    for (Eigen::Index f = 0; f < raw.rows(); ++f) raw.row(f) = maps_.faces[f].turn;
-    maps_.vertex_turns = system_.SmoothOverVertices(raw);
+    // Near whole turns a rotation vector's direction magnifies any noise by x / sin x of half its length: its weight is that, squared,
+    // below 1.
+    Eigen::MatrixXd weighted(maps_.faces.size(), 4);
+    for (Eigen::Index f = 0; f < weighted.rows(); ++f) {
+      const Eigen::Vector3d& turn = maps_.faces[f].turn;
+      const double half = 0.5 * turn.norm(), magnified = half > kNoAxis ? std::sin(half) / half : 1.0;
+      const double weight = std::max(kLeastWeight, magnified * magnified);
+      weighted.row(f) << weight * turn.transpose(), weight;
+    }
+    const Eigen::MatrixXd smooth = system_.SmoothOverVertices(weighted, kSmoothingPasses);
+    maps_.vertex_turns.resize(smooth.rows(), 3);
+    for (Eigen::Index i = 0; i < smooth.rows(); ++i)
+      maps_.vertex_turns.row(i) = smooth.row(i).head<3>() / std::max(smooth(i, 3), kLeastWeight);
     const FacesX3& faces = system_.faces();
     ParallelFor(
-        raw.rows(),
+        weighted.rows(),
         [&](std::int64_t f) {
           FaceMap& map = maps_.faces[f];
           if (map.degenerate) return;
-          const PointsX3& smooth = maps_.vertex_turns;
-          const Eigen::Vector3d mean = (smooth.row(faces(f, 0)) + smooth.row(faces(f, 1)) + smooth.row(faces(f, 2))).transpose() / 3;
+          const PointsX3& turns = maps_.vertex_turns;
+          const Eigen::Vector3d mean = (turns.row(faces(f, 0)) + turns.row(faces(f, 1)) + turns.row(faces(f, 2))).transpose() / 3;
           const double length = mean.norm();
           if (length < kNoAxis) return SetTurn(map, f, Eigen::Vector3d::Zero());
           const Eigen::Vector3d axis = mean / length;
@@ -111,6 +126,12 @@ class Lift {
 
   void KeepRaw() {
     for (std::size_t f = 0; f < maps_.faces.size(); ++f) SetTurn(maps_.faces[f], f, maps_.faces[f].turn);
+  }
+
+  /// Whether turns and remainders serve: single faces, as folded ones, may tear, but not regions.
+  bool Holds(const TurnReport& report) const {
+    const double faces = static_cast<double>(maps_.faces.size());
+    return report.far_faces <= kFewFaces * faces && report.torn_edges <= kFewEdges * 1.5 * faces;
   }
 
   std::vector<Eigen::Vector3d> Turns() const {
@@ -128,6 +149,7 @@ class Lift {
       if (map.degenerate) continue;
       report.largest_turn = std::max(report.largest_turn, map.turn.norm());
       report.largest_remainder = std::max(report.largest_remainder, map.remainder.norm());
+      report.far_faces += map.remainder.norm() > kLargestRemainder;
     }
     std::vector<Eigen::Matrix3d> middle(maps_.faces.size());
     ParallelFor(
@@ -215,18 +237,23 @@ class Lift {
 
   static Eigen::Vector3d TurnAfter(const Eigen::Vector3d& parent, const Eigen::Matrix3d& parent_rotation, const Eigen::Matrix3d& rotation) {
     const Eigen::Vector3d shortest = LogOf(rotation);
-    const double angle = shortest.norm();
+    const double angle = shortest.norm(), before = parent.norm();
     Eigen::Vector3d nearest = shortest;
     if (angle > kNoAxis) {
       const Eigen::Vector3d axis = shortest / angle;
       nearest = (angle + kFullTurn * std::round((parent.dot(axis) - angle) / kFullTurn)) * axis;
     }
-    const double gap = (nearest - parent).norm();
-    if (gap < kSingularZone || gap <= 2 * AngleOf(Difference(parent_rotation, rotation)) + kSingularZone || parent.norm() < kNoAxis)
+    if (before < kNoAxis) return nearest;
+    if (before < kTrustedTurn && nearest.norm() < kTrustedTurn &&
+        (nearest - parent).norm() <= 2 * AngleOf(Difference(parent_rotation, rotation)) + kSlack)
       return nearest;
-    // Near whole turns: any axis is as good as another, so the parent's goes on, and only the angle about it follows the face.
-    const Eigen::Vector3d axis = parent.normalized();
-    return TwistNear(Eigen::Quaterniond(rotation), axis, parent.norm()) * axis;
+    // Towards whole turns a rotation vector says less and less about its axis. From the parent's, the angle follows the face all the way
+    // and the axis as far as it can be told: Newton's step for exp(turn) = rotation, damped across the axis where its derivative s = sin x
+    // / x (x half the angle) vanishes.
+    const Eigen::Vector3d axis = parent / before, step = LogOf(ExpOf(parent).transpose() * rotation), across = step - step.dot(axis) * axis;
+    const double x = 0.5 * before, s = std::sin(x) / x, damping = s * s / (s * s + kDamping * kDamping);
+    const double x_cot_x = std::abs(s) > 1e-9 ? std::cos(x) / s : 0.0;
+    return parent + step.dot(axis) * axis + damping * (x_cot_x * across + x * axis.cross(across));
   }
 
   void SetTurn(FaceMap& map, std::size_t face, const Eigen::Vector3d& turn) const {
@@ -330,17 +357,14 @@ TurnReport FollowTurns(const PoissonSystem& system, SegmentMaps& maps, const std
   const std::vector<Eigen::Vector3d> raw = lift.Turns();
   lift.Smooth();
   TurnReport report = lift.Report();
-  if (report.largest_remainder <= kLargestRemainder && report.torn_edges == 0) return report;
+  if (lift.Holds(report)) return report;
   // Smoothing reached over parts that turn about other axes: the faces' own turns may still do.
-  const std::vector<Eigen::Vector3d> smooth = lift.Turns();
   lift.Restore(raw);
   lift.KeepRaw();
   const TurnReport unsmoothed = lift.Report();
-  if (std::make_pair(unsmoothed.torn_edges, unsmoothed.largest_remainder) < std::make_pair(report.torn_edges, report.largest_remainder))
-    report = unsmoothed;
-  else
-    lift.Restore(smooth), lift.KeepRaw();
-  report.differential = overrides.empty() && (report.largest_remainder > kLargestRemainder || report.torn_edges > 0);
+  if (lift.Holds(unsmoothed)) return unsmoothed;
+  report.differential = maps.differential = overrides.empty();
+  if (!overrides.empty()) report = unsmoothed;
   return report;
 }
 

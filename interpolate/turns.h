@@ -26,6 +26,7 @@ struct TurnOverride {
 struct TurnReport {
   double largest_turn = 0;          ///< of any face relative to the body [rad]
   double largest_remainder = 0;     ///< of any face [rad]
+  int far_faces = 0;                ///< with remainders over 1.5 rad
   int torn_edges = 0;               ///< neighbouring faces that part on the way by over 0.5 rad more than they do at the ends
   int loops_that_do_not_close = 0;  ///< of torn edges, those whose two faces agree at both ends: a ring turned inside itself
   bool differential = false;        ///< no consistent rotation vectors: relative rotations are integrated for each frame
@@ -33,14 +34,17 @@ struct TurnReport {
 
 /// Makes faces of a pair of keys turn together; fills turn, remainder and body_turn of `maps`.
 ///
-/// The body is the largest rigid cluster; its mean rotation becomes body_turn and everything else turns relative to it, so the result does
-/// not depend on how the keys lie to each other. A tree over neighbouring faces grows from the body, least difference first. Each face
-/// takes, of its rotation vector plus whole turns about its axis, the one nearest to its parent's; where none is near (close to whole turns
-/// a rotation has no usable axis) it keeps its parent's axis and takes the turn about that axis nearest to its parent's angle. The rotation
+/// The body is the largest rigid cluster; its mean rotation becomes body_turn and everything else turns relative to it, so shapes
+/// hardly depend on how the keys lie to each other. A tree over neighbouring faces grows from the body, least difference first. Each face
+/// takes, of its rotation vector plus whole turns about its axis, the one nearest to its parent's. Beyond 200 degrees
+/// a rotation says less and less about its axis, at 360 nothing: there a face starts from its parent's vector and takes one Newton step to
+/// its own rotation, damped across the axis, so that the angle follows fully, to any number of turns. The rotation
 /// vectors are smoothed over the surface (by `system`'s screened solve), which gives every face a smooth axis; its rotation is then split
 /// into a turn about that axis, of the winding found before, and a remainder across it: rotation(t) = exp(t body) exp(t turn) exp(t
-/// remainder). Deterministic. Source: after Gao et al., as-consistent-as-possible axis-angle, TVCG 2019, by a tree in place of a global
-/// solve; the split into twist and swing about a smooth axis is our own.
+/// remainder). Where over 0.5 % of faces have remainders over 1.5 rad, or over 1 % of edges
+/// tear, even without smoothing, no rotation vectors are consistent, and `differential` is set. Deterministic. Source: after Gao et al.,
+/// as-consistent-as-possible axis-angle, TVCG 2019, by a tree in place of a global solve; the split into twist and swing about a smooth
+/// axis is our own.
 /// @param axes_in_second_key  the overrides' axes are given in the space of the maps' second key, for turns towards the first
 /// @throws InputError  an override with a face that is not there, none, or no axis; names it
 TurnReport FollowTurns(const PoissonSystem& system, SegmentMaps& maps, const std::vector<TurnOverride>& overrides = {},
