@@ -1,9 +1,11 @@
 // Registration side by side: the template, what it should become, and what programs made of it. The pictures of docs/.
 //
-//   registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH...
+//   registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH... [-- SOURCE TARGET MESH...]
 //
-// SOURCE and every MESH of its faces carry one checker, painted on SOURCE in its own space; faces that MESH turned inside out, judged by
-// the nearest face of TARGET as the report's `flipped` is, are red. TARGET is plain. All but SOURCE share TARGET's view. Degrees.
+// One row for each group, all of equal length. SOURCE and every MESH of its faces carry one checker, painted on SOURCE in its own space;
+// faces that MESH turned inside out, judged by the nearest face of TARGET as the report's `flipped` is, are red. TARGET is plain. All but
+// SOURCE share TARGET's view. Degrees.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -56,27 +58,48 @@ int PaintFlipped(const Mesh& mesh, const Mesh& target, ColorsX3* colors) {
   return flipped;
 }
 
-int Run(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 7) throw UsageError("registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH...");
-  const int width = std::atoi(arguments[1].c_str());
-  const double azimuth = std::atof(arguments[2].c_str()), elevation = std::atof(arguments[3].c_str());
-  const Mesh source = ReadMesh(arguments[4]), target = ReadMesh(arguments[5]);
-  const View of_target = FitView(target.points, azimuth, elevation, width, width);
-  const ColorsX3 checker = Checker(source);
+struct Direction {
+  int width;
+  double azimuth_deg, elevation_deg;
+
+  View Of(const Mesh& mesh) const { return FitView(mesh.points, azimuth_deg, elevation_deg, width, width); }
+};
+
+// @param paths  source, target, registered ones
+std::vector<Image8> Row(const Direction& direction, const std::vector<std::string>& paths) {
+  if (paths.size() < 3) throw UsageError("registration_views: a row needs SOURCE TARGET MESH...");
+  const Mesh source = ReadMesh(paths[0]), target = ReadMesh(paths[1]);
+  const View of_target = direction.Of(target);
   RenderOptions painted, plain;
   painted.smooth = false;
-  painted.face_colors = checker;
+  painted.face_colors = Checker(source);
   plain.plain = true;
-  std::vector<Image8> tiles = {Render(source, FitView(source.points, azimuth, elevation, width, width), painted),
-                               Render(target, of_target, plain)};
-  for (std::size_t i = 6; i < arguments.size(); ++i) {
-    const Mesh mesh = ReadMesh(arguments[i]);
-    if (mesh.faces != source.faces) throw InputError(arguments[i] + " does not have the faces of " + arguments[4] + "; register it first");
-    painted.face_colors = checker;
-    std::printf("%s: %d of %d faces flipped\n", arguments[i].c_str(), PaintFlipped(mesh, target, &painted.face_colors), mesh.face_count());
-    tiles.push_back(Render(mesh, of_target, painted));
+  std::vector<Image8> tiles = {Render(source, direction.Of(source), painted), Render(target, of_target, plain)};
+  for (std::size_t i = 2; i < paths.size(); ++i) {
+    const Mesh mesh = ReadMesh(paths[i]);
+    if (mesh.faces != source.faces) throw InputError(paths[i] + " does not have the faces of " + paths[0] + "; register it first");
+    RenderOptions options = painted;
+    std::printf("%s: %d of %d faces flipped\n", paths[i].c_str(), PaintFlipped(mesh, target, &options.face_colors), mesh.face_count());
+    tiles.push_back(Render(mesh, of_target, options));
   }
-  WriteImage(arguments[0], TileImages(tiles, static_cast<int>(tiles.size())), 88);
+  return tiles;
+}
+
+int Run(const std::vector<std::string>& arguments) {
+  if (arguments.size() < 7) throw UsageError("registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH... [-- ...]");
+  const Direction direction{std::atoi(arguments[1].c_str()), std::atof(arguments[2].c_str()), std::atof(arguments[3].c_str())};
+  std::vector<Image8> tiles;
+  std::size_t columns = 0;
+  for (auto from = arguments.begin() + 4; from <= arguments.end();) {
+    const auto to = std::find(from, arguments.end(), "--");
+    const std::vector<Image8> row = Row(direction, {from, to});
+    if (columns != 0 && row.size() != columns) throw UsageError("registration_views: every row needs as many meshes as the first");
+    columns = row.size();
+    tiles.insert(tiles.end(), row.begin(), row.end());
+    if (to == arguments.end()) break;
+    from = to + 1;
+  }
+  WriteImage(arguments[0], TileImages(tiles, static_cast<int>(columns)), 88);
   return 0;
 }
 
