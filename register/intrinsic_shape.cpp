@@ -17,6 +17,7 @@ namespace {
 // Over the square root of the area. Smaller bumps come and go with the pose; fingers of one hand would only multiply the assignments.
 constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
 constexpr std::size_t kLeastTips = 5;
+constexpr double kNormalTime = 0.001;
 constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
 
 /// Vertices of the piece with the largest area.
@@ -161,6 +162,8 @@ IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& opti
   shape.spectrum = LaplaceSpectrum(shape.proxy.points, shape.proxy.faces, std::min(options.functions, shape.proxy.vertex_count() / 3 + 1));
   BuildSamples(options.samples, shape);
   BuildDescriptors(shape);
+  // Normals of a smoother surface: those of a scan's noise would blur everything that is told by sides.
+  shape.proxy.normals = VertexNormals(Smoothed(shape, kNormalTime), shape.proxy.faces);
   return shape;
 }
 

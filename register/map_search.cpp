@@ -202,22 +202,28 @@ MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
 
 }  // namespace
 
-MapCandidate JudgeMaps(const IntrinsicShape& source, const IntrinsicShape& target, const std::vector<int>& source_tips,
-                       const std::vector<int>& target_tips, const PointMaps& maps) {
+struct MapSearch::Shared {
+  Pair pair;
+};
+
+MapSearch::MapSearch(const IntrinsicShape& source, const IntrinsicShape& target) : shared_(new Shared{MakePair(source, target)}) {}
+MapSearch::~MapSearch() = default;
+
+MapCandidate MapSearch::Judged(const std::vector<int>& source_tips, const std::vector<int>& target_tips, const PointMaps& maps) const {
   MapCandidate candidate;
   candidate.source_tips = source_tips;
   candidate.target_tips = target_tips;
   candidate.maps = maps;
-  Judge(MakePair(source, target), candidate);
+  Judge(shared_->pair, candidate);
   return candidate;
 }
 
-std::vector<MapCandidate> SearchMaps(const IntrinsicShape& source, const IntrinsicShape& target, int known, int tried) {
-  const Pair pair = MakePair(source, target);
-  const std::vector<TipAssignment> assignments = Assignments(source, target, known, tried);
+std::vector<MapCandidate> MapSearch::Run(int known, int tried) const {
+  const std::vector<TipAssignment> assignments = Assignments(shared_->pair.source, shared_->pair.target, known, tried);
   std::vector<MapCandidate> candidates(assignments.size());
-  ParallelFor(static_cast<std::int64_t>(assignments.size()),
-              [&](std::int64_t i) { candidates[static_cast<std::size_t>(i)] = Grow(pair, assignments[static_cast<std::size_t>(i)]); });
+  ParallelFor(static_cast<std::int64_t>(assignments.size()), [&](std::int64_t i) {
+    candidates[static_cast<std::size_t>(i)] = Grow(shared_->pair, assignments[static_cast<std::size_t>(i)]);
+  });
   std::stable_sort(candidates.begin(), candidates.end(), [](const MapCandidate& a, const MapCandidate& b) { return a.score < b.score; });
   return candidates;
 }

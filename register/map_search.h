@@ -1,6 +1,7 @@
 // Candidate maps between two poses, each grown from one assignment of limb tips.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "register/functional_map.h"
@@ -20,14 +21,21 @@ struct MapCandidate {
   double score = 1;                           ///< of all these, lower is better
 };
 
-/// Tries the `tried` best assignments of tips; returns the different maps that they lead to, best first, never empty.
-///
-/// @param known  the first so many tips of both belong together
-/// Deterministic, same bits for any thread count.
-std::vector<MapCandidate> SearchMaps(const IntrinsicShape& source, const IntrinsicShape& target, int known, int tried);
+/// Both shapes must outlive it. Deterministic, same bits for any thread count.
+class MapSearch {
+ public:
+  MapSearch(const IntrinsicShape& source, const IntrinsicShape& target);
+  ~MapSearch();
 
-/// Judges a map between samples that comes from elsewhere.
-MapCandidate JudgeMaps(const IntrinsicShape& source, const IntrinsicShape& target, const std::vector<int>& source_tips,
-                       const std::vector<int>& target_tips, const PointMaps& maps);
+  /// Tries the `tried` best assignments of tips; returns the maps that they lead to, best first, never empty.
+  /// @param known  the first so many tips of both belong together
+  std::vector<MapCandidate> Run(int known, int tried) const;
+  /// Judges a map between samples that comes from elsewhere.
+  MapCandidate Judged(const std::vector<int>& source_tips, const std::vector<int>& target_tips, const PointMaps& maps) const;
+
+ private:
+  struct Shared;
+  std::unique_ptr<const Shared> shared_;
+};
 
 }  // namespace keypose::registration

@@ -18,7 +18,12 @@ namespace {
 
 constexpr double kTipAgrees = 0.06;  // how far a matched tip may lie from where the refined map puts it
 constexpr int kMostTips = 9;
-constexpr double kLikeness = 1;  // weight of descriptors beside eigenfunctions: what looks alike belongs together
+constexpr double kLikeness = 1;      // weight of descriptors beside eigenfunctions: what looks alike belongs together
+constexpr double kDifferent = 0.12;  // mean distance of images from which on two maps are different ones
+constexpr std::size_t kRefined = 3;
+constexpr double kTurnedOver = 0.2;
+constexpr double kHopeless = 1.25;  // candidates with a score so many times the best are not refined
+constexpr int kFirstSize = 32;
 const std::vector<int> kFinalSizes = {14, 20, 26, 32, 40, 50, 60, 80, 100, 120};
 
 /// Both poses and all that is found about them.
@@ -28,6 +33,7 @@ struct Search {
   IntrinsicShape source, target;
   std::vector<int> known_source, known_target;  ///< proxy vertices
   std::vector<MapCandidate> candidates;
+  MapCandidate best;
   PointMaps maps;              ///< between all proxy vertices
   Eigen::VectorXd confidence;  ///< of proxy vertices of the source
 };
@@ -60,19 +66,65 @@ void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
   }
 }
 
-/// Sample maps as maps of all proxy vertices, then refined with more functions.
-void RefineOnProxies(Search& search) {
+/// Mean distance between the images of two maps' samples.
+double Apart(const Search& search, const MapCandidate& a, const MapCandidate& b) {
+  double apart = 0;
+  for (std::size_t s = 0; s < a.maps.forward.size(); ++s)
+    apart += search.target.sample_distances(a.maps.forward[s], search.target.samples[static_cast<std::size_t>(b.maps.forward[s])]);
+  return apart / static_cast<double>(a.maps.forward.size());
+}
+
+/// The best candidate of each map that is really another, not the same one from other tips.
+std::vector<MapCandidate> DifferentCandidates(const Search& search, std::size_t most) {
+  std::vector<MapCandidate> different;
+  for (const MapCandidate& candidate : search.candidates) {
+    if (different.size() >= most) break;
+    if (std::all_of(different.begin(), different.end(), [&](const MapCandidate& d) { return Apart(search, d, candidate) > kDifferent; }))
+      different.push_back(candidate);
+  }
+  return different;
+}
+
+/// A map of samples as one of all proxy vertices, refined with more functions.
+PointMaps RefinedOnProxies(const Search& search, const PointMaps& sample_maps) {
   const IntrinsicShape &a = search.source, &b = search.target;
-  const JointEmbedding coarse = FitEmbedding(a.sampled, b.sampled, search.candidates[0].maps, kFinalSizes[0]);
-  search.maps = NearestRows(coarse.SourceRows(a.all.functions), coarse.TargetRows(b.all.functions));
+  const JointEmbedding coarse = FitEmbedding(a.sampled, b.sampled, sample_maps, kFirstSize);
+  const PointMaps maps = NearestRows(coarse.SourceRows(a.all.functions), coarse.TargetRows(b.all.functions));
   std::vector<int> sizes;
   const auto most = static_cast<int>(std::min(a.all.functions.cols(), b.all.functions.cols()));
   for (const int size : kFinalSizes)
     if (size <= most) sizes.push_back(size);
   if (sizes.empty()) sizes = {most};
   const MatchHints hints{a.descriptors.cast<float>(), b.descriptors.cast<float>(), kLikeness};
-  search.maps = RefineMaps(a.all, b.all, std::move(search.maps), sizes, hints);
-  search.confidence = MapConfidence(a, b, search.maps);
+  return RefineMaps(a.all, b.all, maps, sizes, hints);
+}
+
+/// Refines the best candidates and keeps the best of the results. At the candidates' own resolution left and right of a slim body can be
+/// a toss-up that the refined maps settle.
+void RefineBest(const MapSearch& candidates, Search& search, double& margin) {
+  std::vector<MapCandidate> different = DifferentCandidates(search, kRefined);
+  margin = 1;
+  for (std::size_t k = 0; k < different.size(); ++k) {
+    MapCandidate& candidate = different[k];
+    if (k > 0 && candidate.score > kHopeless * different[0].score) break;
+    const PointMaps maps = RefinedOnProxies(search, candidate.maps);
+    PointMaps sampled;
+    for (const int v : search.source.samples)
+      sampled.forward.push_back(search.target.sample_of[static_cast<std::size_t>(maps.forward[static_cast<std::size_t>(v)])]);
+    for (const int v : search.target.samples)
+      sampled.backward.push_back(search.source.sample_of[static_cast<std::size_t>(maps.backward[static_cast<std::size_t>(v)])]);
+    MapCandidate judged = candidates.Judged(candidate.source_tips, candidate.target_tips, sampled);
+    // A mirror image turns a good part of the surface inside out, however little it changes distances.
+    judged.score += kTurnedOver * (1 - OrientationShare(search.source, search.target, maps.forward));
+    if (k == 0 || judged.score < search.best.score) {
+      if (k > 0) margin = search.best.score / judged.score - 1;
+      search.best = judged;
+      search.maps = maps;
+    } else {
+      margin = std::min(margin, judged.score / search.best.score - 1);
+    }
+  }
+  search.confidence = MapConfidence(search.source, search.target, search.maps);
 }
 
 class FaceOfVertex {
@@ -99,7 +151,7 @@ struct ProxyPair {
 
 std::vector<ProxyPair> TipPairs(const Search& search) {
   std::vector<ProxyPair> pairs;
-  const MapCandidate& best = search.candidates[0];
+  const MapCandidate& best = search.best;
   for (std::size_t k = 0; k < best.source_tips.size(); ++k) {
     const int s = best.source_tips[k], t = best.target_tips[k];
     if (s < static_cast<int>(search.known_source.size())) continue;
@@ -165,18 +217,6 @@ void FillPairs(const Search& search, const SuggestOptions& options, Suggestion& 
   }
 }
 
-/// The score of the best candidate that is another map, not the same one from other tips.
-double Margin(const Search& search) {
-  const MapCandidate& best = search.candidates[0];
-  for (const MapCandidate& other : search.candidates) {
-    double apart = 0;
-    for (std::size_t s = 0; s < best.maps.forward.size(); ++s)
-      apart += search.target.sample_distances(best.maps.forward[s], search.target.samples[static_cast<std::size_t>(other.maps.forward[s])]);
-    if (apart / static_cast<double>(best.maps.forward.size()) > 0.15) return other.score / std::max(best.score, 1e-9) - 1;
-  }
-  return 1;
-}
-
 }  // namespace
 
 std::vector<std::string> SuggestOptions::Problems() const {
@@ -195,7 +235,7 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::v
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (const auto problems = options.Problems(); !problems.empty()) throw InputError("register: " + problems.front());
-  Search search{source, target, {}, {}, {}, {}, {}, {}, {}};
+  Search search{source, target, {}, {}, {}, {}, {}, {}, {}, {}};
   IntrinsicOptions intrinsic;
   intrinsic.vertices = options.proxy_vertices;
   intrinsic.samples = options.samples;
@@ -208,19 +248,18 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::v
   TakeKnown(known, search);
   FindTips(search.known_source, kMostTips, search.source);
   FindTips(search.known_target, kMostTips, search.target);
-  search.candidates = SearchMaps(search.source, search.target, static_cast<int>(search.known_source.size()), options.candidates);
+  const MapSearch candidates(search.source, search.target);
+  search.candidates = candidates.Run(static_cast<int>(search.known_source.size()), options.candidates);
   Step(progress, 0.8, "landmarks: refining");
-  RefineOnProxies(search);
   Suggestion suggestion;
-  suggestion.distortion = search.candidates[0].distortion;
+  RefineBest(candidates, search, suggestion.margin);
+  suggestion.distortion = search.best.distortion;
   suggestion.orientation = OrientationShare(search.source, search.target, search.maps.forward);
-  suggestion.margin = Margin(search);
   FillDense(search, suggestion);
   FillPairs(search, options, suggestion);
   suggestion.explanation = "limb ends: " + std::to_string(search.source.tips.size()) + " on the source, " +
-                           std::to_string(search.target.tips.size()) + " on the target, " +
-                           std::to_string(search.candidates[0].source_tips.size()) + " matched; " + Percent(suggestion.orientation) +
-                           " of the surface keeps its orientation";
+                           std::to_string(search.target.tips.size()) + " on the target, " + std::to_string(search.best.source_tips.size()) +
+                           " matched; " + Percent(suggestion.orientation) + " of the surface keeps its orientation";
   return suggestion;
 }
 
