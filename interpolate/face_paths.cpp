@@ -10,182 +10,240 @@ namespace keypose::interpolation {
 
 namespace {
 
-using Edges = Eigen::Matrix<double, 3, 2>;
 using Plane = Eigen::Matrix<double, 3, 2>;
 
-Edges EdgesOf(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
-  Edges edges;
-  edges << (p.row(faces(f, 1)) - p.row(faces(f, 0))).transpose(), (p.row(faces(f, 2)) - p.row(faces(f, 0))).transpose();
-  return edges;
+// Paths are smooth in time beyond 0 and 1: central differences are good to 1e-8 of the speed at many turns.
+constexpr double kStep = 1e-5;
+
+/// Whether `a` comes first in the order that decides from which key a pair is computed.
+bool ComesFirst(const PointsX3& a, const PointsX3& b) {
+  return !std::lexicographical_compare(b.data(), b.data() + b.size(), a.data(), a.data() + a.size());
 }
 
 /// Axes of a face's plane that follow from its edges alone.
-Plane AxesOf(const Edges& edges) {
+Plane AxesOf(const Eigen::Matrix<double, 3, 2>& edges) {
   Plane axes;
   axes.col(0) = edges.col(0).normalized();
   axes.col(1) = edges.col(0).cross(edges.col(1)).normalized().cross(axes.col(0));
   return axes;
 }
 
-Eigen::Matrix2d MatrixOf(const Eigen::Vector3d& symmetric) {
+/// exp of the symmetric matrix [m+d o; o m-d].
+Eigen::Matrix2d ExpOfSymmetric(const Eigen::Vector3d& mdo) {
+  const double scale = std::exp(mdo[0]), r = std::hypot(mdo[1], mdo[2]);
+  const double c = scale * std::cosh(r), s = r > 1e-9 ? scale * std::sinh(r) / r : scale;
   Eigen::Matrix2d m;
-  m << symmetric[0] + symmetric[1], symmetric[2], symmetric[2], symmetric[0] - symmetric[1];
+  m << c + s * mdo[1], s * mdo[2], s * mdo[2], c - s * mdo[1];
   return m;
 }
 
-Eigen::Vector3d VectorOf(const Eigen::Matrix2d& m) {
-  return {0.5 * (m(0, 0) + m(1, 1)), 0.5 * (m(0, 0) - m(1, 1)), 0.5 * (m(0, 1) + m(1, 0))};
+/// A face's velocity: how it turns in space, and how it stretches in its plane.
+struct FaceVelocity {
+  Eigen::Vector3d angular;
+  double growth;          ///< half the rate of log area
+  Eigen::Vector2d shear;  ///< (d, o) of [d o; o -d] in AxesOf
+};
+
+FaceVelocity VelocityOf(const Eigen::Matrix<double, 3, 2>& edges, const Eigen::Matrix<double, 3, 2>& rate) {
+  const Plane axes = AxesOf(edges);
+  const Eigen::Vector3d normal = axes.col(0).cross(axes.col(1));
+  const Eigen::Matrix<double, 3, 2> gradient = rate * (axes.transpose() * edges).inverse();
+  const Eigen::Matrix2d in_plane = axes.transpose() * gradient;
+  const Eigen::Vector2d out = (normal.transpose() * gradient).transpose();
+  FaceVelocity v;
+  // Out of the plane x moves by (n x w) . x, in it by the skew part about n.
+  v.angular = 0.5 * (in_plane(1, 0) - in_plane(0, 1)) * normal - normal.cross(axes * out);
+  v.growth = 0.5 * (in_plane(0, 0) + in_plane(1, 1));
+  v.shear << 0.5 * (in_plane(0, 0) - in_plane(1, 1)), 0.5 * (in_plane(0, 1) + in_plane(1, 0));
+  return v;
 }
 
-/// A symmetric tensor of the plane, from axes `from` into axes `to` of the same plane.
-Eigen::Vector3d Turned(const Eigen::Vector3d& symmetric, const Plane& from, const Plane& to) {
-  const Eigen::Matrix2d c = to.transpose() * from;
-  return VectorOf(c * MatrixOf(symmetric) * c.transpose());
+/// Wanted less own velocities.
+template <class Value>
+EndVelocities<Value> BendsOf(const Schedule& schedule, const EndVelocities<Value>& own) {
+  EndVelocities<Value> bends = SmoothVelocities(schedule, own);
+  for (std::size_t k = 0; k < own.start.size(); ++k) bends.start[k] -= own.start[k], bends.end[k] -= own.end[k];
+  return bends;
 }
 
-/// d/dt log S(t) at t, as LogStretch has it. S(t) commutes with itself at all t, so this is the whole rate of stretch.
-Eigen::Vector3d StretchRate(const FaceMap& map, Stretch stretch, double t) {
-  // Every law is smooth in t and known in closed form beyond [0,1]: a central difference is good to 1e-10.
-  constexpr double kStep = 1e-5;
-  return (LogStretch(StretchAt(map, stretch, t + kStep)) - LogStretch(StretchAt(map, stretch, t - kStep))) / (2 * kStep);
-}
-
-// Angular velocities of exp(t body_turn) exp(t turn) exp(t remainder), in the world.
-Eigen::Vector3d AngularStart(const SegmentMaps& maps, const FaceMap& map) { return maps.body_turn + map.turn + map.remainder; }
-Eigen::Vector3d AngularEnd(const SegmentMaps& maps, const FaceMap& map) {
-  return maps.body_turn + ExpOf(maps.body_turn) * (map.turn + ExpOf(map.turn) * map.remainder);
-}
-
-bool AnySmooth(const Schedule& schedule) {
-  for (int key = 0; key <= static_cast<int>(schedule.spans.size()); ++key) {
-    const KeyMeeting meeting = MeetingAt(schedule, key);
-    if (meeting.before != Meeting::kFree || meeting.after != Meeting::kFree) return true;
-  }
-  return false;
-}
-
-/// A pose that stands twice in a row: nothing moves, not even by rounding errors.
-SegmentMaps StillMaps(const PointsX3& v, const FacesX3& faces) {
-  SegmentMaps maps = FaceMapsOf(v, v, faces);
-  for (FaceMap& map : maps.faces) {
-    map.rotation.setIdentity();
-    map.turn.setZero();
-    map.stretch.setIdentity();
-  }
-  return maps;
+Eigen::Matrix<double, 3, 2> Get(const EdgeBatch& batch, Eigen::Index face, int frame) {
+  const double* at = batch.Face(face) + frame;
+  Eigen::Matrix<double, 3, 2> edges;
+  for (int c = 0; c < 6; ++c) edges.data()[c] = at[c * batch.stride];
+  return edges;
 }
 
 }  // namespace
 
-Eigen::Vector3d LogStretch(const Eigen::Matrix2d& s) {
-  const double mean = 0.5 * (s(0, 0) + s(1, 1)), d = 0.5 * (s(0, 0) - s(1, 1)), o = 0.5 * (s(0, 1) + s(1, 0)), r = std::hypot(d, o);
-  const double high = mean + r, low = (s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0)) / high;
-  const double log_high = std::log(high), log_low = std::log(low);
-  // Where both are nearly one, the difference of logarithms over that of the values is their derivative.
-  const double ratio = r > 1e-9 * high ? 0.5 * (log_high - log_low) / r : 1 / mean;
-  return {0.5 * (log_high + log_low), ratio * d, ratio * o};
+FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSystem& system, const std::vector<TurnOverride>& overrides,
+                      Stretch stretch)
+    : still(overrides.empty() && from == to), reversed(!ComesFirst(from, to)) {
+  const PointsX3 &v = reversed ? to : from, &u = reversed ? from : to;
+  maps = FaceMapsOf(v, u, system.faces());
+  if (still) {
+    // A pose that stands twice in a row does not move, not even by rounding errors.
+    for (FaceMap& map : maps.faces) map.rotation.setIdentity(), map.stretch.setIdentity(), map.turn.setZero();
+  } else {
+    turns = FollowTurns(system, maps, overrides, reversed);
+    if (stretch == Stretch::kBalanced) SetGrowth(system, maps);
+    if (turns.differential) differential.emplace(system, maps);
+  }
+  paths.emplace(v, u, system.faces(), maps, stretch);
+  centroids.emplace(v, u, system.parts(), system.part_count(), maps.body_turn);
 }
 
-Eigen::Matrix2d ExpStretch(const Eigen::Vector3d& log) {
-  const double scale = std::exp(log[0]), r = std::hypot(log[1], log[2]);
-  const double c = scale * std::cosh(r), s = r > 1e-9 ? scale * std::sinh(r) / r : scale;
-  Eigen::Matrix2d m;
-  m << c + s * log[1], s * log[2], s * log[2], c - s * log[1];
-  return m;
+void FacePaths::Pair::Evaluate(const std::vector<double>& ways, EdgeBatch& edges) const {
+  std::vector<double> times;
+  for (const double way : ways) times.push_back(Time(way));
+  if (!differential) return paths->Evaluate(times, edges);
+  for (std::size_t k = 0; k < times.size(); ++k) paths->EvaluateWith(differential->At(times[k]), times[k], static_cast<int>(k), edges);
 }
 
 FacePaths::FacePaths(const std::vector<PointsX3>& keys, const PoissonSystem& system, const Schedule& schedule,
                      const std::vector<std::vector<TurnOverride>>& overrides, Stretch stretch)
-    : faces_(system.faces()), stretch_(stretch) {
-  const Eigen::Index count = faces_.rows();
-  for (const PointsX3& key : keys) {
-    edges_.emplace_back(count);
-    for (Eigen::Index f = 0; f < count; ++f) edges_.back()[f] = EdgesOf(key, faces_, f);
-  }
+    : face_count_(system.faces().rows()) {
+  pairs_.reserve(keys.size());
   for (std::size_t k = 0; k + 1 < keys.size(); ++k) {
-    const bool still = keys[k] == keys[k + 1];
-    maps_.push_back(still ? StillMaps(keys[k], faces_) : FaceMapsOf(keys[k], keys[k + 1], faces_));
     const std::vector<TurnOverride> turning = k < overrides.size() ? overrides[k] : std::vector<TurnOverride>();
-    turns_.push_back(still ? TurnReport() : FollowTurns(system, maps_.back(), turning));
+    pairs_.emplace_back(keys[k], keys[k + 1], system, turning, stretch);
   }
   if (!AnySmooth(schedule)) return;
-  bends_.assign(maps_.size(), std::vector<BendPair>(count));
-  std::vector<char> degenerate(count, 0);
-  for (const SegmentMaps& maps : maps_)
-    for (Eigen::Index f = 0; f < count; ++f) degenerate[f] |= static_cast<char>(maps.faces[f].degenerate);
+  SmoothFaces(schedule);
+  SmoothCentroids(schedule, system.part_count());
+}
+
+std::vector<FacePaths::EndEdges> FacePaths::EdgesAtEnd(int span, double way) const {
+  EdgeBatch batch(face_count_, 3);
+  const std::vector<double> ways = {way - kStep, way, way + kStep};
+  pairs_[span].Evaluate(ways, batch);
+  std::vector<EndEdges> ends(face_count_);
+  const Eigen::Matrix3d before = BodyTurn(span, ways[0]), at = BodyTurn(span, ways[1]), after = BodyTurn(span, ways[2]);
   ParallelFor(
-      count, [&](std::int64_t f) { degenerate[f] ? void() : SmoothFace(schedule, f); }, 256);
-  for (Eigen::Index f = 0; f < count; ++f)
-    if (degenerate[f]) SmoothStraight(schedule, f);
+      face_count_,
+      [&](std::int64_t f) {
+        ends[f].at = at * Get(batch, f, 1);
+        ends[f].rate = (after * Get(batch, f, 2) - before * Get(batch, f, 0)) / (2 * kStep);
+        if (pairs_[span].still) ends[f].rate.setZero();
+      },
+      512);
+  return ends;
 }
 
-void FacePaths::SmoothFace(const Schedule& schedule, Eigen::Index f) {
-  const std::size_t spans = maps_.size();
-  EndVelocities<Eigen::Vector3d> turning;
-  EndVelocities<double> growing;
-  EndVelocities<Eigen::Vector2d> shearing;
-  const auto add = [](const Eigen::Vector3d& rate, std::vector<double>& growth, std::vector<Eigen::Vector2d>& shear) {
-    growth.push_back(rate[0]);
-    shear.emplace_back(rate.tail<2>());
-  };
-  std::vector<Plane> axes_start, axes_end, own_start, own_end;  // per span: of the key alone, and of the span's map
-  for (std::size_t k = 0; k < spans; ++k) {
-    const FaceMap& map = maps_[k].faces[f];
-    axes_start.push_back(AxesOf(edges_[k][f]));
-    axes_end.push_back(AxesOf(edges_[k + 1][f]));
-    own_start.push_back(map.frame);
-    own_end.push_back(map.rotation * map.frame);
-    turning.start.push_back(AngularStart(maps_[k], map));
-    turning.end.push_back(AngularEnd(maps_[k], map));
-    add(Turned(StretchRate(map, stretch_, 0), own_start[k], axes_start[k]), growing.start, shearing.start);
-    add(Turned(StretchRate(map, stretch_, 1), own_end[k], axes_end[k]), growing.end, shearing.end);
+void FacePaths::SmoothFaces(const Schedule& schedule) {
+  const int spans = static_cast<int>(pairs_.size());
+  std::vector<std::vector<EndEdges>> starts, ends;
+  std::vector<char> degenerate(face_count_, 0);
+  for (int k = 0; k < spans; ++k) {
+    starts.push_back(EdgesAtEnd(k, 0));
+    ends.push_back(EdgesAtEnd(k, 1));
+    for (Eigen::Index f = 0; f < face_count_; ++f) degenerate[f] |= static_cast<char>(pairs_[k].maps.faces[f].degenerate);
   }
-  const auto turns = SmoothVelocities(schedule, turning);
-  const auto grows = SmoothVelocities(schedule, growing);
-  const auto shears = SmoothVelocities(schedule, shearing);
-  for (std::size_t k = 0; k < spans; ++k) {
+  bends_.assign(spans, std::vector<BendPair>(face_count_));
+  for (Eigen::Index f = 0; f < face_count_; ++f)
+    if (degenerate[f]) straight_[f];
+  ParallelFor(
+      face_count_,
+      [&](std::int64_t f) {
+        std::vector<const EndEdges*> start, end;
+        for (int k = 0; k < spans; ++k) start.push_back(&starts[k][f]), end.push_back(&ends[k][f]);
+        SmoothFace(schedule, f, start, end);
+      },
+      256);
+}
+
+void FacePaths::SmoothFace(const Schedule& schedule, Eigen::Index f, const std::vector<const EndEdges*>& starts,
+                           const std::vector<const EndEdges*>& ends) {
+  if (const auto straight = straight_.find(f); straight != straight_.end()) {
+    using Six = Eigen::Matrix<double, 6, 1>;
+    EndVelocities<Six> own;
+    for (const EndEdges* e : starts) own.start.emplace_back(Eigen::Map<const Six>(e->rate.data()));
+    for (const EndEdges* e : ends) own.end.emplace_back(Eigen::Map<const Six>(e->rate.data()));
+    const EndVelocities<Six> bends = BendsOf(schedule, own);
+    for (const Six& b : bends.start) straight->second.start.emplace_back(Eigen::Map<const Edges>(b.data()));
+    for (const Six& b : bends.end) straight->second.end.emplace_back(Eigen::Map<const Edges>(b.data()));
+    return;
+  }
+  EndVelocities<Eigen::Vector3d> angular;
+  EndVelocities<double> growth;
+  EndVelocities<Eigen::Vector2d> shear;
+  for (const EndEdges* e : starts) {
+    const FaceVelocity v = VelocityOf(e->at, e->rate);
+    angular.start.push_back(v.angular), growth.start.push_back(v.growth), shear.start.push_back(v.shear);
+  }
+  for (const EndEdges* e : ends) {
+    const FaceVelocity v = VelocityOf(e->at, e->rate);
+    angular.end.push_back(v.angular), growth.end.push_back(v.growth), shear.end.push_back(v.shear);
+  }
+  angular = BendsOf(schedule, angular), growth = BendsOf(schedule, growth), shear = BendsOf(schedule, shear);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
     BendPair& bend = bends_[k][f];
-    bend.start.angular = turns.start[k] - turning.start[k];
-    bend.end.angular = turns.end[k] - turning.end[k];
-    Eigen::Vector3d start, end;
-    start << grows.start[k] - growing.start[k], shears.start[k] - shearing.start[k];
-    end << grows.end[k] - growing.end[k], shears.end[k] - shearing.end[k];
-    bend.start.stretch = Turned(start, axes_start[k], own_start[k]);
-    bend.end.stretch = Turned(end, axes_end[k], own_end[k]);
+    bend.start.angular = angular.start[k];
+    bend.end.angular = angular.end[k];
+    bend.start.stretch << growth.start[k], shear.start[k];
+    bend.end.stretch << growth.end[k], shear.end[k];
   }
 }
 
-void FacePaths::SmoothStraight(const Schedule& schedule, Eigen::Index f) {
-  const auto flat = [](const Edges& e) { return Straight(Eigen::Map<const Straight>(e.data())); };
-  EndVelocities<Straight> own;
-  for (std::size_t k = 0; k < maps_.size(); ++k) own.start.push_back(flat(edges_[k + 1][f]) - flat(edges_[k][f]));
-  own.end = own.start;
-  EndVelocities<Straight>& bends = straight_[f] = SmoothVelocities(schedule, own);
-  for (std::size_t k = 0; k < maps_.size(); ++k) bends.start[k] -= own.start[k], bends.end[k] -= own.end[k];
+void FacePaths::SmoothCentroids(const Schedule& schedule, int part_count) {
+  for (int part = 0; part < part_count; ++part) {
+    EndVelocities<Eigen::Vector3d> own;
+    for (const Pair& pair : pairs_) {
+      const auto rate = [&](double way) {
+        const Eigen::Vector3d after = pair.centroids->At(part, pair.Time(way + kStep)),
+                              before = pair.centroids->At(part, pair.Time(way - kStep));
+        return Eigen::Vector3d(pair.still ? Eigen::Vector3d::Zero() : Eigen::Vector3d((after - before) / (2 * kStep)));
+      };
+      own.start.push_back(rate(0));
+      own.end.push_back(rate(1));
+    }
+    centroid_bends_.push_back(BendsOf(schedule, own));
+  }
 }
 
-Edges FacePaths::EdgesAt(int span, double way, Eigen::Index f) const {
+Eigen::Matrix3d FacePaths::BodyTurn(int span, double way) const { return ExpOf(pairs_[span].Time(way) * pairs_[span].maps.body_turn); }
+
+Eigen::Vector3d FacePaths::Centroid(int span, double way, int part) const {
+  const Eigen::Vector3d own = pairs_[span].centroids->At(part, pairs_[span].Time(way));
+  if (centroid_bends_.empty()) return own;
   const HermiteWeights weights(way);
-  const FaceMap& map = maps_[span].faces[f];
-  const auto straight = straight_.empty() ? straight_.end() : straight_.find(f);
-  if (map.degenerate || straight != straight_.end()) {
-    Edges edges = (1 - way) * edges_[span][f] + way * edges_[span + 1][f];
-    if (straight == straight_.end()) return edges;
-    const Straight bend = weights.start * straight->second.start[span] + weights.end * straight->second.end[span];
-    return edges + Eigen::Map<const Edges>(bend.data());
+  return own + weights.start * centroid_bends_[part].start[span] + weights.end * centroid_bends_[part].end[span];
+}
+
+FacePaths::Edges FacePaths::Bent(int span, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index f,
+                                 const Edges& edges) const {
+  if (!straight_.empty()) {
+    const auto straight = straight_.find(f);
+    if (straight != straight_.end())
+      return edges + body.transpose() * (weights.start * straight->second.start[span] + weights.end * straight->second.end[span]);
   }
-  const Eigen::Matrix3d turn = RotationAt(maps_[span], f, way);
-  const Eigen::Matrix2d flat = StretchAt(map, stretch_, way) * (map.frame.transpose() * edges_[span][f]);
-  if (bends_.empty()) return turn * (map.frame * flat);
   const BendPair& bend = bends_[span][f];
-  const Eigen::Matrix2d stretch = ExpStretch(weights.start * bend.start.stretch + weights.end * bend.end.stretch);
-  return ExpOf(weights.start * bend.start.angular + weights.end * bend.end.angular) * (turn * (map.frame * (stretch * flat)));
+  const Plane axes = AxesOf(edges);
+  const Eigen::Matrix2d stretch = ExpOfSymmetric(weights.start * bend.start.stretch + weights.end * bend.end.stretch);
+  const Eigen::Vector3d angular = body.transpose() * (weights.start * bend.start.angular + weights.end * bend.end.angular);
+  return ExpOf(angular) * (axes * (stretch * (axes.transpose() * edges)));
+}
+
+void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& edges) const {
+  pairs_[span].Evaluate(ways, edges);
+  if (bends_.empty()) return;
+  std::vector<HermiteWeights> weights;
+  std::vector<Eigen::Matrix3d> bodies;
+  for (const double way : ways) weights.emplace_back(way), bodies.push_back(BodyTurn(span, way));
+  ParallelFor(
+      face_count_,
+      [&](std::int64_t f) {
+        for (std::size_t k = 0; k < ways.size(); ++k) {
+          const int frame = static_cast<int>(k);
+          edges.Set(f, frame, Bent(span, weights[k], bodies[k], f, Get(edges, f, frame)));
+        }
+      },
+      256);
 }
 
 int FacePaths::degenerate_faces() const {
   std::ptrdiff_t most = 0;
-  for (const SegmentMaps& maps : maps_)
-    most = std::max(most, std::count_if(maps.faces.begin(), maps.faces.end(), [](const FaceMap& m) { return m.degenerate; }));
+  for (const Pair& pair : pairs_)
+    most = std::max(most, std::count_if(pair.maps.faces.begin(), pair.maps.faces.end(), [](const FaceMap& m) { return m.degenerate; }));
   return static_cast<int>(most);
 }
 

@@ -3,66 +3,87 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "core/mesh.h"
+#include "interpolate/arap.h"
+#include "interpolate/differential_turns.h"
 #include "interpolate/face_maps.h"
+#include "interpolate/pair_paths.h"
 #include "interpolate/poisson.h"
 #include "interpolate/spline.h"
 #include "interpolate/turns.h"
 
 namespace keypose::interpolation {
 
-/// log of a symmetric positive definite matrix as (m, d, o) with log S = [m+d o; o m-d], and back.
-Eigen::Vector3d LogStretch(const Eigen::Matrix2d& stretch);
-Eigen::Matrix2d ExpStretch(const Eigen::Vector3d& log);
-
-/// Paths of all faces through all keys.
+/// Paths of all faces, and of the parts' centroids, through all keys.
 ///
-/// In each span a face goes the way of two keys: edges(s) = R(s) frame S(s) frame^T edges(0), as face_maps.h has it. Where spans meet
-/// smoothly, the velocity of each face at the key (its angular velocity in space and the rate of stretch in its plane) is brought to one
-/// that both spans share (VelocityAtKey; growth and shear apart), by factors that are one at the keys:
+/// In each span a face goes the way of its two keys alone (PairPaths). Where spans meet smoothly, the velocity of each face at the key (its
+/// angular velocity in space and its rate of stretch in its plane) is brought to one that both spans share (VelocityAtKey; growth and shear
+/// apart), by factors that are one at the keys:
 ///
-///     edges(s) = exp(h(s) . angular) R(s) frame exp(h(s) . stretch) S(s) frame^T edges(0)
+///     edges(s) = exp(h(s) . angular) A exp(h(s) . stretch) A^T pair edges(s)
 ///
-/// with the cubic Hermite weights h of HermiteWeights. So paths are C1 in time, meet every key exactly whatever the turns (no logarithm of
-/// a rotation is taken but the lifted ones of the pairs), reverse with the order of the keys, and with two keys are those of two keys.
-/// Source: Kim, Kim & Shin 1995 for splines of rotations as products of exponentials; the correction form is our own.
+/// with the cubic Hermite weights h of HermiteWeights, and A the axes of the face at s. So paths are C1 in time, meet every key exactly
+/// whatever the turns (no logarithm of a rotation is taken but the lifted ones of the pairs), reverse with the order of the keys, and with
+/// two keys are those of two keys. Source: Kim, Kim & Shin 1995 for splines of rotations as products of exponentials; the correction form
+/// is our own.
 class FacePaths {
  public:
-  /// @param system     of all keys; turns are smoothed with it
+  /// @param system     of all keys; turns are smoothed with it; must outlive this
   /// @param overrides  for each span the limbs that turn further; or empty
   FacePaths(const std::vector<PointsX3>& keys, const PoissonSystem& system, const Schedule& schedule,
             const std::vector<std::vector<TurnOverride>>& overrides = {}, Stretch stretch = Stretch::kBalanced);
 
-  /// Wanted edges of a face, 3 x 2: from its first corner to its second and third.
-  Eigen::Matrix<double, 3, 2> EdgesAt(int span, double way, Eigen::Index face) const;
+  /// Fills the batch with wanted edges, relative to the body: BodyTurn is to be applied by PoissonSystem::Solve.
+  void Evaluate(int span, const std::vector<double>& ways, EdgeBatch& edges) const;
+  Eigen::Matrix3d BodyTurn(int span, double way) const;
+  Eigen::Vector3d Centroid(int span, double way, int part) const;
 
-  const SegmentMaps& maps(int span) const { return maps_[span]; }
-  const TurnReport& turns(int span) const { return turns_[span]; }
+  const TurnReport& turns(int span) const { return pairs_[span].turns; }
   int degenerate_faces() const;  ///< most, of any span
 
  private:
-  /// Wanted less own velocity at a span's ends.
+  /// Two keys by themselves, from the one that comes first in an order that they alone decide, so that the way back has the same bits.
+  struct Pair {
+    Pair(const PointsX3& from, const PointsX3& to, const PoissonSystem& system, const std::vector<TurnOverride>& overrides,
+         Stretch stretch);
+    double Time(double way) const { return reversed ? 1 - way : way; }
+    void Evaluate(const std::vector<double>& ways, EdgeBatch& edges) const;
+
+    bool still, reversed;
+    SegmentMaps maps;
+    TurnReport turns;
+    std::optional<PairPaths> paths;
+    std::optional<DifferentialTurns> differential;
+    std::optional<CentroidPaths> centroids;
+  };
+  /// Wanted less own velocity at a span's end.
   struct Bend {
     Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< in the world
-    Eigen::Vector3d stretch = Eigen::Vector3d::Zero();  ///< as LogStretch has it, in the axes R(s) frame
+    Eigen::Vector3d stretch = Eigen::Vector3d::Zero();  ///< (m, d, o) of [m+d o; o m-d], in axes that follow from the face's first edge
   };
   struct BendPair {
     Bend start, end;
   };
-  using Straight = Eigen::Matrix<double, 6, 1>;  ///< both edges of a face that has no map somewhere
+  using Edges = Eigen::Matrix<double, 3, 2>;
+  struct EndEdges {
+    Edges at, rate;  ///< wanted edges and their velocity in the world, per way
+  };
 
-  void SmoothFace(const Schedule& schedule, Eigen::Index face);
-  void SmoothStraight(const Schedule& schedule, Eigen::Index face);
+  std::vector<EndEdges> EdgesAtEnd(int span, double way) const;
+  void SmoothFaces(const Schedule& schedule);
+  void SmoothFace(const Schedule& schedule, Eigen::Index face, const std::vector<const EndEdges*>& starts,
+                  const std::vector<const EndEdges*>& ends);
+  void SmoothCentroids(const Schedule& schedule, int part_count);
+  Edges Bent(int span, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index face, const Edges& edges) const;
 
-  FacesX3 faces_;
-  Stretch stretch_;
-  std::vector<SegmentMaps> maps_;                                ///< spans
-  std::vector<TurnReport> turns_;                                ///< spans
-  std::vector<std::vector<Eigen::Matrix<double, 3, 2>>> edges_;  ///< keys x F: from first corner to second and third
-  std::vector<std::vector<BendPair>> bends_;                     ///< spans x F, or empty when nothing is to be smoothed
-  std::map<Eigen::Index, EndVelocities<Straight>> straight_;     ///< bends of faces without area in some key
+  Eigen::Index face_count_;
+  std::vector<Pair> pairs_;                                     ///< spans
+  std::vector<std::vector<BendPair>> bends_;                    ///< spans x F, or empty when nothing is to be smoothed
+  std::map<Eigen::Index, EndVelocities<Edges>> straight_;       ///< bends of faces without area in some key: added to their edges
+  std::vector<EndVelocities<Eigen::Vector3d>> centroid_bends_;  ///< parts
 };
 
 }  // namespace keypose::interpolation

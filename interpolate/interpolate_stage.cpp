@@ -1,4 +1,5 @@
 // keypose-interpolate: frames between keys.
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -7,38 +8,46 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/timeline.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
+#include "interpolate/rules.h"
 #include "interpolate/sequence.h"
+#include "interpolate/timeline.h"
 
 namespace keypose::interpolation {
 namespace {
 
 struct InterpolateOptions {
   std::string method = "arap";
-  int steps = 9;  ///< in-betweens of each pair of keys; a timeline wins
+  int steps = 9;
   std::string align = "none";
+  bool volume = true;
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {.help = "arap: as rigid as possible; paper: the paper's system to the letter; linear: straight lines",
+          {.help = "arap: as rigid as possible; volumetric: the same of the solid inside, for strong twists; paper: the paper's system to "
+                   "the letter; linear: straight lines",
            .unit = "",
-           .choices = {"arap", "paper", "linear"}});
-    visit("steps", steps, {"in-betweens of each pair of keys, where no timeline is given", "frames", 0, 100000, {}});
+           .choices = {"arap", "volumetric", "paper", "linear"}});
+    visit("steps", steps, {"in-betweens of each pair of keys, where no timeline gives times", "frames", 0, 100000, {}});
     visit("align", align,
           {.help = "brings later keys onto the first; upright: a turn about z and a translation",
            .unit = "",
            .choices = {"none", "upright", "rigid", "similarity"}});
+    visit("volume", volume,
+          {.help = "the volume of each closed part follows the keys'; arap and volumetric only; a timeline that says so itself wins"});
   }
 };
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
-  spec.inputs = {{"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
-                 {"timeline", "file", "JSON: fps, and a time in seconds for each key", "", true, false}};
+  spec.inputs = {
+      {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
+      {"timeline", "file", "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume", "", true, false}};
   spec.outputs = {{"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
   spec.memory_gib = 2;
   return spec;
@@ -65,17 +74,55 @@ AlignKeys AlignOf(const std::string& name) {
 }
 
 Method MethodOf(const std::string& name) {
+  if (name == "volumetric") return Method::kVolumetric;
   if (name == "paper") return Method::kPaper;
   return name == "linear" ? Method::kLinear : Method::kArap;
 }
 
-void ReportAll(StageContext& stage, const Sequence& sequence, const DistortionReport& report, const std::string& method) {
-  stage.Report("frames", static_cast<std::int64_t>(sequence.frames.size()));
-  stage.Report("keys", static_cast<std::int64_t>(sequence.key_frames.size()));
-  if (method == "arap") {
-    stage.Report("degenerate_faces", sequence.degenerate_faces);
-    stage.Report("largest_turn_rad", sequence.largest_turn);
+/// When what is shown, and what must hold on the way.
+struct Plan {
+  Schedule schedule;
+  Rules rules;
+};
+
+Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std::vector<PointsX3>& keys, const FacesX3& faces) {
+  const int count = static_cast<int>(keys.size());
+  if (!stage.Has("timeline")) {
+    Plan plan{MakeSchedule(std::vector<int>(count - 1, options.steps)), {}};
+    plan.rules = PlainRules(plan.schedule, options.volume);
+    return plan;
   }
+  const std::filesystem::path path = stage.Input("timeline");
+  const std::string name = path.filename().string();
+  const Timeline timeline = ParseTimeline(ReadFile(path), name);
+  Plan plan{MakeSchedule(timeline, count, options.steps, name), {}};
+  plan.rules = RulesFrom(timeline, plan.schedule, keys[0], faces, options.volume, name);
+  const bool asks = !timeline.pins.empty() || !timeline.trajectories.empty() || timeline.table_height || !timeline.volume.empty();
+  if (asks && options.method != "arap")
+    throw UsageError("interpolate: " + name + " asks for pins, trajectories, a table or volumes, which only --method arap keeps");
+  for (const Span& span : plan.schedule.spans)
+    if (!span.turns.empty() && options.method != "arap")
+      throw UsageError("interpolate: " + name + " gives turns, which only --method arap keeps");
+  return plan;
+}
+
+void ReportSource(StageContext& stage, const SourceReport& source, const std::string& method) {
+  if (method == "arap") {
+    stage.Report("degenerate_faces", source.degenerate_faces);
+    stage.Report("largest_remainder_rad", source.largest_remainder);
+    stage.Report("torn_edges", source.torn_edges);
+    stage.Report("loops_that_do_not_close", source.loops_that_do_not_close);
+    stage.Report("differential_turns", source.differential);
+  }
+  if (method == "volumetric") {
+    stage.Report("tetrahedra", source.tetrahedra);
+    stage.Report("largest_tear_rad", source.largest_tear);
+  }
+  if (method == "arap" || method == "volumetric") stage.Report("largest_turn_rad", source.largest_turn);
+  for (const std::string& note : source.notes) stage.Note(note);
+}
+
+void ReportDistortion(StageContext& stage, const DistortionReport& report, const std::string& method) {
   const SegmentDistortion& first = report.segments.front();
   stage.Report("area_mean", first.area.mean);
   stage.Report("area_sd", first.area.sd);
@@ -85,36 +132,44 @@ void ReportAll(StageContext& stage, const Sequence& sequence, const DistortionRe
   stage.Report("linear_area_sd", first.linear_area.sd);
   stage.Report("linear_volume_mean", first.linear_volume.mean);
   stage.Report("linear_volume_sd", first.linear_volume.sd);
+  double area = 0, volume = 0, move = 0;
+  int on_table = 0;
+  for (const SegmentDistortion& s : report.segments)
+    area = std::max(area, s.area.path_deviation), volume = std::max(volume, s.volume.path_deviation);
+  for (const FrameDistortion& f : report.frames) move = std::max(move, f.volume_move), on_table = std::max(on_table, f.on_table);
+  stage.Report("area_path_deviation", area);
+  stage.Report("volume_path_deviation", volume);
+  stage.Report("volume_move_over_diag", move);
+  stage.Report("vertices_on_table", on_table);
   for (const std::string& line : ToTable(report, method)) stage.Note(line);
 }
 
 void Run(StageContext& stage, const InterpolateOptions& options) {
-  const std::vector<Mesh> keys = LoadKeys(stage);
-  const int count = static_cast<int>(keys.size());
-  std::vector<int> in_betweens(count - 1, options.steps);
-  if (stage.Has("timeline")) {
-    const std::filesystem::path path = stage.Input("timeline");
-    in_betweens = InBetweensFromTimeline(ReadFile(path), path.filename().string(), count);
-  }
-  std::vector<PointsX3> points;
-  for (const Mesh& key : keys) points.push_back(key.points);
-  points = AlignedKeys(points, AlignOf(options.align));
-  SubProgress bending(stage.progress(), 0.0, 0.7);
-  const Sequence sequence = Interpolate(points, keys[0].faces, in_betweens, MethodOf(options.method), &bending);
-  const DistortionReport report = MeasureDistortion(sequence, keys[0].faces);
-  ReportAll(stage, sequence, report, options.method);
+  std::vector<Mesh> meshes = LoadKeys(stage);
+  const Mesh first = meshes.front();
+  std::vector<PointsX3> keys;
+  for (Mesh& mesh : meshes) keys.push_back(std::move(mesh.points));
+  meshes.clear();
+  keys = AlignedKeys(keys, AlignOf(options.align));
+  const Plan plan = MakePlan(stage, options, keys, first.faces);
+  const std::unique_ptr<FrameSource> source = MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);
 
   const std::filesystem::path folder = stage.Output("frames");
-  Mesh mesh = keys[0];
-  mesh.normals.resize(0, 3);
-  for (std::size_t f = 0; f < sequence.frames.size(); ++f) {
-    Step(stage.progress(), 0.7 + 0.3 * static_cast<double>(f) / static_cast<double>(sequence.frames.size()), "writing frames");
+  PlyFrames writer(first);
+  DistortionMeter meter(keys, first.faces, plan.schedule);
+  const auto take = [&](const FrameView& frame) {
     char name[32];
-    std::snprintf(name, sizeof name, "frame_%04zu.ply", f);
-    mesh.points = sequence.frames[f].points;
-    WriteMesh(folder / name, mesh);
-  }
-  WriteFile(folder / "distortion.json", ToJson(report, sequence, options.method));
+    std::snprintf(name, sizeof name, "frame_%04d.ply", frame.index);
+    writer.Write(folder / name, frame.points);
+    meter.Add(frame);
+  };
+  StreamFrames(keys, plan.schedule, *source, take, stage.progress());
+  const DistortionReport report = meter.Finish();
+  stage.Report("frames", static_cast<std::int64_t>(report.frames.size()));
+  stage.Report("keys", static_cast<std::int64_t>(keys.size()));
+  ReportSource(stage, source->report(), options.method);
+  ReportDistortion(stage, report, options.method);
+  WriteFile(folder / "distortion.json", ToJson(report, plan.schedule, source->report(), options.method));
 }
 
 }  // namespace

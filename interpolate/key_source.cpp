@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
-#include "interpolate/arap.h"
 #include "interpolate/constraints.h"
 #include "interpolate/face_paths.h"
 #include "interpolate/poisson.h"
@@ -19,70 +19,45 @@ namespace {
 
 KeyRefs RefsOf(const std::vector<PointsX3>& keys) { return {keys.begin(), keys.end()}; }
 
-/// Targets of a system's rows: held vertices and regions, then centroids of parts.
+/// Targets of a system's rows: held vertices and regions on their own paths, then centroids of parts.
 class RowPaths {
  public:
   RowPaths(const std::vector<PointsX3>& keys, const PoissonSystem& system, const Schedule& schedule,
-           const std::vector<const HeldRegion*>& held, const FacePaths& paths)
-      : system_(system) {
+           const std::vector<const HeldRegion*>& held)
+      : sources_(system.row_sources()) {
     std::vector<const HeldRegion*> region_of_row;
     for (const HeldRegion* region : held)
       region_of_row.insert(region_of_row.end(), region->every_vertex ? region->vertices.size() : 1, region);
     std::vector<RowTargets> at_keys;
     for (const PointsX3& key : keys) at_keys.push_back(system.RowsAt(key));
-    for (std::size_t r = 0; r < system.rows().size(); ++r) {
+    rows_.resize(sources_.size());
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+      if (sources_[r] < 0) continue;
       std::vector<Eigen::Vector3d> values;
       for (const RowTargets& targets : at_keys) values.emplace_back(targets.row(static_cast<Eigen::Index>(r)));
-      const int source = system.row_sources()[r];
-      rows_.emplace_back(schedule, values,
-                         source >= 0 ? region_of_row[source]->waypoints : std::vector<std::vector<Waypoint<Eigen::Vector3d>>>());
+      rows_[r] = SpanSpline<Eigen::Vector3d>(schedule, values, region_of_row[sources_[r]]->waypoints);
     }
-    for (std::size_t k = 0; k + 1 < keys.size(); ++k)
-      centroids_.emplace_back(keys[k], keys[k + 1], system.parts(), system.part_count(), paths.maps(static_cast<int>(k)).body_turn);
-    SmoothCentroids(schedule);
   }
 
-  RowTargets At(int span, double way) const {
-    const HermiteWeights weights(way);
+  RowTargets At(int span, double way, const FacePaths& paths) const {
     RowTargets targets(static_cast<Eigen::Index>(rows_.size()), 3);
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      const int source = system_.row_sources()[r];
-      if (source >= 0) {
-        targets.row(static_cast<Eigen::Index>(r)) = rows_[r].At(span, way).transpose();
-        continue;
-      }
-      const EndVelocities<Eigen::Vector3d>& bends = centroid_bends_[-1 - source];
+    for (std::size_t r = 0; r < rows_.size(); ++r)
       targets.row(static_cast<Eigen::Index>(r)) =
-          (centroids_[span].At(-1 - source, way) + weights.start * bends.start[span] + weights.end * bends.end[span]).transpose();
-    }
+          (sources_[r] >= 0 ? rows_[r].At(span, way) : paths.Centroid(span, way, -1 - sources_[r])).transpose();
     return targets;
   }
 
  private:
-  void SmoothCentroids(const Schedule& schedule) {
-    constexpr double kStep = 1e-5;
-    for (int part = 0; part < system_.part_count(); ++part) {
-      EndVelocities<Eigen::Vector3d> own;
-      for (const CentroidPaths& path : centroids_) {
-        own.start.emplace_back((path.At(part, kStep) - path.At(part, -kStep)) / (2 * kStep));
-        own.end.emplace_back((path.At(part, 1 + kStep) - path.At(part, 1 - kStep)) / (2 * kStep));
-      }
-      EndVelocities<Eigen::Vector3d> bends = SmoothVelocities(schedule, own);
-      for (std::size_t k = 0; k < centroids_.size(); ++k) bends.start[k] -= own.start[k], bends.end[k] -= own.end[k];
-      centroid_bends_.push_back(std::move(bends));
-    }
-  }
-
-  const PoissonSystem& system_;
+  std::vector<int> sources_;
   std::vector<SpanSpline<Eigen::Vector3d>> rows_;
-  std::vector<CentroidPaths> centroids_;                        // spans
-  std::vector<EndVelocities<Eigen::Vector3d>> centroid_bends_;  // parts
 };
 
 /// A system with the regions that some spans hold.
 struct HeldSystem {
-  HeldSystem(const std::vector<PointsX3>& keys, const FacesX3& faces, const std::vector<const HeldRegion*>& held)
-      : system(RefsOf(keys), faces, RowsOf(ConstraintsOf(held), static_cast<int>(keys[0].rows()))), volume(system) {}
+  HeldSystem(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule, const std::vector<const HeldRegion*>& held)
+      : system(RefsOf(keys), faces, RowsOf(ConstraintsOf(held), static_cast<int>(keys[0].rows()))),
+        volume(system),
+        rows(keys, system, schedule, held) {}
 
   static Constraints ConstraintsOf(const std::vector<const HeldRegion*>& held) {
     Constraints constraints;
@@ -98,7 +73,7 @@ struct HeldSystem {
 
   PoissonSystem system;
   VolumeCorrection volume;
-  std::unique_ptr<RowPaths> rows;
+  RowPaths rows;
 };
 
 /// Volumes of closed parts on their way through the keys.
@@ -164,28 +139,42 @@ struct KeySource::Impl {
     const std::vector<const HeldRegion*> held = HeldIn(span);
     std::unique_ptr<HeldSystem>& system = systems[held];
     if (!system) {
-      system = std::make_unique<HeldSystem>(keys, faces, held);
+      system = std::make_unique<HeldSystem>(keys, faces, schedule, held);
       for (const std::string& row : system->system.dropped_rows()) notes.push_back("'" + row + "' follows from other held places");
     }
     return *system;
   }
 
-  /// Table and volume, after the solve.
+  /// Volume and table, after the solve.
   std::vector<ComputedFrame> Finish(const HeldSystem& held, int span, const std::vector<double>& ways, std::vector<PointsX3> points) const {
     std::vector<ComputedFrame> frames(ways.size());
-    std::vector<std::vector<int>> on_table(ways.size());
-    for (std::size_t i = 0; i < ways.size() && rules.table_height; ++i) {
-      const double height = (1 - ways[i]) * lowest[span] + ways[i] * lowest[span + 1];
-      on_table[i] = held.system.LiftToFloor(points[i], {height, {}});
-      frames[i].on_table = static_cast<int>(on_table[i].size());
-    }
     const std::vector<PointsX3> directions = rules.keep_volume ? held.volume.Directions(RefsOf(points)) : std::vector<PointsX3>();
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      if (rules.keep_volume)
-        frames[i].volume_move = held.volume.Apply(points[i], directions[i], volumes.At(span, ways[i]), on_table[i]).largest_move;
+    ParallelFor(static_cast<std::int64_t>(ways.size()), [&](std::int64_t i) {
       frames[i].points = std::move(points[i]);
-    }
+      if (rules.keep_volume)
+        frames[i].volume_move = held.volume.Apply(frames[i].points, directions[i], volumes.At(span, ways[i])).largest_move;
+      if (rules.table_height) KeepAbove(held, span, ways[i], frames[i]);
+    });
     return frames;
+  }
+
+  /// Lifted vertices change the volume, and volume may push others down: a few rounds, of which each holds what the last one lifted.
+  void KeepAbove(const HeldSystem& held, int span, double way, ComputedFrame& frame) const {
+    const Floor table{(1 - way) * lowest[span] + way * lowest[span + 1], {}};
+    std::vector<int> held_up;
+    for (int round = 0; round < 4; ++round) {
+      const std::vector<int> now = held.system.LiftToFloor(frame.points, table);
+      std::vector<int> all;
+      std::set_union(held_up.begin(), held_up.end(), now.begin(), now.end(), std::back_inserter(all));
+      const bool same = all.size() == held_up.size();
+      held_up = std::move(all);
+      if (same || !rules.keep_volume) break;
+      const PointsX3 direction = held.volume.Direction(frame.points);
+      const auto result = held.volume.Apply(frame.points, direction, volumes.At(span, way), held_up);
+      frame.volume_move = std::max(frame.volume_move, result.largest_move);
+    }
+    const double touching = table.height + 1e-9 * (1 + std::abs(table.height));
+    frame.on_table = static_cast<int>((frame.points.col(2).array() <= touching).count());
   }
 
   std::vector<PointsX3> keys;
@@ -206,18 +195,12 @@ KeySource::~KeySource() = default;
 std::vector<ComputedFrame> KeySource::At(int span, const std::vector<double>& ways) {
   Impl& s = *impl_;
   HeldSystem& held = s.SystemOf(span);
-  if (!held.rows) held.rows = std::make_unique<RowPaths>(s.keys, held.system, s.schedule, s.HeldIn(span), *s.paths);
-  const int count = static_cast<int>(ways.size());
-  EdgeBatch edges(s.faces.rows(), count);
-  ParallelFor(
-      s.faces.rows(),
-      [&](std::int64_t f) {
-        for (int i = 0; i < count; ++i) edges.Set(f, i, s.paths->EdgesAt(span, ways[i], f));
-      },
-      256);
+  EdgeBatch edges(s.faces.rows(), static_cast<int>(ways.size()));
+  s.paths->Evaluate(span, ways, edges);
   std::vector<RowTargets> targets;
-  for (const double way : ways) targets.push_back(held.rows->At(span, way));
-  return s.Finish(held, span, ways, held.system.Solve(edges, targets));
+  std::vector<Eigen::Matrix3d> turns;
+  for (const double way : ways) targets.push_back(held.rows.At(span, way, *s.paths)), turns.push_back(s.paths->BodyTurn(span, way));
+  return s.Finish(held, span, ways, held.system.Solve(edges, targets, turns));
 }
 
 SourceReport KeySource::report() const {

@@ -58,8 +58,8 @@ class Reader {
 
   std::vector<TurnOverride> TurnsOf(const Span& span) const {
     std::vector<TurnOverride> overrides;
-    for (const auto& [region, turns] : span.turns)
-      if (turns != 0) overrides.push_back({region, FacesOf(region), turns});
+    for (const auto& [region, turn] : span.turns)
+      if (turn.turns != 0) overrides.push_back({region, FacesOf(region), turn.turns, turn.axis});
     return overrides;
   }
 

@@ -1,13 +1,16 @@
 #include "interpolate/sequence.h"
 
+#include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "interpolate/arap.h"
+#include "interpolate/key_source.h"
 #include "interpolate/paper_arap.h"
+#include "interpolate/volumetric.h"
 
 namespace keypose::interpolation {
 
@@ -28,8 +31,9 @@ Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
   return s;
 }
 
-void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces) {
+void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule) {
   if (keys.size() < 2) throw InputError("interpolate: needs at least two keys");
+  if (schedule.spans.size() + 1 != keys.size()) throw InputError("interpolate: the schedule is one of another number of keys");
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (keys[k].rows() != keys[0].rows())
       throw InputError("interpolate: key " + std::to_string(k) + " has " + std::to_string(keys[k].rows()) + " vertices, the first has " +
@@ -39,87 +43,210 @@ void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces) {
     mesh.faces = faces;
     RequireUsable(mesh, "interpolate: key " + std::to_string(k));
   }
+  if (schedule.loop && keys.front() != keys.back())
+    throw InputError(
+        "interpolate: the timeline loops, but its last key is another pose than its first; end it with the first pose again, at "
+        "the time when the loop closes");
 }
 
-std::vector<PointsX3> InBetweens(const PointsX3& v, const PointsX3& u, const FacesX3& faces, const std::vector<double>& times,
-                                 Method method, Sequence& sequence) {
-  std::vector<PointsX3> frames;
-  if (times.empty()) return frames;
-  if (method == Method::kArap) {
-    const ArapInterpolator arap(v, u, faces);
-    sequence.degenerate_faces = std::max(sequence.degenerate_faces, arap.degenerate_faces());
-    sequence.largest_turn = std::max(sequence.largest_turn, arap.largest_turn());
-    return arap.At(times);
+/// Methods that know two keys at a time; only the current span's interpolator is held.
+template <class Interpolator>
+class PairSource : public FrameSource {
+ public:
+  PairSource(std::vector<PointsX3> keys, FacesX3 faces) : keys_(std::move(keys)), faces_(std::move(faces)) {}
+
+  std::vector<ComputedFrame> At(int span, const std::vector<double>& ways) override {
+    if (span != span_) {
+      current_.reset();
+      current_.emplace(Make(keys_[span], keys_[span + 1], faces_));
+      span_ = span;
+      Gather(*current_, report_);
+    }
+    return Compute(*current_, ways);
   }
-  if (method == Method::kPaper) {
-    const PaperInterpolator paper(v, u, faces);
-    for (double t : times) frames.push_back(paper.At(t));
+  SourceReport report() const override { return report_; }
+
+ protected:
+  virtual Interpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const = 0;
+  virtual std::vector<ComputedFrame> Compute(const Interpolator& interpolator, const std::vector<double>& ways) const = 0;
+  virtual void Gather(const Interpolator&, SourceReport&) const {}
+
+ private:
+  std::vector<PointsX3> keys_;
+  FacesX3 faces_;
+  std::optional<Interpolator> current_;
+  int span_ = -1;
+  SourceReport report_;
+};
+
+struct StraightLines {
+  PointsX3 v, u;
+};
+
+class LinearSource final : public PairSource<StraightLines> {
+ public:
+  using PairSource::PairSource;
+
+ protected:
+  StraightLines Make(const PointsX3& v, const PointsX3& u, const FacesX3&) const override { return {v, u}; }
+  std::vector<ComputedFrame> Compute(const StraightLines& lines, const std::vector<double>& ways) const override {
+    std::vector<ComputedFrame> frames;
+    for (const double way : ways) frames.push_back({InterpolateLinearly(lines.v, lines.u, way), 0, 0});
     return frames;
   }
-  for (double t : times) frames.push_back(InterpolateLinearly(v, u, t));
-  return frames;
+};
+
+/// Two keys and no rules but the volume: the fast way.
+class ArapPairSource final : public PairSource<ArapInterpolator> {
+ public:
+  ArapPairSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Rules& rules) : PairSource(keys, faces) {
+    options_.correct_volume = rules.keep_volume;
+    options_.turn_overrides = rules.turns.front();
+  }
+
+ protected:
+  ArapInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override { return {v, u, faces, options_}; }
+  std::vector<ComputedFrame> Compute(const ArapInterpolator& arap, const std::vector<double>& ways) const override {
+    std::vector<FrameFacts> facts;
+    std::vector<PointsX3> points = arap.At(ways, &facts);
+    std::vector<ComputedFrame> frames;
+    for (std::size_t i = 0; i < ways.size(); ++i) frames.push_back({std::move(points[i]), facts[i].volume_move, 0});
+    return frames;
+  }
+  void Gather(const ArapInterpolator& arap, SourceReport& report) const override {
+    const ArapReport& one = arap.report();
+    report.degenerate_faces = one.degenerate_faces;
+    report.largest_turn = one.turns.largest_turn;
+    report.largest_remainder = one.turns.largest_remainder;
+    report.torn_edges = one.turns.torn_edges;
+    report.loops_that_do_not_close = one.turns.loops_that_do_not_close;
+    report.differential = one.turns.differential;
+  }
+
+ private:
+  ArapOptions options_;
+};
+
+class PaperSource final : public PairSource<PaperInterpolator> {
+ public:
+  using PairSource::PairSource;
+
+ protected:
+  PaperInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override { return {v, u, faces}; }
+  std::vector<ComputedFrame> Compute(const PaperInterpolator& paper, const std::vector<double>& ways) const override {
+    std::vector<ComputedFrame> frames;
+    for (const double way : ways) frames.push_back({paper.At(way), 0, 0});
+    return frames;
+  }
+};
+
+class VolumetricSource final : public PairSource<VolumetricInterpolator> {
+ public:
+  VolumetricSource(const std::vector<PointsX3>& keys, const FacesX3& faces, bool keep_volume)
+      : PairSource(keys, faces), keep_volume_(keep_volume) {}
+
+ protected:
+  VolumetricInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override {
+    VolumetricOptions options;
+    options.keep_volume = keep_volume_;
+    return {v, u, faces, options};
+  }
+  std::vector<ComputedFrame> Compute(const VolumetricInterpolator& solid, const std::vector<double>& ways) const override {
+    std::vector<ComputedFrame> frames;
+    for (PointsX3& points : solid.At(ways)) frames.push_back({std::move(points), 0, 0});
+    return frames;
+  }
+  void Gather(const VolumetricInterpolator& solid, SourceReport& report) const override {
+    const VolumetricReport& one = solid.report();
+    report.tetrahedra = std::max(report.tetrahedra, one.tetrahedra);
+    report.largest_turn = std::max(report.largest_turn, one.largest_turn);
+    report.largest_tear = std::max(report.largest_tear, one.largest_tear);
+    if (!one.note.empty()) report.notes.push_back(one.note);
+  }
+
+ private:
+  bool keep_volume_;
+};
+
+/// Frames of one span that are computed together: from `first`, those that are neither keys nor repeated.
+std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
+  std::vector<int> batch;
+  const int span = schedule.frames[first].span;
+  for (int f = first; f < static_cast<int>(schedule.frames.size()) && static_cast<int>(batch.size()) < most; ++f) {
+    const PlannedFrame& frame = schedule.frames[f];
+    if (frame.span != span || (frame.key >= 0 && f > first)) break;
+    if (frame.key < 0 && frame.same_as < 0) batch.push_back(f);
+  }
+  return batch;
+}
+
+/// About 100 MiB of right-hand sides and results, and no more than what one pass through the factor is good for.
+int BatchSize(Eigen::Index vertices) {
+  return static_cast<int>(std::clamp<Eigen::Index>(2'000'000 / std::max<Eigen::Index>(vertices, 1), 1, 16));
 }
 
 }  // namespace
 
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align) {
   std::vector<PointsX3> aligned = keys;
-  for (std::size_t k = 1; k < keys.size() && align != AlignKeys::kNone; ++k)
-    aligned[k] = Transformed(
-        align == AlignKeys::kUpright ? FitUpright(keys[k], keys[0]) : FitSimilarity(keys[k], keys[0], {}, align == AlignKeys::kSimilarity),
-        keys[k]);
+  for (std::size_t k = 1; k < keys.size() && align != AlignKeys::kNone; ++k) {
+    // A pose that comes again has the bits that it had, so that it can stand still and loops can close.
+    const auto before = std::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k]);
+    if (before - keys.begin() < static_cast<std::ptrdiff_t>(k))
+      aligned[k] = aligned[static_cast<std::size_t>(before - keys.begin())];
+    else if (keys[k].rows() == keys[0].rows())
+      aligned[k] = Transformed(align == AlignKeys::kUpright ? FitUpright(keys[k], keys[0])
+                                                            : FitSimilarity(keys[k], keys[0], {}, align == AlignKeys::kSimilarity),
+                               keys[k]);
+  }
   return aligned;
 }
 
-Sequence Interpolate(const std::vector<PointsX3>& keys, const FacesX3& faces, const std::vector<int>& in_betweens, Method method,
-                     Progress* progress) {
-  CheckKeys(keys, faces);
-  if (in_betweens.size() + 1 != keys.size()) throw InputError("interpolate: one number of in-betweens is needed for each pair of keys");
-  Sequence sequence;
-  for (std::size_t s = 0; s + 1 < keys.size(); ++s) {
-    Step(progress, static_cast<double>(s) / static_cast<double>(in_betweens.size()), "frames between keys");
-    std::vector<double> times;
-    for (int k = 1; k <= in_betweens[s]; ++k) times.push_back(static_cast<double>(k) / (in_betweens[s] + 1));
-    const std::vector<PointsX3> between = InBetweens(keys[s], keys[s + 1], faces, times, method, sequence);
-    const int segment = static_cast<int>(s);
-    sequence.key_frames.push_back(static_cast<int>(sequence.frames.size()));
-    sequence.frames.push_back({segment, 0, keys[s], keys[s]});
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      if (!between[k].allFinite())
-        throw SolverError("interpolate: frame at t = " + std::to_string(times[k]) + " after key " + std::to_string(s) + " is not finite");
-      sequence.frames.push_back({segment, times[k], between[k], InterpolateLinearly(keys[s], keys[s + 1], times[k])});
-    }
+std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+                                             Method method, const Rules& rules) {
+  CheckKeys(keys, faces, schedule);
+  switch (method) {
+    case Method::kPaper:
+      return std::make_unique<PaperSource>(keys, faces);
+    case Method::kLinear:
+      return std::make_unique<LinearSource>(keys, faces);
+    case Method::kVolumetric:
+      return std::make_unique<VolumetricSource>(keys, faces, rules.keep_volume);
+    default:
+      if (keys.size() == 2 && !AnySmooth(schedule) && rules.held.empty() && !rules.table_height && rules.log_volume.empty())
+        return std::make_unique<ArapPairSource>(keys, faces, rules);
+      return std::make_unique<KeySource>(keys, faces, schedule, rules);
   }
-  sequence.key_frames.push_back(static_cast<int>(sequence.frames.size()));
-  sequence.frames.push_back({static_cast<int>(keys.size()) - 2, 1, keys.back(), keys.back()});
-  return sequence;
 }
 
-std::vector<int> InBetweensFromTimeline(const std::string& text, const std::string& name, int key_count) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded() || !json.is_object() || !json.contains("keys") || !json["keys"].is_array())
-    throw InputError(name + ": not a timeline; write {\"schema\":1,\"fps\":24,\"keys\":[{\"pose\":\"rest\",\"time\":0},...]}");
-  if (!json.contains("fps") || !json["fps"].is_number() || !(json["fps"].get<double>() > 0))
-    throw InputError(name + ": fps must be a number above 0");
-  const auto& keys = json["keys"];
-  if (static_cast<int>(keys.size()) != key_count)
-    throw InputError(name + ": has " + std::to_string(keys.size()) + " keys, but " + std::to_string(key_count) + " key meshes were given");
-  std::vector<double> times;
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (!keys[k].is_object() || !keys[k].contains("time") || !keys[k]["time"].is_number() || !std::isfinite(keys[k]["time"].get<double>()))
-      throw InputError(name + ": key " + std::to_string(k) + " has no time in seconds");
-    times.push_back(keys[k]["time"].get<double>());
+void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,
+                  const std::function<void(const FrameView&)>& take, Progress* progress) {
+  const int count = static_cast<int>(schedule.frames.size()), most = BatchSize(keys[0].rows());
+  std::vector<ComputedFrame> batch;  // of the frames not yet given away, last first
+  ComputedFrame shown;               // what repeated frames repeat
+  for (int f = 0; f < count; ++f) {
+    const PlannedFrame& plan = schedule.frames[f];
+    if (plan.same_as < 0) {
+      Step(progress, static_cast<double>(f) / count, "frames between keys");
+      if (plan.key >= 0) {
+        shown = {keys[plan.key], 0, 0};
+      } else {
+        if (batch.empty()) {
+          const std::vector<int> next = NextBatch(schedule, f, most);
+          std::vector<double> ways;
+          for (const int i : next) ways.push_back(schedule.frames[i].way);
+          batch = source.At(plan.span, ways);
+          std::reverse(batch.begin(), batch.end());
+        }
+        shown = std::move(batch.back());
+        batch.pop_back();
+        if (!shown.points.allFinite())
+          throw SolverError("interpolate: frame " + std::to_string(f) + ", between keys " + std::to_string(plan.span) + " and " +
+                            std::to_string(plan.span + 1) + ", is not finite");
+      }
+    }
+    take({f, plan, shown.points, shown.volume_move, shown.on_table});
   }
-  const double fps = json["fps"].get<double>();
-  std::vector<int> in_betweens;
-  for (std::size_t k = 0; k + 1 < times.size(); ++k) {
-    const double frames = std::round((times[k + 1] - times[0]) * fps) - std::round((times[k] - times[0]) * fps);
-    if (!(frames >= 1) || frames > 1e6)
-      throw InputError(name + ": key " + std::to_string(k + 1) +
-                       " must come at least one frame, and at most a million, after the key before it");
-    in_betweens.push_back(static_cast<int>(frames) - 1);
-  }
-  return in_betweens;
 }
 
 }  // namespace keypose::interpolation

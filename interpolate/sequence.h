@@ -1,42 +1,76 @@
-// Frames through several keys on a timeline, and what they do to area and volume.
+// Frames through any number of keys on a schedule, one by one.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/mesh.h"
 #include "core/progress.h"
+#include "interpolate/rules.h"
+#include "interpolate/timeline.h"
 
 namespace keypose::interpolation {
 
-enum class Method { kArap, kPaper, kLinear };
 enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 
-/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a translation. kNone changes nothing.
+/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a translation. kNone changes nothing. A pose
+/// that comes twice has the same bits each time, and the first key its own.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 
-struct Frame {
-  int segment = 0;          ///< between keys segment and segment + 1
-  double t = 0;             ///< 0 at the segment's first key, 1 at its second
-  PointsX3 points, linear;  ///< of the method, and of straight lines for comparison
+/// One frame as a source computes it.
+struct ComputedFrame {
+  PointsX3 points;
+  double volume_move = 0;  ///< largest way of a vertex by the volume correction
+  int on_table = 0;        ///< vertices that touch the table
 };
 
-struct Sequence {
-  std::vector<Frame> frames;
-  std::vector<int> key_frames;  ///< frame of each key; that frame has the key's own bits
-  int degenerate_faces = 0;     ///< most, of any segment
-  double largest_turn = 0;      ///< of any face [rad]
+/// What a source can tell of itself once frames were computed.
+struct SourceReport {
+  int degenerate_faces = 0;         ///< most, of any span; so too below
+  double largest_turn = 0;          ///< of any face or tetrahedron relative to the body [rad]
+  double largest_remainder = 0;     ///< [rad]
+  double largest_tear = 0;          ///< volumetric only: how far neighbours' turns part [rad]
+  int torn_edges = 0;               ///< neighbouring faces that part on the way by over 0.5 rad more than at the keys
+  int loops_that_do_not_close = 0;  ///< of these, such as only a ring turned inside itself has
+  bool differential = false;        ///< a span had no consistent rotation vectors
+  int tetrahedra = 0;
+  std::vector<std::string> notes;  ///< for a person
 };
 
-/// @param in_betweens  one number >= 0 for each pair of neighbouring keys
-/// @throws InputError   fewer than two keys, keys of other sizes, unusable mesh
-/// @throws SolverError, Cancelled
-Sequence Interpolate(const std::vector<PointsX3>& keys, const FacesX3& faces, const std::vector<int>& in_betweens, Method method,
-                     Progress* progress = nullptr);
+/// Computes moments between keys.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// @param ways  shares of the span's way, not 0 or 1: keys are their own frames
+  virtual std::vector<ComputedFrame> At(int span, const std::vector<double>& ways) = 0;
+  virtual SourceReport report() const { return {}; }
+};
 
-/// Keys on a timeline: {"schema":1,"fps":24,"keys":[{"pose":"rest","time":0.0},...]}, one entry for each key, in order.
-/// @return in-betweens of each pair: frames between them at `fps`, minus one
-/// @throws InputError  malformed, another number of keys, times that do not rise by at least a frame; names the key
-std::vector<int> InBetweensFromTimeline(const std::string& json, const std::string& name, int key_count);
+enum class Method { kArap, kPaper, kLinear, kVolumetric };
+
+/// @param keys   two or more with the same faces, as many as the schedule's
+/// @param rules  kArap keeps all of them, kVolumetric the volume; kPaper and kLinear none
+/// @throws InputError   other numbers of vertices (named), unusable mesh, a loop whose last key is not its first
+/// @throws SolverError
+std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+                                             Method method, const Rules& rules);
+
+/// A frame on its way out. `points` lives until the next frame.
+struct FrameView {
+  int index = 0;
+  const PlannedFrame& plan;
+  const PointsX3& points;
+  double volume_move = 0;
+  int on_table = 0;
+};
+
+/// Calls `take` for every frame of the schedule in order. Keys come with their own bits, repeated frames with those that they repeat. Holds
+/// one batch of frames in memory (about 16, fewer of large meshes), however long the schedule is.
+/// @throws SolverError  a frame that is not finite
+/// @throws Cancelled, and whatever `take` throws
+void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,
+                  const std::function<void(const FrameView&)>& take, Progress* progress = nullptr);
 
 }  // namespace keypose::interpolation

@@ -35,4 +35,12 @@ KeyMeeting MeetingAt(const Schedule& schedule, int key) {
   return meeting;
 }
 
+bool AnySmooth(const Schedule& schedule) {
+  for (int key = 0; key <= static_cast<int>(schedule.spans.size()); ++key) {
+    const KeyMeeting meeting = MeetingAt(schedule, key);
+    if (meeting.before != Meeting::kFree || meeting.after != Meeting::kFree) return true;
+  }
+  return false;
+}
+
 }  // namespace keypose::interpolation

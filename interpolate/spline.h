@@ -62,6 +62,9 @@ struct KeyMeeting {
 };
 KeyMeeting MeetingAt(const Schedule& schedule, int key);
 
+/// Whether any span is to be smoothed at all.
+bool AnySmooth(const Schedule& schedule);
+
 /// Velocities at the ends of spans that make a quantity's path C1 in time, given the spans' own.
 ///
 /// @param own   velocities that each span's own path has at its ends, per way; for straight ways both are the difference of the keys

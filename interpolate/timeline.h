@@ -15,7 +15,7 @@ struct Span {
   int hold = 0;    ///< frames that the first key stands before
   Travel travel = Travel::kSmooth;
   Ease ease;
-  std::map<std::string, int> turns;  ///< region -> whole turns added
+  std::map<std::string, TimelineTurn> turns;  ///< by region
 };
 
 struct PlannedFrame {

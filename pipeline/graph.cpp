@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/errors.h"
@@ -47,13 +46,6 @@ std::vector<std::string> PoseOrder(const PipelineFile& file, const std::string& 
   }
   for (const PoseRule& pose : file.poses) add(pose.name);
   return order;
-}
-
-std::string TimelineJson(const PipelineFile& file) {
-  if (file.timeline.empty() || !file.timeline[0].at_s) return "";
-  nlohmann::json keys = nlohmann::json::array();
-  for (const TimelineKey& key : file.timeline) keys.push_back({{"pose", key.pose.text}, {"time", *key.at_s}});
-  return nlohmann::json{{"schema", 1}, {"fps", file.fps}, {"keys", keys}}.dump(1);
 }
 
 void CheckOptionSteps(const PipelineFile& file, const StepOptionSettings& options) {
@@ -113,7 +105,7 @@ class GraphBuilder {
     graph_.name_given = file_.name.has_value();
     graph_.name = file_.name ? file_.name->text : places_.project.filename().string();
     graph_.poses = PoseOrder(file_, graph_.template_pose);
-    graph_.timeline_json = TimelineJson(file_);
+    graph_.timeline_json = file_.timeline_json;
     for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
     if (graph_.keys.empty()) graph_.keys = graph_.poses;
     CheckOptionSteps(file_, file_.options);

@@ -60,7 +60,7 @@ struct Graph {
   std::string template_pose;
   std::vector<std::string> poses;  ///< template first, then in the order of the timeline, then of the file
   std::vector<std::string> keys;   ///< poses as the timeline has them, repeats included; `poses` without a timeline
-  std::string timeline_json;       ///< what $timeline holds; empty when the keys have no times
+  std::string timeline_json;       ///< what $timeline holds; empty when the timeline says no more than the order of poses
   std::vector<Step> steps;         ///< each after all that it needs
 
   /// Steps that a person means by STEP or STEP/POSE, ascending. @throws UsageError  none, with the nearest

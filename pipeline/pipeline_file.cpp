@@ -9,7 +9,9 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/io/timeline.h"
 #include "pipeline/stage_info.h"
+#include "pipeline/timeline_yaml.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -113,6 +115,7 @@ class Reader {
     return fps;
   }
 
+  /// Pose and time; the rest is for those who read the timeline, and checked by CheckTimeline.
   TimelineKey Key(const YAML::Node& node) const {
     if (node.IsScalar()) return {Text(node, "timeline"), std::nullopt};
     TimelineKey key;
@@ -121,18 +124,31 @@ class Reader {
         key.pose = Text(value, "timeline pose");
       else if (field == "at")
         key.at_s = Number(value, "timeline 'at'");
-      else
-        Unknown(field_key, "a timeline key", {"pose", "at"});
+      else if (field == "time")
+        Unknown(field_key, "a timeline key", {"at"});
     });
     if (key.pose.text.empty()) Fail(node, "a timeline key needs a pose, as in `{pose: rest, at: 0}`");
     return key;
   }
 
+  /// The list of keys of a timeline in either form.
+  YAML::Node KeyList(const YAML::Node& node) const {
+    if (!node.IsMap()) return node;
+    YAML::Node keys;
+    Map(node, "the timeline", [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+      if (field == "keys") keys.reset(value);
+      if (field == "fps" || field == "schema") Fail(field_key, fmt::format("`{}` does not belong to the timeline", field));
+    });
+    if (!keys.IsDefined() || keys.IsNull()) Fail(node, "the timeline has no list `keys`");
+    return keys;
+  }
+
   std::vector<TimelineKey> Timeline(const YAML::Node& node) const {
-    if (!node.IsSequence()) Fail(node, "timeline must be a list of poses, as in `[rest, bent, rest]`");
-    if (node.size() < 2) Fail(node, "a timeline needs two keys or more");
+    const YAML::Node list = KeyList(node);
+    if (!list.IsSequence()) Fail(list, "timeline must be a list of poses, as in `[rest, bent, rest]`");
+    if (list.size() < 2) Fail(list, "a timeline needs two keys or more");
     std::vector<TimelineKey> keys;
-    for (const YAML::Node& item : node) {
+    for (const YAML::Node& item : list) {
       keys.push_back(Key(item));
       const TimelineKey* before = keys.size() > 1 ? &keys[keys.size() - 2] : nullptr;
       if (before && before->at_s.has_value() != keys.back().at_s.has_value()) Fail(item, "either all timeline keys have an 'at', or none");
@@ -140,6 +156,19 @@ class Reader {
         Fail(item, "timeline keys must come in the order of time, each later than the one before");
     }
     return keys;
+  }
+
+  /// Everything that a timeline can say is checked before anything runs.
+  std::string CheckedTimeline(const YAML::Node& node, double fps) const {
+    std::string json = TimelineJson(node, fps);
+    if (json.empty()) return json;
+    try {
+      ParseTimeline(json, "timeline");
+    } catch (const TimelineError& error) {
+      const YAML::Node list = KeyList(node);
+      Fail(error.key >= 0 ? list[static_cast<std::size_t>(error.key)] : node, error.what());
+    }
+    return json;
   }
 
   std::vector<Setting> References(const YAML::Node& node, const std::string& what) const {
@@ -222,13 +251,14 @@ class Reader {
 
   PipelineFile File(const YAML::Node& root) const {
     PipelineFile file;
+    YAML::Node timeline;
     Map(root, "the pipeline", [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
       if (field == "name")
         file.name = Text(value, field);
       else if (field == "template")
         file.template_pose = Text(value, field);
       else if (field == "timeline")
-        file.timeline = Timeline(value);
+        file.timeline = Timeline(value), timeline.reset(value);
       else if (field == "fps")
         file.fps = Fps(value);
       else if (field == "options")
@@ -244,6 +274,7 @@ class Reader {
       else
         Unknown(key, "the pipeline", {"name", "poses", "template", "timeline", "fps", "options", "steps"});
     });
+    if (!file.timeline.empty()) file.timeline_json = CheckedTimeline(timeline, file.fps);
     return file;
   }
 

@@ -76,6 +76,7 @@ struct PipelineFile {
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;
+  std::string timeline_json;  ///< all that it says, checked; empty when that is no more than the order of poses
   StepOptionSettings options;
 
   const StepRule* FindStep(const std::string& step) const;

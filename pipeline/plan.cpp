@@ -268,7 +268,7 @@ std::string Plan::RunJson(int i) const {
                      {"outputs", outputs},
                      {"inputs", inputs}});
   }
-  // The timeline as $timeline has it, or without times when the file gives none.
+  // The timeline as $timeline has it, or the order of poses when the file says no more.
   json timeline = graph_.timeline_json.empty() ? json{{"schema", 1}, {"keys", json::array()}} : json::parse(graph_.timeline_json);
   if (graph_.timeline_json.empty()) {
     for (const std::string& key : graph_.keys) timeline["keys"].push_back({{"pose", key}});

@@ -393,6 +393,31 @@ TEST(Rules, TimelineWithoutTimesOnlyOrdersTheKeys) {
   EXPECT_EQ(house.Out("animation/frame_1"), house.Out("rest/mesh.txt"));
 }
 
+TEST(Rules, EverythingThatATimelineSaysReachesTheStage) {
+  FakeHouse house;
+  house.WriteProject(
+      "poses: {rest: photos/rest, 'bent': photos/bent}\nfps: 12\n"
+      "timeline:\n  loop: true\n  step: 2\n  table: -0.5\n  regions: [{name: '7', center: [0, 0.5, 1e-1], radius: 2}]\n"
+      "  pins: [{region: 7}]\n"
+      "  keys:\n    - {pose: rest, at: 0, hold: 0.5, ease: [0.4, 0, 1, 1]}\n    - {pose: bent, at: 1, interpolation: stepped, turns: {7: "
+      "1}}\n"
+      "    - {pose: rest, at: 2}\n");
+  house.Run();
+  const auto timeline = nlohmann::json::parse(house.Out("animation/timeline"));
+  EXPECT_EQ(timeline, nlohmann::json::parse(R"({"schema": 2, "fps": 12.0, "loop": true, "step": 2, "table": -0.5,
+      "regions": [{"name": "7", "center": [0, 0.5, 0.1], "radius": 2}], "pins": [{"region": "7"}],
+      "keys": [{"pose": "rest", "time": 0, "hold": 0.5, "ease": [0.4, 0, 1, 1]},
+               {"pose": "bent", "time": 1, "interpolation": "stepped", "turns": {"7": 1}}, {"pose": "rest", "time": 2}]})"));
+  EXPECT_EQ(house.Out("animation/frame_2"), house.Out("rest/mesh.txt"));
+}
+
+TEST(Rules, KeysWithoutTimesMayStillHold) {
+  FakeHouse house;
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [{pose: bent, hold: 1}, rest]\n");
+  house.Run();
+  EXPECT_EQ(nlohmann::json::parse(house.Out("animation/timeline"))["keys"][0]["hold"], 1);
+}
+
 TEST(Rules, FramesPerSecondReachAnOptionThatNamesThem) {
   FakeHouse house;
   house.WriteProject("poses: {rest: photos/rest}\nfps: 12\nsteps: {shape: {options: {depth: $fps}}}\n");

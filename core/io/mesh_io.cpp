@@ -340,6 +340,23 @@ void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& materi
   WriteFile(path, ObjText(mesh, library.filename().string()));
 }
 
+PlyFrames::PlyFrames(const Mesh& mesh) {
+  Mesh frame = mesh;
+  frame.normals.resize(0, 3);  // they would be another frame's
+  bytes_ = PlyBytes(frame);
+  constexpr std::string_view kEnd = "end_header\n";
+  vertices_at_ = bytes_.find(kEnd) + kEnd.size();
+  std::string vertex;
+  if (frame.points.rows() > 0) PutVertex(vertex, frame, 0);
+  vertex_bytes_ = vertex.size();
+}
+
+void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    std::memcpy(bytes_.data() + vertices_at_ + static_cast<std::size_t>(v) * vertex_bytes_, points.data() + 3 * v, 3 * sizeof(double));
+  WriteFile(path, bytes_);
+}
+
 PointCloud ReadPointCloud(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("point cloud " + path.string() + " does not exist");
   const PlyTable table = ReadPly(path);

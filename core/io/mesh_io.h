@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "core/mesh.h"
 
@@ -17,6 +18,18 @@ Mesh ReadMesh(const std::filesystem::path& path);
 /// An OBJ with UVs names `material_texture` in an .mtl beside it when that is given.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh, const std::string& material_texture = "");
+
+/// Writes many frames of one connectivity as PLY: everything but the positions is made once. The bytes are those of WriteMesh.
+class PlyFrames {
+ public:
+  explicit PlyFrames(const Mesh& mesh);
+  /// @pre as many points as the mesh @throws DiskError
+  void Write(const std::filesystem::path& path, const PointsX3& points);
+
+ private:
+  std::string bytes_;
+  std::size_t vertices_at_ = 0, vertex_bytes_ = 0;
+};
 
 /// PLY points with nx ny nz, red green blue and confidence where present. @throws as ReadMesh
 PointCloud ReadPointCloud(const std::filesystem::path& path);

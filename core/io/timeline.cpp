@@ -101,6 +101,7 @@ class Fields {
   }
 
   const std::string& where() const { return where_; }
+  int key() const { return key_; }
 
  private:
   const json& object_;
@@ -137,6 +138,27 @@ std::optional<Ease> TakeEase(Fields& fields) {
   return ease;
 }
 
+TimelineTurn TakeTurn(Fields& fields, const std::string& region, const json& value) {
+  const auto whole = [](const json& v) { return v.is_number_integer() && std::abs(v.get<double>()) <= 100; };
+  if (whole(value)) return {value.get<int>(), Eigen::Vector3d::Zero()};
+  if (!value.is_object())
+    fields.Fail("turns", fmt::format("gives region '{}' {}, but turns are whole numbers from -100 to 100", region, Shown(value)));
+  Fields turn(value, fmt::format("{}: turns of '{}'", fields.where(), region), fields.key());
+  const auto count = turn.Whole("turns", -100, 100);
+  const auto axis = turn.Point("axis");
+  turn.Done();
+  if (!count) turn.Fail("say no number of turns, as in {\"turns\": 1, \"axis\": [0, 0, 1]}");
+  if (axis && !(axis->norm() > 0)) turn.Fail("axis", "has no length");
+  return {*count, axis.value_or(Eigen::Vector3d::Zero())};
+}
+
+void TakeTurns(Fields& fields, TimelineKey& key) {
+  const json* turns = fields.Take("turns");
+  if (!turns) return;
+  if (!turns->is_object()) fields.Fail("turns", "must name regions and whole turns, as in {\"propeller\": 1}");
+  for (const auto& [region, value] : turns->items()) key.turns[region] = TakeTurn(fields, region, value);
+}
+
 /// What a key's span does unless the key says otherwise.
 struct SpanDefaults {
   Travel travel = Travel::kSmooth;
@@ -144,23 +166,16 @@ struct SpanDefaults {
   int step = 1;
 };
 
-TimelineKey TakeKey(Fields& fields, const SpanDefaults& defaults, const std::string& time_field, bool extended) {
+TimelineKey TakeKey(Fields& fields, const SpanDefaults& defaults, bool extended) {
   TimelineKey key;
   key.pose = fields.Text("pose").value_or("");
-  key.time_s = fields.Number(time_field, -1e7, 1e7);
+  key.time_s = fields.Number("time", -1e7, 1e7);
   if (!extended) return key;
   key.hold_s = fields.Number("hold", 0, 1e7).value_or(0);
   key.travel = TakeTravel(fields).value_or(defaults.travel);
   key.ease = TakeEase(fields).value_or(defaults.ease);
   key.step = fields.Whole("step", 1, 1000).value_or(defaults.step);
-  if (const json* turns = fields.Take("turns")) {
-    if (!turns->is_object()) fields.Fail("turns", "must name regions and whole turns, as in {\"propeller\": 1}");
-    for (const auto& [region, value] : turns->items()) {
-      if (!value.is_number_integer() || std::abs(value.get<double>()) > 100)
-        fields.Fail("turns", fmt::format("gives region '{}' {}, but turns are whole numbers from -100 to 100", region, Shown(value)));
-      key.turns[region] = value.get<int>();
-    }
-  }
+  TakeTurns(fields, key);
   return key;
 }
 
@@ -236,17 +251,17 @@ std::string KeyName(const std::string& source, std::size_t index, const std::str
   return fmt::format("{}: key {}{}", source, index, pose.empty() ? "" : " ('" + pose + "')");
 }
 
-void CheckTimes(const Timeline& timeline, const std::string& source, const std::string& time_field) {
+void CheckTimes(const Timeline& timeline, const std::string& source) {
   for (std::size_t k = 0; k < timeline.keys.size(); ++k) {
     const TimelineKey& key = timeline.keys[k];
     const auto fail = [&](const std::string& field, const std::string& message) {
       throw TimelineError(fmt::format("{}: field '{}' {}", KeyName(source, k, key.pose), field, message), static_cast<int>(k));
     };
-    if (key.time_s.has_value() != timeline.has_times()) fail(time_field, "is missing, or others have none: all keys have a time, or none");
+    if (key.time_s.has_value() != timeline.has_times()) fail("time", "is missing, or others have none: all keys have a time, or none");
     if (k == 0 || !key.time_s) continue;
     const TimelineKey& before = timeline.keys[k - 1];
     if (!(*key.time_s > *before.time_s))
-      fail(time_field, fmt::format("is {:g} s, which does not come after the key before it, at {:g} s", *key.time_s, *before.time_s));
+      fail("time", fmt::format("is {:g} s, which does not come after the key before it, at {:g} s", *key.time_s, *before.time_s));
     if (*before.time_s + before.hold_s > *key.time_s)
       throw TimelineError(fmt::format("{}: field 'hold' is {:g} s, but the next key comes {:g} s later",
                                       KeyName(source, k - 1, before.pose), before.hold_s, *key.time_s - *before.time_s),
@@ -271,16 +286,15 @@ void CheckRegionNames(const Timeline& timeline, const std::string& source) {
       check(region, KeyName(source, k, timeline.keys[k].pose) + ": field 'turns'", static_cast<int>(k));
 }
 
-void TakeKeys(Fields& fields, const std::string& source, const std::string& time_field, const SpanDefaults& defaults, bool extended,
-              Timeline& timeline) {
+void TakeKeys(Fields& fields, const std::string& source, const SpanDefaults& defaults, bool extended, Timeline& timeline) {
   const json* keys = fields.Take("keys");
-  if (!keys || !keys->is_array()) fields.Fail("has no list `keys`, as in \"keys\": [{\"pose\": \"rest\", \"" + time_field + "\": 0}, ...]");
+  if (!keys || !keys->is_array()) fields.Fail("has no list `keys`, as in \"keys\": [{\"pose\": \"rest\", \"time\": 0}, ...]");
   for (std::size_t k = 0; k < keys->size(); ++k) {
     const json& entry = (*keys)[k];
     std::string pose;
     if (entry.is_object() && entry.contains("pose") && entry["pose"].is_string()) pose = entry["pose"];
     Fields key(entry, KeyName(source, k, pose), static_cast<int>(k));
-    timeline.keys.push_back(TakeKey(key, defaults, time_field, extended));
+    timeline.keys.push_back(TakeKey(key, defaults, extended));
     key.Done();
   }
   if (timeline.keys.size() < 2) fields.Fail("needs two keys or more");
@@ -301,7 +315,7 @@ const TimelineRegion* Timeline::FindRegion(const std::string& name) const {
   return nullptr;
 }
 
-Timeline ParseTimeline(const std::string& text, const std::string& source, const std::string& time_field) {
+Timeline ParseTimeline(const std::string& text, const std::string& source) {
   const json root = json::parse(text, nullptr, false);
   if (root.is_discarded() || !root.is_object())
     throw TimelineError(source + ": not a timeline; write {\"schema\": 2, \"fps\": 24, \"keys\": [{\"pose\": \"rest\", \"time\": 0}, ...]}",
@@ -322,9 +336,9 @@ Timeline ParseTimeline(const std::string& text, const std::string& source, const
     defaults.step = fields.Whole("step", 1, 1000).value_or(1);
     TakeConstraints(fields, timeline);
   }
-  TakeKeys(fields, source, time_field, defaults, extended, timeline);
+  TakeKeys(fields, source, defaults, extended, timeline);
   fields.Done();
-  CheckTimes(timeline, source, time_field);
+  CheckTimes(timeline, source);
   CheckRegionNames(timeline, source);
   return timeline;
 }

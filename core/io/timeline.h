@@ -28,15 +28,22 @@ struct Ease {
 /// `from` names of an Ease: linear, ease, in, out, in-out (the curves that CSS gives these names).
 std::optional<Ease> EaseNamed(const std::string& name);
 
+/// Whole turns of a region beyond its shortest way.
+struct TimelineTurn {
+  int turns = 0;                                   ///< right-handed about the axis
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the first key of the span; zero: the axis of the region's own turn
+  bool operator==(const TimelineTurn&) const = default;
+};
+
 /// A key, and the span that begins with it.
 struct TimelineKey {
-  std::string pose;                  ///< for messages; may be empty
-  std::optional<double> time_s;      ///< all keys have one, or none
-  double hold_s = 0;                 ///< the key stands so long before its span begins
-  Travel travel = Travel::kSmooth;   ///< of the span
-  Ease ease;                         ///< of the span
-  int step = 1;                      ///< frames that each picture of the span stands; 2 is 'on twos'
-  std::map<std::string, int> turns;  ///< of the span: region -> whole turns added to the shortest way
+  std::string pose;                           ///< for messages; may be empty
+  std::optional<double> time_s;               ///< all keys have one, or none
+  double hold_s = 0;                          ///< the key stands so long before its span begins
+  Travel travel = Travel::kSmooth;            ///< of the span
+  Ease ease;                                  ///< of the span
+  int step = 1;                               ///< frames that each picture of the span stands; 2 is 'on twos'
+  std::map<std::string, TimelineTurn> turns;  ///< of the span, by region
 };
 
 /// Vertices of all keys, by number or as those of the first key within a ball.
@@ -93,10 +100,9 @@ struct TimelineError : InputError {
 /// Reads {"schema": 2, "fps": 24, "keys": [{"pose": "rest", "time": 0}, ...], ...}; docs/file-formats.md has all fields. Schema 1 (fps,
 /// pose and time only) is read too.
 ///
-/// @param source      how messages name it
-/// @param time_field  how messages name a key's time
+/// @param source  how messages name it
 /// @throws TimelineError  malformed, an unknown field (with the nearest known one), a value out of range, keys not in the order of time, a
 ///                        hold that does not end before the next key, a region that does not exist; names key and field
-Timeline ParseTimeline(const std::string& json, const std::string& source, const std::string& time_field = "time");
+Timeline ParseTimeline(const std::string& json, const std::string& source);
 
 }  // namespace keypose

@@ -32,7 +32,7 @@ TEST(ParseTimeline, ReadsEveryField) {
     "regions":[{"name":"foot","vertices":[3,4]},{"name":"hand","center":[1,2,3],"radius":0.25}],
     "pins":[{"region":"foot","from":0,"to":1}],
     "trajectories":[{"region":"hand","points":[{"time":0.5,"at":[1,0,2]}]}],
-    "keys":[{"pose":"a","time":0,"hold":0.25,"ease":[0.1,-1,0.9,2],"interpolation":"stepped","step":1,"turns":{"hand":-1}},
+    "keys":[{"pose":"a","time":0,"hold":0.25,"ease":[0.1,-1,0.9,2],"interpolation":"stepped","step":1,"turns":{"hand":-1,"foot":{"turns":2,"axis":[0,0,1]}}},
             {"pose":"b","time":1},{"pose":"a","time":2}]})");
   EXPECT_EQ(t.fps, 12.5);
   EXPECT_TRUE(t.loop && t.overshoot && t.keep_volume.value());
@@ -47,7 +47,8 @@ TEST(ParseTimeline, ReadsEveryField) {
   EXPECT_EQ(t.keys[0].ease, (Ease{0.1, -1, 0.9, 2}));
   EXPECT_EQ(t.keys[0].travel, Travel::kStepped);
   EXPECT_EQ(t.keys[0].step, 1);
-  EXPECT_EQ(t.keys[0].turns.at("hand"), -1);
+  EXPECT_EQ(t.keys[0].turns.at("hand").turns, -1);
+  EXPECT_EQ(t.keys[0].turns.at("foot"), (TimelineTurn{2, {0, 0, 1}}));
   EXPECT_EQ(t.keys[1].travel, Travel::kLinear);
   EXPECT_EQ(t.keys[1].ease, EaseNamed("in").value());
   EXPECT_EQ(t.keys[1].step, 2);
@@ -83,6 +84,8 @@ TEST(ParseTimeline, NamesKeyAndFieldAndTheNearestKnownOne) {
            {R"(,"step":1.5)", "key 1 ('up'): field 'step' is 1.5, but it must be a whole number"},
            {R"(,"step":0)", "field 'step'"},
            {R"(,"turns":{"leg":0.5})", "key 1 ('up'): field 'turns'"},
+           {R"(,"turns":{"leg":{"turns":1,"axle":[0,0,1]}})", "turns of 'leg' has no field 'axle'; did you mean 'axis'?"},
+           {R"(,"turns":{"leg":{"axis":[0,0,1]}})", "say no number of turns"},
            {R"(,"turns":{"lek":1})", "names the region 'lek', which is not among `regions`; did you mean 'leg'?"}})
     EXPECT_NE(Complaint(WithKey(field)).find(words), std::string::npos) << field << " gives: " << Complaint(WithKey(field));
 }

@@ -1,0 +1,440 @@
+#include "interpolate/sequence.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/camera.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/testing_shapes.h"
+#include "interpolate/arap.h"
+#include "interpolate/distortion.h"
+#include "interpolate/easing.h"
+#include "interpolate/key_source.h"
+
+namespace keypose::interpolation {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kDegree = kPi / 180;
+
+double Gap(const PointsX3& a, const PointsX3& b) { return (a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(b); }
+
+/// A tube along z from 0 to `length`, bent through `angle` in the xz plane and squashed across.
+PointsX3 Bent(const PointsX3& points, double length, double angle, double squash = 1) {
+  PointsX3 bent = points;
+  const double radius = length / angle;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double a = points(i, 2) / radius, r = radius - squash * points(i, 0);
+    bent.row(i) << radius - r * std::cos(a), points(i, 1) / squash, r * std::sin(a);
+  }
+  return bent;
+}
+
+/// Three poses of a tube: straight, bent and squashed, bent another way and turned.
+struct Poses {
+  Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
+  PointsX3 a = mesh.points, b = Bent(mesh.points, 2, 100 * kDegree, 1.2), c = TurnedAway(Bent(mesh.points, 2, 170 * kDegree, 1.1));
+  std::vector<PointsX3> all() const { return {a, b, c}; }
+
+  static PointsX3 TurnedAway(const PointsX3& p) {
+    Similarity3 motion;
+    motion.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
+    motion.translation << 0.4, -0.2, 0.3;
+    return Transformed(motion, p);
+  }
+};
+
+struct Shown {
+  std::vector<PointsX3> points;
+  DistortionReport distortion;
+};
+
+Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule, const Rules& rules,
+           Method method = Method::kArap) {
+  const auto source = MakeFrameSource(keys, faces, schedule, method, rules);
+  DistortionMeter meter(keys, faces, schedule);
+  Shown shown;
+  StreamFrames(keys, schedule, *source, [&](const FrameView& frame) {
+    shown.points.push_back(frame.points);
+    meter.Add(frame);
+  });
+  shown.distortion = meter.Finish();
+  return shown;
+}
+
+Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule, Method method = Method::kArap) {
+  return Play(keys, faces, schedule, PlainRules(schedule, true), method);
+}
+
+/// Keys at these seconds, smooth unless changed.
+Timeline At(const std::vector<double>& seconds, double fps = 10) {
+  Timeline timeline;
+  timeline.fps = fps;
+  timeline.keys.resize(seconds.size());
+  for (std::size_t k = 0; k < seconds.size(); ++k) timeline.keys[k].time_s = seconds[k];
+  return timeline;
+}
+
+Schedule ScheduleOf(const Timeline& timeline) { return MakeSchedule(timeline, static_cast<int>(timeline.keys.size()), 9, "timeline"); }
+
+Rules RulesOf(const Timeline& timeline, const Schedule& schedule, const Mesh& mesh) {
+  return RulesFrom(timeline, schedule, mesh.points, mesh.faces, true, "timeline");
+}
+
+/// Velocities [frame^-1] of all vertices just before and just after the key that ends `span`.
+struct PaceAtKey {
+  PointsX3 before, after;
+  double Jump() const { return (after - before).rowwise().norm().maxCoeff() / before.rowwise().norm().maxCoeff(); }
+};
+
+PaceAtKey PaceBetween(FrameSource& source, const Schedule& schedule, int in, int out, const PointsX3& key) {
+  // One-sided differences of second order in time.
+  const double h = 1e-3;
+  const auto at = [&](int span, double share) {
+    const Span& s = schedule.spans[span];
+    return source.At(span, {EaseAt(s.ease, share)})[0].points;
+  };
+  PaceAtKey pace;
+  pace.before = (3 * key - 4 * at(in, 1 - h) + at(in, 1 - 2 * h)) / (2 * h * schedule.spans[in].frames);
+  pace.after = (-3 * key + 4 * at(out, h) - at(out, 2 * h)) / (2 * h * schedule.spans[out].frames);
+  return pace;
+}
+
+TEST(KeySource, TwoKeysGoTheWayOfTwoKeys) {
+  const Poses p;
+  const Schedule schedule = MakeSchedule({9});
+  KeySource source({p.a, p.b}, p.mesh.faces, schedule, PlainRules(schedule, false));
+  ArapOptions options;
+  options.correct_volume = false;
+  const ArapInterpolator pair(p.a, p.b, p.mesh.faces, options);
+  const auto frames = source.At(0, {0.1, 0.5, 0.8});
+  EXPECT_LT(Gap(frames[0].points, pair.At(0.1)), 1e-12);
+  EXPECT_LT(Gap(frames[1].points, pair.At(0.5)), 1e-12);
+  EXPECT_LT(Gap(frames[2].points, pair.At(0.8)), 1e-12);
+}
+
+TEST(KeySource, PaceDoesNotJumpAtKeys) {
+  const Poses p;
+  // Spans of unlike length, and unlike eases that do not stop at the key.
+  Timeline timeline = At({0, 0.7, 2});
+  timeline.keys[0].ease = {0.3, 0.1, 0.6, 0.8};
+  timeline.keys[1].ease = {0.5, 0.3, 0.5, 1};
+  for (const bool overshoot : {false, true}) {
+    timeline.overshoot = overshoot;
+    const Schedule schedule = ScheduleOf(timeline);
+    KeySource source(p.all(), p.mesh.faces, schedule, PlainRules(schedule, true));
+    const PaceAtKey pace = PaceBetween(source, schedule, 0, 1, p.b);
+    EXPECT_LT(pace.Jump(), 1e-3);
+    EXPECT_GT(pace.before.rowwise().norm().maxCoeff(), 0.01);  // it does not get there by standing still
+  }
+}
+
+TEST(KeySource, PaceJumpsWhereSpansAreLinear) {
+  const Poses p;
+  Timeline timeline = At({0, 0.7, 2});
+  for (TimelineKey& key : timeline.keys) key.travel = Travel::kLinear;
+  const Schedule schedule = ScheduleOf(timeline);
+  KeySource source(p.all(), p.mesh.faces, schedule, PlainRules(schedule, true));
+  EXPECT_GT(PaceBetween(source, schedule, 0, 1, p.b).Jump(), 0.1);
+}
+
+TEST(KeySource, PaceDoesNotJumpAtTheSeamOfALoop) {
+  const Poses p;
+  Timeline timeline = At({0, 0.8, 1.7, 2.5});
+  timeline.loop = timeline.overshoot = true;
+  const std::vector<PointsX3> keys = {p.a, p.b, p.c, p.a};
+  const Schedule schedule = ScheduleOf(timeline);
+  KeySource source(keys, p.mesh.faces, schedule, PlainRules(schedule, true));
+  const PaceAtKey seam = PaceBetween(source, schedule, 2, 0, p.a);
+  EXPECT_LT(seam.Jump(), 1e-3);
+  EXPECT_GT(seam.before.rowwise().norm().maxCoeff(), 0.01);
+  timeline.loop = false;
+  const Schedule open = ScheduleOf(timeline);
+  KeySource without(keys, p.mesh.faces, open, PlainRules(open, true));
+  EXPECT_GT(PaceBetween(without, open, 2, 0, p.a).Jump(), 0.1);
+}
+
+TEST(KeySource, ComesToRestAtHoldsAndExtremes) {
+  const Poses p;
+  Timeline timeline = At({0, 1, 2});
+  timeline.keys[1].hold_s = 0.3;
+  const Schedule held = ScheduleOf(timeline);
+  KeySource holding(p.all(), p.mesh.faces, held, PlainRules(held, true));
+  const PaceAtKey rest = PaceBetween(holding, held, 0, 1, p.b);
+  const double speed = Gap(p.a, p.b) * BoundingDiagonal(p.b) / held.spans[0].frames;
+  EXPECT_LT(rest.before.rowwise().norm().maxCoeff(), 1e-3 * speed);
+  EXPECT_LT(rest.after.rowwise().norm().maxCoeff(), 1e-3 * speed);
+  // There and back: the far key is an extreme, and nothing swings beyond it.
+  const Schedule back = ScheduleOf(At({0, 1, 2}));
+  KeySource returning({p.a, p.b, p.a}, p.mesh.faces, back, PlainRules(back, true));
+  EXPECT_LT(PaceBetween(returning, back, 0, 1, p.b).before.rowwise().norm().maxCoeff(), 1e-3 * speed);
+}
+
+TEST(KeySource, ReversingTheKeysReversesTime) {
+  const Poses p;
+  Timeline timeline = At({0, 0.7, 2}), reverse = At({0, 1.3, 2});
+  const Schedule there = ScheduleOf(timeline), back = ScheduleOf(reverse);
+  KeySource forward(p.all(), p.mesh.faces, there, PlainRules(there, true));
+  KeySource backward({p.c, p.b, p.a}, p.mesh.faces, back, PlainRules(back, true));
+  for (const double way : {0.1, 0.5, 0.9}) {
+    EXPECT_LT(Gap(forward.At(0, {way})[0].points, backward.At(1, {1 - way})[0].points), 1e-10);
+    EXPECT_LT(Gap(forward.At(1, {way})[0].points, backward.At(0, {1 - way})[0].points), 1e-10);
+  }
+}
+
+TEST(KeySource, FramesTendToTheKeysThatTheyAdjoin) {
+  const Poses p;
+  const Schedule schedule = ScheduleOf(At({0, 0.7, 2}));
+  KeySource source(p.all(), p.mesh.faces, schedule, PlainRules(schedule, true));
+  EXPECT_LT(Gap(source.At(0, {1 - 1e-9})[0].points, p.b), 1e-8);
+  EXPECT_LT(Gap(source.At(1, {1e-9})[0].points, p.b), 1e-8);
+  EXPECT_LT(Gap(source.At(1, {1 - 1e-9})[0].points, p.c), 1e-8);
+}
+
+TEST(KeySource, TurnsAddUpOverKeys) {
+  // 0, 270 and 540 degrees: the last key relative to the first winds one and a half times.
+  const Mesh mesh = MakeCylinder(0.08, 2, 12, 80);
+  const std::vector<PointsX3> keys = {mesh.points, Bent(mesh.points, 2, 270 * kDegree), Bent(mesh.points, 2, 540 * kDegree)};
+  const Schedule schedule = ScheduleOf(At({0, 1, 2}));
+  KeySource source(keys, mesh.faces, schedule, PlainRules(schedule, true));
+  for (const auto& [span, way, angle] : {std::tuple{0, 0.5, 135.0}, std::tuple{1, 0.5, 405.0}}) {
+    const PointsX3 frame = source.At(span, {way})[0].points, truth = Bent(mesh.points, 2, angle * kDegree);
+    const PointsX3 fitted = Transformed(FitSimilarity(frame, truth, {}, false), frame);
+    EXPECT_LT((fitted - truth).rowwise().norm().mean() / BoundingDiagonal(truth), 5e-3);
+  }
+  EXPECT_LT(source.report().largest_remainder, 0.3);
+}
+
+TEST(KeySource, APoseThatComesTwiceStandsStillBetween) {
+  const Poses p;
+  const Schedule schedule = ScheduleOf(At({0, 1, 2, 3}));
+  KeySource source({p.a, p.b, p.b, p.c}, p.mesh.faces, schedule, PlainRules(schedule, true));
+  EXPECT_LT(Gap(source.At(1, {0.4})[0].points, p.b), 1e-12);
+}
+
+TEST(KeySource, VolumeFollowsItsPathThroughAllKeys) {
+  const Poses p;
+  const Shown shown = Play({p.a, p.b, p.c, 1.1 * p.a}, p.mesh.faces, ScheduleOf(At({0, 0.5, 1.2, 2})));
+  for (const SegmentDistortion& s : shown.distortion.segments) {
+    EXPECT_LT(s.volume.path_deviation, 1e-8);
+    EXPECT_LT(s.area.path_deviation, 0.01);
+    EXPECT_GT(s.in_betweens, 0);
+  }
+  EXPECT_NEAR(shown.distortion.frames.back().volume, 1.331, 1e-9);
+}
+
+TEST(KeySource, SqueezesWhereTheTimelineSaysSo) {
+  const Poses p;
+  Timeline timeline = At({0, 1, 2});
+  timeline.volume = {{0.5, 0.8}};
+  const Schedule schedule = ScheduleOf(timeline);
+  const Shown shown = Play(p.all(), p.mesh.faces, schedule, RulesOf(timeline, schedule, p.mesh));
+  const FrameDistortion& squeezed = shown.distortion.frames[5];
+  EXPECT_NEAR(squeezed.volume / squeezed.volume_path, 0.8, 1e-8);
+  EXPECT_EQ(shown.points[10], p.b);
+}
+
+TEST(KeySource, PinnedVerticesStayWhereTheKeysHaveThem) {
+  Poses p;
+  Timeline timeline = At({0, 1, 2});
+  // The foot of the tube stands in the first two poses; the third has gone.
+  TimelineRegion foot;
+  foot.name = "foot";
+  foot.center.setZero();
+  foot.radius = 0.2;
+  timeline.regions = {foot};
+  timeline.pins = {{"foot", 0.0, 1.0}};
+  const Schedule schedule = ScheduleOf(timeline);
+  const Rules rules = RulesOf(timeline, schedule, p.mesh);
+  p.b = Bent(p.mesh.points, 2, 1e-3);
+  for (Eigen::Index i = 0; i < p.b.rows(); ++i)
+    if (p.a(i, 2) > 0.25)
+      p.b.row(i) << p.a(i, 0) + 0.3 * std::pow(p.a(i, 2) - 0.25, 2), p.a(i, 1), p.a(i, 2);
+    else
+      p.b.row(i) = p.a.row(i);
+  const Shown shown = Play(p.all(), p.mesh.faces, schedule, rules);
+  ASSERT_GT(rules.held[0].vertices.size(), 10u);
+  for (const int v : rules.held[0].vertices)
+    for (int f = 0; f <= 10; ++f) EXPECT_LT((shown.points[f].row(v) - p.a.row(v)).norm(), 1e-11);
+  EXPECT_GT((shown.points[15].row(rules.held[0].vertices[0]) - p.a.row(rules.held[0].vertices[0])).norm(), 1e-3);
+  EXPECT_LT(shown.distortion.segments[0].volume.path_deviation, 1e-8);
+}
+
+TEST(KeySource, TrajectoriesPassTheirPoints) {
+  const Poses p;
+  Timeline timeline = At({0, 1, 2});
+  TimelineRegion tip;
+  tip.name = "tip";
+  tip.center << 0, 0, 2;
+  tip.radius = 0.15;
+  timeline.regions = {tip};
+  const Eigen::Vector3d goal(0.6, 0.5, 1.6);
+  timeline.trajectories = {{"tip", {{0.5, goal}}}};
+  const Schedule schedule = ScheduleOf(timeline);
+  const Rules rules = RulesOf(timeline, schedule, p.mesh);
+  const Shown shown = Play(p.all(), p.mesh.faces, schedule, rules);
+  Eigen::RowVector3d centroid = Eigen::RowVector3d::Zero();
+  for (const int v : rules.held[0].vertices) centroid += shown.points[5].row(v) / static_cast<double>(rules.held[0].vertices.size());
+  EXPECT_LT((centroid.transpose() - goal).norm(), 1e-10);
+  EXPECT_EQ(shown.points[10], p.b);
+}
+
+TEST(KeySource, NothingSinksBelowTheTable) {
+  const Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
+  // Lying along x on the table, then bent upwards, then the other way round: linear ways and rotations alone would sink.
+  PointsX3 lying = mesh.points;
+  for (Eigen::Index i = 0; i < lying.rows(); ++i) lying.row(i) << mesh.points(i, 2) - 1, mesh.points(i, 1), mesh.points(i, 0);
+  PointsX3 turned = lying;
+  turned.col(0) *= -1;
+  turned.col(2) *= -1;  // half a turn about y
+  for (PointsX3* pose : {&lying, &turned}) pose->col(2).array() -= pose->col(2).minCoeff();
+  Timeline timeline = At({0, 1, 2});
+  const Schedule schedule = ScheduleOf(timeline);
+  const auto lowest = [](const Shown& shown) {
+    double low = 1;
+    for (const PointsX3& frame : shown.points) low = std::min(low, frame.col(2).minCoeff());
+    return low;
+  };
+  EXPECT_LT(lowest(Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh))), -0.05);
+  timeline.table_height = 0;
+  timeline.keep_volume = false;
+  const Shown without_volume = Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh));
+  EXPECT_GT(lowest(without_volume), -1e-9);
+  int most = 0;
+  for (const FrameDistortion& f : without_volume.distortion.frames) most = std::max(most, f.on_table);
+  EXPECT_GT(most, 0);
+}
+
+TEST(KeySource, AFaceWithoutAreaInOneKeyGoesStraightAndSmoothly) {
+  Poses p;
+  p.b.row(p.mesh.faces(100, 1)) = p.b.row(p.mesh.faces(100, 0));
+  const Schedule schedule = ScheduleOf(At({0, 0.7, 2}));
+  KeySource source(p.all(), p.mesh.faces, schedule, PlainRules(schedule, false));
+  EXPECT_TRUE(source.At(0, {0.5})[0].points.allFinite());
+  EXPECT_LT(Gap(source.At(1, {1e-9})[0].points, p.b), 1e-7);
+  EXPECT_LT(PaceBetween(source, schedule, 0, 1, p.b).Jump(), 1e-2);
+  EXPECT_GE(source.report().degenerate_faces, 1);
+}
+
+TEST(KeySource, SameBitsAtOneAndTwoThreads) {
+  const Poses p;
+  const Schedule schedule = ScheduleOf(At({0, 0.7, 2}));
+  SetThreadCount(1);
+  const Shown one = Play(p.all(), p.mesh.faces, schedule);
+  SetThreadCount(2);
+  const Shown two = Play(p.all(), p.mesh.faces, schedule);
+  SetThreadCount(0);
+  EXPECT_EQ(one.points, two.points);
+}
+
+TEST(StreamFrames, KeysComeOutWithTheirOwnBitsWhateverTheMethod) {
+  const Poses p;
+  for (const Method method : {Method::kArap, Method::kPaper, Method::kLinear}) {
+    const Schedule schedule = MakeSchedule({3, 0});
+    const Shown shown = Play(p.all(), p.mesh.faces, schedule, method);
+    ASSERT_EQ(shown.points.size(), 6u);
+    EXPECT_EQ(schedule.key_frames, (std::vector<int>{0, 4, 5}));
+    EXPECT_EQ(shown.points[0], p.a);
+    EXPECT_EQ(shown.points[4], p.b);
+    EXPECT_EQ(shown.points[5], p.c);
+  }
+}
+
+TEST(StreamFrames, HoldsStepsAndTwosRepeatBits) {
+  const Poses p;
+  Timeline timeline = At({0, 1, 2, 3});
+  timeline.keys[0].step = 2;
+  timeline.keys[1].hold_s = 0.4;
+  timeline.keys[2].travel = Travel::kStepped;
+  timeline.keys[3].hold_s = 0.2;
+  const Shown shown = Play({p.a, p.b, p.c, p.a}, p.mesh.faces, ScheduleOf(timeline));
+  ASSERT_EQ(shown.points.size(), 33u);
+  EXPECT_EQ(shown.points[1], p.a);  // on twos: 0 0 2 2 ...
+  EXPECT_EQ(shown.points[3], shown.points[2]);
+  EXPECT_NE(shown.points[4], shown.points[3]);
+  EXPECT_EQ(shown.points[9], shown.points[8]);
+  for (int f = 10; f <= 14; ++f) EXPECT_EQ(shown.points[f], p.b);  // held
+  EXPECT_NE(shown.points[15], p.b);
+  for (int f = 20; f <= 29; ++f) EXPECT_EQ(shown.points[f], p.c);  // stepped
+  for (int f = 30; f <= 32; ++f) EXPECT_EQ(shown.points[f], p.a);
+  EXPECT_EQ(shown.distortion.segments[2].in_betweens, 0);
+  EXPECT_EQ(shown.distortion.frames[3].same_as, 2);
+}
+
+TEST(StreamFrames, StopsWhenAskedTo) {
+  class Stopper : public Progress {
+   public:
+    void Update(double fraction, std::string_view) override { fraction_ = fraction; }
+    bool cancelled() const override { return fraction_ > 0.5; }
+    double fraction_ = 0;
+  } stopper;
+  const Poses p;
+  const Schedule schedule = MakeSchedule({20, 20});
+  const auto source = MakeFrameSource(p.all(), p.mesh.faces, schedule, Method::kLinear, PlainRules(schedule, true));
+  int taken = 0;
+  EXPECT_THROW(StreamFrames(
+                   p.all(), schedule, *source, [&](const FrameView&) { ++taken; }, &stopper),
+               Cancelled);
+  EXPECT_GT(taken, 15);
+  EXPECT_LT(taken, 30);
+}
+
+TEST(MakeFrameSource, RefusesKeysThatDoNotFit) {
+  const Poses p;
+  const Schedule two = MakeSchedule({3}), three = MakeSchedule({3, 3});
+  const auto make = [&](const std::vector<PointsX3>& keys, const Schedule& schedule) {
+    return MakeFrameSource(keys, p.mesh.faces, schedule, Method::kArap, PlainRules(schedule, true));
+  };
+  EXPECT_THROW(make({p.a}, two), InputError);
+  EXPECT_THROW(make({p.a, p.b}, three), InputError);
+  EXPECT_THROW(make({p.a, p.b.topRows(5)}, two), InputError);
+  PointsX3 nan = p.b;
+  nan(3, 1) = std::nan("");
+  EXPECT_THROW(make({p.a, nan}, two), InputError);
+  Timeline loop = At({0, 1});
+  loop.loop = true;
+  EXPECT_THROW(make({p.a, p.b}, ScheduleOf(loop)), InputError);
+}
+
+TEST(AlignedKeys, UndoesTheMotionItMayUndo) {
+  const Mesh mesh = MakeBox(1, 2, 3);
+  Similarity3 yaw, any;
+  yaw.rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  yaw.translation << 1, 2, 3;
+  any.rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 1, 1).normalized()).toRotationMatrix();
+  any.scale = 1.3;
+  const PointsX3 moved = Transformed(any, mesh.points);
+  EXPECT_LT(Gap(AlignedKeys({mesh.points, Transformed(yaw, mesh.points)}, AlignKeys::kUpright)[1], mesh.points), 1e-12);
+  EXPECT_LT(Gap(AlignedKeys({mesh.points, moved}, AlignKeys::kSimilarity)[1], mesh.points), 1e-12);
+  EXPECT_GT(Gap(AlignedKeys({mesh.points, moved}, AlignKeys::kRigid)[1], mesh.points), 0.05);
+  EXPECT_EQ(AlignedKeys({mesh.points, moved}, AlignKeys::kNone)[1], moved);
+  const auto again = AlignedKeys({mesh.points, moved, mesh.points, moved}, AlignKeys::kRigid);
+  EXPECT_EQ(again[2], mesh.points);
+  EXPECT_EQ(again[3], again[1]);
+}
+
+TEST(DistortionMeter, UniformGrowthHasKnownMeanDeviationAndRatio) {
+  const Mesh mesh = MakeIcosphere(2);
+  const DistortionReport report = Play({mesh.points, 2 * mesh.points}, mesh.faces, MakeSchedule({3})).distortion;
+  const double a = std::pow(4, 0.25) - 1, b = 1, c = std::pow(4, 0.75) - 1, mean = (a + b + c) / 3;
+  EXPECT_NEAR(report.segments[0].area.mean, mean, 1e-8);
+  EXPECT_NEAR(report.segments[0].area.sd, std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2),
+              1e-8);
+  EXPECT_LT(report.segments[0].area.path_deviation, 1e-8);
+  EXPECT_NEAR(report.segments[0].linear_area.path_deviation, 1.5 * 1.5 / 2 - 1, 1e-9);
+  EXPECT_NEAR(report.segments[0].volume.end_ratio, 8, 1e-12);
+  EXPECT_NEAR(report.frames[2].linear_volume, 3.375, 1e-10);
+  EXPECT_NEAR(report.frames[2].volume_path, std::sqrt(8.0), 1e-12);
+  EXPECT_NEAR(report.frames[4].t, 1, 0);
+  EXPECT_NEAR(report.frames[4].time_s, 4.0 / 24, 1e-12);
+  int total = 0;
+  for (int count : report.frames[1].faces.counts) total += count;
+  EXPECT_EQ(total, mesh.face_count());
+}
+
+}  // namespace
+}  // namespace keypose::interpolation

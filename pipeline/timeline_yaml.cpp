@@ -1,0 +1,68 @@
+#include "pipeline/timeline_yaml.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace keypose::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What an unquoted YAML word means: a number, true, false, or itself.
+Json ScalarJson(const YAML::Node& node) {
+  const std::string& text = node.Scalar();
+  if (node.Tag() == "!") return text;  // quoted
+  if (text == "true" || text == "false") return text == "true";
+  long whole = 0;
+  double number = 0;
+  const char *begin = text.data(), *end = begin + text.size();
+  if (const auto [at, error] = std::from_chars(begin, end, whole); error == std::errc() && at == end) return whole;
+  if (const auto [at, error] = std::from_chars(begin, end, number); error == std::errc() && at == end && std::isfinite(number))
+    return number;
+  return text;
+}
+
+Json ToJson(const YAML::Node& node) {
+  if (node.IsSequence()) {
+    Json list = Json::array();
+    for (const YAML::Node& item : node) list.push_back(ToJson(item));
+    return list;
+  }
+  if (node.IsMap()) {
+    Json map = Json::object();
+    for (const auto& pair : node) {
+      const std::string key = pair.first.Scalar();
+      // Names stay words even when they look like numbers.
+      const bool name = (key == "pose" || key == "name" || key == "region") && pair.second.IsScalar();
+      map[key] = name ? Json(pair.second.Scalar()) : ToJson(pair.second);
+    }
+    return map;
+  }
+  return node.IsScalar() ? ScalarJson(node) : Json();
+}
+
+}  // namespace
+
+std::string TimelineJson(const YAML::Node& node, double fps) {
+  Json json = {{"schema", 2}, {"fps", fps}};
+  bool says_more = node.IsMap() && node.size() > 1;
+  if (node.IsMap())
+    for (const auto& [field, value] : ToJson(node).items()) json[field] = value;
+  const YAML::Node list = node.IsMap() ? node["keys"] : node;
+  json["keys"] = Json::array();
+  for (const YAML::Node& item : list) {
+    Json key = item.IsMap() ? ToJson(item) : Json{{"pose", item.Scalar()}};
+    if (key.contains("at")) {
+      key["time"] = key["at"];
+      key.erase("at");
+    }
+    says_more = says_more || key.size() > 1;
+    json["keys"].push_back(std::move(key));
+  }
+  return says_more ? json.dump(1) : "";
+}
+
+}  // namespace keypose::pipeline
