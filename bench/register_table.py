@@ -3,8 +3,9 @@
 
     register_table.py pairs    --data PAIRS --scorer SCORER [--landmarks 12,0] [--only NAME ...]
     register_table.py tentacle --scorer SCORER [--angles 60,90,120,180,270] [--landmarks 13,7,0] [--seeds 0-9] [--noise 0.001] [--holes 6]
+    register_table.py show     FILE.json ...         the same tables from what --json wrote
 
-Seeds 0 to 9 are for choosing parameters, 10 to 39 for reporting. Both take
+Seeds 0 to 9 are for choosing parameters, 10 to 39 for reporting. The first two take
     --bin DIR              our programs                       --methods auto,nricp   of keypose-register; may be empty
     --peer NAME=TEMPLATE   another program's command line     --runs N               of each; the time is their median
     --timeout S  --json FILE  --work DIR (kept; without it a temporary folder)
@@ -283,7 +284,8 @@ def numbers(text, kind=int):
 def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     modes = parser.add_subparsers(dest='mode', required=True)
-    pairs, tentacle = modes.add_parser('pairs'), modes.add_parser('tentacle')
+    pairs, tentacle, show_mode = modes.add_parser('pairs'), modes.add_parser('tentacle'), modes.add_parser('show')
+    show_mode.add_argument('files', nargs='+')
     for mode in (pairs, tentacle):
         mode.add_argument('--scorer', required=True)
         mode.add_argument('--bin', default=str(pathlib.Path(__file__).resolve().parent.parent / 'build/release/bin'))
@@ -308,8 +310,20 @@ def parse():
     return parser.parse_args()
 
 
+def print_table(rows):
+    real = [row for row in rows if 'pair' in row]
+    made = [row for row in rows if 'pair' not in row]
+    if real:
+        print_pairs(real)
+    if made:
+        print_synthetic(made)
+
+
 def main():
     args = parse()
+    if args.mode == 'show':
+        print_table([row for path in args.files for row in json.loads(pathlib.Path(path).read_text())])
+        return
     judge = Judge(args.scorer)
     programs = [Program(f'keypose {method}', register=f'{args.bin}/keypose-register', method=method) for method in args.methods.split(',') if method]
     programs += [Program(*peer.split('=', 1)) for peer in args.peer]
@@ -320,7 +334,7 @@ def main():
         rows = measure(pairs, programs, judge, args, work)
     if args.json:
         pathlib.Path(args.json).write_text(json.dumps(rows, indent=1) + '\n')
-    (print_pairs if args.mode == 'pairs' else print_synthetic)(rows)
+    print_table(rows)
 
 
 if __name__ == '__main__':

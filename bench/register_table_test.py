@@ -110,6 +110,10 @@ class RegisterTable(unittest.TestCase):
         self.assertTrue(register_table.is_failure({**row, 'err_mean': float('nan')}))
         self.assertTrue(register_table.is_failure({**row, 'finite': False}))
 
+    def test_show_prints_the_same_table_again(self):
+        command = [sys.executable, str(HERE / 'register_table.py'), 'show', str(self.folder / 'rows.json')]
+        self.assertEqual(subprocess.run(command, check=True, capture_output=True, text=True).stdout, self.markdown)
+
     def test_ranges_of_seeds(self):
         self.assertEqual(register_table.numbers('0-3,7'), [0, 1, 2, 3, 7])
         self.assertEqual(register_table.numbers('60,90.5', float), [60, 90.5])
