@@ -18,6 +18,7 @@ namespace {
 constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
 constexpr std::size_t kLeastTips = 5;
 constexpr double kNormalTime = 0.001;
+constexpr double kKnownWeight = 2;    // of the distance to a landmark as a descriptor
 constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
 
 /// Vertices of the piece with the largest area.
@@ -186,6 +187,10 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
     nearest = nearest.cwiseMin(shape.graph->From({sample}));
   }
   shape.tip_distances = shape.graph->Rows(shape.tips);
+  shape.known = static_cast<int>(known.size());
+  const Eigen::Index plain = shape.descriptors.cols();
+  shape.descriptors.conservativeResize(Eigen::NoChange, plain + shape.known);
+  shape.descriptors.rightCols(shape.known) = kKnownWeight * shape.tip_distances.topRows(shape.known).transpose();
 }
 
 std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape, const Eigen::MatrixXd& distances) {

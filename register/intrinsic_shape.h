@@ -27,6 +27,7 @@ struct IntrinsicShape {
   Eigen::MatrixXd sample_distances;  ///< S x P
   Eigen::VectorXd mean_distance;     ///< P, to the rest of the surface (AGD), area weighted
   Eigen::MatrixXd descriptors;       ///< P x D, each of the order of 1, alike where the surface looks alike
+  int known = 0;                     ///< landmarks among the tips
   std::vector<int> tips;             ///< proxy vertices at limbs' ends: known landmarks first, then peaks of mean_distance
   Eigen::MatrixXd tip_distances;     ///< T x P
 };
@@ -38,7 +39,7 @@ struct IntrinsicOptions {
 /// All but the tips. @throws InputError  no surface
 IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options);
 
-/// Fills tips and tip_distances.
+/// Fills tips and tip_distances; the distance to each landmark becomes a descriptor.
 /// @param known  proxy vertices of landmarks; they become the first tips
 /// @param most   further tips at most
 void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape);

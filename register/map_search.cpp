@@ -163,6 +163,17 @@ double OrientationOf(const Pair& pair, const std::vector<int>& map, const Eigen:
   return ab / std::sqrt(aa * bb);
 }
 
+/// Mean distance between where a map takes the landmarks and where they belong.
+double MissedLandmarks(const Pair& pair, const std::vector<int>& map) {
+  double missed = 0;
+  for (int k = 0; k < pair.source.known; ++k) {
+    const int sample = pair.source.sample_of[static_cast<std::size_t>(pair.source.tips[static_cast<std::size_t>(k)])];
+    const int image = pair.target.samples[static_cast<std::size_t>(map[static_cast<std::size_t>(sample)])];
+    missed += pair.target.tip_distances(k, image) / pair.source.known;
+  }
+  return missed;
+}
+
 void Judge(const Pair& pair, MapCandidate& c) {
   const Eigen::VectorXd ws = pair.source.sampled.weights.cast<double>() / pair.source.sampled.weights.sum();
   const Eigen::VectorXd wt = pair.target.sampled.weights.cast<double>() / pair.target.sampled.weights.sum();
@@ -178,7 +189,8 @@ void Judge(const Pair& pair, MapCandidate& c) {
   const PointsX3 image = AtSamples(pair.target_places, c.maps.forward);
   const Similarity3 fit = FitSimilarity(pair.source_places, image, ws);
   c.unfit = std::sqrt(ws.dot((Transformed(fit, pair.source_places) - image).rowwise().squaredNorm()));
-  c.score = 0.1 * c.unfit + c.distortion + 0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.1 * c.unlike;
+  c.score = 0.5 * MissedLandmarks(pair, c.maps.forward) + 0.1 * c.unfit + c.distortion + 0.05 * (1 - c.orientation) +
+            0.05 * (1 - c.coverage) + 0.1 * c.unlike;
 }
 
 MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {

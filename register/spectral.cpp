@@ -58,41 +58,62 @@ Operator MakeOperator(const PointsX3& points, const FacesX3& faces) {
   return op;
 }
 
-/// Krylov space of a symmetric operator: orthonormal columns Q and the tridiagonal T = Q^T B Q.
+/// Krylov space of a symmetric operator: orthonormal columns Q and Q^T B Q.
 struct Krylov {
-  Eigen::MatrixXd basis;
-  Eigen::VectorXd diagonal, off_diagonal;
+  Eigen::MatrixXd basis, projected;
 };
 
-/// A fixed start without symmetry, so that no eigenfunction is missed for being orthogonal to it.
-Eigen::VectorXd StartVector(Eigen::Index n) {
-  Eigen::VectorXd start(n);
-  std::uint64_t state = 0x9E3779B97F4A7C15ull;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    start[i] = static_cast<double>(state >> 11) * 0x1.0p-53 - 0.5;
+/// Fixed vectors without symmetry, so that no eigenfunction is missed for being orthogonal to them.
+class StartVectors {
+ public:
+  Eigen::VectorXd Next(Eigen::Index n) {
+    Eigen::VectorXd vector(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+      vector[i] = static_cast<double>(state_ >> 11) * 0x1.0p-53 - 0.5;
+    }
+    return vector;
   }
-  return start;
+
+ private:
+  std::uint64_t state_ = 0x9E3779B97F4A7C15ull;
+};
+
+/// Makes `vector` orthonormal to the first `count` columns; takes another where nothing is left of it.
+Eigen::VectorXd Orthonormal(const Eigen::MatrixXd& basis, Eigen::Index count, Eigen::VectorXd vector, StartVectors& starts) {
+  for (;;) {
+    const double before = vector.norm();
+    for (int twice = 0; twice < 2; ++twice) vector -= basis.leftCols(count) * (basis.leftCols(count).transpose() * vector);
+    const double after = vector.norm();
+    if (after > 1e-10 * before && after > 1e-14) return vector / after;
+    vector = starts.Next(basis.rows());
+  }
 }
 
+/// Blocks of a few vectors find the equal eigenvalues of symmetric shapes, which a single one would miss.
 template <class Apply>
-Krylov Lanczos(const Apply& apply, Eigen::Index n, Eigen::Index steps) {
-  Krylov k{Eigen::MatrixXd(n, steps), Eigen::VectorXd::Zero(steps), Eigen::VectorXd::Zero(std::max<Eigen::Index>(steps - 1, 0))};
-  k.basis.col(0) = StartVector(n).normalized();
-  for (Eigen::Index j = 0; j < steps; ++j) {
-    Eigen::VectorXd w = apply(k.basis.col(j));
-    k.diagonal[j] = w.dot(k.basis.col(j));
-    const auto before = k.basis.leftCols(j + 1);
-    for (int twice = 0; twice < 2; ++twice) w.noalias() -= before * (before.transpose() * w);
-    if (j + 1 == steps) break;
-    k.off_diagonal[j] = w.norm();
-    if (k.off_diagonal[j] < 1e-13) {  // the space is invariant: go on with what is orthogonal to it
-      k.off_diagonal[j] = 0;
-      w = StartVector(n).reverse();
-      for (int twice = 0; twice < 2; ++twice) w.noalias() -= before * (before.transpose() * w);
-    }
-    k.basis.col(j + 1) = w.normalized();
+Krylov BlockLanczos(const Apply& apply, Eigen::Index n, Eigen::Index size) {
+  constexpr Eigen::Index kBlock = 4;
+  Krylov k{Eigen::MatrixXd(n, size), Eigen::MatrixXd::Zero(size, size)};
+  StartVectors starts;
+  Eigen::Index filled = 0;
+  const auto append = [&](const Eigen::VectorXd& vector) { k.basis.col(filled) = Orthonormal(k.basis, filled, vector, starts), ++filled; };
+  while (filled < std::min(kBlock, size)) append(starts.Next(n));
+  for (Eigen::Index done = 0; done < size;) {
+    const Eigen::Index block = std::min(kBlock, filled - done);
+    Eigen::MatrixXd w = apply(k.basis.middleCols(done, block));
+    const Eigen::MatrixXd within = k.basis.leftCols(filled).transpose() * w;
+    k.projected.block(0, done, filled, block) = within;
+    w -= k.basis.leftCols(filled) * within;
+    done += block;
+    const Eigen::Index before = filled;
+    for (Eigen::Index c = 0; c < block && filled < size; ++c) append(w.col(c));
+    k.projected.block(before, done - block, filled - before, block) = k.basis.middleCols(before, filled - before).transpose() * w;
   }
+  // Only the part that was computed with all vectors in place counts; it is symmetric up to rounding.
+  const Eigen::MatrixXd upper = k.projected.triangularView<Eigen::Upper>();
+  k.projected = upper + upper.transpose();
+  k.projected.diagonal() = upper.diagonal();
   return k;
 }
 
@@ -105,13 +126,10 @@ Spectrum LaplaceSpectrum(const PointsX3& points, const FacesX3& faces, int count
   SparseCholesky cholesky;
   cholesky.Analyze(op.shifted);
   cholesky.Factor(op.shifted);
-  const auto apply = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-    return root.cwiseProduct(Eigen::VectorXd(cholesky.Solve(root.cwiseProduct(x))));
-  };
-  const Eigen::Index wanted = std::min<Eigen::Index>(count, n - 1), steps = std::min<Eigen::Index>(n, 2 * wanted + 40);
-  const Krylov krylov = Lanczos(apply, n, steps);
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
-  ritz.computeFromTridiagonal(krylov.diagonal, krylov.off_diagonal);
+  const auto apply = [&](const Eigen::MatrixXd& x) -> Eigen::MatrixXd { return root.asDiagonal() * cholesky.Solve(root.asDiagonal() * x); };
+  const Eigen::Index wanted = std::min<Eigen::Index>(count, n - 1), steps = std::min<Eigen::Index>(n, 2 * wanted + 60);
+  const Krylov krylov = BlockLanczos(apply, n, steps);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(krylov.projected);
   Spectrum spectrum;
   spectrum.areas = op.areas;
   spectrum.values.resize(wanted);

@@ -18,7 +18,7 @@ struct Spectrum {
 /// @throws InputError   no faces with area
 /// @throws SolverError  the operator cannot be factored
 /// Cost: one sparse factorisation and about 2.5 K solves. Deterministic.
-/// Source: Pinkall and Polthier 1993 (cotangent weights, clamped from below); shift-invert Lanczos with full reorthogonalisation.
+/// Source: Pinkall and Polthier 1993 (cotangent weights, clamped from below); shift-invert block Lanczos with full reorthogonalisation.
 Spectrum LaplaceSpectrum(const PointsX3& points, const FacesX3& faces, int count);
 
 }  // namespace keypose::registration
