@@ -50,7 +50,7 @@ struct RefinedParts {
   PointsX3 points;
   int by_landmarks = 0, by_counterpart = 0;
 };
-RefinedParts RefineLooseParts(const LooseParts& parts, const PointsX3& moved, const Mesh& target, const LooseParts& target_parts,
-                              const std::vector<LandmarkGoal>& landmarks);
+RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const PointsX3& moved, const Mesh& target,
+                              const LooseParts& target_parts, const std::vector<LandmarkGoal>& landmarks);
 
 }  // namespace keypose::registration

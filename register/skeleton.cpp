@@ -548,10 +548,16 @@ TipMatch Renumbered(const TipMatch& match, const SkeletonTree& source_before, co
   return result;
 }
 
+/// Both start in the ball at the thick end, or neither. Where one has a clear ball the other's may be less clear.
+void RootBoth(Body& source, Body& target) {
+  const bool first = source.tree->RootThickEnd(source.scene, 1.6, 1.6), second = target.tree->RootThickEnd(target.scene, 1.6, 1.6);
+  if (first == second) return;
+  (first ? target : source).tree->RootThickEnd((first ? target : source).scene, 1.2, 3);
+}
+
 SkeletonStart MatchBodies(Body& source, Body& target, const std::vector<LandmarkGoal>& landmarks, const Similarity3& coarse,
                           const SkeletonOptions& options) {
-  source.tree->RootThickEnd(source.scene);
-  target.tree->RootThickEnd(target.scene);
+  RootBoth(source, target);
   const std::size_t tips = source.tree->Tips().size(), other_tips = target.tree->Tips().size();
   const std::string counts = std::to_string(tips) + " ends of limbs on the source and " + std::to_string(other_tips) + " on the target";
   if (static_cast<int>(std::max(tips, other_tips)) > options.max_tips) return Refused("skeletons: too many branches: " + counts);

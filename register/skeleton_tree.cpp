@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector3d;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kInside = 1.3;       // a twig whose end lies within an inscribed ball grown by this is no limb
-constexpr double kBall = 1.6;         // an end is a ball when it is so much thicker than the middle of its limb
 constexpr double kTipShare = 0.3;     // of a limb's length from its end, over which its thickness is compared
 constexpr double kMergeLimit = 0.25;  // of the tree's length between tips: longer limbs are never merged away
 constexpr double kLandmarkWeight = 4, kThicknessWeight = 0.2, kPlaceWeight = 0.15;
@@ -222,8 +221,8 @@ void SkeletonTree::MergeLimb(int limb) {
   Rebuild();
 }
 
-void SkeletonTree::RootThickEnd(const RayScene& surface) {
-  if (limbs_.size() != 1) return;
+bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double reach) {
+  if (limbs_.size() != 1) return false;
   const std::vector<int> run = limbs_[0].nodes;
   std::vector<double> sorted;
   for (int n : run) sorted.push_back(radius_[n]);
@@ -234,7 +233,8 @@ void SkeletonTree::RootThickEnd(const RayScene& surface) {
   const int ball = run[thickest];
   const bool at_front = (nodes_.row(ball) - nodes_.row(run.front())).norm() < (nodes_.row(ball) - nodes_.row(run.back())).norm();
   const int end = at_front ? run.front() : run.back();
-  if (radius_[ball] < kBall * sorted[sorted.size() / 2] || (nodes_.row(ball) - nodes_.row(end)).norm() > kInside * radius_[ball]) return;
+  if (radius_[ball] < thicker * sorted[sorted.size() / 2] || (nodes_.row(ball) - nodes_.row(end)).norm() > reach * radius_[ball])
+    return false;
   // The contraction leaves the middle of a ball only roughly; its centre is where the inscribed radius peaks.
   Vector3d centre = nodes_.row(ball);
   for (double step = 0.3; step > 0.01;) {
@@ -254,6 +254,7 @@ void SkeletonTree::RootThickEnd(const RayScene& surface) {
   // What of the limb still runs inside the ball wanders; the way out is straight.
   if (!cut.empty()) Cut(cut, ball);
   Rebuild();
+  return true;
 }
 
 namespace {

@@ -49,9 +49,11 @@ class SkeletonTree {
   /// Bits of the tips (numbered as `label` says, by joint) that lie beyond `limb`, seen from its `from` end.
   std::uint32_t TipsBeyond(int limb, const std::vector<int>& label) const;
 
-  void DropTip(int joint);                     ///< cuts the limb of that tip off
-  void MergeLimb(int limb);                    ///< makes one joint of its two ends and all between
-  void RootThickEnd(const RayScene& surface);  ///< for a single limb: starts it in the middle of the ball at its thick end, if there is one
+  void DropTip(int joint);   ///< cuts the limb of that tip off
+  void MergeLimb(int limb);  ///< makes one joint of its two ends and all between
+  /// For a single limb: starts it in the middle of the ball at its thick end. False where there is none: where no place is `thicker` times
+  /// as thick as the middle of the limb and within `reach` times that place's radius from an end.
+  bool RootThickEnd(const RayScene& surface, double thicker, double reach);
 
  private:
   void Rebuild();
