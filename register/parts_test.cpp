@@ -136,7 +136,7 @@ TEST(MoveLooseParts, EyesFollowABendWithoutShear) {
     }
     // The pupil stays in its place on the eye.
     const PointsX3 eye = t.Rows(moved, t.first_eye, t.eye), pupil = t.Rows(moved, t.first_eye + 2 * t.eye, t.eye);
-    const double grown = BoundingDiagonal(pupil) / BoundingDiagonal(t.pupil.points);
+    const double grown = (pupil.row(0) - pupil.row(1)).norm() / (t.pupil.points.row(0) - t.pupil.points.row(1)).norm();
     EXPECT_NEAR((eye.colwise().mean() - pupil.colwise().mean()).norm() / grown, 0.1, 1e-9);
   }
 }
