@@ -23,8 +23,10 @@ constexpr double kNoAxis = 1e-6;  // rotations below this have no usable axis
 constexpr double kSingularZone = 0.3;
 constexpr double kLast = 10;  // more than any angle between rotations
 constexpr int kSmoothings = 100;
-constexpr double kConfidence = 1;  // of a turn with a sharp axis over one neighbour
+constexpr double kLeastKnown = 1e-6;
 constexpr std::int64_t kSeeds = 128;
+constexpr int kMeanShifts = 10;
+constexpr double kSurroundings = 30 * std::numbers::pi / 180;
 constexpr double kSameRotation = 10 * std::numbers::pi / 180;
 
 double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -55,23 +57,28 @@ Eigen::Vector3d NearestTurn(const Eigen::Matrix3d& rotation, const Eigen::Vector
 
 using Neighbours = std::vector<std::array<int, 4>>;
 
-/// Turns that agree with their neighbours'; each counts as much as its axis is known: not at all at whole turns.
+/// Means over the surroundings; each turn counts as much as its axis is known: hardly at whole turns.
 std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours, const std::vector<Eigen::Vector3d>& turns) {
-  std::vector<Eigen::Vector3d> smooth = turns, next(turns.size());
+  std::vector<Eigen::Vector4d> sums(turns.size()), next(turns.size());
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    const double sine = std::sin(0.5 * turns[i].norm()), known = turns[i].norm() < std::numbers::pi ? 1 : sine * sine + kLeastKnown;
+    sums[i] << known * turns[i], known;
+  }
   for (int round = 0; round < kSmoothings; ++round) {
     ParallelFor(
         static_cast<std::int64_t>(turns.size()),
         [&](std::int64_t i) {
-          const double sine = std::sin(0.5 * turns[i].norm());
-          double count = kConfidence * sine * sine;
-          Eigen::Vector3d sum = count * turns[i];
+          Eigen::Vector4d sum = sums[i];
+          int count = 1;
           for (int n : neighbours[i])
-            if (n >= 0) sum += smooth[n], count += 1;
-          next[i] = count > 0 ? (sum / count).eval() : turns[i];
+            if (n >= 0) sum += sums[n], ++count;
+          next[i] = sum / count;
         },
         1024);
-    smooth.swap(next);
+    sums.swap(next);
   }
+  std::vector<Eigen::Vector3d> smooth(turns.size());
+  for (std::size_t i = 0; i < turns.size(); ++i) smooth[i] = sums[i].head<3>() / sums[i][3];
   return smooth;
 }
 
@@ -158,10 +165,15 @@ Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<dou
 }
 
 Eigen::Matrix3d MeanAround(int node, const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < rotations.size(); ++i)
-    if (AngleBetween(rotations[node], rotations[i]) < kSameRotation) sum += weights[i] * rotations[i];
-  return sum.norm() > 0 ? ClosestRotation(sum) : rotations[node];
+  Eigen::Matrix3d mean = rotations[node];
+  for (int round = 0; round < kMeanShifts; ++round) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < rotations.size(); ++i)
+      if (AngleBetween(mean, rotations[i]) < kSurroundings) sum += weights[i] * rotations[i];
+    if (!(sum.norm() > 0)) break;
+    mean = ClosestRotation(sum);
+  }
+  return mean;
 }
 
 int MiddleOf(const std::vector<Eigen::Vector3d>& turns, const std::vector<double>& weights) {

@@ -34,7 +34,8 @@ struct Body {
 /// The node, of 128 spread over the list, whose rotation most of the weight shares.
 Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights);
 
-/// The weighted mean of all rotations within 10 degrees of a node's.
+/// The centre of the rotations around a node's: ten times the weighted mean of all within 30 degrees of the last one. One node's own
+/// rotation would not do: what it has across the common axis comes out magnified near whole turns.
 Eigen::Matrix3d MeanAround(int node, const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights);
 
 /// The node whose turn lies nearest to the weighted mean of all: half-way along a body that only bends or twists.

@@ -18,6 +18,7 @@
 #include "interpolate/graph_turns.h"
 #include "interpolate/place_inside.h"
 #include "interpolate/tet_maps.h"
+#include "interpolate/tet_paths.h"
 #include "interpolate/tetrahedralize.h"
 
 namespace keypose::interpolation {
@@ -28,7 +29,7 @@ constexpr double kStiffest = 1e4;  // weight of the second key's energy over the
 constexpr double kVolumeTolerance = 1e-10;
 constexpr int kVolumeRounds = 30;
 constexpr double kRigidShare = 0.25;  // of the volume: enough to be the body that the rest turns against
-constexpr double kReach = 0.1;        // of the diagonal: how far the volume's correction spreads
+constexpr double kReach = 4;          // of volume over area, half a limb's radius: how far regions and the volume's correction spread
 
 /// Sum over edges of the squared turn of the normal over the edge's share of area: free of scale; 4 pi or so for a ball, more for what is
 /// folded or twisted. Source: hinge energy, Grinspun et al. 2003.
@@ -189,7 +190,7 @@ class FilledKey {
   void Prepare() {
     Lift();
     Factor();
-    Weigh();
+    MakePaths();
     sums_.emplace(solid_.points.rows(), solid_.tets);
     paths_.emplace(from_, to_, solid_, body_turn_);
   }
@@ -198,23 +199,11 @@ class FilledKey {
   VolumetricReport Report() const;
 
  private:
-  /// One tetrahedron at work in a frame: what is wanted of its corners is exp(t turn) exp(t remainder) axes stretch(t) corners.
-  struct Element {
-    Eigen::Vector3d turn, remainder;
-    Eigen::Vector3d stretch;  ///< logarithms less the region's growth; for inverted ones the factors themselves
-    double growth = 0;        ///< log of the region's linear growth
-    double volume_log = 0;    ///< of its own volume beyond the region's
-    Eigen::Matrix3d axes;
-    Eigen::Matrix<double, 3, 4> corners;
-    bool inverted, has_remainder;
-  };
-
   void Lift();
   void ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns);
-  void Weigh();
-  Eigen::Vector3d WeightOf(std::int64_t t) const;
+  Eigen::Matrix3d WeightOf(std::int64_t t) const;
   void Factor();
-  static void Want(const Element& element, double t, Eigen::Matrix<double, 3, 4>& corners);
+  void MakePaths();
   void KeepVolumes(const std::vector<double>& times, std::vector<PointsX3>& frames) const;
   PointsX3 VolumeGradient(const PointsX3& points) const;
 
@@ -228,7 +217,10 @@ class FilledKey {
   int inverted_ = 0;
   Eigen::Vector3d body_turn_ = Eigen::Vector3d::Zero();
   double largest_turn_ = 0, largest_tear_ = 0;
-  std::vector<Element> elements_;
+  std::vector<Eigen::Matrix3d> rotations_;  // less the body's
+  std::vector<Eigen::Vector3d> turns_;      // of these, lifted
+  std::vector<TetPath> paths_of_tets_;
+  std::vector<Eigen::Matrix<double, 3, 4>> corners_;  // weighted gradients
   std::optional<CornerSums> sums_;
   std::optional<BodyPaths> paths_;
   SparseCholesky fit_, spread_;
@@ -236,32 +228,28 @@ class FilledKey {
 
 void FilledKey::Lift() {
   const std::size_t count = maps_.size();
-  std::vector<Eigen::Matrix3d> rotations(count);
+  std::vector<Eigen::Matrix3d>& rotations = rotations_;
+  rotations.resize(count);
   std::vector<char> doubtful(count);
   std::vector<double> weights(count);
   for (std::size_t t = 0; t < count; ++t)
     rotations[t] = maps_[t].rotation, doubtful[t] = maps_[t].inverted, weights[t] = doubtful[t] ? 0 : shapes_[t].volume;
   const Body body = BodyOf(rotations, weights);
   body_turn_ = LogOf(TurnAgainst(body.node, weights, rotations));
-  LiftedTurns lifted;
-  if (options_.follow_turns) {
-    lifted = LiftTurns(rotations, body.node, solid_.opposite, doubtful);
+  if (!options_.follow_turns) {
+    for (const Eigen::Matrix3d& rotation : rotations) turns_.push_back(LogOf(rotation));
+  } else {
+    LiftedTurns lifted = LiftTurns(rotations, body.node, solid_.opposite, doubtful);
     if (body.share < kRigidShare) {  // no torso to speak of: the longest turns are shortest seen from the middle
       const int middle = MiddleOf(lifted.turns, weights);
       body_turn_ = LogOf(ExpOf(body_turn_) * TurnAgainst(middle, weights, rotations));
       lifted = LiftTurns(rotations, middle, solid_.opposite, doubtful);
     }
-    ChooseBodyTurn(lifted.turns);
+    turns_ = lifted.turns;
+    largest_tear_ = lifted.largest_tear;
+    ChooseBodyTurn(turns_);
   }
-  elements_.resize(count);
-  for (std::size_t t = 0; t < count; ++t) {
-    Element& e = elements_[t];
-    e.turn = options_.follow_turns ? lifted.turns[t] : LogOf(rotations[t]);
-    e.remainder = options_.follow_turns ? lifted.remainders[t] : Eigen::Vector3d::Zero();
-    e.has_remainder = e.remainder.squaredNorm() > 0;
-    largest_turn_ = std::max(largest_turn_, e.turn.norm());
-  }
-  largest_tear_ = lifted.largest_tear;
+  for (const Eigen::Vector3d& turn : turns_) largest_turn_ = std::max(largest_turn_, turn.norm());
 }
 
 // Whole turns of everything do not show in the keys. The least turning of all clay is the likeliest.
@@ -279,48 +267,44 @@ void FilledKey::ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns) {
 
 // Both keys' Dirichlet energies ask for the same map A(t), the second's seen through A(1)^-1: together a weight v0 I + v1 S^-2 in the first
 // key's frame. Any such weight gives the keys at the ends; this one is the sum that the swapped keys would have.
-Eigen::Vector3d FilledKey::WeightOf(std::int64_t t) const {
+Eigen::Matrix3d FilledKey::WeightOf(std::int64_t t) const {
   Eigen::Vector3d weight = Eigen::Vector3d::Constant(shapes_[t].volume);
   const Eigen::Vector3d& s = maps_[t].stretch;
   if (!maps_[t].inverted) weight += shapes_[t].volume * (s.prod() * s.array().square().inverse()).min(kStiffest).matrix();
-  return weight;
+  return maps_[t].axes * weight.asDiagonal() * maps_[t].axes.transpose();
 }
 
-// A region that grows does so geometrically, x^t. What a tetrahedron's volume does beyond its region goes straight: a bend, whose inside
-// shrinks as its outside grows, then keeps its arc at every moment (Want).
-void FilledKey::Weigh() {
-  const Eigen::Index n = solid_.points.rows();
-  Eigen::MatrixXd volumes = Eigen::MatrixXd::Zero(n, 2);
-  for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t)
-    for (int k = 0; k < 4; ++k)
-      volumes.row(solid_.tets(t, k)) += Eigen::RowVector2d(shapes_[t].volume, shapes_[t].volume * maps_[t].stretch.prod());
-  const Eigen::MatrixXd spread = spread_.Solve(volumes);
+// A region's growth and turn: means over its surroundings, by the screened solve, of the volumes in both keys and of the turns.
+void FilledKey::MakePaths() {
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(solid_.points.rows(), 5);
+  for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t) {
+    Eigen::RowVectorXd row(5);
+    row << shapes_[t].volume, shapes_[t].volume * maps_[t].stretch.prod(), shapes_[t].volume * turns_[t].transpose();
+    for (int k = 0; k < 4; ++k) sums.row(solid_.tets(t, k)) += row;
+  }
+  const Eigen::MatrixXd spread = spread_.Solve(sums);
+  paths_of_tets_.reserve(maps_.size());
   for (std::size_t t = 0; t < maps_.size(); ++t) {
-    Element& e = elements_[t];
-    e.axes = maps_[t].axes;
-    e.inverted = maps_[t].inverted;
-    e.corners = WeightOf(t).asDiagonal() * (e.axes.transpose() * shapes_[t].gradients);
-    e.stretch = maps_[t].stretch;
-    if (e.inverted) continue;
-    Eigen::RowVector2d region = Eigen::RowVector2d::Zero();
+    Eigen::RowVectorXd region = Eigen::RowVectorXd::Zero(5);
     for (int k = 0; k < 4; ++k) region += spread.row(solid_.tets(t, k));
-    const double own = std::log(e.stretch.prod());
-    // Next to tetrahedra that are inside out the mean can fail; then it has no region but itself.
-    e.growth = (region[0] > 0 && region[1] > 0 ? std::log(region[1] / region[0]) : own) / 3;
-    e.volume_log = own - 3 * e.growth;
-    e.stretch = (e.stretch.array().log() - e.growth).matrix();
+    const double own = std::log(std::max(maps_[t].stretch.prod(), std::numeric_limits<double>::min()));
+    // Next to tetrahedra that are inside out the mean can fail; then there is no region but the tetrahedron itself.
+    const bool known = region[0] > 0 && region[1] > 0;
+    const double growth = (known ? std::log(region[1] / region[0]) : own) / 3;
+    const Eigen::Vector3d turn = known && options_.follow_turns ? (region.tail<3>() / region[0]).transpose().eval() : turns_[t];
+    const Eigen::Matrix3d stretch = maps_[t].axes * maps_[t].stretch.asDiagonal() * maps_[t].axes.transpose();
+    paths_of_tets_.emplace_back(rotations_[t] * stretch, turn, growth);
+    corners_.push_back(WeightOf(t) * shapes_[t].gradients);
   }
 }
 
 void FilledKey::Factor() {
   const Eigen::Index n = solid_.points.rows();
-  Eigen::SparseMatrix<double> h = LaplacianOf(n, solid_.tets, shapes_, [&](std::int64_t t) -> Eigen::Matrix3d {
-    return maps_[t].axes * WeightOf(t).asDiagonal() * maps_[t].axes.transpose();
-  });
+  Eigen::SparseMatrix<double> h = LaplacianOf(n, solid_.tets, shapes_, [&](std::int64_t t) { return WeightOf(t); });
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(n);
   for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t)
     for (int k = 0; k < 4; ++k) mass[solid_.tets(t, k)] += 0.25 * shapes_[t].volume * (1 + std::abs(maps_[t].stretch.prod()));
-  const double reach = kReach * BoundingDiagonal(from_);
+  const double reach = kReach * start_volumes_.sum() / SurfaceArea(from_, faces_);
   double trace = 0;
   for (Eigen::Index i = 0; i < n; ++i) trace += h.coeff(i, i);
   const double ground = trace / static_cast<double>(n);
@@ -338,16 +322,6 @@ void FilledKey::Factor() {
   fit_.Factor(h);
   spread_.Analyze(screened);
   spread_.Factor(screened);
-}
-
-void FilledKey::Want(const Element& e, double t, Eigen::Matrix<double, 3, 4>& corners) {
-  Eigen::Vector3d stretch;
-  // tau: the share of the way at which exp(tau volume_log) is 1 - t + t exp(volume_log).
-  const double x = e.volume_log, tau = std::abs(x) < 1e-9 ? t : std::log1p(t * std::expm1(x)) / x;
-  for (int k = 0; k < 3; ++k) stretch[k] = e.inverted ? 1 - t + t * e.stretch[k] : std::exp(t * e.growth + tau * e.stretch[k]);
-  Eigen::Matrix3d turn = ExpOf(t * e.turn);
-  if (e.has_remainder) turn *= ExpOf(t * e.remainder);
-  corners.noalias() = (turn * e.axes * stretch.asDiagonal()) * e.corners;
 }
 
 PointsX3 FilledKey::VolumeGradient(const PointsX3& p) const {
@@ -382,7 +356,7 @@ std::vector<PointsX3> FilledKey::At(const std::vector<double>& times) const {
   Eigen::MatrixXd rhs(n, 3 * count);
   for (Eigen::Index c = 0; c < count; ++c)
     rhs.middleCols<3>(3 * c) = sums_->Sum([&](std::int64_t t, Eigen::Matrix<double, 3, 4>& corners) {
-      Want(elements_[t], times[c], corners);
+      corners.noalias() = paths_of_tets_[t].At(times[c]) * corners_[t];
     }) * ExpOf(times[c] * body_turn_).transpose();
   const Eigen::MatrixXd x = fit_.Solve(rhs);
   std::vector<PointsX3> frames(count);

@@ -1,0 +1,45 @@
+#include "interpolate/tet_paths.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <optional>
+
+#include "interpolate/face_maps.h"
+#include "interpolate/matrix_powers.h"
+#include "interpolate/tet_maps.h"
+
+namespace keypose::interpolation {
+
+namespace {
+
+constexpr double kFarFromRegion = 2.5;  // [rad]: near half a turn the logarithm may go the other way round than the neighbours'
+constexpr double kFlat = 1e-9;          // of the mean edge growth cubed
+
+}  // namespace
+
+TetPath::TetPath(const Eigen::Matrix3d& map, const Eigen::Vector3d& turn, double growth) : turn_(turn) {
+  const Eigen::Matrix3d f = ExpOf(turn).transpose() * map, rotation = ClosestRotation(f);
+  remainder_ = LogOf(rotation);
+  const double size = f.norm();
+  std::optional<Eigen::Matrix3d> log;
+  if (f.determinant() > kFlat * size * size * size && remainder_.norm() < kFarFromRegion) log = LogOfMatrix(f);
+  has_power_ = log.has_value();
+  if (!has_power_) {
+    map_ = rotation.transpose() * f;
+    return;
+  }
+  growth_ = growth;
+  volume_log_ = log->trace() - 3 * growth;
+  volume_gain_ = std::expm1(volume_log_);
+  map_ = *log - growth * Eigen::Matrix3d::Identity();
+}
+
+Eigen::Matrix3d TetPath::At(double t) const {
+  const Eigen::Matrix3d turn = ExpOf(t * turn_), identity = Eigen::Matrix3d::Identity();
+  if (!has_power_) return turn * ExpOf(t * remainder_) * ((1 - t) * identity + t * map_);
+  // tau: the share of the way at which exp(tau volume_log) is 1 - t + t exp(volume_log).
+  const double tau = std::abs(volume_log_) < 1e-9 ? t : std::log1p(t * volume_gain_) / volume_log_;
+  return std::exp(t * growth_) * (turn * ExpOfMatrix(tau * map_));
+}
+
+}  // namespace keypose::interpolation
