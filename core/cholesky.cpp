@@ -2,7 +2,10 @@
 
 #include <cblas.h>
 #include <cholmod.h>
+#include <dlfcn.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,38 @@
 extern "C" void openblas_set_num_threads(int threads);
 
 namespace keypose {
+
+namespace {
+
+/// While it lives, OpenMP regions met by this thread stay on it. CHOLMOD opens four threads in every supernode, whatever the environment
+/// says, and they spin while they wait: on a busy machine that costs several times the factorisation.
+class OneOpenMpThread {
+ public:
+  OneOpenMpThread() {
+    if (!Set()) return;
+    levels_ = Get()();
+    Set()(0);
+  }
+  ~OneOpenMpThread() {
+    if (Set()) Set()(levels_);
+  }
+
+ private:
+  using SetLevels = void (*)(int);
+  using GetLevels = int (*)();
+  // Found at run time: only the CHOLMOD that was built with OpenMP brings the library.
+  static SetLevels Set() {
+    static const auto set = reinterpret_cast<SetLevels>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+    return Get() ? set : nullptr;
+  }
+  static GetLevels Get() {
+    static const auto get = reinterpret_cast<GetLevels>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
+    return get;
+  }
+  int levels_ = 1;
+};
+
+}  // namespace
 
 struct SparseCholesky::Impl {
   Impl() {
@@ -33,7 +68,8 @@ struct SparseCholesky::Impl {
 
 namespace {
 
-constexpr Eigen::Index kColumnBlock = 12;  // wide enough for dense kernels, narrow enough to share among threads
+constexpr Eigen::Index kNarrow = 8, kWide = 32;  // columns solved together
+constexpr double kSwitchForSolves = 70;          // flops per nonzero; CHOLMOD's own is 40
 
 /// What one thread needs to solve: CHOLMOD's state is not to be shared.
 struct SolveSpace {
@@ -100,6 +136,7 @@ void SparseCholesky::Analyze(const Eigen::SparseMatrix<double>& lower) {
 void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
   if (!impl_->factor) Analyze(lower);
   cholmod_sparse view = ViewOfLower(lower);
+  const OneOpenMpThread one_thread;
   cholmod_factorize(&view, impl_->factor, &impl_->common);
   if (impl_->common.status == CHOLMOD_NOT_POSDEF || impl_->factor->minor < impl_->factor->n)
     throw SolverError("sparse Cholesky: the system is not positive definite (at unknown " + std::to_string(impl_->factor->minor) +
@@ -111,6 +148,7 @@ void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
   cholmod_dense view = ViewOf(const_cast<double*>(b.data()), b.rows(), b.cols());
+  const OneOpenMpThread one_thread;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &view, &impl_->common);
   if (!x) throw SolverError("sparse Cholesky: solve failed, status " + std::to_string(impl_->common.status));
   Eigen::MatrixXd result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols());
@@ -121,18 +159,24 @@ Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
 
 void SparseCholesky::SolveInPlace(Eigen::MatrixXd& b) const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
-  std::vector<char> failed((b.cols() + kColumnBlock - 1) / kColumnBlock, 0);
-  // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels.
-  ParallelBlocks(b.cols(), kColumnBlock, [&](std::int64_t begin, std::int64_t end) {
+  // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels. Wide blocks are cheaper a column, and an
+  // even number of them keeps two cores busy.
+  const Eigen::Index blocks = b.cols() <= kNarrow ? 1 : 2 * ((b.cols() + 2 * kWide - 1) / (2 * kWide));
+  const Eigen::Index width = (b.cols() + blocks - 1) / std::max<Eigen::Index>(1, blocks);
+  std::vector<char> failed(blocks, 0);
+  ParallelBlocks(b.cols(), width, [&](std::int64_t begin, std::int64_t end) {
+    const OneOpenMpThread one_thread;
     SolveSpace space;
     cholmod_dense columns = ViewOf(b.data() + begin * b.rows(), b.rows(), end - begin);
     cholmod_dense* x = &columns;  // CHOLMOD copies the right-hand side into y before it writes the solution
     const int ok = cholmod_solve2(CHOLMOD_A, impl_->factor, &columns, nullptr, &x, nullptr, &space.y, &space.e, &space.common);
-    failed[begin / kColumnBlock] = !ok || x != &columns || !b.middleCols(begin, end - begin).allFinite();
+    failed[begin / width] = !ok || x != &columns || !std::isfinite(b.middleCols(begin, end - begin).sum());
   });
   for (char f : failed)
     if (f) throw SolverError("sparse Cholesky: the solution is not finite");
 }
+
+void SparseCholesky::PreferSolves() { impl_->common.supernodal_switch = kSwitchForSolves; }
 
 SparseCholesky SparseCholesky::SameAnalysis() const {
   SparseCholesky copy;

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "interpolate/differential_turns.h"
 #include "interpolate/pair_paths.h"
+#include "interpolate/turning_field.h"
 #include "interpolate/volume_correction.h"
 
 namespace keypose::interpolation {
@@ -91,7 +92,10 @@ struct ArapInterpolator::Impl {
         system(EnergyKeys(v, u, o.symmetric), faces, RowsOf(o.constraints, static_cast<int>(first.rows())),
                {.screened = o.correct_volume || o.follow_turns || o.stretch == Stretch::kBalanced}) {
     maps = FaceMapsOf(v, u, faces);
-    if (options.follow_turns) report.turns = FollowTurns(system, maps, options.turn_overrides, reversed);
+    if (options.follow_turns)
+      report.turns = FollowTurns(system, maps, options.turn_overrides, reversed);
+    else
+      ShortestTurns(maps);
     if (options.stretch == Stretch::kBalanced) SetGrowth(system, maps);
     if (report.turns.differential) differential.emplace(system, maps);
     paths.emplace(v, u, system.faces(), maps, options.stretch);
@@ -108,12 +112,8 @@ struct ArapInterpolator::Impl {
     if (report.corrected_parts == 0) return volumes.reset();
     if (report.turns.differential || maps.vertex_turns.rows() == 0) return;  // directions are then solved for each frame
     // Outward fields of both keys; on the way each vertex blends them, turned as its surroundings turn.
-    std::vector<PointsX3> z = volumes->Directions({v, u});
-    v_outward = std::move(z[0]);
-    u_outward = std::move(z[1]);
-    const Eigen::Matrix3d body = ExpOf(maps.body_turn);
-    for (Eigen::Index i = 0; i < u_outward.rows(); ++i)
-      u_outward.row(i) = (ExpOf(maps.vertex_turns.row(i)).transpose() * (body.transpose() * u_outward.row(i).transpose())).transpose();
+    const std::vector<PointsX3> z = volumes->Directions({v, u});
+    outward.emplace(maps, z[0], z[1]);
   }
 
   void Describe() {
@@ -123,7 +123,6 @@ struct ArapInterpolator::Impl {
       for (const FaceMap& m : maps.faces) report.turns.largest_turn = std::max(report.turns.largest_turn, m.turn.norm());
     if (volumes) report.closed_parts = static_cast<int>(std::count(volumes->closed_parts().begin(), volumes->closed_parts().end(), 1));
     report.dropped_constraints = system.dropped_rows();
-    outward_maps = reversed ? Reversed(maps) : maps;
   }
 
   /// Targets of the rows in use at time t of the keys as computed.
@@ -151,23 +150,13 @@ struct ArapInterpolator::Impl {
     return (system.RowsAt(key) - targets).cwiseAbs().maxCoeff() <= kAtKey * (BoundingDiagonal(v) + BoundingDiagonal(u));
   }
 
-  PointsX3 Outward(double t, const PointsX3& frame) const {
-    if (v_outward.rows() == 0) return volumes->Direction(frame);
-    PointsX3 z(frame.rows(), 3);
-    const Eigen::Matrix3d body = ExpOf(t * maps.body_turn);
-    for (Eigen::Index i = 0; i < z.rows(); ++i)
-      z.row(i) =
-          (body * (ExpOf(t * maps.vertex_turns.row(i)) * ((1 - t) * v_outward.row(i) + t * u_outward.row(i)).transpose())).transpose();
-    return z;
-  }
-
   void Finish(double t, PointsX3& frame, FrameFacts& facts) const {
     std::vector<int> held;
     for (int pass = 0; pass < 4; ++pass) {
       if (volumes) {
         const std::vector<double> targets = PathVolumes(v_volumes, u_volumes, t);
-        VolumeCorrection::Result result = volumes->Apply(frame, Outward(t, frame), targets, held);
-        if (result.unreachable > 0) result = volumes->Apply(frame, volumes->Direction(frame), targets, held);
+        VolumeCorrection::Result result = volumes->Apply(frame, outward ? outward->At(t) : volumes->Direction(frame), targets, held);
+        if (result.unreachable > 0 && outward) result = volumes->Apply(frame, volumes->Direction(frame), targets, held);
         facts.volume_move = std::max(facts.volume_move, result.largest_move);
       }
       if (!options.constraints.floor) return;
@@ -185,13 +174,13 @@ struct ArapInterpolator::Impl {
   bool reversed;
   PointsX3 v, u;
   PoissonSystem system;
-  SegmentMaps maps, outward_maps;  // as computed; from the caller's first key to the second
+  SegmentMaps maps;
   std::optional<PairPaths> paths;
   std::optional<CentroidPaths> centroids;
   std::optional<DifferentialTurns> differential;
   std::optional<VolumeCorrection> volumes;
   std::vector<double> v_volumes, u_volumes;
-  PointsX3 v_outward, u_outward;
+  std::optional<TurningField> outward;
   ArapReport report;
 };
 
@@ -214,12 +203,11 @@ std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given, std
   std::vector<RowTargets> targets;
   std::vector<Eigen::Matrix3d> turns;
   for (double t : times) targets.push_back(s.Targets(t)), turns.push_back(ExpOf(t * s.maps.body_turn));
-  EdgeBatch edges(s.system.faces().rows(), count);
-  if (s.differential)
-    for (int k = 0; k < count; ++k) s.paths->EvaluateWith(s.differential->At(times[k]), times[k], k, edges);
-  else
-    s.paths->Evaluate(times, edges);
-  std::vector<PointsX3> frames = s.system.Solve(edges, targets, turns);
+  const auto fill = [&](int first, EdgeBatch& edges) {
+    if (!s.differential) return s.paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
+    for (int k = 0; k < edges.frames; ++k) s.paths->EvaluateWith(s.differential->At(times[first + k]), times[first + k], k, edges);
+  };
+  std::vector<PointsX3> frames = s.system.Solve(count, fill, targets, turns);
   std::vector<FrameFacts> found(count);
   ParallelFor(count, [&](std::int64_t k) {
     if (s.IsKey(times[k], targets[k]))
@@ -232,7 +220,7 @@ std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given, std
 }
 
 const ArapReport& ArapInterpolator::report() const { return impl_->report; }
-const SegmentMaps& ArapInterpolator::maps() const { return impl_->outward_maps; }
+SegmentMaps ArapInterpolator::Maps() const { return impl_->reversed ? Reversed(impl_->maps) : impl_->maps; }
 const PoissonSystem& ArapInterpolator::system() const { return impl_->system; }
 
 PointsX3 InterpolateLinearly(const PointsX3& v, const PointsX3& u, double t) { return (1 - t) * v + t * u; }

@@ -56,12 +56,12 @@ class ArapInterpolator {
   ArapInterpolator(ArapInterpolator&&) noexcept;
 
   PointsX3 At(double t) const;
-  /// Several frames with one batch of solves; memory grows with their number (about 0.5 kB a face and frame).
+  /// Several frames with one batch of solves; memory grows with their number (about 0.1 kB a vertex and frame).
   std::vector<PointsX3> At(const std::vector<double>& times, std::vector<FrameFacts>* facts = nullptr) const;
 
   const ArapReport& report() const;
   /// Faces' maps from V to U with their turns, for splines through many keys.
-  const SegmentMaps& maps() const;
+  SegmentMaps Maps() const;
   const PoissonSystem& system() const;
 
   int degenerate_faces() const { return report().degenerate_faces; }

@@ -34,7 +34,8 @@ struct DifferentialTurns::Impl {
     int root = 0;
     for (std::size_t f = 0; f < maps.faces.size(); ++f)
       if (!loose[f] && (loose[root] || maps.faces[f].turn.norm() < maps.faces[root].turn.norm())) root = static_cast<int>(f);
-    tree = GrowTree(neighbours, rotations, loose, {root});
+    const std::vector<Eigen::Quaterniond> quaternions(rotations.begin(), rotations.end());
+    tree = GrowTree(neighbours, quaternions, loose, {root});
     for (const auto& [face, parent] : tree.steps)
       if (loose[face]) rotations[face] = rotations[parent];
     for (const auto& [face, parent] : tree.steps)

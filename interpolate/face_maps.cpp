@@ -43,7 +43,6 @@ FaceMap MapOf(const FlatTriangle& from, const FlatTriangle& to) {
   in_plane.topLeftCorner<2, 2>() << polar.cosine, -polar.sine, polar.sine, polar.cosine;
   map.frame = from.axes.leftCols<2>();
   map.rotation = to.axes * in_plane * from.axes.transpose();
-  map.turn = LogOf(map.rotation);
   map.stretch = polar.stretch;
   return map;
 }
@@ -70,13 +69,18 @@ Eigen::Matrix2d PowerOf(const Eigen::Matrix2d& m, double t) {
   return 0.5 * (h + l) * Eigen::Matrix2d::Identity() + (0.5 * (h - l) / r) * traceless;
 }
 
-Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation) {
-  Eigen::Quaterniond q(rotation);
-  q.normalize();
-  if (q.w() < 0) q.coeffs() = -q.coeffs();
+Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation) { return LogOf(Eigen::Quaterniond(rotation).normalized()); }
+
+Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
   const double sine = q.vec().norm();
-  if (sine < 1e-12) return 2 * q.vec();
-  return (2 * std::atan2(sine, q.w()) / sine) * q.vec();
+  if (sine < 1e-12) return std::copysign(2.0, q.w()) * q.vec();
+  return (2 * std::atan2(std::copysign(sine, q.w()), std::abs(q.w())) / sine) * q.vec();
+}
+
+Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn) {
+  const double half = 0.5 * turn.norm();
+  const double scale = half > 1e-150 ? 0.5 * std::sin(half) / half : 0.5;
+  return {std::cos(half), scale * turn[0], scale * turn[1], scale * turn[2]};
 }
 
 Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
@@ -85,22 +89,10 @@ Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
   return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
 }
 
-Eigen::Matrix3d RotationAt(const SegmentMaps& maps, Eigen::Index face, double t) {
-  const FaceMap& map = maps.faces[face];
-  return ExpOf(t * maps.body_turn) * ExpOf(t * map.turn) * ExpOf(t * map.remainder);
-}
-
 double BalancedTime(double t, double x) {
   // Series of log(1 + t (e^x - 1)) / x, whose terms keep tau(t, x) + tau(1-t, -x) = 1 one by one; bounded so that it stays rising.
   x = std::clamp(x, -1.0, 1.0);
   return t + t * (1 - t) * x * (0.5 + x * ((1 - 2 * t) / 6 + x * (1 - 6 * t + 6 * t * t) / 24));
-}
-
-Eigen::Matrix2d StretchAt(const FaceMap& map, Stretch stretch, double t) {
-  if (stretch == Stretch::kLinear) return (1 - t) * Eigen::Matrix2d::Identity() + t * map.stretch;
-  if (stretch == Stretch::kLogarithmic) return PowerOf(map.stretch, t);
-  const Eigen::Matrix2d rest = std::exp(-map.growth) * map.stretch;
-  return std::exp(t * map.growth) * PowerOf(rest, BalancedTime(t, std::log(rest.determinant())));
 }
 
 SegmentMaps Reversed(const SegmentMaps& maps) {
@@ -128,6 +120,15 @@ SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& face
   ParallelFor(
       faces.rows(), [&](std::int64_t f) { maps.faces[f] = MapOf(Flatten(v, faces, f), Flatten(u, faces, f)); }, 512);
   return maps;
+}
+
+void ShortestTurns(SegmentMaps& maps) {
+  ParallelFor(
+      static_cast<std::int64_t>(maps.faces.size()),
+      [&](std::int64_t f) {
+        maps.faces[f].turn = maps.faces[f].degenerate ? Eigen::Vector3d::Zero().eval() : LogOf(maps.faces[f].rotation);
+      },
+      512);
 }
 
 }  // namespace keypose::interpolation

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "core/mesh.h"
@@ -49,12 +50,10 @@ struct SegmentMaps {
 
 /// Rotation vector of a rotation matrix, |w| <= pi, exact near 0 and near pi.
 Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation);
+Eigen::Vector3d LogOf(const Eigen::Quaterniond& unit);
 Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn);
+Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn);
 
-/// A face's rotation at time t: exp(t body_turn) exp(t turn) exp(t remainder).
-Eigen::Matrix3d RotationAt(const SegmentMaps& maps, Eigen::Index face, double t);
-/// A face's stretch at time t, in its frame.
-Eigen::Matrix2d StretchAt(const FaceMap& map, Stretch stretch, double t);
 /// tau of Stretch::kBalanced for log-area x relative to the region: 0 at t = 0, 1 at t = 1, tau(t, x) + tau(1-t, -x) = 1.
 double BalancedTime(double t, double x);
 
@@ -66,5 +65,8 @@ SegmentMaps Reversed(const SegmentMaps& maps);
 /// rotation vector, remainder and body_turn are zero. Source: polar decomposition as in Alexa et al., SIGGRAPH 2000; the in-plane form
 /// equals that of the paper's surface tetrahedra, whose fourth vertex only adds a stretch along the normal.
 SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces);
+
+/// Gives every face its shortest rotation vector, whatever its neighbours do.
+void ShortestTurns(SegmentMaps& maps);
 
 }  // namespace keypose::interpolation

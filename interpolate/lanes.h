@@ -61,12 +61,11 @@ struct Lanes3 {
   Lanes x, y, z;
 };
 
-/// v turned by `angle` about the unit `axis` (Rodrigues), from the angle's sine and cosine.
-KEYPOSE_INLINE Lanes3 Turned(const double* axis, Lanes sine, Lanes cosine, const Lanes3& v) {
-  const Lanes ax = Spread(axis[0]), ay = Spread(axis[1]), az = Spread(axis[2]);
-  const Lanes along = (ax * v.x + ay * v.y + az * v.z) * (Spread(1.0) - cosine);
-  return {v.x * cosine + (ay * v.z - az * v.y) * sine + ax * along, v.y * cosine + (az * v.x - ax * v.z) * sine + ay * along,
-          v.z * cosine + (ax * v.y - ay * v.x) * sine + az * along};
+/// v turned about the unit `axis` (Rodrigues), from the angle's sine and cosine.
+KEYPOSE_INLINE Lanes3 Turned(const Lanes3& a, Lanes sine, Lanes cosine, const Lanes3& v) {
+  const Lanes along = (a.x * v.x + a.y * v.y + a.z * v.z) * (Spread(1.0) - cosine);
+  return {v.x * cosine + (a.y * v.z - a.z * v.y) * sine + a.x * along, v.y * cosine + (a.z * v.x - a.x * v.z) * sine + a.y * along,
+          v.z * cosine + (a.x * v.y - a.y * v.x) * sine + a.z * along};
 }
 
 #pragma GCC diagnostic pop

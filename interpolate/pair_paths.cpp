@@ -40,15 +40,21 @@ bool LogOf2(const Eigen::Matrix2d& m, double& log_det, Eigen::Matrix2d& n, doubl
   return true;
 }
 
-/// The face's plane rotated within itself, then stretched; `tilt` keeps the rest of the remainder.
-bool ShearOf(const FaceMap& map, Eigen::Matrix2d& shear, Eigen::Vector3d& tilt) {
+/// The rotation of the face's plane within itself times its stretch; `tilt` is what remains of the remainder.
+Eigen::Matrix2d ShearOf(const FaceMap& map, Eigen::Vector3d& tilt) {
   const Eigen::Vector3d normal = map.frame.col(0).cross(map.frame.col(1));
-  const Eigen::Matrix3d remainder = ExpOf(map.remainder);
-  const Eigen::Quaterniond q(remainder);
-  const double angle = 2 * std::atan2(q.vec().dot(normal), q.w());
-  shear = Eigen::Rotation2Dd(angle).toRotationMatrix() * map.stretch;
-  tilt = LogOf(remainder * ExpOf(-angle * normal));
-  return true;
+  const Eigen::Quaterniond q = QuaternionOf(map.remainder);
+  double w = q.w(), along = q.vec().dot(normal);
+  const double length = std::hypot(w, along);
+  if (length < 1e-12) {  // half a turn across: no way to tell
+    tilt = map.remainder;
+    return map.stretch;
+  }
+  w /= length, along /= length;
+  const Eigen::Vector3d within = along * normal;
+  tilt = LogOf(q * Eigen::Quaterniond(w, -within[0], -within[1], -within[2]));
+  const double cosine = w * w - along * along, sine = 2 * w * along;
+  return (Eigen::Matrix2d() << cosine, -sine, sine, cosine).finished() * map.stretch;
 }
 
 Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eigen::Index f, const SegmentMaps& maps,
@@ -68,9 +74,8 @@ Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eige
   } else {
     SetTurns(map.turn, r.turn_axis, r.turn_angle);
     Eigen::Vector3d tilt = map.remainder;
-    Eigen::Matrix2d shear = map.stretch, n;
-    const bool in_one =
-        stretch == Stretch::kBalanced && !maps.differential && ShearOf(map, shear, tilt) && LogOf2(shear, r.log_area, n, r.discriminant);
+    Eigen::Matrix2d n;
+    const bool in_one = stretch == Stretch::kBalanced && !maps.differential && LogOf2(ShearOf(map, tilt), r.log_area, n, r.discriminant);
     if (!in_one) {
       tilt = map.remainder;
       LogOf2(map.stretch, r.log_area, n, r.discriminant);  // symmetric and positive: always real
@@ -111,7 +116,10 @@ struct EvenSeries {
 };
 constexpr EvenSeries kSeries;
 
+KEYPOSE_INLINE Lanes3 SpreadAxis(const std::array<double, 3>& axis) { return {Spread(axis[0]), Spread(axis[1]), Spread(axis[2])}; }
+
 KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* times, int stride, double* edges) {
+  const Lanes3 turn_axis = SpreadAxis(r.turn_axis), tilt_axis = SpreadAxis(r.tilt_axis);
   for (int first = 0; first < stride; first += 4) {
     Lanes t;
     __builtin_memcpy(&t, times + first, sizeof t);
@@ -134,8 +142,8 @@ KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* t
       const double *a = r.plain.data() + 3 * k, *b = r.generated.data() + 3 * k;
       Lanes3 e = {plain * Spread(a[0]) + generated * Spread(b[0]), plain * Spread(a[1]) + generated * Spread(b[1]),
                   plain * Spread(a[2]) + generated * Spread(b[2])};
-      e = Turned(r.tilt_axis.data(), tilt_sine, tilt_cosine, e);
-      e = Turned(r.turn_axis.data(), sine, cosine, e);
+      e = Turned(tilt_axis, tilt_sine, tilt_cosine, e);
+      e = Turned(turn_axis, sine, cosine, e);
       __builtin_memcpy(edges + (3 * k + 0) * stride + first, &e.x, sizeof e.x);
       __builtin_memcpy(edges + (3 * k + 1) * stride + first, &e.y, sizeof e.y);
       __builtin_memcpy(edges + (3 * k + 2) * stride + first, &e.z, sizeof e.z);

@@ -48,7 +48,11 @@ bool Measure(const PointsX3& p, const FacesX3& faces, Eigen::Index f, EdgeWeight
 }  // namespace
 
 EdgeBatch::EdgeBatch(Eigen::Index faces, int frame_count)
-    : frames(frame_count), stride((frame_count + kVectorWidth - 1) / kVectorWidth * kVectorWidth), values(faces * 6 * stride) {}
+    : frames(frame_count), stride((frame_count + kVectorWidth - 1) / kVectorWidth * kVectorWidth) {
+  const std::size_t size = static_cast<std::size_t>(faces) * 6 * stride;
+  // Columns that no frame fills are summed too, so they must be numbers.
+  values_ = frames == stride ? std::make_unique_for_overwrite<double[]>(size) : std::make_unique<double[]>(size);
+}
 
 void EdgeBatch::Set(Eigen::Index face, int frame, const Eigen::Matrix<double, 3, 2>& edges) {
   for (int c = 0; c < 6; ++c) Face(face)[c * stride + frame] = edges.data()[c];
@@ -159,6 +163,7 @@ void PoissonSystem::Impl::Assemble() {
   const double ground = std::max(diagonal.cwiseAbs().mean(), 1e-12);
   for (Eigen::Index j = 0; j < n; ++j)
     if (lowest[j] == j) h.valuePtr()[h.outerIndexPtr()[j]] += ground;
+  solver.PreferSolves();
   solver.Analyze(h);
   if (!options.screened) {
     solver.Factor(h);
@@ -171,9 +176,9 @@ void PoissonSystem::Impl::Assemble() {
   ParallelFor(2, [&](std::int64_t k) { k == 0 ? solver.Factor(h) : screened.Factor(screened_h); });
 }
 
-void PoissonSystem::Impl::RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, Eigen::MatrixXd& rhs) const {
+void PoissonSystem::Impl::RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, int first,
+                                        Eigen::MatrixXd& rhs) const {
   const int frames = edges.frames, stride = edges.stride;
-  rhs.resize(n, 3 * frames);
   constexpr int kBlock = 64;
   ParallelBlocks(n, kBlock, [&](std::int64_t begin, std::int64_t end) {
     // Gathered by vertex in the order of its faces, in a small buffer: the matrix itself is written once, column by column.
@@ -193,8 +198,8 @@ void PoissonSystem::Impl::RightHandSide(const EdgeBatch& edges, const std::vecto
       for (std::int64_t i = begin; i < end; ++i) {
         const double* sum = buffer.data() + (i - begin) * 3 * stride;
         Eigen::Vector3d v(sum[t], sum[stride + t], sum[2 * stride + t]);
-        if (!turns.empty()) v = turns[t] * v;
-        for (int c = 0; c < 3; ++c) rhs(i, 3 * t + c) = v[c];
+        if (!turns.empty()) v = turns[first + t] * v;
+        for (int c = 0; c < 3; ++c) rhs(i, 3 * (first + t) + c) = v[c];
       }
   });
 }
@@ -224,21 +229,36 @@ RowTargets PoissonSystem::RowsAt(const PointsX3& points) const {
   return values;
 }
 
-std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges, const std::vector<RowTargets>& targets,
-                                           const std::vector<Eigen::Matrix3d>& turns) const {
-  const Impl& s = *impl_;
+std::vector<PointsX3> PoissonSystem::Impl::Fit(Eigen::MatrixXd& x, const std::vector<RowTargets>& targets) const {
   for (const RowTargets& t : targets)
-    if (t.rows() != static_cast<Eigen::Index>(s.rows.size())) throw InputError("interpolate: one target a constraint row is needed");
-  if (static_cast<int>(targets.size()) != edges.frames) throw InputError("interpolate: one set of targets a frame is needed");
-  Eigen::MatrixXd x;
-  s.RightHandSide(edges, turns, x);
-  s.SolveWithRows(x, targets);
-  std::vector<PointsX3> frames(edges.frames);
-  ParallelFor(edges.frames, [&](std::int64_t t) {
+    if (t.rows() != static_cast<Eigen::Index>(rows.size())) throw InputError("interpolate: one target a constraint row is needed");
+  if (3 * static_cast<Eigen::Index>(targets.size()) != x.cols()) throw InputError("interpolate: one set of targets a frame is needed");
+  SolveWithRows(x, targets);
+  std::vector<PointsX3> frames(targets.size());
+  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t t) {
     frames[t] = x.middleCols<3>(3 * t);
-    s.CentreFreeParts(frames[t], targets[t]);
+    CentreFreeParts(frames[t], targets[t]);
   });
   return frames;
+}
+
+std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges, const std::vector<RowTargets>& targets,
+                                           const std::vector<Eigen::Matrix3d>& turns) const {
+  Eigen::MatrixXd x(impl_->n, 3 * edges.frames);
+  impl_->RightHandSide(edges, turns, 0, x);
+  return impl_->Fit(x, targets);
+}
+
+std::vector<PointsX3> PoissonSystem::Solve(int frames, const std::function<void(int first, EdgeBatch& edges)>& fill,
+                                           const std::vector<RowTargets>& targets, const std::vector<Eigen::Matrix3d>& turns) const {
+  Eigen::MatrixXd x(impl_->n, 3 * frames);
+  EdgeBatch edges(impl_->faces.rows(), std::min(frames, kVectorWidth));
+  for (int first = 0; first < frames; first += kVectorWidth) {
+    edges.frames = std::min(kVectorWidth, frames - first);
+    fill(first, edges);
+    impl_->RightHandSide(edges, turns, first, x);
+  }
+  return impl_->Fit(x, targets);
 }
 
 Eigen::MatrixXd PoissonSystem::SolveScreened(const Eigen::MatrixXd& b) const {

@@ -18,11 +18,13 @@ struct EdgeBatch {
   /// @param edges  3 x 2: columns are corner 1 - corner 0 and corner 2 - corner 0
   void Set(Eigen::Index face, int frame, const Eigen::Matrix<double, 3, 2>& edges);
   /// 6 x stride numbers of a face: x y z of the first edge, then of the second; a frame is a column.
-  double* Face(Eigen::Index face) { return values.data() + face * 6 * stride; }
-  const double* Face(Eigen::Index face) const { return values.data() + face * 6 * stride; }
+  double* Face(Eigen::Index face) { return values_.get() + face * 6 * stride; }
+  const double* Face(Eigen::Index face) const { return values_.get() + face * 6 * stride; }
 
   int frames = 0, stride = 0;  ///< stride: frames rounded up to whole vectors
-  std::vector<double> values;
+
+ private:
+  std::unique_ptr<double[]> values_;
 };
 
 /// One linear condition, on x, y and z alike: sum of weight * position over `terms` equals a target point, given anew for each frame.
@@ -84,6 +86,11 @@ class PoissonSystem {
   /// @param turns    one a frame, or none: the wanted edges are turned by it first
   std::vector<PointsX3> Solve(const EdgeBatch& edges, const std::vector<RowTargets>& targets,
                               const std::vector<Eigen::Matrix3d>& turns = {}) const;
+
+  /// The same, for edges that are made a few frames at a time: `fill(first, edges)` is to write the frames first .. first + edges.frames
+  /// - 1.
+  std::vector<PointsX3> Solve(int frames, const std::function<void(int first, EdgeBatch& edges)>& fill,
+                              const std::vector<RowTargets>& targets, const std::vector<Eigen::Matrix3d>& turns = {}) const;
 
   /// The smallest change, in this energy and under the same conditions, after which z >= floor.height: active vertices are held at the
   /// floor by multipliers until none sinks and none is pulled. In place; exact to rounding.

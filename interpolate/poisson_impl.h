@@ -21,7 +21,9 @@ struct PoissonSystem::Impl {
   Eigen::SparseMatrix<double> LowerLaplacian() const;
   void Assemble();
   double Kappa() const { return 1 / (screening_length * screening_length); }
-  void RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, Eigen::MatrixXd& rhs) const;
+  /// Writes the columns of the batch's frames, from frame `first` on.
+  void RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, int first, Eigen::MatrixXd& rhs) const;
+  std::vector<PointsX3> Fit(Eigen::MatrixXd& rhs, const std::vector<RowTargets>& targets) const;
 
   // In poisson_rows.cpp.
   void AcceptRows(const std::vector<ConstraintRow>& given);

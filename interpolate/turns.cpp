@@ -32,7 +32,10 @@ constexpr int kSmoothingPasses = 3;
 constexpr double kLeastWeight = 1e-3;
 
 /// sin^2 of half the angle between two rotations: as good as the angle for comparing, without arccosines.
-double Difference(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) { return (a - b).squaredNorm() / 8; }
+double Difference(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  const double cosine = a.dot(b);
+  return std::max(0.0, 1 - cosine * cosine);
+}
 
 double AngleOf(double sine2) { return 2 * std::asin(std::min(1.0, std::sqrt(sine2))); }
 
@@ -61,11 +64,13 @@ class Lift {
   Lift(const PoissonSystem& system, SegmentMaps& maps)
       : system_(system), maps_(maps), neighbours_(FaceNeighbours(system.vertex_count(), system.faces())) {
     FacesByPart();
-    const int body = FindBody();
     relative_.resize(maps_.faces.size());
-    const Eigen::Matrix3d back = body_.transpose();
     ParallelFor(
-        static_cast<std::int64_t>(maps_.faces.size()), [&](std::int64_t f) { relative_[f] = back * maps_.faces[f].rotation; }, 1024);
+        static_cast<std::int64_t>(relative_.size()),
+        [&](std::int64_t f) { relative_[f] = Eigen::Quaterniond(maps_.faces[f].rotation).normalized(); }, 1024);
+    const int body = FindBody();
+    const Eigen::Quaterniond back = body_.conjugate();
+    for (Eigen::Quaterniond& q : relative_) q = back * q;
     maps_.body_turn = LogOf(body_);
     std::vector<int> roots;
     for (std::size_t part = 0; part < faces_of_part_.size(); ++part)
@@ -76,7 +81,7 @@ class Lift {
 
   void Override(const TurnOverride& limb, bool axis_in_second_key) {
     const std::vector<int> faces = FacesOf(limb);
-    Eigen::Vector3d axis = axis_in_second_key ? (-(body_.transpose() * limb.axis)).eval() : limb.axis;
+    Eigen::Vector3d axis = axis_in_second_key ? (-(body_.conjugate() * limb.axis)).eval() : limb.axis;
     if (axis.norm() == 0)
       for (int f : faces) axis += system_.face_areas()[f] * maps_.faces[f].turn;
     double area = 0;
@@ -97,12 +102,15 @@ class Lift {
     // Near whole turns a rotation vector's direction magnifies any noise by x / sin x of half its length: its weight is that, squared,
     // below 1.
     Eigen::MatrixXd weighted(maps_.faces.size(), 4);
-    for (Eigen::Index f = 0; f < weighted.rows(); ++f) {
-      const Eigen::Vector3d& turn = maps_.faces[f].turn;
-      const double half = 0.5 * turn.norm(), magnified = half > kNoAxis ? std::sin(half) / half : 1.0;
-      const double weight = std::max(kLeastWeight, magnified * magnified);
-      weighted.row(f) << weight * turn.transpose(), weight;
-    }
+    ParallelFor(
+        weighted.rows(),
+        [&](std::int64_t f) {
+          const Eigen::Vector3d& turn = maps_.faces[f].turn;
+          const double half = 0.5 * turn.norm(), magnified = half > kNoAxis ? std::sin(half) / half : 1.0;
+          const double weight = std::max(kLeastWeight, magnified * magnified);
+          weighted.row(f) << weight * turn.transpose(), weight;
+        },
+        1024);
     const Eigen::MatrixXd smooth = system_.SmoothOverVertices(weighted, kSmoothingPasses);
     maps_.vertex_turns.resize(smooth.rows(), 3);
     for (Eigen::Index i = 0; i < smooth.rows(); ++i)
@@ -118,14 +126,15 @@ class Lift {
           const double length = mean.norm();
           if (length < kNoAxis) return SetTurn(map, f, Eigen::Vector3d::Zero());
           const Eigen::Vector3d axis = mean / length;
-          const double twist = TwistNear(Eigen::Quaterniond(relative_[f]), axis, map.turn.dot(axis));
+          const double twist = TwistNear(relative_[f], axis, map.turn.dot(axis));
           SetTurn(map, f, twist * std::min(1.0, length / kSmallTurn) * axis);
         },
         256);
   }
 
   void KeepRaw() {
-    for (std::size_t f = 0; f < maps_.faces.size(); ++f) SetTurn(maps_.faces[f], f, maps_.faces[f].turn);
+    ParallelFor(
+        static_cast<std::int64_t>(maps_.faces.size()), [&](std::int64_t f) { SetTurn(maps_.faces[f], f, maps_.faces[f].turn); }, 512);
   }
 
   /// Whether turns and remainders serve: single faces, as folded ones, may tear, but not regions.
@@ -151,10 +160,10 @@ class Lift {
       report.largest_remainder = std::max(report.largest_remainder, map.remainder.norm());
       report.far_faces += map.remainder.norm() > kLargestRemainder;
     }
-    std::vector<Eigen::Matrix3d> middle(maps_.faces.size());
+    std::vector<Eigen::Quaterniond> middle(maps_.faces.size());
     ParallelFor(
         static_cast<std::int64_t>(middle.size()),
-        [&](std::int64_t f) { middle[f] = ExpOf(0.5 * maps_.faces[f].turn) * ExpOf(0.5 * maps_.faces[f].remainder); }, 512);
+        [&](std::int64_t f) { middle[f] = QuaternionOf(0.5 * maps_.faces[f].turn) * QuaternionOf(0.5 * maps_.faces[f].remainder); }, 512);
     for (int f = 0; f < static_cast<int>(neighbours_.size()); ++f)
       for (int g : neighbours_[f]) {
         if (g <= f || maps_.faces[f].degenerate || maps_.faces[g].degenerate) continue;
@@ -176,7 +185,8 @@ class Lift {
   }
 
   /// Area of sampled faces that turn like `rotation` within 20 degrees.
-  double Support(const std::vector<int>& faces, const Eigen::Matrix3d& rotation, const std::vector<Eigen::Matrix3d>& rotations) const {
+  double Support(const std::vector<int>& faces, const Eigen::Quaterniond& rotation,
+                 const std::vector<Eigen::Quaterniond>& rotations) const {
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kSamples);
     double area = 0;
     for (std::size_t k = stride / 2; k < faces.size(); k += stride)
@@ -185,8 +195,8 @@ class Lift {
   }
 
   /// Of the faces that many others turn with, the one that turns least: the trunk, or the held end of a limb.
-  int RootOf(const std::vector<int>& faces, const std::vector<Eigen::Matrix3d>& rotations) const {
-    const Eigen::Matrix3d still = Eigen::Matrix3d::Identity();
+  int RootOf(const std::vector<int>& faces, const std::vector<Eigen::Quaterniond>& rotations) const {
+    const Eigen::Quaterniond still = Eigen::Quaterniond::Identity();
     std::vector<int> candidates;
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kCandidates);
     for (std::size_t k = stride / 2; k < faces.size(); k += stride) candidates.push_back(faces[k]);
@@ -209,14 +219,12 @@ class Lift {
       for (int f : faces_of_part_[p]) area[p] += system_.face_areas()[f];
     const int body = static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
     if (faces_of_part_[body].empty()) return body;
-    std::vector<Eigen::Matrix3d> rotations(maps_.faces.size());
-    for (std::size_t f = 0; f < rotations.size(); ++f) rotations[f] = maps_.faces[f].rotation;
-    body_root_ = RootOf(faces_of_part_[body], rotations);
-    body_ = rotations[body_root_];
+    body_root_ = RootOf(faces_of_part_[body], relative_);
+    body_ = relative_[body_root_];
     for (int pass = 0; pass < 3; ++pass) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (int f : faces_of_part_[body])
-        if (Difference(rotations[f], body_) < kBodySine2) sum += system_.face_areas()[f] * rotations[f];
+        if (Difference(relative_[f], body_) < kBodySine2) sum += system_.face_areas()[f] * maps_.faces[f].rotation;
       body_ = NearestRotation(sum);
     }
     return body;
@@ -235,7 +243,8 @@ class Lift {
     }
   }
 
-  static Eigen::Vector3d TurnAfter(const Eigen::Vector3d& parent, const Eigen::Matrix3d& parent_rotation, const Eigen::Matrix3d& rotation) {
+  static Eigen::Vector3d TurnAfter(const Eigen::Vector3d& parent, const Eigen::Quaterniond& parent_rotation,
+                                   const Eigen::Quaterniond& rotation) {
     const Eigen::Vector3d shortest = LogOf(rotation);
     const double angle = shortest.norm(), before = parent.norm();
     Eigen::Vector3d nearest = shortest;
@@ -250,7 +259,7 @@ class Lift {
     // Towards whole turns a rotation vector says less and less about its axis. From the parent's, the angle follows the face all the way
     // and the axis as far as it can be told: Newton's step for exp(turn) = rotation, damped across the axis where its derivative s = sin x
     // / x (x half the angle) vanishes.
-    const Eigen::Vector3d axis = parent / before, step = LogOf(ExpOf(parent).transpose() * rotation), across = step - step.dot(axis) * axis;
+    const Eigen::Vector3d axis = parent / before, step = LogOf(QuaternionOf(-parent) * rotation), across = step - step.dot(axis) * axis;
     const double x = 0.5 * before, s = std::sin(x) / x, damping = s * s / (s * s + kDamping * kDamping);
     const double x_cot_x = std::abs(s) > 1e-9 ? std::cos(x) / s : 0.0;
     return parent + step.dot(axis) * axis + damping * (x_cot_x * across + x * axis.cross(across));
@@ -258,7 +267,7 @@ class Lift {
 
   void SetTurn(FaceMap& map, std::size_t face, const Eigen::Vector3d& turn) const {
     map.turn = turn;
-    map.remainder = map.degenerate ? Eigen::Vector3d::Zero().eval() : LogOf(ExpOf(turn).transpose() * relative_[face]);
+    map.remainder = map.degenerate ? Eigen::Vector3d::Zero().eval() : LogOf(QuaternionOf(-turn) * relative_[face]);
   }
 
   std::vector<int> FacesOf(const TurnOverride& limb) const {
@@ -283,14 +292,14 @@ class Lift {
   SegmentMaps& maps_;
   std::vector<std::array<int, 3>> neighbours_;
   std::vector<std::vector<int>> faces_of_part_;
-  Eigen::Matrix3d body_ = Eigen::Matrix3d::Identity();
+  Eigen::Quaterniond body_ = Eigen::Quaterniond::Identity();
   int body_root_ = -1;
-  std::vector<Eigen::Matrix3d> relative_;  // to the body
+  std::vector<Eigen::Quaterniond> relative_;  // to the body
 };
 
 }  // namespace
 
-FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours, const std::vector<Eigen::Matrix3d>& rotations,
+FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours, const std::vector<Eigen::Quaterniond>& rotations,
                   const std::vector<char>& loose, const std::vector<int>& first_roots) {
   const int count = static_cast<int>(rotations.size());
   FaceTree tree;

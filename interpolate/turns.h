@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <string>
 #include <vector>
@@ -59,7 +60,7 @@ struct FaceTree {
 };
 /// @param rotations   of faces; `loose` faces (no rotation of their own) come last
 /// @param first_roots grown first, in order; parts that they do not reach start from their lowest face
-FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours, const std::vector<Eigen::Matrix3d>& rotations,
+FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours, const std::vector<Eigen::Quaterniond>& rotations,
                   const std::vector<char>& loose, const std::vector<int>& first_roots);
 
 /// Faces beyond each side 01, 12, 20 of each face; -1 where there is none. Sides of more than two faces are paired in order.

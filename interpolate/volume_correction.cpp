@@ -61,23 +61,22 @@ std::vector<char> ClosedParts(const PoissonSystem& system) {
 
 }  // namespace
 
-VolumeCorrection::VolumeCorrection(const PoissonSystem& system) : system_(&system), closed_(ClosedParts(system)) {}
+VolumeCorrection::VolumeCorrection(const PoissonSystem& system)
+    : system_(&system), closed_(ClosedParts(system)), origins_(system.part_count()) {
+  for (int i = system.vertex_count() - 1; i >= 0; --i) origins_[system.parts()[i]] = i;
+}
 
-/// Parts' volumes along points + x * direction, as polynomials of x; about each part's own centroid, for accuracy far from the origin.
+/// Parts' volumes along points + x * direction, as polynomials of x; about a vertex of each, for accuracy far from the origin.
 std::vector<std::array<double, 4>> VolumeCorrection::Polynomials(const PointsX3& points, const PointsX3* direction) const {
   const FacesX3& faces = system_->faces();
   const std::vector<int>& parts = system_->parts();
-  PointsX3 centre = PointsX3::Zero(system_->part_count(), 3);
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(system_->part_count());
-  for (Eigen::Index i = 0; i < points.rows(); ++i) centre.row(parts[i]) += points.row(i), count[parts[i]] += 1;
-  for (Eigen::Index p = 0; p < centre.rows(); ++p) centre.row(p) /= count[p];
   std::vector<Cubic> sums(system_->part_count(), Cubic{});
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const int part = parts[faces(f, 0)];
     if (!closed_[part]) continue;
     Cubic& sum = sums[part];
-    const Eigen::Vector3d o = centre.row(part), a = points.row(faces(f, 0)).transpose() - o, b = points.row(faces(f, 1)).transpose() - o,
-                          c = points.row(faces(f, 2)).transpose() - o;
+    const Eigen::Vector3d o = points.row(origins_[part]), a = points.row(faces(f, 0)).transpose() - o,
+                          b = points.row(faces(f, 1)).transpose() - o, c = points.row(faces(f, 2)).transpose() - o;
     const Eigen::Vector3d bc = b.cross(c);
     sum[0] += a.dot(bc);
     if (!direction) continue;

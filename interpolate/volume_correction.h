@@ -46,6 +46,7 @@ class VolumeCorrection {
 
   const PoissonSystem* system_;
   std::vector<char> closed_;
+  std::vector<int> origins_;  // a vertex of each part
 };
 
 /// v0^(1-t) v1^t for each part; NaN (left alone) where a volume is 0 or the two have different signs.

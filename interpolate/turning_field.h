@@ -1,0 +1,28 @@
+// A field of vectors on vertices that turns with the body between two keys.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "interpolate/face_maps.h"
+
+namespace keypose::interpolation {
+
+/// exp(t body_turn) exp(t vertex_turn) ((1-t) a + t b'), where b' is b turned back to the first key: a at 0, b at 1.
+class TurningField {
+ public:
+  /// @param maps  with vertex_turns
+  /// @param a, b  V x 3, at the first and the second key
+  TurningField(const SegmentMaps& maps, const PointsX3& a, const PointsX3& b);
+  PointsX3 At(double t) const;
+
+ private:
+  struct Block {
+    double axis[3][4], angle[4], start[3][4], rise[3][4];  // four vertices
+  };
+  Eigen::Index count_;
+  Eigen::Vector3d body_turn_;
+  std::vector<Block> blocks_;
+};
+
+}  // namespace keypose::interpolation
