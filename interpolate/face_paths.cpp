@@ -28,14 +28,18 @@ Plane AxesOf(const Eigen::Matrix<double, 3, 2>& edges) {
   return axes;
 }
 
-/// exp of the symmetric matrix [m+d o; o m-d].
-Eigen::Matrix2d ExpOfSymmetric(const Eigen::Vector3d& mdo) {
-  const double scale = std::exp(mdo[0]), r = std::hypot(mdo[1], mdo[2]);
-  const double c = scale * std::cosh(r), s = r > 1e-9 ? scale * std::sinh(r) / r : scale;
+/// exp of [d o; o -d].
+Eigen::Matrix2d ExpOfShear(const Eigen::Vector2d& shear) {
+  const double r = shear.norm(), c = std::cosh(r), s = r > 1e-9 ? std::sinh(r) / r : 1;
   Eigen::Matrix2d m;
-  m << c + s * mdo[1], s * mdo[2], s * mdo[2], c - s * mdo[1];
+  m << c + s * shear[0], s * shear[1], s * shear[1], c - s * shear[0];
   return m;
 }
+
+double DoubledArea(const Eigen::Matrix<double, 3, 2>& edges) { return edges.col(0).cross(edges.col(1)).norm(); }
+
+/// 1 + x, but never below zero however far x falls; once differentiable.
+double Positive(double x) { return x > -0.8 ? 1 + x : 0.2 * std::exp((x + 0.8) / 0.2); }
 
 /// A face's velocity: how it turns in space, and how it stretches in its plane.
 struct FaceVelocity {
@@ -164,24 +168,28 @@ void FacePaths::SmoothFace(const Schedule& schedule, Eigen::Index f, const std::
     return;
   }
   EndVelocities<Eigen::Vector3d> angular;
-  EndVelocities<double> growth;
+  EndVelocities<double> growth, area;
   EndVelocities<Eigen::Vector2d> shear;
-  for (const EndEdges* e : starts) {
-    const FaceVelocity v = VelocityOf(e->at, e->rate);
-    angular.start.push_back(v.angular), growth.start.push_back(v.growth), shear.start.push_back(v.shear);
-  }
-  for (const EndEdges* e : ends) {
-    const FaceVelocity v = VelocityOf(e->at, e->rate);
-    angular.end.push_back(v.angular), growth.end.push_back(v.growth), shear.end.push_back(v.shear);
-  }
-  angular = BendsOf(schedule, angular), growth = BendsOf(schedule, growth), shear = BendsOf(schedule, shear);
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    BendPair& bend = bends_[k][f];
-    bend.start.angular = angular.start[k];
-    bend.end.angular = angular.end[k];
-    bend.start.stretch << growth.start[k], shear.start[k];
-    bend.end.stretch << growth.end[k], shear.end[k];
+    const double region = GrowthOf(static_cast<int>(k), f);
+    growth.start.push_back(region), growth.end.push_back(region);
+    const FaceVelocity start = VelocityOf(starts[k]->at, starts[k]->rate), end = VelocityOf(ends[k]->at, ends[k]->rate);
+    angular.start.push_back(start.angular), angular.end.push_back(end.angular);
+    shear.start.push_back(start.shear), shear.end.push_back(end.shear);
+    area.start.push_back(start.growth - region), area.end.push_back(end.growth - region);
   }
+  angular = BendsOf(schedule, angular), growth = BendsOf(schedule, growth), shear = BendsOf(schedule, shear),
+  area = BendsOf(schedule, area);
+  for (std::size_t k = 0; k < starts.size(); ++k) {
+    const double at_start = DoubledArea(starts[k]->at), at_end = DoubledArea(ends[k]->at) * std::exp(-2 * GrowthOf(static_cast<int>(k), f));
+    bends_[k][f].start = {angular.start[k], growth.start[k], shear.start[k], 2 * at_start * area.start[k]};
+    bends_[k][f].end = {angular.end[k], growth.end[k], shear.end[k], 2 * at_end * area.end[k]};
+  }
+}
+
+double FacePaths::GrowthOf(int span, Eigen::Index f) const {
+  const double growth = pairs_[span].maps.faces[f].growth;
+  return pairs_[span].reversed ? -growth : growth;
 }
 
 void FacePaths::SmoothCentroids(const Schedule& schedule, int part_count) {
@@ -209,7 +217,7 @@ Eigen::Vector3d FacePaths::Centroid(int span, double way, int part) const {
   return own + weights.start * centroid_bends_[part].start[span] + weights.end * centroid_bends_[part].end[span];
 }
 
-FacePaths::Edges FacePaths::Bent(int span, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index f,
+FacePaths::Edges FacePaths::Bent(int span, double way, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index f,
                                  const Edges& edges) const {
   if (!straight_.empty()) {
     const auto straight = straight_.find(f);
@@ -217,10 +225,15 @@ FacePaths::Edges FacePaths::Bent(int span, const HermiteWeights& weights, const 
       return edges + body.transpose() * (weights.start * straight->second.start[span] + weights.end * straight->second.end[span]);
   }
   const BendPair& bend = bends_[span][f];
+  const auto mixed = [&](auto Bend::*part) {
+    using Value = std::decay_t<decltype(bend.start.*part)>;
+    return Value(weights.start * (bend.start.*part) + weights.end * (bend.end.*part));
+  };
   const Plane axes = AxesOf(edges);
-  const Eigen::Matrix2d stretch = ExpOfSymmetric(weights.start * bend.start.stretch + weights.end * bend.end.stretch);
-  const Eigen::Vector3d angular = body.transpose() * (weights.start * bend.start.angular + weights.end * bend.end.angular);
-  return ExpOf(angular) * (axes * (stretch * (axes.transpose() * edges)));
+  const double area = DoubledArea(edges) * std::exp(-2 * way * GrowthOf(span, f));
+  const double scale = std::exp(mixed(&Bend::growth)) * std::sqrt(Positive(mixed(&Bend::area) / area));
+  const Eigen::Matrix2d stretch = scale * ExpOfShear(mixed(&Bend::shear));
+  return ExpOf(body.transpose() * mixed(&Bend::angular)) * (axes * (stretch * (axes.transpose() * edges)));
 }
 
 void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& edges) const {
@@ -234,7 +247,7 @@ void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& e
       [&](std::int64_t f) {
         for (std::size_t k = 0; k < ways.size(); ++k) {
           const int frame = static_cast<int>(k);
-          edges.Set(f, frame, Bent(span, weights[k], bodies[k], f, Get(edges, f, frame)));
+          edges.Set(f, frame, Bent(span, ways[k], weights[k], bodies[k], f, Get(edges, f, frame)));
         }
       },
       256);

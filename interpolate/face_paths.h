@@ -19,16 +19,17 @@ namespace keypose::interpolation {
 
 /// Paths of all faces, and of the parts' centroids, through all keys.
 ///
-/// In each span a face goes the way of its two keys alone (PairPaths). Where spans meet smoothly, the velocity of each face at the key (its
-/// angular velocity in space and its rate of stretch in its plane) is brought to one that both spans share (VelocityAtKey; growth and shear
-/// apart), by factors that are one at the keys:
+/// In each span a face goes the way of its two keys alone (PairPaths). Where spans meet smoothly, the velocity of each face at the key is
+/// brought to one that both spans share (VelocityAtKey), by factors that are one at the keys: its angular velocity in space, the growth of
+/// its region, its shear, and its own area,
 ///
-///     edges(s) = exp(h(s) . angular) A exp(h(s) . stretch) A^T pair edges(s)
+///     edges(s) = exp(h(s) . angular) A exp(h(s) . (growth I + shear)) A^T sqrt(1 + h(s) . area / area(s)) pair edges(s)
 ///
-/// with the cubic Hermite weights h of HermiteWeights, and A the axes of the face at s. So paths are C1 in time, meet every key exactly
-/// whatever the turns (no logarithm of a rotation is taken but the lifted ones of the pairs), reverse with the order of the keys, and with
-/// two keys are those of two keys. Source: Kim, Kim & Shin 1995 for splines of rotations as products of exponentials; the correction form
-/// is our own.
+/// with the cubic Hermite weights h of HermiteWeights, and A the axes of the face at s. A region's growth is smoothed as a logarithm, the
+/// face's own area as it is (as in Stretch::kBalanced), so that a bend, whose inside shrinks as its outside grows, keeps its total area. So
+/// paths are C1 in time, meet every key exactly whatever the turns (no logarithm of a rotation is taken but the lifted ones of the pairs),
+/// reverse with the order of the keys, and with two keys are those of two keys. Source: Kim, Kim & Shin 1995 for splines of rotations as
+/// products of exponentials; the correction form is our own.
 class FacePaths {
  public:
   /// @param system     of all keys; turns are smoothed with it; must outlive this
@@ -62,7 +63,9 @@ class FacePaths {
   /// Wanted less own velocity at a span's end.
   struct Bend {
     Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< in the world
-    Eigen::Vector3d stretch = Eigen::Vector3d::Zero();  ///< (m, d, o) of [m+d o; o m-d], in axes that follow from the face's first edge
+    double growth = 0;                                  ///< of the region's logarithmic scale
+    Eigen::Vector2d shear = Eigen::Vector2d::Zero();    ///< (d, o) of [d o; o -d], in axes that follow from the face's first edge
+    double area = 0;                                    ///< of the face's doubled area without the region's growth
   };
   struct BendPair {
     Bend start, end;
@@ -77,7 +80,10 @@ class FacePaths {
   void SmoothFace(const Schedule& schedule, Eigen::Index face, const std::vector<const EndEdges*>& starts,
                   const std::vector<const EndEdges*>& ends);
   void SmoothCentroids(const Schedule& schedule, int part_count);
-  Edges Bent(int span, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index face, const Edges& edges) const;
+  Edges Bent(int span, double way, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index face, const Edges& edges) const;
+
+  /// Growth of the face's region over the whole span, as a logarithm.
+  double GrowthOf(int span, Eigen::Index face) const;
 
   Eigen::Index face_count_;
   std::vector<Pair> pairs_;                                     ///< spans

@@ -47,21 +47,23 @@ Json ToJson(const YAML::Node& node) {
 }  // namespace
 
 std::string TimelineJson(const YAML::Node& node, double fps) {
-  Json json = {{"schema", 2}, {"fps", fps}};
-  bool says_more = node.IsMap() && node.size() > 1;
-  if (node.IsMap())
-    for (const auto& [field, value] : ToJson(node).items()) json[field] = value;
   const YAML::Node list = node.IsMap() ? node["keys"] : node;
-  json["keys"] = Json::array();
+  bool says_more = node.IsMap() && node.size() > 1;
+  Json keys = Json::array();
   for (const YAML::Node& item : list) {
-    Json key = item.IsMap() ? ToJson(item) : Json{{"pose", item.Scalar()}};
+    Json key = item.IsMap() ? ToJson(item) : Json::object();
+    if (!item.IsMap()) key["pose"] = item.Scalar();
     if (key.contains("at")) {
       key["time"] = key["at"];
       key.erase("at");
     }
     says_more = says_more || key.size() > 1;
-    json["keys"].push_back(std::move(key));
+    keys.push_back(std::move(key));
   }
+  Json json = node.IsMap() ? ToJson(node) : Json::object();
+  json["schema"] = 2;
+  json["fps"] = fps;
+  json["keys"] = std::move(keys);
   return says_more ? json.dump(1) : "";
 }
 
