@@ -23,13 +23,13 @@ struct PatchConstraint {
   Hold hold = Hold::kEveryVertex;
   /// Where the patch's centroid is at time t (0 at the first key, 1 at the second); empty: straight between the keys. With kEveryVertex the
   /// vertices keep their offsets from it, interpolated between the keys.
-  std::function<Eigen::Vector3d(double t)> path;
+  std::function<Eigen::Vector3d(double t)> path = {};
   double softness = 0;  ///< 0: exact. Else the patch gives way: a spring of stiffness 1 / softness, beside cotangent weights near 1
 };
 
 struct Constraints {
-  std::vector<PatchConstraint> patches;
-  std::optional<Floor> floor;
+  std::vector<PatchConstraint> patches = {};
+  std::optional<Floor> floor = {};
   bool empty() const { return patches.empty() && !floor; }
 };
 

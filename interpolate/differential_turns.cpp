@@ -40,6 +40,8 @@ struct DifferentialTurns::Impl {
       if (loose[face]) rotations[face] = rotations[parent];
     for (const auto& [face, parent] : tree.steps)
       steps.push_back(face == parent ? maps.faces[face].turn : LogOf(rotations[parent].transpose() * rotations[face]));
+    for (const auto& [face, parent] : tree.steps)
+      if (face == parent) root_remainders.push_back(maps.faces[face].remainder);
     for (int f = 0; f < static_cast<int>(neighbours.size()); ++f)
       for (int g : neighbours[f])
         if (g > f) pairs.push_back({f, g, LogOf(rotations[f].transpose() * rotations[g])});
@@ -65,9 +67,10 @@ struct DifferentialTurns::Impl {
   std::vector<Eigen::Matrix3d> At(double t) const {
     std::vector<Eigen::Matrix3d> q(rotations.size());
     std::vector<int> root_of(rotations.size());
+    auto remainder = root_remainders.begin();
     for (std::size_t k = 0; k < tree.steps.size(); ++k) {
       const auto [face, parent] = tree.steps[k];
-      q[face] = face == parent ? ExpOf(t * steps[k]) : (q[parent] * ExpOf(t * steps[k])).eval();
+      q[face] = (face == parent ? ExpOf(t * steps[k]) * ExpOf(t * *remainder++) : q[parent] * ExpOf(t * steps[k])).eval();
       root_of[face] = face == parent ? face : root_of[parent];
     }
     std::vector<Eigen::Matrix3d> wanted(pairs.size());
@@ -97,7 +100,8 @@ struct DifferentialTurns::Impl {
 
   std::vector<Eigen::Matrix3d> rotations;  // relative to the body, at t = 1
   FaceTree tree;
-  std::vector<Eigen::Vector3d> steps;  // from the parent; at roots from I
+  std::vector<Eigen::Vector3d> steps;  // from the parent; at roots their turn
+  std::vector<Eigen::Vector3d> root_remainders;
   std::vector<Pair> pairs;
   SparseCholesky solver;
 };
