@@ -62,14 +62,6 @@ FaceVelocity VelocityOf(const Eigen::Matrix<double, 3, 2>& edges, const Eigen::M
   return v;
 }
 
-/// Wanted less own velocities.
-template <class Value>
-EndVelocities<Value> BendsOf(const Schedule& schedule, const EndVelocities<Value>& own) {
-  EndVelocities<Value> bends = SmoothVelocities(schedule, own);
-  for (std::size_t k = 0; k < own.start.size(); ++k) bends.start[k] -= own.start[k], bends.end[k] -= own.end[k];
-  return bends;
-}
-
 Eigen::Matrix<double, 3, 2> Get(const EdgeBatch& batch, Eigen::Index face, int frame) {
   const double* at = batch.Face(face) + frame;
   Eigen::Matrix<double, 3, 2> edges;
@@ -111,6 +103,7 @@ FacePaths::FacePaths(const std::vector<PointsX3>& keys, const PoissonSystem& sys
     const std::vector<TurnOverride> turning = k < overrides.size() ? overrides[k] : std::vector<TurnOverride>();
     pairs_.emplace_back(keys[k], keys[k + 1], system, turning, stretch);
   }
+  paces_.resize(pairs_.size());
   if (!AnySmooth(schedule)) return;
   SmoothFaces(schedule);
   SmoothCentroids(schedule, system.part_count());
@@ -133,58 +126,96 @@ std::vector<FacePaths::EndEdges> FacePaths::EdgesAtEnd(int span, double way) con
   return ends;
 }
 
-void FacePaths::SmoothFaces(const Schedule& schedule) {
-  const int spans = static_cast<int>(pairs_.size());
-  std::vector<std::vector<EndEdges>> starts, ends;
-  std::vector<char> degenerate(face_count_, 0);
-  for (int k = 0; k < spans; ++k) {
-    starts.push_back(EdgesAtEnd(k, 0));
-    ends.push_back(EdgesAtEnd(k, 1));
-    for (Eigen::Index f = 0; f < face_count_; ++f) degenerate[f] |= static_cast<char>(pairs_[k].maps.faces[f].degenerate);
-  }
-  bends_.assign(spans, std::vector<BendPair>(face_count_));
-  for (Eigen::Index f = 0; f < face_count_; ++f)
-    if (degenerate[f]) straight_[f];
+double FacePaths::Motion::Dot(const Motion& o) const {
+  return angular.dot(o.angular) + shear.dot(o.shear) + (growth + area) * (o.growth + o.area);
+}
+
+FacePaths::Motion FacePaths::Motion::Less(double share, const Motion& o) const {
+  return {angular - share * o.angular, growth - share * o.growth, shear - share * o.shear, area - share * o.area};
+}
+
+std::vector<FacePaths::MotionPair> FacePaths::OwnMotions(int span, const std::vector<EndEdges>& starts,
+                                                         const std::vector<EndEdges>& ends) const {
+  std::vector<MotionPair> motions(face_count_);
   ParallelFor(
       face_count_,
       [&](std::int64_t f) {
-        std::vector<const EndEdges*> start, end;
-        for (int k = 0; k < spans; ++k) start.push_back(&starts[k][f]), end.push_back(&ends[k][f]);
-        SmoothFace(schedule, f, start, end);
+        if (straight_.count(f) > 0) return;
+        const double region = GrowthOf(span, f);
+        const FaceVelocity start = VelocityOf(starts[f].at, starts[f].rate), end = VelocityOf(ends[f].at, ends[f].rate);
+        motions[f].start = {start.angular, region, start.shear, start.growth - region};
+        motions[f].end = {end.angular, region, end.shear, end.growth - region};
       },
       256);
+  return motions;
 }
 
-void FacePaths::SmoothFace(const Schedule& schedule, Eigen::Index f, const std::vector<const EndEdges*>& starts,
-                           const std::vector<const EndEdges*>& ends) {
-  if (const auto straight = straight_.find(f); straight != straight_.end()) {
-    using Six = Eigen::Matrix<double, 6, 1>;
-    EndVelocities<Six> own;
-    for (const EndEdges* e : starts) own.start.emplace_back(Eigen::Map<const Six>(e->rate.data()));
-    for (const EndEdges* e : ends) own.end.emplace_back(Eigen::Map<const Six>(e->rate.data()));
-    const EndVelocities<Six> bends = BendsOf(schedule, own);
-    for (const Six& b : bends.start) straight->second.start.emplace_back(Eigen::Map<const Edges>(b.data()));
-    for (const Six& b : bends.end) straight->second.end.emplace_back(Eigen::Map<const Edges>(b.data()));
-    return;
+void FacePaths::SmoothFaces(const Schedule& schedule) {
+  const int spans = static_cast<int>(pairs_.size());
+  std::vector<std::vector<EndEdges>> starts, ends;
+  for (const Pair& pair : pairs_)
+    for (Eigen::Index f = 0; f < face_count_; ++f)
+      if (pair.maps.faces[f].degenerate) straight_[f];
+  std::vector<std::vector<MotionPair>> own;
+  for (int k = 0; k < spans; ++k) {
+    starts.push_back(EdgesAtEnd(k, 0));
+    ends.push_back(EdgesAtEnd(k, 1));
+    own.push_back(OwnMotions(k, starts.back(), ends.back()));
   }
-  EndVelocities<Eigen::Vector3d> angular;
-  EndVelocities<double> growth, area;
-  EndVelocities<Eigen::Vector2d> shear;
+  std::vector<std::vector<MotionPair>> wanted = own;
+  const auto smooth = [&](auto Motion::*part, Eigen::Index f) {
+    EndVelocities<std::decay_t<decltype(Motion().*part)>> velocities;
+    for (const auto& motions : own) velocities.start.push_back(motions[f].start.*part), velocities.end.push_back(motions[f].end.*part);
+    velocities = SmoothVelocities(schedule, velocities);
+    for (int k = 0; k < spans; ++k) wanted[k][f].start.*part = velocities.start[k], wanted[k][f].end.*part = velocities.end[k];
+  };
+  ParallelFor(
+      face_count_,
+      [&](std::int64_t f) { smooth(&Motion::angular, f), smooth(&Motion::growth, f), smooth(&Motion::shear, f), smooth(&Motion::area, f); },
+      256);
+  for (int k = 0; k < spans; ++k) {
+    double start = 0, start_norm = 0, end = 0, end_norm = 0;
+    for (Eigen::Index f = 0; f < face_count_; ++f) {
+      const double weight = DoubledArea(starts[k][f].at) + DoubledArea(ends[k][f].at);
+      start += weight * wanted[k][f].start.Dot(own[k][f].start), start_norm += weight * own[k][f].start.Dot(own[k][f].start);
+      end += weight * wanted[k][f].end.Dot(own[k][f].end), end_norm += weight * own[k][f].end.Dot(own[k][f].end);
+    }
+    // Up to 3 sigma does not turn back.
+    paces_[k] = {start_norm > 0 ? std::clamp(start / start_norm, 0.0, 3.0) : 1.0,
+                 end_norm > 0 ? std::clamp(end / end_norm, 0.0, 3.0) : 1.0};
+  }
+  for (int k = 0; k < spans; ++k)
+    ParallelFor(
+        face_count_,
+        [&](std::int64_t f) {
+          MotionPair& bend = wanted[k][f];
+          bend = {bend.start.Less(paces_[k].start, own[k][f].start), bend.end.Less(paces_[k].end, own[k][f].end)};
+          bend.start.area *= 2 * DoubledArea(starts[k][f].at);
+          bend.end.area *= 2 * DoubledArea(ends[k][f].at) * std::exp(-2 * GrowthOf(k, f));
+        },
+        256);
+  bends_ = std::move(wanted);
+  for (auto& [f, path] : straight_) SmoothStraight(schedule, f, starts, ends);
+}
+
+void FacePaths::SmoothStraight(const Schedule& schedule, Eigen::Index f, const std::vector<std::vector<EndEdges>>& starts,
+                               const std::vector<std::vector<EndEdges>>& ends) {
+  using Six = Eigen::Matrix<double, 6, 1>;
+  EndVelocities<Six> own;
+  for (const auto& span : starts) own.start.emplace_back(Eigen::Map<const Six>(span[f].rate.data()));
+  for (const auto& span : ends) own.end.emplace_back(Eigen::Map<const Six>(span[f].rate.data()));
+  const EndVelocities<Six> wanted = SmoothVelocities(schedule, own);
+  EndVelocities<Edges>& bends = straight_[f];
   for (std::size_t k = 0; k < starts.size(); ++k) {
-    const double region = GrowthOf(static_cast<int>(k), f);
-    growth.start.push_back(region), growth.end.push_back(region);
-    const FaceVelocity start = VelocityOf(starts[k]->at, starts[k]->rate), end = VelocityOf(ends[k]->at, ends[k]->rate);
-    angular.start.push_back(start.angular), angular.end.push_back(end.angular);
-    shear.start.push_back(start.shear), shear.end.push_back(end.shear);
-    area.start.push_back(start.growth - region), area.end.push_back(end.growth - region);
+    const Six start = wanted.start[k] - paces_[k].start * own.start[k], end = wanted.end[k] - paces_[k].end * own.end[k];
+    bends.start.emplace_back(Eigen::Map<const Edges>(start.data()));
+    bends.end.emplace_back(Eigen::Map<const Edges>(end.data()));
   }
-  angular = BendsOf(schedule, angular), growth = BendsOf(schedule, growth), shear = BendsOf(schedule, shear),
-  area = BendsOf(schedule, area);
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    const double at_start = DoubledArea(starts[k]->at), at_end = DoubledArea(ends[k]->at) * std::exp(-2 * GrowthOf(static_cast<int>(k), f));
-    bends_[k][f].start = {angular.start[k], growth.start[k], shear.start[k], 2 * at_start * area.start[k]};
-    bends_[k][f].end = {angular.end[k], growth.end[k], shear.end[k], 2 * at_end * area.end[k]};
-  }
+}
+
+double FacePaths::Sigma(int span, double way) const {
+  const HermiteWeights weights(way);
+  return way + weights.start * (paces_[span].start - 1) + weights.end * (paces_[span].end - 1);
 }
 
 double FacePaths::GrowthOf(int span, Eigen::Index f) const {
@@ -204,40 +235,47 @@ void FacePaths::SmoothCentroids(const Schedule& schedule, int part_count) {
       own.start.push_back(rate(0));
       own.end.push_back(rate(1));
     }
-    centroid_bends_.push_back(BendsOf(schedule, own));
+    EndVelocities<Eigen::Vector3d> bends = SmoothVelocities(schedule, own);
+    for (std::size_t k = 0; k < pairs_.size(); ++k)
+      bends.start[k] -= paces_[k].start * own.start[k], bends.end[k] -= paces_[k].end * own.end[k];
+    centroid_bends_.push_back(std::move(bends));
   }
 }
 
-Eigen::Matrix3d FacePaths::BodyTurn(int span, double way) const { return ExpOf(pairs_[span].Time(way) * pairs_[span].maps.body_turn); }
+Eigen::Matrix3d FacePaths::BodyTurn(int span, double way) const {
+  return ExpOf(pairs_[span].Time(Sigma(span, way)) * pairs_[span].maps.body_turn);
+}
 
 Eigen::Vector3d FacePaths::Centroid(int span, double way, int part) const {
-  const Eigen::Vector3d own = pairs_[span].centroids->At(part, pairs_[span].Time(way));
+  const Eigen::Vector3d own = pairs_[span].centroids->At(part, pairs_[span].Time(Sigma(span, way)));
   if (centroid_bends_.empty()) return own;
   const HermiteWeights weights(way);
   return own + weights.start * centroid_bends_[part].start[span] + weights.end * centroid_bends_[part].end[span];
 }
 
-FacePaths::Edges FacePaths::Bent(int span, double way, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index f,
+FacePaths::Edges FacePaths::Bent(int span, double sigma, const HermiteWeights& weights, const Eigen::Matrix3d& body, Eigen::Index f,
                                  const Edges& edges) const {
   if (!straight_.empty()) {
     const auto straight = straight_.find(f);
     if (straight != straight_.end())
       return edges + body.transpose() * (weights.start * straight->second.start[span] + weights.end * straight->second.end[span]);
   }
-  const BendPair& bend = bends_[span][f];
-  const auto mixed = [&](auto Bend::*part) {
+  const MotionPair& bend = bends_[span][f];
+  const auto mixed = [&](auto Motion::*part) {
     using Value = std::decay_t<decltype(bend.start.*part)>;
     return Value(weights.start * (bend.start.*part) + weights.end * (bend.end.*part));
   };
   const Plane axes = AxesOf(edges);
-  const double area = DoubledArea(edges) * std::exp(-2 * way * GrowthOf(span, f));
-  const double scale = std::exp(mixed(&Bend::growth)) * std::sqrt(Positive(mixed(&Bend::area) / area));
-  const Eigen::Matrix2d stretch = scale * ExpOfShear(mixed(&Bend::shear));
-  return ExpOf(body.transpose() * mixed(&Bend::angular)) * (axes * (stretch * (axes.transpose() * edges)));
+  const double area = DoubledArea(edges) * std::exp(-2 * sigma * GrowthOf(span, f));
+  const double scale = std::exp(mixed(&Motion::growth)) * std::sqrt(Positive(mixed(&Motion::area) / area));
+  const Eigen::Matrix2d stretch = scale * ExpOfShear(mixed(&Motion::shear));
+  return ExpOf(body.transpose() * mixed(&Motion::angular)) * (axes * (stretch * (axes.transpose() * edges)));
 }
 
 void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& edges) const {
-  pairs_[span].Evaluate(ways, edges);
+  std::vector<double> times;
+  for (const double way : ways) times.push_back(Sigma(span, way));
+  pairs_[span].Evaluate(times, edges);
   if (bends_.empty()) return;
   std::vector<HermiteWeights> weights;
   std::vector<Eigen::Matrix3d> bodies;
@@ -247,7 +285,7 @@ void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& e
       [&](std::int64_t f) {
         for (std::size_t k = 0; k < ways.size(); ++k) {
           const int frame = static_cast<int>(k);
-          edges.Set(f, frame, Bent(span, ways[k], weights[k], bodies[k], f, Get(edges, f, frame)));
+          edges.Set(f, frame, Bent(span, times[k], weights[k], bodies[k], f, Get(edges, f, frame)));
         }
       },
       256);
