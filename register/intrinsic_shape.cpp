@@ -18,7 +18,9 @@ namespace {
 constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
 constexpr std::size_t kLeastTips = 5;
 constexpr double kNormalTime = 0.001;
-constexpr double kKnownWeight = 2;    // of the distance to a landmark as a descriptor
+// Nearness to a landmark as a descriptor: its weight, and how far it reaches; farther off, distances change too much with the pose.
+constexpr double kKnownWeight = 2, kKnownReach = 0.2;
+constexpr double kColorWeight = 2;    // of colours from 0 to 1
 constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
 
 /// Vertices of the piece with the largest area.
@@ -190,7 +192,25 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
   shape.known = static_cast<int>(known.size());
   const Eigen::Index plain = shape.descriptors.cols();
   shape.descriptors.conservativeResize(Eigen::NoChange, plain + shape.known);
-  shape.descriptors.rightCols(shape.known) = kKnownWeight * shape.tip_distances.topRows(shape.known).transpose();
+  shape.descriptors.rightCols(shape.known) =
+      kKnownWeight * (-shape.tip_distances.topRows(shape.known).transpose().array() / kKnownReach).exp().matrix();
+}
+
+void AddColors(const ColorsX3& colors, IntrinsicShape& shape) {
+  const Eigen::Index plain = shape.descriptors.cols(), vertices = shape.descriptors.rows();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(vertices, 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(vertices);
+  for (std::size_t v = 0; v < shape.proxy_of.size(); ++v) {
+    if (shape.proxy_of[v] < 0) continue;
+    sum.row(shape.proxy_of[v]) += colors.row(static_cast<Eigen::Index>(v)).cast<double>();
+    count[shape.proxy_of[v]] += 1;
+  }
+  sum = count.cwiseMax(1).cwiseInverse().asDiagonal() * sum / 255;
+  // Lamps differ from day to day: only what differs from the mean colour counts.
+  const Eigen::RowVector3d mean = shape.spectrum.areas.transpose() * sum;
+  sum.rowwise() -= mean;
+  shape.descriptors.conservativeResize(Eigen::NoChange, plain + 3);
+  shape.descriptors.rightCols(3) = kColorWeight * sum;
 }
 
 std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape, const Eigen::MatrixXd& distances) {

@@ -39,10 +39,13 @@ struct IntrinsicOptions {
 /// All but the tips. @throws InputError  no surface
 IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options);
 
-/// Fills tips and tip_distances; the distance to each landmark becomes a descriptor.
+/// Fills tips and tip_distances; nearness to each landmark becomes a descriptor.
 /// @param known  proxy vertices of landmarks; they become the first tips
 /// @param most   further tips at most
 void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape);
+
+/// Adds the colours of the input's vertices to the descriptors; to be called for both shapes or for neither.
+void AddColors(const ColorsX3& colors, IntrinsicShape& shape);
 
 /// For each row of `distances` (R x P, to some place) the unit tangent along which it rises at each sample (S x 3, zero where there is
 /// none). Two such directions and the outward normal tell a surface from its mirror image.

@@ -3,10 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/render.h"
 #include "core/stage/stage.h"
 #include "register/landmark_picture.h"
 #include "register/landmarks.h"
@@ -40,6 +42,8 @@ StageSpec Spec() {
   spec.summary = "Suggests pairs of landmarks between two poses; a person confirms them.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
+                 {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},
+                 {"target_texture", "file", "the target's texture", "", true, false},
                  {"landmarks", "file", "pairs that are known already, or picks of source and target", "", true, true}};
   spec.outputs = {
       {"suggested", "file", "known and suggested pairs (.json), to confirm and give to register", "suggested.json", false, false},
@@ -113,10 +117,26 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   for (const std::string& warning : known.warnings) stage.Note("warning: " + warning);
 }
 
+/// The mesh with its texture's colours at its vertices, where a texture is given.
+Mesh LoadMesh(StageContext& stage, const std::string& port) {
+  Mesh mesh = ReadMesh(stage.Input(port));
+  RequireUsable(mesh, stage.Input(port).string());
+  const std::string texture_port = port + "_texture";
+  if (!stage.Has(texture_port)) return mesh;
+  if (!mesh.has_uvs())
+    throw InputError("landmarks: " + stage.Input(port).string() + " has no UVs, so its texture cannot be used; leave the texture out");
+  const Image8 texture = ReadImage(stage.Input(texture_port), 3);
+  mesh.colors = ColorsX3::Constant(mesh.vertex_count(), 3, 128);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d color = SampleTexture(texture, mesh.uvs.row(mesh.uv_faces(f, k)).transpose());
+      mesh.colors.row(mesh.faces(f, k)) = color.cwiseMax(0).cwiseMin(255).cast<std::uint8_t>().transpose();
+    }
+  return mesh;
+}
+
 void Run(StageContext& stage, const ProgramOptions& options) {
-  const Mesh source = ReadMesh(stage.Input("source")), target = ReadMesh(stage.Input("target"));
-  RequireUsable(source, stage.Input("source").string());
-  RequireUsable(target, stage.Input("target").string());
+  const Mesh source = LoadMesh(stage, "source"), target = LoadMesh(stage, "target");
   std::vector<LandmarkPair> pairs = LoadConfirmed(stage, source, target);
   std::vector<PickedPair> picked;
   for (const LandmarkPair& pair : pairs) picked.push_back(PickOf(pair));

@@ -50,6 +50,8 @@ std::string Percent(double share) {
   return text;
 }
 
+bool HasColors(const Mesh& mesh) { return mesh.colors.rows() == mesh.points.rows(); }
+
 /// Known pairs as proxy vertices; those with an end on another piece are left out.
 void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
   if (known.empty()) return;
@@ -245,6 +247,10 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::v
   Step(progress, 0.3, "landmarks: the target's limbs");
   search.target = MakeIntrinsicShape(target, intrinsic);
   Step(progress, 0.6, "landmarks: candidate maps");
+  if (HasColors(source) && HasColors(target)) {
+    AddColors(source.colors, search.source);
+    AddColors(target.colors, search.target);
+  }
   TakeKnown(known, search);
   FindTips(search.known_source, kMostTips, search.source);
   FindTips(search.known_target, kMostTips, search.target);

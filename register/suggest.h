@@ -47,6 +47,7 @@ struct Suggestion {
 /// in the bases of the Laplace-Beltrami eigenfunctions of both proxies; the one that changes distances least, keeps orientation (a mirror
 /// image of a symmetric body does not) and covers the target wins. Known pairs are taken as they are.
 ///
+/// Vertex colours count as well where both meshes have them.
 /// @param known  pairs that a person gave; they anchor the map (a few settle left and right)
 /// @throws InputError  unusable mesh or options
 /// @throws Cancelled

@@ -128,6 +128,24 @@ TEST(SuggestLandmarks, OneKnownPairSettlesWhichArmOfAStarIsWhich) {
         << pair.pick.name << " repeats the known pair";
 }
 
+TEST(SuggestLandmarks, ColoursTellApartWhatHasTheSameShape) {
+  Mesh source = LimbedBody(kStar, 4), target = LimbedBody(kStar, 4, OtherTessellation());
+  source.colors.resize(source.points.rows(), 3);
+  target.colors.resize(target.points.rows(), 3);
+  const auto paint = [](const Eigen::RowVector3d& p, double arm_x, double arm_y) {
+    const double angle = std::atan2(p.y(), p.x()) - std::atan2(arm_y, arm_x);  // from the red arm on
+    return Eigen::RowVector3d(127 + 120 * std::cos(angle), 127 + 120 * std::sin(angle), 90).cast<std::uint8_t>().eval();
+  };
+  for (Eigen::Index v = 0; v < source.points.rows(); ++v) {
+    source.colors.row(v) = paint(source.points.row(v), 1, 0);
+    target.colors.row(v) = paint(target.points.row(v), 0, 1);
+  }
+  Mesh turned = source;
+  turned.points.col(0) = -source.points.col(1);
+  turned.points.col(1) = source.points.col(0);
+  EXPECT_LT(MeanError(turned, target, SuggestLandmarks(source, target, {}, {}).dense), 0.03);
+}
+
 TEST(SuggestLandmarks, SmallPiecesAreLeftOutOfTheMap) {
   const Mesh source = LimbedBody(kQuadruped, 4);
   Mesh target = Posed(source);
