@@ -68,7 +68,7 @@ struct SparseCholesky::Impl {
 
 namespace {
 
-constexpr Eigen::Index kNarrow = 8, kWide = 32;  // columns solved together
+constexpr Eigen::Index kNarrow = 8, kWide = 48;  // columns solved together
 constexpr double kSwitchForSolves = 70;          // flops per nonzero; CHOLMOD's own is 40
 
 /// What one thread needs to solve: CHOLMOD's state is not to be shared.

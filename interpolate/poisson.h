@@ -104,7 +104,7 @@ class PoissonSystem {
   /// varies over a length l falls to 1 / (1 + (2 pi screening_length / l)^2) with each pass.
   Eigen::MatrixXd SmoothOverVertices(const Eigen::MatrixXd& face_values, int passes = 1) const;
   /// A displacement made to keep all exact rows (and z of `held` vertices), changed as little as possible in the screened norm.
-  PointsX3 WithoutRows(const PointsX3& displacement, const std::vector<int>& held = {}) const;
+  PointsX3 WithoutRows(PointsX3 displacement, const std::vector<int>& held = {}) const;
   /// Screening length, 1 / sqrt(kappa).
   double screening_length() const;
 

@@ -290,18 +290,20 @@ std::vector<int> PoissonSystem::LiftToFloor(PointsX3& points, const Floor& floor
   for (Eigen::Index i = 0; i < s.n; ++i) points(i, 2) += lift[s.parts[i]];
   for (int i : candidates)
     if (is_free[s.parts[i]]) points(i, 2) = std::max(points(i, 2), floor.height);
-  for (int i : bent)
-    for (const ConstraintRow& row : s.exact)
-      if (row.terms.size() == 1 && row.terms[0].first == i && points(i, 2) < floor.height - 1e-9 * (1 + std::abs(floor.height)))
-        throw InputError("interpolate: constraint '" + row.name + "' holds vertex " + std::to_string(i) +
-                         " below the floor; move the pin up or the floor down");
+  std::vector<char> checked(s.n, 0);
+  for (int i : bent) checked[i] = 1;
+  for (const ConstraintRow& row : s.exact) {
+    const int i = row.terms[0].first;
+    if (row.terms.size() == 1 && checked[i] && points(i, 2) < floor.height - 1e-9 * (1 + std::abs(floor.height)))
+      throw InputError("interpolate: constraint '" + row.name + "' holds vertex " + std::to_string(i) +
+                       " below the floor; move the pin up or the floor down");
+  }
   if (s.coupled > 0) held = s.BendToFloor(points, bent, floor.height);
   return held;
 }
 
-PointsX3 PoissonSystem::WithoutRows(const PointsX3& displacement, const std::vector<int>& held) const {
+PointsX3 PoissonSystem::WithoutRows(PointsX3 displacement, const std::vector<int>& held) const {
   const Impl& s = *impl_;
-  PointsX3 result = displacement;
   if (!s.exact.empty() || !held.empty()) {
     Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(s.n, 3);
     const Eigen::MatrixXd values = s.ValuesOf(s.exact, displacement);
@@ -316,15 +318,16 @@ PointsX3 PoissonSystem::WithoutRows(const PointsX3& displacement, const std::vec
       for (std::size_t r = 0; r < all.size(); ++r) AddColumn(all[r], z_found[r], pull.col(2));
     }
     s.screened.SolveInPlace(pull);
-    result -= pull;
+    displacement -= pull;
   }
   PointsX3 mean = PointsX3::Zero(s.part_count, 3);
-  for (Eigen::Index i = 0; i < s.n; ++i) mean.row(s.parts[i]) += result.row(i) / s.part_size[s.parts[i]];
+  for (Eigen::Index i = 0; i < s.n; ++i) mean.row(s.parts[i]) += displacement.row(i);
+  for (int p = 0; p < s.part_count; ++p) mean.row(p) /= s.part_size[p];
   std::vector<char> is_free(s.part_count, 0);
   for (std::size_t r = s.coupled; r < s.rows.size(); ++r) is_free[-1 - s.sources[r]] = 1;
   for (Eigen::Index i = 0; i < s.n; ++i)
-    if (is_free[s.parts[i]]) result.row(i) -= mean.row(s.parts[i]);
-  return result;
+    if (is_free[s.parts[i]]) displacement.row(i) -= mean.row(s.parts[i]);
+  return displacement;
 }
 
 }  // namespace keypose::interpolation

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -127,10 +128,10 @@ std::vector<PointsX3> VolumeCorrection::Directions(const KeyRefs& shapes) const 
   return directions;
 }
 
-VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, const PointsX3& direction, const std::vector<double>& targets,
+VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, PointsX3 direction, const std::vector<double>& targets,
                                                  const std::vector<int>& held) const {
   Result result;
-  const PointsX3 z = system_->WithoutRows(direction, held);
+  const PointsX3 z = system_->WithoutRows(std::move(direction), held);
   std::vector<Cubic> cubics = Polynomials(points, &z);
   const std::vector<int>& parts = system_->parts();
   std::vector<double> longest(cubics.size(), 0), step(cubics.size(), 0);

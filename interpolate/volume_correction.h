@@ -39,7 +39,7 @@ class VolumeCorrection {
   /// @param direction  from Direction, of these points or of points near them
   /// @param targets    one a part; see PathVolumes
   /// @param held       vertices whose z must not change either (those on a floor)
-  Result Apply(PointsX3& points, const PointsX3& direction, const std::vector<double>& targets, const std::vector<int>& held = {}) const;
+  Result Apply(PointsX3& points, PointsX3 direction, const std::vector<double>& targets, const std::vector<int>& held = {}) const;
 
  private:
   std::vector<std::array<double, 4>> Polynomials(const PointsX3& points, const PointsX3* direction) const;
