@@ -283,6 +283,33 @@ TEST(KeySource, TrajectoriesPassTheirPoints) {
   EXPECT_EQ(shown.points[10], p.b);
 }
 
+TEST(KeySource, APropellerTurnsWholeTurnsBetweenEqualKeys) {
+  // A body and a blade beside it; both keys are the same pose.
+  Mesh mesh = MakeBox(1, 1, 1);
+  const int n = mesh.vertex_count(), faces = mesh.face_count();
+  mesh.points.conservativeResize(2 * n, 3);
+  mesh.faces.conservativeResize(2 * faces, 3);
+  for (int i = 0; i < n; ++i)
+    mesh.points.row(n + i) << mesh.points(i, 0) * 2 - 0.5, mesh.points(i, 1) * 0.2 + 0.4, 1.2 + 0.1 * mesh.points(i, 2);
+  mesh.faces.bottomRows(faces) = mesh.faces.topRows(faces).array() + n;
+  Timeline timeline = At({0, 1, 2});
+  TimelineRegion blade;
+  blade.name = "blade";
+  for (int i = n; i < 2 * n; ++i) blade.vertices.push_back(i);
+  timeline.regions = {blade};
+  timeline.keys[0].turns["blade"] = {1, {0, 0, 1}};
+  timeline.keys[1].turns["blade"] = {1, {0, 0, 1}};
+  const Schedule schedule = ScheduleOf(timeline);
+  const Shown shown = Play({mesh.points, mesh.points, mesh.points}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh));
+  const Eigen::RowVector3d centre = mesh.points.bottomRows(n).colwise().mean();
+  for (const int frame : {3, 5, 13}) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(2 * kPi * frame / 10, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const PointsX3 expected = ((mesh.points.bottomRows(n).rowwise() - centre) * turn.transpose()).rowwise() + centre;
+    EXPECT_LT((shown.points[frame].bottomRows(n) - expected).norm(), 1e-9);
+    EXPECT_LT((shown.points[frame].topRows(n) - mesh.points.topRows(n)).norm(), 1e-9);
+  }
+}
+
 TEST(KeySource, NothingSinksBelowTheTable) {
   const Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
   // Lying along x on the table, then bent upwards, then the other way round: linear ways and rotations alone would sink.
@@ -333,7 +360,7 @@ TEST(KeySource, SameBitsAtOneAndTwoThreads) {
 
 TEST(StreamFrames, KeysComeOutWithTheirOwnBitsWhateverTheMethod) {
   const Poses p;
-  for (const Method method : {Method::kArap, Method::kPaper, Method::kLinear}) {
+  for (const Method method : {Method::kArap, Method::kPaper, Method::kLinear, Method::kVolumetric}) {
     const Schedule schedule = MakeSchedule({3, 0});
     const Shown shown = Play(p.all(), p.mesh.faces, schedule, method);
     ASSERT_EQ(shown.points.size(), 6u);
@@ -341,6 +368,7 @@ TEST(StreamFrames, KeysComeOutWithTheirOwnBitsWhateverTheMethod) {
     EXPECT_EQ(shown.points[0], p.a);
     EXPECT_EQ(shown.points[4], p.b);
     EXPECT_EQ(shown.points[5], p.c);
+    EXPECT_NE(shown.points[2], p.b);
   }
 }
 

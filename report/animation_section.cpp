@@ -11,6 +11,7 @@ namespace {
 
 const char* const kOurs = "#2563ab";    // blue, as ARAP is in the paper's figure
 const char* const kLinear = "#c2362b";  // red, as linear is
+const char* const kPath = "#6b7280";    // grey
 
 std::string Signed(double value) {
   if (value == 0) return "0";
@@ -35,19 +36,27 @@ std::string PaperTable(const Contents& contents, const char* caption, const std:
   return "<h3>" + std::string(caption) + "</h3>" + table.Html();
 }
 
-std::string Curves(const AnimationPart& animation, const std::string& method) {
-  Series area{method, kOurs, {}, {}, false}, linear_area{"linear", kLinear, {}, {}, true};
-  Series volume = area, linear_volume = linear_area;
+/// One quantity over time: of straight lines, of the method, and the path that it should keep.
+std::string Curve(const AnimationPart& animation, const std::string& method, const char* title, double FrameDistortion::*linear,
+                  double FrameDistortion::*ours, double FrameDistortion::*path) {
+  Series straight{"linear", kLinear, {}, {}, true}, chosen{method, kOurs, {}, {}, false},
+      wanted{"path between the keys", kPath, {}, {}, true};
   for (const FrameDistortion& f : animation.frames) {
-    for (Series* s : {&area, &linear_area, &volume, &linear_volume}) s->x.push_back(f.t);
-    area.y.push_back(f.area);
-    linear_area.y.push_back(f.linear_area);
-    volume.y.push_back(f.volume);
-    linear_volume.y.push_back(f.linear_volume);
+    straight.x.push_back(f.time_s), straight.y.push_back(f.*linear);
+    chosen.x.push_back(f.time_s), chosen.y.push_back(f.*ours);
+    if (std::isfinite(f.*path)) wanted.x.push_back(f.time_s), wanted.y.push_back(f.*path);
   }
+  std::vector<Series> series = {straight, chosen};
+  if (!wanted.x.empty()) series.push_back(wanted);
+  return LineChart(series, {title, "time", "", true});
+}
+
+std::string Curves(const AnimationPart& animation, const std::string& method) {
   return "<h3>Area and volume over time, relative to the first key</h3><div class=two>" +
-         LineChart({linear_area, area}, {"surface area", "time", "", true}) +
-         LineChart({linear_volume, volume}, {"enclosed volume", "time", "", true}) + "</div>";
+         Curve(animation, method, "surface area", &FrameDistortion::linear_area, &FrameDistortion::area, &FrameDistortion::area_path) +
+         Curve(animation, method, "enclosed volume", &FrameDistortion::linear_volume, &FrameDistortion::volume,
+               &FrameDistortion::volume_path) +
+         "</div>";
 }
 
 double Spread(const std::vector<double>& a, const std::vector<double>& b) {
@@ -82,6 +91,7 @@ std::string MethodOf(const StepRecord* step) {
   const auto option = step->options.find("method");
   if (option == step->options.end() || option->second == "\"arap\"") return "ARAP";
   if (option->second == "\"paper\"") return "ARAP (paper)";
+  if (option->second == "\"volumetric\"") return "ARAP (solid)";
   return "linear (chosen)";
 }
 

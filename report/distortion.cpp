@@ -19,6 +19,11 @@ double Finite(const json& frame, const char* name, std::size_t index) {
   return found->get<double>();
 }
 
+double OrElse(const json& frame, const char* name, double otherwise) {
+  const auto found = frame.find(name);
+  return found != frame.end() && found->is_number() && std::isfinite(found->get<double>()) ? found->get<double>() : otherwise;
+}
+
 /// Mean and deviation of the in-betweens.
 void MeanAndDeviation(const std::vector<double>& values, double& mean, double& deviation) {
   if (values.empty()) return;
@@ -30,7 +35,7 @@ void MeanAndDeviation(const std::vector<double>& values, double& mean, double& d
 DistortionRow Row(const std::vector<FrameDistortion>& frames, double FrameDistortion::*linear, double FrameDistortion::*ours) {
   std::vector<double> a, b;
   for (const FrameDistortion& frame : frames) {
-    if (frame.key) continue;
+    if (frame.key || frame.stands) continue;
     a.push_back(frame.*linear);
     b.push_back(frame.*ours);
   }
@@ -81,6 +86,11 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
                             Finite(entry, "linear_area", i),
                             Finite(entry, "linear_volume", i),
                             std::find(keys.begin(), keys.end(), static_cast<int>(i)) != keys.end()};
+      frame.time_s = OrElse(entry, "time", frame.t);
+      frame.area_path = OrElse(entry, "area_path", NAN);
+      frame.volume_path = OrElse(entry, "volume_path", NAN);
+      const double same_as = OrElse(entry, "same_as", -1);
+      if (same_as >= 0 && same_as < static_cast<double>(i)) frame.stands = frames[static_cast<std::size_t>(same_as)].key;
       frames.push_back(frame);
     }
   } catch (const json::exception& error) {
@@ -89,7 +99,8 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
   if (frames.empty()) throw InputError("report: distortion.json holds no frames; interpolate again");
   frames.front().key = frames.back().key = true;
   if (std::abs(frames.front().area - 1) < 1e-6)
-    for (FrameDistortion& f : frames) f.area -= 1, f.volume -= 1, f.linear_area -= 1, f.linear_volume -= 1;
+    for (FrameDistortion& f : frames)
+      f.area -= 1, f.volume -= 1, f.linear_area -= 1, f.linear_volume -= 1, f.area_path -= 1, f.volume_path -= 1;
   return frames;
 }
 

@@ -1,6 +1,7 @@
 // The paper's measures of an interpolation: how area and volume depart from the first key's, in total and per face.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct FrameDistortion {
   double area = 0, volume = 0;                ///< of the interpolation that was asked for
   double linear_area = 0, linear_volume = 0;  ///< of straight lines between the keys
   bool key = false;
+  bool stands = false;                        ///< shows a key again: held, or on twos
+  double time_s = 0;                          ///< on the timeline; t where distortion.json has none
+  double area_path = NAN, volume_path = NAN;  ///< what they should be on the way between the keys; NaN where that is not said
 };
 
 /// Mean and standard deviation over the in-between frames: a row of the paper's Tables 1 and 2.
@@ -23,7 +27,8 @@ struct DistortionRow {
 };
 
 /// Parses distortion.json: {"frames": [{"t", "area", "volume", "linear_area", "linear_volume"}], "key_frames": [0, ...]}; values may be
-/// relative (0 at the first key) or ratios (1 at the first key), which is found from the first frame.
+/// relative (0 at the first key) or ratios (1 at the first key), which is found from the first frame. A frame may also have "time",
+/// "area_path", "volume_path" and "same_as", the number of the frame that it repeats.
 /// @throws InputError  malformed, no frames, or a value that is not finite
 std::vector<FrameDistortion> ParseDistortion(const std::string& text);
 

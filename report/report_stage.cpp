@@ -42,7 +42,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
@@ -199,8 +199,9 @@ class Gatherer {
     int next = 1;
     while (next < static_cast<int>(part.frames.size()) && !part.frames[next].key) ++next;
     if (next < 2 || next >= static_cast<int>(part.frames.size())) return;
-    const int middle = next / 2;
     const double t0 = part.frames[0].t, t1 = part.frames[next].t;
+    int middle = 1;  // by the way, not by time: a key may be held, or eased out of
+    while (middle < next - 1 && part.frames[middle].t < t0 + 0.5 * (t1 - t0)) ++middle;
     part.faces_t = part.frames[middle].t;
     const double share = t1 > t0 ? (part.faces_t - t0) / (t1 - t0) : static_cast<double>(middle) / next;
     part.faces = PerFace(first.points, frame(middle).points, frame(next).points, first.faces, share);

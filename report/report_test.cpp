@@ -114,6 +114,21 @@ TEST(ParseDistortion, RatiosAndRelativeValuesGiveTheSameTables) {
   }
 }
 
+TEST(ParseDistortion, ReadsThePathAndCountsAHeldKeyAsNoInBetween) {
+  const std::string text = R"({"key_frames": [0, 3], "frames": [
+    {"t": 0, "time": 2, "area": 1, "volume": 1, "linear_area": 1, "linear_volume": 1, "area_path": 1, "volume_path": 1},
+    {"t": 0, "time": 2.1, "area": 1, "volume": 1, "linear_area": 1, "linear_volume": 1, "area_path": 1, "volume_path": null, "same_as": 0},
+    {"t": 0.5, "time": 2.2, "area": 1.1, "volume": 1, "linear_area": 1, "linear_volume": 1, "area_path": 1.2, "volume_path": 1},
+    {"t": 1, "time": 2.3, "area": 1.4, "volume": 1, "linear_area": 1, "linear_volume": 1}]})";
+  const std::vector<FrameDistortion> frames = ParseDistortion(text);
+  EXPECT_EQ(AreaRow(frames).frames, 1);
+  EXPECT_NEAR(AreaRow(frames).mean, 0.1, 1e-12);
+  EXPECT_EQ(frames[2].time_s, 2.2);
+  EXPECT_NEAR(frames[2].area_path, 0.2, 1e-12);
+  EXPECT_TRUE(std::isnan(frames[1].volume_path));
+  EXPECT_TRUE(std::isnan(frames[3].area_path));
+}
+
 TEST(ParseDistortion, NamesTheFrameThatIsNotFinite) {
   const char* text = R"({"frames": [{"t": 0, "area": 0, "volume": 0, "linear_area": 0, "linear_volume": 0}, {"t": 1, "area": null}]})";
   try {
