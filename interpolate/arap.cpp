@@ -9,6 +9,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "interpolate/differential_turns.h"
+#include "interpolate/face_crossings.h"
 #include "interpolate/pair_paths.h"
 #include "interpolate/turning_field.h"
 #include "interpolate/volume_correction.h"
@@ -187,6 +188,25 @@ struct ArapInterpolator::Impl {
 ArapInterpolator::ArapInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces, const ArapOptions& options) {
   RequireKeys(v, u, faces);
   impl_ = std::make_unique<Impl>(v, u, faces, options);
+  if (!options.choose_half_turns || impl_->report.turns.half_turns.empty()) return;
+  ArapOptions other = options;
+  other.choose_half_turns = false;
+  const std::vector<std::vector<int>> limbs = impl_->report.turns.half_turns;
+  std::size_t crossings = Crossings(At(0.5), faces).size();
+  std::vector<TurnOverride> chosen;
+  for (std::size_t k = 0; k < limbs.size() && crossings > 0; ++k) {
+    other.turn_overrides.push_back({.name = "half turn " + std::to_string(k), .faces = limbs[k], .extra_turns = -1});
+    ArapInterpolator turned(v, u, faces, other);
+    const std::size_t count = Crossings(turned.At(0.5), faces).size();
+    if (count >= crossings) {
+      other.turn_overrides.pop_back();
+      continue;
+    }
+    crossings = count;
+    chosen.push_back(other.turn_overrides.back());
+    impl_ = std::move(turned.impl_);
+  }
+  impl_->report.half_turns = chosen;
 }
 
 ArapInterpolator::~ArapInterpolator() = default;

@@ -19,6 +19,8 @@ struct ArapOptions {
   bool follow_turns = true;              ///< neighbours turn the same way round (see turns.h); else every face takes its shortest turn
   bool correct_volume = true;            ///< closed parts whose volumes have one sign follow v0^(1-t) v1^t
   std::vector<TurnOverride> turn_overrides = {};
+  /// A limb that turns by half a turn in one step goes the way round that passes through itself less at mid-way.
+  bool choose_half_turns = true;
   Constraints constraints = {};
 };
 
@@ -28,6 +30,7 @@ ArapOptions PaperOptions();
 struct ArapReport {
   int degenerate_faces = 0;
   TurnReport turns;
+  std::vector<TurnOverride> half_turns;          ///< limbs of half a turn that go the other way round than was found first
   int closed_parts = 0, corrected_parts = 0;     ///< connected parts of the mesh, and those whose volume is corrected
   std::vector<std::string> dropped_constraints;  ///< rows that follow from others
 };

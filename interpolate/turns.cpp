@@ -24,8 +24,11 @@ constexpr double kDamping = 0.5;
 constexpr double kLargestRemainder = 1.5;
 constexpr double kTear = 0.5;
 constexpr double kFewFaces = 0.005, kFewEdges = 0.01;
-constexpr double kClusterSine2 = 0.0076;  // sin^2 of half of 10 degrees
-constexpr double kBodySine2 = 0.0302;     // sin^2 of half of 20 degrees
+constexpr double kClusterSine2 = 0.0076;    // sin^2 of half of 10 degrees
+constexpr double kBodySine2 = 0.0302;       // sin^2 of half of 20 degrees
+constexpr double kHalfTurnSine2 = 0.99931;  // of half of 177 degrees
+constexpr double kLimbArea = 0.002;
+constexpr std::size_t kMostHalfTurns = 4;
 constexpr int kCandidates = 32, kSamples = 512;
 constexpr int kBuckets = 160;
 constexpr int kSmoothingPasses = 3;
@@ -154,6 +157,7 @@ class Lift {
 
   TurnReport Report() const {
     TurnReport report;
+    report.half_turns = half_turns_;
     for (const FaceMap& map : maps_.faces) {
       if (map.degenerate) continue;
       report.largest_turn = std::max(report.largest_turn, map.turn.norm());
@@ -234,12 +238,32 @@ class Lift {
   void TakeTurns(const std::vector<int>& roots) {
     std::vector<char> loose;
     for (const FaceMap& map : maps_.faces) loose.push_back(map.degenerate);
-    for (const auto& [face, parent] : GrowTree(neighbours_, relative_, loose, roots).steps) {
+    const FaceTree tree = GrowTree(neighbours_, relative_, loose, roots);
+    FindHalfTurns(tree, loose);
+    for (const auto& [face, parent] : tree.steps) {
       Eigen::Vector3d& turn = maps_.faces[face].turn;
       if (loose[face])
         relative_[face] = relative_[parent], turn = maps_.faces[parent].turn;
       else
         turn = face == parent ? LogOf(relative_[face]) : TurnAfter(maps_.faces[parent].turn, relative_[parent], relative_[face]);
+    }
+  }
+
+  /// What hangs on each step of half a turn, where it is a limb and not a fold.
+  void FindHalfTurns(const FaceTree& tree, const std::vector<char>& loose) {
+    std::vector<int> limb_of(maps_.faces.size(), -1);
+    std::vector<std::vector<int>> limbs;
+    for (const auto& [face, parent] : tree.steps) {
+      if (face == parent) continue;
+      const bool half = !loose[face] && !loose[parent] && Difference(relative_[parent], relative_[face]) > kHalfTurnSine2;
+      if (half) limbs.emplace_back();
+      limb_of[face] = half ? static_cast<int>(limbs.size()) - 1 : limb_of[parent];
+      if (limb_of[face] >= 0) limbs[limb_of[face]].push_back(face);
+    }
+    for (const std::vector<int>& limb : limbs) {
+      double area = 0;
+      for (int f : limb) area += system_.face_areas()[f];
+      if (area > kLimbArea * system_.face_areas().sum() && half_turns_.size() < kMostHalfTurns) half_turns_.push_back(limb);
     }
   }
 
@@ -295,6 +319,7 @@ class Lift {
   Eigen::Quaterniond body_ = Eigen::Quaterniond::Identity();
   int body_root_ = -1;
   std::vector<Eigen::Quaterniond> relative_;  // to the body
+  std::vector<std::vector<int>> half_turns_;
 };
 
 }  // namespace

@@ -30,7 +30,10 @@ struct TurnReport {
   int far_faces = 0;                ///< with remainders over 1.5 rad
   int torn_edges = 0;               ///< neighbouring faces that part on the way by over 0.5 rad more than they do at the ends
   int loops_that_do_not_close = 0;  ///< of torn edges, those whose two faces agree at both ends: a ring turned inside itself
-  bool differential = false;        ///< no consistent rotation vectors: relative rotations are integrated for each frame
+  /// Limbs that turn by half a turn, within 3 degrees, against what they hang on, in one step from face to face: which way round is not
+  /// told.
+  std::vector<std::vector<int>> half_turns;
+  bool differential = false;  ///< no consistent rotation vectors: relative rotations are integrated for each frame
 };
 
 /// Makes faces of a pair of keys turn together; fills turn, remainder and body_turn of `maps`.

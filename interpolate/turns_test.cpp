@@ -138,6 +138,46 @@ TEST(TurnOverride, OneFaceNamesItsRigidClusterAndBadOnesAreNamed) {
   EXPECT_THROW(ArapInterpolator(mesh.points, mesh.points, mesh.faces, options), InputError);  // nothing turns: which axis?
 }
 
+TEST(HalfTurn, GoesTheWayRoundThatDoesNotPassThroughTheBody) {
+  // A plate that lies beside a block, hinged at an edge that both share, folds over on top of it: upwards is free, downwards is not.
+  Mesh mesh;
+  PointsX3 end;
+  const int n = 8;
+  for (int side = 0; side < 2; ++side)
+    for (int j = 0; j <= n; ++j)
+      for (int i = side; i <= n; ++i) {
+        const double x = side == 0 ? -1.0 + static_cast<double>(i) / n : static_cast<double>(i) / n, y = static_cast<double>(j) / n;
+        mesh.points.conservativeResize(mesh.points.rows() + 1, 3);
+        end.conservativeResize(end.rows() + 1, 3);
+        mesh.points.bottomRows(1) << x, y, 0;
+        end.bottomRows(1) << (side == 0 ? x : -0.999 * x), y, 0.001 * (side == 1);
+      }
+  const auto at = [&](int i, int j) { return i <= n ? j * (n + 1) + i : (n + 1) * (n + 1) + j * n + (i - n - 1); };
+  std::vector<Eigen::RowVector3i> faces;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < 2 * n; ++i) {
+      faces.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      faces.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  // A wall stands where the plate would pass on one of the two ways; first below, then above.
+  for (double wall : {-0.5, 0.5}) {
+    Mesh body = mesh;
+    PointsX3 second = end;
+    const int base = body.vertex_count();
+    body.points.conservativeResize(base + 4, 3);
+    body.points.bottomRows(4) << -0.3, 0.2, wall, 0.3, 0.2, wall, 0.3, 0.8, wall, -0.3, 0.8, wall;
+    second.conservativeResize(base + 4, 3);
+    second.bottomRows(4) = body.points.bottomRows(4);
+    body.faces.resize(static_cast<Eigen::Index>(faces.size()) + 2, 3);
+    for (std::size_t f = 0; f < faces.size(); ++f) body.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
+    body.faces.bottomRows(2) << base, base + 1, base + 2, base, base + 2, base + 3;
+    const ArapInterpolator arap(body.points, second, body.faces);
+    EXPECT_EQ(arap.report().turns.half_turns.size() + arap.report().half_turns.size() > 0, true);
+    const PointsX3 frame = arap.At(0.5);
+    EXPECT_GT(frame(at(2 * n, n / 2), 2) * (wall < 0 ? 1 : -1), 0.5) << wall;
+  }
+}
+
 TEST(DifferentialTurns, GivesTheSameWayWhereBothServe) {
   const Mesh mesh = MakeCylinder(0.08, kLength, 12, 60);
   const PointsX3 end = Twisted(mesh.points, 400);
