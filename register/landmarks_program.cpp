@@ -1,5 +1,6 @@
 // keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to confirm.
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace {
 
 struct ProgramOptions {
   SuggestOptions suggest;
+  std::string accept;
   std::string up = "z";
   int panel = 360;
 
@@ -29,6 +31,7 @@ struct ProgramOptions {
     visit("samples", suggest.samples, {"points at which candidate maps are compared", "", 50, 5000, {}});
     visit("functions", suggest.functions, {"eigenfunctions that the last refinement uses", "", 20, 500, {}});
     visit("candidates", suggest.candidates, {"assignments of limbs that are tried", "", 1, 10000, {}});
+    visit("accept", accept, {"numbers in the picture that a person confirms, such as 1,2,5-9, or all", "", 0, 0, {}});
     visit("up", up, {.help = "axis that points up in the picture", .unit = "", .choices = {"x", "y", "z"}});
     visit("panel", panel, {"width and height of each view in the picture", "px", 64, 4096, {}});
   }
@@ -47,6 +50,8 @@ StageSpec Spec() {
                  {"landmarks", "file", "pairs that are known already, or picks of source and target", "", true, true}};
   spec.outputs = {
       {"suggested", "file", "known and suggested pairs (.json), to confirm and give to register", "suggested.json", false, false},
+      {"source_picks", "file", "the confirmed pairs' picks on the source (.json), for a project", "source.json", true, false},
+      {"target_picks", "file", "the same on the target", "target.json", true, false},
       {"picture", "file", "both meshes with the numbered pairs (.png)", "suggested.png", true, false}};
   spec.memory_gib = 1;
   return spec;
@@ -81,6 +86,37 @@ std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
   }
   if (dropped > 0) stage.Note(std::to_string(dropped) + " pairs that nobody confirmed were left out and are suggested anew");
   return known;
+}
+
+/// Marks what `accept` names as confirmed: "all", or numbers from 1 and ranges, separated by commas.
+void Accept(const std::string& accept, std::vector<LandmarkPair>& pairs) {
+  if (accept == "all")
+    for (LandmarkPair& pair : pairs) pair.confirmed = true;
+  if (accept.empty() || accept == "all") return;
+  std::istringstream parts(accept);
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream in(part);
+    std::size_t first = 0, last = 0;
+    char dash = 0, rest = 0;
+    bool good = static_cast<bool>(in >> first);
+    last = first;
+    if (good && in >> dash) good = dash == '-' && in >> last;
+    if (!good || in >> rest || first < 1 || last < first || last > pairs.size())
+      throw UsageError("--accept: '" + part + "' is not a number or range from 1 to " + std::to_string(pairs.size()) +
+                       ", the numbers in the picture; or say all");
+    for (std::size_t k = first; k <= last; ++k) pairs[k - 1].confirmed = true;
+  }
+}
+
+void WritePicks(StageContext& stage, const std::string& port, const Mesh& mesh, const std::vector<LandmarkPair>& pairs,
+                Landmark LandmarkPair::*side) {
+  const std::filesystem::path path = stage.Output(port);
+  if (path.empty()) return;
+  std::vector<Landmark> picks;
+  for (const LandmarkPair& pair : pairs)
+    if (pair.confirmed) picks.push_back(pair.*side);
+  if (picks.empty()) throw UsageError("--" + port + ": no pair is confirmed; name those that are right with --accept");
+  WriteLandmarks(path, mesh, picks);
 }
 
 std::string FreeName(const std::vector<LandmarkPair>& pairs, std::size_t& number) {
@@ -144,7 +180,10 @@ void Run(StageContext& stage, const ProgramOptions& options) {
   const Suggestion suggestion = SuggestLandmarks(source, target, known.goals, options.suggest, stage.progress());
   std::size_t number = 0;
   for (const SuggestedPair& suggested : suggestion.pairs) pairs.push_back(PairOf(suggested, FreeName(pairs, number)));
+  Accept(options.accept, pairs);
   Report(stage, known, suggestion);
+  WritePicks(stage, "source_picks", source, pairs, &LandmarkPair::source);
+  WritePicks(stage, "target_picks", target, pairs, &LandmarkPair::target);
   WriteLandmarkPairs(stage.Output("suggested"), source, target, pairs);
   WritePicture(stage, options, source, target, pairs, suggestion);
 }
