@@ -44,7 +44,7 @@ using KeyRefs = std::vector<std::reference_wrapper<const PointsX3>>;
 using RowTargets = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 struct PoissonOptions {
-  bool screened = true;                  ///< also factor H + kappa M, for SolveScreened and DisplacementWithoutRows
+  bool screened = true;                  ///< also factor H + kappa M, for SolveScreened, SmoothOverVertices and WithoutRows
   double screening_over_diagonal = 0.1;  ///< 1 / sqrt(kappa), over the mean diagonal of the keys
 };
 
@@ -110,6 +110,7 @@ class PoissonSystem {
 
  private:
   struct Impl;
+  class FloorSearch;
   std::unique_ptr<Impl> impl_;
 };
 

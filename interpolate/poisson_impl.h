@@ -34,7 +34,6 @@ struct PoissonSystem::Impl {
   Eigen::MatrixXd ValuesOf(const std::vector<ConstraintRow>& some, const Eigen::MatrixXd& x) const;
   void SolveWithRows(Eigen::MatrixXd& rhs, const std::vector<RowTargets>& targets) const;
   void CentreFreeParts(PointsX3& points, const RowTargets& targets) const;
-  std::vector<int> BendToFloor(PointsX3& points, const std::vector<int>& candidates, double height) const;
 
   Eigen::Index n = 0;
   FacesX3 faces;

@@ -197,77 +197,115 @@ void PoissonSystem::Impl::CentreFreeParts(PointsX3& points, const RowTargets& ta
     if (is_free[parts[i]]) points.row(i) += shift.row(parts[i]);
 }
 
-std::vector<int> PoissonSystem::Impl::BendToFloor(PointsX3& points, const std::vector<int>& candidates, double height) const {
-  const Eigen::Index p = part_sums.cols();
-  std::vector<int> known, active;  // vertices whose compliance is known; those held now
-  Eigen::MatrixXd cross(coupled, 0), own(0, 0);
-  for (int i : candidates)
-    if (points(i, 2) < height) active.push_back(i);
-  std::vector<int> place(n, -1), part_place(part_count, -1);
-  for (std::size_t k = 0; k < touched_parts.size(); ++k) part_place[touched_parts[k]] = static_cast<int>(k);
-  const std::vector<ConstraintRow> coupled_rows(rows.begin(), rows.begin() + coupled);
-  Eigen::VectorXd z = points.col(2);
-  for (int pass = 0; pass < kMaxFloorPasses && !active.empty(); ++pass) {
+/// Search for the vertices that rest on the floor, and for the change of z that holds them there.
+class PoissonSystem::FloorSearch {
+ public:
+  FloorSearch(const Impl& system, const PointsX3& points, const std::vector<int>& candidates, double height)
+      : s_(system),
+        points_(points),
+        candidates_(candidates),
+        height_(height),
+        coupled_(system.rows.begin(), system.rows.begin() + system.coupled),
+        cross_(system.coupled, 0),
+        own_(0, 0),
+        place_(system.n, -1),
+        part_place_(system.part_count, -1),
+        z_(points.col(2)) {
+    for (std::size_t k = 0; k < s_.touched_parts.size(); ++k) part_place_[s_.touched_parts[k]] = static_cast<int>(k);
+    for (int i : candidates)
+      if (points(i, 2) < height) active_.push_back(i);
+  }
+
+  void Run() {
+    for (int pass = 0; pass < kMaxFloorPasses && !active_.empty(); ++pass) {
+      LearnCompliance();
+      if (!Update(Hold(), pass > kMaxFloorPasses / 2)) return;
+    }
+  }
+  const Eigen::VectorXd& z() const { return z_; }
+  const std::vector<int>& active() const { return active_; }
+
+ private:
+  /// Columns of H^-1 at newly active vertices, as far as they are needed: at active vertices and in the rows.
+  void LearnCompliance() {
     std::vector<int> fresh;
-    for (int i : active)
-      if (place[i] < 0) place[i] = static_cast<int>(known.size()), known.push_back(i), fresh.push_back(i);
-    const Eigen::Index k0 = own.rows(), k1 = static_cast<Eigen::Index>(known.size());
-    own.conservativeResize(k1, k1);
-    cross.conservativeResize(coupled, k1);
+    for (int i : active_)
+      if (place_[i] < 0) place_[i] = static_cast<int>(known_.size()), known_.push_back(i), fresh.push_back(i);
+    const Eigen::Index k0 = own_.rows(), k1 = static_cast<Eigen::Index>(known_.size());
+    own_.conservativeResize(k1, k1);
+    cross_.conservativeResize(s_.coupled, k1);
     for (std::size_t b = 0; b < fresh.size(); b += kColumns) {
       const Eigen::Index count = std::min<Eigen::Index>(kColumns, static_cast<Eigen::Index>(fresh.size() - b));
-      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(n, count);
+      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(s_.n, count);
       for (Eigen::Index c = 0; c < count; ++c) columns(fresh[b + c], c) = 1;
-      solver.SolveInPlace(columns);
+      s_.solver.SolveInPlace(columns);
       for (Eigen::Index c = 0; c < count; ++c) {
         const Eigen::Index at = k0 + static_cast<Eigen::Index>(b) + c;
-        for (Eigen::Index r = 0; r < k1; ++r) own(r, at) = own(at, r) = columns(known[r], c);
-        for (int r = 0; r < coupled; ++r) cross(r, at) = ValueOf(coupled_rows[r], columns.col(c));
+        for (Eigen::Index r = 0; r < k1; ++r) own_(r, at) = own_(at, r) = columns(known_[r], c);
+        for (int r = 0; r < s_.coupled; ++r) cross_(r, at) = ValueOf(coupled_[r], columns.col(c));
       }
     }
-    const Eigen::Index a = static_cast<Eigen::Index>(active.size()), size = coupled + a + p;
-    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(size, size);
-    Eigen::VectorXd goal = Eigen::VectorXd::Zero(size);
-    system.topLeftCorner(coupled, coupled) = compliance;
-    for (Eigen::Index r = 0; r < a; ++r) {
-      const int at = place[active[r]];
-      system.block(0, coupled + r, coupled, 1) = cross.col(at);
-      system.block(coupled + r, 0, 1, coupled) = cross.col(at).transpose();
-      for (Eigen::Index c = 0; c < a; ++c) system(coupled + r, coupled + c) = own(at, place[active[c]]);
-      const int q = part_place[parts[active[r]]];
-      system(coupled + r, coupled + a + q) = -1;
-      system(coupled + a + q, coupled + r) = 1;
-      goal[coupled + r] = points(active[r], 2) - height;
-    }
-    system.block(0, coupled + a, coupled, p) = -part_sums;
-    system.block(coupled + a, 0, p, coupled) = part_sums.transpose();
-    const Eigen::VectorXd found = system.partialPivLu().solve(goal);
-    Eigen::MatrixXd move = Eigen::MatrixXd::Zero(n, 1);
-    for (int r = 0; r < coupled; ++r) AddColumn(rows[r], -found[r], move.col(0));
-    for (Eigen::Index r = 0; r < a; ++r) move(active[r], 0) -= found[coupled + r];
-    solver.SolveInPlace(move);
-    for (Eigen::Index i = 0; i < n; ++i)
-      z[i] = points(i, 2) + (part_place[parts[i]] >= 0 ? move(i, 0) + found[coupled + a + part_place[parts[i]]] : 0.0);
-    // Held vertices that are pulled down are let go, sunk ones join; late passes only add, so that the search ends.
-    std::vector<char> in(n, 0);
-    std::vector<int> next;
-    const double slack = 1e-12 * (1 + std::abs(height));
-    for (Eigen::Index r = 0; r < a; ++r)
-      if (found[coupled + r] <= 0 || pass > kMaxFloorPasses / 2) next.push_back(active[r]), in[active[r]] = 1;
-    bool changed = static_cast<Eigen::Index>(next.size()) != a;
-    for (int i : active) z[i] = height, in[i] = 1;
-    for (int i : candidates)
-      if (!in[i] && z[i] < height - slack) next.push_back(i), changed = true;
-    if (!z.allFinite())
-      throw InputError("interpolate: the floor and a constraint contradict each other; a pinned vertex lies below the floor");
-    if (!changed) break;
-    std::sort(next.begin(), next.end());
-    active = std::move(next);
   }
-  points.col(2) = z;
-  for (int i : candidates) points(i, 2) = std::max(points(i, 2), height);
-  return active;
-}
+
+  /// Multipliers of rows, of active vertices, and the parts' shifts, that hold the active vertices at the floor.
+  Eigen::VectorXd Hold() const {
+    const Eigen::Index m = s_.coupled, a = static_cast<Eigen::Index>(active_.size()), p = s_.part_sums.cols();
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + a + p, m + a + p);
+    Eigen::VectorXd goal = Eigen::VectorXd::Zero(m + a + p);
+    system.topLeftCorner(m, m) = s_.compliance;
+    system.block(0, m + a, m, p) = -s_.part_sums;
+    system.block(m + a, 0, p, m) = s_.part_sums.transpose();
+    for (Eigen::Index r = 0; r < a; ++r) {
+      const int at = place_[active_[r]], q = part_place_[s_.parts[active_[r]]];
+      system.block(0, m + r, m, 1) = cross_.col(at);
+      system.block(m + r, 0, 1, m) = cross_.col(at).transpose();
+      for (Eigen::Index c = 0; c < a; ++c) system(m + r, m + c) = own_(at, place_[active_[c]]);
+      system(m + r, m + a + q) = -1;
+      system(m + a + q, m + r) = 1;
+      goal[m + r] = points_(active_[r], 2) - height_;
+    }
+    return system.partialPivLu().solve(goal);
+  }
+
+  /// Moves z; lets go of held vertices that are pulled down and takes in sunk ones. Late passes only add, so that the search ends.
+  /// @return whether the active set changed
+  bool Update(const Eigen::VectorXd& found, bool only_add) {
+    const Eigen::Index m = s_.coupled, a = static_cast<Eigen::Index>(active_.size());
+    Eigen::MatrixXd move = Eigen::MatrixXd::Zero(s_.n, 1);
+    for (Eigen::Index r = 0; r < m; ++r) AddColumn(s_.rows[r], -found[r], move.col(0));
+    for (Eigen::Index r = 0; r < a; ++r) move(active_[r], 0) -= found[m + r];
+    s_.solver.SolveInPlace(move);
+    for (Eigen::Index i = 0; i < s_.n; ++i) {
+      const int q = part_place_[s_.parts[i]];
+      z_[i] = points_(i, 2) + (q >= 0 ? move(i, 0) + found[m + a + q] : 0.0);
+    }
+    if (!z_.allFinite())
+      throw InputError("interpolate: the floor and a constraint contradict each other; a pinned vertex lies below the floor");
+    std::vector<char> seen(s_.n, 0);
+    std::vector<int> next;
+    for (Eigen::Index r = 0; r < a; ++r)
+      if (found[m + r] <= 0 || only_add) next.push_back(active_[r]);
+    bool changed = static_cast<Eigen::Index>(next.size()) != a;
+    for (int i : active_) z_[i] = height_, seen[i] = 1;
+    for (int i : candidates_)
+      if (!seen[i] && z_[i] < height_ - 1e-12 * (1 + std::abs(height_))) next.push_back(i), changed = true;
+    if (changed) {
+      std::sort(next.begin(), next.end());
+      active_ = std::move(next);
+    }
+    return changed;
+  }
+
+  const Impl& s_;
+  const PointsX3& points_;
+  const std::vector<int>& candidates_;
+  double height_;
+  std::vector<ConstraintRow> coupled_;
+  std::vector<int> known_, active_;  // vertices whose compliance is known; those held now
+  Eigen::MatrixXd cross_, own_;
+  std::vector<int> place_, part_place_;
+  Eigen::VectorXd z_;
+};
 
 std::vector<int> PoissonSystem::LiftToFloor(PointsX3& points, const Floor& floor) const {
   const Impl& s = *impl_;
@@ -281,7 +319,7 @@ std::vector<int> PoissonSystem::LiftToFloor(PointsX3& points, const Floor& floor
   std::vector<char> is_free(s.part_count, 0);
   for (std::size_t r = s.coupled; r < s.rows.size(); ++r) is_free[-1 - s.sources[r]] = 1;
   Eigen::VectorXd lift = Eigen::VectorXd::Zero(s.part_count);
-  std::vector<int> bent, held;
+  std::vector<int> bent;
   for (int i : candidates)
     if (is_free[s.parts[i]])
       lift[s.parts[i]] = std::max(lift[s.parts[i]], floor.height - points(i, 2));
@@ -298,8 +336,12 @@ std::vector<int> PoissonSystem::LiftToFloor(PointsX3& points, const Floor& floor
       throw InputError("interpolate: constraint '" + row.name + "' holds vertex " + std::to_string(i) +
                        " below the floor; move the pin up or the floor down");
   }
-  if (s.coupled > 0) held = s.BendToFloor(points, bent, floor.height);
-  return held;
+  if (s.coupled == 0) return {};
+  FloorSearch search(s, points, bent, floor.height);
+  search.Run();
+  points.col(2) = search.z();
+  for (int i : bent) points(i, 2) = std::max(points(i, 2), floor.height);
+  return search.active();
 }
 
 PointsX3 PoissonSystem::WithoutRows(PointsX3 displacement, const std::vector<int>& held) const {
