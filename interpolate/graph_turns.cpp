@@ -24,7 +24,7 @@ constexpr double kSingularZone = 0.3;
 constexpr double kLast = 10;  // more than any angle between rotations
 constexpr int kSmoothings = 100;
 constexpr double kLeastKnown = 1e-6;
-constexpr std::int64_t kSeeds = 128;
+constexpr std::int64_t kSeeds = 32;
 constexpr int kMeanShifts = 10;
 constexpr double kSurroundings = 30 * std::numbers::pi / 180;
 constexpr double kSameRotation = 10 * std::numbers::pi / 180;
@@ -33,6 +33,10 @@ double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   // Of a^T b: by the chord, which keeps its digits near 0.
   return 2 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0)));
 }
+
+/// Whether two rotations are within an angle whose chord this is, without an arc sine.
+double ChordOf(double angle) { return 8 * std::pow(std::sin(0.5 * angle), 2); }
+bool Within(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, double chord) { return (a - b).squaredNorm() < chord; }
 
 double WholeTurnsTo(double angle, double goal) { return angle + kFullTurn * std::round((goal - angle) / kFullTurn); }
 
@@ -154,10 +158,11 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root, c
 Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights) {
   const std::int64_t count = static_cast<std::int64_t>(rotations.size()), seeds = std::min<std::int64_t>(count, kSeeds);
   std::vector<double> shared(seeds, 0.0);
+  const double chord = ChordOf(kSameRotation);
   ParallelFor(seeds, [&](std::int64_t s) {
     const Eigen::Matrix3d& seed = rotations[s * count / seeds];
     for (std::int64_t i = 0; i < count; ++i)
-      if (AngleBetween(seed, rotations[i]) < kSameRotation) shared[s] += weights[i];
+      if (Within(seed, rotations[i], chord)) shared[s] += weights[i];
   });
   const std::int64_t best = std::max_element(shared.begin(), shared.end()) - shared.begin();
   const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -166,10 +171,11 @@ Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<dou
 
 Eigen::Matrix3d MeanAround(int node, const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights) {
   Eigen::Matrix3d mean = rotations[node];
+  const double chord = ChordOf(kSurroundings);
   for (int round = 0; round < kMeanShifts; ++round) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < rotations.size(); ++i)
-      if (AngleBetween(mean, rotations[i]) < kSurroundings) sum += weights[i] * rotations[i];
+      if (Within(mean, rotations[i], chord)) sum += weights[i] * rotations[i];
     if (!(sum.norm() > 0)) break;
     mean = ClosestRotation(sum);
   }

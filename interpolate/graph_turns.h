@@ -31,7 +31,7 @@ struct Body {
   int node = 0;
   double share = 0;  ///< of all weight: what has its rotation to within 10 degrees
 };
-/// The node, of 128 spread over the list, whose rotation most of the weight shares.
+/// The node, of 32 spread over the list, whose rotation most of the weight shares.
 Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights);
 
 /// The centre of the rotations around a node's: ten times the weighted mean of all within 30 degrees of the last one. One node's own

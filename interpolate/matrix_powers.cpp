@@ -8,6 +8,7 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr int kMostRoots = 12;
+constexpr double kSeriesReach = 2;  // beyond, terms outgrow the sum and cost digits
 constexpr double kNearIdentity = 0.1;
 constexpr double kExact = 1e-11;  // of the matrix, when its logarithm is taken back
 
@@ -59,6 +60,29 @@ Eigen::Matrix3d ExpOfMatrix(const Eigen::Matrix3d& m) {
   Eigen::Matrix3d sum = identity + x + x2 / 2 + x3 * middle;
   for (int k = 0; k < squarings; ++k) sum = (sum * sum).eval();
   return sum;
+}
+
+MatrixExponential::MatrixExponential(const Eigen::Matrix3d& m)
+    : m_(m),
+      mm_(m * m),
+      trace_(m.trace()),
+      minors_(0.5 * (trace_ * trace_ - mm_.trace())),
+      determinant_(m.determinant()),
+      size_(m.cwiseAbs().rowwise().sum().maxCoeff()) {}
+
+Eigen::Matrix3d MatrixExponential::At(double t) const {
+  const double size = std::abs(t) * size_;
+  if (size > kSeriesReach) return ExpOfMatrix(t * m_);
+  // (tM)^n / n! = a M^2 + b M + c I.
+  double a = 0, b = 0, c = 1, sum_a = 0, sum_b = 0, sum_c = 1, left = 1;
+  for (int n = 1; left > 1e-18; ++n) {
+    const double share = t / n, next_a = share * (a * trace_ + b), next_b = share * (c - a * minors_);
+    c = share * a * determinant_;
+    a = next_a, b = next_b;
+    sum_a += a, sum_b += b, sum_c += c;
+    left *= size / n;
+  }
+  return sum_a * mm_ + sum_b * m_ + sum_c * Eigen::Matrix3d::Identity();
 }
 
 }  // namespace keypose::interpolation

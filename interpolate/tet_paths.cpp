@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "interpolate/face_maps.h"
-#include "interpolate/matrix_powers.h"
 #include "interpolate/tet_maps.h"
 
 namespace keypose::interpolation {
@@ -25,21 +24,30 @@ TetPath::TetPath(const Eigen::Matrix3d& map, const Eigen::Vector3d& turn, double
   if (f.determinant() > kFlat * size * size * size && remainder_.norm() < kFarFromRegion) log = LogOfMatrix(f);
   has_power_ = log.has_value();
   if (!has_power_) {
-    map_ = rotation.transpose() * f;
+    stretch_ = rotation.transpose() * f;
     return;
   }
   growth_ = growth;
   volume_log_ = log->trace() - 3 * growth;
   volume_gain_ = std::expm1(volume_log_);
-  map_ = *log - growth * Eigen::Matrix3d::Identity();
+  power_ = MatrixExponential(*log - growth * Eigen::Matrix3d::Identity());
+}
+
+TetPath TetPath::Straight(const Eigen::Matrix3d& start, const Eigen::Matrix3d& end, const Eigen::Vector3d& body_turn) {
+  TetPath path;
+  path.turn_ = -body_turn;
+  path.remainder_.setZero();
+  path.start_ = start;
+  path.stretch_ = end;
+  return path;
 }
 
 Eigen::Matrix3d TetPath::At(double t) const {
-  const Eigen::Matrix3d turn = ExpOf(t * turn_), identity = Eigen::Matrix3d::Identity();
-  if (!has_power_) return turn * ExpOf(t * remainder_) * ((1 - t) * identity + t * map_);
+  const Eigen::Matrix3d turn = ExpOf(t * turn_);
+  if (!has_power_) return turn * ExpOf(t * remainder_) * ((1 - t) * start_ + t * stretch_);
   // tau: the share of the way at which exp(tau volume_log) is 1 - t + t exp(volume_log).
   const double tau = std::abs(volume_log_) < 1e-9 ? t : std::log1p(t * volume_gain_) / volume_log_;
-  return std::exp(t * growth_) * (turn * ExpOfMatrix(tau * map_));
+  return std::exp(t * growth_) * (turn * power_.At(tau));
 }
 
 }  // namespace keypose::interpolation

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "interpolate/matrix_powers.h"
+
 namespace keypose::interpolation {
 
 /// A(t) = exp(t turn) F(t), where F(1) = exp(-turn) J: `turn` is what the region turns, F what is left. A(0) = I, A(1) = J.
@@ -17,12 +19,16 @@ class TetPath {
   /// @param turn    of the region [rad]
   /// @param growth  log of the region's linear growth
   TetPath(const Eigen::Matrix3d& map, const Eigen::Vector3d& turn, double growth);
+  /// Straight from `start` to `end`, for tetrahedra that are no solid in the first key either; less a body that turns by t body_turn.
+  static TetPath Straight(const Eigen::Matrix3d& start, const Eigen::Matrix3d& end, const Eigen::Vector3d& body_turn);
   Eigen::Matrix3d At(double t) const;
   bool has_power() const { return has_power_; }
 
  private:
+  TetPath() = default;
   Eigen::Vector3d turn_, remainder_;
-  Eigen::Matrix3d map_;  ///< log F - g I; without a power: the stretch
+  MatrixExponential power_;                                        ///< of log F - g I
+  Eigen::Matrix3d start_ = Eigen::Matrix3d::Identity(), stretch_;  ///< without a power
   double growth_ = 0, volume_log_ = 0, volume_gain_ = 0;
   bool has_power_ = false;
 };

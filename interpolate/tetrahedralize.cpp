@@ -249,14 +249,14 @@ void Append(const TetgenMesh& out, const std::vector<char>& inner, const Filler&
 }
 
 [[noreturn]] void ThrowUnfillable(const PointsX3& points, const FacesX3& faces, const std::string& what) {
-  const std::optional<std::pair<int, int>> crossing = FirstCrossing(points, faces);
+  const std::vector<std::pair<int, int>> crossings = Crossings(points, faces);
   std::string why = "TetGen refused it; two places of its surface touch or nearly touch";
-  if (crossing) {
+  if (!crossings.empty()) {
     const auto name = [&](int f) {
       return std::to_string(faces(f, 0)) + "," + std::to_string(faces(f, 1)) + "," + std::to_string(faces(f, 2));
     };
-    why = "its surface passes through itself, where the face of vertices " + name(crossing->first) + " crosses that of " +
-          name(crossing->second);
+    why = "its surface passes through itself, where the face of vertices " + name(crossings.front().first) + " crosses that of " +
+          name(crossings.front().second);
   }
   throw InputError(what + ": the body that holds vertex " + std::to_string(faces.minCoeff()) + " cannot be filled with tetrahedra: " + why +
                    Remedy());
@@ -282,21 +282,35 @@ Solid Joined(const PointsX3& points, const FacesX3& faces, Parts&& parts, std::v
   return solid;
 }
 
+/// One body into `parts`, as it is or with its crossings parted. @return whether TetGen took it
+bool FillBody(const PointsX3& points, const FacesX3& faces, int body, const TetrahedralizeOptions& options, Parts& parts) {
+  const Filler filler(points, faces);
+  std::optional<TetgenMesh> mesh = RunTetgen(filler.points(), filler.faces(), filler.Switches(options));
+  const std::vector<char> inner = mesh ? InnerTets(*mesh, filler.faces()) : std::vector<char>();
+  if (inner.empty()) return false;
+  Append(*mesh, inner, filler, body, static_cast<int>(points.rows()), parts);
+  return true;
+}
+
 }  // namespace
 
 Solid Tetrahedralize(const PointsX3& points, const FacesX3& faces, const std::string& what, const TetrahedralizeOptions& options) {
   RequireClosed(points, faces, what);
   int bodies = 0;
   std::vector<int> body_of_face = BodiesOf(points, faces, what, bodies);
+  PointsX3 filled = points;
   Parts parts;
   for (int b = 0; b < bodies; ++b) {
-    const Filler filler(points, FacesOf(faces, body_of_face, b));
-    std::optional<TetgenMesh> mesh = RunTetgen(filler.points(), filler.faces(), filler.Switches(options));
-    const std::vector<char> inner = mesh ? InnerTets(*mesh, filler.faces()) : std::vector<char>();
-    if (inner.empty()) ThrowUnfillable(points, FacesOf(faces, body_of_face, b), what);
-    Append(*mesh, inner, filler, b, static_cast<int>(points.rows()), parts);
+    const FacesX3 own = FacesOf(faces, body_of_face, b);
+    if (FillBody(points, own, b, options, parts)) continue;
+    const std::optional<PointsX3> apart = options.part_crossings ? WithoutCrossings(points, own) : std::nullopt;
+    if (!apart || !FillBody(*apart, own, b, options, parts)) ThrowUnfillable(points, own, what);
+    for (Eigen::Index f = 0; f < own.rows(); ++f)
+      for (int k = 0; k < 3; ++k) filled.row(own(f, k)) = apart->row(own(f, k));
   }
-  return Joined(points, faces, std::move(parts), std::move(body_of_face), bodies);
+  Solid solid = Joined(filled, faces, std::move(parts), std::move(body_of_face), bodies);
+  solid.parted = static_cast<int>(((filled - points).rowwise().squaredNorm().array() > 0).count());
+  return solid;
 }
 
 }  // namespace keypose::interpolation

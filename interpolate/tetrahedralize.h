@@ -13,18 +13,21 @@ namespace keypose::interpolation {
 using TetsX4 = Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor>;  ///< rows are 0-based corners of positive volume
 
 struct TetrahedralizeOptions {
-  double element_size = 1;      ///< wanted edge of inner tetrahedra over each body's mean surface edge, > 0
-  int max_tetrahedra = 400000;  ///< about; larger tetrahedra inside where element_size would need more
+  double element_size = 1;     ///< wanted edge of inner tetrahedra over each body's mean surface edge, > 0
+  int max_tetrahedra = 50000;  ///< about; larger tetrahedra inside where element_size would need more
+  /// Where a body passes through itself, smooths the crossing away first and fills that; Solid::points then differ from the surface there.
+  bool part_crossings = false;
 };
 
 /// A solid: one or several bodies that share no vertex.
 struct Solid {
-  PointsX3 points;                           ///< N x 3; the first V rows are the surface's vertices, bit for bit
+  PointsX3 points;                           ///< N x 3; the first V rows are the surface's vertices, bit for bit (but see `parted`)
   TetsX4 tets;                               ///< T x 4, body after body
   std::vector<std::array<int, 4>> opposite;  ///< T; tetrahedron behind the face opposite each corner, or -1
   std::vector<int> body_of_point;            ///< N; -1 for vertices that no face uses
   std::vector<int> body_of_face;             ///< F
   int bodies = 0;
+  int parted = 0;  ///< vertices of the surface that were moved to part crossings
 };
 
 /// Bodies are found by connected parts: one that faces inwards is a hollow of the smallest body around it. Each body is filled for itself,

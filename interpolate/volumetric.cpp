@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "interpolate/face_maps.h"
 #include "interpolate/graph_turns.h"
+#include "interpolate/key_choice.h"
 #include "interpolate/place_inside.h"
 #include "interpolate/tet_maps.h"
 #include "interpolate/tet_paths.h"
@@ -28,42 +29,9 @@ namespace {
 constexpr double kStiffest = 1e4;  // weight of the second key's energy over the first's, at most: flattened tetrahedra
 constexpr double kVolumeTolerance = 1e-10;
 constexpr int kVolumeRounds = 30;
+constexpr double kCrossed = 0.02;     // of a parted tetrahedron's volume: less is as good as inside out
 constexpr double kRigidShare = 0.25;  // of the volume: enough to be the body that the rest turns against
 constexpr double kReach = 4;          // of volume over area, half a limb's radius: how far regions and the volume's correction spread
-
-/// Sum over edges of the squared turn of the normal over the edge's share of area: free of scale; 4 pi or so for a ball, more for what is
-/// folded or twisted. Source: hinge energy, Grinspun et al. 2003.
-double BendingEnergy(const PointsX3& p, const FacesX3& faces) {
-  struct Side {
-    int low, high, face;
-    bool operator<(const Side& o) const { return std::tie(low, high, face) < std::tie(o.low, o.high, o.face); }
-  };
-  std::vector<Side> sides;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(faces(f, k), faces(f, (k + 1) % 3));
-      sides.push_back({low, high, static_cast<int>(f)});
-    }
-  std::sort(sides.begin(), sides.end());
-  const Eigen::VectorXd areas = FaceAreas(p, faces);
-  const PointsX3 normals = FaceNormals(p, faces);
-  double sum = 0;
-  for (std::size_t s = 0; s + 1 < sides.size(); ++s) {
-    if (sides[s].low != sides[s + 1].low || sides[s].high != sides[s + 1].high) continue;
-    const int a = sides[s].face, b = sides[s + 1].face;
-    const double edge = (p.row(sides[s].low) - p.row(sides[s].high)).squaredNorm();
-    const double angle = 2 * std::asin(std::min(1.0, 0.5 * (normals.row(a) - normals.row(b)).norm()));
-    sum += angle * angle * edge / std::max(areas[a] + areas[b], 0.05 * edge);  // bounded: one sliver does not decide
-  }
-  return sum;
-}
-
-/// Whether the second key is the one to fill. A rule that gives the same key when the two change places.
-bool SecondIsSmoother(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
-  const double bend_v = BendingEnergy(v, faces), bend_u = BendingEnergy(u, faces);
-  if (bend_v != bend_u) return bend_u < bend_v;
-  return std::lexicographical_compare(u.data(), u.data() + u.size(), v.data(), v.data() + v.size());
-}
 
 /// Path of each body's centroid: the whole's centroid goes straight, the bodies' offsets from it turn with the whole.
 class BodyPaths {
@@ -167,12 +135,12 @@ Eigen::Matrix3d TurnAgainst(int body, const std::vector<double>& weights, std::v
 class FilledKey {
  public:
   FilledKey(const PointsX3& from, const PointsX3& to, const FacesX3& faces, const std::string& from_name, const std::string& to_name,
-            const VolumetricOptions& options)
+            const VolumetricOptions& options, bool part_crossings)
       : from_(from),
         to_(to),
         faces_(faces),
         options_(options),
-        solid_(Tetrahedralize(from, faces, from_name, {options.element_size, options.max_tetrahedra})),
+        solid_(Tetrahedralize(from, faces, from_name, {options.element_size, options.max_tetrahedra, part_crossings})),
         shapes_(TetShapesOf(solid_.points, solid_.tets)) {
     start_volumes_ = BodyVolumes(from_, faces_, solid_);
     end_volumes_ = BodyVolumes(to_, faces_, solid_);
@@ -180,7 +148,11 @@ class FilledKey {
       if (!(end_volumes_[b] > 0))
         throw InputError(to_name + ": body " + std::to_string(b) +
                          " is inside out or has no volume there, though it has in the other key; register it again");
-    maps_ = TetMapsOf(shapes_, PlaceInside(solid_, shapes_, faces_, to_), solid_.tets);
+    const PointsX3 end = PlaceInside(solid_, shapes_, faces_, to_);
+    if (solid_.parted > 0) ReturnParted();
+    maps_ = TetMapsOf(shapes_, end, solid_.tets);
+    for (std::size_t t = 0; t < crossed_.size(); ++t)
+      if (crossed_[t]) maps_[t].inverted = true;
     inverted_ = static_cast<int>(std::count_if(maps_.begin(), maps_.end(), [](const TetMap& m) { return m.inverted; }));
   }
 
@@ -199,6 +171,7 @@ class FilledKey {
   VolumetricReport Report() const;
 
  private:
+  void ReturnParted();
   void Lift();
   void ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns);
   Eigen::Matrix3d WeightOf(std::int64_t t) const;
@@ -215,6 +188,8 @@ class FilledKey {
   Eigen::VectorXd start_volumes_, end_volumes_;
   std::vector<TetMap> maps_;
   int inverted_ = 0;
+  std::vector<char> crossed_;            // tetrahedra that are inside out in the filled key itself; empty when none is parted
+  std::vector<Eigen::Matrix3d> starts_;  // their maps from the parted shape to that key
   Eigen::Vector3d body_turn_ = Eigen::Vector3d::Zero();
   double largest_turn_ = 0, largest_tear_ = 0;
   std::vector<Eigen::Matrix3d> rotations_;  // less the body's
@@ -225,6 +200,20 @@ class FilledKey {
   std::optional<BodyPaths> paths_;
   SparseCholesky fit_, spread_;
 };
+
+// The solid was made of a surface with its crossings smoothed away. Its points go where the key has them; what is inside out there keeps
+// the smoothed shape as its reference and goes straight from one key to the other.
+void FilledKey::ReturnParted() {
+  const PointsX3 start = PlaceInside(solid_, shapes_, faces_, from_);
+  const std::vector<TetShape> shapes = TetShapesOf(start, solid_.tets);
+  crossed_.assign(shapes.size(), 0);
+  starts_.resize(shapes.size());
+  for (std::size_t t = 0; t < shapes.size(); ++t) {
+    starts_[t] = MapOf(shapes_[t], start, solid_.tets, static_cast<Eigen::Index>(t));
+    crossed_[t] = !(shapes[t].volume > kCrossed * shapes_[t].volume);
+    if (!crossed_[t]) shapes_[t] = shapes[t];
+  }
+}
 
 void FilledKey::Lift() {
   const std::size_t count = maps_.size();
@@ -249,7 +238,8 @@ void FilledKey::Lift() {
     largest_tear_ = lifted.largest_tear;
     ChooseBodyTurn(turns_);
   }
-  for (const Eigen::Vector3d& turn : turns_) largest_turn_ = std::max(largest_turn_, turn.norm());
+  for (std::size_t t = 0; t < count; ++t)
+    if (!doubtful[t]) largest_turn_ = std::max(largest_turn_, turns_[t].norm());
 }
 
 // Whole turns of everything do not show in the keys. The least turning of all clay is the likeliest.
@@ -278,6 +268,7 @@ Eigen::Matrix3d FilledKey::WeightOf(std::int64_t t) const {
 void FilledKey::MakePaths() {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(solid_.points.rows(), 5);
   for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t) {
+    if (!crossed_.empty() && crossed_[t]) continue;
     Eigen::RowVectorXd row(5);
     row << shapes_[t].volume, shapes_[t].volume * maps_[t].stretch.prod(), shapes_[t].volume * turns_[t].transpose();
     for (int k = 0; k < 4; ++k) sums.row(solid_.tets(t, k)) += row;
@@ -293,7 +284,10 @@ void FilledKey::MakePaths() {
     const double growth = (known ? std::log(region[1] / region[0]) : own) / 3;
     const Eigen::Vector3d turn = known && options_.follow_turns ? (region.tail<3>() / region[0]).transpose().eval() : turns_[t];
     const Eigen::Matrix3d stretch = maps_[t].axes * maps_[t].stretch.asDiagonal() * maps_[t].axes.transpose();
-    paths_of_tets_.emplace_back(rotations_[t] * stretch, turn, growth);
+    if (!crossed_.empty() && crossed_[t])
+      paths_of_tets_.push_back(TetPath::Straight(starts_[t], maps_[t].rotation * stretch, body_turn_));
+    else
+      paths_of_tets_.emplace_back(rotations_[t] * stretch, turn, growth);
     corners_.push_back(WeightOf(t) * shapes_[t].gradients);
   }
 }
@@ -379,6 +373,7 @@ VolumetricReport FilledKey::Report() const {
   report.nodes = static_cast<int>(solid_.points.rows());
   report.bodies = solid_.bodies;
   report.inverted = inverted_;
+  report.parted = solid_.parted;
   report.largest_turn = largest_turn_;
   report.largest_tear = largest_tear_;
   return report;
@@ -391,29 +386,34 @@ struct VolumetricInterpolator::Impl {
       : v(v_), u(u_), faces(faces_), options(o) {
     swapped = SecondIsSmoother(v, u, faces);
     std::string fault;
-    std::unique_ptr<FilledKey> preferred = Filled(swapped, fault);
-    if (preferred && preferred->inverted() == 0) {
-      Use(std::move(preferred), swapped, "");
-      return;
-    }
+    if (TryKeys(false, fault)) return;
+    std::string parted_fault;
+    if (!TryKeys(true, parted_fault)) throw InputError(fault + " (nor can the " + Name(!swapped) + " be filled)");
+    report.note = "crossings were parted to fill it: " + fault;
+  }
+
+  /// Fills the preferred key, or the other where that goes better. @return false and the preferred key's fault where neither can be
+  bool TryKeys(bool part_crossings, std::string& fault) {
+    std::unique_ptr<FilledKey> preferred = Filled(swapped, part_crossings, fault), other;
     std::string other_fault;
-    std::unique_ptr<FilledKey> other = Filled(!swapped, other_fault);
-    if (!preferred && !other) throw InputError(fault + " (nor can the " + Name(!swapped) + " be filled)");
-    if (!preferred || (other && other->inverted() < preferred->inverted())) {
+    if (!preferred || preferred->inverted() > 0) other = Filled(!swapped, part_crossings, other_fault);
+    if (!preferred && !other) return false;
+    if (other && (!preferred || other->inverted() < preferred->inverted())) {
       const std::string why = preferred ? "it turns fewer tetrahedra inside out" : fault;
       Use(std::move(other), !swapped, "the " + Name(!swapped) + " was filled instead: " + why);
     } else {
       Use(std::move(preferred), swapped, "");
     }
+    return true;
   }
 
   static std::string Name(bool second) { return second ? "second key" : "first key"; }
 
   /// @return null and the reason where this key cannot be filled
-  std::unique_ptr<FilledKey> Filled(bool second, std::string& fault) const {
+  std::unique_ptr<FilledKey> Filled(bool second, bool part_crossings, std::string& fault) const {
     const std::string from = "interpolate: " + Name(second), to = "interpolate: " + Name(!second);
     try {
-      return std::make_unique<FilledKey>(second ? u : v, second ? v : u, faces, from, to, options);
+      return std::make_unique<FilledKey>(second ? u : v, second ? v : u, faces, from, to, options, part_crossings);
     } catch (const InputError& e) {
       fault = e.what();
       return nullptr;

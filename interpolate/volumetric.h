@@ -10,10 +10,10 @@
 namespace keypose::interpolation {
 
 struct VolumetricOptions {
-  double element_size = 1;      ///< wanted edge of inner tetrahedra over the surface's mean edge, > 0
-  int max_tetrahedra = 400000;  ///< coarser inside than element_size asks where more would be needed, about
-  bool follow_turns = true;     ///< neighbouring tetrahedra turn the same way round, beyond 180 degrees; else each takes its shortest turn
-  bool keep_volume = true;      ///< each body's volume follows v0^(1-t) v1^t to 1e-8
+  double element_size = 1;     ///< wanted edge of inner tetrahedra over the surface's mean edge, > 0
+  int max_tetrahedra = 50000;  ///< about: coarser inside where element_size would need more; a fine surface has more even so
+  bool follow_turns = true;    ///< neighbouring tetrahedra turn the same way round, beyond 180 degrees; else each takes its shortest turn
+  bool keep_volume = true;     ///< each body's volume follows v0^(1-t) v1^t to 1e-8
 };
 
 /// What a person wants to know of the solid that was built.
@@ -22,6 +22,7 @@ struct VolumetricReport {
   int bodies = 0;                 ///< separate solids
   int meshed_key = 0;             ///< 0: the first key was filled with tetrahedra, 1: the second
   int inverted = 0;         ///< tetrahedra that the other key turns inside out, after untangling; their stretch is interpolated linearly
+  int parted = 0;           ///< vertices where the filled key passes through itself: moved apart to fill it, and back
   double largest_turn = 0;  ///< of any tetrahedron [rad]; beyond pi only with follow_turns
   double largest_tear = 0;  ///< largest difference of turn between neighbours beyond that of their rotations [rad]; near 0 unless the
                             ///< body is a ring that turned inside itself

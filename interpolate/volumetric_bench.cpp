@@ -1,14 +1,18 @@
-// Volumetric interpolation of a bar twisted by a full turn: each step of the preparation, and a frame, against the number of tetrahedra.
+// Volumetric interpolation of a bar twisted by a full turn: each step of the preparation, and a frame, against the number of tetrahedra;
+// and how far the middle frames of bends and twists lie from the exact pose, beside the surface alone and the paper's method.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
+#include "core/camera.h"
 #include "core/cholesky.h"
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
+#include "interpolate/arap.h"
 #include "interpolate/place_inside.h"
 #include "interpolate/tet_maps.h"
 #include "interpolate/tetrahedralize.h"
@@ -106,6 +110,60 @@ void Frames(benchmark::State& state) {
   state.counters["cross_section"] = area.norm() / (0.5 * segments * kRadius * kRadius * std::sin(2 * std::numbers::pi / segments));
 }
 
+/// A bar of length 2: square across and twisted, or round and bent.
+Mesh Bar(double radius, bool square) {
+  Mesh mesh = MakeCylinder(radius, 2, 24, 40);
+  for (Eigen::Index i = 0; square && i < mesh.points.rows(); ++i) {
+    const double reach = std::max(std::abs(mesh.points(i, 0)), std::abs(mesh.points(i, 1)));
+    if (reach > 0) mesh.points.row(i).head<2>() *= radius / reach;
+  }
+  return mesh;
+}
+
+PointsX3 Twisted(PointsX3 p, double angle) {
+  for (Eigen::Index i = 0; i < p.rows(); ++i)
+    p.row(i) *= Eigen::AngleAxisd(0.5 * angle * p(i, 2), Eigen::Vector3d::UnitZ()).toRotationMatrix().transpose();
+  return p;
+}
+
+PointsX3 Bent(PointsX3 p, double angle) {
+  const double radius = 2 / angle;
+  for (Eigen::Index i = 0; i < p.rows(); ++i) {
+    const double a = p(i, 2) / radius, r = radius - p(i, 0);
+    p.row(i) << radius - r * std::cos(a), p(i, 1), r * std::sin(a);
+  }
+  return p;
+}
+
+/// Arguments: 0 twist, 1 bend; degrees; thousandths of the bar's half width.
+void KnownWays(benchmark::State& state) {
+  const bool bend = state.range(0) == 1;
+  const double angle = static_cast<double>(state.range(1)) * std::numbers::pi / 180;
+  const Mesh mesh = Bar(static_cast<double>(state.range(2)) / 1000, !bend);
+  const PointsX3 u = bend ? Bent(mesh.points, angle) : Twisted(mesh.points, angle);
+  const PointsX3 exact = bend ? Bent(mesh.points, angle / 2) : Twisted(mesh.points, angle / 2);
+  PointsX3 solid;
+  for (auto _ : state) solid = VolumetricInterpolator(mesh.points, u, mesh.faces).At(0.5);
+  const auto report = [&](const std::string& name, const PointsX3& frame) {
+    const PointsX3 laid = Transformed(FitSimilarity(frame, exact, {}, false), frame);
+    state.counters[name + "_error"] = (laid - exact).rowwise().norm().mean() / BoundingDiagonal(exact);
+    double least = 1e9;
+    for (int r = 2; r <= 38; ++r) {
+      Eigen::Vector3d now = Eigen::Vector3d::Zero(), rest = Eigen::Vector3d::Zero();
+      for (int s = 0; s < 24; ++s) {
+        const int o = r * 24, a = o + s, b = o + (s + 1) % 24;
+        now += Eigen::Vector3d(frame.row(a) - frame.row(o)).cross(Eigen::Vector3d(frame.row(b) - frame.row(o)));
+        rest += Eigen::Vector3d(exact.row(a) - exact.row(o)).cross(Eigen::Vector3d(exact.row(b) - exact.row(o)));
+      }
+      least = std::min(least, now.norm() / rest.norm());
+    }
+    state.counters[name + "_section"] = least;
+  };
+  report("solid", solid);
+  report("shell", ArapInterpolator(mesh.points, u, mesh.faces).At(0.5));
+  report("paper", ArapInterpolator(mesh.points, u, mesh.faces, PaperOptions()).At(0.5));
+}
+
 void Sizes(benchmark::internal::Benchmark* bench) {
   bench->Arg(24)->Arg(33)->Arg(66)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
 }
@@ -114,5 +172,12 @@ BENCHMARK(Place)->Apply(Sizes);
 BENCHMARK(AssembleAndFactor)->Apply(Sizes);
 BENCHMARK(Prepare)->Apply(Sizes);
 BENCHMARK(Frames)->ArgsProduct({{24, 33, 66}, {1, 9}})->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+
+BENCHMARK(KnownWays)
+    ->ArgsProduct({{0}, {180, 360, 720}, {80, 120, 160, 200}})
+    ->ArgsProduct({{1}, {150, 300, 450, 720}, {120}})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
 
 }  // namespace
