@@ -75,7 +75,7 @@ FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSys
                       Stretch stretch)
     : still(overrides.empty() && from == to), reversed(!ComesFirst(from, to)) {
   const PointsX3 &v = reversed ? to : from, &u = reversed ? from : to;
-  maps = FaceMapsOf(v, u, system.faces());
+  SegmentMaps maps = FaceMapsOf(v, u, system.faces());
   if (still) {
     // A pose that stands twice in a row does not move, not even by rounding errors.
     for (FaceMap& map : maps.faces) map.rotation.setIdentity(), map.stretch.setIdentity(), map.turn.setZero();
@@ -86,6 +86,8 @@ FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSys
   }
   paths.emplace(v, u, system.faces(), maps, stretch);
   centroids.emplace(v, u, system.parts(), system.part_count(), maps.body_turn);
+  body_turn = maps.body_turn;
+  for (const FaceMap& map : maps.faces) growth.push_back(map.growth), degenerate.push_back(map.degenerate ? 1 : 0);
 }
 
 void FacePaths::Pair::Evaluate(const std::vector<double>& ways, EdgeBatch& edges) const {
@@ -155,7 +157,7 @@ void FacePaths::SmoothFaces(const Schedule& schedule) {
   std::vector<std::vector<EndEdges>> starts, ends;
   for (const Pair& pair : pairs_)
     for (Eigen::Index f = 0; f < face_count_; ++f)
-      if (pair.maps.faces[f].degenerate) straight_[f];
+      if (pair.degenerate[f]) straight_[f];
   std::vector<std::vector<MotionPair>> own;
   for (int k = 0; k < spans; ++k) {
     starts.push_back(EdgesAtEnd(k, 0));
@@ -219,7 +221,7 @@ double FacePaths::Sigma(int span, double way) const {
 }
 
 double FacePaths::GrowthOf(int span, Eigen::Index f) const {
-  const double growth = pairs_[span].maps.faces[f].growth;
+  const double growth = pairs_[span].growth[f];
   return pairs_[span].reversed ? -growth : growth;
 }
 
@@ -243,7 +245,7 @@ void FacePaths::SmoothCentroids(const Schedule& schedule, int part_count) {
 }
 
 Eigen::Matrix3d FacePaths::BodyTurn(int span, double way) const {
-  return ExpOf(pairs_[span].Time(Sigma(span, way)) * pairs_[span].maps.body_turn);
+  return ExpOf(pairs_[span].Time(Sigma(span, way)) * pairs_[span].body_turn);
 }
 
 Eigen::Vector3d FacePaths::Centroid(int span, double way, int part) const {
@@ -293,8 +295,7 @@ void FacePaths::Evaluate(int span, const std::vector<double>& ways, EdgeBatch& e
 
 int FacePaths::degenerate_faces() const {
   std::ptrdiff_t most = 0;
-  for (const Pair& pair : pairs_)
-    most = std::max(most, std::count_if(pair.maps.faces.begin(), pair.maps.faces.end(), [](const FaceMap& m) { return m.degenerate; }));
+  for (const Pair& pair : pairs_) most = std::max(most, std::count(pair.degenerate.begin(), pair.degenerate.end(), 1));
   return static_cast<int>(most);
 }
 

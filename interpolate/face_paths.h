@@ -56,7 +56,9 @@ class FacePaths {
     void Evaluate(const std::vector<double>& ways, EdgeBatch& edges) const;
 
     bool still, reversed;
-    SegmentMaps maps;
+    Eigen::Vector3d body_turn;
+    std::vector<double> growth;    ///< F, in the order of computation
+    std::vector<char> degenerate;  ///< F
     TurnReport turns;
     std::optional<PairPaths> paths;
     std::optional<DifferentialTurns> differential;
