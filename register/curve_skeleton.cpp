@@ -90,6 +90,8 @@ using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr std::size_t kArenaBytes = 16 << 20, kArenaBytesAFace = 8 << 10;  // many times what it takes; only what is used becomes real
 
+constexpr double kMedial = 1;
+
 template <class T>
 constexpr bool kOrdered = false;
 template <class Traits, class Items, template <class, class, class> class Hds>
@@ -192,6 +194,8 @@ CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces,
   Flow::Skeleton skeleton;
   try {
     Flow flow(surface);
+    // At the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
+    flow.set_medially_centered_speed_tradeoff(kMedial);
     flow(skeleton);
   } catch (const std::exception& e) {  // of CGAL's own checks, where they are compiled in
     result.fault = std::string("could not be contracted: ") + e.what();

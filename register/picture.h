@@ -10,7 +10,7 @@
 namespace keypose::registration {
 
 struct PictureOptions {
-  int panel = 300;                             ///< width and height of one panel [px]
+  int panel = 280;                             ///< width and height of one panel [px]
   int cells = 16;                              ///< checker cells along the source's diagonal
   double error_at_red = 0.02;                  ///< distance over the target's diagonal that the error panel shows in full red
   std::vector<double> turns_deg = {-35, 145};  ///< one row of panels each: the camera's turn about the picture's vertical

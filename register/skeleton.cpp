@@ -13,6 +13,7 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "register/curve_skeleton.h"
+#include "register/parts.h"
 #include "register/skeleton_tree.h"
 
 namespace keypose::registration {
@@ -22,25 +23,35 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 48;      // of a limb
-constexpr int kSmoothing = 6;     // rounds over the samples of a limb
-constexpr int kCentering = 3;     // rounds
-constexpr int kSpokes = 6;        // chords of a section
-constexpr double kPrior = 0.1;    // weight of the known turn against one limb's direction
-constexpr double kOffAxis = 0.6;  // of the radius: nearer to the axis a landmark says nothing of the turn about it
-constexpr double kUnsure = 1.25;  // a second matching of limbs that costs less than this much more makes the first doubtful
+constexpr int kSamples = 48;        // of a limb
+constexpr int kSmoothing = 6;       // rounds over the samples of a limb
+constexpr int kCentering = 3;       // rounds
+constexpr int kSpokes = 6;          // chords of a section
+constexpr double kPrior = 0.1;      // weight of the known turn against one limb's direction
+constexpr double kOffAxis = 0.6;    // of the radius: nearer to the axis a landmark says nothing of the turn about it
+constexpr int kAttempts = 8;        // matchings of limbs that are carried out to be compared
+constexpr int kProbes = 400;        // vertices by which they are compared
+constexpr double kWorthTrying = 4;  // times the cost of the best, above which a matching is not tried
+constexpr double kUnsure = 1.25;    // a second matching of limbs that costs less than this much more makes the first doubtful
+
+using Mark = std::pair<Vector3d, Vector3d>;  // a landmark's place on the source and on the target
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// One mesh with all that is derived of it.
+/// One mesh without its loose parts, and all that is derived of it.
 struct Body {
-  const Mesh& mesh;
+  LooseParts loose;
+  Mesh mesh;
   RayScene scene;
   CurveSkeleton skeleton;
   std::optional<KdTree> surface_tree;  // of skeleton.surface
   std::optional<SkeletonTree> tree;
 
-  Body(const Mesh& m, int proxy_faces) : mesh(m), scene(m.points, m.faces), skeleton(ExtractCurveSkeleton(m.points, m.faces, proxy_faces)) {
+  Body(const Mesh& whole, int proxy_faces)
+      : loose(FindLooseParts(whole)),
+        mesh(HostOf(whole, loose)),
+        scene(mesh.points, mesh.faces),
+        skeleton(ExtractCurveSkeleton(mesh.points, mesh.faces, proxy_faces)) {
     if (!skeleton.fault.empty()) return;
     surface_tree.emplace(skeleton.surface);
     tree.emplace(skeleton, scene);
@@ -100,13 +111,14 @@ void Smooth(PointsX3& points) {
 
 /// The contraction ends nearer to the inner side of a bend: samples move to the middle between the walls, square to the line.
 /// @param first  samples before this one stay, since they lie inside a joint
-void Center(const RayScene& surface, int first, PointsX3& points) {
+/// @param thick  radius of the limb, about
+void Center(const RayScene& surface, int first, double thick, PointsX3& points) {
   for (int round = 0; round < kCentering; ++round) {
     PointsX3 moved = points;
     for (int i = std::max(1, first); i < kSamples; ++i) {
       const Vector3d p = points.row(i), tangent = (points.row(i + 1) - points.row(i - 1)).normalized();
       const Vector3d u = tangent.unitOrthogonal(), v = tangent.cross(u);
-      const double reach = 4 * std::sqrt(surface.ClosestPoint(p).squared_distance);
+      const double reach = 3 * std::max(thick, std::sqrt(surface.ClosestPoint(p).squared_distance));
       Vector3d shift = Vector3d::Zero();
       int used = 0;
       for (int k = 0; k < kSpokes; ++k) {
@@ -132,7 +144,13 @@ Axis MakeAxis(const Body& body, const Limb& limb, bool backwards, bool to_tip) {
   axis.points = Resampled(line, axis.length);
   Smooth(axis.points);
   const double ball = body.tree->joints()[backwards ? limb.to : limb.from].radius;
-  Center(body.scene, static_cast<int>(kSamples * ball / std::max(axis.length, 1e-300)), axis.points);
+  // Where the line strayed to a wall its own distance says little; the limb's thicker places tell how far the walls can be.
+  std::vector<double> radii;
+  for (int n : limb.nodes)
+    if (body.tree->radius()[n] < 0.8 * ball || limb.nodes.size() < 8) radii.push_back(body.tree->radius()[n]);
+  std::sort(radii.begin(), radii.end());
+  const double thick = radii.empty() ? 0 : radii[radii.size() * 4 / 5];
+  Center(body.scene, static_cast<int>(kSamples * ball / std::max(axis.length, 1e-300)), thick, axis.points);
   line.clear();
   for (int i = 0; i <= kSamples; ++i) line.emplace_back(axis.points.row(i));
   if (to_tip) {
@@ -219,11 +237,10 @@ std::vector<Matrix3d> Frames(const std::vector<Vector3d>& points, const std::vec
 /// The source's motion, worked out joint by joint from the root.
 class Motion {
  public:
-  Motion(const Body& source, const Body& target, const TipMatch& match, const std::vector<LandmarkGoal>& landmarks,
-         const Similarity3& coarse, double scale)
-      : source_(source), target_(target), coarse_(coarse), scale_(scale), joints_(source.tree->joints().size()) {
+  Motion(const Body& source, const Body& target, const TipMatch& match, const std::vector<Mark>& landmarks, const Similarity3& coarse,
+         double scale)
+      : source_(source), target_(target), coarse_(coarse), scale_(scale), joints_(source.tree->joints().size()), marks_(landmarks) {
     PairJoints(match);
-    for (const LandmarkGoal& goal : landmarks) marks_.emplace_back(PositionOf(goal.source, source.mesh.points), goal.target);
     int root = 0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       const Joint& joint = source.tree->joints()[j];
@@ -234,7 +251,8 @@ class Motion {
     Walk(root);
   }
 
-  PointsX3 Apply() const;
+  /// Points on the source's surface, moved.
+  PointsX3 Apply(const PointsX3& points) const;
   int limb_count() const { return static_cast<int>(pairs_.size()); }
 
  private:
@@ -256,7 +274,7 @@ class Motion {
   std::vector<std::array<int, 2>> limb_match_;  // source limb -> target limb, 1 when it runs the other way
   std::vector<LimbPair> pairs_;
   std::vector<int> pair_of_limb_;
-  std::vector<std::pair<Vector3d, Vector3d>> marks_;
+  const std::vector<Mark>& marks_;
 };
 
 void Motion::PairJoints(const TipMatch& match) {
@@ -449,11 +467,10 @@ Vector3d Motion::Moved(const LimbPair& pair, double share, const Vector3d& x) co
   return sum / total;
 }
 
-PointsX3 Motion::Apply() const {
+PointsX3 Motion::Apply(const PointsX3& points) const {
   const SkeletonTree& tree = *source_.tree;
   std::vector<NodePlace> places;
   for (Eigen::Index n = 0; n < tree.nodes().rows(); ++n) places.push_back(tree.PlaceOf(static_cast<int>(n)));
-  const PointsX3& points = source_.mesh.points;
   PointsX3 moved(points.rows(), 3);
   ParallelBlocks(points.rows(), 128, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
@@ -498,27 +515,19 @@ std::string Percent(double share) {
   return text.substr(0, text.find('.') + 2) + " %";
 }
 
-/// How far the start is from the target and from the landmarks, in words.
-std::string Fit(const PointsX3& points, const Body& target, const std::vector<LandmarkGoal>& landmarks) {
-  const double diagonal = BoundingDiagonal(target.mesh.points);
+/// Mean distance to the target's surface, over its diagonal.
+double Misfit(const PointsX3& points, const Body& target) {
   double sum = 0;
-  int count = 0;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, points.rows() / 1000);
-  for (Eigen::Index v = 0; v < points.rows(); v += stride, ++count)
-    sum += std::sqrt(target.scene.ClosestPoint(points.row(v)).squared_distance);
-  std::string words = "; vertices are " + Percent(sum / count / diagonal) + " of the diagonal off the target's surface";
-  if (landmarks.empty()) return words;
-  double residual = 0;
-  for (const LandmarkGoal& goal : landmarks) residual += (PositionOf(goal.source, points) - goal.target).norm();
-  return words + ", landmarks " + Percent(residual / static_cast<double>(landmarks.size()) / diagonal);
+  for (Eigen::Index v = 0; v < points.rows(); ++v) sum += std::sqrt(target.scene.ClosestPoint(points.row(v)).squared_distance);
+  return sum / static_cast<double>(points.rows()) / BoundingDiagonal(target.mesh.points);
 }
 
-TreeEvidence Evidence(const Body& source, const Body& target, const std::vector<LandmarkGoal>& landmarks, const Similarity3& coarse) {
+TreeEvidence Evidence(const Body& source, const Body& target, const std::vector<Mark>& landmarks, const Similarity3& coarse) {
   TreeEvidence evidence;
   evidence.scale = std::sqrt(SurfaceArea(target.mesh.points, target.mesh.faces) / SurfaceArea(source.mesh.points, source.mesh.faces));
-  for (const LandmarkGoal& goal : landmarks) {
-    evidence.source_nodes.push_back(source.NodeOf(PositionOf(goal.source, source.mesh.points)));
-    evidence.target_nodes.push_back(target.NodeOf(goal.target));
+  for (const auto& [from, to] : landmarks) {
+    evidence.source_nodes.push_back(source.NodeOf(from));
+    evidence.target_nodes.push_back(target.NodeOf(to));
   }
   evidence.source_in_target = Transformed(coarse, source.tree->nodes());
   return evidence;
@@ -555,7 +564,50 @@ void RootBoth(Body& source, Body& target) {
   (first ? target : source).tree->RootThickEnd((first ? target : source).scene, 1.2, 3);
 }
 
-SkeletonStart MatchBodies(Body& source, Body& target, const std::vector<LandmarkGoal>& landmarks, const Similarity3& coarse,
+PointsX3 SomeVertices(const PointsX3& points) {
+  const Eigen::Index stride = std::max<Eigen::Index>(1, points.rows() / kProbes), count = (points.rows() + stride - 1) / stride;
+  PointsX3 some(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i) some.row(i) = points.row(i * stride);
+  return some;
+}
+
+/// One matching of limbs, carried out.
+struct Attempt {
+  std::string fault;
+  double misfit = 0, residual = 0;  ///< of some vertices to the target and of the landmarks, means over the diagonal
+  PointsX3 points;
+  int limbs = 0;
+  double Score() const { return misfit + residual; }
+};
+
+/// The bodies' trees are made alike for this matching, and left as they were.
+Attempt Try(Body& source, Body& target, const TipMatch& match, const std::vector<Mark>& marks, const Similarity3& coarse, double scale) {
+  Attempt attempt;
+  const SkeletonTree source_before = *source.tree, target_before = *target.tree;
+  attempt.fault = Reconcile(*source.tree, *target.tree, match);
+  if (attempt.fault.empty()) {
+    const TipMatch now = Renumbered(match, source_before, target_before, *source.tree, *target.tree);
+    if (now.pairs.size() < match.pairs.size()) attempt.fault = "a limb vanished while the two were made alike";
+    if (attempt.fault.empty()) {
+      const Motion motion(source, target, now, marks, coarse, scale);
+      attempt.points = motion.Apply(source.mesh.points);
+      attempt.limbs = motion.limb_count();
+      attempt.misfit = Misfit(SomeVertices(attempt.points), target);
+      PointsX3 from(static_cast<Eigen::Index>(marks.size()), 3);
+      for (std::size_t i = 0; i < marks.size(); ++i) from.row(static_cast<Eigen::Index>(i)) = marks[i].first.transpose();
+      const PointsX3 moved = motion.Apply(from);
+      for (std::size_t i = 0; i < marks.size(); ++i)
+        attempt.residual += (moved.row(static_cast<Eigen::Index>(i)).transpose() - marks[i].second).norm() /
+                            static_cast<double>(marks.size()) / BoundingDiagonal(target.mesh.points);
+      if (!attempt.points.allFinite()) attempt.fault = "the limbs are too short to follow";
+    }
+  }
+  *source.tree = source_before;
+  *target.tree = target_before;
+  return attempt;
+}
+
+SkeletonStart MatchBodies(Body& source, Body& target, const std::vector<Mark>& marks, const Similarity3& coarse,
                           const SkeletonOptions& options) {
   RootBoth(source, target);
   const std::size_t tips = source.tree->Tips().size(), other_tips = target.tree->Tips().size();
@@ -563,21 +615,35 @@ SkeletonStart MatchBodies(Body& source, Body& target, const std::vector<Landmark
   if (static_cast<int>(std::max(tips, other_tips)) > options.max_tips) return Refused("skeletons: too many branches: " + counts);
   if (std::min(tips, other_tips) < 2 || (std::min(tips, other_tips) == 2 && tips != other_tips))
     return Refused("skeletons: the branches differ: " + counts + "; a landmark on each end of a limb would help other starts");
-  const TreeEvidence evidence = Evidence(source, target, landmarks, coarse);
-  const TipMatch match = MatchTreeTips(*source.tree, *target.tree, evidence);
-  const SkeletonTree source_before = *source.tree, target_before = *target.tree;
-  if (const std::string fault = Reconcile(*source.tree, *target.tree, match); !fault.empty())
-    return Refused("skeletons: " + fault + " (" + counts + "); a landmark on each end of a limb would help other starts");
-  const TipMatch now = Renumbered(match, source_before, target_before, *source.tree, *target.tree);
-  if (now.pairs.size() < match.pairs.size()) return Refused("skeletons: a limb vanished while the two were made alike (" + counts + ")");
-  const Motion motion(source, target, now, landmarks, coarse, evidence.scale);
+  const TreeEvidence evidence = Evidence(source, target, marks, coarse);
+  // Distances along limbs cannot tell left from right; how the whole comes to lie on the target can.
+  Attempt best;
+  double second = std::numeric_limits<double>::infinity();
+  const std::vector<TipMatch> matches = MatchTreeTips(*source.tree, *target.tree, evidence, kAttempts);
+  for (const TipMatch& match : matches) {
+    if (match.cost > kWorthTrying * matches.front().cost + 0.05) break;
+    Attempt attempt = Try(source, target, match, marks, coarse, evidence.scale);
+    if (!attempt.fault.empty()) {
+      if (best.limbs == 0 && best.fault.empty()) best.fault = attempt.fault;
+      continue;
+    }
+    if (best.limbs > 0 && attempt.Score() >= best.Score()) {
+      second = std::min(second, attempt.Score());
+      continue;
+    }
+    if (best.limbs > 0) second = best.Score();
+    best = std::move(attempt);
+  }
+  if (best.limbs == 0)
+    return Refused("skeletons: " + best.fault + " (" + counts + "); a landmark on each end of a limb would help other starts");
   SkeletonStart start;
-  start.points = motion.Apply();
-  start.branches = motion.limb_count();
-  start.ambiguous = match.second_cost < kUnsure * match.cost + 1e-3;
-  start.words = "skeletons: matched " + std::to_string(start.branches) + " limbs (" + counts + ")" + Fit(start.points, target, landmarks);
+  start.points = best.points;
+  start.branches = best.limbs;
+  start.ambiguous = second < kUnsure * best.Score() + 0.002;
+  start.words = "skeletons: matched " + std::to_string(start.branches) + " limbs (" + counts + "); vertices are " + Percent(best.misfit) +
+                " of the diagonal off the target's surface";
+  if (!marks.empty()) start.words += ", landmarks " + Percent(best.residual);
   if (start.ambiguous) start.words += "; another matching fits nearly as well: a landmark on the end of a limb would settle it";
-  if (!start.points.allFinite()) return Refused("skeletons: the limbs are too short to follow");
   return start;
 }
 
@@ -588,15 +654,18 @@ SkeletonStart StartFromSkeletons(const Mesh& source, const Mesh& target, const s
   const double before = CpuSeconds();
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
+  std::vector<Mark> marks;
+  for (const LandmarkGoal& goal : landmarks) marks.emplace_back(PositionOf(goal.source, source.points), goal.target);
   SkeletonStart start;
   Body from(source, options.proxy_faces);
   if (!from.skeleton.fault.empty()) {
     start = Refused("skeletons: the source " + from.skeleton.fault);
   } else {
     Body to(target, options.proxy_faces);
-    start = to.skeleton.fault.empty() ? MatchBodies(from, to, landmarks, target_from_source, options)
+    start = to.skeleton.fault.empty() ? MatchBodies(from, to, marks, target_from_source, options)
                                       : Refused("skeletons: the target " + to.skeleton.fault);
   }
+  if (start.usable()) start.points = MoveLoosePartsWithHost(source, from.loose, start.points);
   start.seconds = CpuSeconds() - before;
   return start;
 }

@@ -29,12 +29,14 @@ struct SkeletonStart {
 /// the tree must agree), and gives each source vertex the motion of its place on the skeleton: position by equal normalised arc length,
 /// orientation by parallel transport from the thickest place, turned about the branch by what landmarks say, else not at all.
 ///
-/// @param source, target      closed meshes without handles; loose parts should be left out
+/// @param source, target      meshes without handles; loose parts (parts.h) are left out and follow; holes are capped
 /// @param landmarks           may be empty
 /// @param target_from_source  a coarse alignment; decides between limbs that look the same and the turn of the root
-/// Refuses (see `words`) open meshes, meshes with handles or several parts, and skeletons whose branches differ; never throws for those.
+/// Refuses (see `words`) meshes that are no manifold or have handles or several large parts, and skeletons whose branches differ; never
+/// throws for those.
 /// @throws InputError  unusable mesh
-/// Cost: see docs; several tenths of a second of processor time, so worth calling only when cheaper starts fail. Deterministic.
+/// Cost: 0.12 s of processor time at 3,500 faces, 0.3 s at 15,000, most of it for the contraction of the proxies. Same bits for any thread
+/// count.
 /// Source: Tagliasacchi et al., Mean Curvature Skeletons, SGP 2012 (CGAL's implementation), Wang et al., rotation minimizing frames, 2008.
 SkeletonStart StartFromSkeletons(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
                                  const Similarity3& target_from_source = {}, const SkeletonOptions& options = {});

@@ -11,7 +11,10 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr double kInside = 1.3;       // a twig whose end lies within an inscribed ball grown by this is no limb
+constexpr double kInside = 1.3;      // a twig whose end lies within an inscribed ball grown by this is no limb
+constexpr double kNearTip = 0.5;     // of the tip's radius: what contracted nearer than this counts as contracted to it
+constexpr double kBallGrowth = 1.5;  // a ball is so much thicker than the tip
+constexpr int kGrownNodes = 6;
 constexpr double kTipShare = 0.3;     // of a limb's length from its end, over which its thickness is compared
 constexpr double kMergeLimit = 0.25;  // of the tree's length between tips: longer limbs are never merged away
 constexpr double kLandmarkWeight = 4, kThicknessWeight = 0.2, kPlaceWeight = 0.15;
@@ -21,16 +24,50 @@ double InscribedRadius(const RayScene& surface, const Vector3d& p) { return std:
 }  // namespace
 
 SkeletonTree::SkeletonTree(const CurveSkeleton& skeleton, const RayScene& surface)
-    : nodes_(skeleton.nodes), radius_(nodes_.rows()), neighbors_(nodes_.rows()), alias_(nodes_.rows()), merged_(nodes_.rows(), -1) {
+    : nodes_(skeleton.nodes), radius_(nodes_.rows()), neighbors_(nodes_.rows()) {
   for (const auto& [a, b] : skeleton.edges) {
     neighbors_[a].push_back(b);
     neighbors_[b].push_back(a);
   }
-  std::iota(alias_.begin(), alias_.end(), 0);
   for (Eigen::Index i = 0; i < nodes_.rows(); ++i) radius_[i] = InscribedRadius(surface, nodes_.row(i));
+  GrowIntoBalls(skeleton, surface);
+  alias_.resize(nodes_.rows());
+  std::iota(alias_.begin(), alias_.end(), 0);
+  merged_.assign(nodes_.rows(), -1);
   Prune();
   Rebuild();
   MergeCloseForks();
+}
+
+/// A ball at the end of a limb may contract into its neck: then what contracted there has its middle elsewhere, in a thicker place.
+void SkeletonTree::GrowIntoBalls(const CurveSkeleton& skeleton, const RayScene& surface) {
+  const Eigen::Index count = nodes_.rows();
+  for (Eigen::Index tip = 0; tip < count; ++tip) {
+    if (neighbors_[tip].size() != 1) continue;
+    Vector3d middle = Vector3d::Zero();
+    int points = 0;
+    for (std::size_t p = 0; p < skeleton.node_of.size(); ++p) {
+      if ((nodes_.row(skeleton.node_of[p]) - nodes_.row(tip)).norm() > kNearTip * radius_[tip]) continue;
+      middle += skeleton.surface.row(static_cast<Eigen::Index>(p)).transpose();
+      ++points;
+    }
+    if (points < 8) continue;
+    middle /= points;
+    const double way = (middle - nodes_.row(tip).transpose()).norm(), radius = InscribedRadius(surface, middle);
+    if (radius < kBallGrowth * radius_[tip] || way < radius_[tip]) continue;
+    int last = static_cast<int>(tip);
+    const Vector3d start = nodes_.row(tip);
+    for (int k = 1; k <= kGrownNodes; ++k) {
+      const Eigen::Index fresh = nodes_.rows();
+      nodes_.conservativeResize(fresh + 1, 3);
+      radius_.conservativeResize(fresh + 1);
+      nodes_.row(fresh) = (start + (middle - start) * k / kGrownNodes).transpose();
+      radius_[fresh] = InscribedRadius(surface, nodes_.row(fresh));
+      neighbors_.push_back({last});
+      neighbors_[last].push_back(static_cast<int>(fresh));
+      last = static_cast<int>(fresh);
+    }
+  }
 }
 
 /// Forks nearer to each other than the body is thick are one joint.
@@ -319,21 +356,18 @@ class TipCosts {
 
 struct Search {
   const TipCosts& costs;
-  std::vector<int> target_of, best_of;
+  std::size_t keep;
+  std::vector<int> target_of;
   std::vector<char> used;
-  double best = kFar, second = kFar;
+  std::vector<std::pair<double, std::vector<int>>> best;  // ascending
   int may_skip = 0;
 
   void Go(int i, double cost, int skipped) {
-    if (cost >= second) return;
+    if (best.size() == keep && cost >= best.back().first) return;
     if (i == static_cast<int>(target_of.size())) {
-      if (cost < best) {
-        second = best;
-        best = cost;
-        best_of = target_of;
-      } else {
-        second = cost;
-      }
+      const auto after = std::upper_bound(best.begin(), best.end(), cost, [](double c, const auto& entry) { return c < entry.first; });
+      best.emplace(after, cost, target_of);
+      if (best.size() > keep) best.pop_back();
       return;
     }
     for (std::size_t j = 0; j < used.size(); ++j) {
@@ -350,18 +384,19 @@ struct Search {
 
 }  // namespace
 
-TipMatch MatchTreeTips(const SkeletonTree& source, const SkeletonTree& target, const TreeEvidence& evidence) {
+std::vector<TipMatch> MatchTreeTips(const SkeletonTree& source, const SkeletonTree& target, const TreeEvidence& evidence, int keep) {
   const TipCosts costs(source, target, evidence);
   const std::size_t n = costs.source_tips.size(), m = costs.target_tips.size();
-  Search search{costs, std::vector<int>(n, -1), {}, std::vector<char>(m, 0)};
+  Search search{costs, static_cast<std::size_t>(std::max(1, keep)), std::vector<int>(n, -1), std::vector<char>(m, 0), {}};
   search.may_skip = n > m ? static_cast<int>(n - m) : 0;
   search.Go(0, 0, 0);
-  TipMatch match;
-  match.cost = search.best;
-  match.second_cost = search.second;
-  for (std::size_t i = 0; i < n; ++i)
-    if (search.best_of[i] >= 0) match.pairs.emplace_back(costs.source_tips[i], costs.target_tips[search.best_of[i]]);
-  return match;
+  std::vector<TipMatch> matches;
+  for (const auto& [cost, target_of] : search.best) {
+    matches.push_back({{}, cost});
+    for (std::size_t i = 0; i < n; ++i)
+      if (target_of[i] >= 0) matches.back().pairs.emplace_back(costs.source_tips[i], costs.target_tips[target_of[i]]);
+  }
+  return matches;
 }
 
 namespace {

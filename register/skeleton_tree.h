@@ -56,6 +56,7 @@ class SkeletonTree {
   bool RootThickEnd(const RayScene& surface, double thicker, double reach);
 
  private:
+  void GrowIntoBalls(const CurveSkeleton& skeleton, const RayScene& surface);
   void Rebuild();
   void Prune();
   void MergeCloseForks();
@@ -75,7 +76,7 @@ class SkeletonTree {
 /// Which tip of the source is which of the target; joints of both trees.
 struct TipMatch {
   std::vector<std::pair<int, int>> pairs;
-  double cost = 0, second_cost = 0;  ///< of the best and of the next different assignment (infinite when there is none)
+  double cost = 0;
 };
 
 /// What else is known of a pair of tips or of points: see MatchTreeTips.
@@ -85,9 +86,9 @@ struct TreeEvidence {
   PointsX3 source_in_target;                    ///< nodes of the source, coarsely aligned
 };
 
-/// The assignment of tips with the least disagreement in distances along the skeletons (among tips and to landmarks), in thickness, and,
-/// weakly, in place after coarse alignment. All assignments are tried; tips that are left over on one side stay unmatched.
-TipMatch MatchTreeTips(const SkeletonTree& source, const SkeletonTree& target, const TreeEvidence& evidence);
+/// The `keep` assignments of tips with the least disagreement in distances along the skeletons (among tips and to landmarks), in thickness,
+/// and, weakly, in place after coarse alignment, best first. All assignments are tried; tips that are left over on one side stay unmatched.
+std::vector<TipMatch> MatchTreeTips(const SkeletonTree& source, const SkeletonTree& target, const TreeEvidence& evidence, int keep);
 
 /// Makes both trees branch alike, given the tips: cuts unmatched tips off and merges short limbs that only one of them has.
 /// @return why that is impossible, or nothing
