@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "interpolate/differential_turns.h"
 #include "interpolate/face_crossings.h"
+#include "interpolate/loose_parts.h"
 #include "interpolate/pair_paths.h"
 #include "interpolate/turning_field.h"
 #include "interpolate/volume_correction.h"
@@ -101,6 +102,8 @@ struct ArapInterpolator::Impl {
     if (report.turns.differential) differential.emplace(system, maps);
     paths.emplace(v, u, system.faces(), maps, options.stretch);
     centroids.emplace(v, u, system.parts(), system.part_count(), maps.body_turn);
+    loose_parts.emplace(system, v, u, maps);
+    report.riding_parts = loose_parts->riding();
     if (options.correct_volume) PrepareVolumes();
     Describe();
   }
@@ -160,6 +163,7 @@ struct ArapInterpolator::Impl {
         if (result.unreachable > 0 && outward) result = volumes->Apply(frame, volumes->Direction(frame), targets, held);
         facts.volume_move = std::max(facts.volume_move, result.largest_move);
       }
+      loose_parts->Place(t, frame);
       if (!options.constraints.floor) return;
       const std::size_t before = held.size();
       const std::vector<int> now = system.LiftToFloor(frame, *options.constraints.floor);
@@ -179,6 +183,7 @@ struct ArapInterpolator::Impl {
   std::optional<PairPaths> paths;
   std::optional<CentroidPaths> centroids;
   std::optional<DifferentialTurns> differential;
+  std::optional<LooseParts> loose_parts;
   std::optional<VolumeCorrection> volumes;
   std::vector<double> v_volumes, u_volumes;
   std::optional<TurningField> outward;

@@ -32,6 +32,7 @@ struct ArapReport {
   TurnReport turns;
   std::vector<TurnOverride> half_turns;          ///< limbs of half a turn that go the other way round than was found first
   int closed_parts = 0, corrected_parts = 0;     ///< connected parts of the mesh, and those whose volume is corrected
+  int riding_parts = 0;                          ///< loose parts that keep their place on the body (see loose_parts.h)
   std::vector<std::string> dropped_constraints;  ///< rows that follow from others
 };
 

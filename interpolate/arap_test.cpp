@@ -170,6 +170,20 @@ TEST(Arap, EachClosedPartKeepsItsOwnVolumePath) {
   }
 }
 
+TEST(Arap, LoosePartKeepsItsPlaceOnTheLimbThatItSitsOn) {
+  // An eyeball at the tip of a tube that bends by 300 degrees: its centroid stays where the tip's own half-way shape has it.
+  Mesh ball = MakeIcosphere(1);
+  const Eigen::RowVector3d place(0.1, 0, 1.9);
+  ball.points = (0.06 * ball.points).rowwise() + place;
+  const Mesh tube = MakeCylinder(0.1, kLength, 16, 80), mesh = Joined(tube, ball);
+  const Eigen::Index n = tube.points.rows(), m = ball.points.rows();
+  const ArapInterpolator arap(mesh.points, Bent(mesh.points, 300), mesh.faces);
+  EXPECT_EQ(arap.report().riding_parts, 1);
+  PointsX3 truth = Bent(mesh.points, 150), frame = arap.At(0.5);
+  frame = Transformed(FitSimilarity(frame.topRows(n), truth.topRows(n), {}, false), frame);
+  EXPECT_LT((frame.bottomRows(m).colwise().mean() - truth.bottomRows(m).colwise().mean()).norm(), 0.01);
+}
+
 TEST(Arap, OpenMeshesAndTurnedOutPartsAreLeftAlone) {
   Mesh open = MakeCylinder(0.2, kLength, 12, 20);
   open.faces.conservativeResize(open.faces.rows() - 5, 3);
