@@ -100,7 +100,7 @@ KEYPOSE_INLINE Lanes BalancedLanes(Lanes t, double log_area) {
                                              Spread(x) * (one - Spread(6.0) * t + Spread(6.0) * t * t) / Spread(24.0)));
 }
 
-constexpr int kTerms = 18;
+constexpr int kTerms = 18, kFewTerms = 8;
 /// 1 / (2n)! and 1 / (2n+1)!: cosh and sinh(x) / x as series of x^2, which serve cosine and sine where x^2 is negative.
 struct EvenSeries {
   constexpr EvenSeries() {
@@ -120,14 +120,15 @@ KEYPOSE_INLINE Lanes3 SpreadAxis(const std::array<double, 3>& axis) { return {Sp
 
 KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* times, int stride, double* edges) {
   const Lanes3 turn_axis = SpreadAxis(r.turn_axis), tilt_axis = SpreadAxis(r.tilt_axis);
+  const int terms = std::abs(r.discriminant) < 0.2 ? kFewTerms : kTerms;  // 0.2^8 / 16! is 1e-19
   for (int first = 0; first < stride; first += 4) {
     Lanes t;
     __builtin_memcpy(&t, times + first, sizeof t);
     Lanes plain = Spread(1.0), generated = t;
     if (!r.straight) {
       const Lanes tau = balanced ? BalancedLanes(t, r.log_area) : t, x = Spread(r.discriminant) * tau * tau;
-      Lanes cosh_like = Spread(kSeries.cosh[kTerms - 1]), sinh_like = Spread(kSeries.sinh[kTerms - 1]);
-      for (int n = kTerms - 2; n >= 0; --n) {
+      Lanes cosh_like = Spread(kSeries.cosh[terms - 1]), sinh_like = Spread(kSeries.sinh[terms - 1]);
+      for (int n = terms - 2; n >= 0; --n) {
         cosh_like = cosh_like * x + Spread(kSeries.cosh[n]);
         sinh_like = sinh_like * x + Spread(kSeries.sinh[n]);
       }
