@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -23,35 +24,48 @@ constexpr double kKnownWeight = 2, kKnownReach = 0.2;
 constexpr double kColorWeight = 2;    // of colours from 0 to 1
 constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
 
-/// Vertices of the piece with the largest area.
+/// Faces of the piece with the largest area. Faces belong together when they share an edge: pieces that touch in one vertex, as at the
+/// ragged rims of holes, would each bring an eigenfunction of their own.
 std::vector<char> InLargestPiece(const Mesh& mesh) {
-  std::vector<int> parent(static_cast<std::size_t>(mesh.vertex_count()));
+  std::vector<int> parent(static_cast<std::size_t>(mesh.face_count()));
   std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[static_cast<std::size_t>(v)] != v) {
-      auto& up = parent[static_cast<std::size_t>(v)];
+  const auto root = [&](int f) {
+    while (parent[static_cast<std::size_t>(f)] != f) {
+      auto& up = parent[static_cast<std::size_t>(f)];
       up = parent[static_cast<std::size_t>(up)];
-      v = up;
+      f = up;
     }
-    return v;
+    return f;
   };
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 1; k < 3; ++k) {
-      const int a = root(mesh.faces(f, 0)), b = root(mesh.faces(f, k));
+  std::vector<std::array<int, 3>> sides;
+  sides.reserve(3 * parent.size());
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+      sides.push_back({std::min(a, b), std::max(a, b), f});
+    }
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    if (sides[i][0] == sides[i - 1][0] && sides[i][1] == sides[i - 1][1]) {
+      const int a = root(sides[i][2]), b = root(sides[i - 1][2]);
       parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     }
   const Eigen::VectorXd face_areas = FaceAreas(mesh.points, mesh.faces);
-  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.vertex_count());
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) area[root(mesh.faces(f, 0))] += face_areas[f];
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.face_count());
+  for (int f = 0; f < mesh.face_count(); ++f) area[root(f)] += face_areas[f];
   Eigen::Index largest = 0;
   if (!(area.maxCoeff(&largest) > 0)) throw InputError("register: the surface has no area");
   std::vector<char> in(parent.size());
-  for (std::size_t v = 0; v < in.size(); ++v) in[v] = root(static_cast<int>(v)) == largest;
+  for (int f = 0; f < mesh.face_count(); ++f) in[static_cast<std::size_t>(f)] = root(f) == largest;
   return in;
 }
 
 void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
-  const std::vector<char> in = InLargestPiece(mesh);
+  const std::vector<char> face_in = InLargestPiece(mesh);
+  std::vector<char> in(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (face_in[static_cast<std::size_t>(f)])
+      for (int k = 0; k < 3; ++k) in[static_cast<std::size_t>(mesh.faces(f, k))] = 1;
   Mesh piece;
   std::vector<int> to_piece(in.size(), -1), from_piece;
   for (std::size_t v = 0; v < in.size(); ++v)
@@ -61,7 +75,7 @@ void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
   piece.faces.resize(mesh.face_count(), 3);
   Eigen::Index kept = 0;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    if (in[static_cast<std::size_t>(mesh.faces(f, 0))]) {
+    if (face_in[static_cast<std::size_t>(f)]) {
       for (int k = 0; k < 3; ++k) piece.faces(kept, k) = to_piece[static_cast<std::size_t>(mesh.faces(f, k))];
       ++kept;
     }
