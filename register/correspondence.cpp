@@ -82,6 +82,26 @@ Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source
   return found;
 }
 
+Feet TargetSurface::FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine) const {
+  const std::size_t count = points.rows();
+  Feet feet{PointsX3(points.rows(), 3), PointsX3::Zero(points.rows(), 3), std::vector<int>(count, -1), PointsX3::Zero(points.rows(), 3),
+            std::vector<char>(count, 0)};
+  ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d p = points.row(i);
+      const RayScene::Foot foot = impl_->scene.ClosestPoint(p);
+      feet.points.row(i) = foot.face < 0 ? p : foot.point;
+      if (foot.face < 0) continue;
+      const Eigen::Vector3d n = impl_->NormalAt(foot);
+      feet.normals.row(i) = n;
+      feet.faces[i] = foot.face;
+      feet.barycentric.row(i) = foot.barycentric;
+      feet.allowed[i] = normals.row(i).dot(n) >= min_cosine * n.norm() && !impl_->OnBoundary(foot);
+    }
+  });
+  return feet;
+}
+
 Eigen::VectorXd TargetSurface::Distances(const PointsX3& points) const {
   Eigen::VectorXd d(points.rows());
   ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {

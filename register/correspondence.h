@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "core/mesh.h"
 
@@ -11,6 +12,15 @@ namespace keypose::registration {
 struct Correspondences {
   PointsX3 closest;         ///< V x 3, on the target
   Eigen::VectorXd weights;  ///< V, 0 or 1
+};
+
+/// Closest points with what is needed to decide how far to believe them.
+struct Feet {
+  PointsX3 points;            ///< P x 3, on the target
+  PointsX3 normals;           ///< P x 3, the target's, interpolated, not of unit length
+  std::vector<int> faces;     ///< P, -1 for none
+  PointsX3 barycentric;       ///< P x 3
+  std::vector<char> allowed;  ///< P, 0 on the target's boundary or where the normals' cosine is below the limit
 };
 
 /// A target, ready for closest point searches.
@@ -25,6 +35,9 @@ class TargetSurface {
   /// where the way to the foot passes through the moved source. Same bits for any thread count.
   /// Source: Amberg et al., CVPR 2007, section 4; Ebner et al., section 4.1.1 (the 90 degrees).
   Correspondences Find(const PointsX3& moved, const FacesX3& source_faces, bool reject_crossing) const;
+
+  /// Closest points of points with unit normals; allowed where the cosine between the two normals is at least `min_cosine`.
+  Feet FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine) const;
 
   /// Distance of each point to the surface.
   Eigen::VectorXd Distances(const PointsX3& points) const;

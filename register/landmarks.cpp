@@ -4,6 +4,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "register/landmark_doubts.h"
 
 namespace keypose::registration {
 
@@ -58,6 +59,7 @@ CheckedLandmarks CheckLandmarks(const std::vector<PickedPair>& pairs, const Mesh
   }
   from.conservativeResize(static_cast<Eigen::Index>(checked.goals.size()), 3);
   checked.coplanar = from.rows() >= 3 && SpreadRank(from) < 3;
+  checked.warnings = DoubtsAbout(checked.goals, source, target);
   return checked;
 }
 

@@ -18,8 +18,9 @@ struct PickedPair {
 
 struct CheckedLandmarks {
   std::vector<LandmarkGoal> goals;
-  int duplicates = 0;     ///< pairs dropped since another says the same
-  bool coplanar = false;  ///< three or more that lie nearly in a plane: they flatten the result
+  int duplicates = 0;                 ///< pairs dropped since another says the same
+  bool coplanar = false;              ///< three or more that lie nearly in a plane: they flatten the result
+  std::vector<std::string> warnings;  ///< what looks wrong without being impossible, naming landmarks; see landmark_doubts.h
 };
 
 /// @throws InputError  a face that the mesh does not have, coordinates not finite or not summing to 1 or outside the triangle, or two pairs

@@ -84,6 +84,9 @@ class Registration {
       Round(system, target, x);
     }
     result_.points = Transformed(normal_from_target_.Inverse(), system.Deformed(x));
+    const Similarity3& place = result_.alignment.target_from_source;
+    for (Eigen::Index v = 0; v < rest.rows(); ++v)
+      result_.transforms.push_back(x.block<3, 3>(4 * v, 0).transpose() * (place.scale * place.rotation));
     result_.analyses = system.analyses();
     result_.factorisations = system.factorisations();
     result_.pcg_steps = system.pcg_steps();

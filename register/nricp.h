@@ -32,7 +32,8 @@ struct LandmarkGoal {
 };
 
 struct NricpResult {
-  PointsX3 points;  ///< V x 3, in the target's frame
+  PointsX3 points;                          ///< V x 3, in the target's frame
+  std::vector<Eigen::Matrix3d> transforms;  ///< V, linear part of each vertex's affine map from source to target frame
   Alignment alignment;
   int iterations = 0;  ///< searches and solves, over all rounds
   int factorisations = 0, analyses = 0;

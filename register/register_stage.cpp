@@ -1,15 +1,20 @@
 // keypose-register: the template bent onto a pose.
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/geometry.h"
 #include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
+#include "register/auto_registration.h"
+#include "register/correspondence.h"
 #include "register/landmarks.h"
 #include "register/nricp.h"
+#include "register/picture.h"
 #include "register/quality.h"
 #include "register/stiffness_map.h"
 
@@ -17,13 +22,26 @@ namespace keypose::registration {
 namespace {
 
 struct RegisterOptions {
-  std::string method = "nricp";
+  std::string method = "auto";
+  AutoOptions automatic;
   NricpOptions nricp;
   double max_surface_rms = 1;    ///< over the diagonal; more is a quality fault
   double max_flipped_share = 1;  ///< of faces; more is a quality fault
 
   void Describe(OptionVisitor& visit) {
-    visit("method", method, {.help = "nricp: the paper's non-rigid ICP", .unit = "", .choices = {"nricp"}});
+    visit("method", method,
+          {.help = "auto: coarse to fine, holds where limbs turn far; nricp: the paper's non-rigid ICP",
+           .unit = "",
+           .choices = {"auto", "nricp"}});
+    visit("coarse_vertices", automatic.coarse_vertices, {"auto: level on which starts are tried", "vertices", 50, 1e6, {}});
+    visit("middle_vertices", automatic.middle_vertices, {"auto: level on which the surface is found", "vertices", 50, 1e6, {}});
+    visit("landmark_weight", automatic.landmark_weight, {"auto: pull of a landmark at first, in units of the shape", "", 0, 1e6, {}});
+    visit("landmark_weight_end", automatic.landmark_weight_end, {"auto: pull of a landmark at the end", "", 0, 1e6, {}});
+    visit("smoothing", automatic.smoothing, {"auto: the bend varies little over less than this", "diagonal", 0, 1, {}});
+    visit("good_fit", automatic.good_fit, {"auto: stay rigid where stiff surfaces are this close", "diagonal", 0, 1, {}});
+    visit("poor_fit", automatic.poor_fit, {"auto: try another start when further apart", "diagonal", 0, 1, {}});
+    visit("suggest", automatic.suggest, {"auto: with fewer than 4 landmarks, also start from intrinsic geometry", "", 0, 1, {}});
+    visit("skeleton", automatic.skeleton, {"auto: with fewer than 4 landmarks, also start from curve skeletons", "", 0, 1, {}});
     visit("alpha_max", nricp.alpha_max, {"stiffness of the first round (target scaled to diagonal 2)", "", 1e-6, 1e6, {}});
     visit("alpha_min", nricp.alpha_min, {"stiffness of the last round", "", 1e-6, 1e6, {}});
     visit("alpha_steps", nricp.alpha_steps, {"rounds of falling stiffness", "", 1, 1000, {}});
@@ -38,21 +56,26 @@ struct RegisterOptions {
     visit("max_flipped_share", max_flipped_share, {"fail when a larger share of faces is flipped", "", 0, 1, {}});
   }
   std::vector<std::string> Problems() const {
-    if (nricp.alpha_min > nricp.alpha_max) return {"alpha_min must not be larger than alpha_max: stiffness falls from round to round"};
-    return {};
+    std::vector<std::string> problems = automatic.Problems();
+    if (nricp.alpha_min > nricp.alpha_max)
+      problems.push_back("alpha_min must not be larger than alpha_max: stiffness falls from round to round");
+    return problems;
   }
 };
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
                  {"landmarks", "file", "pairs, or picks of source and target", "", true, true},
                  {"stiffness", "file", "a number for each vertex, or a mesh with painted greys", "", true, false}};
-  spec.outputs = {{"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false, false}};
+  spec.outputs = {{"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false, false},
+                  {"correspondence", "file", "for each vertex the target face and place it lies on", "correspondence.txt", true, false},
+                  {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt", true, false},
+                  {"picture", "file", "checker carried over from the template, and distances (.png)", "registered.png", true, false}};
   spec.memory_gib = 2;
   return spec;
 }
@@ -60,10 +83,17 @@ StageSpec Spec() {
 CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target) {
   if (!stage.Has("landmarks")) return {};
   std::vector<PickedPair> picked;
-  for (const LandmarkPair& p : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target))
+  int suggested = 0;
+  for (const LandmarkPair& p : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target)) {
+    suggested += !p.confirmed;
     picked.push_back({p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
+  }
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
   if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
+  if (suggested > 0)
+    stage.Note("warning: " + std::to_string(suggested) +
+               " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
+  for (const std::string& warning : checked.warnings) stage.Note("warning: " + warning);
   if (checked.coplanar) stage.Note("warning: the landmarks lie nearly in one plane, which flattens the result; add some off that plane");
   return checked;
 }
@@ -125,8 +155,87 @@ RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const
   stage.Report("surface_mean_over_diag", q.surface_mean);
   stage.Report("hausdorff_to_target_over_diag", q.hausdorff_to_target);
   stage.Report("hausdorff_from_target_over_diag", q.hausdorff_from_target);
+  stage.Report("target_coverage", q.coverage);
+  stage.Report("self_intersections", q.self_intersections);
+  stage.Report("self_intersections_gained", q.self_intersections_gained);
+  stage.Report("stretch_low", q.stretch.low);
+  stage.Report("stretch_median", q.stretch.median);
+  stage.Report("stretch_high", q.stretch.high);
+  stage.Report("stretch_worst_ratio", q.stretch.worst_ratio);
   stage.Report("target_diagonal", BoundingDiagonal(target.points));
   return q;
+}
+
+void ReportAuto(StageContext& stage, const AutoResult& result) {
+  nlohmann::ordered_json starts = nlohmann::ordered_json::array();
+  for (const StartTrial& start : result.starts)
+    starts.push_back(
+        {{"start", start.name}, {"gap_over_diag", start.gap}, {"strain", start.strain}, {"score", start.score}, {"words", start.words}});
+  const StartTrial& chosen = result.starts[result.chosen];
+  stage.Report("alignment", result.alignment.method);
+  stage.Report("alignment_starts", result.alignment.starts);
+  stage.Report("alignment_scale", result.scale);
+  stage.ReportJson("starts", starts.dump());
+  stage.Report("start_chosen", chosen.name);
+  stage.Report("softened", result.softened);
+  stage.Report("levels", result.levels);
+  stage.Report("loose_parts", result.loose_parts);
+  stage.Report("gap_over_diag", result.gap);
+  std::string words = "start '" + chosen.name + "' chosen";
+  if (result.starts.size() > 1)
+    words += " of " + std::to_string(result.starts.size()) + " tried: closest to the target with the least strain";
+  stage.Note(words + (result.softened ? "; the shape had to stretch to reach the surface" : "; rigid bending explains the pose"));
+}
+
+void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
+                  const std::vector<LandmarkGoal>& landmarks) {
+  nlohmann::ordered_json advice = nlohmann::ordered_json::array();
+  for (const LandmarkAdvice& a : AdviseLandmarks(source, registered, target, landmarks))
+    advice.push_back({{"vertex", a.vertex},
+                      {"position", {a.position[0], a.position[1], a.position[2]}},
+                      {"misfit_over_diag", a.misfit},
+                      {"stretch", a.stretch},
+                      {"score", a.score},
+                      {"reason", a.reason}});
+  if (!advice.empty())
+    stage.Note("one more landmark would help most at template vertex " + advice[0]["vertex"].dump() + ": " +
+               advice[0]["reason"].get<std::string>());
+  stage.ReportJson("landmark_advice", advice.dump());
+}
+
+void AppendNumbers(std::string& text, std::initializer_list<double> numbers) {
+  char buffer[32];
+  for (double x : numbers) {
+    std::snprintf(buffer, sizeof buffer, " %.9g", x);
+    text += buffer;
+  }
+}
+
+/// One line a vertex: target face, barycentric coordinates, distance over the target's diagonal.
+std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
+  const TargetSurface surface(target.points, target.faces);
+  const Feet feet = surface.FindFeet(registered, VertexNormals(registered, faces), -1);
+  const double diagonal = BoundingDiagonal(target.points);
+  std::string text = "# for each template vertex: target face, three barycentric coordinates, distance over the target's diagonal\n";
+  for (Eigen::Index v = 0; v < registered.rows(); ++v) {
+    text += std::to_string(feet.faces[v]);
+    AppendNumbers(text, {feet.barycentric(v, 0), feet.barycentric(v, 1), feet.barycentric(v, 2),
+                         (feet.points.row(v) - registered.row(v)).norm() / diagonal});
+    text += '\n';
+  }
+  return text;
+}
+
+/// One line a vertex: the 3x4 map [A b], row by row, that takes points near the vertex from template to pose.
+std::string TransformsText(const PointsX3& before, const PointsX3& after, const std::vector<Eigen::Matrix3d>& linear) {
+  std::string text = "# for each template vertex: the 3x4 map from template to pose near it, row by row\n";
+  for (Eigen::Index v = 0; v < before.rows(); ++v) {
+    const Eigen::Matrix3d& a = linear[v];
+    const Eigen::Vector3d b = after.row(v).transpose() - a * before.row(v).transpose();
+    for (int r = 0; r < 3; ++r) AppendNumbers(text, {a(r, 0), a(r, 1), a(r, 2), b[r]});
+    text += '\n';
+  }
+  return text;
 }
 
 void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& options) {
@@ -139,20 +248,38 @@ void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& option
 }
 
 void Run(StageContext& stage, const RegisterOptions& options) {
-  Mesh source = ReadMesh(stage.Input("source"));
+  const Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(source, stage.Input("source").string());
   RequireUsable(target, stage.Input("target").string());
   const CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
   const Eigen::VectorXd stiffness = LoadStiffness(stage, source.vertex_count());
   SubProgress bending(stage.progress(), 0.0, 0.9);
-  const NricpResult result = RegisterNricp(source, target, landmarks.goals, stiffness, options.nricp, &bending);
-  ReportRun(stage, result);
-  ReportLandmarks(stage, landmarks, result.points, BoundingDiagonal(target.points));
-  Gate(ReportQuality(stage, source, result.points, target), source.face_count(), options);
-  source.points = result.points;
-  source.normals.resize(0, 3);
-  WriteMesh(stage.Output("registered"), source);
+  Mesh registered = source;
+  registered.normals.resize(0, 3);
+  std::vector<Eigen::Matrix3d> transforms;
+  if (options.method == "auto") {
+    AutoResult result = RegisterAuto(source, target, landmarks.goals, stiffness, options.automatic, &bending);
+    ReportAuto(stage, result);
+    registered.points = std::move(result.points);
+    transforms = std::move(result.transforms);
+  } else {
+    NricpResult result = RegisterNricp(source, target, landmarks.goals, stiffness, options.nricp, &bending);
+    ReportRun(stage, result);
+    registered.points = std::move(result.points);
+    transforms = std::move(result.transforms);
+  }
+  ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
+  const RegistrationQuality quality = ReportQuality(stage, source, registered.points, target);
+  ReportAdvice(stage, source, registered.points, target, landmarks.goals);
+  Gate(quality, source.face_count(), options);
+  if (const auto path = stage.Output("correspondence"); !path.empty())
+    WriteFile(path, CorrespondenceText(registered.points, source.faces, target));
+  if (const auto path = stage.Output("transforms"); !path.empty())
+    WriteFile(path, TransformsText(source.points, registered.points, transforms));
+  if (const auto path = stage.Output("picture"); !path.empty())
+    WriteImage(path, DrawCorrespondence(source, registered.points, target, landmarks.goals));
+  WriteMesh(stage.Output("registered"), registered);
 }
 
 }  // namespace

@@ -1,0 +1,263 @@
+#include "register/arap_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "register/sparse_pattern.h"
+
+namespace keypose::registration {
+
+namespace {
+
+constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
+constexpr std::int64_t kGrain = 1024;
+
+Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d u = svd.matrixU();
+  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
+  return u * svd.matrixV().transpose();
+}
+
+}  // namespace
+
+Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
+  Eigen::Matrix3d x = m;
+  for (int round = 0; round < 12; ++round) {
+    const double determinant = x.determinant(), norm = x.squaredNorm();
+    // Flat or mirrored fans: the nearest proper rotation needs the singular vectors.
+    if (!(determinant > 1e-9 * norm * std::sqrt(norm))) return RotationBySvd(m);
+    Eigen::Matrix3d cofactor;
+    cofactor.row(0) = x.row(1).cross(x.row(2));
+    cofactor.row(1) = x.row(2).cross(x.row(0));
+    cofactor.row(2) = x.row(0).cross(x.row(1));
+    const double scale = std::sqrt(cofactor.norm() / determinant / std::sqrt(norm));
+    const Eigen::Matrix3d next = 0.5 * (scale * x + cofactor / (scale * determinant));
+    const double change = (next - x).squaredNorm();
+    x = next;
+    if (change < 1e-24) return x;
+  }
+  return RotationBySvd(m);
+}
+
+ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing)
+    : rest_(rest), smoothing_(smoothing) {
+  const std::size_t n = rest.rows();
+  areas_ = Eigen::VectorXd::Zero(rest.rows());
+  const Eigen::VectorXd face_areas = FaceAreas(rest, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas_[faces(f, k)] += face_areas[f] / 3;
+  BuildEdges(faces, stiffness);
+  BuildMatrix();
+  BuildFans();
+  hold_ = Eigen::VectorXd::Zero(rest.rows());
+  maps_.assign(n, Eigen::Matrix3d::Identity());
+}
+
+void ArapFit::BuildEdges(const FacesX3& faces, const Eigen::VectorXd& stiffness) {
+  // One entry for each corner and side, sorted: much faster than a map of edges.
+  struct Half {
+    int i, j;
+    double w;
+  };
+  std::vector<Half> halves;
+  halves.reserve(faces.size() * 2);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int i = faces(f, k), j = faces(f, (k + 1) % 3), o = faces(f, (k + 2) % 3);
+      const Eigen::Vector3d a = rest_.row(i) - rest_.row(o), b = rest_.row(j) - rest_.row(o);
+      const double cross = a.cross(b).norm();
+      const double cotangent = cross > 0 ? a.dot(b) / cross : 0;
+      halves.push_back({i, j, cotangent / 2});
+      halves.push_back({j, i, cotangent / 2});
+    }
+  std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
+  offset_.assign(rest_.rows() + 1, 0);
+  for (std::size_t s = 0; s < halves.size();) {
+    const int i = halves[s].i, j = halves[s].j;
+    double w = 0;
+    for (; s < halves.size() && halves[s].i == i && halves[s].j == j; ++s) w += halves[s].w;
+    w = std::clamp(w, kSmallestCotangent, 20.0);
+    if (stiffness.size() > 0) w *= std::sqrt(stiffness[i] * stiffness[j]);
+    if (i == j) continue;
+    neighbour_.push_back(j);
+    weight_.push_back(w);
+    ++offset_[i + 1];
+  }
+  for (std::size_t i = 0; i + 1 < offset_.size(); ++i) offset_[i + 1] += offset_[i];
+}
+
+void ArapFit::BuildMatrix() {
+  const int n = static_cast<int>(rest_.rows());
+  std::vector<std::pair<int, int>> edges;
+  std::vector<int> columns(1, 0), rows;
+  std::vector<double> values;
+  diagonal_.resize(n);
+  for (int i = 0; i < n; ++i) {
+    double sum = 0;
+    for (int s = offset_[i]; s < offset_[i + 1]; ++s) sum += weight_[s];
+    diagonal_[i] = static_cast<int>(rows.size());
+    rows.push_back(i);
+    values.push_back(sum);
+    for (int s = offset_[i]; s < offset_[i + 1]; ++s)
+      if (neighbour_[s] > i) {
+        edges.emplace_back(i, neighbour_[s]);
+        rows.push_back(neighbour_[s]);
+        values.push_back(-weight_[s]);
+      }
+    columns.push_back(static_cast<int>(rows.size()));
+  }
+  lower_ = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, static_cast<Eigen::Index>(rows.size()), columns.data(), rows.data(),
+                                                         values.data());
+  system_ = lower_;
+  factor_.Analyze(lower_);
+  component_ = Components(n, edges, components_);
+}
+
+void ArapFit::BuildFans() {
+  moments_.assign(rest_.rows(), Eigen::Matrix3d::Zero());
+  size_.assign(rest_.rows(), 0);
+  for (Eigen::Index i = 0; i < rest_.rows(); ++i) {
+    double sum = 0;
+    for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
+      const Eigen::Vector3d edge = (rest_.row(i) - rest_.row(neighbour_[s])).transpose();
+      moments_[i] += weight_[s] * edge * edge.transpose();
+      sum += weight_[s];
+    }
+    size_[i] = 0.5 * moments_[i].trace();
+    moments_[i].diagonal().array() += smoothing_ * sum;
+  }
+}
+
+void ArapFit::SetWeights(const Eigen::VectorXd& weights) {
+  std::vector<double> pull_of(components_, 0);
+  for (Eigen::Index i = 0; i < weights.size(); ++i) pull_of[component_[i]] += weights[i];
+  for (Eigen::Index i = 0; i < weights.size(); ++i) {
+    hold_[i] = pull_of[component_[i]] < kHold ? kHold : 0;
+    system_.valuePtr()[diagonal_[i]] = lower_.valuePtr()[diagonal_[i]] + weights[i] + hold_[i];
+  }
+  factor_.Factor(system_);
+}
+
+Eigen::Matrix3d ArapFit::FanMap(const PointsX3& moved, int i) const {
+  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
+    const int j = neighbour_[s];
+    m.noalias() += (weight_[s] * (moved.row(i) - moved.row(j)).transpose()) * (rest_.row(i) - rest_.row(j));
+    m += (smoothing_ * weight_[s]) * previous_[j];
+  }
+  const Eigen::Matrix3d rotation = NearestRotation(m);
+  if (rigid()) return rotation;
+  const double hold = rigidity_ * size_[i];
+  Eigen::Matrix3d held = moments_[i];
+  held.diagonal().array() += hold;
+  return (m + hold * rotation) * held.inverse();
+}
+
+void ArapFit::FitMaps(const PointsX3& moved) {
+  previous_ = maps_;
+  ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      if (size_[i] > 0) maps_[i] = FanMap(moved, static_cast<int>(i));
+  });
+}
+
+void ArapFit::AddShapePull(Eigen::MatrixXd& b) const {
+  ParallelBlocks(rest_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
+        const int j = neighbour_[s];
+        sum.noalias() += (0.5 * weight_[s]) * ((maps_[i] + maps_[j]) * (rest_.row(i) - rest_.row(j)).transpose());
+      }
+      b.row(i) += sum.transpose();
+    }
+  });
+}
+
+Pulls::Pulls(Eigen::Index vertices) : q(vertices, Eigen::Matrix3d::Zero()), b(PointsX3::Zero(vertices, 3)) {}
+
+void Pulls::AddPoint(Eigen::Index vertex, double weight, const Eigen::Vector3d& goal) {
+  q[vertex].diagonal().array() += weight;
+  b.row(vertex) += weight * goal.transpose();
+}
+
+void Pulls::AddPlane(Eigen::Index vertex, double weight, const Eigen::Vector3d& normal, const Eigen::Vector3d& goal) {
+  q[vertex].noalias() += (weight * normal) * normal.transpose();
+  b.row(vertex) += weight * normal.dot(goal) * normal.transpose();
+}
+
+Eigen::VectorXd Pulls::MeanWeights() const {
+  Eigen::VectorXd weights(b.rows());
+  for (Eigen::Index i = 0; i < weights.size(); ++i) weights[i] = q[i].trace() / 3;
+  return weights;
+}
+
+Eigen::MatrixXd ArapFit::Apply(const Eigen::MatrixXd& p, const Pulls& pulls) const {
+  Eigen::MatrixXd result(p.rows(), 3);
+  ParallelBlocks(p.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      const Eigen::Vector3d x = p.row(i);
+      Eigen::Vector3d sum = pulls.q[i] * x + hold_[i] * x;
+      for (int s = offset_[i]; s < offset_[i + 1]; ++s) sum += weight_[s] * (x - p.row(neighbour_[s]).transpose());
+      result.row(i) = sum.transpose();
+    }
+  });
+  return result;
+}
+
+PointsX3 ArapFit::FitPositions(const Pulls& pulls, const PointsX3& start, int steps) const {
+  Eigen::MatrixXd b = pulls.b + hold_.asDiagonal() * start;
+  AddShapePull(b);
+  Eigen::MatrixXd x = start, r = b - Apply(x, pulls), z = factor_.Solve(r), p = z;
+  double rz = r.cwiseProduct(z).sum();
+  const double enough = 1e-6 * rz;
+  for (int k = 0; k < steps && rz > enough && rz > 0; ++k) {
+    const Eigen::MatrixXd ap = Apply(p, pulls);
+    const double step = rz / p.cwiseProduct(ap).sum();
+    x += step * p;
+    r -= step * ap;
+    z = factor_.Solve(r);
+    const double next = r.cwiseProduct(z).sum();
+    p = z + (next / rz) * p;
+    rz = next;
+  }
+  return x;
+}
+
+Eigen::VectorXd ArapFit::Strain(const PointsX3& moved) const {
+  Eigen::VectorXd strain = Eigen::VectorXd::Zero(rest_.rows());
+  for (Eigen::Index i = 0; i < rest_.rows(); ++i) {
+    double fan = 0;
+    for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
+      const int j = neighbour_[s];
+      const Eigen::Vector3d miss = (moved.row(i) - moved.row(j)).transpose() - maps_[i] * (rest_.row(i) - rest_.row(j)).transpose();
+      strain[i] += weight_[s] * miss.squaredNorm();
+      fan += weight_[s] * (rest_.row(i) - rest_.row(j)).squaredNorm();
+    }
+    if (fan > 0) strain[i] /= fan;
+  }
+  return strain;
+}
+
+double ArapFit::BestScale(const PointsX3& moved) const {
+  double across = 0, own = 0;
+  for (Eigen::Index i = 0; i < rest_.rows(); ++i)
+    for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
+      const int j = neighbour_[s];
+      const Eigen::Vector3d wanted = maps_[i] * (rest_.row(i) - rest_.row(j)).transpose();
+      across += weight_[s] * wanted.dot((moved.row(i) - moved.row(j)).transpose());
+      own += weight_[s] * wanted.squaredNorm();
+    }
+  return own > 0 && across > 0 ? across / own : 1;
+}
+
+void ArapFit::ScaleRest(double factor) {
+  rest_ *= factor;
+  BuildFans();
+}
+
+}  // namespace keypose::registration

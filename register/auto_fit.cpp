@@ -1,0 +1,80 @@
+#include "register/auto_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace keypose::registration {
+
+namespace {
+
+constexpr int kMostLandmarkTurns = 500, kMatchRounds = 8, kMatchTurns = 8, kSolverSteps = 10;
+constexpr double kStill = 2e-4;           // movement that ends landmark turns
+constexpr double kMatchWeight = 1000;     // of all matches together, when they lead
+constexpr double kMatchRobust = 0.3;      // distance at which a match counts a quarter
+constexpr double kMatchTolerance = 0.01;  // squared mismatch at which a match counts a quarter
+constexpr double kSurfaceWeight = 1700;   // of the whole surface at stiffness 1: one a vertex of the middle level
+
+double Square(double x) { return x * x; }
+
+void AddMarks(const Level& level, double weight, Pulls& pulls) {
+  for (const Mark& mark : level.marks) pulls.AddPoint(mark.vertex, weight, mark.target - level.fit->maps()[mark.vertex] * mark.arm);
+}
+
+void AddMatches(const Level& level, const PointsX3& points, double weight, double robust, Pulls& pulls) {
+  const double per_area = weight / level.fit->vertex_areas().sum();
+  for (std::size_t i = 0; i < level.matches.size(); ++i) {
+    const LandmarkCoordinates::Match& match = level.matches[i];
+    if (match.vertex < 0) continue;
+    const Eigen::Index v = static_cast<Eigen::Index>(i);
+    const double r2 = (points.row(match.vertex) - level.moved.row(v)).squaredNorm();
+    const double belief =
+        Square(robust * robust / (robust * robust + r2)) * Square(kMatchTolerance / (kMatchTolerance + Square(match.mismatch)));
+    pulls.AddPoint(v, belief * per_area * level.fit->vertex_areas()[v], points.row(match.vertex).transpose());
+  }
+}
+
+/// Turns of positions and maps under pulls that stay, with landmarks, whose arms turn.
+double Turn(Level& level, const Pulls& staying, double landmark_weight, int turns, int solver_steps, double still) {
+  double move = 0;
+  for (int k = 0; k < turns; ++k) {
+    Pulls pulls = staying;
+    AddMarks(level, landmark_weight, pulls);
+    if (k == 0) level.fit->SetWeights(pulls.MeanWeights());
+    PointsX3 next = level.fit->FitPositions(pulls, level.moved, solver_steps);
+    move = std::sqrt((next - level.moved).rowwise().squaredNorm().maxCoeff());
+    level.moved = std::move(next);
+    level.fit->FitMaps(level.moved);
+    if (move < still) break;
+  }
+  return move;
+}
+
+}  // namespace
+
+void FitToLandmarks(Level& level, double weight) {
+  // Point pulls alone are what the factor solves exactly: one step each.
+  Turn(level, Pulls(level.rest.rows()), weight, kMostLandmarkTurns, 1, kStill);
+}
+
+void FitToMatches(Level& level, const PointsX3& match_points, double landmark_weight) {
+  double robust = 2;
+  for (int round = 0; round < kMatchRounds; ++round) {
+    Pulls pulls(level.rest.rows());
+    AddMatches(level, match_points, kMatchWeight, robust, pulls);
+    robust = round == 0 ? 0.5 : std::max(robust * 0.8, kMatchRobust);
+    Turn(level, pulls, landmark_weight, kMatchTurns, 1, 0);
+  }
+}
+
+SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points, const FitTerms& terms) {
+  Pulls pulls(level.rest.rows());
+  SurfacePullTerms surface;
+  surface.weight = kSurfaceWeight / terms.stiffness;
+  surface.robust = terms.robust;
+  const SurfaceGap gap = target.Add(level.moved, level.faces, level.fit->vertex_areas(), surface, pulls);
+  if (terms.matches > 0) AddMatches(level, match_points, terms.matches, kMatchRobust, pulls);
+  Turn(level, pulls, terms.landmarks, terms.turns, kSolverSteps, 0);
+  return gap;
+}
+
+}  // namespace keypose::registration

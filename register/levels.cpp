@@ -1,0 +1,70 @@
+#include "register/levels.h"
+
+namespace keypose::registration {
+
+namespace {
+
+Eigen::VectorXd Rows(const Eigen::VectorXd& values, const std::vector<int>& rows) {
+  if (values.size() == 0) return {};
+  Eigen::VectorXd some(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t k = 0; k < rows.size(); ++k) some[static_cast<Eigen::Index>(k)] = values[rows[k]];
+  return some;
+}
+
+int NearestCorner(const SurfacePoint& point) {
+  int k = 0;
+  point.weights.maxCoeff(&k);
+  return point.vertices[k];
+}
+
+}  // namespace
+
+Levels::Levels(const PointsX3& rest, const FacesX3& faces, const std::vector<int>& coarse_counts, const Eigen::VectorXd& stiffness,
+               double smoothing, const std::vector<LandmarkGoal>& landmarks) {
+  levels_.emplace_back();
+  levels_[0].rest = rest;
+  levels_[0].faces = faces;
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) levels_[0].fine.push_back(static_cast<int>(v));
+  for (CoarseLevel& coarse : MakeHierarchy(rest, faces, coarse_counts)) {
+    down_.push_back(MakeProlongation(levels_.back().rest, coarse));
+    up_.push_back(std::move(coarse.up));
+    Level level;
+    level.rest = std::move(coarse.points);
+    level.faces = std::move(coarse.faces);
+    level.fine = std::move(coarse.fine);
+    levels_.push_back(std::move(level));
+  }
+  for (const LandmarkGoal& landmark : landmarks) {
+    const Eigen::Vector3d at = PositionOf(landmark.source, rest);
+    int vertex = NearestCorner(landmark.source);
+    for (int l = 0; l < count(); ++l) {
+      if (l > 0) vertex = up_[l - 1][vertex];
+      levels_[l].marks.push_back({vertex, at - levels_[l].rest.row(vertex).transpose(), landmark.target});
+    }
+  }
+  for (Level& level : levels_) {
+    level.fit.emplace(level.rest, level.faces, Rows(stiffness, level.fine), smoothing);
+    level.moved = level.rest;
+  }
+}
+
+void Levels::Descend(int level) {
+  const Level& coarse = levels_[level];
+  Level& fine = levels_[level - 1];
+  fine.moved = Prolong(down_[level - 1], fine.rest, coarse.rest, coarse.moved, coarse.fit->maps());
+  std::vector<Eigen::Matrix3d> maps;
+  maps.reserve(up_[level - 1].size());
+  for (int v : up_[level - 1]) maps.push_back(coarse.fit->maps()[v]);
+  fine.fit->SetMaps(std::move(maps));
+  fine.fit->FitMaps(fine.moved);
+}
+
+void Levels::ScaleRest(double factor) {
+  for (Level& level : levels_) {
+    level.rest *= factor;
+    for (Mark& mark : level.marks) mark.arm *= factor;
+    level.fit->ScaleRest(factor);
+  }
+}
+
+}  // namespace keypose::registration

@@ -1,0 +1,133 @@
+#include "register/surface_pull.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/kd_tree.h"
+#include "core/parallel.h"
+#include "register/correspondence.h"
+
+namespace keypose::registration {
+
+namespace {
+
+constexpr int kSecondChoices = 24, kNearVertices = 4;
+constexpr std::int64_t kGrain = 256;
+
+double Robust(double scale, double squared_distance) {
+  const double s2 = scale * scale, w = s2 / (s2 + squared_distance);
+  return w * w;
+}
+
+/// Root mean square of the closest 95 % by weight.
+double TrimmedRms(std::vector<std::pair<double, double>>& squared_and_weight) {
+  std::sort(squared_and_weight.begin(), squared_and_weight.end());
+  double total = 0, seen = 0, sum = 0;
+  for (const auto& [d2, w] : squared_and_weight) total += w;
+  for (const auto& [d2, w] : squared_and_weight) {
+    if (seen > 0.95 * total) break;
+    seen += w;
+    sum += w * d2;
+  }
+  return seen > 0 ? std::sqrt(sum / seen) : 0;
+}
+
+struct Pull {
+  int vertex = -1;
+  double weight = 0, squared_distance = 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero(), goal = Eigen::Vector3d::Zero();
+};
+
+}  // namespace
+
+struct SurfacePull::Impl {
+  Impl(const PointsX3& p, const FacesX3& faces) : points(p), normals(VertexNormals(p, faces)), surface(p, faces), tree(p) {}
+
+  Pull Forward(int vertex, const Eigen::Vector3d& at, const Eigen::Vector3d& normal, const Feet& feet, double min_cosine) const {
+    Pull pull;
+    if (feet.allowed[vertex]) {
+      pull.goal = feet.points.row(vertex);
+      pull.normal = feet.normals.row(vertex).normalized();
+      pull.vertex = vertex;
+    } else {
+      for (const KdTree::Neighbor& near : tree.Nearest(at, kSecondChoices)) {
+        if (normal.dot(normals.row(near.index)) < min_cosine || open[near.index]) continue;
+        pull.goal = points.row(near.index);
+        pull.normal = normals.row(near.index);
+        pull.vertex = vertex;
+        break;
+      }
+    }
+    pull.squared_distance = (pull.goal - at).squaredNorm();
+    return pull;
+  }
+
+  PointsX3 points, normals;
+  TargetSurface surface;
+  KdTree tree;
+  std::vector<char> open;
+  std::vector<int> samples;
+};
+
+SurfacePull::SurfacePull(const PointsX3& points, const FacesX3& faces, int samples) : impl_(std::make_unique<Impl>(points, faces)) {
+  impl_->open = BoundaryVertices(static_cast<int>(points.rows()), faces);
+  const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / samples);
+  for (Eigen::Index v = 0; v < points.rows(); v += step)
+    if (impl_->normals.row(v).squaredNorm() > 0) impl_->samples.push_back(static_cast<int>(v));
+}
+
+SurfacePull::~SurfacePull() = default;
+
+SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const Eigen::VectorXd& areas, const SurfacePullTerms& terms,
+                            Pulls& pulls) const {
+  const PointsX3 normals = VertexNormals(moved, faces);
+  const Feet feet = impl_->surface.FindFeet(moved, normals, terms.min_cosine);
+  const double total = areas.sum(), per_area = terms.weight / total;
+  std::vector<Pull> found(moved.rows() + impl_->samples.size());
+  ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      found[i] = impl_->Forward(static_cast<int>(i), moved.row(i), normals.row(i), feet, terms.min_cosine);
+  });
+  const KdTree tree(moved);
+  ParallelBlocks(static_cast<std::int64_t>(impl_->samples.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t k = begin; k < end; ++k) {
+      Pull& pull = found[moved.rows() + k];
+      pull.goal = impl_->points.row(impl_->samples[k]);
+      pull.normal = impl_->normals.row(impl_->samples[k]);
+      for (const KdTree::Neighbor& near : tree.Nearest(pull.goal, kNearVertices))
+        if (normals.row(near.index).dot(pull.normal) >= terms.min_cosine) {
+          pull.vertex = near.index;
+          pull.squared_distance = near.squared_distance;
+          break;
+        }
+    }
+  });
+  SurfaceGap gap;
+  std::vector<std::pair<double, double>> forward, backward;
+  const double each = terms.weight / static_cast<double>(std::max<std::size_t>(1, impl_->samples.size()));
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Pull& pull = found[k];
+    const bool ahead = k < static_cast<std::size_t>(moved.rows());
+    if (pull.vertex < 0) {
+      if (ahead) gap.rejected += areas[static_cast<Eigen::Index>(k)] / total;
+      continue;
+    }
+    const double weight = (ahead ? per_area * areas[pull.vertex] : each) * Robust(terms.robust, pull.squared_distance);
+    pulls.AddPlane(pull.vertex, weight, pull.normal, pull.goal);
+    const double across = pull.normal.dot(pull.goal - moved.row(pull.vertex).transpose());
+    if (ahead) {
+      pulls.AddPoint(pull.vertex, terms.point_share * weight, pull.goal);
+      forward.emplace_back(pull.squared_distance, areas[pull.vertex]);
+    } else {
+      backward.emplace_back(across * across, 1.0);
+    }
+  }
+  gap.forward = TrimmedRms(forward);
+  gap.backward = TrimmedRms(backward);
+  return gap;
+}
+
+}  // namespace keypose::registration
