@@ -22,6 +22,7 @@ constexpr int kFewestForDistances = 4;        // landmarks that tell places apar
 constexpr double kMiddleOfCoarse = 0.5;       // a level counts as middle from this share of middle_vertices on
 constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
 constexpr double kRigid = 1e300;
+constexpr double kHopeless = 1.5;    // times poor_fit: not even a softer shape came close
 constexpr double kOpenShare = 0.06;  // boundary loops, closed by discs, over the area: more is an open surface
 constexpr int kLargeLevel = 30000;   // vertices from which on a level gets two searches in place of six
 
@@ -98,7 +99,7 @@ class AutoRegistration {
   void MeasureDistances();
   void TryStarts();
   void TryLandmarks(double rigidity, const std::string& name);
-  void TryIntrinsicMap();
+  void TryIntrinsicMap(double rigidity, const std::string& name);
   void TrySkeleton();
   void Compete(Start start, StartTrial trial);
   void Reset(Level& level);
@@ -247,9 +248,9 @@ void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
   Compete(std::move(start), {.name = name});
 }
 
-void AutoRegistration::TryIntrinsicMap() {
+void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name) {
   const Suggestion suggestion = SuggestLandmarks(source_, target_, landmarks_, {});
-  StartTrial trial{.name = "intrinsic map", .words = suggestion.explanation};
+  StartTrial trial{.name = name, .words = suggestion.explanation};
   int known = 0;
   for (int v : suggestion.dense) known += v >= 0;
   if (known < source_.vertex_count() / 4) {
@@ -259,6 +260,7 @@ void AutoRegistration::TryIntrinsicMap() {
     return;
   }
   Start start;
+  start.rigidity = rigidity;
   match_points_ = goal_points_;
   const int levels[2] = {levels_->count() - 1, middle_};
   for (int k = 0; k < 2; ++k)
@@ -295,11 +297,13 @@ void AutoRegistration::TryStarts() {
   const auto poor = [&] { return result_.starts[result_.chosen].gap > options_.poor_fit; };
   TryLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks");
   Step(progress_, 0.4, "start");
-  if (options_.suggest && static_cast<int>(goals_.size()) < kFewestForDistances) TryIntrinsicMap();
+  if (options_.suggest && static_cast<int>(goals_.size()) < kFewestForDistances) TryIntrinsicMap(kRigid, "intrinsic map");
   Step(progress_, 0.5, "start");
   if (options_.skeleton && static_cast<int>(goals_.size()) < kFewestForDistances && poor()) TrySkeleton();
   Step(progress_, 0.55, "start");
   if (poor() && !goals_.empty()) TryLandmarks(kSofter, "landmarks, softer");
+  if (!goals_.empty() && options_.suggest && result_.starts[result_.chosen].gap > kHopeless * options_.poor_fit)
+    TryIntrinsicMap(kSofter, "intrinsic map, softer");
 }
 
 SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before) {
