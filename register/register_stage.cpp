@@ -6,9 +6,9 @@
 
 #include "core/geometry.h"
 #include "core/io/files.h"
-#include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/png_io.h"
 #include "core/stage/stage.h"
 #include "register/auto_registration.h"
 #include "register/correspondence.h"
@@ -278,7 +278,7 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   if (const auto path = stage.Output("transforms"); !path.empty())
     WriteFile(path, TransformsText(source.points, registered.points, transforms));
   if (const auto path = stage.Output("picture"); !path.empty())
-    WriteImage(path, DrawCorrespondence(source, registered.points, target, landmarks.goals));
+    WritePng(path, DrawCorrespondence(source, registered.points, target, landmarks.goals));
   WriteMesh(stage.Output("registered"), registered);
 }
 
