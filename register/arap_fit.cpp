@@ -13,6 +13,7 @@ namespace keypose::registration {
 namespace {
 
 constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
+constexpr double kSolverTolerance = 1e-4;  // of the first residual's energy: maps change with every turn anyway
 constexpr std::int64_t kGrain = 1024;
 
 Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
@@ -38,7 +39,7 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
     const Eigen::Matrix3d next = 0.5 * (scale * x + cofactor / (scale * determinant));
     const double change = (next - x).squaredNorm();
     x = next;
-    if (change < 1e-24) return x;
+    if (change < 1e-14) return x;  // quadratic: the next one would change it by the square of that
   }
   return RotationBySvd(m);
 }
@@ -214,7 +215,7 @@ PointsX3 ArapFit::FitPositions(const Pulls& pulls, const PointsX3& start, int st
   AddShapePull(b);
   Eigen::MatrixXd x = start, r = b - Apply(x, pulls), z = factor_.Solve(r), p = z;
   double rz = r.cwiseProduct(z).sum();
-  const double enough = 1e-6 * rz;
+  const double enough = kSolverTolerance * rz;
   for (int k = 0; k < steps && rz > enough && rz > 0; ++k) {
     const Eigen::MatrixXd ap = Apply(p, pulls);
     const double step = rz / p.cwiseProduct(ap).sum();

@@ -153,7 +153,7 @@ void AutoRegistration::Prepare() {
   goal_points_ = (target_.points.rowwise() - origin_) / unit_;
   goals_ = landmarks_;
   for (LandmarkGoal& goal : goals_) goal.target = (goal.target - origin_.transpose()) / unit_;
-  const int samples = 3000;
+  const int samples = 1500;
   surface_.emplace(goal_points_, target_.faces, samples);
   std::vector<int> counts;
   for (int c = options_.middle_vertices; c < 0.7 * source_.vertex_count(); c *= 4) counts.insert(counts.begin(), c);

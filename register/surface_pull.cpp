@@ -97,12 +97,15 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const E
       Pull& pull = found[moved.rows() + k];
       pull.goal = impl_->points.row(impl_->samples[k]);
       pull.normal = impl_->normals.row(impl_->samples[k]);
+      const auto take = [&](const KdTree::Neighbor& near) {
+        if (normals.row(near.index).dot(pull.normal) < terms.min_cosine) return false;
+        pull.vertex = near.index;
+        pull.squared_distance = near.squared_distance;
+        return true;
+      };
+      if (take(tree.Nearest(pull.goal))) continue;
       for (const KdTree::Neighbor& near : tree.Nearest(pull.goal, kNearVertices))
-        if (normals.row(near.index).dot(pull.normal) >= terms.min_cosine) {
-          pull.vertex = near.index;
-          pull.squared_distance = near.squared_distance;
-          break;
-        }
+        if (take(near)) break;
     }
   });
   SurfaceGap gap;

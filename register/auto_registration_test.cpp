@@ -1,0 +1,1 @@
+#include "register/auto_registration.h"
