@@ -399,7 +399,7 @@ std::vector<LandmarkGoal> OnHost(const std::vector<LandmarkGoal>& landmarks, con
   return kept;
 }
 
-void CheckInput(const Mesh& source, const Mesh& target, const Eigen::VectorXd& stiffness) {
+void CheckInput(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks, const Eigen::VectorXd& stiffness) {
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (source.vertex_count() < 4) throw InputError("register: the source has fewer than 4 vertices; a template needs a surface");
@@ -408,7 +408,16 @@ void CheckInput(const Mesh& source, const Mesh& target, const Eigen::VectorXd& s
   if (stiffness.size() != 0 && stiffness.size() != source.vertex_count())
     throw InputError("register: stiffness has " + std::to_string(stiffness.size()) + " values, but the source has " +
                      std::to_string(source.vertex_count()) + " vertices");
-  if (stiffness.size() != 0 && !(stiffness.minCoeff() > 0)) throw InputError("register: stiffness must be above 0 at every vertex");
+  if (!(stiffness.array() > 0).all() || !stiffness.allFinite())
+    throw InputError("register: stiffness must be a number above 0 at every vertex");
+  for (const LandmarkGoal& l : landmarks) {
+    for (int v : l.source.vertices)
+      if (v < 0 || v >= source.vertex_count())
+        throw InputError("register: landmark '" + l.name + "' is on vertex " + std::to_string(v) + ", but the source has " +
+                         std::to_string(source.vertex_count()) + " vertices; pick it again on this source");
+    if (!l.target.allFinite() || !l.source.weights.allFinite())
+      throw InputError("register: landmark '" + l.name + "' is not finite; pick it again");
+  }
 }
 
 /// Small separate pieces take the motion of what they sit on, then their own landmarks or counterparts.
@@ -438,7 +447,7 @@ AutoResult WithLooseParts(const Mesh& source, const LooseParts& parts, const Mes
 
 AutoResult RegisterAuto(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
                         const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress) {
-  CheckInput(source, target, stiffness);
+  CheckInput(source, target, landmarks, stiffness);
   const LooseParts parts = FindLooseParts(source);
   AutoResult result = parts.empty() ? AutoRegistration(source, target, landmarks, stiffness, options, progress).Run()
                                     : WithLooseParts(source, parts, target, landmarks, stiffness, options, progress);
