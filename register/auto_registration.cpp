@@ -31,7 +31,7 @@ struct Schedule {
   int rounds, searches, turns;
   double from, to;  ///< stiffness
 };
-constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02};
+constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{5, 2, 6, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
 
@@ -341,6 +341,8 @@ void AutoRegistration::Finish() {
   if (result_.softened) {
     level.fit->SetRigidity(kSoft);
     gap = RunRounds(middle_, kSoftened, kCoarse.rounds + kMiddle.rounds);
+  } else {
+    gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds);
   }
   FitTerms terms;
   terms.stiffness = result_.softened ? kSoftened.to : kMiddle.to;

@@ -36,6 +36,7 @@ struct PairPart {
   OneWayDistance to_target, from_target;
   double scale_top = 0;                     ///< the colour scale's upper end, over the diagonal
   std::vector<Picture> registered, target;  ///< coloured by distance
+  std::vector<Picture> carried;             ///< the checker carried over from the template, as register drew it
 };
 
 struct AnimationPart {

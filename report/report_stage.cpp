@@ -42,7 +42,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
@@ -159,6 +159,7 @@ class Gatherer {
       sides.azimuths_deg = {20, 200};
       pair.registered = HeatSides(registered, pair.to_target.at_vertex, pair.scale_top * pair.diagonal, sides);
       pair.target = HeatSides(target, pair.from_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+      if (!step.Output("picture").empty()) pair.carried.push_back({"", ReadImage(step.Output("picture"), 3)});
     });
     return pair;
   }

@@ -166,6 +166,39 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   return html + "</section>\n";
 }
 
+namespace {
+
+/// How registration began, and why so.
+std::string StartsTable(const StepRecord& step) {
+  const auto list = step.lists.find("starts");
+  if (list == step.lists.end()) return {};
+  const nlohmann::json starts = nlohmann::json::parse(list->second, nullptr, false);
+  if (!starts.is_array() || starts.empty()) return {};
+  const auto chosen = step.texts.find("start_chosen");
+  Table table({"start", "gap, of the diagonal", "strain", "score (smaller is better)", ""});
+  for (const nlohmann::json& start : starts) {
+    const std::string name = start.value("start", "");
+    table.Add({Escape(name), Percent(start.value("gap_over_diag", 0.0)), Pretty(start.value("strain", 0.0)),
+               Pretty(start.value("score", 0.0)),
+               Escape(start.value("words", "")) + (chosen != step.texts.end() && chosen->second == name ? " <b>chosen</b>" : "")});
+  }
+  return table.Html();
+}
+
+/// Where one more landmark would help most.
+std::string Advice(const StepRecord& step) {
+  const auto list = step.lists.find("landmark_advice");
+  if (list == step.lists.end()) return {};
+  const nlohmann::json advice = nlohmann::json::parse(list->second, nullptr, false);
+  if (!advice.is_array() || advice.empty()) return {};
+  std::string html = "<p>One more landmark would help most at:</p><ul>";
+  for (const nlohmann::json& place : advice)
+    html += "<li>template vertex " + std::to_string(place.value("vertex", -1)) + ": " + Escape(place.value("reason", "")) + "</li>";
+  return html + "</ul>";
+}
+
+}  // namespace
+
 std::string PairSection(const PairPart& pair, const Encoder& encode) {
   const StepRecord& step = *pair.step;
   const double d = pair.diagonal;
@@ -179,9 +212,16 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
             {"landmarks", "landmarks"},
             {"landmark residual, mean", "landmark_mean_over_diag"},
             {"landmark residual, largest", "landmark_max_over_diag"},
-            {"surface rms / diagonal", "surface_rms_over_diag"}},
+            {"surface rms / diagonal", "surface_rms_over_diag"},
+            {"target covered", "target_coverage"},
+            {"self-intersections gained", "self_intersections_gained"},
+            {"stretch, 1 %", "stretch_low"},
+            {"stretch, 99 %", "stretch_high"}},
            facts);
-  html += Facts(facts);
+  html += Facts(facts) + StartsTable(step) + Advice(step);
+  if (!pair.carried.empty())
+    html +=
+        "<h3>Correspondence: template, registered, target with the template\u2019s pattern, distance</h3>" + Shots(pair.carried, encode);
   if (d > 0) {
     Table table({"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
     const auto add = [&](const char* name, const OneWayDistance& way) {
