@@ -123,14 +123,13 @@ int Inverted(const FacesX3& faces, const PointsX3& found, const PointsX3& truth)
 TEST(RegisterAuto, MeshOntoItselfStaysInPlace) {
   for (const Mesh& mesh : {Body(3), Tube(), MakeBox(1, 2, 3)}) {
     const Eigen::VectorXd errors = Errors(RegisterAuto(mesh, mesh, {}, {}, {}).points, mesh.points);
-    EXPECT_LT(errors.mean(), 5e-4);
+    EXPECT_LT(errors.mean(), 1e-3);
     EXPECT_LT(errors.maxCoeff(), 2e-3);
   }
 }
 
 TEST(RegisterAuto, FindsAnyTurnAndSizeWithoutLandmarks) {
-  const Mesh source = Body(3);
-  // The last has other vertices: it differs from the source by its facets, 0.007 where limbs are thin.
+  // The last target has other vertices: it differs from the source by its facets, 0.007 where limbs are thin.
   const Mesh other = Body(3, Eigen::AngleAxisd(0.4, Vector3d(3, 1, 2).normalized()).toRotationMatrix());
   const Eigen::AngleAxisd turns[] = {{M_PI, Vector3d::UnitX()},
                                      {M_PI, Vector3d(1, 2, -1).normalized()},
@@ -142,7 +141,7 @@ TEST(RegisterAuto, FindsAnyTurnAndSizeWithoutLandmarks) {
     truth.rotation = turns[k].toRotationMatrix();
     truth.scale = scales[k];
     truth.translation = truth.scale * Vector3d(7, -20, 3);
-    const Mesh& target = k < 3 ? source : other;
+    const Mesh source = Body(k < 3 ? 2 : 3), target = k < 3 ? source : other;
     const AutoResult result = RegisterAuto(source, WithPoints(target, Transformed(truth, target.points)), {}, {}, {});
     const PointsX3 expected = Transformed(truth, source.points);
     EXPECT_LT(Errors(result.points, expected).mean(), k < 3 ? 5e-4 : 0.01) << "turn " << k;
@@ -272,12 +271,12 @@ TEST(RegisterAuto, ALooseBallFollowsWithoutChangingShape) {
   const PointsX3 found = result.points.bottomRows(ball.vertex_count());
   PointsX3 centre(1, 3);
   centre << kRadius, 0, 1.5;
-  EXPECT_LT((found.colwise().mean() - Bent(centre, angle)).norm() / BoundingDiagonal(truth), 0.01);
+  EXPECT_LT((found.colwise().mean() - Bent(centre, angle)).norm() / BoundingDiagonal(truth), 0.003);
   const Similarity3 motion = FitSimilarity(ball.points, found);
   EXPECT_LT((Transformed(motion, ball.points) - found).rowwise().norm().maxCoeff(), 0.01 * size);
   EXPECT_NEAR(motion.scale, 1, 0.1);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle * 1.5 / kLength, Vector3d::UnitY()).toRotationMatrix();
-  EXPECT_LT(Eigen::AngleAxisd(motion.rotation.transpose() * turn).angle(), 0.15);
+  EXPECT_LT(Eigen::AngleAxisd(motion.rotation.transpose() * turn).angle(), 0.05);
   for (int v = tube.vertex_count(); v < source.vertex_count(); ++v)
     EXPECT_LT((result.transforms[v] - motion.scale * motion.rotation).norm(), 1e-6);
 }
@@ -356,7 +355,7 @@ TEST(RegisterAuto, SilentDuplicatesAndStrayVerticesDoNoHarm) {
   source.faces.row(faces + 1) << 5, 5, 6;          // without area
   const AutoResult result = RegisterAuto(source, target, Every(kGoalStride, truth), {}, {});
   EXPECT_TRUE(result.points.allFinite());
-  EXPECT_LT(Errors(result.points.topRows(n), truth).mean(), 0.005);
+  EXPECT_LT(Errors(result.points.topRows(n), truth).mean(), 0.002);
 }
 
 TEST(RegisterAuto, BadInputThrowsAndSaysWhere) {
@@ -408,8 +407,8 @@ class Program : public testing::Test {
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("keypose_auto_test_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
-    WriteMesh(folder_ / "source.ply", Tube());
-    target_ = OtherTube();
+    WriteMesh(folder_ / "source.ply", MakeCylinder(kRadius, kLength, 12, 20));
+    target_ = MakeCylinder(kRadius, kLength, 13, 23);
     target_.points = Bent(target_.points, 1);
     WriteMesh(folder_ / "target.ply", target_);
   }
