@@ -179,6 +179,19 @@ TEST(RegisterAuto, HolesInTheTargetDoNotPull) {
   EXPECT_EQ(Inverted(source.faces, result.points, truth), 0);
 }
 
+TEST(RegisterAuto, AnOpenTemplateFollowsToo) {
+  const Mesh tube = Tube(), rest = OtherTube();
+  const Mesh source = Without(tube, tube.points, [](const RowVector3d& p) {
+    return p.z() < 0.01 || p.z() > kLength - 0.01 || (p - RowVector3d(kRadius, 0, 0.7)).norm() < 0.1;
+  });
+  ASSERT_LT(source.face_count(), tube.face_count());
+  const PointsX3 truth = Bent(source.points, 1.5);
+  const AutoResult result = RegisterAuto(source, WithPoints(rest, Bent(rest.points, 1.5)), Every(kGoalStride, truth), {}, {});
+  EXPECT_LT(Errors(result.points, truth).mean(), 0.004);
+  EXPECT_LT(Errors(result.points, truth).maxCoeff(), 0.02);
+  EXPECT_EQ(Inverted(source.faces, result.points, truth), 0);
+}
+
 TEST(RegisterAuto, ACroppedTargetDoesNotSquashWhatIsLeft) {
   const Mesh source = Tube(), rest = OtherTube();
   const PointsX3 truth = Bent(source.points, 1.5);
