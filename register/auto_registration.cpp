@@ -91,7 +91,8 @@ class AutoRegistration {
     std::vector<Eigen::Matrix3d> maps;
     std::vector<LandmarkCoordinates::Match> matches[2];  // of the coarse and the middle level
     double rigidity = kRigid;
-    double scale = 1;  // of the rest shape
+    double scale = 1;                        // of the rest shape
+    const PointsX3* match_points = nullptr;  // what matches point into
   };
 
   void Align();
@@ -104,7 +105,7 @@ class AutoRegistration {
   void Compete(Start start, StartTrial trial);
   void Reset(Level& level);
   void SetRestScale(double scale);
-  SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before);
+  SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before, const PointsX3* match_points);
   void Finish();
   Level& coarse() { return (*levels_)[levels_->count() - 1]; }
   PointsX3 Back(const PointsX3& points) const { return (points * unit_).rowwise() + origin_; }
@@ -126,7 +127,7 @@ class AutoRegistration {
   int middle_ = 0;
   double rest_scale_ = 1;
   PointsX3 goal_points_;   // the target's, normalised
-  PointsX3 match_points_;  // what matches point into, normalised
+  PointsX3 proxy_points_;  // of the target, normalised: what matches by distance point into
   std::vector<LandmarkCoordinates::Match> distance_matches_[2];
   std::optional<Start> best_;
   AutoResult result_;
@@ -187,7 +188,7 @@ void AutoRegistration::MeasureDistances() {
   }
   const Level& level = (*levels_)[at];
   const LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
-  match_points_ = proxy.points;
+  proxy_points_ = proxy.points;
   std::vector<int> index(source_.vertex_count(), -1);
   for (std::size_t k = 0; k < level.fine.size(); ++k) index[level.fine[k]] = static_cast<int>(k);
   const int levels[2] = {levels_->count() - 1, middle_};
@@ -218,7 +219,7 @@ void AutoRegistration::Compete(Start start, StartTrial trial) {
   level.fit->SetRigidity(start.rigidity);
   SetRestScale(start.scale);
   level.matches = start.matches[0];
-  const SurfaceGap gap = RunRounds(levels_->count() - 1, kCoarse, 0);
+  const SurfaceGap gap = RunRounds(levels_->count() - 1, kCoarse, 0, start.match_points);
   trial.gap = (gap.forward + gap.backward) / 4;
   trial.strain = level.fit->Strain(level.moved).dot(level.fit->vertex_areas()) / level.fit->vertex_areas().sum();
   trial.score = trial.gap + 0.02 * trial.strain + 0.02 * gap.rejected;
@@ -237,10 +238,11 @@ void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
   Reset(level);
   Start start;
   start.rigidity = rigidity;
+  start.match_points = &proxy_points_;
   if (!goals_.empty()) FitToLandmarks(level, options_.landmark_weight);
   if (!distance_matches_[0].empty()) {
     level.matches = distance_matches_[0];
-    FitToMatches(level, match_points_, options_.landmark_weight);
+    FitToMatches(level, proxy_points_, options_.landmark_weight);
     for (int k = 0; k < 2; ++k) start.matches[k] = distance_matches_[k];
   }
   start.moved = level.moved;
@@ -261,14 +263,14 @@ void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name)
   }
   Start start;
   start.rigidity = rigidity;
-  match_points_ = goal_points_;
+  start.match_points = &goal_points_;
   const int levels[2] = {levels_->count() - 1, middle_};
   for (int k = 0; k < 2; ++k)
     for (int v : (*levels_)[levels[k]].fine) start.matches[k].push_back({suggestion.dense[v], 0.2 * (1 - suggestion.confidence[v])});
   Level& level = coarse();
   Reset(level);
   level.matches = start.matches[0];
-  FitToMatches(level, match_points_, options_.landmark_weight);
+  FitToMatches(level, goal_points_, options_.landmark_weight);
   start.moved = level.moved;
   start.maps = level.fit->maps();
   Compete(std::move(start), std::move(trial));
@@ -306,7 +308,7 @@ void AutoRegistration::TryStarts() {
     TryIntrinsicMap(kSofter, "intrinsic map, softer");
 }
 
-SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before) {
+SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before, const PointsX3* match_points) {
   Level& level = (*levels_)[at];
   SurfaceGap gap;
   for (int k = 0; k < schedule.rounds; ++k) {
@@ -317,9 +319,9 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
     terms.stiffness = Between(schedule.from, schedule.to, own);
     terms.robust = Between(kRobustFirst, kRobustLast, all);
     terms.landmarks = Between(options_.landmark_weight, options_.landmark_weight_end, all);
-    terms.matches = level.matches.empty() ? 0 : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
+    terms.matches = level.matches.empty() || !match_points ? 0 : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
     terms.turns = schedule.turns;
-    for (int i = 0; i < schedule.searches; ++i) gap = FitToSurface(level, *surface_, match_points_, terms);
+    for (int i = 0; i < schedule.searches; ++i) gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms);
     // Noise and ragged holes make areas, and with them the first scale, a little wrong.
     if (level.fit->rigid()) SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
     Step(progress_, 0.6 + 0.2 * all, "bending");
@@ -336,13 +338,13 @@ void AutoRegistration::Finish() {
   Level& level = (*levels_)[middle_];
   level.matches = best_->matches[middle_ == last ? 0 : 1];
   level.fit->SetRigidity(best_->rigidity);
-  SurfaceGap gap = RunRounds(middle_, kMiddle, kCoarse.rounds);
+  SurfaceGap gap = RunRounds(middle_, kMiddle, kCoarse.rounds, best_->match_points);
   result_.softened = best_->rigidity < kRigid || (gap.forward + gap.backward) / 4 > options_.good_fit;
   if (result_.softened) {
     level.fit->SetRigidity(kSoft);
-    gap = RunRounds(middle_, kSoftened, kCoarse.rounds + kMiddle.rounds);
+    gap = RunRounds(middle_, kSoftened, kCoarse.rounds + kMiddle.rounds, best_->match_points);
   } else {
-    gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds);
+    gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds, best_->match_points);
   }
   FitTerms terms;
   terms.stiffness = result_.softened ? kSoftened.to : kMiddle.to;
@@ -353,7 +355,7 @@ void AutoRegistration::Finish() {
     Level& finer = (*levels_)[l];
     if (result_.softened) finer.fit->SetRigidity(kSoft);
     const int searches = finer.rest.rows() > kLargeLevel ? 2 : 6;
-    for (int k = 0; k < searches; ++k) gap = FitToSurface(finer, *surface_, match_points_, terms);
+    for (int k = 0; k < searches; ++k) gap = FitToSurface(finer, *surface_, goal_points_, terms);
     Step(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
   }
   result_.gap = (gap.forward + gap.backward) / 4;
