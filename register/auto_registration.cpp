@@ -22,7 +22,7 @@ constexpr int kFewestForDistances = 4;        // landmarks that tell places apar
 constexpr double kMiddleOfCoarse = 0.5;       // a level counts as middle from this share of middle_vertices on
 constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
 constexpr double kRigid = 1e300;
-constexpr double kHopeless = 1.5;    // times poor_fit: not even a softer shape came close
+constexpr double kHopeless = 1.3;    // times poor_fit: not even a softer shape came close
 constexpr double kOpenShare = 0.06;  // boundary loops, closed by discs, over the area: more is an open surface
 constexpr int kLargeLevel = 30000;   // vertices from which on a level gets two searches in place of six
 
