@@ -1,7 +1,7 @@
 // Ease curves: share of a span's time -> share of its way.
 #pragma once
 
-#include "core/io/timeline.h"
+#include "core/timeline.h"
 
 namespace keypose::interpolation {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/timeline.h"
 #include "core/mesh.h"
+#include "core/timeline.h"
 #include "interpolate/spline.h"
 #include "interpolate/timeline.h"
 #include "interpolate/turns.h"

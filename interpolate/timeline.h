@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/timeline.h"
+#include "core/timeline.h"
 
 namespace keypose::interpolation {
 

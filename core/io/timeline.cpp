@@ -309,12 +309,6 @@ std::optional<Ease> EaseNamed(const std::string& name) {
   return at == kNamed.end() ? std::nullopt : std::optional<Ease>(at->second);
 }
 
-const TimelineRegion* Timeline::FindRegion(const std::string& name) const {
-  for (const TimelineRegion& region : regions)
-    if (region.name == name) return &region;
-  return nullptr;
-}
-
 Timeline ParseTimeline(const std::string& text, const std::string& source) {
   const json root = json::parse(text, nullptr, false);
   if (root.is_discarded() || !root.is_object())

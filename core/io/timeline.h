@@ -1,95 +1,16 @@
-// The timeline: which pose when, how the way between them is taken, and what must hold on the way.
+// Reads timelines.
 #pragma once
 
-#include <Eigen/Core>
-#include <map>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/errors.h"
+#include "core/timeline.h"
 
 namespace keypose {
 
-/// How a span (from one key to the next) is travelled.
-enum class Travel {
-  kStepped,  ///< the first key stands until the second
-  kLinear,   ///< at even pace; the pace jumps at keys
-  kSmooth    ///< the pace does not jump at keys (C1)
-};
-
-/// A CSS cubic-bezier(x1, y1, x2, y2): share of the time -> share of the way. Even pace as it stands.
-struct Ease {
-  double x1 = 0, y1 = 0, x2 = 1, y2 = 1;
-  bool even() const { return x1 == y1 && x2 == y2; }
-  bool operator==(const Ease&) const = default;
-};
-
 /// `from` names of an Ease: linear, ease, in, out, in-out (the curves that CSS gives these names).
 std::optional<Ease> EaseNamed(const std::string& name);
-
-/// Whole turns of a region beyond its shortest way.
-struct TimelineTurn {
-  int turns = 0;                                   ///< right-handed about the axis
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the first key of the span; zero: the axis of the region's own turn
-  bool operator==(const TimelineTurn&) const = default;
-};
-
-/// A key, and the span that begins with it.
-struct TimelineKey {
-  std::string pose;                           ///< for messages; may be empty
-  std::optional<double> time_s;               ///< all keys have one, or none
-  double hold_s = 0;                          ///< the key stands so long before its span begins
-  Travel travel = Travel::kSmooth;            ///< of the span
-  Ease ease;                                  ///< of the span
-  int step = 1;                               ///< frames that each picture of the span stands; 2 is 'on twos'
-  std::map<std::string, TimelineTurn> turns;  ///< of the span, by region
-};
-
-/// Vertices of all keys, by number or as those of the first key within a ball.
-struct TimelineRegion {
-  std::string name;
-  std::vector<int> vertices;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  double radius = 0;  ///< 0 when `vertices` are given
-};
-
-/// A region that stays on the straight way between its places in the keys: where both are the same, it does not move.
-struct TimelinePin {
-  std::string region;
-  std::optional<double> from_s, to_s;  ///< on the timeline's clock; the whole timeline unless said
-};
-
-/// A region's centroid passes given places between keys.
-struct TimelineTrajectory {
-  struct Point {
-    double time_s = 0;
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();
-  };
-  std::string region;
-  std::vector<Point> points;  ///< rising times
-};
-
-/// Volume over what the keys give, at a time; 1 at the keys.
-struct TimelineVolume {
-  double time_s = 0, ratio = 1;
-};
-
-struct Timeline {
-  double fps = 24;
-  bool loop = false;                   ///< the last key is the first pose again, and the pace does not jump at the seam
-  bool overshoot = false;              ///< smooth spans may swing beyond a key (rounder paths); else extremes lie at keys
-  std::optional<double> table_height;  ///< nothing sinks below this z
-  std::optional<bool> keep_volume;     ///< volume follows the keys'; the stage's option decides unless said
-  std::vector<TimelineVolume> volume;  ///< squash and stretch, by the artist
-  std::vector<TimelineRegion> regions;
-  std::vector<TimelinePin> pins;
-  std::vector<TimelineTrajectory> trajectories;
-  std::vector<TimelineKey> keys;  ///< two or more
-
-  bool has_times() const { return !keys.empty() && keys.front().time_s.has_value(); }
-  const TimelineRegion* FindRegion(const std::string& name) const;
-};
 
 /// What is wrong with a timeline, and at which of its keys; -1 when it is not about a key.
 struct TimelineError : InputError {
