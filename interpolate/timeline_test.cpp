@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/io/timeline.h"
 #include "core/testing_shapes.h"
 #include "interpolate/easing.h"
 #include "interpolate/rules.h"
