@@ -120,7 +120,6 @@ class AutoRegistration {
   Similarity3 place_;
   Eigen::RowVector3d origin_ = Eigen::RowVector3d::Zero();
   double unit_ = 1;
-  bool open_target_ = false;
   std::vector<LandmarkGoal> goals_;  // landmarks in the normalised frame
   std::optional<SurfacePull> surface_;
   std::optional<Levels> levels_;
@@ -129,6 +128,7 @@ class AutoRegistration {
   PointsX3 goal_points_;   // the target's, normalised
   PointsX3 proxy_points_;  // of the target, normalised: what matches by distance point into
   std::vector<LandmarkCoordinates::Match> distance_matches_[2];
+  std::optional<Suggestion> suggestion_;  // found once, for all starts that use it
   std::optional<Start> best_;
   AutoResult result_;
 };
@@ -138,8 +138,7 @@ void AutoRegistration::Align() {
   place_ = result_.alignment.target_from_source;
   double filled_source = 0, filled_target = 0;
   const double areas = WholeArea(target_, filled_target) / WholeArea(source_, filled_source);
-  open_target_ = filled_target > kOpenShare;
-  if (open_target_ && landmarks_.size() >= 3) return;
+  if (filled_target > kOpenShare && landmarks_.size() >= 3) return;
   // Folded limbs bring landmarks together and make Procrustes shrink the source; areas stay.
   const PointsX3 pivots = landmarks_.empty() ? source_.points : MarkPositions(landmarks_, &source_.points);
   const Eigen::Vector3d pivot = pivots.colwise().mean().transpose();
@@ -251,7 +250,8 @@ void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
 }
 
 void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name) {
-  const Suggestion suggestion = SuggestLandmarks(source_, target_, landmarks_, {});
+  if (!suggestion_) suggestion_ = SuggestLandmarks(source_, target_, landmarks_, {});
+  const Suggestion& suggestion = *suggestion_;
   StartTrial trial{.name = name, .words = suggestion.explanation};
   int known = 0;
   for (int v : suggestion.dense) known += v >= 0;

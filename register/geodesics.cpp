@@ -149,16 +149,7 @@ GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways 
     }
 }
 
-Eigen::VectorXd GeodesicGraph::From(const std::vector<int>& sources, std::vector<int>* nearest) const {
-  Eigen::VectorXd distance = Eigen::VectorXd::Constant(size(), std::numeric_limits<double>::infinity());
-  if (nearest) nearest->assign(static_cast<std::size_t>(size()), -1);
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (std::size_t s = 0; s < sources.size(); ++s) {
-    distance[sources[s]] = 0;
-    if (nearest) (*nearest)[static_cast<std::size_t>(sources[s])] = static_cast<int>(s);
-    queue.emplace(0.0, sources[s]);
-  }
+void GeodesicGraph::Spread(Queue& queue, Eigen::VectorXd& distance, std::vector<int>* nearest) const {
   while (!queue.empty()) {
     const auto [d, v] = queue.top();
     queue.pop();
@@ -172,6 +163,18 @@ Eigen::VectorXd GeodesicGraph::From(const std::vector<int>& sources, std::vector
       queue.emplace(through, w);
     }
   }
+}
+
+Eigen::VectorXd GeodesicGraph::From(const std::vector<int>& sources, std::vector<int>* nearest) const {
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(size(), std::numeric_limits<double>::infinity());
+  if (nearest) nearest->assign(static_cast<std::size_t>(size()), -1);
+  Queue queue;
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    distance[sources[s]] = 0;
+    if (nearest) (*nearest)[static_cast<std::size_t>(sources[s])] = static_cast<int>(s);
+    queue.emplace(0.0, sources[s]);
+  }
+  Spread(queue, distance, nearest);
   return distance;
 }
 
@@ -195,22 +198,10 @@ std::vector<int> GeodesicGraph::FarthestPoints(int count, std::vector<int> given
     if (!(distance.maxCoeff(&farthest) > 0)) break;
     given.push_back(static_cast<int>(farthest));
     // Only what lies nearer to the new point than to all others can change, so the search stops there.
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    Queue queue;
     distance[farthest] = 0;
     queue.emplace(0.0, static_cast<int>(farthest));
-    while (!queue.empty()) {
-      const auto [d, v] = queue.top();
-      queue.pop();
-      if (d > distance[v]) continue;
-      for (int k = offset_[static_cast<std::size_t>(v)]; k < offset_[static_cast<std::size_t>(v) + 1]; ++k) {
-        const int w = to_[static_cast<std::size_t>(k)];
-        const double through = d + length_[static_cast<std::size_t>(k)];
-        if (!(through < distance[w])) continue;
-        distance[w] = through;
-        queue.emplace(through, w);
-      }
-    }
+    Spread(queue, distance, nullptr);
   }
   return given;
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <queue>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,11 @@ class GeodesicGraph {
   const std::vector<std::vector<int>>& neighbors() const { return neighbors_; }
 
  private:
+  using Entry = std::pair<double, int>;  // distance, vertex
+  using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
+  /// Dijkstra's search from what is queued; lowers `distance`, and where given takes over the index of the nearest source.
+  void Spread(Queue& queue, Eigen::VectorXd& distance, std::vector<int>* nearest) const;
+
   std::vector<int> offset_, to_;
   std::vector<double> length_;
   std::vector<std::vector<int>> neighbors_;
