@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "interpolate/differential_turns.h"
 #include "interpolate/face_crossings.h"
+#include "interpolate/key_pair.h"
 #include "interpolate/loose_parts.h"
 #include "interpolate/pair_paths.h"
 #include "interpolate/turning_field.h"
@@ -25,18 +26,6 @@ constexpr double kAtKey = 1e-12;  // of the diagonal: constraints that ask for n
 /// Whether `a` comes first in the order that decides which key the computation starts from.
 bool Before(const PointsX3& a, const PointsX3& b) {
   return !std::lexicographical_compare(b.data(), b.data() + b.size(), a.data(), a.data() + a.size());
-}
-
-void RequireKeys(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
-  if (v.rows() != u.rows())
-    throw InputError("interpolate: the keys have " + std::to_string(v.rows()) + " and " + std::to_string(u.rows()) +
-                     " vertices; register all poses from one template first");
-  Mesh mesh;
-  mesh.faces = faces;
-  mesh.points = v;
-  RequireUsable(mesh, "interpolate: first key");
-  mesh.points = u;
-  RequireUsable(mesh, "interpolate: second key");
 }
 
 KeyRefs EnergyKeys(const PointsX3& v, const PointsX3& u, bool symmetric) { return symmetric ? KeyRefs{v, u} : KeyRefs{v}; }

@@ -12,6 +12,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "interpolate/face_maps.h"
+#include "interpolate/key_pair.h"
 
 namespace keypose::interpolation {
 
@@ -97,15 +98,7 @@ struct PaperInterpolator::Impl {
 };
 
 PaperInterpolator::PaperInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces) : impl_(std::make_unique<Impl>()) {
-  if (v.rows() != u.rows())
-    throw InputError("interpolate: the keys have " + std::to_string(v.rows()) + " and " + std::to_string(u.rows()) +
-                     " vertices; register all poses from one template first");
-  Mesh mesh;
-  mesh.faces = faces;
-  mesh.points = v;
-  RequireUsable(mesh, "interpolate: first key");
-  mesh.points = u;
-  RequireUsable(mesh, "interpolate: second key");
+  RequireKeys(v, u, faces);
   impl_->v = v;
   impl_->u = u;
   impl_->MakeCells(faces);

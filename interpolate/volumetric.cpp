@@ -17,6 +17,7 @@
 #include "interpolate/face_maps.h"
 #include "interpolate/graph_turns.h"
 #include "interpolate/key_choice.h"
+#include "interpolate/key_pair.h"
 #include "interpolate/place_inside.h"
 #include "interpolate/tet_maps.h"
 #include "interpolate/tet_paths.h"
@@ -439,15 +440,7 @@ struct VolumetricInterpolator::Impl {
 
 VolumetricInterpolator::VolumetricInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces,
                                                const VolumetricOptions& options) {
-  if (v.rows() != u.rows())
-    throw InputError("interpolate: the keys have " + std::to_string(v.rows()) + " and " + std::to_string(u.rows()) +
-                     " vertices; register all poses from one template first");
-  Mesh mesh;
-  mesh.faces = faces;
-  mesh.points = v;
-  RequireUsable(mesh, "interpolate: first key");
-  mesh.points = u;
-  RequireUsable(mesh, "interpolate: second key");
+  RequireKeys(v, u, faces);
   impl_ = std::make_unique<Impl>(v, u, faces, options);
 }
 
