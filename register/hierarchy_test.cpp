@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/geometry.h"
+#include "core/parallel.h"
 #include "core/testing_shapes.h"
 #include "register/landmark_coordinates.h"
 #include "register/levels.h"
@@ -53,6 +54,22 @@ void ExpectWellFormed(const Mesh& mesh, const std::vector<CoarseLevel>& levels) 
   }
 }
 
+/// Unit squares in the plane z = 0, n x n, each cut in two.
+Mesh MakePlate(int n) {
+  Mesh plate;
+  plate.points.resize((n + 1) * (n + 1), 3);
+  plate.faces.resize(2 * n * n, 3);
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) plate.points.row(y * (n + 1) + x) << x, y, 0;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const int a = y * (n + 1) + x, f = 2 * (y * n + x);
+      plate.faces.row(f) << a, a + 1, a + n + 2;
+      plate.faces.row(f + 1) << a, a + n + 2, a + n + 1;
+    }
+  return plate;
+}
+
 TEST(MakeHierarchy, ClosedStaysClosedAndKeepsItsSize) {
   const Mesh tube = MakeCylinder(0.3, 2, 40, 60);
   const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, {1200, 400, 100});
@@ -67,6 +84,59 @@ TEST(MakeHierarchy, ClosedStaysClosedAndKeepsItsSize) {
     EXPECT_EQ(report.components, 1);
     EXPECT_NEAR(report.volume, CheckClosed(tube).volume, (l == 2 ? 0.1 : 0.03) * CheckClosed(tube).volume);
   }
+}
+
+TEST(MakeHierarchy, LargeMeshesAreThinnedInRounds) {
+  const Mesh tube = MakeCylinder(0.3, 2, 220, 250);
+  ASSERT_GT(tube.vertex_count(), 50000);
+  const std::vector<int> counts = {35000, 9000, 1000};
+  SetThreadCount(1);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, counts);
+  SetThreadCount(2);
+  const std::vector<CoarseLevel> again = MakeHierarchy(tube.points, tube.faces, counts);
+  SetThreadCount(0);
+  ASSERT_EQ(levels.size(), counts.size());
+  ExpectWellFormed(tube, levels);
+  const double volume = CheckClosed(tube).volume;
+  for (std::size_t l = 0; l < counts.size(); ++l) {
+    EXPECT_EQ(levels[l].points.rows(), counts[l]);
+    const ClosedReport report = CheckClosed(AsMesh(levels[l]));
+    EXPECT_TRUE(report.closed());
+    EXPECT_EQ(report.euler, 2);
+    EXPECT_NEAR(report.volume, volume, (l == 2 ? 0.01 : 0.001) * volume);
+    EXPECT_EQ(levels[l].fine, again[l].fine);
+    EXPECT_EQ(levels[l].up, again[l].up);
+    EXPECT_EQ(levels[l].faces, again[l].faces);
+  }
+}
+
+TEST(MakeHierarchy, RoundsSlideAlongABoundaryAndStopWhereNothingMayGo) {
+  const int n = 190;
+  const Mesh plate = MakePlate(n);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(plate.points, plate.faces, {24000, 2000});
+  ASSERT_EQ(levels.size(), 2u);
+  ExpectWellFormed(plate, levels);
+  for (const CoarseLevel& level : levels) {
+    const double area = SurfaceArea(level.points, level.faces);
+    EXPECT_GT(area, 0.97 * n * n);
+    EXPECT_LE(area, n * n * (1 + 1e-12));
+    const ClosedReport report = CheckClosed(AsMesh(level));
+    EXPECT_EQ(report.components, 1);
+    EXPECT_GT(report.bad_edges, 0);
+    EXPECT_LT(report.bad_edges, 4 * n);  // the boundary is thinned as well
+  }
+
+  // Tetrahedra that do not touch: nothing may go.
+  Mesh scraps;
+  const int count = 8000;
+  scraps.points.resize(4 * count, 3);
+  scraps.faces.resize(4 * count, 3);
+  for (int k = 0; k < count; ++k) {
+    scraps.points.middleRows<4>(4 * k) << 2 * k, 0, 0, 2 * k + 1, 0, 0, 2 * k, 1, 0, 2 * k, 0, 1;
+    scraps.faces.middleRows<4>(4 * k) << 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3;
+    scraps.faces.middleRows<4>(4 * k).array() += 4 * k;
+  }
+  EXPECT_TRUE(MakeHierarchy(scraps.points, scraps.faces, {31000, 1000}).empty());
 }
 
 TEST(MakeHierarchy, OpenNonManifoldAndScrapsSurvive) {
@@ -95,17 +165,7 @@ TEST(MakeHierarchy, OpenNonManifoldAndScrapsSurvive) {
 
 TEST(MakeHierarchy, APlateThinsWithoutFolds) {
   const int n = 20;
-  Mesh plate;
-  plate.points.resize((n + 1) * (n + 1), 3);
-  plate.faces.resize(2 * n * n, 3);
-  for (int y = 0; y <= n; ++y)
-    for (int x = 0; x <= n; ++x) plate.points.row(y * (n + 1) + x) << x, y, 0;
-  for (int y = 0; y < n; ++y)
-    for (int x = 0; x < n; ++x) {
-      const int a = y * (n + 1) + x, f = 2 * (y * n + x);
-      plate.faces.row(f) << a, a + 1, a + n + 2;
-      plate.faces.row(f + 1) << a, a + n + 2, a + n + 1;
-    }
+  const Mesh plate = MakePlate(n);
   const std::vector<CoarseLevel> levels = MakeHierarchy(plate.points, plate.faces, {150});
   ASSERT_EQ(levels.size(), 1u);
   ExpectWellFormed(plate, levels);
