@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 
 #include "core/errors.h"
@@ -275,6 +276,41 @@ TEST(LaplaceSpectrum, OfASphereIsThatOfTheTextbook) {
       EXPECT_NEAR(spectrum.values[k], 4 * std::acos(-1.0) * degree * (degree + 1), 0.01 * 4 * std::acos(-1.0) * 12) << "function " << k;
   const Eigen::MatrixXd gram = spectrum.functions.transpose() * spectrum.areas.asDiagonal() * spectrum.functions;
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(25, 25)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// Small whole numbers: products are exact and ties many.
+Eigen::MatrixXf WholeNumbers(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  Eigen::MatrixXf numbers(rows, columns);
+  for (Eigen::Index i = 0; i < numbers.size(); ++i) numbers.data()[i] = static_cast<float>((seed = seed * 1664525u + 1013904223u) >> 29);
+  return numbers;
+}
+
+TEST(NearestRows, AreThoseOfAllDistancesAndTheFirstOfEquals) {
+  for (const Eigen::Index rows : {1, 7, 130, 300}) {
+    const Eigen::MatrixXf a = WholeNumbers(rows, 3, 1), b = WholeNumbers(260, 3, 2);
+    const PointMaps maps = NearestRows(a, b);
+    const auto expect_nearest = [](const Eigen::MatrixXf& from, const Eigen::MatrixXf& to, const std::vector<int>& map) {
+      for (Eigen::Index i = 0; i < from.rows(); ++i) {
+        Eigen::Index nearest = 0;
+        (to.rowwise() - from.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
+        ASSERT_EQ(map[static_cast<std::size_t>(i)], nearest) << "row " << i << " of " << from.rows();
+      }
+    };
+    expect_nearest(a, b, maps.forward);
+    expect_nearest(b, a, maps.backward);
+  }
+}
+
+TEST(NearestRows, GiveRowsThatExistEvenWhereNothingIsANumber) {
+  Eigen::MatrixXf a = WholeNumbers(150, 4, 3), b = WholeNumbers(90, 4, 4);
+  a.row(140).setConstant(std::numeric_limits<float>::quiet_NaN());
+  b.row(5).setConstant(std::numeric_limits<float>::infinity());
+  for (int all = 0; all < 2; ++all) {
+    const PointMaps maps = NearestRows(a, b);
+    EXPECT_THAT(maps.forward, testing::Each(testing::AllOf(testing::Ge(0), testing::Lt(90))));
+    EXPECT_THAT(maps.backward, testing::Each(testing::AllOf(testing::Ge(0), testing::Lt(150))));
+    a.setConstant(std::numeric_limits<float>::quiet_NaN());
+  }
 }
 
 TEST(RefineMaps, ReturnsToTheIdentityFromACoarseStart) {
