@@ -5,10 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "core/errors.h"
 #include "core/geometry.h"
 #include "register/auto_fit.h"
-#include "register/parts.h"
 #include "register/skeleton.h"
 #include "register/sparse_pattern.h"
 #include "register/suggest.h"
@@ -42,16 +40,6 @@ PointsX3 MarkPositions(const std::vector<LandmarkGoal>& landmarks, const PointsX
   for (std::size_t k = 0; k < landmarks.size(); ++k)
     points.row(static_cast<Eigen::Index>(k)) = source ? PositionOf(landmarks[k].source, *source) : landmarks[k].target;
   return points;
-}
-
-/// The similarity that took a part's vertices where they are; a part of fewer than three points keeps its turn.
-Similarity3 PartMotion(const PointsX3& before, const PointsX3& after, const std::vector<int>& vertices) {
-  PointsX3 a(static_cast<Eigen::Index>(vertices.size()), 3), b = a;
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    a.row(static_cast<Eigen::Index>(k)) = before.row(vertices[k]);
-    b.row(static_cast<Eigen::Index>(k)) = after.row(vertices[k]);
-  }
-  return a.rows() < 3 || BoundingDiagonal(a) == 0 ? Similarity3{} : FitSimilarity(a, b);
 }
 
 /// Area with each boundary loop closed by a disc of its length; `filled` is those discs' share.
@@ -387,76 +375,9 @@ std::vector<std::string> AutoOptions::Problems() const {
   return problems;
 }
 
-namespace {
-
-/// The landmarks that lie on the host, with its vertex numbers.
-std::vector<LandmarkGoal> OnHost(const std::vector<LandmarkGoal>& landmarks, const std::vector<int>& host_index) {
-  std::vector<LandmarkGoal> kept;
-  for (LandmarkGoal landmark : landmarks) {
-    bool inside = true;
-    for (int k = 0; k < 3; ++k) {
-      if (landmark.source.weights[k] > 0) inside = inside && host_index[landmark.source.vertices[k]] >= 0;
-      landmark.source.vertices[k] = std::max(0, host_index[landmark.source.vertices[k]]);
-    }
-    if (inside) kept.push_back(landmark);
-  }
-  return kept;
-}
-
-void CheckInput(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks, const Eigen::VectorXd& stiffness) {
-  RequireUsable(source, "register: source");
-  RequireUsable(target, "register: target");
-  if (source.vertex_count() < 4) throw InputError("register: the source has fewer than 4 vertices; a template needs a surface");
-  if (!(SurfaceArea(source.points, source.faces) > 0) || !(SurfaceArea(target.points, target.faces) > 0))
-    throw InputError("register: a mesh has no area");
-  if (stiffness.size() != 0 && stiffness.size() != source.vertex_count())
-    throw InputError("register: stiffness has " + std::to_string(stiffness.size()) + " values, but the source has " +
-                     std::to_string(source.vertex_count()) + " vertices");
-  if (!(stiffness.array() > 0).all() || !stiffness.allFinite())
-    throw InputError("register: stiffness must be a number above 0 at every vertex");
-  for (const LandmarkGoal& l : landmarks) {
-    for (int v : l.source.vertices)
-      if (v < 0 || v >= source.vertex_count())
-        throw InputError("register: landmark '" + l.name + "' is on vertex " + std::to_string(v) + ", but the source has " +
-                         std::to_string(source.vertex_count()) + " vertices; pick it again on this source");
-    if (!l.target.allFinite() || !l.source.weights.allFinite())
-      throw InputError("register: landmark '" + l.name + "' is not finite; pick it again");
-  }
-}
-
-/// Small separate pieces take the motion of what they sit on, then their own landmarks or counterparts.
-AutoResult WithLooseParts(const Mesh& source, const LooseParts& parts, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
-                          const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress) {
-  const LooseParts target_parts = FindLooseParts(target);
-  std::vector<int> host_index(source.vertex_count(), -1);
-  for (std::size_t k = 0; k < parts.host_vertices.size(); ++k) host_index[parts.host_vertices[k]] = static_cast<int>(k);
-  const Mesh host = HostOf(source, parts), target_host = target_parts.empty() ? target : HostOf(target, target_parts);
-  Eigen::VectorXd host_stiffness(stiffness.size() == 0 ? 0 : host.vertex_count());
-  for (Eigen::Index k = 0; k < host_stiffness.size(); ++k) host_stiffness[k] = stiffness[parts.host_vertices[k]];
-  AutoResult result = AutoRegistration(host, target_host, OnHost(landmarks, host_index), host_stiffness, options, progress).Run();
-  const std::vector<Eigen::Matrix3d> of_host = std::move(result.transforms);
-  const PointsX3 moved = MoveLoosePartsWithHost(source, parts, result.points);
-  result.points = RefineLooseParts(source, parts, moved, target, target_parts, landmarks).points;
-  result.transforms.assign(source.vertex_count(), Eigen::Matrix3d::Identity());
-  for (std::size_t k = 0; k < parts.host_vertices.size(); ++k) result.transforms[parts.host_vertices[k]] = of_host[k];
-  for (const LoosePart& part : parts.parts) {
-    const Similarity3 motion = PartMotion(source.points, result.points, part.vertices);
-    for (int v : part.vertices) result.transforms[v] = motion.scale * motion.rotation;
-  }
-  result.loose_parts = static_cast<int>(parts.parts.size());
-  return result;
-}
-
-}  // namespace
-
-AutoResult RegisterAuto(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
-                        const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress) {
-  CheckInput(source, target, landmarks, stiffness);
-  const LooseParts parts = FindLooseParts(source);
-  AutoResult result = parts.empty() ? AutoRegistration(source, target, landmarks, stiffness, options, progress).Run()
-                                    : WithLooseParts(source, parts, target, landmarks, stiffness, options, progress);
-  if (!result.points.allFinite()) throw SolverError("register: the result is not finite; the meshes may be degenerate");
-  return result;
+AutoResult RegisterSurface(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
+                           const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress) {
+  return AutoRegistration(source, target, landmarks, stiffness, options, progress).Run();
 }
 
 }  // namespace keypose::registration

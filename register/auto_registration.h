@@ -12,15 +12,15 @@
 namespace keypose::registration {
 
 struct AutoOptions {
-  int coarse_vertices = 500;        ///< level on which starts are tried
-  int middle_vertices = 1700;       ///< level on which the surface is found
-  double landmark_weight = 50;      ///< pull of a landmark at first, in units of the shape term
-  double landmark_weight_end = 5;   ///< and at the end: picks carry noise
-  double smoothing = 0.02;          ///< maps vary little over less than this, over the diagonal
-  double good_fit = 0.00065;        ///< stay rigid where the surfaces are this close while the shape is still stiff, over the diagonal
+  int coarse_vertices = 500;       ///< level on which starts are tried
+  int middle_vertices = 1700;      ///< level on which the surface is found
+  double landmark_weight = 50;     ///< pull of a landmark at first, in units of the shape term
+  double landmark_weight_end = 5;  ///< and at the end: picks carry noise
+  double smoothing = 0.02;         ///< maps vary little over less than this, over the diagonal
+  double good_fit = 0.00065;       ///< stay rigid where the surfaces are this close while the shape is still stiff, over the diagonal
   double poor_fit = 0.002;         ///< try another start when they are further apart than this
-  bool suggest = true;              ///< with fewer than four landmarks, also start from a map found by intrinsic geometry
-  bool skeleton = true;             ///< also start from curve skeletons when all other starts are poor
+  bool suggest = true;             ///< with fewer than four landmarks, also start from a map found by intrinsic geometry
+  bool skeleton = true;            ///< also start from curve skeletons when all other starts are poor
 
   /// One sentence per fault, naming field, value and range; empty when valid.
   std::vector<std::string> Problems() const;
@@ -29,9 +29,9 @@ struct AutoOptions {
 /// One way to begin, and how it did on the coarse level.
 struct StartTrial {
   std::string name = {};   ///< "landmarks", "landmarks, softer", "intrinsic map", "skeleton", ...
-  double gap = 0;     ///< between the surfaces, both ways, over the diagonal
-  double strain = 0;  ///< mean of the squared strain
-  double score = 0;   ///< smaller is better
+  double gap = 0;          ///< between the surfaces, both ways, over the diagonal
+  double strain = 0;       ///< mean of the squared strain
+  double score = 0;        ///< smaller is better
   std::string words = {};  ///< what the start has to say of itself, or why it could not be made
 };
 
@@ -44,9 +44,10 @@ struct AutoResult {
   int chosen = 0;                  ///< of starts
   bool softened = false;           ///< the shape had to give way to reach the surface
   int levels = 1;
-  int loose_parts = 0;  ///< moved with what they sit on
-  double gap = 0;       ///< at the end, as in StartTrial
-  double scale = 1;     ///< of the template in the pose
+  int loose_parts = 0;    ///< moved with what they sit on
+  int seam_vertices = 0;  ///< of the source, doubles of others, moved as one with those
+  double gap = 0;         ///< at the end, as in StartTrial
+  double scale = 1;       ///< of the template in the pose
 };
 
 /// The source bent onto the target, with landmarks or without, however far limbs have turned.
@@ -56,6 +57,8 @@ struct AutoResult {
 /// few landmarks an intrinsic map is found; softer shape and curve skeletons follow when the fit is poor. 3. The surfaces pull at each
 /// other by point-to-plane distances with robust weights while stiffness falls; where rigid parts cannot explain the pose, maps become
 /// smoothly affine. 4. Finer levels follow. Separate small parts move with what they sit on.
+///
+/// Seams, where vertices are doubled for texture coordinates, are closed for the fit in both meshes: all doubles move as one.
 ///
 /// @param source     V >= 4 vertices; open, closed, several parts, all allowed
 /// @param target     any usable mesh; open boundaries do not pull
@@ -67,5 +70,9 @@ struct AutoResult {
 /// Cost: near-linear. Same bits for any thread count. See docs/stages/register.md.
 AutoResult RegisterAuto(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
                         const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress = nullptr);
+
+/// The part of RegisterAuto that bends: one surface without seams or loose parts, and inputs that were checked.
+AutoResult RegisterSurface(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
+                           const Eigen::VectorXd& stiffness, const AutoOptions& options, Progress* progress);
 
 }  // namespace keypose::registration

@@ -17,6 +17,7 @@
 #include "register/picture.h"
 #include "register/quality.h"
 #include "register/stiffness_map.h"
+#include "register/welding.h"
 
 namespace keypose::registration {
 namespace {
@@ -180,6 +181,7 @@ void ReportAuto(StageContext& stage, const AutoResult& result) {
   stage.Report("softened", result.softened);
   stage.Report("levels", result.levels);
   stage.Report("loose_parts", result.loose_parts);
+  stage.Report("seam_vertices", result.seam_vertices);
   stage.Report("gap_over_diag", result.gap);
   std::string words = "start '" + chosen.name + "' chosen";
   if (result.starts.size() > 1)
@@ -247,12 +249,22 @@ void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& option
                        " faces are flipped, more than max_flipped_share allows; add landmarks where the pose differs most");
 }
 
+/// Vertices keep their numbers. Judged with its seams, a mesh would meet itself at each, and no distance along it would cross one.
+Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
+  const Seams seams = FindSeams(mesh);
+  mesh.faces = WeldedFaces(mesh.faces, seams);
+  for (LandmarkGoal& landmark : landmarks)
+    for (int& v : landmark.source.vertices) v = seams.empty() ? v : seams.one[v];
+  return mesh;
+}
+
 void Run(StageContext& stage, const RegisterOptions& options) {
   const Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(source, stage.Input("source").string());
   RequireUsable(target, stage.Input("target").string());
-  const CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
+  CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
+  const Mesh whole = WithoutSeams(source, landmarks.goals);
   const Eigen::VectorXd stiffness = LoadStiffness(stage, source.vertex_count());
   SubProgress bending(stage.progress(), 0.0, 0.9);
   Mesh registered = source;
@@ -270,8 +282,8 @@ void Run(StageContext& stage, const RegisterOptions& options) {
     transforms = std::move(result.transforms);
   }
   ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
-  const RegistrationQuality quality = ReportQuality(stage, source, registered.points, target);
-  ReportAdvice(stage, source, registered.points, target, landmarks.goals);
+  const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target);
+  ReportAdvice(stage, whole, registered.points, target, landmarks.goals);
   Gate(quality, source.face_count(), options);
   if (const auto path = stage.Output("correspondence"); !path.empty())
     WriteFile(path, CorrespondenceText(registered.points, source.faces, target));

@@ -1,0 +1,171 @@
+// What real inputs have and clean ones lack, against known truth: seams, parts that must not bend, targets that are not all there.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/testing_shapes.h"
+#include "register/auto_registration.h"
+#include "register/quality.h"
+#include "register/welding.h"
+
+namespace keypose::registration {
+namespace {
+
+using Eigen::RowVector3d;
+using Eigen::Vector3d;
+
+constexpr double kRadius = 0.12, kLength = 2;
+constexpr int kGoalStride = 63;
+Mesh Tube() { return MakeCylinder(kRadius, kLength, 20, 40); }
+Mesh OtherTube() { return MakeCylinder(kRadius, kLength, 23, 47); }
+
+/// Bends a tube along z through `angle` over its length, about an axis beside it.
+PointsX3 Bent(const PointsX3& points, double angle) {
+  PointsX3 bent = points;
+  const double radius = kLength / angle;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double a = points(i, 2) / radius, r = radius - points(i, 0);
+    bent.row(i) << radius - r * std::cos(a), points(i, 1), r * std::sin(a);
+  }
+  return bent;
+}
+
+std::vector<LandmarkGoal> Every(int stride, const PointsX3& truth) {
+  std::vector<LandmarkGoal> goals;
+  for (int v = 0; v < truth.rows(); v += stride) {
+    LandmarkGoal goal;
+    goal.name = std::to_string(v);
+    goal.source.vertices.setConstant(v);
+    goal.target = truth.row(v);
+    goals.push_back(goal);
+  }
+  return goals;
+}
+
+/// The mesh cut open wherever faces of different charts meet: each chart after the first gets vertices of its own, appended.
+/// @param origin  becomes for each vertex the one it was
+template <class ChartOf>
+Mesh CutAtCharts(const Mesh& mesh, const ChartOf& chart_of, std::vector<int>& origin) {
+  Mesh cut = mesh;
+  origin.resize(mesh.vertex_count());
+  std::iota(origin.begin(), origin.end(), 0);
+  std::map<std::pair<int, int>, int> own;  // vertex and chart -> vertex
+  std::vector<int> first(mesh.vertex_count(), -1);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::RowVector3i face = mesh.faces.row(f);
+    const int chart = chart_of(f, RowVector3d((mesh.points.row(face[0]) + mesh.points.row(face[1]) + mesh.points.row(face[2])) / 3));
+    for (int k = 0; k < 3; ++k) {
+      if (first[face[k]] < 0) first[face[k]] = chart;
+      if (first[face[k]] == chart) continue;
+      const auto [at, is_new] = own.try_emplace({face[k], chart}, static_cast<int>(origin.size()));
+      if (is_new) origin.push_back(face[k]);
+      cut.faces(f, k) = at->second;
+    }
+  }
+  cut.points = mesh.points(origin, Eigen::all);
+  return cut;
+}
+
+/// Eight charts round a tube and along it.
+int Chart(Eigen::Index, const RowVector3d& centre) { return (centre.x() > 0) + 2 * (centre.y() > 0) + 4 * (centre.z() > 0.9); }
+
+TEST(FindSeams, JoinsEachDoubleOfACutMeshAndNoMore) {
+  for (const Mesh& mesh : {Tube(), MakeIcosphere(2), MakeBox(1, 2, 3)}) {
+    EXPECT_TRUE(FindSeams(mesh).empty());
+    std::vector<int> origin;
+    for (const int charts : {2, 5, 1 << 30}) {  // the last: every face alone
+      const Mesh cut = CutAtCharts(
+          mesh, [&](Eigen::Index f, const RowVector3d&) { return static_cast<int>(f * 7919 % charts); }, origin);
+      const Seams seams = FindSeams(cut);
+      ASSERT_EQ(seams.joined, cut.vertex_count() - mesh.vertex_count());
+      EXPECT_EQ(seams.one, origin);
+      EXPECT_EQ(WeldedFaces(cut.faces, seams), mesh.faces);
+      const WeldedMesh welded = Weld(cut, seams);
+      EXPECT_EQ(welded.mesh.points, mesh.points);
+      EXPECT_EQ(welded.mesh.faces, mesh.faces);
+      EXPECT_EQ(welded.of_input, origin);
+    }
+  }
+}
+
+TEST(FindSeams, LeavesWhatOnlyTouchesApart) {
+  const Mesh box = MakeBox(1, 1, 1);
+  Mesh two;  // boxes that share a whole side: closed surfaces have no side of a seam
+  two.points.resize(16, 3);
+  two.points << box.points, box.points.rowwise() + RowVector3d(1, 0, 0);
+  two.faces.resize(24, 3);
+  two.faces << box.faces, (box.faces.array() + 8).matrix();
+  EXPECT_TRUE(FindSeams(two).empty());
+  Mesh point;  // two triangles that share a place, but no edge
+  point.points.resize(6, 3);
+  point.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, -1, 0;
+  point.faces.resize(2, 3);
+  point.faces << 0, 1, 2, 3, 4, 5;
+  EXPECT_TRUE(FindSeams(point).empty());
+  Mesh back = point;  // the same triangle twice, turned the same way: neither continues the other
+  back.points.bottomRows(3) = back.points.topRows(3).eval();
+  EXPECT_TRUE(FindSeams(back).empty());
+  Mesh fan = point;  // three sheets along one edge: which two belong together is not known
+  fan.points.conservativeResize(9, 3);
+  fan.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1;
+  fan.faces.conservativeResize(3, 3);
+  fan.faces << 0, 1, 2, 3, 4, 5, 6, 7, 8;
+  EXPECT_TRUE(FindSeams(fan).empty());
+  fan.faces.conservativeResize(2, 3);
+  EXPECT_EQ(FindSeams(fan).joined, 2);
+}
+
+TEST(FindSeams, FacesThatShrinkToAnEdgeAreLeftOut) {
+  Mesh mesh;  // a strip of two faces with a seam between them, and a third face
+  mesh.points.resize(6, 3);
+  mesh.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0;
+  mesh.faces.resize(3, 3);
+  mesh.faces << 0, 1, 2, 3, 4, 5, 2, 1, 5;
+  EXPECT_EQ(Weld(mesh, FindSeams(mesh)).mesh.face_count(), 3);
+  mesh.faces.row(2) << 5, 0, 4;
+  ASSERT_EQ(FindSeams(mesh).joined, 2);
+  EXPECT_EQ(Weld(mesh, FindSeams(mesh)).mesh.faces, mesh.faces.topRows(2).unaryExpr([](int v) {
+    return v == 3 ? 1 : v == 4 ? 0 : v == 5 ? 3 : v;
+  }));
+}
+
+TEST(RegisterAuto, ACutMeshIsRegisteredAsTheWholeOne) {
+  const Mesh source = Tube();
+  Mesh target = OtherTube();
+  const PointsX3 truth = Bent(source.points, 1.5);
+  target.points = Bent(target.points, 1.5);
+  Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(source.vertex_count());
+  for (int v = 0; v < source.vertex_count(); ++v) stiffness[v] = 1 + source.points(v, 2);
+  const AutoResult whole = RegisterAuto(source, target, Every(kGoalStride, truth), stiffness, {});
+  std::vector<int> origin, of_target;
+  const Mesh cut = CutAtCharts(source, Chart, origin);
+  ASSERT_GT(cut.vertex_count(), source.vertex_count() + 100);
+  std::vector<LandmarkGoal> goals;  // picked on doubles where there are some
+  for (const LandmarkGoal& goal : Every(kGoalStride, truth)) {
+    goals.push_back(goal);
+    for (int v = 0; v < cut.vertex_count(); ++v)
+      if (origin[v] == goal.source.vertices[0]) goals.back().source.vertices.setConstant(v);
+  }
+  const Mesh cut_target = CutAtCharts(
+      target, [](Eigen::Index f, const RowVector3d&) { return static_cast<int>(f % 3); }, of_target);
+  const AutoResult result = RegisterAuto(cut, cut_target, goals, stiffness(origin), {});
+  EXPECT_EQ(result.seam_vertices, cut.vertex_count() - source.vertex_count());
+  EXPECT_EQ(result.points, PointsX3(whole.points(origin, Eigen::all)));
+  ASSERT_EQ(result.transforms.size(), origin.size());
+  for (std::size_t v = 0; v < origin.size(); ++v) EXPECT_EQ(result.transforms[v], whole.transforms[origin[v]]);
+  Mesh judged = cut;
+  judged.faces = WeldedFaces(cut.faces, FindSeams(cut));
+  EXPECT_EQ(MeasureRegistration(judged, result.points, cut_target).self_intersections,
+            MeasureRegistration(source, whole.points, target).self_intersections);
+}
+
+}  // namespace
+}  // namespace keypose::registration
