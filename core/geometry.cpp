@@ -24,6 +24,28 @@ std::uint64_t DirectedKey(int a, int b) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
 }
 
+/// The sides of all faces, by their lower vertex: other[offset[a] .. offset[a + 1]) are the higher ones, sorted, one for each face.
+struct Sides {
+  std::vector<int> offset, other;
+};
+
+Sides SidesOf(int vertex_count, const FacesX3& faces) {
+  Sides sides;
+  sides.offset.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) ++sides.offset[std::min(faces(f, k), faces(f, (k + 1) % 3)) + 1];
+  std::partial_sum(sides.offset.begin(), sides.offset.end(), sides.offset.begin());
+  sides.other.resize(static_cast<std::size_t>(faces.size()));
+  std::vector<int> next(sides.offset.begin(), sides.offset.end() - 1);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(faces(f, k), faces(f, (k + 1) % 3));
+      sides.other[next[a]++] = b;
+    }
+  for (int a = 0; a < vertex_count; ++a) std::sort(sides.other.begin() + sides.offset[a], sides.other.begin() + sides.offset[a + 1]);
+  return sides;
+}
+
 /// How often each directed edge occurs.
 std::unordered_map<std::uint64_t, int> DirectedEdgeCounts(const FacesX3& faces) {
   std::unordered_map<std::uint64_t, int> counts;
@@ -134,20 +156,23 @@ PointsX3 VertexNormals(const PointsX3& points, const FacesX3& faces) {
 }
 
 std::vector<std::pair<int, int>> UndirectedEdges(const FacesX3& faces) {
+  const Sides sides = SidesOf(faces.size() > 0 ? faces.maxCoeff() + 1 : 0, faces);
   std::vector<std::pair<int, int>> edges;
-  edges.reserve(static_cast<std::size_t>(faces.rows()) * 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) edges.emplace_back(std::minmax(faces(f, k), faces(f, (k + 1) % 3)));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges.reserve(sides.other.size() / 2 + 1);
+  for (int a = 0; a + 1 < static_cast<int>(sides.offset.size()); ++a)
+    for (int s = sides.offset[a]; s < sides.offset[a + 1]; ++s)
+      if (s == sides.offset[a] || sides.other[s] != sides.other[s - 1]) edges.emplace_back(a, sides.other[s]);
   return edges;
 }
 
 std::vector<char> BoundaryVertices(int vertex_count, const FacesX3& faces) {
   std::vector<char> boundary(static_cast<std::size_t>(vertex_count), 0);
-  const auto counts = DirectedEdgeCounts(faces);
-  for (const auto& [a, b] : UndirectedEdges(faces))
-    if (CountOf(counts, a, b) + CountOf(counts, b, a) != 2) boundary[a] = boundary[b] = 1;
+  const Sides sides = SidesOf(vertex_count, faces);
+  for (int a = 0; a < vertex_count; ++a)
+    for (int s = sides.offset[a], run = s; s < sides.offset[a + 1]; s = run) {
+      while (run < sides.offset[a + 1] && sides.other[run] == sides.other[s]) ++run;
+      if (run - s != 2 && sides.other[s] != a) boundary[a] = boundary[sides.other[s]] = 1;
+    }
   return boundary;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <numeric>
 #include <optional>
 
 #include "core/geometry.h"
@@ -18,20 +18,35 @@ constexpr double kOnEdge = 1e-9;  // barycentric coordinate below which a foot c
 }  // namespace
 
 struct TargetSurface::Impl {
-  Impl(const PointsX3& points, const FacesX3& f) : faces(f), normals(VertexNormals(points, f)), scene(points, f) {
-    std::map<std::pair<int, int>, int> uses;
+  Impl(const PointsX3& points, const FacesX3& f) : faces(f), normals(VertexNormals(points, f)), scene(points, f) { FindOpenEdges(); }
+  /// Edges with one face. Sides are gathered at their lower vertex, which is much faster than a map of edges.
+  void FindOpenEdges() {
+    struct Side {
+      int other, face, corner;  // the corner opposite to it
+    };
+    std::vector<int> offset(normals.rows() + 1, 0);
+    const auto ends = [&](Eigen::Index t, int k) { return std::pair(std::minmax(faces(t, (k + 1) % 3), faces(t, (k + 2) % 3))); };
     for (Eigen::Index t = 0; t < faces.rows(); ++t)
-      for (int k = 0; k < 3; ++k) ++uses[Edge(t, k)];
-    open_edge.resize(faces.rows());
-    open_vertex.assign(points.rows(), 0);
+      for (int k = 0; k < 3; ++k) ++offset[ends(t, k).first + 1];
+    std::partial_sum(offset.begin(), offset.end(), offset.begin());
+    std::vector<Side> sides(faces.size());
+    std::vector<int> next(offset.begin(), offset.end() - 1);
     for (Eigen::Index t = 0; t < faces.rows(); ++t)
-      for (int k = 0; k < 3; ++k)
-        if ((open_edge[t][k] = uses[Edge(t, k)] == 1)) open_vertex[faces(t, (k + 1) % 3)] = open_vertex[faces(t, (k + 2) % 3)] = 1;
-  }
-  /// The edge opposite corner k.
-  std::pair<int, int> Edge(Eigen::Index t, int k) const {
-    const int a = faces(t, (k + 1) % 3), b = faces(t, (k + 2) % 3);
-    return {std::min(a, b), std::max(a, b)};
+      for (int k = 0; k < 3; ++k) {
+        const auto [low, high] = ends(t, k);
+        sides[next[low]++] = {high, static_cast<int>(t), k};
+      }
+    open_edge.assign(faces.rows(), {false, false, false});
+    open_vertex.assign(normals.rows(), 0);
+    for (std::size_t v = 0; v + 1 < offset.size(); ++v) {
+      std::sort(sides.begin() + offset[v], sides.begin() + offset[v + 1], [](const Side& s, const Side& t) { return s.other < t.other; });
+      for (int s = offset[v], run = s; s < offset[v + 1]; s = run) {
+        while (run < offset[v + 1] && sides[run].other == sides[s].other) ++run;
+        if (run - s != 1) continue;
+        open_edge[sides[s].face][sides[s].corner] = true;
+        open_vertex[v] = open_vertex[sides[s].other] = 1;
+      }
+    }
   }
   bool OnBoundary(const RayScene::Foot& foot) const {
     for (int k = 0; k < 3; ++k) {

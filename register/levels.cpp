@@ -1,5 +1,7 @@
 #include "register/levels.h"
 
+#include <utility>
+
 namespace keypose::registration {
 
 namespace {
@@ -46,11 +48,12 @@ Levels::Levels(const PointsX3& rest, const FacesX3& faces, const std::vector<int
     level.fit.emplace(level.rest, level.faces, Rows(stiffness, level.fine), smoothing);
     level.moved = level.rest;
   }
+  pending_.assign(levels_.size(), 1.0);
 }
 
 void Levels::Descend(int level) {
-  const Level& coarse = levels_[level];
-  Level& fine = levels_[level - 1];
+  const Level& coarse = (*this)[level];
+  Level& fine = (*this)[level - 1];
   fine.moved = Prolong(down_[level - 1], fine.rest, coarse.rest, coarse.moved, coarse.fit->maps());
   std::vector<Eigen::Matrix3d> maps;
   maps.reserve(up_[level - 1].size());
@@ -59,12 +62,20 @@ void Levels::Descend(int level) {
   fine.fit->FitMaps(fine.moved);
 }
 
+Level& Levels::operator[](int at) {
+  last_asked_ = at;
+  Level& level = levels_[at];
+  const double factor = std::exchange(pending_[at], 1.0);
+  if (factor == 1) return level;
+  level.rest *= factor;
+  for (Mark& mark : level.marks) mark.arm *= factor;
+  level.fit->ScaleRest(factor);
+  return level;
+}
+
 void Levels::ScaleRest(double factor) {
-  for (Level& level : levels_) {
-    level.rest *= factor;
-    for (Mark& mark : level.marks) mark.arm *= factor;
-    level.fit->ScaleRest(factor);
-  }
+  for (double& pending : pending_) pending *= factor;
+  (*this)[last_asked_];
 }
 
 }  // namespace keypose::registration

@@ -38,14 +38,16 @@ class Levels {
   Levels(const PointsX3& rest, const FacesX3& faces, const std::vector<int>& coarse_counts, const Eigen::VectorXd& stiffness,
          double smoothing, const std::vector<LandmarkGoal>& landmarks);
   int count() const { return static_cast<int>(levels_.size()); }
-  Level& operator[](int level) { return levels_[level]; }
-  const Level& operator[](int level) const { return levels_[level]; }
+  Level& operator[](int level);
   /// Gives level - 1 the positions and maps of `level`.
   void Descend(int level);
-  void ScaleRest(double factor);  ///< of all levels
+  /// Of all levels. The one last asked for is scaled now, others when they are next asked for: hold on to one at a time.
+  void ScaleRest(double factor);
 
  private:
   std::vector<Level> levels_;
+  std::vector<double> pending_;  // of each level, the factor by which its rest shape has still to grow
+  int last_asked_ = 0;
   std::vector<Prolongation> down_;    // from level l + 1 to l
   std::vector<std::vector<int>> up_;  // vertex of level l -> vertex of level l + 1
 };
