@@ -2,9 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
-#include <queue>
-#include <utility>
 #include <vector>
 
 #include "core/mesh.h"
@@ -29,13 +26,16 @@ class GeodesicGraph {
   const std::vector<std::vector<int>>& neighbors() const { return neighbors_; }
 
  private:
-  using Entry = std::pair<double, int>;  // distance, vertex
-  using Queue = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
-  /// Dijkstra's search from what is queued; lowers `distance`, and where given takes over the index of the nearest source.
-  void Spread(Queue& queue, Eigen::VectorXd& distance, std::vector<int>* nearest) const;
+  struct Way {
+    double length;
+    int to;
+  };
+  /// Lowers `distance` along all ways from the seeds (whose distance is set), and where given takes over the index of the nearest source.
+  void Spread(const std::vector<int>& seeds, Eigen::VectorXd& distance, std::vector<int>* nearest) const;
 
-  std::vector<int> offset_, to_;
-  std::vector<double> length_;
+  std::vector<int> offset_;
+  std::vector<Way> ways_;
+  double steps_per_length_ = 0;  ///< of the queue of a search
   std::vector<std::vector<int>> neighbors_;
 };
 

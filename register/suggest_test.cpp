@@ -226,6 +226,20 @@ TEST(GeodesicGraph, MeasuresAlongTheSurfaceOfASphere) {
   }
 }
 
+TEST(GeodesicGraph, DistancesAreTheLeastToTheLastBitWhereTrianglesDifferAThousandfold) {
+  Mesh graded = MakeIcosphere(4);
+  for (Eigen::Index v = 0; v < graded.points.rows(); ++v) graded.points.row(v) *= std::exp(4 * graded.points(v, 2));
+  const GeodesicGraph graph(graded.points, graded.faces, GeodesicGraph::kEdgesOnly);
+  const int source = 17;
+  const Eigen::VectorXd distance = graph.From({source});
+  for (int v = 0; v < graph.size(); ++v) {
+    double least = v == source ? 0 : std::numeric_limits<double>::infinity();
+    for (const int w : graph.neighbors()[static_cast<std::size_t>(v)])
+      least = std::min(least, distance[w] + (graded.points.row(std::min(v, w)) - graded.points.row(std::max(v, w))).norm());
+    ASSERT_EQ(distance[v], least) << "vertex " << v;
+  }
+}
+
 TEST(GeodesicGraph, PiecesAreJoinedWhereTheyAreNearest) {
   Mesh two = MakeBox(1, 1, 1);
   const Mesh other = MakeBox(1, 1, 1);
