@@ -17,7 +17,14 @@ constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1
 constexpr Eigen::Index kMarks = 12;
 constexpr double kLikeness = 0.5;    // of descriptors afterwards
 constexpr double kHintWeight = 0.5;  // of the start's rows while few functions are in use
-const std::vector<int> kHintedSizes = {8, 10, 12, 14, 17, 20}, kFreeSizes = {24, 28, 32};
+
+/// Candidates are refined in stages, the best of them further than the rest. The score of a map that has just been started already tells:
+/// the best in the end were nearly always among the first third.
+struct Stage {
+  std::size_t kept;
+  std::vector<int> hinted_sizes, free_sizes;
+};
+const std::vector<Stage> kStages = {{32, {8, 10, 12}, {}}, {16, {14, 17, 20}, {24, 28, 32}}};
 
 /// What all candidates share.
 struct Pair {
@@ -193,8 +200,15 @@ void Judge(const Pair& pair, MapCandidate& c) {
             0.05 * (1 - c.coverage) + 0.1 * c.unlike;
 }
 
-MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
-  MapCandidate c;
+/// A candidate on its way, with what its start says of where points belong.
+struct Sprout {
+  MapCandidate candidate;
+  MatchHints hints;
+};
+
+Sprout Started(const Pair& pair, const TipAssignment& assignment) {
+  Sprout sprout;
+  MapCandidate& c = sprout.candidate;
   for (std::size_t s = 0; s < assignment.target_of.size(); ++s)
     if (assignment.target_of[s] >= 0) {
       c.source_tips.push_back(static_cast<int>(s));
@@ -202,14 +216,21 @@ MapCandidate Grow(const Pair& pair, const TipAssignment& assignment) {
     }
   const Eigen::MatrixXd source_turns = TurnsBetween(pair.source_tip_rises, c.source_tips, pair.source_normals);
   const Eigen::MatrixXd target_turns = TurnsBetween(pair.target_tip_rises, c.target_tips, pair.target_normals);
-  MatchHints hints{StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
-                   StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns), kHintWeight};
-  c.maps = NearestRows(hints.source, hints.target);
-  c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kHintedSizes, hints);
-  const MatchHints likeness{pair.source_descriptors.cast<float>(), pair.target_descriptors.cast<float>(), kLikeness};
-  c.maps = RefineMaps(pair.source.sampled, pair.target.sampled, c.maps, kFreeSizes, likeness);
+  sprout.hints = {StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
+                  StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns), kHintWeight};
+  c.maps = NearestRows(sprout.hints.source, sprout.hints.target);
   Judge(pair, c);
-  return c;
+  return sprout;
+}
+
+void Refine(const Pair& pair, const Stage& stage, Sprout& sprout) {
+  PointMaps& maps = sprout.candidate.maps;
+  maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, sprout.hints);
+  if (!stage.free_sizes.empty()) {
+    const MatchHints likeness{pair.source_descriptors.cast<float>(), pair.target_descriptors.cast<float>(), kLikeness};
+    maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.free_sizes, likeness);
+  }
+  Judge(pair, sprout.candidate);
 }
 
 }  // namespace
@@ -232,11 +253,19 @@ MapCandidate MapSearch::Judged(const std::vector<int>& source_tips, const std::v
 
 std::vector<MapCandidate> MapSearch::Run(int known, int tried) const {
   const std::vector<TipAssignment> assignments = Assignments(shared_->pair.source, shared_->pair.target, known, tried);
-  std::vector<MapCandidate> candidates(assignments.size());
-  ParallelFor(static_cast<std::int64_t>(assignments.size()), [&](std::int64_t i) {
-    candidates[static_cast<std::size_t>(i)] = Grow(shared_->pair, assignments[static_cast<std::size_t>(i)]);
-  });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const MapCandidate& a, const MapCandidate& b) { return a.score < b.score; });
+  std::vector<Sprout> sprouts(assignments.size());
+  const auto for_all = [&](const auto& change) {
+    ParallelFor(static_cast<std::int64_t>(sprouts.size()), [&](std::int64_t i) { change(static_cast<std::size_t>(i)); });
+    std::stable_sort(sprouts.begin(), sprouts.end(),
+                     [](const Sprout& a, const Sprout& b) { return a.candidate.score < b.candidate.score; });
+  };
+  for_all([&](std::size_t i) { sprouts[i] = Started(shared_->pair, assignments[i]); });
+  for (const Stage& stage : kStages) {
+    sprouts.resize(std::min(sprouts.size(), stage.kept));
+    for_all([&](std::size_t i) { Refine(shared_->pair, stage, sprouts[i]); });
+  }
+  std::vector<MapCandidate> candidates;
+  for (Sprout& sprout : sprouts) candidates.push_back(std::move(sprout.candidate));
   return candidates;
 }
 
