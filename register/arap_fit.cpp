@@ -51,7 +51,9 @@ ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::Vector
   const Eigen::VectorXd face_areas = FaceAreas(rest, faces);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) areas_[faces(f, k)] += face_areas[f] / 3;
-  BuildEdges(faces, stiffness);
+  pieces_ = RigidPieces(faces, stiffness, areas_);
+  stiffness_ = RigidPieces::Held(stiffness);
+  BuildEdges(faces, stiffness_);
   BuildMatrix();
   BuildFans();
   hold_ = Eigen::VectorXd::Zero(rest.rows());
@@ -152,7 +154,8 @@ Eigen::Matrix3d ArapFit::FanMap(const PointsX3& moved, int i) const {
   }
   const Eigen::Matrix3d rotation = NearestRotation(m);
   if (rigid()) return rotation;
-  const double hold = rigidity_ * size_[i];
+  // Stiffer edges alone would make the map no more rigid: both sides of the balance grow by them.
+  const double hold = rigidity_ * size_[i] * (stiffness_.size() > 0 ? stiffness_[i] : 1);
   Eigen::Matrix3d held = moments_[i];
   held.diagonal().array() += hold;
   return (m + hold * rotation) * held.inverse();
@@ -164,6 +167,7 @@ void ArapFit::FitMaps(const PointsX3& moved) {
     for (std::int64_t i = begin; i < end; ++i)
       if (size_[i] > 0) maps_[i] = FanMap(moved, static_cast<int>(i));
   });
+  pieces_.ShareMaps(rest_, moved, maps_);
 }
 
 void ArapFit::AddShapePull(Eigen::MatrixXd& b) const {

@@ -8,6 +8,7 @@
 
 #include "core/cholesky.h"
 #include "core/mesh.h"
+#include "register/rigid_pieces.h"
 
 namespace keypose::registration {
 
@@ -34,7 +35,8 @@ struct Pulls {
 class ArapFit {
  public:
   /// @param rest       V x 3
-  /// @param stiffness  V, multiplies c at both ends of an edge (geometric mean), or empty
+  /// @param stiffness  V, multiplies c at both ends of an edge (geometric mean) and the rigidity there, or empty; see RigidPieces for
+  ///                   vertices that are painted so stiff that they form rigid pieces
   /// @param smoothing  kappa [length^2]: maps vary little over less than sqrt(kappa)
   ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing);
 
@@ -57,6 +59,9 @@ class ArapFit {
   /// The factor by which the rest shape should grow to fit `moved` best under the current maps.
   double BestScale(const PointsX3& moved) const;
   void ScaleRest(double factor);  ///< takes the rest shape larger or smaller
+  const RigidPieces& pieces() const { return pieces_; }
+  /// Puts rigid pieces in shape, and says by which factor the rest shape should grow to fit them best.
+  double StraightenPieces(PointsX3& moved) const { return pieces_.Straighten(rest_, moved); }
 
  private:
   static constexpr double kRigid = 1e6;
@@ -70,6 +75,8 @@ class ArapFit {
   PointsX3 rest_;
   double smoothing_, rigidity_ = 1e300;
   Eigen::VectorXd areas_;
+  Eigen::VectorXd stiffness_;  // or empty
+  RigidPieces pieces_;
   std::vector<int> offset_, neighbour_;  // the ring of vertex i: neighbour_[offset_[i] .. offset_[i+1])
   std::vector<double> weight_;
   std::vector<Eigen::Matrix3d> moments_;  // sum_j c_ij e e^T, and in its diagonal kappa sum_j c_ij

@@ -8,6 +8,7 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kMostLandmarkTurns = 500, kMatchRounds = 8, kMatchTurns = 8, kSolverSteps = 10;
+constexpr double kPinned = 1e5;           // of a vertex of a rigid piece, while the rest follows
 constexpr double kStill = 2e-4;           // movement that ends landmark turns
 constexpr double kMatchWeight = 1000;     // of all matches together, when they lead
 constexpr double kMatchRobust = 0.3;      // distance at which a match counts a quarter
@@ -49,6 +50,22 @@ double Turn(Level& level, const Pulls& staying, double landmark_weight, int turn
   return move;
 }
 
+/// Rigid pieces take their shape, and what is around them follows.
+void HoldPieces(Level& level, const Pulls& staying, double landmark_weight) {
+  if (level.fit->pieces().empty()) return;
+  level.growth = level.fit->StraightenPieces(level.moved);
+  const PointsX3 straight = level.moved;
+  Pulls pulls = staying;
+  AddMarks(level, landmark_weight, pulls);
+  for (const std::vector<int>& piece : level.fit->pieces().pieces())
+    for (int v : piece) pulls.AddPoint(v, kPinned, straight.row(v));
+  level.fit->SetWeights(pulls.MeanWeights());
+  level.moved = level.fit->FitPositions(pulls, level.moved, kSolverSteps);
+  for (const std::vector<int>& piece : level.fit->pieces().pieces())
+    for (int v : piece) level.moved.row(v) = straight.row(v);
+  level.fit->FitMaps(level.moved);
+}
+
 }  // namespace
 
 void FitToLandmarks(Level& level, double weight) {
@@ -74,6 +91,7 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
   const SurfaceGap gap = target.Add(level.moved, level.faces, level.fit->vertex_areas(), surface, pulls);
   if (terms.matches > 0) AddMatches(level, match_points, terms.matches, kMatchRobust, pulls);
   Turn(level, pulls, terms.landmarks, terms.turns, kSolverSteps, 0);
+  HoldPieces(level, pulls, terms.landmarks);
   return gap;
 }
 

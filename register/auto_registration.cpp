@@ -20,9 +20,10 @@ constexpr int kFewestForDistances = 4;        // landmarks that tell places apar
 constexpr double kMiddleOfCoarse = 0.5;       // a level counts as middle from this share of middle_vertices on
 constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
 constexpr double kRigid = 1e300;
-constexpr double kHopeless = 1.3;    // times poor_fit: not even a softer shape came close
-constexpr double kOpenShare = 0.06;  // boundary loops, closed by discs, over the area: more is an open surface
-constexpr int kLargeLevel = 30000;   // vertices from which on a level gets two searches in place of six
+constexpr double kHopeless = 1.3;      // times poor_fit: not even a softer shape came close
+constexpr double kPiecesDecide = 0.1;  // of the area: rigid pieces that are larger tell the scale, whatever else may stretch
+constexpr double kOpenShare = 0.06;    // boundary loops, closed by discs, over the area: more is an open surface
+constexpr int kLargeLevel = 30000;     // vertices from which on a level gets two searches in place of six
 
 /// Stiffness and its companions fall geometrically over all rounds of a registration.
 struct Schedule {
@@ -311,7 +312,10 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
     terms.turns = schedule.turns;
     for (int i = 0; i < schedule.searches; ++i) gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms);
     // Noise and ragged holes make areas, and with them the first scale, a little wrong.
-    if (level.fit->rigid()) SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
+    if (level.fit->pieces().area_share() > kPiecesDecide)
+      SetRestScale(rest_scale_ * level.growth);
+    else if (level.fit->rigid())
+      SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
     Step(progress_, 0.6 + 0.2 * all, "bending");
   }
   return gap;

@@ -27,6 +27,7 @@ struct Level {
   std::vector<LandmarkCoordinates::Match> matches;  ///< one a vertex, or empty
   std::optional<ArapFit> fit;
   PointsX3 moved;
+  double growth = 1;  ///< of the rest shape, by which its rigid pieces would fit better
 };
 
 /// Levels from fine (the input itself) to coarse.

@@ -10,10 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "core/camera.h"
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
 #include "register/auto_registration.h"
 #include "register/quality.h"
+#include "register/rigid_pieces.h"
 #include "register/welding.h"
 
 namespace keypose::registration {
@@ -165,6 +167,92 @@ TEST(RegisterAuto, ACutMeshIsRegisteredAsTheWholeOne) {
   judged.faces = WeldedFaces(cut.faces, FindSeams(cut));
   EXPECT_EQ(MeasureRegistration(judged, result.points, cut_target).self_intersections,
             MeasureRegistration(source, whole.points, target).self_intersections);
+}
+
+/// A tube whose part above `bend_from` is drawn out by `stretch` and bent by `angle`, and whose rest stays as it is.
+PointsX3 DrawnOut(const PointsX3& points, double bend_from, double stretch, double angle) {
+  PointsX3 moved = points;
+  const double length = stretch * (kLength - bend_from), radius = length / angle;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double above = points(i, 2) - bend_from;
+    if (above <= 0) continue;
+    const double a = stretch * above / radius, r = radius - points(i, 0);
+    moved.row(i) << radius - r * std::cos(a), points(i, 1), bend_from + r * std::sin(a);
+  }
+  return moved;
+}
+
+/// The largest relative change of an edge between marked vertices.
+double LargestChange(const FacesX3& faces, const PointsX3& before, const PointsX3& after, const std::vector<char>& marked) {
+  double largest = 0;
+  for (const auto& [i, j] : UndirectedEdges(faces))
+    if (marked[i] && marked[j])
+      largest = std::max(largest, std::abs((after.row(i) - after.row(j)).norm() / (before.row(i) - before.row(j)).norm() - 1));
+  return largest;
+}
+
+TEST(RigidPieces, AreTheConnectedRegionsPaintedRigidAndTakeTheirShape) {
+  const Mesh mesh = Tube();
+  Eigen::VectorXd stiffness = Eigen::VectorXd::Constant(mesh.vertex_count(), 5);
+  std::vector<int> low, high;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (const double z = mesh.points(v, 2); z < 0.5 || z > 1.6) {
+      stiffness[v] = z < 0.5 ? RigidPieces::kFrom : 1e9;
+      (z < 0.5 ? low : high).push_back(v);
+    }
+  const Eigen::VectorXd areas = Eigen::VectorXd::Ones(mesh.vertex_count());
+  EXPECT_TRUE(RigidPieces(mesh.faces, {}, areas).empty());
+  EXPECT_TRUE(RigidPieces(mesh.faces, stiffness.cwiseMin(99), areas).empty());
+  const RigidPieces pieces(mesh.faces, stiffness, areas);
+  ASSERT_EQ(pieces.pieces(), (std::vector<std::vector<int>>{low, high}));
+  EXPECT_NEAR(pieces.area_share(), static_cast<double>(low.size() + high.size()) / mesh.vertex_count(), 1e-12);
+  const Eigen::VectorXd held = RigidPieces::Held(stiffness);
+  EXPECT_EQ(held.minCoeff(), 1);
+  EXPECT_EQ(held.maxCoeff(), 5);
+  // Each piece has its own motion and has grown by a tenth; what lies between is anywhere.
+  Similarity3 of_low, of_high;
+  of_low.rotation = Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix();
+  of_high.rotation = Eigen::AngleAxisd(2, Vector3d(1, 1, 0).normalized()).toRotationMatrix();
+  of_high.translation << 1, -2, 3;
+  PointsX3 moved = PointsX3::Zero(mesh.vertex_count(), 3), expected = moved;
+  for (const auto& [motion, piece] : {std::pair(of_low, low), std::pair(of_high, high)}) {
+    const RowVector3d centre = mesh.points(piece, Eigen::all).colwise().mean();
+    for (int v : piece) {
+      expected.row(v) = motion * mesh.points.row(v).transpose();
+      moved.row(v) = motion * (centre + 1.1 * (mesh.points.row(v) - centre)).transpose();
+    }
+  }
+  std::vector<Eigen::Matrix3d> maps(mesh.vertex_count(), Eigen::Matrix3d::Zero());
+  pieces.ShareMaps(mesh.points, moved, maps);
+  EXPECT_LT((maps[low.back()] - of_low.rotation).norm(), 1e-9);
+  EXPECT_LT((maps[high.front()] - of_high.rotation).norm(), 1e-9);
+  EXPECT_EQ(maps[high.front() - 1], Eigen::Matrix3d::Zero().eval());
+  EXPECT_NEAR(pieces.Straighten(mesh.points, moved), 1.1, 1e-9);
+  EXPECT_LT((moved - expected).rowwise().norm().maxCoeff(), 1e-9);
+}
+
+TEST(RegisterAuto, ARegionPaintedRigidKeepsItsEdgesWhileTheRestStretches) {
+  const Mesh source = Tube();
+  Similarity3 placed;
+  placed.rotation = Eigen::AngleAxisd(1.2, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  for (const double stretch : {1.0, 1.3}) {
+    const PointsX3 truth = Transformed(placed, DrawnOut(source.points, 0.9, stretch, 1.2));
+    Mesh target = OtherTube();
+    target.points = Transformed(placed, DrawnOut(target.points, 0.9, stretch, 1.2));
+    std::vector<char> painted(source.vertex_count()), above(source.vertex_count());
+    Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(source.vertex_count());
+    for (int v = 0; v < source.vertex_count(); ++v) {
+      painted[v] = source.points(v, 2) < 0.85;
+      above[v] = source.points(v, 2) > 1;
+      if (painted[v]) stiffness[v] = 1000;
+    }
+    const AutoResult result = RegisterAuto(source, target, Every(kGoalStride, truth), stiffness, {});
+    EXPECT_LT(LargestChange(source.faces, source.points, result.points, painted), 0.01) << stretch;
+    const Eigen::VectorXd errors = (result.points - truth).rowwise().norm() / BoundingDiagonal(truth);
+    EXPECT_LT(errors.mean(), 0.005) << stretch;
+    EXPECT_LT(errors.maxCoeff(), 0.03) << stretch;
+    EXPECT_GT(LargestChange(source.faces, source.points, result.points, above), 0.6 * (stretch - 1)) << stretch;
+  }
 }
 
 }  // namespace
