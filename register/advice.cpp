@@ -107,7 +107,8 @@ std::vector<char> LargeComponents(const Mesh& mesh, const Graph& graph) {
     if (component[v] < 0) graph.Spread({{v, 0.0}}, count++, distance, component);
   const VectorXd areas = FaceAreas(mesh.points, mesh.faces);
   VectorXd share = VectorXd::Zero(count);
-  for (Eigen::Index f = 0; f < areas.size(); ++f) share[component[mesh.faces(f, 0)]] += areas[f] / areas.sum();
+  const double total = areas.sum();
+  for (Eigen::Index f = 0; f < areas.size(); ++f) share[component[mesh.faces(f, 0)]] += areas[f] / total;
   std::vector<char> large(mesh.vertex_count());
   for (int v = 0; v < mesh.vertex_count(); ++v) large[v] = share[component[v]] >= kSmallPart;
   return large;
