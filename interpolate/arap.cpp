@@ -13,6 +13,7 @@
 #include "interpolate/key_pair.h"
 #include "interpolate/loose_parts.h"
 #include "interpolate/pair_paths.h"
+#include "interpolate/row_frames.h"
 #include "interpolate/turning_field.h"
 #include "interpolate/volume_correction.h"
 
@@ -20,8 +21,9 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr int kGrowthPasses = 4;  // so that growth of a region wider than a limb counts, and a bend's inside and outside cancel
-constexpr double kAtKey = 1e-12;  // of the diagonal: constraints that ask for no more leave the key as it is
+constexpr int kGrowthPasses = 4;    // so that growth of a region wider than a limb counts, and a bend's inside and outside cancel
+constexpr double kNearStep = 0.05;  // of the diagonal: larger steps to a volume are looked at one by one
+constexpr double kAtKey = 1e-12;    // of the diagonal: constraints that ask for no more leave the key as it is
 
 /// Whether `a` comes first in the order that decides which key the computation starts from.
 bool Before(const PointsX3& a, const PointsX3& b) {
@@ -94,6 +96,8 @@ struct ArapInterpolator::Impl {
     loose_parts.emplace(system, v, u, maps);
     report.riding_parts = loose_parts->riding();
     if (options.correct_volume) PrepareVolumes();
+    if (system.IsFree() && !options.constraints.floor && !differential && (!volumes || outward))
+      together.emplace(system, outward ? &*outward : nullptr);
     Describe();
   }
 
@@ -130,7 +134,31 @@ struct ArapInterpolator::Impl {
     return targets;
   }
 
-  bool IsKey(double t, const RowTargets& targets) const {
+  /// Frames before volume and floor. Relative rotations are found for a few frames at a time.
+  std::vector<PointsX3> OneByOne(const std::vector<double>& times) const {
+    std::vector<PointsX3> frames;
+    const std::size_t together_at_most = differential ? 4 : times.size();
+    for (std::size_t begin = 0; begin < times.size(); begin += together_at_most) {
+      const std::size_t end = std::min(times.size(), begin + together_at_most);
+      std::vector<RowTargets> targets;
+      std::vector<Eigen::Matrix3d> turns;
+      std::vector<std::vector<Eigen::Matrix3d>> rotations;
+      for (std::size_t k = begin; k < end; ++k) {
+        targets.push_back(Targets(times[k]));
+        turns.push_back(ExpOf(times[k] * maps.body_turn));
+        if (differential) rotations.push_back(differential->At(times[k]));
+      }
+      const auto fill = [&](int first, EdgeBatch& edges) {
+        const auto from = times.begin() + static_cast<std::ptrdiff_t>(begin) + first;
+        if (!differential) return paths->Evaluate({from, from + edges.frames}, edges);
+        for (int k = 0; k < edges.frames; ++k) paths->EvaluateWith(rotations[first + k], from[k], k, edges);
+      };
+      for (PointsX3& frame : system.Solve(static_cast<int>(end - begin), fill, targets, turns)) frames.push_back(std::move(frame));
+    }
+    return frames;
+  }
+
+  bool IsKey(double t) const {
     if ((t != 0 && t != 1) || !options.symmetric) return false;
     const PointsX3& key = t == 0 ? v : u;
     if (options.constraints.floor) {
@@ -140,7 +168,36 @@ struct ArapInterpolator::Impl {
       for (int i : floor.vertices)
         if (key(i, 2) < floor.height) return false;
     }
-    return (system.RowsAt(key) - targets).cwiseAbs().maxCoeff() <= kAtKey * (BoundingDiagonal(v) + BoundingDiagonal(u));
+    return (system.RowsAt(key) - Targets(t)).cwiseAbs().maxCoeff() <= kAtKey * (BoundingDiagonal(v) + BoundingDiagonal(u));
+  }
+
+  /// Frames whose parts are free; all steps in rows of frames. Where a volume is far, the frame's facts come out empty and it is left as it
+  /// was before its correction.
+  std::vector<PointsX3> Together(const std::vector<double>& times, std::vector<std::optional<FrameFacts>>& facts) const {
+    const FrameRows rows = system.SolveFree(static_cast<int>(times.size()), [&](int first, EdgeBatch& edges) {
+      paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
+    });
+    const std::vector<std::vector<RowFrames::PartSums>> sums = together->Sums(rows, times);
+    const double near_step = kNearStep * std::min(BoundingDiagonal(v), BoundingDiagonal(u));
+    std::vector<Eigen::Matrix3d> bodies;
+    std::vector<std::vector<RowFrames::Move>> moves(times.size());
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      bodies.push_back(ExpOf(times[k] * maps.body_turn));
+      facts[k].emplace();
+      const std::vector<double> wanted = volumes ? PathVolumes(v_volumes, u_volumes, times[k]) : std::vector<double>();
+      for (int p = 0; p < system.part_count(); ++p) {
+        const RowFrames::PartSums& sum = sums[k][p];
+        const bool corrected = volumes && volumes->closed_parts()[p] && std::isfinite(wanted[p]);
+        double step = corrected ? StepToVolume(sum.volume, wanted[p]) : 0.0;
+        const double move = std::abs(step) * (sum.longest + sum.field.norm());
+        if (!(move <= near_step))
+          step = 0, facts[k].reset();
+        else if (facts[k])
+          facts[k]->volume_move = std::max(facts[k]->volume_move, move);
+        moves[k].push_back({step, centroids->At(p, times[k]) - bodies[k] * (sum.point + step * sum.field)});
+      }
+    }
+    return together->Frames(rows, times, bodies, moves);
   }
 
   void Finish(double t, PointsX3& frame, FrameFacts& facts) const {
@@ -176,6 +233,7 @@ struct ArapInterpolator::Impl {
   std::optional<VolumeCorrection> volumes;
   std::vector<double> v_volumes, u_volumes;
   std::optional<TurningField> outward;
+  std::optional<RowFrames> together;  // where no frame needs more than its step to the volume
   ArapReport report;
 };
 
@@ -214,22 +272,22 @@ std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given, std
   std::vector<double> times = given;
   if (s.reversed)
     for (double& t : times) t = 1 - t;
-  std::vector<RowTargets> targets;
-  std::vector<Eigen::Matrix3d> turns;
-  for (double t : times) targets.push_back(s.Targets(t)), turns.push_back(ExpOf(t * s.maps.body_turn));
-  const auto fill = [&](int first, EdgeBatch& edges) {
-    if (!s.differential) return s.paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
-    for (int k = 0; k < edges.frames; ++k) s.paths->EvaluateWith(s.differential->At(times[first + k]), times[first + k], k, edges);
-  };
-  std::vector<PointsX3> frames = s.system.Solve(count, fill, targets, turns);
-  std::vector<FrameFacts> found(count);
+  std::vector<std::optional<FrameFacts>> found(count);
+  std::vector<PointsX3> frames = s.together ? s.Together(times, found) : s.OneByOne(times);
   ParallelFor(count, [&](std::int64_t k) {
-    if (s.IsKey(times[k], targets[k]))
+    if (s.IsKey(times[k])) {
       frames[k] = times[k] == 0 ? s.v : s.u;
-    else
-      s.Finish(times[k], frames[k], found[k]);
+      found[k].emplace();
+    } else if (found[k]) {
+      s.loose_parts->Place(times[k], frames[k]);
+    } else {
+      s.Finish(times[k], frames[k], found[k].emplace());
+    }
   });
-  if (facts) *facts = std::move(found);
+  if (facts) {
+    facts->clear();
+    for (const auto& fact : found) facts->push_back(*fact);
+  }
   return frames;
 }
 

@@ -16,11 +16,6 @@ namespace {
 
 using Record = PairPaths::Record;
 
-void SetTurns(const Eigen::Vector3d& turn, std::array<double, 3>& axis, double& angle) {
-  angle = turn.norm();
-  for (int c = 0; c < 3; ++c) axis[c] = angle > 0 ? turn[c] / angle : 0.0;
-}
-
 using Edges = Eigen::Matrix<double, 3, 2>;
 
 /// log(m) = (log_det / 2) I + n, n^2 = discriminant I; false where the logarithm is not real, or nearly so.
@@ -57,37 +52,67 @@ Eigen::Matrix2d ShearOf(const FaceMap& map, Eigen::Vector3d& tilt) {
   return (Eigen::Matrix2d() << cosine, -sine, sine, cosine).finished() * map.stretch;
 }
 
+/// What a turn about `turn` keeps of v, and what goes with the cosine and the sine of its angle.
+std::array<double, 9> SplitBy(const Eigen::Vector3d& turn, double angle, const Eigen::Vector3d& v) {
+  std::array<double, 9> parts{};
+  const Eigen::Vector3d axis = angle > 0 ? (turn / angle).eval() : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d kept = axis.dot(v) * axis;
+  Eigen::Vector3d::Map(&parts[0]) = kept;
+  Eigen::Vector3d::Map(&parts[3]) = v - kept;
+  Eigen::Vector3d::Map(&parts[6]) = axis.cross(v);
+  return parts;
+}
+
+/// Axes along and across the tilt; the second lies in the plane of the face where the first does.
+Eigen::Matrix3d TiltAxes(const FaceMap& map, const Eigen::Vector3d& tilt, bool& flat) {
+  Eigen::Matrix3d axes;
+  const Eigen::Vector3d normal = map.frame.col(0).cross(map.frame.col(1));
+  const double angle = tilt.norm();
+  axes.col(0) = angle > 0 ? (tilt / angle).eval() : Eigen::Vector3d(map.frame.col(0));
+  flat = std::abs(axes.col(0).dot(normal)) < 1e-15;
+  Eigen::Vector3d across = normal - axes.col(0) * axes.col(0).dot(normal);
+  if (across.norm() < 1e-3) across = map.frame.col(0) - axes.col(0) * axes.col(0).dot(map.frame.col(0));
+  axes.col(2) = across.normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  return axes;
+}
+
 Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eigen::Index f, const SegmentMaps& maps,
                 const Eigen::Matrix3d& body, Stretch stretch) {
   const FaceMap& map = maps.faces[f];
   Record r{};
-  Edges plain, second, generated;
-  for (int k = 0; k < 2; ++k) {
-    plain.col(k) = v.row(faces(f, k + 1)) - v.row(faces(f, 0));
-    second.col(k) = u.row(faces(f, k + 1)) - u.row(faces(f, 0));
-  }
+  Edges plain, generated;
+  for (int k = 0; k < 2; ++k) plain.col(k) = v.row(faces(f, k + 1)) - v.row(faces(f, 0));
   const auto applied = [&](const Eigen::Matrix2d& m) { return (map.frame * (m * (map.frame.transpose() * plain))).eval(); };
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero(), tilt = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   if (map.degenerate) {
     // Straight from edge to edge, seen from the body.
-    generated = body.transpose() * second - plain;
+    for (int k = 0; k < 2; ++k) generated.col(k) = body.transpose() * (u.row(faces(f, k + 1)) - u.row(faces(f, 0))).transpose();
+    generated -= plain;
     r.straight = true;
   } else {
-    SetTurns(map.turn, r.turn_axis, r.turn_angle);
-    Eigen::Vector3d tilt = map.remainder;
+    turn = map.turn;
+    tilt = map.remainder;
     Eigen::Matrix2d n;
     const bool in_one = stretch == Stretch::kBalanced && !maps.differential && LogOf2(ShearOf(map, tilt), r.log_area, n, r.discriminant);
     if (!in_one) {
       tilt = map.remainder;
       LogOf2(map.stretch, r.log_area, n, r.discriminant);  // symmetric and positive: always real
     }
-    SetTurns(tilt, r.tilt_axis, r.tilt_angle);
     r.straight = stretch == Stretch::kLinear;
     generated = applied(r.straight ? map.stretch - Eigen::Matrix2d::Identity() : n);
     r.growth = stretch == Stretch::kBalanced ? map.growth : 0.0;
     r.log_area -= 2 * r.growth;
+    axes = TiltAxes(map, tilt, r.flat);
   }
-  std::copy(plain.data(), plain.data() + 6, r.plain.begin());
-  std::copy(generated.data(), generated.data() + 6, r.generated.begin());
+  r.turn_angle = turn.norm();
+  r.tilt_angle = tilt.norm();
+  r.along = SplitBy(turn, r.turn_angle, axes.col(0));
+  r.across = SplitBy(turn, r.turn_angle, axes.col(1));
+  r.third = SplitBy(turn, r.turn_angle, axes.col(2));
+  const Edges plain_in = axes.transpose() * plain, generated_in = axes.transpose() * generated;
+  for (int c = 0; c < 3; ++c) r.in_axes[c] = {plain_in(c, 0), generated_in(c, 0), plain_in(c, 1), generated_in(c, 1)};
   return r;
 }
 
@@ -100,7 +125,8 @@ KEYPOSE_INLINE Lanes BalancedLanes(Lanes t, double log_area) {
                                              Spread(x) * (one - Spread(6.0) * t + Spread(6.0) * t * t) / Spread(24.0)));
 }
 
-constexpr int kTerms = 18, kFewTerms = 8;
+constexpr int kTerms = 18, kFewTerms = 8, kFewestTerms = 5;
+constexpr double kSmallAngle = 0.78;
 /// 1 / (2n)! and 1 / (2n+1)!: cosh and sinh(x) / x as series of x^2, which serve cosine and sine where x^2 is negative.
 struct EvenSeries {
   constexpr EvenSeries() {
@@ -116,56 +142,92 @@ struct EvenSeries {
 };
 constexpr EvenSeries kSeries;
 
-KEYPOSE_INLINE Lanes3 SpreadAxis(const std::array<double, 3>& axis) { return {Spread(axis[0]), Spread(axis[1]), Spread(axis[2])}; }
+template <int Terms>
+KEYPOSE_INLINE void EvenSums(Lanes x, Lanes& cosh_like, Lanes& sinh_like) {
+  cosh_like = Spread(kSeries.cosh[Terms - 1]), sinh_like = Spread(kSeries.sinh[Terms - 1]);
+#pragma GCC unroll 18
+  for (int n = Terms - 2; n >= 0; --n) {
+    cosh_like = cosh_like * x + Spread(kSeries.cosh[n]);
+    sinh_like = sinh_like * x + Spread(kSeries.sinh[n]);
+  }
+}
+
+/// An axis at the times whose turn has these sines and cosines.
+KEYPOSE_INLINE Lanes3 AxisAt(const std::array<double, 9>& a, Lanes sine, Lanes cosine) {
+  return {Spread(a[0]) + cosine * Spread(a[3]) + sine * Spread(a[6]), Spread(a[1]) + cosine * Spread(a[4]) + sine * Spread(a[7]),
+          Spread(a[2]) + cosine * Spread(a[5]) + sine * Spread(a[8])};
+}
+
+KEYPOSE_INLINE Lanes3 Mixed(Lanes a, const Lanes3& u, Lanes b, const Lanes3& v) {
+  return {a * u.x + b * v.x, a * u.y + b * v.y, a * u.z + b * v.z};
+}
+
+KEYPOSE_INLINE void SinCosOf(Lanes t, double angle, Lanes& sine, Lanes& cosine) {
+  // Times may lie a little outside [0, 1], where sequences look ahead; those that lie further are still right, only less closely.
+  if (angle < kSmallAngle)
+    SinCosNearZero(t * Spread(angle), sine, cosine);
+  else
+    SinCos(t * Spread(angle), sine, cosine);
+}
 
 KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* times, int stride, double* edges) {
-  const Lanes3 turn_axis = SpreadAxis(r.turn_axis), tilt_axis = SpreadAxis(r.tilt_axis);
-  const int terms = std::abs(r.discriminant) < 0.2 ? kFewTerms : kTerms;  // 0.2^8 / 16! is 1e-19
   for (int first = 0; first < stride; first += 4) {
-    Lanes t;
-    __builtin_memcpy(&t, times + first, sizeof t);
+    const Lanes t = Loaded(times + first);
     Lanes plain = Spread(1.0), generated = t;
     if (!r.straight) {
       const Lanes tau = balanced ? BalancedLanes(t, r.log_area) : t, x = Spread(r.discriminant) * tau * tau;
-      Lanes cosh_like = Spread(kSeries.cosh[terms - 1]), sinh_like = Spread(kSeries.sinh[terms - 1]);
-      for (int n = terms - 2; n >= 0; --n) {
-        cosh_like = cosh_like * x + Spread(kSeries.cosh[n]);
-        sinh_like = sinh_like * x + Spread(kSeries.sinh[n]);
-      }
+      const double size = std::abs(r.discriminant);
+      Lanes cosh_like, sinh_like;
+      if (size < 0.01)  // 0.01^5 / 10! is 3e-17
+        EvenSums<kFewestTerms>(x, cosh_like, sinh_like);
+      else if (size < 0.2)  // 0.2^8 / 16! is 1e-19
+        EvenSums<kFewTerms>(x, cosh_like, sinh_like);
+      else
+        EvenSums<kTerms>(x, cosh_like, sinh_like);
       const Lanes scale = Exp(t * Spread(r.growth) + tau * Spread(0.5 * r.log_area));
       plain = scale * cosh_like;
       generated = scale * tau * sinh_like;
     }
     Lanes sine, cosine, tilt_sine, tilt_cosine;
-    SinCos(t * Spread(r.turn_angle), sine, cosine);
-    SinCos(t * Spread(r.tilt_angle), tilt_sine, tilt_cosine);
+    SinCosOf(t, r.turn_angle, sine, cosine);
+    SinCosOf(t, r.tilt_angle, tilt_sine, tilt_cosine);
+    const Lanes3 along = AxisAt(r.along, sine, cosine), across = AxisAt(r.across, sine, cosine), third = AxisAt(r.third, sine, cosine);
+    const Lanes3 tilted = Mixed(tilt_cosine, across, tilt_sine, third);
+#pragma GCC unroll 2
     for (int k = 0; k < 2; ++k) {
-      const double *a = r.plain.data() + 3 * k, *b = r.generated.data() + 3 * k;
-      Lanes3 e = {plain * Spread(a[0]) + generated * Spread(b[0]), plain * Spread(a[1]) + generated * Spread(b[1]),
-                  plain * Spread(a[2]) + generated * Spread(b[2])};
-      e = Turned(tilt_axis, tilt_sine, tilt_cosine, e);
-      e = Turned(turn_axis, sine, cosine, e);
-      __builtin_memcpy(edges + (3 * k + 0) * stride + first, &e.x, sizeof e.x);
-      __builtin_memcpy(edges + (3 * k + 1) * stride + first, &e.y, sizeof e.y);
-      __builtin_memcpy(edges + (3 * k + 2) * stride + first, &e.z, sizeof e.z);
+      const auto part = [&](int c) __attribute__((always_inline)) {
+        return plain * Spread(r.in_axes[c][2 * k]) + generated * Spread(r.in_axes[c][2 * k + 1]);
+      };
+      Lanes3 e = Mixed(part(0), along, part(1), tilted);
+      if (!r.flat) {
+        const Lanes high = part(2);
+        const Lanes3 up = Mixed(tilt_cosine, third, -tilt_sine, across);
+        e = {e.x + high * up.x, e.y + high * up.y, e.z + high * up.z};
+      }
+      Stored(e.x, edges + (3 * k + 0) * stride + first);
+      Stored(e.y, edges + (3 * k + 1) * stride + first);
+      Stored(e.z, edges + (3 * k + 2) * stride + first);
     }
   }
 }
 
-void EvaluateBlock(const Record* records, std::int64_t count, bool balanced, const double* times, int stride, double* edges) {
-  for (std::int64_t f = 0; f < count; ++f) EvaluateFace(records[f], balanced, times, stride, edges + f * 6 * stride);
-}
+struct EvaluateJob {
+  const Record* records;
+  const int* listed;  // none: in order
+  std::int64_t count;
+  bool balanced;
+  const double* times;
+  int stride;
+  double* edges;
+};
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void EvaluateBlockAvx2(const Record* records, std::int64_t count, bool balanced, const double* times,
-                                                       int stride, double* edges) {
-  for (std::int64_t f = 0; f < count; ++f) EvaluateFace(records[f], balanced, times, stride, edges + f * 6 * stride);
+KEYPOSE_INLINE void EvaluateFaces(const EvaluateJob& job) {
+  for (std::int64_t f = 0; f < job.count; ++f)
+    EvaluateFace(job.records[job.listed ? job.listed[f] : f], job.balanced, job.times, job.stride, job.edges + f * 6 * job.stride);
 }
-bool HasAvx2() {
-  static const bool has = __builtin_cpu_supports("avx2");
-  return has;
-}
-#endif
+void EvaluatePlain(const EvaluateJob& job) { EvaluateFaces(job); }
+KEYPOSE_FMA void EvaluateFma(const EvaluateJob& job) { EvaluateFaces(job); }
+void EvaluateBest(const EvaluateJob& job) { HasFma() ? EvaluateFma(job) : EvaluatePlain(job); }
 
 }  // namespace
 
@@ -180,18 +242,22 @@ PairPaths::PairPaths(const PointsX3& v, const PointsX3& u, const FacesX3& faces,
 void PairPaths::Evaluate(const std::vector<double>& times, EdgeBatch& edges) const {
   std::vector<double> padded(edges.stride, 0.0);
   std::copy(times.begin(), times.end(), padded.begin());
-  ParallelBlocks(static_cast<std::int64_t>(records_.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-#if defined(__x86_64__)
-    if (HasAvx2()) return EvaluateBlockAvx2(&records_[begin], end - begin, balanced_, padded.data(), edges.stride, edges.Face(begin));
-#endif
-    EvaluateBlock(&records_[begin], end - begin, balanced_, padded.data(), edges.stride, edges.Face(begin));
-  });
+  const auto job = [&](std::int64_t begin, std::int64_t end) {
+    const int* listed = edges.listed.empty() ? nullptr : edges.listed.data();
+    return EvaluateJob{
+        records_.data() + (listed ? 0 : begin), listed, end - begin, balanced_, padded.data(), edges.stride, edges.Face(begin)};
+  };
+  if (!edges.listed.empty()) return EvaluateBest(job(0, static_cast<std::int64_t>(edges.listed.size())));
+  ParallelBlocks(static_cast<std::int64_t>(records_.size()), 256,
+                 [&](std::int64_t begin, std::int64_t end) { EvaluateBest(job(begin, end)); });
 }
 
 void PairPaths::EvaluateWith(const std::vector<Eigen::Matrix3d>& rotations, double t, int frame, EdgeBatch& edges) const {
+  const bool all = edges.listed.empty();
   ParallelFor(
-      static_cast<std::int64_t>(records_.size()),
-      [&](std::int64_t f) {
+      static_cast<std::int64_t>(all ? records_.size() : edges.listed.size()),
+      [&](std::int64_t k) {
+        const std::int64_t f = all ? k : edges.listed[k];
         const Record& r = records_[f];
         double plain = 1, generated = t;
         if (!r.straight) {
@@ -200,7 +266,14 @@ void PairPaths::EvaluateWith(const std::vector<Eigen::Matrix3d>& rotations, doub
           plain = scale * std::cosh(x);
           generated = scale * (root > 1e-8 ? std::sinh(x) / root : tau);
         }
-        edges.Set(f, frame, rotations[f] * (plain * Edges::Map(r.plain.data()) + generated * Edges::Map(r.generated.data())));
+        // The tilt's axes before the turn: what it keeps and what goes with its cosine.
+        Edges local = Edges::Zero();
+        const std::array<double, 9>* axes[] = {&r.along, &r.across, &r.third};
+        for (int c = 0; c < 3; ++c) {
+          const Eigen::Vector3d axis = Eigen::Vector3d::Map(axes[c]->data()) + Eigen::Vector3d::Map(axes[c]->data() + 3);
+          for (int e = 0; e < 2; ++e) local.col(e) += (plain * r.in_axes[c][2 * e] + generated * r.in_axes[c][2 * e + 1]) * axis;
+        }
+        edges.Set(k, frame, rotations[f] * local);
       },
       512);
 }

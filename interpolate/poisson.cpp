@@ -9,13 +9,17 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "interpolate/lanes.h"
 #include "interpolate/poisson_impl.h"
+
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace keypose::interpolation {
 
 namespace {
 
 constexpr int kVectorWidth = 4;
+constexpr int kPatchRows = 512;   // their faces' edges at one vector of frames fit the second cache
 constexpr double kSliver = 1e-6;  // as in FaceMapsOf
 
 std::vector<int> LowestVertexOfPart(Eigen::Index vertex_count, const FacesX3& faces) {
@@ -53,6 +57,16 @@ EdgeBatch::EdgeBatch(Eigen::Index faces, int frame_count)
   // Columns that no frame fills are summed too, so they must be numbers.
   values_ = frames == stride ? std::make_unique_for_overwrite<double[]>(size) : std::make_unique<double[]>(size);
 }
+
+EdgeBatch::EdgeBatch(std::span<const int> faces, int frame_count) : EdgeBatch(static_cast<Eigen::Index>(faces.size()), frame_count) {
+  listed = faces;
+  std::fill_n(values_.get(), faces.size() * 6 * stride, 0.0);
+}
+
+FrameRows::FrameRows(Eigen::Index vertices, int frame_count)
+    : frames(frame_count),
+      stride((frame_count + kVectorWidth - 1) / kVectorWidth * kVectorWidth),
+      values(std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(vertices) * 3 * stride)) {}
 
 void EdgeBatch::Set(Eigen::Index face, int frame, const Eigen::Matrix<double, 3, 2>& edges) {
   for (int c = 0; c < 6; ++c) Face(face)[c * stride + frame] = edges.data()[c];
@@ -163,8 +177,8 @@ void PoissonSystem::Impl::Assemble() {
   const double ground = std::max(diagonal.cwiseAbs().mean(), 1e-12);
   for (Eigen::Index j = 0; j < n; ++j)
     if (lowest[j] == j) h.valuePtr()[h.outerIndexPtr()[j]] += ground;
-  solver.PreferSolves();
   solver.Analyze(h);
+  CutPatches();
   if (!options.screened) {
     solver.Factor(h);
     return;
@@ -176,31 +190,129 @@ void PoissonSystem::Impl::Assemble() {
   ParallelFor(2, [&](std::int64_t k) { k == 0 ? solver.Factor(h) : screened.Factor(screened_h); });
 }
 
-void PoissonSystem::Impl::RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, int first,
-                                        Eigen::MatrixXd& rhs) const {
-  const int frames = edges.frames, stride = edges.stride;
-  constexpr int kBlock = 64;
-  ParallelBlocks(n, kBlock, [&](std::int64_t begin, std::int64_t end) {
-    // Gathered by vertex in the order of its faces, in a small buffer: the matrix itself is written once, column by column.
-    std::vector<double> buffer(static_cast<std::size_t>(kBlock) * 3 * stride, 0.0);
-    for (std::int64_t i = begin; i < end; ++i) {
-      double* sum = buffer.data() + (i - begin) * 3 * stride;
+void PoissonSystem::Impl::CutPatches() {
+  const int count = static_cast<int>((n + kPatchRows - 1) / kPatchRows);
+  patch_begin.assign(1, 0);
+  row_begin.assign(1, 0);
+  row_begin.reserve(n + 1);
+  row_corners.reserve(corners.size());
+  std::vector<int> place(faces.rows(), -1);
+  for (int patch = 0; patch < count; ++patch) {
+    const int begin = patch * kPatchRows, end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
+    for (int row = begin; row < end; ++row) {
+      const int i = solver.unknowns()[row];
       for (int at = first_corner[i]; at < first_corner[i + 1]; ++at) {
         const int f = corners[at] / 3, k = corners[at] % 3;
-        const EdgeWeights& w = weights[f];
+        if (place[f] < patch_begin[patch]) {
+          place[f] = static_cast<int>(patch_faces.size());
+          patch_faces.push_back(f);
+        }
         // Corner k ends the edge opposite k+1 and starts the edge opposite k+2; both in terms of the edges from corner 0.
-        const double a = k == 0 ? -w[2] : k == 1 ? w[2] + w[0] : -w[0], b = k == 0 ? -w[1] : k == 1 ? -w[0] : w[0] + w[1];
-        const double* edge = edges.Face(f);
-        for (int c = 0; c < 3 * stride; ++c) sum[c] += a * edge[c] + b * edge[c + 3 * stride];
+        const EdgeWeights& w = weights[f];
+        row_corners.push_back({place[f] - patch_begin[patch],
+                               k == 0   ? -w[2]
+                               : k == 1 ? w[2] + w[0]
+                                        : -w[0],
+                               k == 0   ? -w[1]
+                               : k == 1 ? -w[0]
+                                        : w[0] + w[1]});
+      }
+      row_begin.push_back(static_cast<int>(row_corners.size()));
+    }
+    patch_begin.push_back(static_cast<int>(patch_faces.size()));
+  }
+}
+
+namespace {
+
+/// Sums of one row's corners: three vectors of four frames.
+template <class Corner, class EdgesOf>
+KEYPOSE_INLINE Lanes3 SumCorners(const Corner* corner, const Corner* end, int stride, const EdgesOf& edges_of) {
+  Lanes3 sum = {Spread(0.0), Spread(0.0), Spread(0.0)};
+  for (; corner < end; ++corner) {
+    const double* e = edges_of(corner->face);
+    const Lanes a = Spread(corner->first), b = Spread(corner->second);
+    sum.x += a * Loaded(e) + b * Loaded(e + 3 * stride);
+    sum.y += a * Loaded(e + stride) + b * Loaded(e + 4 * stride);
+    sum.z += a * Loaded(e + 2 * stride) + b * Loaded(e + 5 * stride);
+  }
+  return sum;
+}
+
+struct LaneTurns {
+  Lanes m[3][3];
+};
+
+struct GatherJob {
+  const int* row_begin;
+  const int* faces;  // none: edges are in the order of the patch
+  const double* edges;
+  int stride;
+  const LaneTurns* turns;
+  double* out;
+  int out_stride, rows;
+};
+
+template <class Corner>
+KEYPOSE_INLINE void GatherRows(const GatherJob& job, const Corner* corners) {
+  const auto edges_of = [&](int place) __attribute__((always_inline)) {
+    return job.edges + static_cast<std::ptrdiff_t>(job.faces ? job.faces[place] : place) * 6 * job.stride;
+  };
+  for (int r = 0; r < job.rows; ++r) {
+    Lanes3 sum = SumCorners(corners + job.row_begin[r], corners + job.row_begin[r + 1], job.stride, edges_of);
+    if (job.turns) {
+      const auto& m = job.turns->m;
+      sum = {m[0][0] * sum.x + m[0][1] * sum.y + m[0][2] * sum.z, m[1][0] * sum.x + m[1][1] * sum.y + m[1][2] * sum.z,
+             m[2][0] * sum.x + m[2][1] * sum.y + m[2][2] * sum.z};
+    }
+    double* out = job.out + static_cast<std::ptrdiff_t>(r) * 3 * job.out_stride;
+    Stored(sum.x, out);
+    Stored(sum.y, out + job.out_stride);
+    Stored(sum.z, out + 2 * job.out_stride);
+  }
+}
+
+template <class Corner>
+KEYPOSE_FMA void GatherFma(const GatherJob& job, const Corner* corners) {
+  GatherRows(job, corners);
+}
+template <class Corner>
+void GatherPlain(const GatherJob& job, const Corner* corners) {
+  GatherRows(job, corners);
+}
+
+}  // namespace
+
+void PoissonSystem::Impl::Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first, FrameRows& sums) const {
+  const int begin = patch * kPatchRows, end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
+  LaneTurns lanes;
+  const bool all = edges.listed.empty();
+  for (int i = 0; turns && i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < kVectorWidth; ++k) lanes.m[i][j][k] = turns[std::min(first + k, sums.frames - 1)](i, j);
+  const GatherJob job{row_begin.data() + begin,
+                      all ? patch_faces.data() + patch_begin[patch] : nullptr,
+                      edges.Face(0) + (all ? first : 0),
+                      edges.stride,
+                      turns ? &lanes : nullptr,
+                      sums.Row(begin) + first,
+                      sums.stride,
+                      end - begin};
+  HasFma() ? GatherFma(job, row_corners.data()) : GatherPlain(job, row_corners.data());
+}
+
+void PoissonSystem::Impl::RightHandSide(const FillEdges& fill, const std::vector<Eigen::Matrix3d>& turns, FrameRows& sums) const {
+  constexpr int kPatchesTogether = 4;
+  ParallelBlocks(static_cast<std::int64_t>(patch_begin.size()) - 1, kPatchesTogether, [&](std::int64_t from, std::int64_t to) {
+    for (int patch = static_cast<int>(from); patch < to; ++patch) {
+      const std::span<const int> listed(patch_faces.data() + patch_begin[patch], patch_faces.data() + patch_begin[patch + 1]);
+      EdgeBatch edges(listed, kVectorWidth);
+      for (int first = 0; first < sums.frames; first += kVectorWidth) {
+        edges.frames = std::min(kVectorWidth, sums.frames - first);
+        fill(first, edges);
+        Gather(patch, edges, turns.empty() ? nullptr : turns.data(), first, sums);
       }
     }
-    for (int t = 0; t < frames; ++t)
-      for (std::int64_t i = begin; i < end; ++i) {
-        const double* sum = buffer.data() + (i - begin) * 3 * stride;
-        Eigen::Vector3d v(sum[t], sum[stride + t], sum[2 * stride + t]);
-        if (!turns.empty()) v = turns[first + t] * v;
-        for (int c = 0; c < 3; ++c) rhs(i, 3 * (first + t) + c) = v[c];
-      }
   });
 }
 
@@ -229,36 +341,54 @@ RowTargets PoissonSystem::RowsAt(const PointsX3& points) const {
   return values;
 }
 
-std::vector<PointsX3> PoissonSystem::Impl::Fit(Eigen::MatrixXd& x, const std::vector<RowTargets>& targets) const {
+std::vector<PointsX3> PoissonSystem::Impl::Fit(FrameRows& solved, const std::vector<RowTargets>& targets) const {
   for (const RowTargets& t : targets)
     if (t.rows() != static_cast<Eigen::Index>(rows.size())) throw InputError("interpolate: one target a constraint row is needed");
-  if (3 * static_cast<Eigen::Index>(targets.size()) != x.cols()) throw InputError("interpolate: one set of targets a frame is needed");
-  SolveWithRows(x, targets);
+  if (static_cast<int>(targets.size()) != solved.frames) throw InputError("interpolate: one set of targets a frame is needed");
+  if (coupled == 0) solver.SolveRows(solved.values.get(), 3 * solved.stride);
   std::vector<PointsX3> frames(targets.size());
   ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t t) {
-    frames[t] = x.middleCols<3>(3 * t);
-    CentreFreeParts(frames[t], targets[t]);
+    frames[t].resize(n, 3);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double* row = solved.Row(solver.rows()[i]) + t;
+      frames[t].row(i) << row[0], row[solved.stride], row[2 * solved.stride];
+    }
   });
+  if (coupled > 0) {
+    Eigen::MatrixXd x(n, 3 * solved.frames);
+    for (int t = 0; t < solved.frames; ++t) x.middleCols<3>(3 * t) = frames[t];
+    SolveWithRows(x, targets);
+    for (int t = 0; t < solved.frames; ++t) frames[t] = x.middleCols<3>(3 * t);
+  }
+  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t t) { CentreFreeParts(frames[t], targets[t]); });
   return frames;
 }
 
 std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges, const std::vector<RowTargets>& targets,
                                            const std::vector<Eigen::Matrix3d>& turns) const {
-  Eigen::MatrixXd x(impl_->n, 3 * edges.frames);
-  impl_->RightHandSide(edges, turns, 0, x);
-  return impl_->Fit(x, targets);
+  FrameRows rows(impl_->n, edges.frames);
+  ParallelFor(static_cast<std::int64_t>(impl_->patch_begin.size()) - 1, [&](std::int64_t patch) {
+    for (int first = 0; first < edges.frames; first += kVectorWidth)
+      impl_->Gather(static_cast<int>(patch), edges, turns.empty() ? nullptr : turns.data(), first, rows);
+  });
+  return impl_->Fit(rows, targets);
 }
 
-std::vector<PointsX3> PoissonSystem::Solve(int frames, const std::function<void(int first, EdgeBatch& edges)>& fill,
-                                           const std::vector<RowTargets>& targets, const std::vector<Eigen::Matrix3d>& turns) const {
-  Eigen::MatrixXd x(impl_->n, 3 * frames);
-  EdgeBatch edges(impl_->faces.rows(), std::min(frames, kVectorWidth));
-  for (int first = 0; first < frames; first += kVectorWidth) {
-    edges.frames = std::min(kVectorWidth, frames - first);
-    fill(first, edges);
-    impl_->RightHandSide(edges, turns, first, x);
-  }
-  return impl_->Fit(x, targets);
+std::vector<PointsX3> PoissonSystem::Solve(int frames, const FillEdges& fill, const std::vector<RowTargets>& targets,
+                                           const std::vector<Eigen::Matrix3d>& turns) const {
+  FrameRows rows(impl_->n, frames);
+  impl_->RightHandSide(fill, turns, rows);
+  return impl_->Fit(rows, targets);
+}
+
+bool PoissonSystem::IsFree() const { return impl_->coupled == 0; }
+const std::vector<int>& PoissonSystem::row_of() const { return impl_->solver.rows(); }
+
+FrameRows PoissonSystem::SolveFree(int frames, const FillEdges& fill) const {
+  FrameRows rows(impl_->n, frames);
+  impl_->RightHandSide(fill, {}, rows);
+  impl_->solver.SolveRows(rows.values.get(), 3 * rows.stride);
+  return rows;
 }
 
 Eigen::MatrixXd PoissonSystem::SolveScreened(const Eigen::MatrixXd& b) const {

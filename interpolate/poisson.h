@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,18 +15,35 @@ namespace keypose::interpolation {
 
 /// Wanted edges of every face at several frames: what the faces' maps make of the edges corner 0 -> 1 and corner 0 -> 2.
 struct EdgeBatch {
+  /// Of all faces of a mesh.
   EdgeBatch(Eigen::Index faces, int frame_count);
+  /// Of some: face k is listed[k]. The list must outlive this.
+  EdgeBatch(std::span<const int> listed, int frame_count);
   /// @param edges  3 x 2: columns are corner 1 - corner 0 and corner 2 - corner 0
   void Set(Eigen::Index face, int frame, const Eigen::Matrix<double, 3, 2>& edges);
   /// 6 x stride numbers of a face: x y z of the first edge, then of the second; a frame is a column.
   double* Face(Eigen::Index face) { return values_.get() + face * 6 * stride; }
   const double* Face(Eigen::Index face) const { return values_.get() + face * 6 * stride; }
 
-  int frames = 0, stride = 0;  ///< stride: frames rounded up to whole vectors
+  int frames = 0, stride = 0;   ///< stride: frames rounded up to whole vectors
+  std::span<const int> listed;  ///< empty: all faces
 
  private:
   std::unique_ptr<double[]> values_;
 };
+
+/// Positions of all vertices at several frames, a row a vertex: `stride` numbers of x, of y, of z, a frame a column.
+struct FrameRows {
+  FrameRows(Eigen::Index vertices, int frame_count);
+  double* Row(Eigen::Index row) { return values.get() + row * 3 * stride; }
+  const double* Row(Eigen::Index row) const { return values.get() + row * 3 * stride; }
+
+  int frames = 0, stride = 0;  ///< stride: frames rounded up to whole vectors
+  std::unique_ptr<double[]> values;
+};
+
+/// Writes wanted edges of the batch's faces at the frames first .. first + edges.frames - 1. Called from several threads at once.
+using FillEdges = std::function<void(int first, EdgeBatch& edges)>;
 
 /// One linear condition, on x, y and z alike: sum of weight * position over `terms` equals a target point, given anew for each frame.
 struct ConstraintRow {
@@ -87,10 +105,16 @@ class PoissonSystem {
   std::vector<PointsX3> Solve(const EdgeBatch& edges, const std::vector<RowTargets>& targets,
                               const std::vector<Eigen::Matrix3d>& turns = {}) const;
 
-  /// The same, for edges that are made a few frames at a time: `fill(first, edges)` is to write the frames first .. first + edges.frames
-  /// - 1.
-  std::vector<PointsX3> Solve(int frames, const std::function<void(int first, EdgeBatch& edges)>& fill,
-                              const std::vector<RowTargets>& targets, const std::vector<Eigen::Matrix3d>& turns = {}) const;
+  /// The same, for edges that are made as they are needed, a patch of faces and a few frames at a time.
+  std::vector<PointsX3> Solve(int frames, const FillEdges& fill, const std::vector<RowTargets>& targets,
+                              const std::vector<Eigen::Matrix3d>& turns = {}) const;
+
+  /// Whether no part has a row but its centroid's.
+  bool IsFree() const;
+  /// The frames of a free system before its centroids are placed: each part's lowest vertex stays at the origin. Row row_of()[i] is vertex
+  /// i; neighbours lie near each other.
+  FrameRows SolveFree(int frames, const FillEdges& fill) const;
+  const std::vector<int>& row_of() const;
 
   /// The smallest change, in this energy and under the same conditions, after which z >= floor.height: active vertices are held at the
   /// floor by multipliers until none sinks and none is pulled. In place; exact to rounding.

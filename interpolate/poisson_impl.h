@@ -5,7 +5,7 @@
 #include <Eigen/SparseCore>
 #include <array>
 
-#include "core/cholesky.h"
+#include "interpolate/block_cholesky.h"
 #include "interpolate/poisson.h"
 
 namespace keypose::interpolation {
@@ -21,16 +21,18 @@ struct PoissonSystem::Impl {
   Eigen::SparseMatrix<double> LowerLaplacian() const;
   void Assemble();
   double Kappa() const { return 1 / (screening_length * screening_length); }
-  /// Writes the columns of the batch's frames, from frame `first` on.
-  void RightHandSide(const EdgeBatch& edges, const std::vector<Eigen::Matrix3d>& turns, int first, Eigen::MatrixXd& rhs) const;
-  std::vector<PointsX3> Fit(Eigen::MatrixXd& rhs, const std::vector<RowTargets>& targets) const;
+  void CutPatches();
+  /// Writes the patch's rows at frames first .. first + 3, from the edges of its faces (of all faces, where the batch lists none).
+  void Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first, FrameRows& sums) const;
+  void RightHandSide(const FillEdges& fill, const std::vector<Eigen::Matrix3d>& turns, FrameRows& sums) const;
+  std::vector<PointsX3> Fit(FrameRows& solved, const std::vector<RowTargets>& targets) const;
 
   // In poisson_rows.cpp.
   void AcceptRows(const std::vector<ConstraintRow>& given);
   void AddCentroidRows();
   void FactorRows();
   /// C (system)^-1 C^T for the coupled rows.
-  Eigen::MatrixXd Compliance(const SparseCholesky& system, const std::vector<ConstraintRow>& some) const;
+  Eigen::MatrixXd Compliance(const BlockCholesky& system, const std::vector<ConstraintRow>& some) const;
   Eigen::MatrixXd ValuesOf(const std::vector<ConstraintRow>& some, const Eigen::MatrixXd& x) const;
   void SolveWithRows(Eigen::MatrixXd& rhs, const std::vector<RowTargets>& targets) const;
   void CentreFreeParts(PointsX3& points, const RowTargets& targets) const;
@@ -44,7 +46,16 @@ struct PoissonSystem::Impl {
   std::vector<EdgeWeights> weights;
   Eigen::VectorXd area, mass;
   double screening_length = 0;
-  SparseCholesky solver, screened;
+  BlockCholesky solver, screened;
+
+  /// Patches: so many rows each, in the solver's order, and all faces that touch them. A corner of a row: its face's place in the patch,
+  /// and what its edges count.
+  struct Corner {
+    int face;
+    double first, second;
+  };
+  std::vector<int> patch_begin, patch_faces, row_begin;
+  std::vector<Corner> row_corners;
 
   std::vector<ConstraintRow> rows;
   std::vector<int> sources;

@@ -70,7 +70,7 @@ Eigen::MatrixXd PoissonSystem::Impl::ValuesOf(const std::vector<ConstraintRow>& 
   return values;
 }
 
-Eigen::MatrixXd PoissonSystem::Impl::Compliance(const SparseCholesky& system, const std::vector<ConstraintRow>& some) const {
+Eigen::MatrixXd PoissonSystem::Impl::Compliance(const BlockCholesky& system, const std::vector<ConstraintRow>& some) const {
   const Eigen::Index m = static_cast<Eigen::Index>(some.size());
   Eigen::MatrixXd result(m, m);
   for (Eigen::Index begin = 0; begin < m; begin += kColumns) {

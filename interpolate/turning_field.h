@@ -16,13 +16,14 @@ class TurningField {
   TurningField(const SegmentMaps& maps, const PointsX3& a, const PointsX3& b);
   PointsX3 At(double t) const;
 
- private:
-  struct Block {
-    double axis[3][4], angle[4], start[3][4], rise[3][4];  // four vertices
+  struct Vertex {
+    double axis[3], angle, start[3], rise[3];
   };
-  Eigen::Index count_;
+  const std::vector<Vertex>& vertices() const { return vertices_; }
+
+ private:
   Eigen::Vector3d body_turn_;
-  std::vector<Block> blocks_;
+  std::vector<Vertex> vertices_;
 };
 
 }  // namespace keypose::interpolation

@@ -139,8 +139,7 @@ VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, PointsX3 dire
   const double reach = kReach * BoundingDiagonal(points);
   for (std::size_t p = 0; p < cubics.size(); ++p) {
     if (!closed_[p] || !std::isfinite(targets[p])) continue;
-    cubics[p][0] -= targets[p];
-    const double x = cubics[p][0] == 0 ? 0 : RootNearZero(cubics[p]);
+    const double x = StepToVolume(cubics[p], targets[p]);
     if (!(std::abs(x) * longest[p] <= reach)) {
       ++result.unreachable;
       continue;
@@ -152,6 +151,11 @@ VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, PointsX3 dire
   for (Eigen::Index i = 0; i < z.rows(); ++i)
     if (step[parts[i]] != 0) points.row(i) += step[parts[i]] * z.row(i);
   return result;
+}
+
+double StepToVolume(std::array<double, 4> volume, double target) {
+  volume[0] -= target;
+  return volume[0] == 0 ? 0 : RootNearZero(volume);
 }
 
 std::vector<double> PathVolumes(const std::vector<double>& v0, const std::vector<double>& v1, double t) {

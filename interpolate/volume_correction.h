@@ -49,6 +49,10 @@ class VolumeCorrection {
   std::vector<int> origins_;  // a vertex of each part
 };
 
+/// The step along a direction after which a part's volume, a cubic polynomial of the step, is `target`: the root nearest to zero. NaN where
+/// there is none to be found.
+double StepToVolume(std::array<double, 4> volume, double target);
+
 /// v0^(1-t) v1^t for each part; NaN (left alone) where a volume is 0 or the two have different signs.
 std::vector<double> PathVolumes(const std::vector<double>& v0, const std::vector<double>& v1, double t);
 
