@@ -3,9 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "register/block_jacobi.h"
 #include "register/sparse_pattern.h"
 
 namespace keypose::registration {
@@ -14,6 +16,8 @@ namespace {
 
 constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
 constexpr double kSolverTolerance = 1e-4;  // of the first residual's energy: maps change with every turn anyway
+constexpr double kBlockTolerance = 1e-4;   // the same where there is no factor
+constexpr int kBlockSteps = 3;             // steps there for each with a factor
 constexpr std::int64_t kGrain = 1024;
 
 Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
@@ -44,8 +48,8 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
   return RotationBySvd(m);
 }
 
-ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing)
-    : rest_(rest), smoothing_(smoothing) {
+ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing, bool factor)
+    : rest_(rest), smoothing_(smoothing), factored_(factor) {
   const std::size_t n = rest.rows();
   areas_ = Eigen::VectorXd::Zero(rest.rows());
   const Eigen::VectorXd face_areas = FaceAreas(rest, faces);
@@ -116,7 +120,7 @@ void ArapFit::BuildMatrix() {
   lower_ = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, static_cast<Eigen::Index>(rows.size()), columns.data(), rows.data(),
                                                          values.data());
   system_ = lower_;
-  factor_.Analyze(lower_);
+  if (factored_) factor_.Analyze(lower_);
   component_ = Components(n, edges, components_);
 }
 
@@ -142,7 +146,7 @@ void ArapFit::SetWeights(const Eigen::VectorXd& weights) {
     hold_[i] = pull_of[component_[i]] < kHold ? kHold : 0;
     system_.valuePtr()[diagonal_[i]] = lower_.valuePtr()[diagonal_[i]] + weights[i] + hold_[i];
   }
-  factor_.Factor(system_);
+  if (factored_) factor_.Factor(system_);
 }
 
 Eigen::Matrix3d ArapFit::FanMap(const PointsX3& moved, int i) const {
@@ -214,18 +218,28 @@ Eigen::MatrixXd ArapFit::Apply(const Eigen::MatrixXd& p, const Pulls& pulls) con
   return result;
 }
 
+Eigen::VectorXd ArapFit::Rings() const {
+  Eigen::VectorXd sums(rest_.rows());
+  for (Eigen::Index i = 0; i < sums.size(); ++i) sums[i] = lower_.valuePtr()[diagonal_[i]];
+  return sums;
+}
+
 PointsX3 ArapFit::FitPositions(const Pulls& pulls, const PointsX3& start, int steps) const {
   Eigen::MatrixXd b = pulls.b + hold_.asDiagonal() * start;
   AddShapePull(b);
-  Eigen::MatrixXd x = start, r = b - Apply(x, pulls), z = factor_.Solve(r), p = z;
+  std::optional<BlockJacobi> blocks;
+  if (!factored_) blocks.emplace(pulls.q, Eigen::VectorXd(Rings() + hold_));
+  const auto precondition = [&](const Eigen::MatrixXd& residual) { return blocks ? blocks->Apply(residual) : factor_.Solve(residual); };
+  Eigen::MatrixXd x = start, r = b - Apply(x, pulls), z = precondition(r), p = z;
   double rz = r.cwiseProduct(z).sum();
-  const double enough = kSolverTolerance * rz;
+  const double enough = (blocks ? kBlockTolerance : kSolverTolerance) * rz;
+  if (blocks) steps *= kBlockSteps;
   for (int k = 0; k < steps && rz > enough && rz > 0; ++k) {
     const Eigen::MatrixXd ap = Apply(p, pulls);
     const double step = rz / p.cwiseProduct(ap).sum();
     x += step * p;
     r -= step * ap;
-    z = factor_.Solve(r);
+    z = precondition(r);
     const double next = r.cwiseProduct(z).sum();
     p = z + (next / rz) * p;
     rz = next;

@@ -38,7 +38,8 @@ class ArapFit {
   /// @param stiffness  V, multiplies c at both ends of an edge (geometric mean) and the rigidity there, or empty; see RigidPieces for
   ///                   vertices that are painted so stiff that they form rigid pieces
   /// @param smoothing  kappa [length^2]: maps vary little over less than sqrt(kappa)
-  ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing);
+  /// @param factor     whether the system is factored; a large mesh that starts from where a coarser one has come needs no factor
+  ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing, bool factor = true);
 
   bool rigid() const { return rigidity_ >= kRigid; }
   void SetRigidity(double rigidity) { rigidity_ = rigidity; }  ///< above 0; from 1e6 on it counts as infinite
@@ -48,7 +49,7 @@ class ArapFit {
   /// Best map of each vertex's fan from rest to `moved`, near its neighbours' last ones.
   void FitMaps(const PointsX3& moved);
   /// Positions that minimise the shape term plus the pulls, by at most `steps` conjugate gradients from `start`, preconditioned by the
-  /// factor of the last SetWeights.
+  /// factor of the last SetWeights, or three times as many by the diagonal's blocks where nothing is factored.
   PointsX3 FitPositions(const Pulls& pulls, const PointsX3& start, int steps) const;
 
   const std::vector<Eigen::Matrix3d>& maps() const { return maps_; }
@@ -69,11 +70,13 @@ class ArapFit {
   void BuildMatrix();
   void BuildFans();
   void AddShapePull(Eigen::MatrixXd& b) const;
+  Eigen::VectorXd Rings() const;  ///< V, sums of c_ij
   Eigen::MatrixXd Apply(const Eigen::MatrixXd& p, const Pulls& pulls) const;
   Eigen::Matrix3d FanMap(const PointsX3& moved, int i) const;
 
   PointsX3 rest_;
   double smoothing_, rigidity_ = 1e300;
+  bool factored_;
   Eigen::VectorXd areas_;
   Eigen::VectorXd stiffness_;  // or empty
   RigidPieces pieces_;

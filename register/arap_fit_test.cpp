@@ -313,5 +313,50 @@ TEST(ArapFit, SameBitsAtOneAndTwoThreads) {
   EXPECT_EQ(results[0], results[1]);
 }
 
+TEST(ArapFit, WithoutAFactorAStartCloseByComesAsFar) {
+  // A ripple on a tube whose bend is right already: what a coarser mesh leaves to do.
+  const Mesh tube = MakeCylinder(0.3, 2, 60, 80);
+  const auto bent = [](const PointsX3& points) {
+    PointsX3 b = points;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      const double a = points(i, 2) * 0.7, r = 1 / 0.7 - points(i, 0);
+      b.row(i) << 1 / 0.7 - r * std::cos(a), points(i, 1), r * std::sin(a);
+    }
+    return b;
+  };
+  const PointsX3 goal = bent(tube.points);
+  PointsX3 start = goal;
+  for (Eigen::Index i = 0; i < start.rows(); ++i) start(i, 1) += 0.01 * std::sin(40 * tube.points(i, 2)) * tube.points(i, 1);
+  Pulls pulls(start.rows());
+  for (Eigen::Index i = 0; i < start.rows(); ++i) {
+    const Eigen::Vector3d normal = Eigen::Vector3d(goal(i, 0) - 0.3, goal(i, 1), 0.1).normalized();
+    pulls.AddPlane(i, 0.05, normal, goal.row(i));
+    pulls.AddPoint(i, 0.002, goal.row(i));
+  }
+  PointsX3 ends[2];
+  for (const bool factor : {true, false}) {
+    ArapFit fit(tube.points, tube.faces, {}, 0.001, factor);
+    PointsX3 moved = start;
+    fit.FitMaps(moved);
+    fit.SetWeights(pulls.MeanWeights());
+    for (int turn = 0; turn < 4; ++turn) {
+      moved = fit.FitPositions(pulls, moved, 10);
+      fit.FitMaps(moved);
+    }
+    ends[factor] = moved;
+  }
+  const double left = (ends[0] - ends[1]).rowwise().norm().maxCoeff(), made = (ends[1] - start).rowwise().norm().maxCoeff();
+  EXPECT_GT(made, 0.002);
+  EXPECT_LT(left, 0.15 * made);
+
+  ArapFit fit(tube.points, tube.faces, {}, 0.001, false);
+  fit.SetWeights(pulls.MeanWeights());
+  SetThreadCount(1);
+  const PointsX3 one = fit.FitPositions(pulls, start, 10);
+  SetThreadCount(2);
+  EXPECT_EQ(one, fit.FitPositions(pulls, start, 10));
+  SetThreadCount(0);
+}
+
 }  // namespace
 }  // namespace keypose::registration

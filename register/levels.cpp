@@ -6,6 +6,9 @@ namespace keypose::registration {
 
 namespace {
 
+constexpr Eigen::Index kMostFactored = 30000;  // vertices; larger levels only finish what coarser ones have begun
+constexpr Eigen::Index kFarApart = 20;         // a level this many times coarser leaves too much to do
+
 Eigen::VectorXd Rows(const Eigen::VectorXd& values, const std::vector<int>& rows) {
   if (values.size() == 0) return {};
   Eigen::VectorXd some(static_cast<Eigen::Index>(rows.size()));
@@ -44,8 +47,11 @@ Levels::Levels(const PointsX3& rest, const FacesX3& faces, const std::vector<int
       levels_[l].marks.push_back({vertex, at - levels_[l].rest.row(vertex).transpose(), landmark.target});
     }
   }
-  for (Level& level : levels_) {
-    level.fit.emplace(level.rest, level.faces, Rows(stiffness, level.fine), smoothing);
+  for (int l = 0; l < count(); ++l) {
+    Level& level = levels_[l];
+    const bool follows = l + 1 < count() && levels_[l + 1].rest.rows() * kFarApart > level.rest.rows();
+    const bool factor = level.rest.rows() <= kMostFactored || !follows;
+    level.fit.emplace(level.rest, level.faces, Rows(stiffness, level.fine), smoothing, factor);
     level.moved = level.rest;
   }
   pending_.assign(levels_.size(), 1.0);
