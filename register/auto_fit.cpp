@@ -83,12 +83,19 @@ void FitToMatches(Level& level, const PointsX3& match_points, double landmark_we
   }
 }
 
-SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points, const FitTerms& terms) {
+SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points, const FitTerms& terms,
+                        Eigen::VectorXd* seen) {
   Pulls pulls(level.rest.rows());
   SurfacePullTerms surface;
   surface.weight = kSurfaceWeight / terms.stiffness;
   surface.robust = terms.robust;
   const SurfaceGap gap = target.Add(level.moved, level.faces, level.fit->vertex_areas(), surface, pulls);
+  if (seen) {
+    // A sixth of a vertex's full weight (a plane's trace is one, and this is a third of it) counts half.
+    const Eigen::ArrayXd full = surface.weight / level.fit->vertex_areas().sum() * level.fit->vertex_areas().array();
+    const Eigen::ArrayXd held = pulls.MeanWeights().array();
+    *seen = held / (held + full / 6 + 1e-300);
+  }
   if (terms.matches > 0) AddMatches(level, match_points, terms.matches, kMatchRobust, pulls);
   Turn(level, pulls, terms.landmarks, terms.turns, kSolverSteps, 0);
   HoldPieces(level, pulls, terms.landmarks);

@@ -19,7 +19,9 @@ struct FitTerms {
 void FitToLandmarks(Level& level, double weight);
 /// Landmarks and matches; matches are believed less the further they lie from where the others agree.
 void FitToMatches(Level& level, const PointsX3& match_points, double landmark_weight);
-/// One search of closest points and the rounds that follow from it.
-SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points, const FitTerms& terms);
+/// One search of closest points and the rounds that follow from it. `seen`, when asked for: 0 to 1, how firmly the surface holds each
+/// vertex.
+SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points, const FitTerms& terms,
+                        Eigen::VectorXd* seen = nullptr);
 
 }  // namespace keypose::registration

@@ -33,6 +33,23 @@ struct Schedule {
 constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{5, 2, 6, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
+constexpr double kMomentum = 0.95;  // of the last search's movement, where maps are soft: sliding along the surface converges slowly
+
+/// The movement of the last search goes on where the surface holds a vertex: what nothing holds would swing.
+class Momentum {
+ public:
+  explicit Momentum(const Level& level) : before_(level.moved), seen_(Eigen::VectorXd::Zero(level.moved.rows())) {}
+  void CarryOn(Level& level) {
+    PointsX3 now = level.moved;
+    level.moved += (kMomentum * seen_).asDiagonal() * (now - before_);
+    before_ = std::move(now);
+  }
+  Eigen::VectorXd* seen() { return &seen_; }
+
+ private:
+  PointsX3 before_;
+  Eigen::VectorXd seen_;
+};
 
 double Between(double from, double to, double x) { return from * std::pow(to / from, x); }
 
@@ -300,6 +317,7 @@ void AutoRegistration::TryStarts() {
 SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before, const PointsX3* match_points) {
   Level& level = (*levels_)[at];
   SurfaceGap gap;
+  Momentum momentum(level);
   for (int k = 0; k < schedule.rounds; ++k) {
     const double all = static_cast<double>(rounds_before + k) / (kAllRounds - 1);
     // The first schedule begins at its own stiffness; a later one goes on from where the last ended.
@@ -310,7 +328,10 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
     terms.landmarks = Between(options_.landmark_weight, options_.landmark_weight_end, all);
     terms.matches = level.matches.empty() || !match_points ? 0 : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
     terms.turns = schedule.turns;
-    for (int i = 0; i < schedule.searches; ++i) gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms);
+    for (int i = 0; i < schedule.searches; ++i) {
+      if (!level.fit->rigid()) momentum.CarryOn(level);
+      gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms, momentum.seen());
+    }
     // Noise and ragged holes make areas, and with them the first scale, a little wrong.
     if (level.fit->pieces().area_share() > kPiecesDecide)
       SetRestScale(rest_scale_ * level.growth);
@@ -347,7 +368,11 @@ void AutoRegistration::Finish() {
     Level& finer = (*levels_)[l];
     if (result_.softened) finer.fit->SetRigidity(kSoft);
     const int searches = finer.rest.rows() > kLargeLevel ? 2 : 6;
-    for (int k = 0; k < searches; ++k) gap = FitToSurface(finer, *surface_, goal_points_, terms);
+    Momentum momentum(finer);
+    for (int k = 0; k < searches; ++k) {
+      momentum.CarryOn(finer);
+      gap = FitToSurface(finer, *surface_, goal_points_, terms, momentum.seen());
+    }
     Step(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
   }
   result_.gap = (gap.forward + gap.backward) / 4;
