@@ -147,8 +147,9 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
       const Eigen::Vector3d centre =
           (registered.row(source.faces(f, 0)) + registered.row(source.faces(f, 1)) + registered.row(source.faces(f, 2))) / 3;
       const RayScene::Foot foot = target_scene.ClosestPoint(centre);
-      s.misfit[f] = std::sqrt(foot.squared_distance) / diagonal;
-      s.flipped[f] = ours.row(f).dot(theirs.row(foot.face)) < 0;
+      // Coordinates whose squares are no single-precision numbers have no closest point.
+      s.misfit[f] = foot.face < 0 ? 0 : std::sqrt(foot.squared_distance) / diagonal;
+      s.flipped[f] = foot.face >= 0 && ours.row(f).dot(theirs.row(foot.face)) < 0;
       s.stretch[f] = LargerChange(source, registered, static_cast<int>(f), scale);
     }
   });
@@ -159,7 +160,8 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
   ParallelBlocks(static_cast<std::int64_t>(feet.size()), 256, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) feet[i] = moved_scene.ClosestPoint(samples.points.row(i));
   });
-  for (const RayScene::Foot& foot : feet) s.misfit[foot.face] = std::max(s.misfit[foot.face], std::sqrt(foot.squared_distance) / diagonal);
+  for (const RayScene::Foot& foot : feet)
+    if (foot.face >= 0) s.misfit[foot.face] = std::max(s.misfit[foot.face], std::sqrt(foot.squared_distance) / diagonal);
   return s;
 }
 
@@ -211,6 +213,7 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (registered.rows() != source.points.rows()) throw InputError("register: the registered mesh has not the source's vertices");
+  if (!registered.allFinite()) throw InputError("register: registered: a vertex is not finite");
   const Graph graph(source);
   const Patches patches(source, graph, LargeComponents(source, graph));
   const Signals signals = OverPatches(source, MeasureFaces(source, registered, target), patches);

@@ -134,6 +134,7 @@ TEST(MeasureRegistration, AnotherVertexCountThrows) {
   PointsX3 bad = sphere.points;
   bad(0, 0) = std::nan("");
   EXPECT_THROW(MeasureRegistration(sphere, bad, sphere), InputError);
+  EXPECT_THROW(AdviseLandmarks(sphere, bad, sphere, {}), InputError);
 }
 
 /// A tube whose far half bends away sideways, and a registration that left that half where it was.
@@ -170,6 +171,17 @@ TEST(AdviseLandmarks, AsksForNothingWhereAllIsWell) {
   const LeftBehind pair;
   EXPECT_TRUE(AdviseLandmarks(pair.source, pair.source.points, pair.source, {}).empty());
   EXPECT_TRUE(AdviseLandmarks(pair.source, pair.source.points, pair.target, {}, 0).empty());
+}
+
+TEST(AdviseLandmarks, CoordinatesTooLargeForClosestPointsGiveFiniteNumbers) {
+  LeftBehind pair;
+  pair.source.points *= 1e25;
+  pair.target.points *= 1e25;
+  PointsX3 stretched = pair.source.points;
+  stretched.col(2) *= 3;
+  const std::vector<LandmarkAdvice> advice = AdviseLandmarks(pair.source, stretched, pair.target, {});
+  ASSERT_FALSE(advice.empty());  // stretch is seen without closest points
+  for (const LandmarkAdvice& a : advice) EXPECT_TRUE(std::isfinite(a.misfit) && std::isfinite(a.score)) << a.reason;
 }
 
 TEST(AdviseLandmarks, LeavesSmallLoosePartsAlone) {
