@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -137,32 +138,42 @@ void FillFromObj(const tinyobj::attrib_t& attributes, Mesh& mesh) {
   mesh.uvs = Eigen::Map<const UvsX2>(attributes.texcoords.data(), static_cast<Eigen::Index>(attributes.texcoords.size() / 2), 2);
 }
 
+/// Reads a number at `at` as strtod does, and most of them much faster; nullptr where there is none or it is not finite.
+const char* SkipNumber(const char* at, const char* end) {
+  while (at < end && (*at == ' ' || *at == '\t')) ++at;
+  double value = 0;
+  const auto [rest, error] = std::from_chars(at, end, value);
+  if (error == std::errc() && std::isfinite(value)) return rest;
+  char* stop = nullptr;  // a plus sign, say
+  value = std::strtod(at, &stop);
+  return stop == at || stop > end || !std::isfinite(value) ? nullptr : stop;
+}
+
 /// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the positions' own text first.
-void RequireNumbersInObj(const fs::path& path) {
-  std::ifstream in(path);
+void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   int number = 0;
-  for (std::string line; std::getline(in, line);) {
+  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find('\n', begin), text.size());
     ++number;
-    if (line.size() < 2 || line[0] != 'v' || (line[1] != ' ' && line[1] != '\t')) continue;
-    const char* at = line.c_str() + 1;
+    if (end - begin < 2 || text[begin] != 'v' || (text[begin + 1] != ' ' && text[begin + 1] != '\t')) continue;
+    const char* at = text.data() + begin + 1;
     for (int k = 0; k < 3; ++k) {
-      char* end = nullptr;
-      const double value = std::strtod(at, &end);
-      if (end == at || !std::isfinite(value))
+      at = SkipNumber(at, text.data() + end);
+      if (!at)
         throw InputError(
             fmt::format("{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the file and export it again",
-                        path.string(), number, line.substr(0, 60)));
-      at = end;
+                        path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
     }
   }
 }
 
 Mesh ReadObjMesh(const fs::path& path) {
-  RequireNumbersInObj(path);
+  std::string text = ReadFile(path);
+  RequireNumbersInObj(path, text);
+  std::istringstream in(std::move(text));
   tinyobj::attrib_t attributes;
   std::vector<tinyobj::shape_t> shapes;
   std::string warning, error;
-  std::ifstream in(path);
   // Polygons are fanned here, not by the library: its ear clipping drops faces that it finds degenerate.
   const bool read = tinyobj::LoadObj(&attributes, &shapes, nullptr, &warning, &error, &in, nullptr, false, false);
   if (!read || !error.empty()) throw InputError("cannot read OBJ file " + path.string() + ": " + (error.empty() ? "malformed" : error));
