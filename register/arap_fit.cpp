@@ -15,10 +15,12 @@ namespace keypose::registration {
 namespace {
 
 constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
-constexpr double kSolverTolerance = 1e-4;  // of the first residual's energy: maps change with every turn anyway
-constexpr double kBlockTolerance = 1e-4;   // the same where there is no factor
-constexpr int kBlockSteps = 3;             // steps there for each with a factor
+constexpr double kSolverTolerance = 1e-2;  // of the first residual's energy: maps change with every turn anyway
+constexpr double kBlockTolerance = 1e-4;  // the same where there is no factor
+constexpr int kBlockSteps = 3;            // steps there for each with a factor
 constexpr std::int64_t kGrain = 1024;
+constexpr int kRootSteps = 30;
+constexpr double kRootTolerance = 1e-14, kWellDetermined = 1e-3;
 
 Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -30,22 +32,24 @@ Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
 }  // namespace
 
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
-  Eigen::Matrix3d x = m;
-  for (int round = 0; round < 12; ++round) {
-    const double determinant = x.determinant(), norm = x.squaredNorm();
-    // Flat or mirrored fans: the nearest proper rotation needs the singular vectors.
-    if (!(determinant > 1e-9 * norm * std::sqrt(norm))) return RotationBySvd(m);
-    Eigen::Matrix3d cofactor;
-    cofactor.row(0) = x.row(1).cross(x.row(2));
-    cofactor.row(1) = x.row(2).cross(x.row(0));
-    cofactor.row(2) = x.row(0).cross(x.row(1));
-    const double scale = std::sqrt(cofactor.norm() / determinant / std::sqrt(norm));
-    const Eigen::Matrix3d next = 0.5 * (scale * x + cofactor / (scale * determinant));
-    const double change = (next - x).squaredNorm();
-    x = next;
-    if (change < 1e-14) return x;  // quadratic: the next one would change it by the square of that
+  // Markley 1993 (FOAM): with the sum of the singular values (the last one signed), the rotation is a polynomial of m.
+  Eigen::Matrix3d cofactor;
+  cofactor.row(0) = m.row(1).cross(m.row(2));
+  cofactor.row(1) = m.row(2).cross(m.row(0));
+  cofactor.row(2) = m.row(0).cross(m.row(1));
+  const double squares = m.squaredNorm(), minors = cofactor.squaredNorm(), determinant = m.row(0).dot(cofactor.row(0));
+  // That sum is the largest root of a quartic with real roots: Newton's steps from above never pass it.
+  double sum = std::sqrt(3 * squares);
+  for (int round = 0; round < kRootSteps; ++round) {
+    const double square = sum * sum - squares;
+    const double step = (square * square - 8 * sum * determinant - 4 * minors) / (4 * (sum * square - 2 * determinant));
+    if (!(step > kRootTolerance * sum)) break;
+    sum -= step;
   }
-  return RotationBySvd(m);
+  const double pairs = (sum * sum - squares) / 2, product = pairs * sum - determinant;
+  // Fans on a line and mirrored ones: the rotation is not unique or badly determined.
+  if (!(product > kWellDetermined * sum * sum * sum)) return RotationBySvd(m);
+  return ((pairs + squares) * m + sum * cofactor - m * (m.transpose() * m)) / product;
 }
 
 ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing, bool factor)

@@ -12,6 +12,7 @@ struct FitTerms {
   double robust = 0.4;    ///< distance at which a surface pull counts a quarter
   double landmarks = 50;  ///< weight of each
   double matches = 0;     ///< weight of all together
+  int samples = 1500;     ///< of the target, that pull back
   int turns = 2;          ///< of maps and positions for one search of closest points
 };
 

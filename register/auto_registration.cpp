@@ -15,7 +15,7 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr int kProxyVertices = 9000;          // distances along the surface are measured on meshes of about this size
+constexpr int kProxyVertices = 3000;          // distances along the surface are measured on meshes of about this size
 constexpr int kFewestForDistances = 4;        // landmarks that tell places apart by distance
 constexpr double kMiddleOfCoarse = 0.5;       // a level counts as middle from this share of middle_vertices on
 constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
@@ -23,14 +23,15 @@ constexpr double kRigid = 1e300;
 constexpr double kHopeless = 1.3;      // times poor_fit: not even a softer shape came close
 constexpr double kPiecesDecide = 0.1;  // of the area: rigid pieces that are larger tell the scale, whatever else may stretch
 constexpr double kOpenShare = 0.06;    // boundary loops, closed by discs, over the area: more is an open surface
-constexpr int kLargeLevel = 30000;     // vertices from which on a level gets two searches in place of six
+constexpr int kCoarseSamples = 1500, kSamples = 6000;  // of the target, that pull back
+constexpr int kLargeLevel = 30000;                     // vertices from which on a level gets two searches in place of four
 
 /// Stiffness and its companions fall geometrically over all rounds of a registration.
 struct Schedule {
   int rounds, searches, turns;
   double from, to;  ///< stiffness
 };
-constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{5, 2, 6, 0.5, 0.5};
+constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 3, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{2, 2, 3, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
 constexpr double kMomentum = 0.95;  // of the last search's movement, where maps are soft: sliding along the surface converges slowly
@@ -159,8 +160,7 @@ void AutoRegistration::Prepare() {
   goal_points_ = (target_.points.rowwise() - origin_) / unit_;
   goals_ = landmarks_;
   for (LandmarkGoal& goal : goals_) goal.target = (goal.target - origin_.transpose()) / unit_;
-  const int samples = 1500;
-  surface_.emplace(goal_points_, target_.faces, samples);
+  surface_.emplace(goal_points_, target_.faces);
   std::vector<int> counts;
   for (int c = options_.middle_vertices; c < 0.7 * source_.vertex_count(); c *= 4) counts.insert(counts.begin(), c);
   if (options_.coarse_vertices < 0.7 * source_.vertex_count()) counts.push_back(options_.coarse_vertices);
@@ -328,6 +328,7 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
     terms.landmarks = Between(options_.landmark_weight, options_.landmark_weight_end, all);
     terms.matches = level.matches.empty() || !match_points ? 0 : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
     terms.turns = schedule.turns;
+    terms.samples = at == middle_ ? kSamples : kCoarseSamples;
     for (int i = 0; i < schedule.searches; ++i) {
       if (!level.fit->rigid()) momentum.CarryOn(level);
       gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms, momentum.seen());
@@ -363,11 +364,12 @@ void AutoRegistration::Finish() {
   terms.stiffness = result_.softened ? kSoftened.to : kMiddle.to;
   terms.robust = kRobustLast;
   terms.landmarks = options_.landmark_weight_end;
+  terms.samples = kSamples;
   for (int l = middle_; l-- > 0;) {
     levels_->Descend(l + 1);
     Level& finer = (*levels_)[l];
     if (result_.softened) finer.fit->SetRigidity(kSoft);
-    const int searches = finer.rest.rows() > kLargeLevel ? 2 : 6;
+    const int searches = finer.rest.rows() > kLargeLevel ? 2 : 4;
     Momentum momentum(finer);
     for (int k = 0; k < searches; ++k) {
       momentum.CarryOn(finer);

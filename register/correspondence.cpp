@@ -48,6 +48,11 @@ struct TargetSurface::Impl {
       }
     }
   }
+  /// `near` lies on the surface but for rounding: nothing further away is looked at.
+  RayScene::Foot ClosestPoint(const Eigen::Vector3d& p, const Eigen::Vector3d& near) const {
+    const RayScene::Foot foot = scene.ClosestPoint(p, (1 + 1e-9) * (near - p).norm() + 1e-12 * p.norm());
+    return foot.face >= 0 ? foot : scene.ClosestPoint(p);
+  }
   bool OnBoundary(const RayScene::Foot& foot) const {
     for (int k = 0; k < 3; ++k) {
       if (foot.barycentric[k] <= kOnEdge && open_edge[foot.face][k]) return true;
@@ -97,14 +102,14 @@ Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source
   return found;
 }
 
-Feet TargetSurface::FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine) const {
+Feet TargetSurface::FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine, const PointsX3* near) const {
   const std::size_t count = points.rows();
   Feet feet{PointsX3(points.rows(), 3), PointsX3::Zero(points.rows(), 3), std::vector<int>(count, -1), PointsX3::Zero(points.rows(), 3),
             std::vector<char>(count, 0)};
   ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const Eigen::Vector3d p = points.row(i);
-      const RayScene::Foot foot = impl_->scene.ClosestPoint(p);
+      const RayScene::Foot foot = near ? impl_->ClosestPoint(p, near->row(i)) : impl_->scene.ClosestPoint(p);
       feet.points.row(i) = foot.face < 0 ? p : foot.point;
       if (foot.face < 0) continue;
       const Eigen::Vector3d n = impl_->NormalAt(foot);

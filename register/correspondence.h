@@ -37,7 +37,8 @@ class TargetSurface {
   Correspondences Find(const PointsX3& moved, const FacesX3& source_faces, bool reject_crossing) const;
 
   /// Closest points of points with unit normals; allowed where the cosine between the two normals is at least `min_cosine`.
-  Feet FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine) const;
+  /// @param near  points on the target that may be close, such as the last search's; they only save time
+  Feet FindFeet(const PointsX3& points, const PointsX3& normals, double min_cosine, const PointsX3* near = nullptr) const;
 
   /// Distance of each point to the surface.
   Eigen::VectorXd Distances(const PointsX3& points) const;

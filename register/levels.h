@@ -27,6 +27,7 @@ struct Level {
   std::vector<LandmarkCoordinates::Match> matches;  ///< one a vertex, or empty
   std::optional<ArapFit> fit;
   PointsX3 moved;
+  PointsX3 feet;      ///< on the target, of the last search for closest points
   double growth = 1;  ///< of the rest shape, by which its rigid pieces would fit better
 };
 

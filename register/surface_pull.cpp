@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/geometry.h"
@@ -65,52 +66,64 @@ struct SurfacePull::Impl {
     return pull;
   }
 
+  std::vector<int> Samples(int count) const {
+    std::vector<int> samples;
+    const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / count);
+    for (Eigen::Index v = 0; v < points.rows(); v += step)
+      if (normals.row(v).squaredNorm() > 0) samples.push_back(static_cast<int>(v));
+    return samples;
+  }
+
+  /// For each sample the vertex that should come to it.
+  void PullBack(const PointsX3& moved, const PointsX3& moved_normals, const std::vector<int>& samples, double min_cosine,
+                std::span<Pull> pulls) const {
+    const KdTree moved_tree(moved);
+    ParallelBlocks(static_cast<std::int64_t>(samples.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t k = begin; k < end; ++k) {
+        Pull& pull = pulls[k];
+        pull.goal = points.row(samples[k]);
+        pull.normal = normals.row(samples[k]);
+        const auto take = [&](const KdTree::Neighbor& close) {
+          if (moved_normals.row(close.index).dot(pull.normal) < min_cosine) return false;
+          pull.vertex = close.index;
+          pull.squared_distance = close.squared_distance;
+          return true;
+        };
+        if (take(moved_tree.Nearest(pull.goal))) continue;
+        for (const KdTree::Neighbor& close : moved_tree.Nearest(pull.goal, kNearVertices))
+          if (take(close)) break;
+      }
+    });
+  }
+
   PointsX3 points, normals;
   TargetSurface surface;
   KdTree tree;
   std::vector<char> open;
-  std::vector<int> samples;
 };
 
-SurfacePull::SurfacePull(const PointsX3& points, const FacesX3& faces, int samples) : impl_(std::make_unique<Impl>(points, faces)) {
+SurfacePull::SurfacePull(const PointsX3& points, const FacesX3& faces) : impl_(std::make_unique<Impl>(points, faces)) {
   impl_->open = BoundaryVertices(static_cast<int>(points.rows()), faces);
-  const Eigen::Index step = std::max<Eigen::Index>(1, points.rows() / samples);
-  for (Eigen::Index v = 0; v < points.rows(); v += step)
-    if (impl_->normals.row(v).squaredNorm() > 0) impl_->samples.push_back(static_cast<int>(v));
 }
 
 SurfacePull::~SurfacePull() = default;
 
 SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const Eigen::VectorXd& areas, const SurfacePullTerms& terms,
-                            Pulls& pulls) const {
+                            PointsX3& last_feet, Pulls& pulls) const {
   const PointsX3 normals = VertexNormals(moved, faces);
-  const Feet feet = impl_->surface.FindFeet(moved, normals, terms.min_cosine);
+  Feet feet = impl_->surface.FindFeet(moved, normals, terms.min_cosine, last_feet.rows() == moved.rows() ? &last_feet : nullptr);
   const double total = areas.sum(), per_area = terms.weight / total;
-  std::vector<Pull> found(moved.rows() + impl_->samples.size());
+  const std::vector<int> samples = impl_->Samples(terms.samples);
+  std::vector<Pull> found(moved.rows() + samples.size());
   ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       found[i] = impl_->Forward(static_cast<int>(i), moved.row(i), normals.row(i), feet, terms.min_cosine);
   });
-  const KdTree tree(moved);
-  ParallelBlocks(static_cast<std::int64_t>(impl_->samples.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t k = begin; k < end; ++k) {
-      Pull& pull = found[moved.rows() + k];
-      pull.goal = impl_->points.row(impl_->samples[k]);
-      pull.normal = impl_->normals.row(impl_->samples[k]);
-      const auto take = [&](const KdTree::Neighbor& near) {
-        if (normals.row(near.index).dot(pull.normal) < terms.min_cosine) return false;
-        pull.vertex = near.index;
-        pull.squared_distance = near.squared_distance;
-        return true;
-      };
-      if (take(tree.Nearest(pull.goal))) continue;
-      for (const KdTree::Neighbor& near : tree.Nearest(pull.goal, kNearVertices))
-        if (take(near)) break;
-    }
-  });
+  last_feet = std::move(feet.points);
+  impl_->PullBack(moved, normals, samples, terms.min_cosine, std::span(found).subspan(moved.rows()));
   SurfaceGap gap;
   std::vector<std::pair<double, double>> forward, backward;
-  const double each = terms.weight / static_cast<double>(std::max<std::size_t>(1, impl_->samples.size()));
+  const double each = terms.weight / static_cast<double>(std::max<std::size_t>(1, samples.size()));
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Pull& pull = found[k];
     const bool ahead = k < static_cast<std::size_t>(moved.rows());

@@ -12,6 +12,7 @@ struct SurfacePullTerms {
   double weight = 1;          ///< of the whole surface, in units of ArapFit's shape term; a vertex gets its share of the area
   double robust = 0.1;        ///< distance at which a pull counts a quarter (Geman-McClure) [length]
   double point_share = 0.03;  ///< pulls are onto planes; this share of them is onto the points themselves
+  int samples = 3000;         ///< about how many of the target's vertices pull back
   double min_cosine = 0.5;    ///< between the normals of two points that may belong together
 };
 
@@ -26,17 +27,17 @@ struct SurfaceGap {
 /// A target, ready to pull.
 class SurfacePull {
  public:
-  /// @param samples  about how many of the target's vertices pull back
   /// @throws InputError  unusable
-  SurfacePull(const PointsX3& points, const FacesX3& faces, int samples);
+  SurfacePull(const PointsX3& points, const FacesX3& faces);
   ~SurfacePull();
 
   /// Adds pulls of both ways: every vertex towards the plane of its closest compatible point of the target, and the vertices nearest to
   /// the target's samples towards those, so that the ends of limbs are drawn out. A closest point that lies on the target's boundary, or
   /// whose normal differs, does not pull; then the nearest of the next 24 vertices whose normal agrees does. Same bits for any thread
   /// count.
+  /// @param last_feet  V x 3, the closest points of the last search or empty, which only saves time; then those of this one
   SurfaceGap Add(const PointsX3& moved, const FacesX3& faces, const Eigen::VectorXd& areas, const SurfacePullTerms& terms,
-                 Pulls& pulls) const;
+                 PointsX3& last_feet, Pulls& pulls) const;
 
  private:
   struct Impl;
