@@ -1,36 +1,20 @@
 #include "register/functional_map.h"
 
-#include <cblas.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/parallel.h"
+#include "register/dense_product.h"
 
 namespace keypose::registration {
 
 namespace {
 
-enum class Transpose { kNone, kFirst, kSecond };
-
-/// product = factor * a b, with one of the two transposed. The BLAS uses the widest vectors that the processor has, which takes a fifth of
-/// the time of Eigen's product for the baseline; one thread, so that bits do not depend on how many there are.
-void Multiply(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b, Transpose transpose, float factor,
-              Eigen::Ref<Eigen::MatrixXf> product) {
-  static const bool one_thread = (openblas_set_num_threads(1), true);
-  static_cast<void>(one_thread);
-  const auto flag = [transpose](Transpose which) { return transpose == which ? CblasTrans : CblasNoTrans; };
-  const auto number = [](Eigen::Index i) { return static_cast<blasint>(i); };
-  cblas_sgemm(CblasColMajor, flag(Transpose::kFirst), flag(Transpose::kSecond), number(product.rows()), number(product.cols()),
-              number(transpose == Transpose::kFirst ? a.rows() : a.cols()), factor, a.data(), number(a.outerStride()), b.data(),
-              number(b.outerStride()), 0, product.data(), number(product.outerStride()));
-}
-
 Eigen::MatrixXf TransposedProduct(const Eigen::Ref<const Eigen::MatrixXf>& a, const Eigen::Ref<const Eigen::MatrixXf>& b) {
   Eigen::MatrixXf product(a.cols(), b.cols());
-  Multiply(a, b, Transpose::kFirst, 1, product);
+  Multiply(1.0f, a, b, Flip::kFirst, 0, product);
   return product;
 }
 
@@ -104,7 +88,7 @@ PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
   ParallelFor(blocks, [&](std::int64_t block) {
     const Eigen::Index begin = block * kBlock, count = std::min(kBlock, a.rows() - begin);
     Eigen::MatrixXf cost(b.rows(), count);
-    Multiply(b, a.middleRows(begin, count), Transpose::kSecond, -2, cost);
+    Multiply(-2.0f, b, a.middleRows(begin, count), Flip::kSecond, 0, cost);
     for (Eigen::Index i = 0; i < count; ++i) {
       cost.col(i) += b_squared;  // the least of a column does not need a's norm, that of a row does
       maps.forward[static_cast<std::size_t>(begin + i)] = FirstLeast(cost.col(i));
@@ -124,7 +108,7 @@ PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
 Eigen::MatrixXf JointEmbedding::SourceRows(const Eigen::MatrixXf& functions) const {
   const Eigen::Index size = pull_forward.rows();
   Eigen::MatrixXf rows(functions.rows(), 2 * size);
-  Multiply(functions.leftCols(size), pull_forward, Transpose::kNone, 1, rows.leftCols(size));
+  Multiply(1.0f, functions.leftCols(size), pull_forward, Flip::kNone, 0, rows.leftCols(size));
   rows.rightCols(size) = functions.leftCols(size);
   return rows;
 }
@@ -133,7 +117,7 @@ Eigen::MatrixXf JointEmbedding::TargetRows(const Eigen::MatrixXf& functions) con
   const Eigen::Index size = pull_backward.rows();
   Eigen::MatrixXf rows(functions.rows(), 2 * size);
   rows.leftCols(size) = functions.leftCols(size);
-  Multiply(functions.leftCols(size), pull_backward, Transpose::kNone, 1, rows.rightCols(size));
+  Multiply(1.0f, functions.leftCols(size), pull_backward, Flip::kNone, 0, rows.rightCols(size));
   return rows;
 }
 

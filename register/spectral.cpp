@@ -10,6 +10,7 @@
 #include "core/cholesky.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "register/dense_product.h"
 
 namespace keypose::registration {
 
@@ -79,14 +80,35 @@ class StartVectors {
   std::uint64_t state_ = 0x9E3779B97F4A7C15ull;
 };
 
-/// Makes `vector` orthonormal to the first `count` columns; takes another where nothing is left of it.
-Eigen::VectorXd Orthonormal(const Eigen::MatrixXd& basis, Eigen::Index count, Eigen::VectorXd vector, StartVectors& starts) {
-  for (;;) {
-    const double before = vector.norm();
-    for (int twice = 0; twice < 2; ++twice) vector -= basis.leftCols(count) * (basis.leftCols(count).transpose() * vector);
-    const double after = vector.norm();
-    if (after > 1e-10 * before && after > 1e-14) return vector / after;
-    vector = starts.Next(basis.rows());
+/// Takes from the columns of `block` what lies in the space of orthonormal `basis`. @return that space's coordinates
+Eigen::MatrixXd TakeOut(const Eigen::Ref<const Eigen::MatrixXd>& basis, Eigen::MatrixXd& block) {
+  Eigen::MatrixXd within(basis.cols(), block.cols());
+  if (basis.cols() == 0) return within;
+  Multiply(1.0, basis, block, Flip::kFirst, 0, within);
+  Multiply(-1.0, basis, within, Flip::kNone, 1, block);
+  return within;
+}
+
+/// Appends the columns of `block` to the `filled` first of the basis, made orthonormal; takes another vector where nothing is left of one.
+void Append(Eigen::MatrixXd block, Eigen::MatrixXd& basis, Eigen::Index& filled, StartVectors& starts) {
+  const Eigen::VectorXd before = block.colwise().norm();
+  for (int twice = 0; twice < 2; ++twice) TakeOut(basis.leftCols(filled), block);
+  const Eigen::Index old = filled;
+  for (Eigen::Index c = 0; c < block.cols(); ++c, ++filled) {
+    Eigen::VectorXd vector = block.col(c);
+    double length = before[c];
+    // The first of them is orthonormal to all before; the others still have to be made so to their neighbours in the block.
+    for (Eigen::Index first = old;; first = 0) {
+      for (int twice = 0; twice < 2; ++twice)
+        vector -= basis.middleCols(first, filled - first) * (basis.middleCols(first, filled - first).transpose() * vector);
+      const double after = vector.norm();
+      if (after > 1e-10 * length && after > 1e-14) {
+        basis.col(filled) = vector / after;
+        break;
+      }
+      vector = starts.Next(basis.rows());
+      length = vector.norm();
+    }
   }
 }
 
@@ -97,17 +119,16 @@ Krylov BlockLanczos(const Apply& apply, Eigen::Index n, Eigen::Index size) {
   Krylov k{Eigen::MatrixXd(n, size), Eigen::MatrixXd::Zero(size, size)};
   StartVectors starts;
   Eigen::Index filled = 0;
-  const auto append = [&](const Eigen::VectorXd& vector) { k.basis.col(filled) = Orthonormal(k.basis, filled, vector, starts), ++filled; };
-  while (filled < std::min(kBlock, size)) append(starts.Next(n));
+  Eigen::MatrixXd w(n, std::min(kBlock, size));
+  for (Eigen::Index c = 0; c < w.cols(); ++c) w.col(c) = starts.Next(n);
+  Append(w, k.basis, filled, starts);
   for (Eigen::Index done = 0; done < size;) {
     const Eigen::Index block = std::min(kBlock, filled - done);
-    Eigen::MatrixXd w = apply(k.basis.middleCols(done, block));
-    const Eigen::MatrixXd within = k.basis.leftCols(filled).transpose() * w;
-    k.projected.block(0, done, filled, block) = within;
-    w -= k.basis.leftCols(filled) * within;
+    w = apply(k.basis.middleCols(done, block));
+    k.projected.block(0, done, filled, block) = TakeOut(k.basis.leftCols(filled), w);
     done += block;
     const Eigen::Index before = filled;
-    for (Eigen::Index c = 0; c < block && filled < size; ++c) append(w.col(c));
+    Append(w.leftCols(std::min(block, size - filled)), k.basis, filled, starts);
     k.projected.block(before, done - block, filled - before, block) = k.basis.middleCols(before, filled - before).transpose() * w;
   }
   // Only the part that was computed with all vectors in place counts; it is symmetric up to rounding.
@@ -134,7 +155,9 @@ Spectrum LaplaceSpectrum(const PointsX3& points, const FacesX3& faces, int count
   spectrum.areas = op.areas;
   spectrum.values.resize(wanted);
   const Eigen::MatrixXd largest = ritz.eigenvectors().rightCols(wanted).rowwise().reverse();
-  spectrum.functions = root.cwiseInverse().asDiagonal() * (krylov.basis * largest);
+  spectrum.functions.resize(n, wanted);
+  Multiply(1.0, krylov.basis, largest, Flip::kNone, 0, spectrum.functions);
+  spectrum.functions = root.cwiseInverse().asDiagonal() * spectrum.functions;
   for (Eigen::Index k = 0; k < wanted; ++k) {
     spectrum.values[k] = 1 / std::max(ritz.eigenvalues()[steps - 1 - k], 1e-300) - kShift;
     Eigen::Index at = 0;
