@@ -33,54 +33,6 @@ struct BlockCholesky::Analysis {
 
 namespace {
 
-/// R x V vectors in registers, less the products of `count` rows of R numbers and V vectors: c -= a^T b.
-template <int R, int V>
-struct Tile {
-  Lanes v[R][V];
-
-  KEYPOSE_INLINE void Load(const double* const* c) {
-#pragma GCC unroll 4
-    for (int r = 0; r < R; ++r)
-#pragma GCC unroll 4
-      for (int k = 0; k < V; ++k) __builtin_memcpy(&v[r][k], c[r] + 4 * k, sizeof(Lanes));
-  }
-  KEYPOSE_INLINE void Store(double* const* c) const {
-#pragma GCC unroll 4
-    for (int r = 0; r < R; ++r)
-#pragma GCC unroll 4
-      for (int k = 0; k < V; ++k) __builtin_memcpy(c[r] + 4 * k, &v[r][k], sizeof(Lanes));
-  }
-  /// @param a, step  a[r * step]: the factor of row r
-  KEYPOSE_INLINE void Subtract(const double* a, std::ptrdiff_t step, const double* b) {
-    Lanes row[V];
-#pragma GCC unroll 4
-    for (int k = 0; k < V; ++k) __builtin_memcpy(&row[k], b + 4 * k, sizeof(Lanes));
-#pragma GCC unroll 4
-    for (int r = 0; r < R; ++r) {
-      const Lanes factor = Spread(a[r * step]);
-#pragma GCC unroll 4
-      for (int k = 0; k < V; ++k) v[r][k] -= factor * row[k];
-    }
-  }
-};
-
-/// Calls work(R, offset) for blocks of four rows, then for what is left.
-template <class Work>
-KEYPOSE_INLINE void ByFour(int begin, int end, const Work& work) {
-  int i = begin;
-  for (; i + 4 <= end; i += 4) work(std::integral_constant<int, 4>(), i);
-  switch (end - i) {
-    case 1:
-      return work(std::integral_constant<int, 1>(), i);
-    case 2:
-      return work(std::integral_constant<int, 2>(), i);
-    case 3:
-      return work(std::integral_constant<int, 3>(), i);
-    default:
-      return;
-  }
-}
-
 /// One supernode and the rows of right-hand sides that it meets.
 struct Panel {
   const double* l;  // column k at l + k * height
@@ -90,140 +42,18 @@ struct Panel {
   const double* inverse;
 };
 
-template <int V>
-KEYPOSE_INLINE void Forward(const Panel& p, double* x, std::ptrdiff_t stride) {
-  double* own = x + p.row[0] * stride;
-  ByFour(
-      0, p.width, [&](auto r, int j) __attribute__((always_inline)) {
-        constexpr int R = decltype(r)::value;
-        double* c[R];
-        for (int q = 0; q < R; ++q) c[q] = own + (j + q) * stride;
-        Tile<R, V> tile;
-        tile.Load(c);
-        const double* a = p.l + j;
-        for (int k = 0; k < j; ++k, a += p.height) tile.Subtract(a, 1, own + k * stride);
-#pragma GCC unroll 4
-        for (int q = 0; q < R; ++q) {
-#pragma GCC unroll 4
-          for (int v = 0; v < V; ++v) tile.v[q][v] *= Spread(p.inverse[j + q]);
-#pragma GCC unroll 4
-          for (int o = q + 1; o < R; ++o)
-#pragma GCC unroll 4
-            for (int v = 0; v < V; ++v) tile.v[o][v] -= Spread(p.l[(j + q) * p.height + j + o]) * tile.v[q][v];
-        }
-        tile.Store(c);
-      });
-  ByFour(
-      p.width, static_cast<int>(p.height), [&](auto r, int i) __attribute__((always_inline)) {
-        constexpr int R = decltype(r)::value;
-        double* c[R];
-        for (int q = 0; q < R; ++q) c[q] = x + p.row[i + q] * stride;
-        Tile<R, V> tile;
-        tile.Load(c);
-        const double* a = p.l + i;
-        for (int k = 0; k < p.width; ++k, a += p.height) tile.Subtract(a, 1, own + k * stride);
-        tile.Store(c);
-      });
-}
+}  // namespace
 
-template <int V>
-KEYPOSE_INLINE void Backward(const Panel& p, double* x, std::ptrdiff_t stride) {
-  double* own = x + p.row[0] * stride;
-  const auto solve = [&](auto r, int j) __attribute__((always_inline)) {
-    constexpr int R = decltype(r)::value;
-    double* c[R];
-    for (int q = 0; q < R; ++q) c[q] = own + (j + q) * stride;
-    Tile<R, V> tile;
-    tile.Load(c);
-    const double* a = p.l + j * p.height;
-    for (int i = j + R; i < static_cast<int>(p.height); ++i) tile.Subtract(a + i, p.height, x + p.row[i] * stride);
-#pragma GCC unroll 4
-    for (int q = R - 1; q >= 0; --q) {
-#pragma GCC unroll 4
-      for (int v = 0; v < V; ++v) tile.v[q][v] *= Spread(p.inverse[j + q]);
-#pragma GCC unroll 4
-      for (int o = 0; o < q; ++o)
-#pragma GCC unroll 4
-        for (int v = 0; v < V; ++v) tile.v[o][v] -= Spread(p.l[(j + o) * p.height + j + q]) * tile.v[q][v];
-    }
-    tile.Store(c);
-  };
-  const int left = p.width % 4;
-  if (left == 1) solve(std::integral_constant<int, 1>(), p.width - 1);
-  if (left == 2) solve(std::integral_constant<int, 2>(), p.width - 2);
-  if (left == 3) solve(std::integral_constant<int, 3>(), p.width - 3);
-  for (int j = p.width - left - 4; j >= 0; j -= 4) solve(std::integral_constant<int, 4>(), j);
+namespace plain {
+#include "interpolate/block_cholesky.inc"
 }
+KEYPOSE_FUSED_BEGIN
+namespace fused {
+#include "interpolate/block_cholesky.inc"
+}
+KEYPOSE_FUSED_END
 
-/// One side of the solve on `columns` columns of one supernode, in tiles of twelve.
-KEYPOSE_INLINE void SolvePanel(bool forward, const Panel& p, double* x, std::ptrdiff_t stride, int columns) {
-  int c = 0;
-  for (; c + 12 <= columns; c += 12) forward ? Forward<3>(p, x + c, stride) : Backward<3>(p, x + c, stride);
-  if (columns - c == 8) forward ? Forward<2>(p, x + c, stride) : Backward<2>(p, x + c, stride);
-  if (columns - c == 4) forward ? Forward<1>(p, x + c, stride) : Backward<1>(p, x + c, stride);
-}
-
-/// c -= a^T b on one tile: rows of a and b at distances, c at its own.
-template <int R, int V>
-KEYPOSE_INLINE void Update(const double* a, const double* b, std::ptrdiff_t distance, int count, double* c, std::ptrdiff_t c_distance) {
-  double* rows[R];
-  for (int r = 0; r < R; ++r) rows[r] = c + r * c_distance;
-  Tile<R, V> tile;
-  tile.Load(rows);
-  for (int k = 0; k < count; ++k) tile.Subtract(a + k * distance, 1, b + k * distance);
-  tile.Store(rows);
-}
-
-/// The same for columns begin .. end of c's R rows; those that fill no vector one by one.
-template <int R>
-KEYPOSE_INLINE void UpdateRows(const double* a, const double* b, std::ptrdiff_t distance, int count, double* c, std::ptrdiff_t c_distance,
-                               int begin, int end) {
-  int i = begin;
-  for (; i + 12 <= end; i += 12) Update<R, 3>(a, b + i, distance, count, c + i, c_distance);
-  for (; i + 4 <= end; i += 4) Update<R, 1>(a, b + i, distance, count, c + i, c_distance);
-  for (; i < end; ++i)
-    for (int r = 0; r < R; ++r) {
-      double sum = 0;
-      for (int k = 0; k < count; ++k) sum += a[k * distance + r] * b[k * distance + i];
-      c[r * c_distance + i] -= sum;
-    }
-}
-
-/// Cholesky factors of a supernode's columns, in place; false where a pivot is not positive.
-KEYPOSE_INLINE bool FactorPanel(double* l, int width, int height, double* inverse) {
-  bool good = true;
-  ByFour(
-      0, width, [&](auto r, int j) __attribute__((always_inline)) {
-        constexpr int R = decltype(r)::value;
-        double* rows = l + static_cast<std::ptrdiff_t>(j) * height;
-        UpdateRows<R>(l + j, l, height, j, rows, height, j, height);
-        for (int q = 0; q < R; ++q) {
-          double* row = rows + static_cast<std::ptrdiff_t>(q) * height;
-          const double pivot = row[j + q];
-          good = good && pivot > 0;
-          const double root = std::sqrt(pivot), scale = 1 / root;
-          inverse[j + q] = scale;
-          for (int i = j + q; i < height; ++i) row[i] *= scale;
-          for (int o = q + 1; o < R; ++o) {
-            double* other = rows + static_cast<std::ptrdiff_t>(o) * height;
-            const double factor = row[j + o];
-            for (int i = j + o; i < height; ++i) other[i] -= factor * row[i];
-          }
-        }
-      });
-  return good;
-}
-
-/// What the columns leave of the rows below: an upper triangle, m x m.
-KEYPOSE_INLINE void Complement(const double* l, int width, int height, double* rest) {
-  const int m = height - width;
-  const double* below = l + width;
-  ByFour(
-      0, m, [&](auto r, int a) __attribute__((always_inline)) {
-        constexpr int R = decltype(r)::value;
-        UpdateRows<R>(below + a, below, height, width, rest + static_cast<std::ptrdiff_t>(a) * m, m, a, m);
-      });
-}
+namespace {
 
 struct Kernels {
   void (*solve)(bool, const Panel&, double*, std::ptrdiff_t, int);
@@ -231,19 +61,9 @@ struct Kernels {
   void (*complement)(const double*, int, int, double*);
 };
 
-void SolvePlain(bool forward, const Panel& p, double* x, std::ptrdiff_t stride, int columns) { SolvePanel(forward, p, x, stride, columns); }
-bool FactorPlain(double* l, int width, int height, double* inverse) { return FactorPanel(l, width, height, inverse); }
-void ComplementPlain(const double* l, int width, int height, double* rest) { Complement(l, width, height, rest); }
-
-KEYPOSE_FMA void SolveFma(bool forward, const Panel& p, double* x, std::ptrdiff_t stride, int columns) {
-  SolvePanel(forward, p, x, stride, columns);
-}
-KEYPOSE_FMA bool FactorFma(double* l, int width, int height, double* inverse) { return FactorPanel(l, width, height, inverse); }
-KEYPOSE_FMA void ComplementFma(const double* l, int width, int height, double* rest) { Complement(l, width, height, rest); }
-
 Kernels BestKernels() {
-  if (HasFma()) return {SolveFma, FactorFma, ComplementFma};
-  return {SolvePlain, FactorPlain, ComplementPlain};
+  if (HasFused()) return {fused::SolvePanel, fused::FactorPanel, fused::Complement};
+  return {plain::SolvePanel, plain::FactorPanel, plain::Complement};
 }
 
 const Kernels kKernels = BestKernels();
@@ -398,6 +218,7 @@ void BlockCholesky::SolveRows(double* x, Eigen::Index columns) const {
 }
 
 void BlockCholesky::SolveInPlace(Eigen::MatrixXd& x) const {
+  if (factor_.empty()) throw SolverError("sparse Cholesky: solve before factor");
   const Analysis& a = *analysis_;
   const Eigen::Index width = Padded(x.cols());
   std::vector<double> buffer(static_cast<std::size_t>(a.size) * width, 0.0);

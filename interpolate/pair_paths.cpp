@@ -116,15 +116,6 @@ Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eige
   return r;
 }
 
-KEYPOSE_INLINE Lanes BalancedLanes(Lanes t, double log_area) {
-  // As BalancedTime.
-  const double x = std::clamp(log_area, -1.0, 1.0);
-  const Lanes one = Spread(1.0), u = t * (one - t);
-  return t + u * Spread(x) *
-                 (Spread(0.5) + Spread(x) * ((one - Spread(2.0) * t) / Spread(6.0) +
-                                             Spread(x) * (one - Spread(6.0) * t + Spread(6.0) * t * t) / Spread(24.0)));
-}
-
 constexpr int kTerms = 18, kFewTerms = 8, kFewestTerms = 5;
 constexpr double kSmallAngle = 0.78;
 /// 1 / (2n)! and 1 / (2n+1)!: cosh and sinh(x) / x as series of x^2, which serve cosine and sine where x^2 is negative.
@@ -142,75 +133,6 @@ struct EvenSeries {
 };
 constexpr EvenSeries kSeries;
 
-template <int Terms>
-KEYPOSE_INLINE void EvenSums(Lanes x, Lanes& cosh_like, Lanes& sinh_like) {
-  cosh_like = Spread(kSeries.cosh[Terms - 1]), sinh_like = Spread(kSeries.sinh[Terms - 1]);
-#pragma GCC unroll 18
-  for (int n = Terms - 2; n >= 0; --n) {
-    cosh_like = cosh_like * x + Spread(kSeries.cosh[n]);
-    sinh_like = sinh_like * x + Spread(kSeries.sinh[n]);
-  }
-}
-
-/// An axis at the times whose turn has these sines and cosines.
-KEYPOSE_INLINE Lanes3 AxisAt(const std::array<double, 9>& a, Lanes sine, Lanes cosine) {
-  return {Spread(a[0]) + cosine * Spread(a[3]) + sine * Spread(a[6]), Spread(a[1]) + cosine * Spread(a[4]) + sine * Spread(a[7]),
-          Spread(a[2]) + cosine * Spread(a[5]) + sine * Spread(a[8])};
-}
-
-KEYPOSE_INLINE Lanes3 Mixed(Lanes a, const Lanes3& u, Lanes b, const Lanes3& v) {
-  return {a * u.x + b * v.x, a * u.y + b * v.y, a * u.z + b * v.z};
-}
-
-KEYPOSE_INLINE void SinCosOf(Lanes t, double angle, Lanes& sine, Lanes& cosine) {
-  // Times may lie a little outside [0, 1], where sequences look ahead; those that lie further are still right, only less closely.
-  if (angle < kSmallAngle)
-    SinCosNearZero(t * Spread(angle), sine, cosine);
-  else
-    SinCos(t * Spread(angle), sine, cosine);
-}
-
-KEYPOSE_INLINE void EvaluateFace(const Record& r, bool balanced, const double* times, int stride, double* edges) {
-  for (int first = 0; first < stride; first += 4) {
-    const Lanes t = Loaded(times + first);
-    Lanes plain = Spread(1.0), generated = t;
-    if (!r.straight) {
-      const Lanes tau = balanced ? BalancedLanes(t, r.log_area) : t, x = Spread(r.discriminant) * tau * tau;
-      const double size = std::abs(r.discriminant);
-      Lanes cosh_like, sinh_like;
-      if (size < 0.01)  // 0.01^5 / 10! is 3e-17
-        EvenSums<kFewestTerms>(x, cosh_like, sinh_like);
-      else if (size < 0.2)  // 0.2^8 / 16! is 1e-19
-        EvenSums<kFewTerms>(x, cosh_like, sinh_like);
-      else
-        EvenSums<kTerms>(x, cosh_like, sinh_like);
-      const Lanes scale = Exp(t * Spread(r.growth) + tau * Spread(0.5 * r.log_area));
-      plain = scale * cosh_like;
-      generated = scale * tau * sinh_like;
-    }
-    Lanes sine, cosine, tilt_sine, tilt_cosine;
-    SinCosOf(t, r.turn_angle, sine, cosine);
-    SinCosOf(t, r.tilt_angle, tilt_sine, tilt_cosine);
-    const Lanes3 along = AxisAt(r.along, sine, cosine), across = AxisAt(r.across, sine, cosine), third = AxisAt(r.third, sine, cosine);
-    const Lanes3 tilted = Mixed(tilt_cosine, across, tilt_sine, third);
-#pragma GCC unroll 2
-    for (int k = 0; k < 2; ++k) {
-      const auto part = [&](int c) __attribute__((always_inline)) {
-        return plain * Spread(r.in_axes[c][2 * k]) + generated * Spread(r.in_axes[c][2 * k + 1]);
-      };
-      Lanes3 e = Mixed(part(0), along, part(1), tilted);
-      if (!r.flat) {
-        const Lanes high = part(2);
-        const Lanes3 up = Mixed(tilt_cosine, third, -tilt_sine, across);
-        e = {e.x + high * up.x, e.y + high * up.y, e.z + high * up.z};
-      }
-      Stored(e.x, edges + (3 * k + 0) * stride + first);
-      Stored(e.y, edges + (3 * k + 1) * stride + first);
-      Stored(e.z, edges + (3 * k + 2) * stride + first);
-    }
-  }
-}
-
 struct EvaluateJob {
   const Record* records;
   const int* listed;  // none: in order
@@ -221,13 +143,20 @@ struct EvaluateJob {
   double* edges;
 };
 
-KEYPOSE_INLINE void EvaluateFaces(const EvaluateJob& job) {
-  for (std::int64_t f = 0; f < job.count; ++f)
-    EvaluateFace(job.records[job.listed ? job.listed[f] : f], job.balanced, job.times, job.stride, job.edges + f * 6 * job.stride);
+}  // namespace
+
+namespace plain {
+#include "interpolate/pair_paths.inc"
 }
-void EvaluatePlain(const EvaluateJob& job) { EvaluateFaces(job); }
-KEYPOSE_FMA void EvaluateFma(const EvaluateJob& job) { EvaluateFaces(job); }
-void EvaluateBest(const EvaluateJob& job) { HasFma() ? EvaluateFma(job) : EvaluatePlain(job); }
+KEYPOSE_FUSED_BEGIN
+namespace fused {
+#include "interpolate/pair_paths.inc"
+}
+KEYPOSE_FUSED_END
+
+namespace {
+
+void EvaluateBest(const EvaluateJob& job) { HasFused() ? fused::EvaluateFaces(job) : plain::EvaluateFaces(job); }
 
 }  // namespace
 

@@ -9,17 +9,12 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
-#include "interpolate/lanes.h"
 #include "interpolate/poisson_impl.h"
-
-#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace keypose::interpolation {
 
 namespace {
 
-constexpr int kVectorWidth = 4;
-constexpr int kPatchRows = 512;   // their faces' edges at one vector of frames fit the second cache
 constexpr double kSliver = 1e-6;  // as in FaceMapsOf
 
 std::vector<int> LowestVertexOfPart(Eigen::Index vertex_count, const FacesX3& faces) {
@@ -188,132 +183,6 @@ void PoissonSystem::Impl::Assemble() {
   for (Eigen::Index j = 0; j < n; ++j) screened_h.valuePtr()[h.outerIndexPtr()[j]] = diagonal[j] + kappa * mass[j];
   screened = solver.SameAnalysis();
   ParallelFor(2, [&](std::int64_t k) { k == 0 ? solver.Factor(h) : screened.Factor(screened_h); });
-}
-
-void PoissonSystem::Impl::CutPatches() {
-  const int count = static_cast<int>((n + kPatchRows - 1) / kPatchRows);
-  patch_begin.assign(1, 0);
-  row_begin.assign(1, 0);
-  row_begin.reserve(n + 1);
-  row_corners.reserve(corners.size());
-  std::vector<int> place(faces.rows(), -1);
-  for (int patch = 0; patch < count; ++patch) {
-    const int begin = patch * kPatchRows, end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
-    for (int row = begin; row < end; ++row) {
-      const int i = solver.unknowns()[row];
-      for (int at = first_corner[i]; at < first_corner[i + 1]; ++at) {
-        const int f = corners[at] / 3, k = corners[at] % 3;
-        if (place[f] < patch_begin[patch]) {
-          place[f] = static_cast<int>(patch_faces.size());
-          patch_faces.push_back(f);
-        }
-        // Corner k ends the edge opposite k+1 and starts the edge opposite k+2; both in terms of the edges from corner 0.
-        const EdgeWeights& w = weights[f];
-        row_corners.push_back({place[f] - patch_begin[patch],
-                               k == 0   ? -w[2]
-                               : k == 1 ? w[2] + w[0]
-                                        : -w[0],
-                               k == 0   ? -w[1]
-                               : k == 1 ? -w[0]
-                                        : w[0] + w[1]});
-      }
-      row_begin.push_back(static_cast<int>(row_corners.size()));
-    }
-    patch_begin.push_back(static_cast<int>(patch_faces.size()));
-  }
-}
-
-namespace {
-
-/// Sums of one row's corners: three vectors of four frames.
-template <class Corner, class EdgesOf>
-KEYPOSE_INLINE Lanes3 SumCorners(const Corner* corner, const Corner* end, int stride, const EdgesOf& edges_of) {
-  Lanes3 sum = {Spread(0.0), Spread(0.0), Spread(0.0)};
-  for (; corner < end; ++corner) {
-    const double* e = edges_of(corner->face);
-    const Lanes a = Spread(corner->first), b = Spread(corner->second);
-    sum.x += a * Loaded(e) + b * Loaded(e + 3 * stride);
-    sum.y += a * Loaded(e + stride) + b * Loaded(e + 4 * stride);
-    sum.z += a * Loaded(e + 2 * stride) + b * Loaded(e + 5 * stride);
-  }
-  return sum;
-}
-
-struct LaneTurns {
-  Lanes m[3][3];
-};
-
-struct GatherJob {
-  const int* row_begin;
-  const int* faces;  // none: edges are in the order of the patch
-  const double* edges;
-  int stride;
-  const LaneTurns* turns;
-  double* out;
-  int out_stride, rows;
-};
-
-template <class Corner>
-KEYPOSE_INLINE void GatherRows(const GatherJob& job, const Corner* corners) {
-  const auto edges_of = [&](int place) __attribute__((always_inline)) {
-    return job.edges + static_cast<std::ptrdiff_t>(job.faces ? job.faces[place] : place) * 6 * job.stride;
-  };
-  for (int r = 0; r < job.rows; ++r) {
-    Lanes3 sum = SumCorners(corners + job.row_begin[r], corners + job.row_begin[r + 1], job.stride, edges_of);
-    if (job.turns) {
-      const auto& m = job.turns->m;
-      sum = {m[0][0] * sum.x + m[0][1] * sum.y + m[0][2] * sum.z, m[1][0] * sum.x + m[1][1] * sum.y + m[1][2] * sum.z,
-             m[2][0] * sum.x + m[2][1] * sum.y + m[2][2] * sum.z};
-    }
-    double* out = job.out + static_cast<std::ptrdiff_t>(r) * 3 * job.out_stride;
-    Stored(sum.x, out);
-    Stored(sum.y, out + job.out_stride);
-    Stored(sum.z, out + 2 * job.out_stride);
-  }
-}
-
-template <class Corner>
-KEYPOSE_FMA void GatherFma(const GatherJob& job, const Corner* corners) {
-  GatherRows(job, corners);
-}
-template <class Corner>
-void GatherPlain(const GatherJob& job, const Corner* corners) {
-  GatherRows(job, corners);
-}
-
-}  // namespace
-
-void PoissonSystem::Impl::Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first, FrameRows& sums) const {
-  const int begin = patch * kPatchRows, end = std::min<int>(begin + kPatchRows, static_cast<int>(n));
-  LaneTurns lanes;
-  const bool all = edges.listed.empty();
-  for (int i = 0; turns && i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int k = 0; k < kVectorWidth; ++k) lanes.m[i][j][k] = turns[std::min(first + k, sums.frames - 1)](i, j);
-  const GatherJob job{row_begin.data() + begin,
-                      all ? patch_faces.data() + patch_begin[patch] : nullptr,
-                      edges.Face(0) + (all ? first : 0),
-                      edges.stride,
-                      turns ? &lanes : nullptr,
-                      sums.Row(begin) + first,
-                      sums.stride,
-                      end - begin};
-  HasFma() ? GatherFma(job, row_corners.data()) : GatherPlain(job, row_corners.data());
-}
-
-void PoissonSystem::Impl::RightHandSide(const FillEdges& fill, const std::vector<Eigen::Matrix3d>& turns, FrameRows& sums) const {
-  constexpr int kPatchesTogether = 4;
-  ParallelBlocks(static_cast<std::int64_t>(patch_begin.size()) - 1, kPatchesTogether, [&](std::int64_t from, std::int64_t to) {
-    for (int patch = static_cast<int>(from); patch < to; ++patch) {
-      const std::span<const int> listed(patch_faces.data() + patch_begin[patch], patch_faces.data() + patch_begin[patch + 1]);
-      EdgeBatch edges(listed, kVectorWidth);
-      for (int first = 0; first < sums.frames; first += kVectorWidth) {
-        edges.frames = std::min(kVectorWidth, sums.frames - first);
-        fill(first, edges);
-        Gather(patch, edges, turns.empty() ? nullptr : turns.data(), first, sums);
-      }
-    }
-  });
 }
 
 PoissonSystem::PoissonSystem(const KeyRefs& keys, const FacesX3& faces, const std::vector<ConstraintRow>& rows,

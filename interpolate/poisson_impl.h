@@ -10,7 +10,16 @@
 
 namespace keypose::interpolation {
 
+constexpr int kVectorWidth = 4;
+constexpr int kPatchRows = 512;  ///< their faces' edges at one vector of frames fit the second cache
+
 using EdgeWeights = std::array<double, 3>;  ///< of the edges opposite corners 0, 1, 2
+
+/// A corner of a row of unknowns: its face's place in the patch, and how much of the face's two edges the row takes.
+struct RowCorner {
+  int face;
+  double first, second;
+};
 
 struct PoissonSystem::Impl {
   Impl(const KeyRefs& keys, const FacesX3& faces, const PoissonOptions& options);
@@ -21,6 +30,8 @@ struct PoissonSystem::Impl {
   Eigen::SparseMatrix<double> LowerLaplacian() const;
   void Assemble();
   double Kappa() const { return 1 / (screening_length * screening_length); }
+
+  // In poisson_edges.cpp.
   void CutPatches();
   /// Writes the patch's rows at frames first .. first + 3, from the edges of its faces (of all faces, where the batch lists none).
   void Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first, FrameRows& sums) const;
@@ -50,12 +61,8 @@ struct PoissonSystem::Impl {
 
   /// Patches: so many rows each, in the solver's order, and all faces that touch them. A corner of a row: its face's place in the patch,
   /// and what its edges count.
-  struct Corner {
-    int face;
-    double first, second;
-  };
   std::vector<int> patch_begin, patch_faces, row_begin;
-  std::vector<Corner> row_corners;
+  std::vector<RowCorner> row_corners;
 
   std::vector<ConstraintRow> rows;
   std::vector<int> sources;

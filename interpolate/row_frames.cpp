@@ -15,28 +15,8 @@ namespace {
 constexpr int kPatchRows = 512, kWritten = 1024;
 constexpr int kSums = 11;  // vectors a patch: four of volume, three of points, three of the field, one of its longest
 
-KEYPOSE_INLINE Lanes3 FieldAt(const TurningField::Vertex& v, Lanes t) {
-  Lanes sine, cosine;
-  if (v.angle < 0.78)  // times lie in [0, 1]
-    SinCosNearZero(t * Spread(v.angle), sine, cosine);
-  else
-    SinCos(t * Spread(v.angle), sine, cosine);
-  const Lanes3 local = {Spread(v.start[0]) + t * Spread(v.rise[0]), Spread(v.start[1]) + t * Spread(v.rise[1]),
-                        Spread(v.start[2]) + t * Spread(v.rise[2])};
-  return Turned({Spread(v.axis[0]), Spread(v.axis[1]), Spread(v.axis[2])}, sine, cosine, local);
-}
-
-KEYPOSE_INLINE Lanes3 Cross(const Lanes3& a, const Lanes3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-KEYPOSE_INLINE Lanes Dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-KEYPOSE_INLINE Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-KEYPOSE_INLINE Lanes Larger(Lanes a, Lanes b) { return Select(a > b, a, b); }
-
 /// Positions at four frames, then the field's vectors: what a place of a patch holds.
 constexpr int kPlace = 24;
-KEYPOSE_INLINE Lanes3 Loaded3(const double* at) { return {Loaded(at), Loaded(at + 4), Loaded(at + 8)}; }
-KEYPOSE_INLINE void Stored3(const Lanes3& v, double* at) { Stored(v.x, at), Stored(v.y, at + 4), Stored(v.z, at + 8); }
 
 struct SumJob {
   const double* rows;  // of the first of four frames
@@ -50,35 +30,6 @@ struct SumJob {
   double* sums;    // kSums x 4
 };
 
-KEYPOSE_INLINE void SumPatch(const SumJob& job) {
-  const Lanes t = Loaded(job.times), zero = Spread(0.0);
-  Lanes sums[kSums];
-  for (Lanes& sum : sums) sum = zero;
-  for (int k = 0; k < job.all; ++k) {
-    const double* p = job.rows + static_cast<std::ptrdiff_t>(job.row[k]) * 3 * job.stride;
-    const Lanes3 point = {Loaded(p), Loaded(p + job.stride), Loaded(p + 2 * job.stride)};
-    const Lanes3 field = job.field ? FieldAt(job.field[job.vertex[k]], t) : Lanes3{zero, zero, zero};
-    Stored3(point, job.places + kPlace * k);
-    Stored3(field, job.places + kPlace * k + 12);
-    if (k >= job.own) continue;
-    sums[4] += point.x, sums[5] += point.y, sums[6] += point.z;
-    sums[7] += field.x, sums[8] += field.y, sums[9] += field.z;
-    sums[10] = Larger(sums[10], Dot(field, field));
-  }
-  for (const std::array<int, 3>* face = job.face; job.field && face < job.last_face; ++face) {
-    const double *at_a = job.places + kPlace * (*face)[0], *at_b = job.places + kPlace * (*face)[1],
-                 *at_c = job.places + kPlace * (*face)[2];
-    const Lanes3 a = Loaded3(at_a), b = Loaded3(at_b), c = Loaded3(at_c), da = Loaded3(at_a + 12), db = Loaded3(at_b + 12),
-                 dc = Loaded3(at_c + 12);
-    const Lanes3 bc = Cross(b, c), mixed = Cross(db, c) + Cross(b, dc), both = Cross(db, dc);
-    sums[0] += Dot(a, bc);
-    sums[1] += Dot(da, bc) + Dot(a, mixed);
-    sums[2] += Dot(da, mixed) + Dot(a, both);
-    sums[3] += Dot(da, both);
-  }
-  for (int k = 0; k < kSums; ++k) Stored(sums[k], job.sums + 4 * k);
-}
-
 struct WriteJob {
   const double* rows;
   int stride, first, last;  // vertices
@@ -90,34 +41,18 @@ struct WriteJob {
   double* out[4];
 };
 
-KEYPOSE_INLINE void WriteFrames(const WriteJob& job) {
-  const Lanes t = Loaded(job.times);
-  Lanes m[9];
-  for (int k = 0; k < 9; ++k) m[k] = Loaded(job.body + 4 * k);
-  for (int i = job.first; i < job.last; ++i) {
-    const double* p = job.rows + static_cast<std::ptrdiff_t>(job.row_of[i]) * 3 * job.stride;
-    const double* move = job.moves + 16 * static_cast<std::ptrdiff_t>(job.part[i]);
-    Lanes3 v = {Loaded(p), Loaded(p + job.stride), Loaded(p + 2 * job.stride)};
-    if (job.field) {
-      const Lanes3 z = FieldAt(job.field[i], t);
-      const Lanes step = Loaded(move);
-      v = {v.x + step * z.x, v.y + step * z.y, v.z + step * z.z};
-    }
-    const Lanes x = m[0] * v.x + m[1] * v.y + m[2] * v.z + Loaded(move + 4), y = m[3] * v.x + m[4] * v.y + m[5] * v.z + Loaded(move + 8),
-                z = m[6] * v.x + m[7] * v.y + m[8] * v.z + Loaded(move + 12);
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k)
-      if (job.out[k]) {
-        double* out = job.out[k] + 3 * static_cast<std::ptrdiff_t>(i);
-        out[0] = x[k], out[1] = y[k], out[2] = z[k];
-      }
-  }
-}
+}  // namespace
 
-void SumPlain(const SumJob& job) { SumPatch(job); }
-KEYPOSE_FMA void SumFma(const SumJob& job) { SumPatch(job); }
-void WritePlain(const WriteJob& job) { WriteFrames(job); }
-KEYPOSE_FMA void WriteFma(const WriteJob& job) { WriteFrames(job); }
+namespace plain {
+#include "interpolate/row_frames.inc"
+}
+KEYPOSE_FUSED_BEGIN
+namespace fused {
+#include "interpolate/row_frames.inc"
+}
+KEYPOSE_FUSED_END
+
+namespace {
 
 std::vector<double> PaddedTimes(const FrameRows& rows, const std::vector<double>& times) {
   std::vector<double> padded(rows.stride, 0.0);
@@ -187,7 +122,7 @@ std::vector<std::vector<RowFrames::PartSums>> RowFrames::Sums(const FrameRows& r
                          times.data() + 4 * g,
                          places.data(),
                          by_patch.data() + (k * groups + g) * kSums * 4};
-        HasFma() ? SumFma(job) : SumPlain(job);
+        HasFused() ? fused::SumPatch(job) : plain::SumPatch(job);
       }
     }
   });
@@ -236,7 +171,7 @@ std::vector<PointsX3> RowFrames::Frames(const FrameRows& rows, const std::vector
                    lane_moves.data() + static_cast<std::size_t>(g) * parts * 16,
                    {}};
       for (int k = 0; k < 4; ++k) job.out[k] = 4 * g + k < rows.frames ? frames[4 * g + k].data() : nullptr;
-      HasFma() ? WriteFma(job) : WritePlain(job);
+      HasFused() ? fused::WriteFrames(job) : plain::WriteFrames(job);
     }
   });
   return frames;

@@ -231,9 +231,9 @@ TEST(Lanes, ElementaryFunctionsAreThoseOfTheLibrary) {
   for (int k = -40000; k < 40000; ++k) {
     const double x = 0.00173 * k;
     Lanes sine, cosine;
-    SinCos(Spread(x), sine, cosine);
+    plain::SinCos(plain::Spread(x), sine, cosine);
     worst_sine = std::max({worst_sine, std::abs(sine[1] - std::sin(x)), std::abs(cosine[2] - std::cos(x))});
-    worst_exp = std::max(worst_exp, std::abs(Exp(Spread(x))[3] / std::exp(x) - 1));
+    worst_exp = std::max(worst_exp, std::abs(plain::Exp(plain::Spread(x))[3] / std::exp(x) - 1));
   }
   EXPECT_LT(worst_sine, 4e-16);
   EXPECT_LT(worst_exp, 1e-15);
