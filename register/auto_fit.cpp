@@ -68,6 +68,8 @@ void HoldPieces(Level& level, const Pulls& staying, double landmark_weight) {
 
 }  // namespace
 
+double SurfaceWeight(double stiffness) { return kSurfaceWeight / stiffness; }
+
 void FitToLandmarks(Level& level, double weight) {
   // Point pulls alone are what the factor solves exactly: one step each.
   Turn(level, Pulls(level.rest.rows()), weight, kMostLandmarkTurns, 1, kStill);
@@ -87,7 +89,7 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
                         Eigen::VectorXd* seen) {
   Pulls pulls(level.rest.rows());
   SurfacePullTerms surface;
-  surface.weight = kSurfaceWeight / terms.stiffness;
+  surface.weight = SurfaceWeight(terms.stiffness);
   surface.robust = terms.robust;
   surface.samples = terms.samples;
   const SurfaceGap gap = target.Add(level.moved, level.faces, level.fit->vertex_areas(), surface, level.feet, pulls);

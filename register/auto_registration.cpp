@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "register/auto_fit.h"
+#include "register/crease_walls.h"
 #include "register/skeleton.h"
 #include "register/sparse_pattern.h"
 #include "register/suggest.h"
@@ -34,7 +35,8 @@ struct Schedule {
 constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 3, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{2, 2, 3, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
-constexpr double kMomentum = 0.95;  // of the last search's movement, where maps are soft: sliding along the surface converges slowly
+constexpr double kFineStiffness = 0.2;  // of the finer levels of what stays rigid
+constexpr double kMomentum = 0.95;      // of the last search's movement, where maps are soft: sliding along the surface converges slowly
 
 /// The movement of the last search goes on where the surface holds a vertex: what nothing holds would swing.
 class Momentum {
@@ -114,6 +116,7 @@ class AutoRegistration {
   void SetRestScale(double scale);
   SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before, const PointsX3* match_points);
   void Finish();
+  void LeaveWrongWalls(double stiffness);
   Level& coarse() { return (*levels_)[levels_->count() - 1]; }
   PointsX3 Back(const PointsX3& points) const { return (points * unit_).rowwise() + origin_; }
 
@@ -361,7 +364,7 @@ void AutoRegistration::Finish() {
     gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds, best_->match_points);
   }
   FitTerms terms;
-  terms.stiffness = result_.softened ? kSoftened.to : kMiddle.to;
+  terms.stiffness = result_.softened ? kSoftened.to : kFineStiffness;
   terms.robust = kRobustLast;
   terms.landmarks = options_.landmark_weight_end;
   terms.samples = kSamples;
@@ -378,6 +381,23 @@ void AutoRegistration::Finish() {
     Step(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
   }
   result_.gap = (gap.forward + gap.backward) / 4;
+  LeaveWrongWalls(terms.stiffness);
+}
+
+void AutoRegistration::LeaveWrongWalls(double stiffness) {
+  Level& level = (*levels_)[0];
+  const double smoothing = 2 * options_.smoothing;
+  const BentMesh bent{level.rest,
+                      level.faces,
+                      level.moved,
+                      level.fit->maps(),
+                      result_.softened ? kSoft : kRigid,
+                      smoothing * smoothing,
+                      SurfaceWeight(stiffness)};
+  CreaseResult mended = ReturnToOwnWalls(bent, goal_points_, target_.faces);
+  if (mended.after == mended.before) return;
+  level.moved = std::move(mended.points);
+  level.fit->FitMaps(level.moved);
 }
 
 AutoResult AutoRegistration::Run() {
