@@ -24,6 +24,7 @@ constexpr double kRigid = 1e300;
 constexpr double kHopeless = 1.3;      // times poor_fit: not even a softer shape came close
 constexpr double kPiecesDecide = 0.1;  // of the area: rigid pieces that are larger tell the scale, whatever else may stretch
 constexpr double kOpenShare = 0.06;    // boundary loops, closed by discs, over the area: more is an open surface
+constexpr double kCutShare = 0.01, kCutGrowth = 1.04;  // a target so much more open, with landmarks so much further apart, is cut off
 constexpr int kCoarseSamples = 1500, kSamples = 6000;  // of the target, that pull back
 constexpr int kLargeLevel = 30000;                     // vertices from which on a level gets two searches in place of four
 
@@ -134,7 +135,8 @@ class AutoRegistration {
   std::optional<SurfacePull> surface_;
   std::optional<Levels> levels_;
   int middle_ = 0;
-  double rest_scale_ = 1;
+  double more_open_ = 0;  // the target than the source: difference of the shares that discs over boundary loops make up
+  double first_scale_ = 1, rest_scale_ = 1;
   PointsX3 goal_points_;   // the target's, normalised
   PointsX3 proxy_points_;  // of the target, normalised: what matches by distance point into
   std::vector<LandmarkCoordinates::Match> distance_matches_[2];
@@ -148,7 +150,8 @@ void AutoRegistration::Align() {
   place_ = result_.alignment.target_from_source;
   double filled_source = 0, filled_target = 0;
   const double areas = WholeArea(target_, filled_target) / WholeArea(source_, filled_source);
-  if (filled_target > kOpenShare && landmarks_.size() >= 3) return;
+  more_open_ = filled_target - filled_source;
+  if (filled_target > kOpenShare && landmarks_.size() == 3) return;
   // Folded limbs bring landmarks together and make Procrustes shrink the source; areas stay.
   const PointsX3 pivots = landmarks_.empty() ? source_.points : MarkPositions(landmarks_, &source_.points);
   const Eigen::Vector3d pivot = pivots.colwise().mean().transpose();
@@ -195,7 +198,12 @@ void AutoRegistration::MeasureDistances() {
     to.push_back(static_cast<int>(nearest));
   }
   const Level& level = (*levels_)[at];
-  const LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
+  LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
+  // What a cut took away lacks in the area, and nowhere else. Discs over holes make up for what is missing; then both agree.
+  if (const double growth = coordinates.Growth(); more_open_ > kCutShare && growth > kCutGrowth) {
+    first_scale_ = growth;
+    coordinates.GrowSource(growth);
+  }
   proxy_points_ = proxy.points;
   std::vector<int> index(source_.vertex_count(), -1);
   for (std::size_t k = 0; k < level.fine.size(); ++k) index[level.fine[k]] = static_cast<int>(k);
@@ -213,7 +221,7 @@ void AutoRegistration::SetRestScale(double scale) {
 }
 
 void AutoRegistration::Reset(Level& level) {
-  SetRestScale(1);
+  SetRestScale(first_scale_);
   level.moved = level.rest;
   level.fit->SetMaps(std::vector<Eigen::Matrix3d>(level.rest.rows(), Eigen::Matrix3d::Identity()));
   level.fit->SetRigidity(kRigid);
@@ -225,7 +233,7 @@ void AutoRegistration::Compete(Start start, StartTrial trial) {
   level.moved = start.moved;
   level.fit->SetMaps(start.maps);
   level.fit->SetRigidity(start.rigidity);
-  SetRestScale(start.scale);
+  SetRestScale(first_scale_);
   level.matches = start.matches[0];
   const SurfaceGap gap = RunRounds(levels_->count() - 1, kCoarse, 0, start.match_points);
   trial.gap = (gap.forward + gap.backward) / 4;

@@ -12,10 +12,12 @@ namespace keypose::registration {
 namespace {
 constexpr float kNear = 0.05F;  // of the source's extent: differences at a landmark itself are judged against this
 constexpr int kBlock = 64;
+constexpr double kGrowthQuantile = 0.7;  // ways along the inside of a bend are shorter, hardly any are longer
 }  // namespace
 
 LandmarkCoordinates::LandmarkCoordinates(const PointsX3& source, const FacesX3& source_faces, const std::vector<int>& source_marks,
-                                         const PointsX3& target, const FacesX3& target_faces, const std::vector<int>& target_marks) {
+                                         const PointsX3& target, const FacesX3& target_faces, const std::vector<int>& target_marks)
+    : source_marks_(source_marks), target_marks_(target_marks) {
   const GeodesicGraph from(source, source_faces), to(target, target_faces);
   const double unit = 1 / BoundingDiagonal(source);
   source_ = (unit * from.Rows(source_marks)).cast<float>();
@@ -45,6 +47,20 @@ std::vector<LandmarkCoordinates::Match> LandmarkCoordinates::MatchVertices(const
     }
   });
   return matches;
+}
+
+double LandmarkCoordinates::Growth() const {
+  std::vector<float> ratios;
+  for (std::size_t a = 0; a < source_marks_.size(); ++a)
+    for (std::size_t b = a + 1; b < source_marks_.size(); ++b) {
+      const float ours = source_(static_cast<Eigen::Index>(a), source_marks_[b]),
+                  theirs = target_(static_cast<Eigen::Index>(a), target_marks_[b]);
+      if (ours > 0 && theirs > 0) ratios.push_back(theirs / ours);
+    }
+  if (ratios.empty()) return 1;
+  const auto at = ratios.begin() + static_cast<std::ptrdiff_t>(kGrowthQuantile * static_cast<double>(ratios.size()));
+  std::nth_element(ratios.begin(), at, ratios.end());
+  return *at;
 }
 
 double LandmarkCoordinates::Mismatch(int source_vertex, const Eigen::Vector3i& corners, const Eigen::Vector3d& barycentric) const {

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/camera.h"
@@ -254,6 +255,54 @@ TEST(RegisterAuto, ARegionPaintedRigidKeepsItsEdgesWhileTheRestStretches) {
     EXPECT_GT(LargestChange(source.faces, source.points, result.points, above), 0.6 * (stretch - 1)) << stretch;
   }
 }
+
+/// Without the faces that have a corner for which `gone` holds, and the vertices that nothing uses then.
+template <class Gone>
+Mesh Without(const Mesh& mesh, const Gone& gone) {
+  std::vector<int> index(mesh.vertex_count(), -1), kept;
+  std::vector<Eigen::RowVector3i> faces;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::RowVector3i face = mesh.faces.row(f);
+    if (gone(face[0]) || gone(face[1]) || gone(face[2])) continue;
+    for (int k = 0; k < 3; ++k)
+      if (index[face[k]] < 0) {
+        index[face[k]] = static_cast<int>(kept.size());
+        kept.push_back(face[k]);
+      }
+    faces.emplace_back(index[face[0]], index[face[1]], index[face[2]]);
+  }
+  Mesh rest;
+  rest.points = mesh.points(kept, Eigen::all);
+  rest.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f) rest.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
+  return rest;
+}
+
+/// How much of a bent slender target is left, as a share of its length, and by how much it was bent.
+class CutTarget : public testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
+  const auto [left, angle] = GetParam();
+  const Mesh source = Tube(), rest = OtherTube();
+  Similarity3 placed;
+  placed.rotation = Eigen::AngleAxisd(2, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  placed.scale = 40;
+  const PointsX3 truth = Transformed(placed, Bent(source.points, angle));
+  Mesh target = rest;
+  target.points = Transformed(placed, Bent(rest.points, angle));
+  target = Without(target, [&](int v) { return rest.points(v, 2) > left * kLength; });
+  std::vector<LandmarkGoal> goals;
+  for (const LandmarkGoal& goal : Every(31, truth))
+    if (PositionOf(goal.source, source.points).z() < left * kLength - 0.1) goals.push_back(goal);
+  const AutoResult result = RegisterAuto(source, target, goals, {}, {});
+  EXPECT_NEAR(result.scale / placed.scale, 1, 0.04);
+  double seen = 0, count = 0;
+  for (int v = 0; v < source.vertex_count(); ++v)
+    if (source.points(v, 2) < left * kLength - 0.1) seen += (result.points.row(v) - truth.row(v)).norm(), ++count;
+  EXPECT_LT(seen / count / BoundingDiagonal(truth), 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(LeftAndBend, CutTarget, testing::Combine(testing::Values(0.4, 0.8), testing::Values(0.5, 2.5, 4.5)));
 
 }  // namespace
 }  // namespace keypose::registration
