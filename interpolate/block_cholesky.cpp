@@ -76,8 +76,6 @@ struct Workspace {
     cholmod_start(&common);
     common.print = 0;
     common.supernodal = CHOLMOD_SUPERNODAL;
-    common.nmethods = 1;
-    common.method[0].ordering = CHOLMOD_AMD;
     common.zrelax[0] = kMostZeros;
   }
   ~Workspace() {

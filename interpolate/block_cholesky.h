@@ -13,8 +13,8 @@ namespace keypose::interpolation {
 /// A row of right-hand sides, one number a system, lies together in memory, so that each entry of the factor meets a few whole vectors of
 /// numbers, and what the dense kernels hold in registers is twelve systems by four unknowns. That suits the small supernodes of surfaces,
 /// which a BLAS call each would cost more than their arithmetic. Every column goes through the same sums whatever columns lie beside it,
-/// so its bits depend neither on the others nor on the number of threads. Order and supernodes are CHOLMOD's (minimum degree); the
-/// factorisation is multifrontal (Duff and Reid 1983), on the same kernels.
+/// so its bits depend neither on the others nor on the number of threads. Order and supernodes are CHOLMOD's (minimum degree; METIS where
+/// that fills in much); the factorisation is multifrontal (Duff and Reid 1983), on the same kernels.
 class BlockCholesky {
  public:
   BlockCholesky();
