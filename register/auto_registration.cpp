@@ -404,6 +404,8 @@ void AutoRegistration::LeaveWrongWalls(double stiffness) {
                       SurfaceWeight(stiffness)};
   CreaseResult mended = ReturnToOwnWalls(bent, goal_points_, target_.faces);
   if (mended.after == mended.before) return;
+  for (const std::vector<int>& piece : level.fit->pieces().pieces())
+    for (int v : piece) mended.points.row(v) = level.moved.row(v);
   level.moved = std::move(mended.points);
   level.fit->FitMaps(level.moved);
 }
