@@ -14,6 +14,7 @@
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/kd_tree.h"
 #include "core/ray_scene.h"
 
 namespace keypose::registration {
@@ -21,13 +22,16 @@ namespace keypose::registration {
 namespace {
 
 using Eigen::Vector3d;
-constexpr int kFeet = 96;              // of one part's vertices, at most
-constexpr double kSoftFoot = 0.1;      // of the part's size: feet nearer than this count alike
-constexpr double kRing = 0.5;          // of the part's size: how far along the host the anchors spread
-constexpr double kRingShare = 0.25;    // of the weight
-constexpr double kMostScale = 1.25;    // a part changes its size no more than this beyond what the host does
-constexpr double kSizeAlike = 1.4;     // of counterparts
-constexpr double kCentreReach = 0.75;  // of a part's size: its counterpart's centre is nearer
+constexpr int kFeet = 96;                    // of one part's vertices, at most
+constexpr double kSoftFoot = 0.1;            // of the part's size: feet nearer than this count alike
+constexpr double kRing = 0.5;                // of the part's size: how far along the host the anchors spread
+constexpr double kRingShare = 0.25;          // of the weight
+constexpr double kMostScale = 1.25;          // a part changes its size no more than this beyond what the host does
+constexpr int kCounterpartFeet = 400;        // of one part, laid onto its counterpart
+constexpr int kCounterpartRounds = 30;       // of closest points
+constexpr double kCounterpartGrowth = 1.25;  // and what it may grow or shrink by
+constexpr double kSizeAlike = 1.4;           // of counterparts
+constexpr double kCentreReach = 0.75;        // of a part's size: its counterpart's centre is nearer
 
 /// The first vertex at the place of each.
 std::vector<int> Places(const PointsX3& points) {
@@ -371,6 +375,36 @@ bool OntoLandmarks(const LoosePart& part, const PointsX3& points, const std::vec
   return true;
 }
 
+/// The similarity that lays a part, already about in place, onto its counterpart; none where that brings it no closer.
+Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const FacesX3& faces, const LoosePart& other,
+                            const Mesh& target) {
+  const std::vector<int> some = SomeOf(part.vertices, kCounterpartFeet);
+  const PointsX3 start = RowsOf(points, some), theirs = RowsOf(target.points, other.vertices);
+  const PointsX3 normals = RowsOf(VertexNormals(points, faces), some);
+  const PointsX3 their_normals = RowsOf(VertexNormals(target.points, target.faces), other.vertices);
+  const KdTree tree(theirs);
+  Similarity3 motion;
+  double first = 0, last = 0;
+  for (int round = 0; round <= kCounterpartRounds; ++round) {
+    PointsX3 goals = Transformed(motion, start);
+    const PointsX3 at = goals;
+    for (Eigen::Index i = 0; i < at.rows(); ++i)
+      for (const KdTree::Neighbor& near : tree.Nearest(at.row(i).transpose(), 8)) {
+        const Vector3d normal = their_normals.row(near.index);
+        if (normal.dot(motion.rotation * normals.row(i).transpose()) < 0.5) continue;
+        // To the plane there, and a little to the point, so that flat parts settle.
+        const Vector3d way = theirs.row(near.index) - at.row(i);
+        goals.row(i) += (normal * normal.dot(way) + 0.3 * (way - normal * normal.dot(way))).transpose();
+        break;
+      }
+    last = (goals - at).squaredNorm();
+    if (round == 0) first = last;
+    if (round < kCounterpartRounds) motion = FitSimilarity(start, goals, Eigen::VectorXd::Ones(start.rows()));
+  }
+  const bool sized = motion.scale < kCounterpartGrowth && motion.scale > 1 / kCounterpartGrowth;
+  return last < first && sized ? motion : Similarity3{};
+}
+
 }  // namespace
 
 RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const PointsX3& moved, const Mesh& target,
@@ -394,6 +428,10 @@ RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const
       const double size = BoundingDiagonal(RowsOf(refined.points, part.vertices)), ratio = target_parts.parts[other].diagonal / size;
       if (!(ratio < kSizeAlike) || !(ratio > 1 / kSizeAlike) || (theirs[other] - ours[i]).norm() > kCentreReach * size) continue;
       own.translation = theirs[other] - (motions[i] * ours[i]);
+      PointsX3 shifted = refined.points;
+      Apply(own, part.vertices, shifted);
+      const Similarity3 onto = OntoCounterpart(part, shifted, source.faces, target_parts.parts[other], target);
+      own = {onto.scale, onto.rotation, onto * own.translation};
       ++refined.by_counterpart;
     }
     Apply(own, part.vertices, refined.points);

@@ -172,6 +172,21 @@ TEST(RefineLooseParts, PartsTakeTheirCounterpartsAndLandmarks) {
   EXPECT_EQ(moved.middleRows(t.first_eye + t.eye, t.eye).cwiseAbs().maxCoeff(), 0);
 }
 
+TEST(RefineLooseParts, APartTurnsAndGrowsOntoItsCounterpart) {
+  TubeWithEyes t;
+  auto eye = t.mesh.points.middleRows(t.first_eye, t.eye);
+  const RowVector3d centre = eye.colwise().mean();
+  eye = ((eye.rowwise() - centre) * Eigen::DiagonalMatrix<double, 3>(1.0, 0.7, 0.5)).rowwise() + centre;  // no longer round
+  Mesh target = t.mesh;
+  const Eigen::Matrix3d turn = 1.08 * Eigen::AngleAxisd(0.15, Vector3d(1, 2, 2).normalized()).toRotationMatrix();
+  target.points.middleRows(t.first_eye, t.eye) = ((eye.rowwise() - centre) * turn.transpose()).rowwise() + centre;
+  const auto error = [&](const PointsX3& points) {
+    return (points - target.points).middleRows(t.first_eye, t.eye).rowwise().norm().maxCoeff();
+  };
+  const RefinedParts refined = RefineLooseParts(t.mesh, FindLooseParts(t.mesh), t.mesh.points, target, FindLooseParts(target), {});
+  EXPECT_LT(error(refined.points), 0.1 * error(t.mesh.points));
+}
+
 TEST(RefineLooseParts, SeveralLandmarksTurnAPart) {
   const TubeWithEyes t;
   const LooseParts parts = FindLooseParts(t.mesh);
