@@ -38,7 +38,7 @@ struct ArapReport {
 
 /// What it took to make one frame.
 struct FrameFacts {
-  double volume_move = 0;  ///< largest move of a vertex by the volume correction
+  double volume_move = 0;  ///< no vertex is moved further by the volume correction
   int floor_vertices = 0;  ///< held at the floor
 };
 
