@@ -1,6 +1,9 @@
 #include "register/levels.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "core/geometry.h"
 
 namespace keypose::registration {
 
@@ -39,6 +42,10 @@ Levels::Levels(const PointsX3& rest, const FacesX3& faces, const std::vector<int
     level.fine = std::move(coarse.fine);
     levels_.push_back(std::move(level));
   }
+  const std::vector<char> rim = BoundaryVertices(static_cast<int>(rest.rows()), faces);
+  if (std::find(rim.begin(), rim.end(), 1) != rim.end())
+    for (Level& level : levels_)
+      for (int v : level.fine) level.rim.push_back(rim[v]);
   for (const LandmarkGoal& landmark : landmarks) {
     const Eigen::Vector3d at = PositionOf(landmark.source, rest);
     int vertex = NearestCorner(landmark.source);

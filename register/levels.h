@@ -23,6 +23,7 @@ struct Level {
   PointsX3 rest;
   FacesX3 faces;
   std::vector<int> fine;  ///< the input vertex that each vertex is
+  std::vector<char> rim;  ///< 1 for vertices on the boundary; empty when there are none
   std::vector<Mark> marks;
   std::vector<LandmarkCoordinates::Match> matches;  ///< one a vertex, or empty
   std::optional<ArapFit> fit;

@@ -304,5 +304,44 @@ TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
 
 INSTANTIATE_TEST_SUITE_P(LeftAndBend, CutTarget, testing::Combine(testing::Values(0.4, 0.8), testing::Values(0.5, 2.5, 4.5)));
 
+/// A sheet of n x m vertices, nearly flat, or bent about one side.
+Mesh Sheet(int n, int m, bool bent) {
+  Mesh sheet;
+  sheet.points.resize(n * m, 3);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j) {
+      const double a = static_cast<double>(i) / (n - 1), b = 1.6 * j / (m - 1);
+      if (bent)
+        sheet.points.row(i * m + j) << std::sin(1.2 * a) / 1.2, b, (1 - std::cos(1.2 * a)) / 1.2 + 0.1 * a * b;
+      else
+        sheet.points.row(i * m + j) << a, b, 0.2 * a * a + 0.1 * a * b;
+    }
+  sheet.faces.resize(2 * (n - 1) * (m - 1), 3);
+  for (int i = 0, f = 0; i + 1 < n; ++i)
+    for (int j = 0; j + 1 < m; ++j) {
+      const int v = i * m + j;
+      sheet.faces.row(f++) << v, v + m, v + 1;
+      sheet.faces.row(f++) << v + 1, v + m, v + m + 1;
+    }
+  return sheet;
+}
+
+class SmallSheet : public testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(SmallSheet, DoesNotShrinkAwayFromItsRim) {
+  const auto [n, m] = GetParam();
+  const Mesh source = Sheet(n, m, false);
+  Mesh target = Sheet(n, m, true);
+  Similarity3 placed;
+  placed.rotation = Eigen::AngleAxisd(1, Vector3d(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
+  target.points = Transformed(placed, target.points);
+  const AutoResult result = RegisterAuto(source, target, {}, {}, {});
+  const Eigen::VectorXd errors = (result.points - target.points).rowwise().norm() / BoundingDiagonal(target.points);
+  EXPECT_LT(errors.mean(), 0.006);
+  EXPECT_LT(errors.maxCoeff(), 0.015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, SmallSheet, testing::Values(std::pair(3, 3), std::pair(4, 5), std::pair(6, 9)));
+
 }  // namespace
 }  // namespace keypose::registration

@@ -47,9 +47,10 @@ struct Pull {
 struct SurfacePull::Impl {
   Impl(const PointsX3& p, const FacesX3& faces) : points(p), normals(VertexNormals(p, faces)), surface(p, faces), tree(p) {}
 
-  Pull Forward(int vertex, const Eigen::Vector3d& at, const Eigen::Vector3d& normal, const Feet& feet, double min_cosine) const {
+  Pull Forward(int vertex, bool rim, const Eigen::Vector3d& at, const Eigen::Vector3d& normal, const Feet& feet, double min_cosine) const {
     Pull pull;
-    if (feet.allowed[vertex]) {
+    // The source's own rim may belong to the target's; taken for a cut, that would shrink an open source search by search.
+    if (feet.allowed[vertex] || (rim && feet.faces[vertex] >= 0 && normal.dot(feet.normals.row(vertex).normalized()) >= min_cosine)) {
       pull.goal = feet.points.row(vertex);
       pull.normal = feet.normals.row(vertex).normalized();
       pull.vertex = vertex;
@@ -108,8 +109,8 @@ SurfacePull::SurfacePull(const PointsX3& points, const FacesX3& faces) : impl_(s
 
 SurfacePull::~SurfacePull() = default;
 
-SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const Eigen::VectorXd& areas, const SurfacePullTerms& terms,
-                            PointsX3& last_feet, Pulls& pulls) const {
+SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const std::vector<char>& rim, const Eigen::VectorXd& areas,
+                            const SurfacePullTerms& terms, PointsX3& last_feet, Pulls& pulls) const {
   const PointsX3 normals = VertexNormals(moved, faces);
   Feet feet = impl_->surface.FindFeet(moved, normals, terms.min_cosine, last_feet.rows() == moved.rows() ? &last_feet : nullptr);
   const double total = areas.sum(), per_area = terms.weight / total;
@@ -117,7 +118,7 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const E
   std::vector<Pull> found(moved.rows() + samples.size());
   ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
-      found[i] = impl_->Forward(static_cast<int>(i), moved.row(i), normals.row(i), feet, terms.min_cosine);
+      found[i] = impl_->Forward(static_cast<int>(i), !rim.empty() && rim[i], moved.row(i), normals.row(i), feet, terms.min_cosine);
   });
   last_feet = std::move(feet.points);
   impl_->PullBack(moved, normals, samples, terms.min_cosine, std::span(found).subspan(moved.rows()));

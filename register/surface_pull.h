@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/mesh.h"
 #include "register/arap_fit.h"
@@ -33,11 +34,12 @@ class SurfacePull {
 
   /// Adds pulls of both ways: every vertex towards the plane of its closest compatible point of the target, and the vertices nearest to
   /// the target's samples towards those, so that the ends of limbs are drawn out. A closest point that lies on the target's boundary, or
-  /// whose normal differs, does not pull; then the nearest of the next 24 vertices whose normal agrees does. Same bits for any thread
-  /// count.
+  /// whose normal differs, does not pull; then the nearest of the next 24 vertices whose normal agrees does. But the rim of the mesh is
+  /// believed to belong on the target's. Same bits for any thread count.
+  /// @param rim  V, 1 for vertices on the mesh's own boundary, or empty
   /// @param last_feet  V x 3, the closest points of the last search or empty, which only saves time; then those of this one
-  SurfaceGap Add(const PointsX3& moved, const FacesX3& faces, const Eigen::VectorXd& areas, const SurfacePullTerms& terms,
-                 PointsX3& last_feet, Pulls& pulls) const;
+  SurfaceGap Add(const PointsX3& moved, const FacesX3& faces, const std::vector<char>& rim, const Eigen::VectorXd& areas,
+                 const SurfacePullTerms& terms, PointsX3& last_feet, Pulls& pulls) const;
 
  private:
   struct Impl;
