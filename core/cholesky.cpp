@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/blas_threads.h"
 #include "core/errors.h"
 #include "core/parallel.h"
-
-extern "C" void openblas_set_num_threads(int threads);
 
 namespace keypose {
 
@@ -50,8 +49,7 @@ class OneOpenMpThread {
 
 struct SparseCholesky::Impl {
   Impl() {
-    // One BLAS thread: sums in the dense kernels must not depend on how many threads share them.
-    openblas_set_num_threads(1);
+    UseOneBlasThread();
     cholmod_start(&common);
     common.supernodal = CHOLMOD_AUTO;
     common.print = 0;

@@ -5,16 +5,14 @@
 #include <numeric>
 #include <string>
 
+#include "core/blas_threads.h"
 #include "core/errors.h"
-
-extern "C" void openblas_set_num_threads(int threads);
 
 namespace keypose::registration {
 
 struct CholmodFactor::Impl {
   Impl() {
-    // One BLAS thread: the dense kernels must not add in an order that depends on how many threads share them.
-    openblas_set_num_threads(1);
+    UseOneBlasThread();
     cholmod_start(&common);
     common.print = 0;
     common.final_ll = 1;

@@ -2,15 +2,15 @@
 
 #include <cblas.h>
 
+#include "core/blas_threads.h"
+
 namespace keypose::registration {
 
 namespace {
 
 template <class Gemm, class Scalar, class Factor, class Product>
 void Call(const Gemm& gemm, Scalar factor, const Factor& a, const Factor& b, Flip flip, Scalar keep, Product& product) {
-  // One thread: sums must not depend on how many threads share them.
-  static const bool one_thread = (openblas_set_num_threads(1), true);
-  static_cast<void>(one_thread);
+  UseOneBlasThread();
   const auto transposed = [flip](Flip which) { return flip == which ? CblasTrans : CblasNoTrans; };
   const auto number = [](Eigen::Index i) { return static_cast<blasint>(i); };
   gemm(CblasColMajor, transposed(Flip::kFirst), transposed(Flip::kSecond), number(product.rows()), number(product.cols()),
