@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
 constexpr double kSolverTolerance = 1e-2;  // of the first residual's energy: maps change with every turn anyway
-constexpr double kBlockTolerance = 1e-4;  // the same where there is no factor
-constexpr int kBlockSteps = 3;            // steps there for each with a factor
+constexpr double kBlockTolerance = 1e-4;   // the same where there is no factor
+constexpr int kBlockSteps = 3;             // steps there for each with a factor
 constexpr std::int64_t kGrain = 1024;
 constexpr int kRootSteps = 30;
 constexpr double kRootTolerance = 1e-14, kWellDetermined = 1e-3;
@@ -130,11 +130,13 @@ void ArapFit::BuildMatrix() {
 
 void ArapFit::BuildFans() {
   moments_.assign(rest_.rows(), Eigen::Matrix3d::Zero());
+  inverse_.clear();
   size_.assign(rest_.rows(), 0);
+  edge_.resize(neighbour_.size());
   for (Eigen::Index i = 0; i < rest_.rows(); ++i) {
     double sum = 0;
     for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
-      const Eigen::Vector3d edge = (rest_.row(i) - rest_.row(neighbour_[s])).transpose();
+      const Eigen::Vector3d edge = edge_[s] = (rest_.row(i) - rest_.row(neighbour_[s])).transpose();
       moments_[i] += weight_[s] * edge * edge.transpose();
       sum += weight_[s];
     }
@@ -153,24 +155,48 @@ void ArapFit::SetWeights(const Eigen::VectorXd& weights) {
   if (factored_) factor_.Factor(system_);
 }
 
+// Stiffer edges alone would make the map no more rigid: both sides of the balance grow by them.
+double ArapFit::Hold(int i) const { return rigidity_ * size_[i] * (stiffness_.size() > 0 ? stiffness_[i] : 1); }
+
 Eigen::Matrix3d ArapFit::FanMap(const PointsX3& moved, int i) const {
   Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
+  const Eigen::Vector3d at = moved.row(i).transpose();
   for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
     const int j = neighbour_[s];
-    m.noalias() += (weight_[s] * (moved.row(i) - moved.row(j)).transpose()) * (rest_.row(i) - rest_.row(j));
-    m += (smoothing_ * weight_[s]) * previous_[j];
+    const Eigen::Vector3d& edge = edge_[s];
+    const Eigen::Vector3d pulled = weight_[s] * (at - moved.row(j).transpose());
+    const double alike = smoothing_ * weight_[s];
+    const Eigen::Matrix3d& other = previous_[j];
+    // Column by column, so that all stays in registers.
+    m.col(0) = (m.col(0) + pulled * edge[0]) + alike * other.col(0);
+    m.col(1) = (m.col(1) + pulled * edge[1]) + alike * other.col(1);
+    m.col(2) = (m.col(2) + pulled * edge[2]) + alike * other.col(2);
   }
   const Eigen::Matrix3d rotation = NearestRotation(m);
   if (rigid()) return rotation;
-  // Stiffer edges alone would make the map no more rigid: both sides of the balance grow by them.
-  const double hold = rigidity_ * size_[i] * (stiffness_.size() > 0 ? stiffness_[i] : 1);
-  Eigen::Matrix3d held = moments_[i];
-  held.diagonal().array() += hold;
-  return (m + hold * rotation) * held.inverse();
+  return (m + Hold(i) * rotation) * inverse_[i];
+}
+
+void ArapFit::SetRigidity(double rigidity) {
+  if (rigidity != rigidity_) inverse_.clear();
+  rigidity_ = rigidity;
+}
+
+void ArapFit::InvertMoments() {
+  inverse_.resize(moments_.size());
+  ParallelBlocks(rest_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      if (!(size_[i] > 0)) continue;
+      Eigen::Matrix3d held = moments_[i];
+      held.diagonal().array() += Hold(static_cast<int>(i));
+      inverse_[i] = held.inverse();
+    }
+  });
 }
 
 void ArapFit::FitMaps(const PointsX3& moved) {
   previous_ = maps_;
+  if (!rigid() && inverse_.empty()) InvertMoments();
   ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       if (size_[i] > 0) maps_[i] = FanMap(moved, static_cast<int>(i));
@@ -184,7 +210,7 @@ void ArapFit::AddShapePull(Eigen::MatrixXd& b) const {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
         const int j = neighbour_[s];
-        sum.noalias() += (0.5 * weight_[s]) * ((maps_[i] + maps_[j]) * (rest_.row(i) - rest_.row(j)).transpose());
+        sum.noalias() += (0.5 * weight_[s]) * ((maps_[i] + maps_[j]) * edge_[s]);
       }
       b.row(i) += sum.transpose();
     }
@@ -257,9 +283,9 @@ Eigen::VectorXd ArapFit::Strain(const PointsX3& moved) const {
     double fan = 0;
     for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
       const int j = neighbour_[s];
-      const Eigen::Vector3d miss = (moved.row(i) - moved.row(j)).transpose() - maps_[i] * (rest_.row(i) - rest_.row(j)).transpose();
+      const Eigen::Vector3d miss = (moved.row(i) - moved.row(j)).transpose() - maps_[i] * edge_[s];
       strain[i] += weight_[s] * miss.squaredNorm();
-      fan += weight_[s] * (rest_.row(i) - rest_.row(j)).squaredNorm();
+      fan += weight_[s] * edge_[s].squaredNorm();
     }
     if (fan > 0) strain[i] /= fan;
   }
@@ -271,7 +297,7 @@ double ArapFit::BestScale(const PointsX3& moved) const {
   for (Eigen::Index i = 0; i < rest_.rows(); ++i)
     for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
       const int j = neighbour_[s];
-      const Eigen::Vector3d wanted = maps_[i] * (rest_.row(i) - rest_.row(j)).transpose();
+      const Eigen::Vector3d wanted = maps_[i] * edge_[s];
       across += weight_[s] * wanted.dot((moved.row(i) - moved.row(j)).transpose());
       own += weight_[s] * wanted.squaredNorm();
     }

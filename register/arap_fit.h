@@ -42,7 +42,7 @@ class ArapFit {
   ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness, double smoothing, bool factor = true);
 
   bool rigid() const { return rigidity_ >= kRigid; }
-  void SetRigidity(double rigidity) { rigidity_ = rigidity; }  ///< above 0; from 1e6 on it counts as infinite
+  void SetRigidity(double rigidity);  ///< above 0; from 1e6 on it counts as infinite
   /// Prepares the solver for pulls whose mean weights are about these (V, each >= 0). A part that nothing pulls at is held by 1e-7.
   /// @throws SolverError
   void SetWeights(const Eigen::VectorXd& weights);
@@ -69,9 +69,11 @@ class ArapFit {
   void BuildEdges(const FacesX3& faces, const Eigen::VectorXd& stiffness);
   void BuildMatrix();
   void BuildFans();
+  void InvertMoments();
   void AddShapePull(Eigen::MatrixXd& b) const;
   Eigen::VectorXd Rings() const;  ///< V, sums of c_ij
   Eigen::MatrixXd Apply(const Eigen::MatrixXd& p, const Pulls& pulls) const;
+  double Hold(int i) const;  ///< weight of the rigidity at a vertex
   Eigen::Matrix3d FanMap(const PointsX3& moved, int i) const;
 
   PointsX3 rest_;
@@ -82,8 +84,10 @@ class ArapFit {
   RigidPieces pieces_;
   std::vector<int> offset_, neighbour_;  // the ring of vertex i: neighbour_[offset_[i] .. offset_[i+1])
   std::vector<double> weight_;
+  std::vector<Eigen::Vector3d> edge_;     // of the rest shape, from each neighbour to the vertex
   std::vector<Eigen::Matrix3d> moments_;  // sum_j c_ij e e^T, and in its diagonal kappa sum_j c_ij
   std::vector<double> size_;              // half the trace of the first
+  std::vector<Eigen::Matrix3d> inverse_;  // of the moments with the rigidity; empty until maps that are no rotations are fitted
   std::vector<int> component_;
   int components_ = 0;
   Eigen::SparseMatrix<double> lower_, system_;

@@ -92,6 +92,7 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
   surface.weight = SurfaceWeight(terms.stiffness);
   surface.robust = terms.robust;
   surface.samples = terms.samples;
+  surface.measure = terms.measure;
   const SurfaceGap gap = target.Add(level.moved, level.faces, level.rim, level.fit->vertex_areas(), surface, level.feet, pulls);
   if (seen) {
     // A sixth of a vertex's full weight (a plane's trace is one, and this is a third of it) counts half.

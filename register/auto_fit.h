@@ -14,6 +14,7 @@ struct FitTerms {
   double matches = 0;     ///< weight of all together
   int samples = 1500;     ///< of the target, that pull back
   int turns = 2;          ///< of maps and positions for one search of closest points
+  bool measure = true;    ///< whether the gap is asked for
 };
 
 /// Weight of the whole surface at a stiffness, in units of the shape term.

@@ -342,6 +342,7 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
     terms.samples = at == middle_ ? kSamples : kCoarseSamples;
     for (int i = 0; i < schedule.searches; ++i) {
       if (!level.fit->rigid()) momentum.CarryOn(level);
+      terms.measure = k + 1 == schedule.rounds && i + 1 == schedule.searches;
       gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms, momentum.seen());
     }
     // Noise and ragged holes make areas, and with them the first scale, a little wrong.
@@ -384,6 +385,7 @@ void AutoRegistration::Finish() {
     Momentum momentum(finer);
     for (int k = 0; k < searches; ++k) {
       momentum.CarryOn(finer);
+      terms.measure = k + 1 == searches;
       gap = FitToSurface(finer, *surface_, goal_points_, terms, momentum.seen());
     }
     Step(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");

@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "register/step_queue.h"
 
 namespace keypose::registration {
 
@@ -24,6 +26,13 @@ struct Arc {
 struct SharedEdge {
   int a, b, left, right;
 };
+
+std::vector<SharedEdge> EdgesAlone(const FacesX3& faces) {
+  std::vector<SharedEdge> edges;
+  for (const auto& [a, b] : UndirectedEdges(faces))
+    if (a != b) edges.push_back({a, b, -1, -1});
+  return edges;
+}
 
 std::vector<SharedEdge> SharedEdges(const FacesX3& faces) {
   struct Side {
@@ -123,11 +132,11 @@ GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways 
     : neighbors_(static_cast<std::size_t>(points.rows())) {
   if (points.rows() == 0) throw InputError("register: distances along a surface need a mesh with vertices");
   std::vector<Arc> arcs;
-  for (const SharedEdge& edge : SharedEdges(faces)) {
+  for (const SharedEdge& edge : ways == kEdgesOnly ? EdgesAlone(faces) : SharedEdges(faces)) {
     arcs.push_back({edge.a, edge.b, (points.row(edge.a) - points.row(edge.b)).norm()});
     neighbors_[static_cast<std::size_t>(edge.a)].push_back(edge.b);
     neighbors_[static_cast<std::size_t>(edge.b)].push_back(edge.a);
-    if (ways == kEdgesOnly || edge.right < 0 || edge.left == edge.right) continue;
+    if (edge.right < 0 || edge.left == edge.right) continue;
     const double length = UnfoldedLength(edge, points);
     if (std::isfinite(length)) arcs.push_back({edge.left, edge.right, length});
   }
@@ -151,43 +160,6 @@ GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways 
   steps_per_length_ = 4 * static_cast<double>(arcs.size()) / total;
   if (!std::isfinite(steps_per_length_)) steps_per_length_ = 0;
 }
-
-namespace {
-
-/// Vertices in line for each step of distance, first come first served.
-class StepQueue {
- public:
-  explicit StepQueue(double steps_per_length) : steps_per_length_(steps_per_length), lines_(64) {}
-  void Put(int vertex, double distance) {
-    const auto step = static_cast<std::size_t>(distance * steps_per_length_);
-    if (step >= lines_.size()) lines_.resize(2 * step);
-    const int entry = static_cast<int>(entries_.size());
-    entries_.push_back({vertex, -1});
-    Line& line = lines_[step];
-    (line.first < 0 ? line.first : entries_[static_cast<std::size_t>(line.last)].next) = entry;
-    line.last = entry;
-  }
-  /// Calls visit(vertex) step by step; it may put further vertices into this step or a later one.
-  template <class Visit>
-  void Run(const Visit& visit) {
-    for (std::size_t step = 0; step < lines_.size(); ++step)
-      for (int entry = lines_[step].first; entry >= 0; entry = entries_[static_cast<std::size_t>(entry)].next)
-        visit(entries_[static_cast<std::size_t>(entry)].vertex);
-  }
-
- private:
-  struct Entry {
-    int vertex, next;
-  };
-  struct Line {
-    int first = -1, last = -1;
-  };
-  double steps_per_length_;
-  std::vector<Line> lines_;
-  std::vector<Entry> entries_;
-};
-
-}  // namespace
 
 void GeodesicGraph::Spread(const std::vector<int>& seeds, Eigen::VectorXd& distance, std::vector<int>* nearest) const {
   // Within a step a vertex may be visited again, with a smaller distance. The end is the same as with a heap, bit for bit: the least of all

@@ -67,17 +67,9 @@ struct Components {
       join(mesh.faces(f, 0), mesh.faces(f, 2));
       for (int k = 0; k < 3; ++k) used[mesh.faces(f, k)] = 1;
     }
-    // A seam repeats both ends of its edges. One repeated point alone is but two parts that touch.
-    const std::vector<int> place = Places(mesh.points);
-    std::vector<std::array<int, 3>> edges;
-    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
-        edges.push_back({std::min(place[a], place[b]), std::max(place[a], place[b]), a});
-      }
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t i = 1; i < edges.size(); ++i)
-      if (edges[i][0] == edges[i - 1][0] && edges[i][1] == edges[i - 1][1]) join(edges[i][2], edges[i - 1][2]);
+    int pieces = 0;
+    for (int v = 0; v < mesh.vertex_count(); ++v) pieces += used[v] && find(v) == v;
+    if (pieces > 1) JoinSeams(mesh, join);
     std::vector<Eigen::AlignedBox3d> boxes;
     std::vector<int> id(mesh.vertex_count(), -1);
     for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -91,6 +83,22 @@ struct Components {
       boxes[id[r]].extend(mesh.points.row(v).transpose());
     }
     for (const auto& box : boxes) diagonal.push_back(box.diagonal().norm());
+  }
+
+ private:
+  template <class Join>
+  static void JoinSeams(const Mesh& mesh, const Join& join) {
+    // A seam repeats both ends of its edges. One repeated point alone is but two parts that touch.
+    const std::vector<int> place = Places(mesh.points);
+    std::vector<std::array<int, 3>> edges;
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+        edges.push_back({std::min(place[a], place[b]), std::max(place[a], place[b]), a});
+      }
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t i = 1; i < edges.size(); ++i)
+      if (edges[i][0] == edges[i - 1][0] && edges[i][1] == edges[i - 1][1]) join(edges[i][2], edges[i - 1][2]);
   }
 };
 

@@ -15,7 +15,7 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr int kSecondChoices = 24, kNearVertices = 4;
+constexpr int kFirstChoices = 4, kSecondChoices = 24, kNearVertices = 4;
 constexpr std::int64_t kGrain = 256;
 
 double Robust(double scale, double squared_distance) {
@@ -55,12 +55,15 @@ struct SurfacePull::Impl {
       pull.normal = feet.normals.row(vertex).normalized();
       pull.vertex = vertex;
     } else {
-      for (const KdTree::Neighbor& near : tree.Nearest(at, kSecondChoices)) {
-        if (normal.dot(normals.row(near.index)) < min_cosine || open[near.index]) continue;
-        pull.goal = points.row(near.index);
-        pull.normal = normals.row(near.index);
-        pull.vertex = vertex;
-        break;
+      // Mostly one of the first few will do.
+      for (int from = 0, to = kFirstChoices; from < to && pull.vertex < 0; from = to, to = kSecondChoices) {
+        const std::vector<KdTree::Neighbor> near = tree.Nearest(at, to);
+        for (std::size_t k = from; k < near.size() && pull.vertex < 0; ++k) {
+          if (normal.dot(normals.row(near[k].index)) < min_cosine || open[near[k].index]) continue;
+          pull.goal = points.row(near[k].index);
+          pull.normal = normals.row(near[k].index);
+          pull.vertex = vertex;
+        }
       }
     }
     pull.squared_distance = (pull.goal - at).squaredNorm();
@@ -142,6 +145,7 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const s
       backward.emplace_back(across * across, 1.0);
     }
   }
+  if (!terms.measure) return gap;
   gap.forward = TrimmedRms(forward);
   gap.backward = TrimmedRms(backward);
   return gap;

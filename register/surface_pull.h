@@ -15,6 +15,7 @@ struct SurfacePullTerms {
   double point_share = 0.03;  ///< pulls are onto planes; this share of them is onto the points themselves
   int samples = 3000;         ///< about how many of the target's vertices pull back
   double min_cosine = 0.5;    ///< between the normals of two points that may belong together
+  bool measure = true;        ///< whether to say how far the surfaces are apart
 };
 
 /// How far the two surfaces are apart.
