@@ -3,13 +3,13 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <queue>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "register/closest_points.h"
 #include "register/quality.h"
+#include "register/step_queue.h"
 
 namespace keypose::registration {
 
@@ -19,6 +19,7 @@ using Eigen::VectorXd;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr int kPatches = 120;
 constexpr int kTargetSamples = 2500;
+constexpr int kMostFaces = 200000;    // of the source, that are looked at
 constexpr double kApart = 0.08;       // of the source's diagonal: the least distance between two places, and from a landmark
 constexpr double kReach = 0.12;       // of the diagonal: how far a landmark holds the surface around it, roughly
 constexpr double kMisfitUnit = 0.01;  // of the target's diagonal: this misfit weighs as much as a stretch by 1.5
@@ -29,6 +30,7 @@ constexpr double kSmallPart = 0.05;   // a component with less of the area needs
 struct Graph {
   std::vector<int> begin, neighbor;
   std::vector<double> length;
+  double steps_per_length = 0;  // of the queue of a search, see GeodesicGraph
 
   explicit Graph(const Mesh& mesh) : begin(mesh.vertex_count() + 1, 0) {
     const auto edges = UndirectedEdges(mesh.faces);
@@ -46,26 +48,26 @@ struct Graph {
       length[next[i]++] = d;
       neighbor[next[j]] = i;
       length[next[j]++] = d;
+      steps_per_length += d;
     }
+    steps_per_length = 4 * static_cast<double>(edges.size()) / steps_per_length;
+    if (!std::isfinite(steps_per_length)) steps_per_length = 0;
   }
 
   /// Lowers `distance` to the distance along edges from new seeds, and sets `owner` to `label` where it does.
   void Spread(const std::vector<std::pair<int, double>>& seeds, int label, VectorXd& distance, std::vector<int>& owner) const {
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    StepQueue queue(steps_per_length);
     const auto reach = [&](int v, double d) {
       if (!(d < distance[v])) return;
       distance[v] = d;
       owner[v] = label;
-      queue.emplace(d, v);
+      queue.Put(v, d);
     };
     for (const auto& [v, d] : seeds) reach(v, d);
-    while (!queue.empty()) {
-      const auto [d, v] = queue.top();
-      queue.pop();
-      if (d > distance[v]) continue;
-      for (int k = begin[v]; k < begin[v + 1]; ++k) reach(neighbor[k], d + length[k]);
-    }
+    queue.Run([&](int v, double here) {
+      if (here > distance[v]) return;
+      for (int k = begin[v]; k < begin[v + 1]; ++k) reach(neighbor[k], here + length[k]);
+    });
   }
 };
 
@@ -101,10 +103,16 @@ struct Patches {
 /// Vertices of components that are large enough to matter.
 std::vector<char> LargeComponents(const Mesh& mesh, const Graph& graph) {
   std::vector<int> component(mesh.vertex_count(), -1);
-  VectorXd distance = VectorXd::Constant(mesh.vertex_count(), kFar);
   int count = 0;
-  for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (component[v] < 0) graph.Spread({{v, 0.0}}, count++, distance, component);
+  for (int seed = 0; seed < mesh.vertex_count(); ++seed) {
+    if (component[seed] >= 0) continue;
+    std::vector<int> reached = {seed};
+    component[seed] = count;
+    for (std::size_t k = 0; k < reached.size(); ++k)
+      for (int s = graph.begin[reached[k]]; s < graph.begin[reached[k] + 1]; ++s)
+        if (const int w = graph.neighbor[s]; component[w] < 0) component[w] = count, reached.push_back(w);
+    ++count;
+  }
   const VectorXd areas = FaceAreas(mesh.points, mesh.faces);
   VectorXd share = VectorXd::Zero(count);
   const double total = areas.sum();
@@ -119,7 +127,9 @@ struct Signals {
   VectorXd misfit, stretch, flipped;  // over the diagonal; natural logarithm of the larger change; share of area
 };
 
+/// Of the faces that are looked at.
 struct FaceSignals {
+  std::vector<int> faces;
   VectorXd misfit, stretch, flipped, area;
 };
 
@@ -134,34 +144,41 @@ double LargerChange(const Mesh& source, const PointsX3& registered, int f, doubl
   return largest;
 }
 
-FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const Mesh& target) {
+/// How far what nothing reaches is, at the nearest registered face: a limb that stayed behind has all of it at its end.
+VectorXd MissedTarget(int face_count, const Mesh& target, const ResultSurfaces& surfaces) {
+  VectorXd missed = VectorXd::Zero(face_count);
+  if (!(SurfaceArea(target.points, target.faces) > 0)) return missed;
+  for (const RayScene::Foot& foot :
+       ClosestPoints(surfaces.registered, SampleSurface(target.points, target.faces, kTargetSamples, 3).points))
+    if (foot.face >= 0) missed[foot.face] = std::max(missed[foot.face], std::sqrt(foot.squared_distance));
+  return missed;
+}
+
+FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const Mesh& target, const ResultSurfaces& surfaces) {
   const double diagonal = std::max(BoundingDiagonal(target.points), std::numeric_limits<double>::min());
-  const RayScene target_scene(target.points, target.faces), moved_scene(registered, source.faces);
-  const PointsX3 ours = FaceNormals(registered, source.faces), theirs = FaceNormals(target.points, target.faces);
   const double ratio = SurfaceArea(registered, source.faces) / SurfaceArea(source.points, source.faces);
   const double scale = std::isfinite(ratio) && ratio > 0 ? std::sqrt(ratio) : 1;
-  const int count = source.face_count();
-  FaceSignals s{VectorXd(count), VectorXd(count), VectorXd(count), FaceAreas(source.points, source.faces)};
-  ParallelBlocks(count, 256, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t f = begin; f < end; ++f) {
-      const Eigen::Vector3d centre =
-          (registered.row(source.faces(f, 0)) + registered.row(source.faces(f, 1)) + registered.row(source.faces(f, 2))) / 3;
-      const RayScene::Foot foot = target_scene.ClosestPoint(centre);
-      // Coordinates whose squares are no single-precision numbers have no closest point.
-      s.misfit[f] = foot.face < 0 ? 0 : std::sqrt(foot.squared_distance) / diagonal;
-      s.flipped[f] = foot.face >= 0 && ours.row(f).dot(theirs.row(foot.face)) < 0;
-      s.stretch[f] = LargerChange(source, registered, static_cast<int>(f), scale);
-    }
-  });
-  // What of the target nothing reaches counts where the nearest registered face is: a limb that stayed behind has all of it at its end.
-  if (!(SurfaceArea(target.points, target.faces) > 0)) return s;
-  const SurfaceSamples samples = SampleSurface(target.points, target.faces, kTargetSamples, 3);
-  std::vector<RayScene::Foot> feet(samples.faces.size());
-  ParallelBlocks(static_cast<std::int64_t>(feet.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) feet[i] = moved_scene.ClosestPoint(samples.points.row(i));
-  });
-  for (const RayScene::Foot& foot : feet)
-    if (foot.face >= 0) s.misfit[foot.face] = std::max(s.misfit[foot.face], std::sqrt(foot.squared_distance) / diagonal);
+  const VectorXd missed = MissedTarget(source.face_count(), target, surfaces);
+  FaceSignals s;
+  const int stride = 1 + (source.face_count() - 1) / kMostFaces;
+  for (int f = 0; f < source.face_count(); ++f)
+    if (f % stride == 0 || missed[f] > 0) s.faces.push_back(f);
+  const auto count = static_cast<Eigen::Index>(s.faces.size());
+  const FacesX3 faces = source.faces(s.faces, Eigen::all);
+  PointsX3 centres(count, 3);
+  for (Eigen::Index i = 0; i < count; ++i)
+    centres.row(i) = (registered.row(faces(i, 0)) + registered.row(faces(i, 1)) + registered.row(faces(i, 2))) / 3;
+  const std::vector<RayScene::Foot> feet = ClosestPoints(surfaces.target, centres);
+  const PointsX3 ours = FaceNormals(registered, faces), theirs = FaceNormals(target.points, target.faces);
+  s.area = FaceAreas(source.points, faces);
+  s.misfit = s.stretch = s.flipped = VectorXd(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const RayScene::Foot& foot = feet[i];
+    // Coordinates whose squares are no single-precision numbers have no closest point.
+    s.misfit[i] = std::max(foot.face < 0 ? 0 : std::sqrt(foot.squared_distance) / diagonal, missed[s.faces[i]] / diagonal);
+    s.flipped[i] = foot.face >= 0 && ours.row(i).dot(theirs.row(foot.face)) < 0;
+    s.stretch[i] = LargerChange(source, registered, s.faces[i], scale);
+  }
   return s;
 }
 
@@ -169,9 +186,9 @@ Signals OverPatches(const Mesh& source, const FaceSignals& faces, const Patches&
   const auto count = static_cast<Eigen::Index>(patches.seeds.size());
   Signals s{VectorXd::Zero(count), VectorXd::Zero(count), VectorXd::Zero(count)};
   VectorXd area = VectorXd::Constant(count, std::numeric_limits<double>::min());
-  for (int f = 0; f < source.face_count(); ++f)
+  for (Eigen::Index f = 0; f < faces.area.size(); ++f)
     for (int k = 0; k < 3; ++k) {
-      const int n = patches.of_vertex[source.faces(f, k)];
+      const int n = patches.of_vertex[source.faces(faces.faces[f], k)];
       if (n < 0) continue;
       area[n] += faces.area[f];
       s.misfit[n] += faces.area[f] * faces.misfit[f];
@@ -210,13 +227,15 @@ struct Held {
 
 std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& registered, const Mesh& target,
                                             const std::vector<LandmarkGoal>& landmarks, int count) {
+  return AdviseLandmarks(source, registered, target, landmarks, MakeResultSurfaces(source, registered, target), count);
+}
+
+std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& registered, const Mesh& target,
+                                            const std::vector<LandmarkGoal>& landmarks, const ResultSurfaces& surfaces, int count) {
   RequireUsable(source, "register: source");
-  RequireUsable(target, "register: target");
-  if (registered.rows() != source.points.rows()) throw InputError("register: the registered mesh has not the source's vertices");
-  if (!registered.allFinite()) throw InputError("register: registered: a vertex is not finite");
   const Graph graph(source);
   const Patches patches(source, graph, LargeComponents(source, graph));
-  const Signals signals = OverPatches(source, MeasureFaces(source, registered, target), patches);
+  const Signals signals = OverPatches(source, MeasureFaces(source, registered, target, surfaces), patches);
   const double diagonal = std::max(BoundingDiagonal(source.points), std::numeric_limits<double>::min());
   Held held{VectorXd::Constant(source.vertex_count(), kFar), std::vector<int>(source.vertex_count())};
   for (const LandmarkGoal& goal : landmarks) {

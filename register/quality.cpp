@@ -8,7 +8,7 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
-#include "core/ray_scene.h"
+#include "register/closest_points.h"
 #include "register/self_intersections.h"
 
 namespace keypose::registration {
@@ -16,10 +16,8 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kSamples = 6000;
-constexpr std::int64_t kGrain = 256;
-constexpr double kCovered = 0.01;        // of the diagonal
-constexpr double kWorstRatio = 1e6;      // where a face has collapsed to a line
-constexpr double kRoundingSlack = 1e-6;  // relative; a known bound on a distance is widened by this
+constexpr double kCovered = 0.01;    // of the diagonal
+constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
 using Feet = std::vector<RayScene::Foot>;
 
@@ -66,20 +64,6 @@ SurfaceSamples Stratified(const PointsX3& points, const FacesX3& faces, std::uin
     samples.faces[i] = static_cast<int>(f);
   }
   return samples;
-}
-
-/// Closest points. The distance to a surface changes no faster than the point moves, so that the point before bounds the search.
-Feet FindFeet(const RayScene& surface, const PointsX3& points) {
-  Feet feet(points.rows());
-  ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    double bound = std::numeric_limits<double>::infinity();
-    for (std::int64_t i = begin; i < end; ++i) {
-      if (i > begin) bound = (std::sqrt(feet[i - 1].squared_distance) + (points.row(i) - points.row(i - 1)).norm()) * (1 + kRoundingSlack);
-      feet[i] = surface.ClosestPoint(points.row(i), bound);
-      if (feet[i].face < 0) feet[i] = surface.ClosestPoint(points.row(i));
-    }
-  });
-  return feet;
 }
 
 /// Sum of distances, sum of their squares, and the largest.
@@ -155,20 +139,28 @@ Stretch MeasureStretch(const Mesh& source, const PointsX3& registered) {
   return stretch;
 }
 
-RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target) {
+ResultSurfaces MakeResultSurfaces(const Mesh& source, const PointsX3& registered, const Mesh& target) {
   RequireSamePoints(source, registered);
   Mesh moved;
   moved.points = registered;
   moved.faces = source.faces;
   RequireUsable(moved, "register: registered");
   RequireUsable(target, "register: target");
+  return {RayScene(target.points, target.faces), RayScene(registered, source.faces)};
+}
+
+RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target) {
+  return MeasureRegistration(source, registered, target, MakeResultSurfaces(source, registered, target));
+}
+
+RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target,
+                                        const ResultSurfaces& surfaces) {
   RegistrationQuality q;
   const double diagonal = std::max(BoundingDiagonal(target.points), std::numeric_limits<double>::min());
-  const RayScene target_scene(target.points, target.faces), moved_scene(registered, source.faces);
   const SurfaceSamples ours = Stratified(registered, source.faces, 1), theirs = Stratified(target.points, target.faces, 2);
-  const Feet vertices_to = FindFeet(target_scene, registered), vertices_from = FindFeet(moved_scene, target.points);
-  const Feet to = ours.faces.empty() ? vertices_to : FindFeet(target_scene, ours.points);
-  const Feet from = theirs.faces.empty() ? vertices_from : FindFeet(moved_scene, theirs.points);
+  const Feet vertices_to = ClosestPoints(surfaces.target, registered), vertices_from = ClosestPoints(surfaces.registered, target.points);
+  const Feet to = ours.faces.empty() ? vertices_to : ClosestPoints(surfaces.target, ours.points);
+  const Feet from = theirs.faces.empty() ? vertices_from : ClosestPoints(surfaces.registered, theirs.points);
   const Distances there(to, vertices_to), back(from, vertices_from);
   q.hausdorff_to_target = there.largest / diagonal;
   q.hausdorff_from_target = back.largest / diagonal;

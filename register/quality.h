@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/ray_scene.h"
 #include "register/nricp.h"
 
 namespace keypose::registration {
@@ -31,9 +32,18 @@ struct RegistrationQuality {
   Stretch stretch;
 };
 
+/// A result and its target, ready for closest points; made once for all who judge.
+struct ResultSurfaces {
+  RayScene target, registered;
+};
+/// @throws InputError  unusable mesh, or `registered` has not the source's vertices
+ResultSurfaces MakeResultSurfaces(const Mesh& source, const PointsX3& registered, const Mesh& target);
+
 /// @throws InputError  unusable mesh
 /// Deterministic; 6,000 stratified area samples a way and all vertices.
 RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target);
+/// @param surfaces  of the same meshes
+RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& registered, const Mesh& target, const ResultSurfaces& surfaces);
 
 /// Stretch alone; cheap.
 Stretch MeasureStretch(const Mesh& source, const PointsX3& registered);
@@ -52,11 +62,14 @@ struct LandmarkAdvice {
 
 /// The places where the result is least certain, worst first, far from each other and from the landmarks that there are: misfit, stretch
 /// and flips around a vertex, weighed up with the distance along the surface to the nearest landmark and with how far out on a limb it
-/// lies.
+/// lies. Of more than 200,000 faces, about so many are looked at.
 /// @param count  at most this many; fewer where nothing is wrong or the mesh is small
 /// @throws InputError  unusable mesh
 /// Deterministic.
 std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& registered, const Mesh& target,
                                             const std::vector<LandmarkGoal>& landmarks, int count = 3);
+/// @param surfaces  of the same meshes
+std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& registered, const Mesh& target,
+                                            const std::vector<LandmarkGoal>& landmarks, const ResultSurfaces& surfaces, int count = 3);
 
 }  // namespace keypose::registration

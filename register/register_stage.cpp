@@ -146,8 +146,9 @@ void ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, con
   stage.ReportJson("landmark_residuals", list.dump());
 }
 
-RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target) {
-  const RegistrationQuality q = MeasureRegistration(source, registered, target);
+RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
+                                  const ResultSurfaces& surfaces) {
+  const RegistrationQuality q = MeasureRegistration(source, registered, target, surfaces);
   stage.Report("vertices", source.vertex_count());
   stage.Report("faces", source.face_count());
   stage.Report("flipped", q.flipped);
@@ -190,9 +191,9 @@ void ReportAuto(StageContext& stage, const AutoResult& result) {
 }
 
 void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
-                  const std::vector<LandmarkGoal>& landmarks) {
+                  const std::vector<LandmarkGoal>& landmarks, const ResultSurfaces& surfaces) {
   nlohmann::ordered_json advice = nlohmann::ordered_json::array();
-  for (const LandmarkAdvice& a : AdviseLandmarks(source, registered, target, landmarks))
+  for (const LandmarkAdvice& a : AdviseLandmarks(source, registered, target, landmarks, surfaces))
     advice.push_back({{"vertex", a.vertex},
                       {"position", {a.position[0], a.position[1], a.position[2]}},
                       {"misfit_over_diag", a.misfit},
@@ -282,8 +283,9 @@ void Run(StageContext& stage, const RegisterOptions& options) {
     transforms = std::move(result.transforms);
   }
   ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
-  const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target);
-  ReportAdvice(stage, whole, registered.points, target, landmarks.goals);
+  const ResultSurfaces surfaces = MakeResultSurfaces(whole, registered.points, target);
+  const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target, surfaces);
+  ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
   Gate(quality, source.face_count(), options);
   if (const auto path = stage.Output("correspondence"); !path.empty())
     WriteFile(path, CorrespondenceText(registered.points, source.faces, target));

@@ -14,21 +14,24 @@ class StepQueue {
     const auto step = static_cast<std::size_t>(distance * steps_per_length_);
     if (step >= lines_.size()) lines_.resize(2 * step);
     const int entry = static_cast<int>(entries_.size());
-    entries_.push_back({vertex, -1});
+    entries_.push_back({distance, vertex, -1});
     Line& line = lines_[step];
     (line.first < 0 ? line.first : entries_[static_cast<std::size_t>(line.last)].next) = entry;
     line.last = entry;
   }
-  /// Calls visit(vertex) step by step; it may put further vertices into this step or a later one.
+  /// Calls visit(vertex, distance) step by step; it may put further vertices into this step or a later one.
   template <class Visit>
   void Run(const Visit& visit) {
     for (std::size_t step = 0; step < lines_.size(); ++step)
-      for (int entry = lines_[step].first; entry >= 0; entry = entries_[static_cast<std::size_t>(entry)].next)
-        visit(entries_[static_cast<std::size_t>(entry)].vertex);
+      for (int entry = lines_[step].first; entry >= 0; entry = entries_[static_cast<std::size_t>(entry)].next) {
+        const Entry now = entries_[static_cast<std::size_t>(entry)];
+        visit(now.vertex, now.distance);
+      }
   }
 
  private:
   struct Entry {
+    double distance;
     int vertex, next;
   };
   struct Line {
