@@ -139,8 +139,8 @@ TEST(MeasureRegistration, AnotherVertexCountThrows) {
 
 /// A tube whose far half bends away sideways, and a registration that left that half where it was.
 struct LeftBehind {
-  Mesh source = MakeCylinder(0.15, 4, 20, 80), target = source;
-  LeftBehind() {
+  Mesh source, target;
+  explicit LeftBehind(int around = 20, int along = 80) : source(MakeCylinder(0.15, 4, around, along)), target(source) {
     for (int i = 0; i < target.vertex_count(); ++i) target.points(i, 0) += 0.4 * std::pow(std::max(0.0, target.points(i, 2) - 2), 2);
   }
   LandmarkGoal At(double z) const {
@@ -165,6 +165,18 @@ TEST(AdviseLandmarks, PointsAtTheLimbThatStayedBehind) {
     EXPECT_LE(advice[i].score, advice[i - 1].score);
     EXPECT_GT((advice[i].position - advice[0].position).norm(), 0.05 * BoundingDiagonal(pair.source.points));
   }
+}
+
+TEST(AdviseLandmarks, ManyFacesAreSampledToTheSameEnd) {
+  const LeftBehind few, many(300, 500);
+  ASSERT_GT(many.source.face_count(), 250000);
+  const std::vector<LandmarkAdvice> all = AdviseLandmarks(few.source, few.source.points, few.target, {few.At(0), few.At(1.5)}, 1);
+  const std::vector<LandmarkAdvice> some = AdviseLandmarks(many.source, many.source.points, many.target, {many.At(0), many.At(1.5)}, 1);
+  ASSERT_EQ(all.size(), 1);
+  ASSERT_EQ(some.size(), 1);
+  EXPECT_GT(some[0].position.z(), 3);
+  EXPECT_NEAR(some[0].misfit, all[0].misfit, 0.15 * all[0].misfit);
+  EXPECT_NEAR(some[0].stretch, all[0].stretch, 0.05);
 }
 
 TEST(AdviseLandmarks, AsksForNothingWhereAllIsWell) {
