@@ -80,6 +80,9 @@ TEST_F(InterpolateProgram, WritesFramesAndWhatTheyDoToAreaAndVolume) {
 }
 
 TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer keeps freed memory: peaks say nothing";
+#endif
   const auto peak = [&](int steps) {
     const std::string name = std::to_string(steps);
     EXPECT_EQ(Run("--keys a.ply --keys b.ply --keys c.ply --steps " + name + " --frames f" + name + " --report r" + name + ".json"), 0);
