@@ -33,7 +33,7 @@ struct Schedule {
   int rounds, searches, turns;
   double from, to;  ///< stiffness
 };
-constexpr Schedule kCoarse{6, 3, 6, 3, 1}, kMiddle{3, 2, 3, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{8, 2, 3, 0.5, 0.5};
+constexpr Schedule kCoarse{6, 4, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02}, kSettled{5, 2, 3, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
 constexpr double kFineStiffness = 0.2;  // of the finer levels of what stays rigid
