@@ -67,7 +67,7 @@ struct RegisterOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
