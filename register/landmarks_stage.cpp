@@ -41,7 +41,7 @@ struct ProgramOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "landmarks suggest";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Suggests pairs of landmarks between two poses; a person confirms them.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
