@@ -25,26 +25,13 @@
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
+#include "register/testing_scenes.h"
 
 namespace keypose::registration {
 namespace {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
-
-LandmarkGoal At(int vertex, const Vector3d& target) {
-  LandmarkGoal goal;
-  goal.name = std::to_string(vertex);
-  goal.source.vertices.setConstant(vertex);
-  goal.target = target;
-  return goal;
-}
-
-std::vector<LandmarkGoal> Every(int stride, const PointsX3& truth) {
-  std::vector<LandmarkGoal> goals;
-  for (int i = 0; i < truth.rows(); i += stride) goals.push_back(At(i, truth.row(i)));
-  return goals;
-}
 
 /// A ball with three unlike limbs: no two places look alike, and its mirror image is another shape.
 Mesh Body(int levels, const Eigen::Matrix3d& tessellation = Eigen::Matrix3d::Identity()) {
@@ -63,17 +50,6 @@ constexpr double kRadius = 0.12, kLength = 2;
 constexpr int kSegments = 20, kRings = 40, kGoalStride = 63;
 Mesh Tube() { return MakeCylinder(kRadius, kLength, kSegments, kRings); }
 Mesh OtherTube() { return MakeCylinder(kRadius, kLength, 23, 47); }
-
-/// Bends a tube along z through `angle` over its length, about an axis beside it.
-PointsX3 Bent(const PointsX3& points, double angle) {
-  PointsX3 bent = points;
-  const double radius = kLength / angle;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double a = points(i, 2) / radius, r = radius - points(i, 0);
-    bent.row(i) << radius - r * std::cos(a), points(i, 1), r * std::sin(a);
-  }
-  return bent;
-}
 
 Mesh WithPoints(Mesh mesh, const PointsX3& points) {
   mesh.points = points;
@@ -102,15 +78,6 @@ Mesh Without(const Mesh& rest, const PointsX3& posed, const Gone& gone) {
   mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
   for (std::size_t k = 0; k < faces.size(); ++k) mesh.faces.row(static_cast<Eigen::Index>(k)) = faces[k];
   return mesh;
-}
-
-Mesh Joined(const Mesh& a, const Mesh& b) {
-  Mesh both;
-  both.points.resize(a.vertex_count() + b.vertex_count(), 3);
-  both.points << a.points, b.points;
-  both.faces.resize(a.face_count() + b.face_count(), 3);
-  both.faces << a.faces, (b.faces.array() + a.vertex_count()).matrix();
-  return both;
 }
 
 Eigen::VectorXd Errors(const PointsX3& found, const PointsX3& truth) { return (found - truth).rowwise().norm() / BoundingDiagonal(truth); }
@@ -155,8 +122,8 @@ class BentTube : public testing::TestWithParam<int> {};
 TEST_P(BentTube, IsFollowedWithLandmarks) {
   const double angle = GetParam() * M_PI / 180;
   const Mesh source = Tube(), rest = OtherTube();
-  const PointsX3 truth = Bent(source.points, angle);
-  const AutoResult result = RegisterAuto(source, WithPoints(rest, Bent(rest.points, angle)), Every(kGoalStride, truth), {}, {});
+  const PointsX3 truth = Bent(source.points, kLength, angle);
+  const AutoResult result = RegisterAuto(source, WithPoints(rest, Bent(rest.points, kLength, angle)), Every(kGoalStride, truth), {}, {});
   EXPECT_LT(Errors(result.points, truth).mean(), 0.003);
   EXPECT_EQ(Inverted(source.faces, result.points, truth), 0);
   EXPECT_EQ(result.alignment.method, "procrustes");
@@ -168,8 +135,8 @@ INSTANTIATE_TEST_SUITE_P(Degrees, BentTube, testing::Values(40, 90, 140, 180, 23
 
 TEST(RegisterAuto, HolesInTheTargetDoNotPull) {
   const Mesh source = Tube(), rest = OtherTube();
-  const PointsX3 truth = Bent(source.points, 1.5);
-  const Mesh target = Without(rest, Bent(rest.points, 1.5), [](const RowVector3d& p) {
+  const PointsX3 truth = Bent(source.points, kLength, 1.5);
+  const Mesh target = Without(rest, Bent(rest.points, kLength, 1.5), [](const RowVector3d& p) {
     return (p - RowVector3d(kRadius, 0, 0.6)).norm() < 0.12 || (p - RowVector3d(0, -kRadius, 1.3)).norm() < 0.15;
   });
   ASSERT_LT(target.face_count(), rest.face_count());
@@ -185,8 +152,8 @@ TEST(RegisterAuto, AnOpenTemplateFollowsToo) {
     return p.z() < 0.01 || p.z() > kLength - 0.01 || (p - RowVector3d(kRadius, 0, 0.7)).norm() < 0.1;
   });
   ASSERT_LT(source.face_count(), tube.face_count());
-  const PointsX3 truth = Bent(source.points, 1.5);
-  const AutoResult result = RegisterAuto(source, WithPoints(rest, Bent(rest.points, 1.5)), Every(kGoalStride, truth), {}, {});
+  const PointsX3 truth = Bent(source.points, kLength, 1.5);
+  const AutoResult result = RegisterAuto(source, WithPoints(rest, Bent(rest.points, kLength, 1.5)), Every(kGoalStride, truth), {}, {});
   EXPECT_LT(Errors(result.points, truth).mean(), 0.004);
   EXPECT_LT(Errors(result.points, truth).maxCoeff(), 0.02);
   EXPECT_EQ(Inverted(source.faces, result.points, truth), 0);
@@ -194,8 +161,8 @@ TEST(RegisterAuto, AnOpenTemplateFollowsToo) {
 
 TEST(RegisterAuto, ACroppedTargetDoesNotSquashWhatIsLeft) {
   const Mesh source = Tube(), rest = OtherTube();
-  const PointsX3 truth = Bent(source.points, 1.5);
-  const Mesh target = Without(rest, Bent(rest.points, 1.5), [](const RowVector3d& p) { return p.z() > 1.4; });
+  const PointsX3 truth = Bent(source.points, kLength, 1.5);
+  const Mesh target = Without(rest, Bent(rest.points, kLength, 1.5), [](const RowVector3d& p) { return p.z() > 1.4; });
   std::vector<LandmarkGoal> goals;
   for (const LandmarkGoal& goal : Every(31, truth))
     if (PositionOf(goal.source, source.points).z() < 1.3) goals.push_back(goal);
@@ -253,8 +220,8 @@ double Deformation(const PointsX3& before, const PointsX3& after, const std::vec
 TEST(RegisterAuto, StiffPartsKeepTheirShapeBetter) {
   const Mesh tube = Tube();
   Mesh target = OtherTube();
-  target.points = Bent(target.points, 0.8);
-  const PointsX3 truth = Bent(tube.points, 0.8);
+  target.points = Bent(target.points, kLength, 0.8);
+  const PointsX3 truth = Bent(tube.points, kLength, 0.8);
   Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(tube.vertex_count());
   std::vector<int> low;
   for (int v = 0; v < tube.vertex_count(); ++v)
@@ -274,9 +241,9 @@ TEST(RegisterAuto, ALooseBallFollowsWithoutChangingShape) {
   ball.points = (size * ball.points).rowwise() + RowVector3d(kRadius, 0, 1.5);
   const Mesh source = Joined(tube, ball);
   const double angle = 2;
-  const PointsX3 truth = Bent(tube.points, angle);
+  const PointsX3 truth = Bent(tube.points, kLength, angle);
   Mesh target = OtherTube();
-  target.points = Bent(target.points, angle);
+  target.points = Bent(target.points, kLength, angle);
   const AutoResult result = RegisterAuto(source, target, Every(kGoalStride, truth), {}, {});
   EXPECT_EQ(result.loose_parts, 1);
   EXPECT_LT(Errors(result.points.topRows(tube.vertex_count()), truth).mean(), 0.003);
@@ -284,7 +251,7 @@ TEST(RegisterAuto, ALooseBallFollowsWithoutChangingShape) {
   const PointsX3 found = result.points.bottomRows(ball.vertex_count());
   PointsX3 centre(1, 3);
   centre << kRadius, 0, 1.5;
-  EXPECT_LT((found.colwise().mean() - Bent(centre, angle)).norm() / BoundingDiagonal(truth), 0.003);
+  EXPECT_LT((found.colwise().mean() - Bent(centre, kLength, angle)).norm() / BoundingDiagonal(truth), 0.003);
   const Similarity3 motion = FitSimilarity(ball.points, found);
   EXPECT_LT((Transformed(motion, ball.points) - found).rowwise().norm().maxCoeff(), 0.01 * size);
   EXPECT_NEAR(motion.scale, 1, 0.1);
@@ -297,11 +264,11 @@ TEST(RegisterAuto, ALooseBallFollowsWithoutChangingShape) {
 TEST(RegisterAuto, TransformsCarryEachNeighbourhood) {
   const Mesh source = Tube(), rest = OtherTube();
   const double angle = 2.5;
-  const PointsX3 truth = Bent(source.points, angle);
+  const PointsX3 truth = Bent(source.points, kLength, angle);
   Similarity3 grow;
   grow.scale = 3;
   grow.rotation = Eigen::AngleAxisd(1, Vector3d::UnitZ()).toRotationMatrix();
-  const Mesh target = WithPoints(rest, Transformed(grow, Bent(rest.points, angle)));
+  const Mesh target = WithPoints(rest, Transformed(grow, Bent(rest.points, kLength, angle)));
   const AutoResult result = RegisterAuto(source, target, Every(kGoalStride, Transformed(grow, truth)), {}, {});
   ASSERT_EQ(result.transforms.size(), static_cast<std::size_t>(source.vertex_count()));
   double misfit = 0, length = 0;
@@ -320,12 +287,12 @@ TEST(RegisterAuto, TransformsCarryEachNeighbourhood) {
 TEST(RegisterAuto, SameBitsAtOneAndTwoThreads) {
   const Mesh source = Tube(), body = Body(2);
   Mesh target = OtherTube(), other = Body(2, Eigen::AngleAxisd(0.4, Vector3d::UnitX()).toRotationMatrix());
-  target.points = Bent(target.points, 1.2);
+  target.points = Bent(target.points, kLength, 1.2);
   other.points = Twisted(other.points);
   std::vector<AutoResult> with, without;
   for (const int threads : {1, 2}) {
     SetThreadCount(threads);
-    with.push_back(RegisterAuto(source, target, Every(kGoalStride, Bent(source.points, 1.2)), {}, {}));
+    with.push_back(RegisterAuto(source, target, Every(kGoalStride, Bent(source.points, kLength, 1.2)), {}, {}));
     without.push_back(RegisterAuto(body, other, {}, {}, {}));
   }
   SetThreadCount(0);
@@ -357,9 +324,9 @@ TEST(RegisterAuto, TinyAndFlatMeshesFinish) {
 
 TEST(RegisterAuto, SilentDuplicatesAndStrayVerticesDoNoHarm) {
   Mesh source = Tube(), target = OtherTube();
-  target.points = Bent(target.points, 1);
+  target.points = Bent(target.points, kLength, 1);
   const int n = source.vertex_count();
-  const PointsX3 truth = Bent(source.points, 1);
+  const PointsX3 truth = Bent(source.points, kLength, 1);
   source.points.conservativeResize(n + 1, 3);
   source.points.row(n) << 1, 1, 1;  // in no face
   const Eigen::Index faces = source.faces.rows();
@@ -422,7 +389,7 @@ class Program : public testing::Test {
     std::filesystem::create_directories(folder_);
     WriteMesh(folder_ / "source.ply", MakeCylinder(kRadius, kLength, 12, 20));
     target_ = MakeCylinder(kRadius, kLength, 13, 23);
-    target_.points = Bent(target_.points, 1);
+    target_.points = Bent(target_.points, kLength, 1);
     WriteMesh(folder_ / "target.ply", target_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }

@@ -8,9 +8,8 @@
 #include <utility>
 
 #include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
 #include "register/arap_fit.h"
+#include "register/flipped_faces.h"
 #include "register/sparse_pattern.h"
 
 namespace keypose::registration {
@@ -28,34 +27,6 @@ constexpr double kPush = 30;           // weight, in units of the shape term, at
 constexpr double kRimHold = 1e4;       // weight
 constexpr double kFreeSurface = 0.02;  // share of the surface's pull that a face on the wrong wall still feels
 constexpr double kPointShare = 0.03;   // of the pull onto its plane that pulls a vertex back to its place
-constexpr std::int64_t kGrain = 256;
-
-PointsX3 Centres(const PointsX3& points, const FacesX3& faces) {
-  PointsX3 centres(faces.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    centres.row(f) = (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))) / 3;
-  return centres;
-}
-
-/// The target as a set of face centres, as `flipped` sees it.
-struct Walls {
-  Walls(const PointsX3& points, const FacesX3& faces)
-      : centres(Centres(points, faces)), normals(FaceNormals(points, faces)), tree(centres) {}
-
-  /// 1 for each face that opposes the target.
-  std::vector<char> Opposed(const PointsX3& points, const FacesX3& faces) const {
-    const PointsX3 at = Centres(points, faces), direction = FaceNormals(points, faces);
-    std::vector<char> opposed(faces.rows());
-    ParallelBlocks(faces.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t f = begin; f < end; ++f)
-        opposed[f] = direction.row(f).dot(normals.row(tree.Nearest(at.row(f).transpose()).index)) < 0;
-    });
-    return opposed;
-  }
-
-  PointsX3 centres, normals;
-  KdTree tree;
-};
 
 /// Marked vertices and those of `rings` rings of faces around them.
 std::vector<char> Grown(std::vector<char> marked, const FacesX3& faces, int rings) {
@@ -72,7 +43,7 @@ std::vector<char> Grown(std::vector<char> marked, const FacesX3& faces, int ring
 /// Patches around opposed faces, bent together: their rims keep them apart.
 class Patches {
  public:
-  Patches(const BentMesh& bent, const std::vector<char>& opposed, const Walls& walls);
+  Patches(const BentMesh& bent, const std::vector<char>& opposed, const TargetFaces& walls);
   void Run();
   void WriteTo(PointsX3& points) const;
 
@@ -91,7 +62,7 @@ class Patches {
   void Bend();
 
   const BentMesh& bent_;
-  const Walls& walls_;
+  const TargetFaces& walls_;
   std::vector<int> vertices_;           // of the whole mesh
   FacesX3 faces_;                       // of the patches' own numbers
   PointsX3 start_, now_, best_;         // positions
@@ -105,7 +76,7 @@ class Patches {
   std::vector<Push> pushes_;
 };
 
-Patches::Patches(const BentMesh& bent, const std::vector<char>& opposed, const Walls& walls) : bent_(bent), walls_(walls) {
+Patches::Patches(const BentMesh& bent, const std::vector<char>& opposed, const TargetFaces& walls) : bent_(bent), walls_(walls) {
   Cut(opposed);
   const auto n = static_cast<Eigen::Index>(vertices_.size());
   const PointsX3 rest = bent.rest(vertices_, Eigen::all);
@@ -187,7 +158,7 @@ std::vector<char> Patches::Judge() {
 }
 
 void Patches::PushAcross(const std::vector<char>& opposed) {
-  const PointsX3 centres = Centres(now_, faces_), normals = FaceNormals(now_, faces_);
+  const PointsX3 centres = FaceCentres(now_, faces_), normals = FaceNormals(now_, faces_);
   for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
     if (!opposed[f]) continue;
     const std::vector<KdTree::Neighbor> near = walls_.tree.Nearest(centres.row(f).transpose(), kChoices);
@@ -243,7 +214,7 @@ int Count(const std::vector<char>& marks) { return static_cast<int>(std::count(m
 
 CreaseResult ReturnToOwnWalls(const BentMesh& bent, const PointsX3& target_points, const FacesX3& target_faces) {
   CreaseResult result{bent.moved};
-  const Walls walls(target_points, target_faces);
+  const TargetFaces walls(target_points, target_faces);
   std::vector<char> opposed = walls.Opposed(bent.moved, bent.faces);
   result.before = result.after = Count(opposed);
   for (int pass = 0; pass < kPasses && result.after > 0; ++pass) {

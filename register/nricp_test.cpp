@@ -14,23 +14,10 @@
 #include "register/landmarks.h"
 #include "register/quality.h"
 #include "register/stiffness_map.h"
+#include "register/testing_scenes.h"
 
 namespace keypose::registration {
 namespace {
-
-LandmarkGoal At(int vertex, const Eigen::Vector3d& target) {
-  LandmarkGoal goal;
-  goal.name = std::to_string(vertex);
-  goal.source.vertices.setConstant(vertex);
-  goal.target = target;
-  return goal;
-}
-
-std::vector<LandmarkGoal> Every(int stride, const PointsX3& truth) {
-  std::vector<LandmarkGoal> goals;
-  for (int i = 0; i < truth.rows(); i += stride) goals.push_back(At(i, truth.row(i)));
-  return goals;
-}
 
 /// A body without symmetry: a sphere with smooth bumps.
 Mesh Bumpy(int levels) {
@@ -40,17 +27,6 @@ Mesh Bumpy(int levels) {
     mesh.points.row(i) = p.transpose() * (1 + 0.25 * std::sin(2 * p.x() + 1) + 0.35 * std::cos(3 * p.y() + 0.5 * p.x()) + 0.3 * p.z());
   }
   return mesh;
-}
-
-/// Bends a tube along z through `angle` over its length, about an axis beside it.
-PointsX3 Bent(const PointsX3& points, double length, double angle) {
-  PointsX3 bent = points;
-  const double radius = length / angle;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double a = points(i, 2) / radius, r = radius - points(i, 0);
-    bent.row(i) << radius - r * std::cos(a), points(i, 1), r * std::sin(a);
-  }
-  return bent;
 }
 
 TEST(RegisterNricp, MeshOntoItselfIsLeftAloneInOneSolveARound) {

@@ -9,21 +9,13 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
+#include "register/testing_scenes.h"
 
 namespace keypose::registration {
 namespace {
 
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
-
-Mesh Joined(const Mesh& a, const Mesh& b) {
-  Mesh both;
-  both.points.resize(a.vertex_count() + b.vertex_count(), 3);
-  both.points << a.points, b.points;
-  both.faces.resize(a.face_count() + b.face_count(), 3);
-  both.faces << a.faces, (b.faces.array() + a.vertex_count()).matrix();
-  return both;
-}
 
 Mesh Ball(double radius, const RowVector3d& centre) {
   Mesh ball = MakeIcosphere(2);

@@ -9,6 +9,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "register/closest_points.h"
+#include "register/flipped_faces.h"
 #include "register/self_intersections.h"
 
 namespace keypose::registration {
@@ -21,19 +22,8 @@ constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
 using Feet = std::vector<RayScene::Foot>;
 
-PointsX3 FaceCentres(const PointsX3& points, const FacesX3& faces) {
-  PointsX3 centres(faces.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    centres.row(f) = (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))) / 3;
-  return centres;
-}
-
-int CountFlipped(const PointsX3& registered, const FacesX3& faces, const PointsX3& ours, const Mesh& target, const PointsX3& theirs) {
-  const KdTree tree(FaceCentres(target.points, target.faces));
-  const PointsX3 centres = FaceCentres(registered, faces);
-  std::vector<char> flipped(centres.rows());
-  ParallelFor(
-      centres.rows(), [&](std::int64_t f) { flipped[f] = ours.row(f).dot(theirs.row(tree.Nearest(centres.row(f)).index)) < 0; }, 256);
+int CountFlipped(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
+  const std::vector<char> flipped = TargetFaces(target.points, target.faces).Opposed(registered, faces);
   return static_cast<int>(std::count(flipped.begin(), flipped.end(), 1));
 }
 
@@ -172,7 +162,7 @@ RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& regi
     covered += std::sqrt(from[i].squared_distance) <= kCovered * diagonal &&
                our_normals.row(from[i].face).dot(their_normals.row(theirs.faces[i])) > 0;
   q.coverage = theirs.faces.empty() ? 0 : covered / static_cast<double>(theirs.faces.size());
-  q.flipped = CountFlipped(registered, source.faces, our_normals, target, their_normals);
+  q.flipped = CountFlipped(registered, source.faces, target);
   const Eigen::VectorXd before = FaceAreas(source.points, source.faces), after = FaceAreas(registered, source.faces);
   q.degenerate = static_cast<int>((after.array() < 0.01 * before.array()).count());
   q.self_intersections = FindSelfIntersections(registered, source.faces).pairs;

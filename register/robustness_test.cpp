@@ -17,6 +17,7 @@
 #include "register/auto_registration.h"
 #include "register/quality.h"
 #include "register/rigid_pieces.h"
+#include "register/testing_scenes.h"
 #include "register/welding.h"
 
 namespace keypose::registration {
@@ -29,29 +30,6 @@ constexpr double kRadius = 0.12, kLength = 2;
 constexpr int kGoalStride = 63;
 Mesh Tube() { return MakeCylinder(kRadius, kLength, 20, 40); }
 Mesh OtherTube() { return MakeCylinder(kRadius, kLength, 23, 47); }
-
-/// Bends a tube along z through `angle` over its length, about an axis beside it.
-PointsX3 Bent(const PointsX3& points, double angle) {
-  PointsX3 bent = points;
-  const double radius = kLength / angle;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const double a = points(i, 2) / radius, r = radius - points(i, 0);
-    bent.row(i) << radius - r * std::cos(a), points(i, 1), r * std::sin(a);
-  }
-  return bent;
-}
-
-std::vector<LandmarkGoal> Every(int stride, const PointsX3& truth) {
-  std::vector<LandmarkGoal> goals;
-  for (int v = 0; v < truth.rows(); v += stride) {
-    LandmarkGoal goal;
-    goal.name = std::to_string(v);
-    goal.source.vertices.setConstant(v);
-    goal.target = truth.row(v);
-    goals.push_back(goal);
-  }
-  return goals;
-}
 
 /// The mesh cut open wherever faces of different charts meet: each chart after the first gets vertices of its own, appended.
 /// @param origin  becomes for each vertex the one it was
@@ -143,8 +121,8 @@ TEST(FindSeams, FacesThatShrinkToAnEdgeAreLeftOut) {
 TEST(RegisterAuto, ACutMeshIsRegisteredAsTheWholeOne) {
   const Mesh source = Tube();
   Mesh target = OtherTube();
-  const PointsX3 truth = Bent(source.points, 1.5);
-  target.points = Bent(target.points, 1.5);
+  const PointsX3 truth = Bent(source.points, kLength, 1.5);
+  target.points = Bent(target.points, kLength, 1.5);
   Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(source.vertex_count());
   for (int v = 0; v < source.vertex_count(); ++v) stiffness[v] = 1 + source.points(v, 2);
   const AutoResult whole = RegisterAuto(source, target, Every(kGoalStride, truth), stiffness, {});
@@ -287,9 +265,9 @@ TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {
   Similarity3 placed;
   placed.rotation = Eigen::AngleAxisd(2, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   placed.scale = 40;
-  const PointsX3 truth = Transformed(placed, Bent(source.points, angle));
+  const PointsX3 truth = Transformed(placed, Bent(source.points, kLength, angle));
   Mesh target = rest;
-  target.points = Transformed(placed, Bent(rest.points, angle));
+  target.points = Transformed(placed, Bent(rest.points, kLength, angle));
   target = Without(target, [&](int v) { return rest.points(v, 2) > left * kLength; });
   std::vector<LandmarkGoal> goals;
   for (const LandmarkGoal& goal : Every(31, truth))

@@ -15,21 +15,13 @@
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
+#include "register/testing_scenes.h"
 
 namespace keypose::registration {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
-
-Mesh Joined(const Mesh& a, const Mesh& b) {
-  Mesh both;
-  both.points.resize(a.vertex_count() + b.vertex_count(), 3);
-  both.points << a.points, b.points;
-  both.faces.resize(a.face_count() + b.face_count(), 3);
-  both.faces << a.faces, (b.faces.array() + a.vertex_count()).matrix();
-  return both;
-}
 
 Mesh Shifted(Mesh mesh, double x, double y, double z) {
   mesh.points.rowwise() += Eigen::RowVector3d(x, y, z);
