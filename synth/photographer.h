@@ -8,6 +8,7 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/plate.h"
 #include "core/progress.h"
 #include "synth/world.h"
 
@@ -16,9 +17,9 @@ namespace keypose::synth {
 /// The plate under the character: a ChArUco board in the plane z = 0, centred on the axis.
 struct PlateOptions {
   bool charuco = false;
-  int squares_x = 9, squares_y = 7;
-  double square_m = 0.030;
-  double marker_m = 0.0225;
+  int squares_x = PlateLayout{}.columns, squares_y = PlateLayout{}.rows;  ///< the plate that capture prints
+  double square_m = PlateLayout{}.square_m;
+  double marker_m = PlateLayout{}.marker_m;
 };
 
 struct PhotographerOptions {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "core/plate.h"
 
 #include "core/image.h"
 
@@ -12,17 +15,20 @@ namespace keypose {
 struct CapturedImage {
   std::string name;  ///< file name in the folder, e.g. "IMG_0001.jpg"
   int width = 0, height = 0;
-  double focal_px = 0;       ///< from EXIF, 0 when unknown
-  std::string mask;          ///< path relative to the folder, "masks/IMG_0001.jpg.png"
-  double sharpness = 0;      ///< variance of the Laplacian inside the mask, grey levels^2
-  double exposure = 0;       ///< mean luma inside the mask, 0..255
-  double mask_fraction = 0;  ///< share of the image that the mask covers
+  double focal_px = 0;                     ///< from EXIF, 0 when unknown
+  std::string mask;                        ///< path relative to the folder, "masks/IMG_0001.jpg.png"
+  double sharpness = 0;                    ///< variance of the Laplacian inside the mask, grey levels^2
+  double exposure = 0;                     ///< mean luma inside the mask, 0..255
+  double mask_fraction = 0;                ///< share of the image that the mask covers
+  std::string group;                       ///< figure's placement, such as "upright" or "lying"; "" where there is only one
+  std::vector<PlateCorner> plate_corners;  ///< of the printed plate, by id; none when it was not seen
 };
 
 struct ImageSet {
   std::filesystem::path folder;
   std::vector<CapturedImage> images;  ///< sorted by name
   std::string camera_model;
+  std::optional<PlateLayout> plate;  ///< the printed plate under the figure, where one was found
 
   std::filesystem::path ImagePath(int i) const { return folder / images[i].name; }
   std::filesystem::path MaskPath(int i) const { return folder / images[i].mask; }

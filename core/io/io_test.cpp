@@ -293,5 +293,54 @@ TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
 
 TEST(NearestWord, FindsTheTypo) { EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces"); }
 
+using ImageSetIo = IoTest;
+
+TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
+  ImageSet set;
+  set.folder = folder_;
+  set.plate = PlateLayout{9, 7, 0.030, 0.02};
+  CapturedImage image;
+  image.name = "a.jpg";
+  image.group = "lying";
+  image.plate_corners = {{0, Eigen::Vector2d(1.25, 1.0 / 3)}, {47, Eigen::Vector2d(-2, 1e3)}};
+  set.images = {image};
+  WriteFile(folder_ / "a.jpg", "x");
+  WriteImageSet(set);
+  const ImageSet read = ReadImageSet(folder_);
+  ASSERT_TRUE(read.plate.has_value());
+  EXPECT_EQ(read.plate->columns, 9);
+  EXPECT_EQ(read.plate->marker_m, 0.02);
+  EXPECT_EQ(read.images[0].group, "lying");
+  ASSERT_EQ(read.images[0].plate_corners.size(), 2u);
+  EXPECT_EQ(read.images[0].plate_corners[1].id, 47);
+  EXPECT_EQ(read.images[0].plate_corners[0].pixel, image.plate_corners[0].pixel);
+}
+
+TEST_F(ImageSetIo, PlateCornerThatThePlateDoesNotHaveIsAnInputError) {
+  ImageSet set;
+  set.folder = folder_;
+  set.plate = PlateLayout{3, 3, 0.030, 0.02};
+  CapturedImage image;
+  image.name = "a.jpg";
+  image.plate_corners = {{4, Eigen::Vector2d::Zero()}};
+  set.images = {image};
+  WriteFile(folder_ / "a.jpg", "x");
+  WriteImageSet(set);
+  EXPECT_THROW(ReadImageSet(folder_), InputError);
+}
+
+TEST(PlateLayout, CornersAreCentredAndRunFromTheTopLeft) {
+  const PlateLayout plate;
+  ASSERT_EQ(plate.CornerCount(), 70);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int id = 0; id < plate.CornerCount(); ++id) sum += plate.Corner(id);
+  EXPECT_LT(sum.norm(), 1e-14);
+  EXPECT_LT((plate.Corner(0) - Eigen::Vector3d(-4.5 * 0.022, 3 * 0.022, 0)).norm(), 1e-15);
+  EXPECT_LT((plate.Corner(1) - plate.Corner(0) - Eigen::Vector3d(0.022, 0, 0)).norm(), 1e-15);
+  EXPECT_TRUE(plate.Problems().empty());
+  EXPECT_FALSE((PlateLayout{15, 15, 0.02, 0.015}.Problems().empty()));
+  EXPECT_FALSE((PlateLayout{11, 8, 0.02, 0.02}.Problems().empty()));
+}
+
 }  // namespace
 }  // namespace keypose

@@ -73,17 +73,34 @@ struct BoundOptions {
   std::function<void(OptionVisitor&)> visit;
   std::function<std::vector<std::string>()> problems;
 };
-int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run);
+struct BoundAction {
+  std::string name, help;
+  std::function<void(const std::filesystem::path&)> run;
+};
+int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run,
+         const std::vector<BoundAction>& actions);
 }  // namespace internal
+
+/// Something that a stage's program does instead of its run when `--NAME FILE` is given: then no port is needed, and none is taken.
+template <class Options>
+struct StageAction {
+  std::string name, help;
+  void (*run)(const std::filesystem::path& file, const Options& options);
+};
 
 /// The whole of a stage's main: parses, checks, runs, reports, and returns the exit code.
 template <class Options>
-int RunStage(int argc, char** argv, const StageSpec& spec, void (*run)(StageContext&, const Options&)) {
+int RunStage(int argc, char** argv, const StageSpec& spec, void (*run)(StageContext&, const Options&),
+             const std::vector<StageAction<Options>>& actions = {}) {
   Options options;
   internal::BoundOptions bound;
   bound.visit = [&](OptionVisitor& visitor) { options.Describe(visitor); };
   if constexpr (requires { options.Problems(); }) bound.problems = [&] { return options.Problems(); };
-  return internal::Main(argc, argv, spec, bound, [&](StageContext& context) { run(context, options); });
+  std::vector<internal::BoundAction> bound_actions;
+  for (const StageAction<Options>& action : actions)
+    bound_actions.push_back({action.name, action.help, [&](const std::filesystem::path& file) { action.run(file, options); }});
+  return internal::Main(
+      argc, argv, spec, bound, [&](StageContext& context) { run(context, options); }, bound_actions);
 }
 
 }  // namespace keypose

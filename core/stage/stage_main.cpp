@@ -124,18 +124,22 @@ class FlagVisitor final : public OptionVisitor {
 struct Arguments {
   PortPaths inputs, outputs;
   fs::path report;
+  const BoundAction* action = nullptr;  // to do instead of the run
+  fs::path action_file;
 };
 
 /// Parses argv. @return an exit code when the run ends here (help, describe, usage error)
 class CommandLine {
  public:
-  CommandLine(const StageSpec& spec, const BoundOptions& options)
-      : spec_(spec), options_(options), app_(spec.summary, "keypose " + spec.name) {
+  CommandLine(const StageSpec& spec, const BoundOptions& options, const std::vector<BoundAction>& actions)
+      : spec_(spec), options_(options), actions_(actions), app_(spec.summary, "keypose " + spec.name) {
     app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version);
     app_.add_flag("--describe", describe_, "print ports and options as JSON and stop");
     if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group("Reports");
     AddPorts(spec.inputs, "Inputs");
     AddPorts(spec.outputs, "Outputs");
+    for (const BoundAction& action : actions_)
+      app_.add_option("--" + action.name, action_files_[action.name], action.help)->group("Instead of a run")->type_name("FILE");
     FlagVisitor flags(app_);
     options.visit(flags);
   }
@@ -156,6 +160,7 @@ class CommandLine {
       std::cout << Describe(spec_, options_).dump(1) << "\n";
       return 0;
     }
+    if (TakeAction(arguments)) return std::nullopt;
     TakeReportFile();
     arguments.report = report_;
     Bind(spec_.inputs, true, arguments.inputs);
@@ -176,6 +181,18 @@ class CommandLine {
 
   bool HasReportPort() const {
     return std::any_of(spec_.outputs.begin(), spec_.outputs.end(), [](const Port& port) { return port.name == "report"; });
+  }
+
+  /// @return whether something else than a run is asked for
+  bool TakeAction(Arguments& arguments) {
+    for (const BoundAction& action : actions_)
+      if (app_.count("--" + action.name)) arguments.action = &action, arguments.action_file = action_files_[action.name];
+    if (!arguments.action) return false;
+    for (const auto& [port, given] : paths_)
+      if (!given.empty())
+        throw UsageError(fmt::format("--{} is done instead of a run and takes no --{}; leave it out", arguments.action->name, port));
+    CheckOptions();
+    return true;
   }
 
   /// A stage whose output is itself called `report` takes --report twice: a .json path is the file of measurements, the other one the
@@ -230,8 +247,10 @@ class CommandLine {
 
   const StageSpec& spec_;
   const BoundOptions& options_;
+  const std::vector<BoundAction>& actions_;
   CLI::App app_;
   std::map<std::string, std::vector<std::string>> paths_;
+  std::map<std::string, std::string> action_files_;
   std::string report_;
   bool describe_ = false;
 };
@@ -251,11 +270,16 @@ void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::p
   WriteFileAtomically(path, report.dump(1) + "\n");
 }
 
-int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run) {
+int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run,
+        const std::vector<BoundAction>& actions) {
   const auto start = std::chrono::steady_clock::now();
   Arguments arguments;
-  CommandLine command_line(spec, options);
+  CommandLine command_line(spec, options, actions);
   if (const auto code = command_line.Parse(argc, argv, arguments)) return *code;
+  if (arguments.action) {
+    arguments.action->run(arguments.action_file);
+    return 0;
+  }
   CatchSignals();
   StageProgress progress(spec.name);
   RunningStage stage(spec, arguments.inputs, arguments.outputs, &progress);
@@ -274,9 +298,10 @@ int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
 
 }  // namespace
 
-int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run) {
+int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run,
+         const std::vector<BoundAction>& actions) {
   try {
-    return Run(argc, argv, spec, options, run);
+    return Run(argc, argv, spec, options, run, actions);
   } catch (const Error& error) {
     return Fail(spec, error.code(), error.what());
   } catch (const fs::filesystem_error& error) {

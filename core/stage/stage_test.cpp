@@ -121,6 +121,26 @@ TEST_F(StageTest, DescribesItself) {
   EXPECT_EQ(description["options"][1]["unit"], "m");
 }
 
+TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
+  const std::vector<StageAction<TestOptions>> actions = {
+      {"card", "write a card and stop", [](const fs::path& file, const TestOptions& o) { WriteFile(file, o.mode); }}};
+  const auto run = [&](std::vector<std::string> arguments) {
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    testing::internal::CaptureStderr();
+    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage, actions);
+    error_ = testing::internal::GetCapturedStderr();
+    return code;
+  };
+  const std::string card = (folder_ / "card.txt").string(), text = (folder_ / "in.txt").string();
+  EXPECT_EQ(run({"keypose-test", "--card", card, "--mode", "fancy"}), 0) << error_;
+  EXPECT_EQ(ReadFile(card), "fancy");
+  EXPECT_EQ(run({"keypose-test", "--card", card, "--copies", "10"}), 2);
+  EXPECT_EQ(run({"keypose-test", "--card", card, "--text", text}), 2);
+  EXPECT_NE(error_.find("takes no --text"), std::string::npos) << error_;
+  EXPECT_EQ(run({"keypose-test"}), 2);
+}
+
 void ToolStage(StageContext& stage, const TestOptions& options) {
   const std::string output =
       RunTool(stage, options.loud ? "no-such-program" : "sh", {"-c", options.copies == 9 ? "echo broken; exit 4" : "echo fine"});
