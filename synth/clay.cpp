@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kBaseFillet = 0.0015;  // [m] round edge of the flat base
-constexpr double kRidgeSpacing = 0.0012;
 
 double LumpDistance(const Lump& lump, const Vector3d& x) {
   const Vector3d axis = lump.b - lump.a;
@@ -29,6 +28,29 @@ double SmoothMin(double a, double b, double width) {
 double Ramp(double x, double from, double to) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
   return t * t * (3 - 2 * t);
+}
+
+constexpr double kTwoPi = 6.283185307179586;
+
+// Bands of sine ridges in patches; a slow warp makes them whorl.
+struct Ridges {
+  double patch = 0, phase = 0;       // share of the full height; angle along the sine [rad]
+  Vector3d phase_gradient{0, 0, 0};  // [rad / m]
+};
+
+Ridges RidgesAt(const Clay& clay, const Vector3d& x) {
+  Ridges ridges;
+  ridges.patch = Ramp(GradientNoise(x / 0.016, clay.seed * 31 + 8), 0.05, 0.35);
+  if (ridges.patch == 0) return ridges;
+  constexpr double kWarpSize = 0.012, kWarp = 5;
+  Vector3d warp_gradient;
+  const double warp = kWarp * GradientNoise(x / kWarpSize, clay.seed * 31 + 9, &warp_gradient);
+  const Vector3d direction(0.62, -0.35, 0.70);
+  // Wider ridges whorl in proportion: their turns would cross otherwise.
+  const double share = 0.0012 / clay.ridge_spacing;
+  ridges.phase = kTwoPi * (x.dot(direction) / clay.ridge_spacing + share * warp);
+  ridges.phase_gradient = kTwoPi * (direction / clay.ridge_spacing + share * kWarp / kWarpSize * warp_gradient);
+  return ridges;
 }
 
 }  // namespace
@@ -91,17 +113,16 @@ Vector3d Clay::Paint(const Vector3d& x, int lump) const {
   return color.cwiseMax(0.004).cwiseMin(0.95);
 }
 
+double Clay::RidgeHeight(const Vector3d& x, int lump) const {
+  if (ridge_height == 0 || lumps[lump].crisp) return 0;
+  const Ridges ridges = RidgesAt(*this, x);
+  return ridges.patch * ridge_height * std::sin(ridges.phase);
+}
+
 Vector3d Clay::RidgeSlope(const Vector3d& x, int lump) const {
   if (ridge_height == 0 || lumps[lump].crisp) return Vector3d::Zero();
-  const double patch = Ramp(GradientNoise(x / 0.016, seed * 31 + 8), 0.05, 0.35);
-  if (patch == 0) return Vector3d::Zero();
-  // Bands of sine ridges; a slow warp makes them whorl.
-  constexpr double kTwoPi = 6.283185307179586, kWarpSize = 0.012, kWarp = 5;
-  Vector3d warp_gradient;
-  const double warp = kWarp * GradientNoise(x / kWarpSize, seed * 31 + 9, &warp_gradient);
-  const Vector3d direction(0.62, -0.35, 0.70);
-  const double phase = kTwoPi * (x.dot(direction) / kRidgeSpacing + warp);
-  return patch * ridge_height * kTwoPi * std::cos(phase) * (direction / kRidgeSpacing + kWarp / kWarpSize * warp_gradient);
+  const Ridges ridges = RidgesAt(*this, x);
+  return ridges.patch * ridge_height * std::cos(ridges.phase) * ridges.phase_gradient;
 }
 
 void Clay::Bounds(Vector3d* low, Vector3d* high) const {

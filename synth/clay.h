@@ -32,7 +32,8 @@ struct Clay {
   double dent_size = 0.011;       ///< [m] wavelength of the thumb marks
   double grain = 1;               ///< contrast of the fine paint grain; 1 is rich, about 0.12 is weak
   double grain_size = 1;          ///< scale of all grain wavelengths
-  double ridge_height = 0.00004;  ///< [m] of finger-print ridges, which shade but do not move the surface
+  double ridge_height = 0.00004;  ///< [m] of finger-print ridges
+  double ridge_spacing = 0.0012;  ///< [m] from crest to crest
   bool flat_base = true;          ///< cut at z = 0
   std::uint32_t seed = 1;
 
@@ -43,6 +44,9 @@ struct Clay {
   int LumpAt(const Eigen::Vector3d& x) const;
   /// Linear RGB of the paint at a point of the surface that belongs to `lump`.
   Eigen::Vector3d Paint(const Eigen::Vector3d& x, int lump) const;
+  /// Height of the finger-prints above the solid's surface [m]. Distance() knows nothing of them: the world moves its vertices, or only
+  /// tilts their shading.
+  double RidgeHeight(const Eigen::Vector3d& x, int lump) const;
   /// Gradient of the ridges' height at a point, dimensionless; tilts the shading normal.
   Eigen::Vector3d RidgeSlope(const Eigen::Vector3d& x, int lump) const;
   /// Box that holds the solid, with a margin.

@@ -12,6 +12,7 @@
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/render.h"
 #include "synth/damage.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
@@ -75,10 +76,35 @@ TEST_F(SynthFiles, TruthComesBackAsItWasRendered) {
 }
 
 TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
-  ScoreCommand command{folder_ / "truth/bent", folder_ / "truth/bent/cameras", folder_ / "truth/bent/surface.ply", {}, {}, {}, {}};
+  ScoreCommand command{folder_ / "truth/bent", folder_ / "truth/bent/cameras", folder_ / "truth/bent/surface.ply", {}, {}, {}, {}, {}, {}};
   const std::string json = RunScore(command);
   EXPECT_NE(json.find("\"placed\": 6"), std::string::npos);
   EXPECT_NE(json.find("\"closed\": true"), std::string::npos);
+}
+
+TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
+  PhotosCommand command;
+  command.output = fs::path(::testing::TempDir()) / ("keypose_synth_flip_" + std::to_string(::getpid()));
+  command.poses = {"bent"};
+  command.flip = true;
+  command.world.spacing_m = 0.006;
+  command.photographer.views = 4;
+  command.photographer.width = 200, command.photographer.height = 150;
+  EXPECT_EQ(RunPhotos(command, nullptr), 8);
+  const Truth truth = ReadTruth(command.output / "truth/bent");
+  const RayScene scene(truth.surface.points, truth.surface.faces);
+  for (const View& view : truth.cameras.views) {
+    const Image8 mask = ReadImage(command.output / "truth/bent/masks" / (view.name + ".png"), 1);
+    const Raster raster = Rasterize(truth.surface, scene, view);
+    int both = 0, either = 0;
+    for (int y = 0; y < mask.height; ++y)
+      for (int x = 0; x < mask.width; ++x) {
+        const bool seen = *raster.face.at(x, y) >= 0, masked = *mask.at(x, y) > 127;
+        both += seen && masked, either += seen || masked;
+      }
+    EXPECT_GT(both, 0.97 * either) << view.name;
+  }
+  fs::remove_all(command.output);
 }
 
 TEST_F(SynthFiles, PicksAreReadableLandmarksOfTheMesh) {

@@ -5,6 +5,7 @@
 #include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/parallel.h"
+#include "synth/lying.h"
 #include "synth/truth_files.h"
 
 namespace keypose::synth {
@@ -25,29 +26,55 @@ ExifToWrite ExifOf(const PhotographerOptions& options) {
   return exif;
 }
 
-int PhotographPose(const PhotosCommand& command, const World& world, const Pose& pose, Progress* progress) {
-  const std::filesystem::path photos = command.output / "photos" / pose.name, truth_folder = command.output / "truth" / pose.name;
-  MakeFolder(photos);
-  MakeFolder(truth_folder / "masks");
-  const Photographer photographer(world, pose, command.photographer);
+struct PoseFolders {
+  std::filesystem::path photos, truth;
+};
+
+/// Takes and writes one set of photographs. @return their views, without pixels
+std::vector<SyntheticView> TakeAll(const Photographer& photographer, const PhotosCommand& command, const std::string& prefix,
+                                   const PoseFolders& folders, Progress* progress) {
   const ExifToWrite exif = ExifOf(command.photographer);
   std::vector<SyntheticView> views(photographer.view_count());
   // One photograph a thread: encoding JPEG uses one core only.
   const auto take = [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     SyntheticView view = photographer.Take(static_cast<int>(i));
-    WriteImage(photos / view.view.name, view.image, command.jpeg_quality, &exif);
-    WriteImage(truth_folder / "masks" / (view.view.name + ".png"), view.mask);
+    view.view.name = prefix + view.view.name.substr(view.view.name.find('_'));
+    WriteImage(folders.photos / view.view.name, view.image, command.jpeg_quality, &exif);
+    WriteImage(folders.truth / "masks" / (view.view.name + ".png"), view.mask);
     views[i].view = std::move(view.view);
   };
   ParallelFor(photographer.view_count(), take);
-  const Truth truth{TruthScene(world, pose, views), photographer.surface(), world.landmarks};
-  WriteTruth(truth_folder, truth, world, pose, command.world, command.photographer);
+  return views;
+}
+
+std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const PointsX3& standing, const PhotosCommand& command,
+                                     const PoseFolders& folders, Progress* progress) {
+  const Lying lying = LayDown(pose, standing);
+  PhotographerOptions options = command.photographer;
+  options.seed += 1;
+  std::vector<SyntheticView> views = TakeAll(Photographer(world, lying.pose, options), command, "LYING", folders, progress);
+  for (SyntheticView& view : views) view.view.camera_from_world = Compose(view.view.camera_from_world, lying.table_from_character);
+  return views;
+}
+
+int PhotographPose(const PhotosCommand& command, const World& world, const Pose& pose, Progress* progress) {
+  const PoseFolders folders{command.output / "photos" / pose.name, command.output / "truth" / pose.name};
+  MakeFolder(folders.photos);
+  MakeFolder(folders.truth / "masks");
+  const Photographer photographer(world, pose, command.photographer);
+  const ExifToWrite exif = ExifOf(command.photographer);
+  std::vector<SyntheticView> views = TakeAll(photographer, command, "IMG", folders, progress);
+  if (command.flip)
+    for (SyntheticView& view : TakeLying(world, pose, photographer.surface().points, command, folders, progress))
+      views.push_back(std::move(view));
+  const Truth truth{TruthScene(world, pose, views), photographer.surface(), pose(world.smooth), world.landmarks};
+  WriteTruth(folders.truth, truth, world, pose, command.world, command.photographer);
   if (command.background_plate) {
     MakeFolder(command.output / "background");
     WriteImage(command.output / "background" / (pose.name + ".jpg"), photographer.BackgroundPlate(), command.jpeg_quality, &exif);
   }
-  return photographer.view_count();
+  return static_cast<int>(views.size());
 }
 
 }  // namespace

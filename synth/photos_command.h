@@ -17,6 +17,7 @@ struct PhotosCommand {
   WorldOptions world;
   PhotographerOptions photographer;
   bool background_plate = false;  ///< also write background/POSE.jpg
+  bool flip = false;  ///< as many photographs again of the character on its back, LYING_0001.jpg and so on, with cameras in the same frame
   int jpeg_quality = 94;
 };
 

@@ -6,10 +6,13 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "synth/dense_score.h"
 #include "synth/pick.h"
 #include "synth/score.h"
+#include "synth/true_hull.h"
 #include "synth/truth_files.h"
 
 namespace keypose::synth {
@@ -75,6 +78,43 @@ Json CorrespondenceJson(const Subject& a, const Subject& b, const PointsX3& regi
   return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}};
 }
 
+Json PointsJson(const Mesh& truth, const std::vector<View>& views, const PointsX3& points, double reach_m) {
+  const PointsScore s = ScorePoints(truth, views, points, reach_m);
+  return {{"points", s.points},
+          {"within_one_footprint", s.within_one_footprint},
+          {"median_footprints", s.median},
+          {"p90_footprints", s.p90},
+          {"p99_footprints", s.p99},
+          {"completeness", s.completeness},
+          {"completeness_seen", s.completeness_seen}};
+}
+
+/// The whole cloud, and the points that stereo found: the others are the hull's, of low confidence.
+Json CloudJson(const Subject& subject, const std::filesystem::path& path) {
+  constexpr float kSure = 0.3f;
+  const PointCloud cloud = ReadPointCloud(path);
+  const PointsX3 points = Transformed(subject.refined, cloud.points);
+  const Mesh& truth = subject.truth.surface;
+  const double height = truth.points.col(2).maxCoeff() - truth.points.col(2).minCoeff();
+  Json json{{"all", PointsJson(truth, subject.truth.cameras.views, points, 0.01 * height)}};
+  if (cloud.confidence.size() != points.rows()) return json;
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    if (cloud.confidence[i] >= kSure) rows.push_back(i);
+  if (!rows.empty()) json["sure"] = PointsJson(truth, subject.truth.cameras.views, points(rows, Eigen::all), 0.01 * height);
+  return json;
+}
+
+Json HullJson(const Subject& subject, const std::filesystem::path& path) {
+  const HullComparison c =
+      CompareWithHull(subject.truth.surface, subject.truth.cameras.views, subject.InTruth(subject.refined), ReadMesh(path));
+  return {{"mean_m", c.mean_m},
+          {"hull_mean_m", c.hull_mean_m},
+          {"ratio", c.ratio()},
+          {"worse_share", c.worse_share},
+          {"worst_excess_footprints", c.worst_excess_footprints}};
+}
+
 }  // namespace
 
 std::string RunPick(const PickCommand& command) {
@@ -99,6 +139,10 @@ std::string RunScore(const ScoreCommand& command) {
             {"surface", SurfaceJson(subject, subject.cameras.truth_from_model)},
             {"surface_refined", SurfaceJson(subject, subject.refined)},
             {"closed", ClosedJson(subject.mesh)}};
+  const DetailScore detail = ScoreDetail(subject.truth.surface, subject.truth.smooth, subject.InTruth(subject.refined));
+  if (detail.places > 0) json["detail"] = {{"places", detail.places}, {"gain", detail.gain}, {"correlation", detail.correlation}};
+  if (!command.cloud.empty()) json["points"] = CloudJson(subject, command.cloud);
+  if (!command.hull.empty()) json["hull"] = HullJson(subject, command.hull);
   if (!command.registered.empty()) {
     const Subject source = ReadSubject(command.template_truth, command.template_model, command.template_mesh);
     const Mesh registered = ReadMesh(command.registered);
@@ -107,6 +151,18 @@ std::string RunScore(const ScoreCommand& command) {
     json["registered_closed"] = ClosedJson(registered);
   }
   return json.dump(1) + "\n";
+}
+
+std::string RunHull(const HullCommand& command) {
+  const Truth truth = ReadTruth(command.truth);
+  std::vector<Image8> masks;
+  for (const View& view : truth.cameras.views) masks.push_back(ReadImage(command.truth / "masks" / (view.name + ".png"), 1));
+  const Eigen::Vector3d low = truth.surface.points.colwise().minCoeff(), high = truth.surface.points.colwise().maxCoeff();
+  // Beyond the character the hull can only reach as far as between two views.
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(0.15 * (high - low).norm());
+  const Mesh hull = HullOfMasks(truth.cameras.views, masks, low - margin, high + margin, command.spacing_m);
+  WriteMesh(command.output, hull);
+  return std::to_string(hull.face_count()) + " faces of the true masks' visual hull in " + command.output.string();
 }
 
 }  // namespace keypose::synth

@@ -15,11 +15,19 @@ struct PickCommand {
 std::string RunPick(const PickCommand& command);
 
 struct ScoreCommand {
-  std::filesystem::path truth, model, mesh;                                         ///< one pose
+  std::filesystem::path truth, model, mesh;  ///< one pose
+  std::filesystem::path cloud, hull;         ///< in the model's and in the truth's frame; empty: not scored
   std::filesystem::path template_truth, template_model, template_mesh, registered;  ///< correspondence; empty: not scored
 };
-/// @return JSON: cameras, surface (after the cameras' alignment), surface_refined (after ICP), closed, correspondence,
-/// correspondence_refined
+/// @return JSON: cameras, surface (after the cameras' alignment), surface_refined (after ICP), closed, detail where prints move the
+/// surface, points (of the cloud), hull (against the visual hull), correspondence, correspondence_refined
 std::string RunScore(const ScoreCommand& command);
+
+struct HullCommand {
+  std::filesystem::path truth, output;
+  double spacing_m = 0.001;
+};
+/// Writes the visual hull of the true masks seen by the true cameras, in the truth's frame. @return a line for the console
+std::string RunHull(const HullCommand& command);
 
 }  // namespace keypose::synth

@@ -28,7 +28,11 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   photos->add_option("--output", c.output, "folder to write photos/ and truth/ into")->required();
   photos->add_option("--poses", c.poses, "rest, bent, wave, bow, squash, twist")->delimiter(',')->capture_default_str();
   photos->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
-  photos->add_option("--texture", c.world.texture, "rich | weak")->capture_default_str();
+  photos->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
+  photos->add_flag("--prints-move", c.world.prints_move,
+                   "finger-prints move the surface, which needs a fine --spacing; else they only shade");
+  photos->add_option("--print-height", c.world.print_height_m, "of finger-prints [m]")->capture_default_str();
+  photos->add_option("--print-spacing", c.world.print_spacing_m, "of the ridges of finger-prints [m]")->capture_default_str();
   photos->add_option("--spacing", c.world.spacing_m, "of the true surface's vertices, about [m]")->capture_default_str();
   photos->add_option("--views", c.photographer.views, "photographs a pose, over all rings")->capture_default_str();
   photos->add_option("--elevations", c.photographer.elevations_deg, "one ring each [deg]")->delimiter(',')->capture_default_str();
@@ -42,6 +46,7 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   photos->add_option("--table-shadow", c.photographer.table_shadow, "darkness of the shadow on the table, 0 to 1")->capture_default_str();
   photos->add_flag("!--no-shadows", c.photographer.shadows, "light that nothing blocks");
   photos->add_flag("--charuco", c.photographer.plate.charuco, "a ChArUco plate under the character");
+  photos->add_flag("--flip", c.flip, "as many photographs again of the character on its back");
   photos->add_flag("--background-plate", c.background_plate, "also photograph the empty set");
   photos->add_option("--photographer-seed", c.photographer.seed, "of jitter and noise")->capture_default_str();
   photos->callback([photos, &c] {
@@ -94,6 +99,8 @@ void AddScore(CLI::App& app, ScoreFlags& flags) {
   score->add_option("--truth", c.truth, "truth/POSE")->required();
   score->add_option("--model", c.model, "the pose's COLMAP model")->required();
   score->add_option("--mesh", c.mesh, "mesh in the model's frame")->required();
+  score->add_option("--cloud", c.cloud, "dense cloud in the model's frame");
+  score->add_option("--hull", c.hull, "visual hull in the truth's frame, from `synth hull`, to compare with");
   CLI::Option* registered = score->add_option("--registered", c.registered, "the template, registered onto this pose");
   for (CLI::Option* option : {score->add_option("--template-truth", c.template_truth, "truth/POSE of the template"),
                               score->add_option("--template-model", c.template_model, "the template's COLMAP model"),
@@ -107,6 +114,14 @@ void AddScore(CLI::App& app, ScoreFlags& flags) {
     std::fputs(json.c_str(), stdout);
     if (!flags.json.empty()) WriteFile(flags.json, json);
   });
+}
+
+void AddHull(CLI::App& app, HullCommand& c) {
+  CLI::App* hull = app.add_subcommand("hull", "the visual hull of the true masks and cameras");
+  hull->add_option("--truth", c.truth, "truth/POSE")->required();
+  hull->add_option("--output", c.output, "mesh (.ply)")->required();
+  hull->add_option("--spacing", c.spacing_m, "of its lattice [m]")->capture_default_str();
+  hull->callback([&c] { std::printf("%s\n", RunHull(c).c_str()); });
 }
 
 struct DamageFlags {
@@ -132,11 +147,13 @@ int main(int argc, char** argv) {
   PairCommand pair;
   PickCommand pick;
   ScoreFlags score;
+  HullCommand hull;
   DamageFlags damage;
   AddPhotos(app, photos);
   AddPair(app, pair);
   AddPick(app, pick);
   AddScore(app, score);
+  AddHull(app, hull);
   AddDamage(app, damage);
   try {
     app.parse(argc, argv);

@@ -28,6 +28,9 @@ std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& 
             {"seed", world_options.seed},
             {"spacing_m", world_options.spacing_m},
             {"texture", world_options.texture},
+            {"prints_move", world_options.prints_move},
+            {"print_height_m", world_options.print_height_m},
+            {"print_spacing_m", world_options.print_spacing_m},
             {"lumps", world.clay.lumps.size()},
             {"photographs",
              {{"views", options.views},
@@ -55,7 +58,10 @@ std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& 
 }  // namespace
 
 Truth ReadTruth(const std::filesystem::path& folder) {
-  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}};
+  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}};
+  truth.smooth = std::filesystem::exists(folder / "smooth.ply") ? ReadMesh(folder / "smooth.ply").points : truth.surface.points;
+  if (truth.smooth.rows() != truth.surface.points.rows())
+    throw InputError("synth: " + (folder / "smooth.ply").string() + " does not belong to surface.ply; render the world again");
   const std::filesystem::path path = folder / "landmarks.json";
   try {
     const Json json = Json::parse(ReadFile(path));
@@ -78,6 +84,11 @@ void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const W
   if (error) throw DiskError("synth: cannot create the folder " + (folder / "cameras").string() + ": " + error.message());
   WriteColmapModel(folder / "cameras", truth.cameras);
   WriteMesh(folder / "surface.ply", truth.surface);
+  if (truth.smooth != truth.surface.points) {
+    Mesh smooth = truth.surface;
+    smooth.points = truth.smooth;
+    WriteMesh(folder / "smooth.ply", smooth);
+  }
   WriteFile(folder / "landmarks.json", LandmarksJson(truth));
   WriteFile(folder / "world.json", WorldJson(world, pose, world_options, options));
 }

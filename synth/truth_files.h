@@ -3,6 +3,7 @@
 //     truth/POSE/cameras/        COLMAP's binary model: exact cameras in the character's frame [m], points on the true surface
 //     truth/POSE/masks/NAME.png  255 = character
 //     truth/POSE/surface.ply     vertex i is the same material point in every pose
+//     truth/POSE/smooth.ply      its vertices without finger-prints, where these move the surface
 //     truth/POSE/landmarks.json  named vertices of surface.ply
 //     truth/POSE/world.json      what was rendered
 #pragma once
@@ -22,6 +23,7 @@ namespace keypose::synth {
 struct Truth {
   Scene cameras;  ///< views sorted by name
   Mesh surface;
+  PointsX3 smooth;  ///< vertices of the surface without its finger-prints
   std::vector<TruthLandmark> landmarks;
 };
 

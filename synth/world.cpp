@@ -268,6 +268,27 @@ std::vector<TruthLandmark> FindLandmarks(const Mesh& rest, const std::vector<std
   return landmarks;
 }
 
+void RequireValid(const WorldOptions& options) {
+  if (options.texture != "rich" && options.texture != "weak" && options.texture != "none")
+    throw UsageError("synth: texture is '" + options.texture + "'; it can be rich, weak or none");
+  if (!(options.spacing_m > 0.0003 && options.spacing_m < 0.02)) throw InputError("synth: spacing_m must be in (0.0003, 0.02) metres");
+  if (!(options.print_height_m >= 0 && options.print_spacing_m > 0 && options.print_height_m < 0.2 * options.print_spacing_m))
+    throw InputError("synth: prints need a spacing above 0 and a height below a fifth of it");
+  // Vertices are about half of spacing_m apart; fewer than six on a ridge would cut its crest.
+  if (options.prints_move && options.spacing_m > options.print_spacing_m / 3)
+    throw InputError("synth: prints that move the surface need spacing_m of at most a third of their own spacing, " +
+                     std::to_string(options.print_spacing_m / 3) + " m");
+}
+
+void PressPrints(const Clay& clay, PointsX3* points) {
+  const auto press = [&](std::int64_t i) {
+    const Vector3d x = points->row(i);
+    const double height = clay.RidgeHeight(x, clay.LumpAt(x));
+    if (height != 0) points->row(i) += height * clay.Gradient(x).normalized().transpose();
+  };
+  ParallelFor(points->rows(), press, 512);
+}
+
 }  // namespace
 
 const Pose& World::PoseNamed(const std::string& name) const {
@@ -280,18 +301,21 @@ const Pose& World::PoseNamed(const std::string& name) const {
 }
 
 World MakeWorld(const WorldOptions& options) {
-  if (options.texture != "rich" && options.texture != "weak")
-    throw UsageError("synth: texture is '" + options.texture + "'; it can be rich or weak");
-  if (!(options.spacing_m > 0.0005 && options.spacing_m < 0.02)) throw InputError("synth: spacing_m must be in (0.0005, 0.02) metres");
+  RequireValid(options);
   Sculptor sculptor(options.seed);
   sculptor.Sculpt();
   World world;
   world.clay = sculptor.clay();
   if (options.texture == "weak") world.clay.grain = 0.12;
+  if (options.texture == "none") world.clay.grain = 0, world.clay.spots.clear();
+  world.clay.ridge_height = options.print_height_m;
+  world.clay.ridge_spacing = options.print_spacing_m;
   world.poses = sculptor.Poses();
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
   world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, options.spacing_m);
+  world.smooth = world.rest.points;
+  if (options.prints_move) PressPrints(world.clay, &world.rest.points);
   world.landmarks = FindLandmarks(world.rest, sculptor.places());
   return world;
 }

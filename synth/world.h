@@ -20,6 +20,7 @@ struct TruthLandmark {
 struct World {
   Clay clay;
   Mesh rest;                             ///< truth surface in the rest pose: points and faces; about 0.2 m high, z up, on z = 0
+  PointsX3 smooth;                       ///< its vertices without the finger-prints; equal to rest.points unless these move the surface
   std::vector<TruthLandmark> landmarks;  ///< 16 or so
   std::vector<Pose> poses;               ///< the character's repertoire: rest, bent, wave, bow, squash
 
@@ -30,11 +31,13 @@ struct World {
 struct WorldOptions {
   std::uint64_t seed = 1;        ///< 1 is the demo's character; others vary proportions, colours, spots
   double spacing_m = 0.002;      ///< of the polygonisation; 0.002 gives about 100k vertices, 0.005 some 15k
-  std::string texture = "rich";  ///< rich | weak: how much grain the paint has
+  std::string texture = "rich";  ///< rich | weak | none: how much grain the paint has; none is plain lumps of clay without a spot
+  bool prints_move = false;      ///< finger-prints move the surface itself; else they only shade, as a coarse surface cannot hold them
+  double print_height_m = 0.00004, print_spacing_m = 0.0012;  ///< of their ridges: crest over mean surface, crest to crest
 };
 
 /// A lopsided clay creature of random proportions: no two sides alike, so that no view can be mistaken for another.
-/// @throws UsageError  unknown texture @throws InputError  spacing out of (0.0005, 0.02)
+/// @throws UsageError  unknown texture @throws InputError  spacing_m out of (0.0003, 0.02), or too wide for prints that move the surface
 World MakeWorld(const WorldOptions& options = {});
 
 /// The world's surface in a pose: vertex i is the same material point as vertex i of world.rest. With vertex colours of the paint if asked.

@@ -1,0 +1,27 @@
+#include "synth/lying.h"
+
+#include <Eigen/LU>
+
+namespace keypose::synth {
+
+Lying LayDown(const Pose& standing_pose, const PointsX3& standing) {
+  constexpr double kQuarter = -1.5707963267948966;
+  const Eigen::AngleAxisd turn(kQuarter, Eigen::Vector3d::UnitX());
+  const PointsX3 turned = standing * turn.toRotationMatrix().transpose();
+  const Eigen::RowVector3d low = turned.colwise().minCoeff(), high = turned.colwise().maxCoeff();
+  const Eigen::Vector3d shift(0, -(low[1] + high[1]) / 2, -low[2]);
+  // The same motion as a turn about an axis along x: its centre c has (I - R) c = shift in the plane of y and z.
+  const Eigen::Matrix2d plane = (Eigen::Matrix3d::Identity() - turn.toRotationMatrix()).bottomRightCorner<2, 2>();
+  const Eigen::Vector2d center = plane.inverse() * shift.tail<2>();
+  Deformation rigid;
+  rigid.kind = Deformation::Kind::kTwist;
+  rigid.axis = Eigen::Vector3d::UnitX();
+  rigid.origin = Eigen::Vector3d(0, center[0], center[1]);
+  rigid.begin = -1e6, rigid.end = -1e5;  // the whole character is beyond: the full angle everywhere
+  rigid.angle = kQuarter;
+  Lying lying{standing_pose, {Eigen::Quaterniond(turn), shift}};
+  lying.pose.steps.push_back(rigid);
+  return lying;
+}
+
+}  // namespace keypose::synth

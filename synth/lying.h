@@ -1,0 +1,19 @@
+// The character laid on its back, so that the camera sees its underside: the second half of a flip capture.
+#pragma once
+
+#include "core/camera.h"
+#include "core/mesh.h"
+#include "synth/pose.h"
+
+namespace keypose::synth {
+
+struct Lying {
+  Pose pose;                    ///< the standing pose with one rigid turn after it
+  Rigid3 table_from_character;  ///< that turn: from the standing character's frame to the table that it lies on
+};
+
+/// Back on the table (z = 0), head towards +y, centred on the axis.
+/// @param standing  the surface's points in the standing pose
+Lying LayDown(const Pose& standing_pose, const PointsX3& standing);
+
+}  // namespace keypose::synth
