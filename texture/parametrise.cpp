@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/cholesky.h"
+#include "texture/parametrise_sheet.h"
 
 namespace keypose::texture {
 namespace {
@@ -18,67 +19,8 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+constexpr double kSettled = 1e-5;
 constexpr double kLeastArea = 0.02;  // of the area in space: thinner than that counts as flipped
-
-// Triangle in its own plane: corner 0 in the origin, corner 1 on the x axis, corner 2 above it.
-struct Flat {
-  double x1, x2, y2;
-};
-Flat FlatOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double length = (b - a).norm();
-  if (!(length > 0)) return {0, 0, 0};
-  return {length, (b - a).dot(c - a) / length, (b - a).cross(c - a).norm() / length};
-}
-
-struct Problem {
-  std::vector<Flat> flats;                        // per face
-  std::vector<std::array<double, 3>> cotangents;  // opposite of edge k (corners k, k + 1)
-  double area = 0;
-};
-
-Problem MakeProblem(const Surface& s, const Chart& chart) {
-  Problem problem;
-  for (const int f : chart.faces) {
-    Vector3d p[3];
-    for (int k = 0; k < 3; ++k) p[k] = s.points.row(s.faces(f, k));
-    problem.flats.push_back(FlatOf(p[0], p[1], p[2]));
-    std::array<double, 3> cot{};
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d u = p[k] - p[(k + 2) % 3], v = p[(k + 1) % 3] - p[(k + 2) % 3];
-      cot[k] = std::clamp(u.dot(v) / std::max(u.cross(v).norm(), 1e-300), 1e-2, 1e2);
-    }
-    problem.cotangents.push_back(cot);
-    problem.area += s.areas[f];
-  }
-  return problem;
-}
-
-Eigen::SparseMatrix<double> Laplacian(const Chart& chart, const Problem& problem, const std::vector<int>& column, int size) {
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < static_cast<int>(chart.faces.size()); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      const int a = column[chart.corners(i, k)], b = column[chart.corners(i, (k + 1) % 3)];
-      const double w = problem.cotangents[i][k];
-      if (a >= 0) entries.emplace_back(a, a, w);
-      if (b >= 0) entries.emplace_back(b, b, w);
-      if (a >= 0 && b >= 0) entries.emplace_back(std::max(a, b), std::min(a, b), -w);
-    }
-  }
-  Eigen::SparseMatrix<double> matrix(size, size);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
-}
-
-double SignedArea(const UvsX2& uvs, const Chart& chart, int i) {
-  const Vector2d p = uvs.row(chart.corners(i, 0)), q = uvs.row(chart.corners(i, 1)), r = uvs.row(chart.corners(i, 2));
-  return ((q - p).x() * (r - p).y() - (q - p).y() * (r - p).x()) / 2;
-}
-
-bool Upright(const Surface& s, const Chart& chart, const UvsX2& uvs, double least) {
-  for (int i = 0; i < static_cast<int>(chart.faces.size()); ++i)
-    if (!(SignedArea(uvs, chart, i) > least * s.areas[chart.faces[i]])) return false;
-  return true;
-}
 
 UvsX2 Projected(const Surface& s, const Chart& chart) {
   Vector3d normal = Vector3d::Zero();
@@ -93,14 +35,14 @@ UvsX2 Projected(const Surface& s, const Chart& chart) {
 }
 
 // Rim on a circle by arc length, every other vertex in the weighted mean of its neighbours: no triangle can flip.
-UvsX2 Tutte(const Surface& s, const Chart& chart, const Problem& problem) {
+UvsX2 Tutte(const Surface& s, const Chart& chart, const RestShape& rest) {
   const int count = static_cast<int>(chart.vertices.size());
   UvsX2 uvs = UvsX2::Zero(count, 2);
   std::vector<int> column(count, 0);
   double length = 0;
   const auto rim = [&](std::size_t i) -> Vector3d { return s.points.row(chart.vertices[chart.rim[i % chart.rim.size()]]); };
   for (std::size_t i = 0; i < chart.rim.size(); ++i) length += (rim(i + 1) - rim(i)).norm();
-  const double radius = std::sqrt(problem.area / EIGEN_PI);
+  const double radius = std::sqrt(rest.area / EIGEN_PI);
   double at = 0;
   for (std::size_t i = 0; i < chart.rim.size(); ++i) {
     column[chart.rim[i]] = -1;
@@ -115,11 +57,11 @@ UvsX2 Tutte(const Surface& s, const Chart& chart, const Problem& problem) {
   for (int i = 0; i < static_cast<int>(chart.faces.size()); ++i) {
     for (int k = 0; k < 3; ++k) {
       const int p = chart.corners(i, k), q = chart.corners(i, (k + 1) % 3);
-      if (column[p] >= 0 && column[q] < 0) b.row(column[p]) += problem.cotangents[i][k] * uvs.row(q);
-      if (column[q] >= 0 && column[p] < 0) b.row(column[q]) += problem.cotangents[i][k] * uvs.row(p);
+      if (column[p] >= 0 && column[q] < 0) b.row(column[p]) += rest.cotangents[i][k] * uvs.row(q);
+      if (column[q] >= 0 && column[p] < 0) b.row(column[q]) += rest.cotangents[i][k] * uvs.row(p);
     }
   }
-  const Eigen::SparseMatrix<double> matrix = Laplacian(chart, problem, column, inner);
+  const Eigen::SparseMatrix<double> matrix = ChartLaplacian(chart, rest, column, inner);
   SparseCholesky solver;
   solver.Analyze(matrix);
   solver.Factor(matrix);
@@ -127,50 +69,6 @@ UvsX2 Tutte(const Surface& s, const Chart& chart, const Problem& problem) {
   for (int v = 0; v < count; ++v)
     if (column[v] >= 0) uvs.row(v) = x.row(column[v]);
   return uvs;
-}
-
-// The rotation nearest to the map of a face, weighted by its cotangents.
-Vector2d BestRotation(const Flat& flat, const std::array<double, 3>& cot, const UvsX2& uvs, const Eigen::RowVector3i& corner) {
-  const Vector2d x[3] = {{0, 0}, {flat.x1, 0}, {flat.x2, flat.y2}};
-  double c = 0, s = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vector2d e = x[(k + 1) % 3] - x[k];
-    const Vector2d u = (uvs.row(corner[(k + 1) % 3]) - uvs.row(corner[k])).transpose();
-    c += cot[k] * (e.x() * u.x() + e.y() * u.y());
-    s += cot[k] * (e.x() * u.y() - e.y() * u.x());
-  }
-  const double length = std::hypot(c, s);
-  return length > 0 ? Vector2d(c / length, s / length) : Vector2d(1, 0);
-}
-
-void Relax(const Chart& chart, const Problem& problem, int iterations, UvsX2& uvs) {
-  const int count = static_cast<int>(chart.vertices.size());
-  std::vector<int> column(count);
-  for (int v = 0; v < count; ++v) column[v] = v - 1;  // vertex 0 stays in the origin
-  const Eigen::SparseMatrix<double> matrix = Laplacian(chart, problem, column, count - 1);
-  SparseCholesky solver;
-  solver.Analyze(matrix);
-  solver.Factor(matrix);
-  Eigen::MatrixXd b(count, 2);
-  for (int round = 0; round < iterations; ++round) {
-    b.setZero();
-    for (int i = 0; i < static_cast<int>(chart.faces.size()); ++i) {
-      const Flat& flat = problem.flats[i];
-      const Vector2d r = BestRotation(flat, problem.cotangents[i], uvs, chart.corners.row(i));
-      const Vector2d x[3] = {{0, 0}, {flat.x1, 0}, {flat.x2, flat.y2}};
-      for (int k = 0; k < 3; ++k) {
-        const Vector2d e = problem.cotangents[i][k] * (x[(k + 1) % 3] - x[k]);
-        const Eigen::RowVector2d turned(r.x() * e.x() - r.y() * e.y(), r.y() * e.x() + r.x() * e.y());
-        b.row(chart.corners(i, (k + 1) % 3)) += turned;
-        b.row(chart.corners(i, k)) -= turned;
-      }
-    }
-    const Eigen::MatrixXd solved = solver.Solve(b.bottomRows(count - 1));
-    const double change = (solved - (uvs.bottomRows(count - 1).rowwise() - uvs.row(0))).norm();
-    uvs.row(0).setZero();
-    uvs.bottomRows(count - 1) = solved;
-    if (change <= 1e-5 * solved.norm()) break;
-  }
 }
 
 double Turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) { return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x(); }
@@ -204,20 +102,21 @@ bool RimIsSimple(const Chart& chart, const UvsX2& uvs) {
 }  // namespace
 
 std::optional<UvsX2> Flattened(const Surface& surface, const Chart& chart, int iterations) {
-  const Problem problem = MakeProblem(surface, chart);
+  const Sheet sheet(surface, chart, 0);
   UvsX2 uvs = Projected(surface, chart);
-  if (!Upright(surface, chart, uvs, 0.1)) uvs = Tutte(surface, chart, problem);
-  Relax(chart, problem, iterations, uvs);
+  if (!Upright(surface, chart, uvs, 0.1)) uvs = Tutte(surface, chart, sheet.rest());
+  for (int round = 0; round < iterations; ++round)
+    if (sheet.Settle(1, {}, uvs) <= kSettled) break;
   double flat_area = 0;
   for (int i = 0; i < static_cast<int>(chart.faces.size()); ++i) flat_area += SignedArea(uvs, chart, i);
   if (!(flat_area > 0)) return std::nullopt;
-  uvs *= std::sqrt(problem.area / flat_area);
+  uvs *= std::sqrt(sheet.rest().area / flat_area);
   if (!uvs.allFinite() || !Upright(surface, chart, uvs, kLeastArea) || !RimIsSimple(chart, uvs)) return std::nullopt;
   return uvs;
 }
 
 Vector2d Stretches(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector2d& p, const Vector2d& q, const Vector2d& r) {
-  const Flat flat = FlatOf(a, b, c);
+  const RestTriangle flat = RestOf(a, b, c);
   if (!(flat.x1 * flat.y2 > 0)) return Vector2d::Constant(std::numeric_limits<double>::infinity());
   Matrix2d from, to;
   from << flat.x1, flat.x2, 0, flat.y2;
