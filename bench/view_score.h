@@ -1,0 +1,62 @@
+// How well a coloured mesh repeats a photograph: its silhouette against the mask, its render against the pixels.
+#pragma once
+
+#include "bench/textured_mesh.h"
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/ray_scene.h"
+
+namespace keypose::bench {
+
+/// Pixels of a mask against pixels whose centre ray meets the mesh. A ratio without pixels to count is 1 when both are empty, else 0.
+struct Silhouette {
+  long both = 0, mask_only = 0, mesh_only = 0;
+  double Iou() const;
+  double Precision() const;  ///< share of the mesh's pixels that are in the mask
+  double Recall() const;     ///< share of the mask's pixels that the mesh covers
+};
+
+/// @param mask     1 channel, object where >= 128
+/// @param covered  1 channel, the mesh where not 0
+/// @throws InputError  sizes differ
+Silhouette CompareSilhouettes(const Image8& mask, const Image8& covered);
+
+/// 255 where the ray through a pixel's centre meets the mesh. Honours the lens distortion.
+Image8 CoveredPixels(const TexturedMesh& mesh, const RayScene& scene, const View& view);
+
+/// The mesh without any lamp.
+struct ColorRender {
+  ImageF color;    ///< 3 channels, sum of the samples that meet the mesh over all samples, sRGB 0..255
+  ImageF covered;  ///< 1 channel, share of the samples that meet the mesh
+};
+/// @param samples  rays a pixel and axis @pre mesh.colored()
+ColorRender RenderColors(const TexturedMesh& mesh, const RayScene& scene, const View& view, int samples);
+
+/// Differences inside the mask of the photograph, 8-bit sRGB. What the mesh leaves open shows the background: the median colour of the
+/// photograph outside its mask, per channel (black where the mask fills the picture).
+struct ColorScore {
+  long pixels = 0;             ///< in the mask
+  double psnr_db = 0;          ///< over pixels and channels, at most 99
+  double ssim = 0;             ///< of the luma, see Ssim
+  double gain[3] = {1, 1, 1};  ///< factor on the render's sRGB values, least squares over masked pixels that the mesh fills
+  double gained_psnr_db = 0;   ///< after the gain, values above 255 cut off
+  double gained_ssim = 0;
+};
+/// @throws InputError  sizes differ
+ColorScore CompareColors(const Image8& photograph, const Image8& mask, const ColorRender& render);
+
+/// The render over `background`, rounded; `gain` is a factor on each channel of the mesh's colours.
+Image8 Composed(const ColorRender& render, const Eigen::Vector3d& background, const Eigen::Vector3d& gain = Eigen::Vector3d::Ones());
+Eigen::Vector3d BackgroundColor(const Image8& photograph, const Image8& mask);
+
+/// Mean structural similarity over the masked pixels of two RGB images' luma (0.299 R + 0.587 G + 0.114 B): Gaussian window 11 x 11 of
+/// standard deviation 1.5, K1 = 0.01, K2 = 0.03, L = 255. A window counts its masked pixels only, weights scaled to sum 1, so nothing
+/// outside the mask enters; with a full mask this is the usual index, with windows cut at the border.
+/// Source: Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 13(4), 2004.
+/// @return 1 for an empty mask @throws InputError sizes differ
+double Ssim(const Image8& a, const Image8& b, const Image8& mask);
+
+/// 10 log10(255^2 / mean square), at most 99. @pre count > 0
+double Psnr(double sum_of_squares, double count);
+
+}  // namespace keypose::bench
