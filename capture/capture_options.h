@@ -1,8 +1,13 @@
 // Options of keypose-capture.
 #pragma once
 
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include "capture/masking.h"
 #include "core/options.h"
+#include "core/plate.h"
 
 namespace keypose::capture {
 
@@ -18,6 +23,15 @@ struct CaptureOptions {
   int mask_rounds = 3;
   double mask_smoothness = 12;
   double plate_difference = 6;
+  bool board = true;  ///< look for the printed plate
+  int board_columns = PlateLayout{}.columns, board_rows = PlateLayout{}.rows;
+  double board_square_mm = 1000 * PlateLayout{}.square_m;
+  std::string board_page = "A4";
+
+  PlateLayout Board() const {
+    const double square_m = board_square_mm / 1000;
+    return {board_columns, board_rows, square_m, PlateLayout::kMarkerShare * square_m};
+  }
 
   MaskOptions Masking() const {
     MaskOptions masking;
@@ -41,7 +55,13 @@ struct CaptureOptions {
     visit("mask_smoothness", mask_smoothness, {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
     visit("plate_difference", plate_difference,
           {"colour difference to the background plate that tells object from set", "CIE Lab", 1, 50, {}});
+    visit("board", board, {"look for the printed plate under the figure", "", 0, 1, {}});
+    visit("board_columns", board_columns, {"squares along the plate's longer side", "", 3, 100, {}});
+    visit("board_rows", board_rows, {"squares along its shorter side", "", 3, 100, {}});
+    visit("board_square_mm", board_square_mm, {"side of a square, as measured on the print", "mm", 2, 200, {}});
+    visit("board_page", board_page, {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
   }
+  std::vector<std::string> Problems() const { return Board().Problems(); }
 };
 
 }  // namespace keypose::capture

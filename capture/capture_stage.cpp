@@ -3,12 +3,14 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/board_print.h"
 #include "capture/capture_options.h"
 #include "capture/contact_sheet.h"
 #include "capture/masking.h"
 #include "capture/photographs.h"
 #include "capture/quality.h"
 #include "core/errors.h"
+#include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
@@ -235,6 +237,10 @@ void Run(StageContext& stage, const CaptureOptions& options) {
     stage.Note("capture: no focal length in the EXIF data; sfm starts from a guess and refines it");
 }
 
+void PrintBoard(const fs::path& file, const CaptureOptions& options) {
+  WriteFileAtomically(file, BoardPdf(options.Board(), PageNamed(options.board_page)));
+}
+
 const StageSpec kSpec = {
     .name = "capture",
     .version = "1",
@@ -257,4 +263,7 @@ const StageSpec kSpec = {
 
 }  // namespace
 
-int main(int argc, char** argv) { return RunStage<CaptureOptions>(argc, argv, kSpec, Run); }
+int main(int argc, char** argv) {
+  return RunStage<CaptureOptions>(argc, argv, kSpec, Run,
+                                  {{"print-board", "write the printable plate (PDF) to this file and stop; see --board_page", PrintBoard}});
+}

@@ -1,0 +1,277 @@
+#include "capture/board_detection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/board_print.h"
+#include "core/errors.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr double kSearch_px = 2000;  // longer side at which markers are looked for
+constexpr double kContrast = 20;     // grey levels between paper and ink at least
+constexpr double kLeastSquare_px = 6;
+constexpr double kCorrelation = 0.9;  // with what is printed round a corner; a figure in front of it leaves less
+
+cv::Mat GreyOf(const Image8& image) {
+  const cv::Mat view(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
+  if (image.channels == 1) return view;
+  cv::Mat grey;
+  cv::cvtColor(view, grey, cv::COLOR_RGB2GRAY);
+  return grey;
+}
+
+/// Corner k of a marker on the plate, clockwise from its top left; y up.
+cv::Point2d MarkerCorner(const PlateLayout& plate, int marker, int k) {
+  // Markers lie in every other square, row by row; the first row begins with a black square.
+  int seen = 0;
+  for (int row = 0; row < plate.rows; ++row) {
+    const int in_row = plate.columns / 2 + (plate.columns % 2 && row % 2);
+    if (marker >= seen + in_row) {
+      seen += in_row;
+      continue;
+    }
+    const int column = 2 * (marker - seen) + (row % 2 == 0);
+    const double half = plate.marker_m / 2, x = (column + 0.5) * plate.square_m - plate.Width() / 2,
+                 y = plate.Height() / 2 - (row + 0.5) * plate.square_m;
+    return {x + (k == 1 || k == 2 ? half : -half), y + (k < 2 ? half : -half)};
+  }
+  throw InputError("capture: the plate has no marker " + std::to_string(marker));
+}
+
+/// Marker corners on the plate and in the photograph.
+struct MarkerPoints {
+  std::vector<cv::Point2d> plate, image;
+};
+
+MarkerPoints FindMarkers(const cv::Mat& grey, const PlateLayout& plate) {
+  const double factor = std::min(1.0, kSearch_px / std::max(grey.cols, grey.rows));
+  cv::Mat small = grey;
+  if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->minMarkerPerimeterRate = 0.012;  // markers seen from low down are flat
+  parameters->polygonalApproxAccuracyRate = 0.05;
+  parameters->adaptiveThreshWinSizeMax = 43;
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(small, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100), corners, ids, parameters);
+  MarkerPoints points;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= plate.MarkerCount()) continue;
+    for (int k = 0; k < 4; ++k) {
+      const cv::Point2f p = corners[i][static_cast<std::size_t>(k)];
+      points.plate.push_back(MarkerCorner(plate, ids[i], k));
+      // From pixel centres at whole numbers of the small image to those of the large one.
+      points.image.emplace_back((p.x + 0.5) / factor - 0.5, (p.y + 0.5) / factor - 0.5);
+    }
+  }
+  return points;
+}
+
+cv::Point2d Map(const cv::Matx33d& h, const cv::Point2d& p) {
+  const cv::Vec3d q = h * cv::Vec3d(p.x, p.y, 1);
+  return {q[0] / q[2], q[1] / q[2]};
+}
+
+/// A homography and what the marker corners miss it by, which is smooth: the lens.
+class PlateMap {
+ public:
+  explicit PlateMap(const MarkerPoints& points, double square_m) : square_m_(square_m) {
+    if (points.plate.size() < 8) return;
+    std::vector<std::uint8_t> inlier;
+    const cv::Mat h = cv::findHomography(points.plate, points.image, cv::RANSAC, 6, inlier, 2000, 0.999);
+    if (h.empty()) return;
+    h_ = cv::Matx33d(h.ptr<double>());
+    for (std::size_t i = 0; i < inlier.size(); ++i) {
+      if (!inlier[i]) continue;
+      places_.push_back(points.plate[i]);
+      misses_.push_back(points.image[i] - Map(h_, points.plate[i]));
+    }
+    found_ = places_.size() >= 8;
+  }
+  bool found() const { return found_; }
+  cv::Point2d operator()(const cv::Point2d& on_plate) const {
+    cv::Point2d sum(0, 0);
+    double total = 1e-3;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const cv::Point2d d = (places_[i] - on_plate) / (1.5 * square_m_);
+      const double weight = std::exp(-d.dot(d) / 2);
+      sum += weight * misses_[i];
+      total += weight;
+    }
+    return Map(h_, on_plate) + sum / total;
+  }
+
+ private:
+  double square_m_;
+  cv::Matx33d h_;
+  std::vector<cv::Point2d> places_, misses_;
+  bool found_ = false;
+};
+
+/// Shortest side of a square at a corner, as the photograph shows it [px].
+double SquareSize(const PlateMap& map, const PlateLayout& plate, const Eigen::Vector3d& at) {
+  const double half = plate.square_m / 2;
+  const cv::Point2d right = map({at.x() + half, at.y()}) - map({at.x() - half, at.y()}),
+                    up = map({at.x(), at.y() + half}) - map({at.x(), at.y() - half});
+  // Height of the parallelogram over its longer side: what a flat view leaves of a square.
+  return std::abs(right.cross(up)) / std::max({cv::norm(right), cv::norm(up), 1e-9});
+}
+
+/// What is printed at a place of the plate.
+class PlateInk {
+ public:
+  explicit PlateInk(const PlateLayout& plate) : plate_(plate) {
+    for (int marker = 0; marker < plate.MarkerCount(); ++marker) markers_.push_back(MarkerInk(marker));
+  }
+  /// 1 on ink, 0 on paper.
+  double At(const cv::Point2d& p) const {
+    const double x = (p.x + plate_.Width() / 2) / plate_.square_m, y = (plate_.Height() / 2 - p.y) / plate_.square_m;
+    const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+    if (column < 0 || row < 0 || column >= plate_.columns || row >= plate_.rows) return 0;
+    if ((row + column) % 2 == 0) return 1;
+    const auto& ink = markers_[static_cast<std::size_t>((row * plate_.columns + column) / 2)];
+    const double share = plate_.marker_m / plate_.square_m, cells = static_cast<double>(ink.size());
+    const double u = (x - column - (1 - share) / 2) / share * cells, v = (y - row - (1 - share) / 2) / share * cells;
+    if (u < 0 || v < 0 || u >= cells || v >= cells) return 0;
+    return ink[static_cast<std::size_t>(v)][static_cast<std::size_t>(u)];
+  }
+
+ private:
+  const PlateLayout& plate_;
+  std::vector<std::vector<std::vector<int>>> markers_;
+};
+
+/// The plate's picture round one corner as this photograph should show it, and the pixels that show it.
+struct Patch {
+  cv::Mat expected;  // 32F, 0 on paper and 1 on ink
+  cv::Mat inside;    // 8U, pixels that count
+  cv::Point origin;  // in the photograph
+};
+
+/// The four half squares that meet in a corner.
+Patch ExpectedPatch(const cv::Mat& grey, const PlateMap& map, const PlateInk& ink, const PlateLayout& plate, const cv::Point2d& at) {
+  constexpr double kReach = 0.5;  // squares
+  constexpr double kBlur_px = 0.7;
+  constexpr int kRim = 3, kSamples = 16;
+  const double reach = kReach * plate.square_m;
+  std::vector<cv::Point2f> on_plate, seen;
+  for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    const cv::Point2d corner(at.x + dx * reach, at.y + dy * reach);
+    on_plate.emplace_back((corner - at) / reach);
+    seen.emplace_back(map(corner));
+  }
+  const cv::Rect box = cv::boundingRect(seen);
+  Patch patch;
+  patch.origin = box.tl() - cv::Point(kRim, kRim);
+  const cv::Rect whole(patch.origin, box.size() + cv::Size(2 * kRim, 2 * kRim));
+  if ((whole & cv::Rect(0, 0, grey.cols, grey.rows)) != whole) return {};
+  for (cv::Point2f& p : seen) p -= cv::Point2f(patch.origin);
+  const cv::Mat back = cv::getPerspectiveTransform(seen, on_plate);
+  const cv::Matx33d plate_from_patch(back.ptr<double>());
+  patch.expected.create(whole.size(), CV_32F);
+  patch.inside.create(whole.size(), CV_8U);
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x) {
+      double sum = 0;
+      for (int k = 0; k < kSamples; ++k) {
+        // No two in a row or a column, so that an edge along the pixels is placed to a sixteenth too.
+        const cv::Point2d sub(x + (k + 0.5) / kSamples - 0.5, y + (7 * k % kSamples + 0.5) / kSamples - 0.5);
+        sum += ink.At(at + reach * Map(plate_from_patch, sub));
+      }
+      patch.expected.at<float>(y, x) = static_cast<float>(sum / kSamples);
+      const cv::Point2d q = Map(plate_from_patch, cv::Point2d(x, y));
+      patch.inside.at<std::uint8_t>(y, x) = std::abs(q.x) < 1 && std::abs(q.y) < 1;
+    }
+  cv::GaussianBlur(patch.expected, patch.expected, {0, 0}, kBlur_px);
+  return patch;
+}
+
+struct Fit {
+  cv::Point2d offset;
+  double correlation = 0;
+};
+
+/// Where the photograph shows the patch, by Gauss-Newton over shift, brightness and contrast.
+Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
+  Fit fit;
+  cv::Mat dx, dy;
+  cv::Sobel(patch.expected, dx, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(patch.expected, dy, CV_32F, 0, 1, 3, 1.0 / 8);
+  for (int round = 0; round < 12; ++round) {
+    cv::Mat shown;
+    const cv::Point2d middle(patch.origin.x + fit.offset.x + (patch.expected.cols - 1) / 2.0,
+                             patch.origin.y + fit.offset.y + (patch.expected.rows - 1) / 2.0);
+    cv::getRectSubPix(grey, patch.expected.size(), middle, shown, CV_32F);
+    // shown = a + b expected - b (gradient . d)
+    cv::Matx44d normal = cv::Matx44d::zeros();
+    cv::Vec4d right(0, 0, 0, 0);
+    double count = 0, st = 0, ss = 0, tt = 0, s1 = 0, t1 = 0;
+    for (int y = 0; y < shown.rows; ++y)
+      for (int x = 0; x < shown.cols; ++x) {
+        if (!patch.inside.at<std::uint8_t>(y, x)) continue;
+        const double t = patch.expected.at<float>(y, x), s = shown.at<float>(y, x);
+        const cv::Vec4d row(1, t, dx.at<float>(y, x), dy.at<float>(y, x));
+        normal += row * row.t();
+        right += s * row;
+        count += 1, s1 += s, t1 += t, ss += s * s, tt += t * t, st += s * t;
+      }
+    const double variance = (ss - s1 * s1 / count) * (tt - t1 * t1 / count);
+    fit.correlation = variance > 0 ? -(st - s1 * t1 / count) / std::sqrt(variance) : 0;
+    bool solved = false;
+    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    if (!solved) return {};
+    const cv::Vec4d x = inverse * right;
+    if (x[1] > -kContrast) return {};  // ink must be darker than paper
+    // The photograph shows expected(p - d) = expected - gradient . d.
+    const cv::Point2d step(-x[2] / x[1], -x[3] / x[1]);
+    fit.offset += step;
+    if (!(cv::norm(fit.offset) <= most_px)) return {};
+    if (cv::norm(step) < 1e-3) break;
+  }
+  return fit;
+}
+
+/// All corners that the photograph shows where the map foretells them.
+std::vector<PlateCorner> FitCorners(const cv::Mat& grey, const PlateMap& map, const PlateInk& ink, const PlateLayout& plate) {
+  std::vector<PlateCorner> corners;
+  for (int id = 0; id < plate.CornerCount(); ++id) {
+    const Eigen::Vector3d at = plate.Corner(id);
+    const double size = SquareSize(map, plate, at);
+    if (size < kLeastSquare_px) continue;
+    const Patch patch = ExpectedPatch(grey, map, ink, plate, {at.x(), at.y()});
+    if (patch.expected.empty()) continue;
+    const Fit fit = FitPatch(grey, patch, std::max(2.0, 0.15 * size));
+    if (fit.correlation < kCorrelation) continue;
+    const cv::Point2d pixel = map({at.x(), at.y()}) + fit.offset;
+    corners.push_back({id, Eigen::Vector2d(pixel.x + 0.5, pixel.y + 0.5)});
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<PlateCorner> FindPlate(const Image8& image, const PlateLayout& plate) {
+  if (const auto problems = plate.Problems(); !problems.empty()) throw InputError("capture: " + problems.front());
+  const cv::Mat grey = GreyOf(image);
+  const PlateMap rough(FindMarkers(grey, plate), plate.square_m);
+  if (!rough.found()) return {};
+  const PlateInk ink(plate);
+  const std::vector<PlateCorner> first = FitCorners(grey, rough, ink, plate);
+  // Marker corners err by half a pixel, which bends the patches; the corners found foretell them better.
+  MarkerPoints found;
+  for (const PlateCorner& corner : first) {
+    const Eigen::Vector3d at = plate.Corner(corner.id);
+    found.plate.emplace_back(at.x(), at.y());
+    found.image.emplace_back(corner.pixel.x() - 0.5, corner.pixel.y() - 0.5);
+  }
+  const PlateMap fine(found, plate.square_m);
+  return fine.found() ? FitCorners(grey, fine, ink, plate) : first;
+}
+
+}  // namespace keypose::capture

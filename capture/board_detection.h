@@ -1,0 +1,25 @@
+// Finds the printed plate in a photograph.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+#include "core/plate.h"
+
+namespace keypose::capture {
+
+/// Inner chessboard corners of the plate, each named by its id, to about a tenth of a pixel.
+///
+/// Markers name places on the plate; a homography through their corners, bent by what the nearest of them miss it by (lenses distort),
+/// foretells every chessboard corner. The print round it, four half squares with their markers, is then drawn as this photograph should
+/// show it and shifted until it fits (Gauss-Newton over shift, brightness and contrast). A corner that the figure hides fits nowhere and is
+/// left out.
+/// @param image  RGB or grey
+/// @return corners by id; none when fewer than two markers are seen
+/// Source: Garrido-Jurado et al., "Automatic generation and detection of highly reliable fiducial markers under occlusion", Pattern
+/// Recognition 2014 (markers, as in OpenCV); Lucas & Kanade, IJCAI 1981 (the fit).
+/// Departs from OpenCV: its interpolation comes out half a pixel off in 4.6, and its refinement by gradients errs by up to 0.9 px where low
+/// views press the paper between square and marker to two pixels.
+std::vector<PlateCorner> FindPlate(const Image8& image, const PlateLayout& plate);
+
+}  // namespace keypose::capture
