@@ -10,21 +10,23 @@ namespace keypose::texture {
 /// A flat chart to place.
 struct Shape {
   UvsX2 points;     ///< [any unit, the same for all shapes]
-  FacesX3 corners;  ///< counter-clockwise triangles
+  FacesX3 corners;  ///< counter-clockwise triangles that form a disk
 };
 
 struct PackingOptions {
   int texture_size = 2048;  ///< [px]
-  int gutter_px = 4;        ///< least distance between two charts, and from the border
+  int gutter_px = 4;        ///< least distance between two charts; half of it to the border
+  int effort = 600;         ///< rounds of the search; cost grows with it
 };
 
 struct Packing {
   std::vector<UvsX2> uvs;  ///< per shape, in [0,1], turned and moved but never mirrored, all scaled alike
+  double scale = 0;        ///< sides of the square per unit of the shapes
   double utilisation = 0;  ///< share of the square that triangles cover
 };
 
-/// @throws QualityError  not even a thousandth of the square can be used (far too many shapes for the gutter)
-/// Bottom-left placement of bitmaps, eight directions a shape, tallest first; the scale is found by bisection. Deterministic.
+/// @throws QualityError  the shapes do not fit with this gutter (far too many of them)
+/// A search for places and turns on a grid, then the shapes are moved apart exactly. Deterministic.
 Packing Pack(const std::vector<Shape>& shapes, const PackingOptions& options);
 
 }  // namespace keypose::texture

@@ -79,6 +79,8 @@ bool Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector
   return (Turn(a, b, c) > 0) != (Turn(a, b, d) > 0) && (Turn(c, d, a) > 0) != (Turn(c, d, b) > 0);
 }
 
+}  // namespace
+
 // A map of a disk that flips nothing and whose rim is a simple polygon is one to one; the exact test of that follows once all is packed.
 bool RimIsSimple(const Chart& chart, const UvsX2& uvs) {
   const std::size_t n = chart.rim.size();
@@ -98,8 +100,6 @@ bool RimIsSimple(const Chart& chart, const UvsX2& uvs) {
   }
   return true;
 }
-
-}  // namespace
 
 std::optional<UvsX2> Flattened(const Surface& surface, const Chart& chart, int iterations) {
   const Sheet sheet(surface, chart, 0);
@@ -126,6 +126,14 @@ Vector2d Stretches(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
   const double e = (j(0, 0) + j(1, 1)) / 2, f = (j(0, 0) - j(1, 1)) / 2, g = (j(1, 0) + j(0, 1)) / 2, h = (j(1, 0) - j(0, 1)) / 2;
   const double u = std::hypot(e, h), v = std::hypot(f, g);
   return {u + v, std::abs(u - v)};
+}
+
+double ConformalRatio(const Surface& surface, const Chart& chart, const UvsX2& uvs, int i) {
+  const int f = chart.faces[i];
+  const auto point = [&](int k) -> Vector3d { return surface.points.row(surface.faces(f, k)); };
+  const auto uv = [&](int k) -> Vector2d { return uvs.row(chart.corners(i, k)); };
+  const Vector2d s = Stretches(point(0), point(1), point(2), uv(0), uv(1), uv(2));
+  return s[0] / s[1];
 }
 
 Distortion MeasureDistortion(const Surface& surface, const Chart& chart, const UvsX2& uvs) {

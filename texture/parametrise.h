@@ -15,11 +15,16 @@ namespace keypose::texture {
 /// nothing, else from Tutte's embedding with the rim on a circle. Departs: cotangents are kept in [1e-2, 1e2].
 std::optional<UvsX2> Flattened(const Surface& surface, const Chart& chart, int iterations);
 
+/// Whether the boundary does not cross itself (in floating point; the exact test of a whole layout is FindAtlasFaults).
+bool RimIsSimple(const Chart& chart, const UvsX2& uvs);
+
 /// Area-weighted mean and 99th percentile, and maximum, of max(s1, 1 / s2) over the faces, where s1 >= s2 stretch the surface to the plane.
 /// 1 is an isometry.
 struct Distortion {
   double mean = 1, p99 = 1, max = 1;
 };
+/// Larger over smaller stretch of a face, by its index in the chart.
+double ConformalRatio(const Surface& surface, const Chart& chart, const UvsX2& uvs, int face);
 Distortion MeasureDistortion(const Surface& surface, const Chart& chart, const UvsX2& uvs);
 
 /// Singular values s1 >= s2 >= 0 of the map from triangle abc in space to pqr in the plane; infinite where abc has no area.

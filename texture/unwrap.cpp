@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "texture/charts.h"
 #include "texture/packing.h"
+#include "texture/packing_press.h"
 #include "texture/parametrise.h"
 
 namespace keypose::texture {
@@ -222,7 +223,7 @@ void Atlas::Refine() {
   });
 }
 
-Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts, const Packing& packing) {
+Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts, const std::vector<UvsX2>& uvs) {
   Mesh mesh = clean;
   int count = 0;
   for (const FlatChart& flat : charts) count += static_cast<int>(flat.uvs.rows());
@@ -230,10 +231,10 @@ Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts, const Pa
   mesh.uv_faces.resize(clean.faces.rows(), 3);
   int at = 0;
   for (std::size_t c = 0; c < charts.size(); ++c) {
-    mesh.uvs.middleRows(at, packing.uvs[c].rows()) = packing.uvs[c];
+    mesh.uvs.middleRows(at, uvs[c].rows()) = uvs[c];
     for (int i = 0; i < static_cast<int>(charts[c].chart.faces.size()); ++i)
       mesh.uv_faces.row(charts[c].chart.faces[i]) = charts[c].chart.corners.row(i).array() + at;
-    at += static_cast<int>(packing.uvs[c].rows());
+    at += static_cast<int>(uvs[c].rows());
   }
   mesh.uvs = OnGrid(mesh.uvs);
   return mesh;
@@ -269,6 +270,8 @@ void RequireClosed(const Mesh& clean) {
 void UnwrapOptions::Describe(OptionVisitor& visit) {
   visit("texture_size", texture_size, {"edge of the square texture that the gutter is meant for", "px", 64, 16384, {}});
   visit("gutter", gutter, {"least distance between two charts", "px", 1, 64, {}});
+  visit("effort", effort, {"rounds of the search for places; cost grows with it", "", 0, 100000, {}});
+  visit("press", press, {"deform charts a little where that fills gaps between them"});
   visit("max_distortion", max_distortion, {"mean stretch of a chart, 1 is none, above which it is cut", "", 1.01, 3, {}});
 }
 
@@ -286,10 +289,19 @@ UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress
   std::vector<Shape> shapes;
   for (const FlatChart& flat : atlas.charts()) shapes.push_back({flat.uvs, flat.chart.corners});
   Step(progress, 0.7, "packing " + std::to_string(shapes.size()) + " charts");
-  const Packing packing = Pack(shapes, {options.texture_size, options.gutter});
+  const Packing packing = Pack(shapes, {options.texture_size, options.gutter, options.effort});
+  std::vector<const Chart*> charts;
+  for (const FlatChart& flat : atlas.charts()) charts.push_back(&flat.chart);
+  Layout layout{packing.uvs, packing.scale};
+  Step(progress, 0.85, "pressing");
+  if (options.press) {
+    PressOptions press;
+    press.gap = static_cast<double>(options.gutter) / options.texture_size;
+    layout = Pressed(surface, charts, layout, press);
+  }
 
   UnwrapResult result;
-  result.mesh = Assembled(clean, atlas.charts(), packing);
+  result.mesh = Assembled(clean, atlas.charts(), layout.uvs);
   const AtlasFaults faults = FindAtlasFaults(result.mesh);
   if (!faults.none()) {
     throw QualityError("unwrap: the layout has " + std::to_string(faults.flipped) + " flipped triangles, " +

@@ -12,6 +12,8 @@ struct UnwrapOptions {
   int texture_size = 2048;       ///< [px] edge of the square texture that the gutter is meant for
   int gutter = 4;                ///< [px] least distance between two charts
   double max_distortion = 1.15;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
+  int effort = 600;              ///< rounds of the search for places; cost grows with it
+  bool press = true;             ///< charts yield a little where that fills gaps between them
   void Describe(OptionVisitor& visit);
 };
 
