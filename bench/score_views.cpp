@@ -97,9 +97,9 @@ class Scorer {
   Image8 Picture() const {
     std::vector<std::string> names = arguments_.picture_views.empty() ? held_out_ : Names(arguments_.picture_views);
     RequireViews(scene_, names);
-    const std::size_t count = scene_.views.size();
-    for (std::size_t i = 0; names.empty() && i < std::min<std::size_t>(4, count); ++i)
-      names.push_back(scene_.views[i * count / std::min<std::size_t>(4, count)].name);
+    const std::size_t count = scene_.views.size(), rows = std::min<std::size_t>(4, count);
+    if (names.empty())
+      for (std::size_t i = 0; i < rows; ++i) names.push_back(scene_.views[i * count / rows].name);
     std::vector<Image8> tiles;
     for (const View& view : scene_.views)
       if (Contains(names, view.name)) AddRow(view, tiles);
