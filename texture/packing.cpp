@@ -51,8 +51,12 @@ Packing Pack(const std::vector<Shape>& shapes, const PackingOptions& options) {
   SearchOptions search;
   search.gap = gap;
   search.sweeps = options.effort;
-  const Nesting nesting = Nested(rims, search);
-  const std::optional<Nesting> apart = nesting.scale > 0 ? SetApart(rims, nesting, gap) : std::nullopt;
+  std::optional<Nesting> apart;
+  // Overlaps of half a cell are seldom too deep to be undone; outlines a cell wider do not overlap at all.
+  for (search.margin = 0; !apart && search.margin <= 1; ++search.margin) {
+    const Nesting nesting = Nested(rims, search);
+    if (nesting.scale > 0) apart = SetApart(rims, nesting, gap);
+  }
   if (!apart)
     throw QualityError("unwrap: " + std::to_string(shapes.size()) + " charts do not fit the texture with this gutter; lower --gutter");
   for (std::size_t i = 0; i < shapes.size(); ++i) packing.uvs.push_back(Placed(shapes[i].points, apart->scale, apart->places[i]));

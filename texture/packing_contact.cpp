@@ -196,4 +196,34 @@ Contacts FindContacts(const std::vector<UvsX2>& rims, double gap, double reach) 
   return out;
 }
 
+bool AnyCross(const std::vector<UvsX2>& rims) {
+  struct Segment {
+    double left, right;
+    int rim;
+    Vector2d a, b;
+  };
+  std::vector<Segment> segments;
+  for (int r = 0; r < static_cast<int>(rims.size()); ++r) {
+    for (Eigen::Index i = 0; i < rims[r].rows(); ++i) {
+      const Vector2d a = rims[r].row(i).transpose(), b = rims[r].row((i + 1) % rims[r].rows()).transpose();
+      segments.push_back({std::min(a.x(), b.x()), std::max(a.x(), b.x()), r, a, b});
+    }
+  }
+  std::stable_sort(segments.begin(), segments.end(), [](const Segment& p, const Segment& q) { return p.left < q.left; });
+  const auto turn = [](const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+    return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x() > 0;
+  };
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& p = segments[i];
+    for (std::size_t j = i + 1; j < segments.size() && segments[j].left <= p.right; ++j) {
+      const Segment& q = segments[j];
+      if (p.rim == q.rim || std::max(p.a.y(), p.b.y()) < std::min(q.a.y(), q.b.y()) ||
+          std::max(q.a.y(), q.b.y()) < std::min(p.a.y(), p.b.y()))
+        continue;
+      if (turn(p.a, p.b, q.a) != turn(p.a, p.b, q.b) && turn(q.a, q.b, p.a) != turn(q.a, q.b, p.b)) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace keypose::texture

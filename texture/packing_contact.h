@@ -19,4 +19,7 @@ struct Contacts {
 /// Cost: near linear. Same bits for any thread count. Overlaps of one outline with itself push but do not count for least_gap.
 Contacts FindContacts(const std::vector<UvsX2>& rims, double gap, double reach);
 
+/// Whether edges of two different outlines cross, which vertices alone do not always show. In floating point.
+bool AnyCross(const std::vector<UvsX2>& rims);
+
 }  // namespace keypose::texture

@@ -155,7 +155,9 @@ class Press {
     });
     if (std::count(good.begin(), good.end(), 0) > 0) return;
     const double area = Covered(charts_, now_.uvs);
-    if (area <= best_area_ || FindContacts(RimsOf(charts_, now_.uvs), options_.gap, ReachOf(options_.gap)).least_gap < options_.gap) return;
+    if (area <= best_area_) return;
+    const std::vector<UvsX2> rims = RimsOf(charts_, now_.uvs);
+    if (FindContacts(rims, options_.gap, ReachOf(options_.gap)).least_gap < options_.gap || AnyCross(rims)) return;
     best_ = now_;
     best_area_ = area;
   }
@@ -187,7 +189,7 @@ std::optional<Nesting> SetApart(const std::vector<UvsX2>& outlines, Nesting nest
     for (int round = 0; round < kRigidRounds; ++round) {
       for (std::size_t i = 0; i < outlines.size(); ++i) rims[i] = Placed(outlines[i], nesting.scale, nesting.places[i]);
       const Contacts contacts = FindContacts(rims, kAim * gap, ReachOf(gap));
-      if (contacts.least_gap >= gap) return nesting;
+      if (contacts.least_gap >= gap && !AnyCross(rims)) return nesting;
       for (std::size_t i = 0; i < outlines.size(); ++i) Follow(rims[i], contacts.push[i], nesting.places[i]);
     }
     // Plates shrink about their own middles, not about the origin of their coordinates.

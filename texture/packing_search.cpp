@@ -19,6 +19,7 @@ constexpr int kFirstTurns = 16;  // of the bottom-left start
 constexpr double kGrowth = 1.012;
 constexpr double kLeastGrowth = 1.002;
 constexpr int kPatience = 45;  // sweeps at one scale
+constexpr int kFewCells = 60;  // an outline of fewer counts as its box: half a cell of overlap would be too much for it
 constexpr int kFar = 50;       // samples anywhere
 constexpr int kNear = 16;      // samples about the present place
 constexpr int kDescents = 3;
@@ -89,7 +90,7 @@ struct Stamp {
     int row, begin, end;
   };
   std::vector<Span> spans;
-  int width = 0, height = 0, cells = 0;
+  int width = 0, height = 0;
   Eigen::Vector2d low = Eigen::Vector2d::Zero();  // [cells] of the turned outline's box, before the move to the origin
 };
 
@@ -121,8 +122,11 @@ Stamp Draw(const UvsX2& outline_in_cells) {
       }
     }
   }
-  if (stamp.spans.empty()) stamp.spans.push_back({0, 0, 1});
-  for (const Stamp::Span& span : stamp.spans) stamp.cells += span.end - span.begin;
+  int cells = 0;
+  for (const Stamp::Span& span : stamp.spans) cells += span.end - span.begin;
+  if (cells >= kFewCells) return stamp;
+  stamp.spans.clear();
+  for (int row = 0; row < stamp.height; ++row) stamp.spans.push_back({row, 0, stamp.width});
   return stamp;
 }
 
@@ -186,7 +190,7 @@ class Search {
   Search(const std::vector<UvsX2>& laid, const SearchOptions& options, std::uint64_t seed)
       : laid_(laid),
         n_(options.cells),
-        widen_(options.gap / 2 * options.cells),
+        widen_(options.gap / 2 * options.cells + options.margin),
         sweeps_(options.sweeps),
         random_{seed},
         by_area_(seed % 2) {

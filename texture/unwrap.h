@@ -14,6 +14,7 @@ struct UnwrapOptions {
   double max_distortion = 1.15;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
   int effort = 600;              ///< rounds of the search for places; cost grows with it
   bool press = true;             ///< charts yield a little where that fills gaps between them
+  bool hide_seams = true;        ///< seams go where they are seen least: creases, below, behind (up is +z, the front -y)
   void Describe(OptionVisitor& visit);
 };
 
@@ -21,8 +22,11 @@ struct UnwrapResult {
   Mesh mesh;  ///< the input's vertices and faces in their order, with UVs
   int charts = 0;
   AtlasStretch stretch;
-  double seam_over_diag = 0;   ///< length of all seams over the diagonal
-  double texels_per_unit = 0;  ///< texture pixels along one unit of the surface, on average
+  double seam_over_diag = 0;        ///< length of all seams over the diagonal
+  double seam_front_over_diag = 0;  ///< ... of those in view from the front
+  double seam_exposure = 0;         ///< mean of Exposure::seen along the seams
+  double edge_exposure = 0;         ///< ... along all edges: what seams laid at random would have
+  double texels_per_unit = 0;       ///< texture pixels along one unit of the surface, on average
 };
 
 /// @param clean  closed oriented 2-manifold

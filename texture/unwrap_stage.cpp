@@ -26,6 +26,9 @@ void Run(StageContext& stage, const UnwrapOptions& options) {
   stage.Report("area_deviation", result.stretch.area_deviation);
   stage.Report("utilisation", result.stretch.utilisation);
   stage.Report("seam_over_diag", result.seam_over_diag);
+  stage.Report("seam_front_over_diag", result.seam_front_over_diag);
+  stage.Report("seam_exposure", result.seam_exposure);
+  stage.Report("edge_exposure", result.edge_exposure);
   stage.Report("texels_per_unit", result.texels_per_unit);
   keypose::WriteMesh(stage.Output("unwrapped"), result.mesh);
 }

@@ -125,7 +125,9 @@ TEST(Unwrapped, CharacterLikeShapeIsFlatDenseAndProven) {
 
 TEST(Unwrapped, CylinderSideHasNoStretch) {
   const Mesh clean = MakeCylinder(0.3, 2, 48, 40);
-  const UnwrapResult result = Unwrapped(clean, Rigid());
+  UnwrapOptions options = Rigid();
+  options.max_distortion = 1.02;  // else the round rim of the caps may join the side
+  const UnwrapResult result = Unwrapped(clean, options);
   ExpectProven(clean, result);
   EXPECT_LT(result.stretch.l2, 1.01);
   EXPECT_LT(result.stretch.area_deviation, 0.03);
