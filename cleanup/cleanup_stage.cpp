@@ -37,6 +37,8 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("self_intersections_before", result.self_intersections_before);
   stage.Report("self_intersections", result.self_intersections);
   stage.Report("genus", result.genus);
+  stage.Report("genus_before", result.genus_before);
+  stage.Report("handles_cut", result.handles_cut);
   stage.Report("area", result.area);
   stage.Report("volume", result.volume);
   stage.Report("min_angle_deg", result.min_angle_deg);

@@ -142,7 +142,7 @@ TEST(MakeClosedManifold, FlippedFacesAreTurned) {
   const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
   ExpectClosed(result.mesh);
   EXPECT_EQ(result.rung, "R0 weld");
-  EXPECT_NEAR(result.volume, SignedVolume(MakeIcosphere(3).points, MakeIcosphere(3).faces), 1e-9);
+  EXPECT_NEAR(result.volume, SignedVolume(MakeIcosphere(3).points, MakeIcosphere(3).faces), 1e-7);  // positions sit on a grid of 1.5e-8
 }
 
 TEST(MakeClosedManifold, InsideOutIsTurnedOutward) {
@@ -278,7 +278,9 @@ TEST(MakeClosedManifold, TorusKeepsItsHandle) {
       torus.faces.row(2 * p) << p, q, r;
       torus.faces.row(2 * p + 1) << p, r, s;
     }
-  const CleanupResult result = MakeClosedManifold(torus, Faces(1000));
+  CleanupOptions keep = Faces(1000);
+  keep.genus = -1;
+  const CleanupResult result = MakeClosedManifold(torus, keep);
   ExpectClosed(result.mesh);
   EXPECT_EQ(result.genus, 1);
 }

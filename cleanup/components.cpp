@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "core/geometry.h"
 #include "core/ray_scene.h"
@@ -16,34 +17,25 @@ int Root(std::vector<int>& parent, int i) {
   return i;
 }
 
-Mesh OnlyPiece(const Mesh& mesh, const Pieces& pieces, int piece) {
-  std::vector<char> keep(pieces.list.size(), 0);
-  keep[piece] = 1;
-  return KeptPieces(mesh, pieces, keep);
-}
-
-Eigen::AlignedBox3d Box(const PointsX3& points) {
-  Eigen::AlignedBox3d box;
-  for (int i = 0; i < static_cast<int>(points.rows()); ++i) box.extend(points.row(i).transpose());
-  return box;
-}
-
-bool AnyWithin(const PointsX3& points, const RayScene& scene, double gap) {
-  for (int i = 0; i < static_cast<int>(points.rows()); ++i)
-    if (scene.ClosestPoint(points.row(i).transpose(), gap).face >= 0) return true;
-  return false;
-}
-
-struct PieceScene {
-  Mesh mesh;
-  Eigen::AlignedBox3d box;
-  RayScene scene;
-  explicit PieceScene(Mesh m) : mesh(std::move(m)), box(Box(mesh.points)), scene(mesh.points, mesh.faces) {}
-};
-
-bool Touch(const PieceScene& a, const PieceScene& b, double gap) {
-  if (a.box.squaredExteriorDistance(b.box) > gap * gap) return false;
-  return AnyWithin(a.mesh.points, b.scene, gap) || AnyWithin(b.mesh.points, a.scene, gap);
+// The pieces with an unkept face or vertex within `gap` of the kept ones. Two scenes for all pieces together: each scene costs an Embree
+// device, and broken meshes come in thousands of pieces.
+std::vector<int> Touching(const Mesh& mesh, const Pieces& pieces, const std::vector<char>& keep, double gap) {
+  std::vector<char> other(keep.size());
+  for (std::size_t i = 0; i < keep.size(); ++i) other[i] = !keep[i];
+  std::vector<int> piece_of_rest_face;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (!keep[pieces.of_face[f]]) piece_of_rest_face.push_back(pieces.of_face[f]);
+  const Mesh near = KeptPieces(mesh, pieces, keep), rest = KeptPieces(mesh, pieces, other);
+  const RayScene near_scene(near.points, near.faces), rest_scene(rest.points, rest.faces);
+  std::set<int> found;
+  for (int f = 0; f < rest.face_count(); ++f)
+    for (int k = 0; k < 3 && !found.count(piece_of_rest_face[f]); ++k)
+      if (near_scene.ClosestPoint(rest.points.row(rest.faces(f, k)).transpose(), gap).face >= 0) found.insert(piece_of_rest_face[f]);
+  for (int v = 0; v < near.vertex_count(); ++v) {
+    const int face = rest_scene.ClosestPoint(near.points.row(v).transpose(), gap).face;
+    if (face >= 0) found.insert(piece_of_rest_face[face]);
+  }
+  return {found.begin(), found.end()};
 }
 
 int LargestByArea(const Pieces& pieces) {
@@ -124,20 +116,12 @@ Mesh WithTouchingPieces(const Mesh& mesh, double gap, int* removed) {
   const Pieces pieces = FindPieces(mesh);
   const int count = static_cast<int>(pieces.list.size());
   if (count == 1) return mesh;
-  std::vector<PieceScene> scenes;
-  scenes.reserve(count);
-  for (int i = 0; i < count; ++i) scenes.emplace_back(OnlyPiece(mesh, pieces, i));
   std::vector<char> keep(count, 0);
-  std::vector<int> front = {LargestByArea(pieces)};
-  keep[front[0]] = 1;
-  while (!front.empty()) {
-    const int i = front.back();
-    front.pop_back();
-    for (int j = 0; j < count; ++j) {
-      if (keep[j] || !Touch(scenes[i], scenes[j], gap)) continue;
-      keep[j] = 1;
-      front.push_back(j);
-    }
+  keep[LargestByArea(pieces)] = 1;
+  while (CountDropped(keep) > 0) {
+    const std::vector<int> found = Touching(mesh, pieces, keep, gap);
+    if (found.empty()) break;
+    for (const int piece : found) keep[piece] = 1;
   }
   *removed += CountDropped(keep);
   return KeptPieces(mesh, pieces, keep);

@@ -2,7 +2,6 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
-#include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 
@@ -24,7 +23,6 @@ using Halfedge = SurfaceMesh::Halfedge_index;
 using Face = SurfaceMesh::Face_index;
 using Vertex = SurfaceMesh::Vertex_index;
 
-constexpr double kLargeHole = 0.1;        // of the diagonal
 constexpr std::size_t kCubicLimit = 400;  // rim vertices up to which the O(n^3) search is affordable (about a second)
 
 struct Rim {
@@ -81,7 +79,7 @@ bool FillSmoothly(SurfaceMesh& mesh, Halfedge border, const Rim& rim, bool large
 
 }  // namespace
 
-HolesResult FillHoles(const Mesh& manifold, Progress* progress) {
+HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole) {
   HolesResult result;
   SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
   const double diagonal = BoundingDiagonal(manifold.points);
@@ -91,7 +89,7 @@ HolesResult FillHoles(const Mesh& manifold, Progress* progress) {
     Step(progress, static_cast<double>(i) / static_cast<double>(borders.size()), "filling holes");
     const Rim rim = Measure(mesh, borders[i]);
     result.largest_over_diag = std::max(result.largest_over_diag, rim.extent / diagonal);
-    if (!FillSmoothly(mesh, borders[i], rim, rim.extent > kLargeHole * diagonal)) {
+    if (!FillSmoothly(mesh, borders[i], rim, rim.extent > large_hole * diagonal)) {
       FillByFan(mesh, borders[i], rim.center);
       ++result.fanned;
     }
@@ -99,15 +97,6 @@ HolesResult FillHoles(const Mesh& manifold, Progress* progress) {
   }
   result.mesh = FromSurfaceMesh(mesh);
   return result;
-}
-
-Mesh WithoutSlivers(const Mesh& manifold, double max_length) {
-  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
-  PMP::remove_degenerate_faces(mesh);
-  // Caps above 170 degrees and needles beyond 1:20, the limits below which remeshing copes by itself.
-  PMP::experimental::remove_almost_degenerate_faces(mesh, std::cos(170.0 * EIGEN_PI / 180), 20.0, max_length);
-  mesh.collect_garbage();
-  return FromSurfaceMesh(mesh);
 }
 
 }  // namespace keypose::cleanup

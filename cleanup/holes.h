@@ -14,12 +14,10 @@ struct HolesResult {
 };
 
 /// @param manifold  oriented 2-manifold, possibly with boundary
-/// Holes up to a tenth of the diagonal are refined and faired with continuous tangents; larger ones (the base that stood on the
+/// @param large_hole  over the diagonal
+/// Holes up to `large_hole` are refined and faired with continuous tangents; larger ones (the base that stood on the
 /// turntable) become a membrane of least area over their rim, which is flat where the rim is flat.
 /// Source: Liepa, SGP 2003 (triangulation, refinement), Botsch & Kobbelt, SIGGRAPH 2004 (fairing), both by CGAL.
-HolesResult FillHoles(const Mesh& manifold, Progress* progress);
-
-/// Removes faces without area, needles and caps by collapses and flips; the surface moves by no more than `max_length`.
-Mesh WithoutSlivers(const Mesh& manifold, double max_length);
+HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole = 0.1);
 
 }  // namespace keypose::cleanup

@@ -1,9 +1,6 @@
 #include "cleanup/intersections.h"
 
-// Smoothing first costs minutes on a tangle and hole filling resolves the same places.
-#define CGAL_PMP_REMOVE_SELF_INTERSECTIONS_NO_SMOOTHING 1
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 
@@ -11,7 +8,12 @@
 #include <iterator>
 #include <utility>
 
+#include "cleanup/adapt.h"
 #include "cleanup/cgal_convert.h"
+#include "cleanup/components.h"
+#include "cleanup/holes.h"
+#include "cleanup/soup.h"
+#include "core/geometry.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -22,6 +24,25 @@ using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Face = SurfaceMesh::Face_index;
 
 }  // namespace
+
+Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings) {
+  std::vector<char> gone(mesh.face_count(), 0), near(mesh.vertex_count(), 0);
+  for (const int f : faces) gone[f] = 1;
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int f = 0; f < mesh.face_count(); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (gone[f]) near[mesh.faces(f, k)] = 1;
+    for (int f = 0; f < mesh.face_count(); ++f) gone[f] |= near[mesh.faces(f, 0)] || near[mesh.faces(f, 1)] || near[mesh.faces(f, 2)];
+  }
+  Mesh open;
+  open.points = mesh.points;
+  open.faces.resize(mesh.face_count(), 3);
+  int count = 0;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (!gone[f]) open.faces.row(count++) = mesh.faces.row(f);
+  open.faces.conservativeResize(count, 3);
+  return open;
+}
 
 bool SelfIntersects(const Mesh& mesh) { return PMP::does_self_intersect<CGAL::Sequential_tag>(ToSurfaceMesh<SurfaceMesh>(mesh)); }
 
@@ -39,11 +60,21 @@ std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
   return faces;
 }
 
+// CGAL's own remove_self_intersections loops for ever, or crashes, on some of the meshes of the guarantee test.
 Mesh WithoutIntersections(const Mesh& closed, int rounds) {
-  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(closed);
-  PMP::experimental::remove_self_intersections(mesh, CGAL::parameters::number_of_iterations(rounds).preserve_genus(false));
-  mesh.collect_garbage();
-  return FromSurfaceMesh(mesh);
+  Mesh mesh = closed;
+  for (int round = 0; round < rounds; ++round) {
+    const std::vector<int> bad = IntersectingFaces(mesh);
+    if (bad.empty()) break;
+    // Curved patches first; membranes, which stay within their rims, when the patches cross something again.
+    const double large_hole = round < 2 || round % 2 == 1 ? 0.1 : 0;
+    const Mesh open = Without(mesh, bad, (round + 1) / 2);
+    if (open.face_count() == 0) return {};
+    int dropped = 0;
+    mesh = FillHoles(WithoutBits(OrientedManifold(open, 0).mesh, 0.01, &dropped), nullptr, large_hole).mesh;
+    if (CheckClosed(mesh).zero_area_faces > 0) mesh = WithoutThinAngles(mesh, 1);
+  }
+  return mesh;
 }
 
 }  // namespace keypose::cleanup

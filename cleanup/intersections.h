@@ -13,8 +13,11 @@ bool SelfIntersects(const Mesh& mesh);
 /// Faces that take part in an intersection, ascending.
 std::vector<int> IntersectingFaces(const Mesh& mesh, int* pairs = nullptr);
 
-/// Smooths, or cuts out and refills, the neighbourhoods of intersections, in widening rounds.
-/// @return a mesh that may still intersect itself: check it
+/// The mesh without these faces and `rings` rings of faces around them; vertices stay, used or not.
+Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings);
+
+/// Cuts out the neighbourhoods of intersections and refills them, in widening rounds.
+/// @return a mesh that may still intersect itself, or without faces: check it
 Mesh WithoutIntersections(const Mesh& closed, int rounds);
 
 }  // namespace keypose::cleanup

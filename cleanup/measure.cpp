@@ -71,6 +71,23 @@ void MeasureDistances(const Mesh& mesh, const Mesh& input, const Mesh& kept, Cle
   result.from_input = Distance(kept, mesh);
 }
 
+double LeastAngleDeg(const Mesh& mesh) {
+  double least = 60;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    least = std::min(least,
+                     MinAngleDeg(mesh.points.row(mesh.faces(f, 0)), mesh.points.row(mesh.faces(f, 1)), mesh.points.row(mesh.faces(f, 2))));
+  return least;
+}
+
+double ShareFartherThan(const Mesh& from, const Mesh& to, double distance) {
+  constexpr int kFew = 4000;
+  const SurfaceSamples samples = SampleSurface(from.points, from.faces, kFew, kSeed);
+  const RayScene scene(to.points, to.faces);
+  int far = 0;
+  for (int i = 0; i < kFew; ++i) far += scene.ClosestPoint(samples.points.row(i).transpose(), distance).face < 0;
+  return static_cast<double>(far) / kFew;
+}
+
 ColorsX3 ColorsFrom(const Mesh& colored, const PointsX3& points) {
   const RayScene scene(colored.points, colored.faces);
   ColorsX3 colors(points.rows(), 3);

@@ -1,0 +1,229 @@
+#include "cleanup/ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cleanup/adapt.h"
+#include "cleanup/components.h"
+#include "cleanup/decimate.h"
+#include "cleanup/handles.h"
+#include "cleanup/holes.h"
+#include "cleanup/intersections.h"
+#include "cleanup/measure.h"
+#include "cleanup/size_field.h"
+#include "cleanup/soup.h"
+#include "cleanup/wrap.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+
+namespace keypose::cleanup {
+namespace {
+
+constexpr double kWeld = 1e-7;       // of the diagonal
+constexpr double kTouch = 0.005;     // of the diagonal: pieces this near belong together
+constexpr int kWorkingFaces = 5;     // times the wanted faces: repair works on no more than that
+constexpr double kStartFaces = 2.5;  // the same: where remeshing begins
+constexpr int kIntersectionRounds = 8;
+constexpr int kRemeshings = 3;  // the later ones with smaller triangles where the earlier ones crossed themselves
+constexpr double kCountTolerance = 0.01;
+constexpr double kTangle = 0.02;     // share of intersecting faces beyond which local repair is hopeless, and slow
+constexpr int kTangleFaces = 300;    // that many are always tried
+constexpr double kLostShare = 0.01;  // of the surface, that may end up farther than kLostDistance from a local repair
+constexpr double kLostDistance = 0.02;
+constexpr double kLeastAngleDeg = 2;
+
+PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
+  PointsX3 centers(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    centers.row(static_cast<Eigen::Index>(i)) =
+        (mesh.points.row(mesh.faces(faces[i], 0)) + mesh.points.row(mesh.faces(faces[i], 1)) + mesh.points.row(mesh.faces(faces[i], 2))) /
+        3;
+  return centers;
+}
+
+}  // namespace
+
+bool Acceptable(const Mesh& mesh) { return mesh.face_count() > 0 && CheckClosed(mesh).closed() && !SelfIntersects(mesh); }
+
+bool Ladder::GoodSize(int faces) const { return std::abs(faces - options_.faces) <= kCountTolerance * options_.faces; }
+
+bool Ladder::MayStay(int faces) const { return GoodSize(faces) || (faces < options_.faces && !MustHitCount()); }
+
+bool Ladder::Apart(const Mesh& mesh) const { return options_.keep_components == 1 && FindPieces(mesh).list.size() > 1; }
+
+// CGAL reports a broken precondition as std::logic_error; that rung has failed then, not the whole.
+std::optional<Mesh> Ladder::Try(const char* rung, const std::function<std::optional<Mesh>()>& step) {
+  try {
+    std::optional<Mesh> mesh = step();
+    if (mesh) result_.rung = rung;
+    return mesh;
+  } catch (const std::logic_error& error) {
+    last_fault_ = std::string(rung) + ": " + error.what();
+    return std::nullopt;
+  }
+}
+
+void Ladder::Weld() {
+  SoupResult soup = OrientedManifold(input_, kWeld);
+  result_.merged_vertices = soup.merged_vertices;
+  // Stitching closes the cuts that a fin left, but only once the fin is gone; it also joins pieces, so bits are counted on both sides of
+  // it.
+  kept_ = Stitched(WithoutBits(Stitched(soup.mesh), options_.min_component, &result_.components_removed));
+  if (options_.keep_components == 1) kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
+}
+
+void Ladder::Fill() {
+  HolesResult holes = FillHoles(working_, progress_);
+  result_.holes_filled = holes.filled;
+  result_.largest_hole_over_diag = holes.largest_over_diag;
+  filled_ = std::move(holes.mesh);
+  OrientOutward(filled_);
+  if (CheckClosed(filled_).zero_area_faces > 0) filled_ = WithoutThinAngles(filled_, kLeastAngleDeg);
+  IntersectingFaces(filled_, &result_.self_intersections_before);
+}
+
+// Local repair of a closed mesh; nothing when it does not help.
+std::optional<Mesh> Ladder::Mended(const Mesh& mesh) {
+  if (Acceptable(mesh)) return mesh;
+  if (mesh.face_count() == 0 || !CheckClosed(mesh).finite) return std::nullopt;
+  if (static_cast<double>(IntersectingFaces(mesh).size()) > std::max<double>(kTangleFaces, kTangle * mesh.face_count()))
+    return std::nullopt;
+  Mesh mended = WithoutIntersections(mesh, kIntersectionRounds);
+  if (mended.face_count() > 0 && CheckClosed(mended).zero_area_faces > 0) mended = WithoutThinAngles(mended, kLeastAngleDeg);
+  if (mended.face_count() == 0) return std::nullopt;
+  OrientOutward(mended);
+  // Cutting out a crossing can cut a neck through.
+  mended = LargestPieces(mended, options_.keep_components, &result_.components_removed);
+  if (Acceptable(mended)) return mended;
+  return std::nullopt;
+}
+
+Mesh Ladder::WithGenus(const Mesh& mesh) {
+  if (options_.genus < 0) return mesh;
+  const int genus = Genus(mesh);
+  if (genus <= options_.genus) return mesh;
+  Step(progress_, 0.6, "cutting handles");
+  HandlesResult result = WithoutHandles(mesh, options_.genus);
+  result_.genus_before = genus;
+  result_.handles_cut = result.cut;
+  return std::move(result.mesh);
+}
+
+// Slivers of the input or of a filled hole go where nothing has to cross for it.
+Mesh Ladder::WithBetterAngles(const Mesh& mesh) {
+  if (LeastAngleDeg(mesh) >= kLeastAngleDeg) return mesh;
+  const Mesh better = WithoutThinAngles(mesh, 2 * kLeastAngleDeg);
+  return LeastAngleDeg(better) > LeastAngleDeg(mesh) && MayStay(better.face_count()) && Acceptable(better) ? better : mesh;
+}
+
+std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
+  SizeRules rules;
+  rules.faces = options_.faces;
+  rules.follow_curvature = options_.remesh == "adaptive";
+  Eigen::VectorXd sizes = EdgeSizes(base, rules);
+  const Mesh start = base.face_count() > kStartFaces * rules.faces ? Thinned(base, static_cast<int>(kStartFaces * rules.faces)) : base;
+  for (int attempt = 0; attempt < kRemeshings; ++attempt) {
+    Step(progress_, 0.7 + 0.05 * attempt, "remeshing");
+    const Mesh mesh = Remeshed(start, base, sizes, rules.faces, true);
+    if (!GoodSize(mesh.face_count())) break;
+    if (Acceptable(mesh)) return WithBetterAngles(mesh);
+    if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) return WithBetterAngles(*mended);
+    Refine(base, FaceCenters(mesh, IntersectingFaces(mesh)), 3, sizes);
+  }
+  // Collapses only: more of the shape's sharpness, less even triangles.
+  Mesh thinned = base.face_count() > rules.faces ? Thinned(base, rules.faces) : SplitTo(base, rules.faces);
+  const std::optional<Mesh> mended = Mended(thinned);
+  if (!mended || mended->face_count() > (1 + kCountTolerance) * rules.faces) return std::nullopt;
+  return WithBetterAngles(GoodSize(mended->face_count()) ? *mended : SplitTo(*mended, rules.faces));
+}
+
+std::optional<Mesh> Ladder::Finish(const Mesh& base) {
+  const Mesh kept = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
+  if (MayStay(kept.face_count())) return WithBetterAngles(kept);
+  return AtWantedSize(kept);
+}
+
+std::optional<Mesh> Ladder::Wrap(double alpha, double offset_share, bool project) {
+  Step(progress_, 0.5, "wrapping");
+  const double offset = alpha * offset_share;
+  Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, offset), options_.keep_components, &result_.components_removed);
+  if (project) wrap = ProjectedBack(wrap, filled_, 3 * offset);
+  if (!Acceptable(wrap)) return std::nullopt;
+  return Finish(wrap);
+}
+
+// A wrap of a larger ball has fewer faces, so that one at last needs no remeshing, and a wrap never crosses itself.
+std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
+  for (; alpha < 2; alpha *= 1.5) {
+    Step(progress_, 0.6, "wrapping coarsely");
+    const Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, alpha / 2), options_.keep_components, &result_.components_removed);
+    if (!Acceptable(wrap)) continue;
+    const Mesh mesh = WithGenus(wrap);
+    if (mesh.face_count() > (1 + kCountTolerance) * options_.faces) continue;
+    return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces));
+  }
+  return std::nullopt;
+}
+
+// Thin sheets get walls that lie closer together than an edge is long, and remeshing such walls makes them cross; then thicker ones are
+// tried.
+std::optional<Mesh> Ladder::WrapRungs() {
+  const double area = SurfaceArea(filled_.points, filled_.faces);
+  const double automatic = std::clamp(std::sqrt(2 * area / options_.faces), 1.0 / 250, 1.0 / 30);
+  const double alpha = options_.wrap_alpha > 0 ? options_.wrap_alpha : automatic;
+  if (auto mesh = Try("R4 wrap", [&] { return Wrap(alpha, 1.0 / 30, true); })) return mesh;
+  if (auto mesh = Try("R4 thick wrap", [&] { return Wrap(alpha, 1.0 / 3, false); })) return mesh;
+  if (auto mesh = Try("R4 coarse wrap", [&] { return Wrap(2 * alpha, 1.0 / 2, false); })) return mesh;
+  return Try("R4 coarse wrap", [&] { return CoarseWraps(2 * alpha); });
+}
+
+std::optional<Mesh> Ladder::Welded() {
+  Mesh turned = working_;
+  OrientOutward(turned);
+  if (Apart(turned) || !Acceptable(turned)) return std::nullopt;
+  return Finish(turned);
+}
+
+// Where vertices of far places were one, cutting out the crossings can cut off a limb.
+std::optional<Mesh> Ladder::MendedWhole() {
+  const std::optional<Mesh> mended = Mended(filled_);
+  if (!mended) return std::nullopt;
+  if (ShareFartherThan(kept_, *mended, kLostDistance) > kLostShare) {
+    last_fault_ = "R3 intersections: local repair lost a part of the surface";
+    return std::nullopt;
+  }
+  return Finish(*mended);
+}
+
+Mesh Ladder::Climb() {
+  Step(progress_, 0.02, "checking");
+  Weld();
+  Step(progress_, 0.15, "welded");
+  const double limit = static_cast<double>(kWorkingFaces) * options_.faces;
+  working_ = kept_.face_count() > limit ? Thinned(kept_, static_cast<int>(limit)) : kept_;
+  Step(progress_, 0.3, "thinned");
+  if (auto mesh = Try("R0 weld", [&] { return Welded(); })) return *mesh;
+  try {
+    Fill();
+  } catch (const std::logic_error& error) {  // CGAL met a case it does not take; the wrap takes everything
+    last_fault_ = std::string("R2 fill: ") + error.what();
+    filled_ = working_;
+  }
+  Step(progress_, 0.4, "holes filled");
+  // Pieces that belong together but are not joined: only the wrap makes one surface of them.
+  if (Apart(filled_)) {
+    last_fault_ = "pieces that touch or cross can only be joined by the wrap, or kept apart with --keep_components 0";
+  } else {
+    if (auto mesh = Try("R2 fill", [&] { return Acceptable(filled_) ? Finish(filled_) : std::nullopt; })) return *mesh;
+    if (auto mesh = Try("R3 intersections", [&] { return MendedWhole(); })) return *mesh;
+  }
+  if (options_.wrap) {
+    if (auto mesh = WrapRungs()) return *mesh;
+  }
+  throw QualityError("cleanup: no rung of the repair ladder gave a closed surface without self-intersections" +
+                     (last_fault_.empty() ? std::string() : " (" + last_fault_ + ")") +
+                     "; look at the surface, or try other values of --faces and --wrap_alpha");
+}
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,55 @@
+// The repair ladder: the least destructive rung whose result passes the test.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "cleanup/cleanup.h"
+
+namespace keypose::cleanup {
+
+/// Whether a mesh is what the clean-up promises: closed, oriented, one fan a vertex, volume, no face without area, nothing crosses.
+bool Acceptable(const Mesh& mesh);
+
+/// One climb; everything happens in a frame where the diagonal is 1, so that no tolerance depends on the unit.
+class Ladder {
+ public:
+  Ladder(const Mesh& surface, const CleanupOptions& options, Progress* progress, CleanupResult& result)
+      : input_(surface), options_(options), progress_(progress), result_(result) {}
+
+  /// The finished mesh. @throws InputError @throws QualityError
+  Mesh Climb();
+  /// What the result is to be compared with: the input without dropped pieces and stand.
+  const Mesh& kept() const { return kept_; }
+
+ private:
+  std::optional<Mesh> Try(const char* rung, const std::function<std::optional<Mesh>()>& step);
+  void Weld();
+  void Fill();
+  std::optional<Mesh> Welded();
+  std::optional<Mesh> MendedWhole();
+  std::optional<Mesh> Wrap(double alpha, double offset_share, bool project);
+  std::optional<Mesh> WrapRungs();
+  std::optional<Mesh> CoarseWraps(double alpha);
+  std::optional<Mesh> Finish(const Mesh& base);
+  std::optional<Mesh> AtWantedSize(const Mesh& base);
+  std::optional<Mesh> Mended(const Mesh& mesh);
+  Mesh WithGenus(const Mesh& mesh);
+  Mesh WithBetterAngles(const Mesh& mesh);
+  bool GoodSize(int faces) const;
+  bool MustHitCount() const { return options_.refine || kept_.face_count() > options_.faces; }
+  bool MayStay(int faces) const;
+  bool Apart(const Mesh& mesh) const;
+
+  const Mesh& input_;
+  const CleanupOptions& options_;
+  Progress* progress_;
+  CleanupResult& result_;
+  Mesh kept_;     // welded, without bits and stand; all of its detail
+  Mesh working_;  // the same with at most a few times the wanted faces
+  Mesh filled_;   // that without holes
+  std::string last_fault_;
+};
+
+}  // namespace keypose::cleanup
