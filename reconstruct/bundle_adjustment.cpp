@@ -10,11 +10,24 @@
 #include <string>
 
 #include "core/errors.h"
+#include "reconstruct/bundle_projection.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-using Intrinsics = std::array<double, 8>;  // fx fy cx cy k1 k2 p1 p2
+using Intrinsics = std::array<double, 8>;  // fx, fy over fx, cx cy k1 k2 p1 p2
+
+/// Projects with focal length and aspect ratio as they are solved for.
+Eigen::Vector2d ProjectWith(const double* in, const Eigen::Vector3d& x, Eigen::Matrix<double, 2, 8>* of_intrinsics,
+                            Eigen::Matrix<double, 2, 3>* of_point) {
+  const double camera[8] = {in[0], in[0] * in[1], in[2], in[3], in[4], in[5], in[6], in[7]};
+  const Eigen::Vector2d pixel = ProjectPoint(camera, x, of_intrinsics, of_point);
+  if (of_intrinsics) {
+    of_intrinsics->col(0) += in[1] * of_intrinsics->col(1);
+    of_intrinsics->col(1) *= in[0];
+  }
+  return pixel;
+}
 
 /// Pixel error of one observation. The distortion is Brown's, as in core/camera.h. Derivatives by hand: automatic ones of 18 unknowns cost
 /// more than the solve.
@@ -23,63 +36,66 @@ class ReprojectionError : public ceres::SizedCostFunction<2, 8, 4, 3, 3> {
   explicit ReprojectionError(const Eigen::Vector2d& pixel) : pixel_(pixel) {}
 
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    const double* camera = parameters[0];
     const Eigen::Map<const Eigen::Quaterniond> q(parameters[1]);
     const Eigen::Map<const Eigen::Vector3d> t(parameters[2]), x(parameters[3]);
-    const Eigen::Vector3d turned = q * x, in_camera = turned + t;
-    const double u = in_camera.x() / in_camera.z(), v = in_camera.y() / in_camera.z(), r2 = u * u + v * v;
-    const double k1 = camera[4], k2 = camera[5], p1 = camera[6], p2 = camera[7], radial = 1 + r2 * (k1 + r2 * k2);
-    const double du = u * radial + 2 * p1 * u * v + p2 * (r2 + 2 * u * u), dv = v * radial + 2 * p2 * u * v + p1 * (r2 + 2 * v * v);
-    residual[0] = camera[0] * du + camera[2] - pixel_.x();
-    residual[1] = camera[1] * dv + camera[3] - pixel_.y();
+    Eigen::Matrix<double, 2, 8> of_camera;
+    Eigen::Matrix<double, 2, 3> of_point;
+    const Eigen::Vector3d in_camera = q * x + t;
+    Eigen::Map<Eigen::Vector2d> r(residual);
+    r = ProjectWith(parameters[0], in_camera, jacobians ? &of_camera : nullptr, jacobians ? &of_point : nullptr) - pixel_;
     if (!jacobians) return true;
-    if (jacobians[0]) {
-      Rows<8>(jacobians[0]) << du, 0, 1, 0, camera[0] * u * r2, camera[0] * u * r2 * r2, camera[0] * 2 * u * v,
-          camera[0] * (r2 + 2 * u * u),  //
-          0, dv, 0, 1, camera[1] * v * r2, camera[1] * v * r2 * r2, camera[1] * (r2 + 2 * v * v), camera[1] * 2 * u * v;
-    }
-    const double slope = 2 * (k1 + 2 * r2 * k2);  // of `radial` by r2, twice: d radial / du = slope u
-    Eigen::Matrix2d of_ray;
-    of_ray(0, 0) = camera[0] * (radial + u * u * slope + 2 * p1 * v + 6 * p2 * u);
-    of_ray(0, 1) = camera[0] * (u * v * slope + 2 * p1 * u + 2 * p2 * v);
-    of_ray(1, 0) = camera[1] * (u * v * slope + 2 * p2 * v + 2 * p1 * u);
-    of_ray(1, 1) = camera[1] * (radial + v * v * slope + 2 * p2 * u + 6 * p1 * v);
-    Eigen::Matrix<double, 2, 3> ray_of_point;
-    ray_of_point << 1 / in_camera.z(), 0, -u / in_camera.z(), 0, 1 / in_camera.z(), -v / in_camera.z();
-    const Eigen::Matrix<double, 2, 3> of_point = of_ray * ray_of_point;
-    if (jacobians[1]) Rows<4>(jacobians[1]) = of_point * ByQuaternion(q, x);
-    if (jacobians[2]) Rows<3>(jacobians[2]) = of_point;
-    if (jacobians[3]) Rows<3>(jacobians[3]) = of_point * q.toRotationMatrix();
+    if (jacobians[0]) JacobianRows<8>(jacobians[0]) = of_camera;
+    if (jacobians[1]) JacobianRows<4>(jacobians[1]) = of_point * RotatedByQuaternion(q, x);
+    if (jacobians[2]) JacobianRows<3>(jacobians[2]) = of_point;
+    if (jacobians[3]) JacobianRows<3>(jacobians[3]) = of_point * q.toRotationMatrix();
     return true;
   }
 
  private:
-  template <int kColumns>
-  static Eigen::Map<Eigen::Matrix<double, 2, kColumns, Eigen::RowMajor>> Rows(double* values) {
-    return Eigen::Map<Eigen::Matrix<double, 2, kColumns, Eigen::RowMajor>>(values);
-  }
-  /// Derivative of q * x by the coefficients (x, y, z, w) of a unit q, where q * x = x + 2 w (v x x) + 2 v x (v x x).
-  static Eigen::Matrix<double, 3, 4> ByQuaternion(const Eigen::Quaterniond& q, const Eigen::Vector3d& x) {
-    const Eigen::Vector3d v = q.vec();
-    Eigen::Matrix3d cross;
-    cross << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
-    Eigen::Matrix<double, 3, 4> j;
-    j.leftCols<3>() = 2 * (v.dot(x) * Eigen::Matrix3d::Identity() + v * x.transpose() - 2 * x * v.transpose() - q.w() * cross);
-    j.col(3) = 2 * v.cross(x);
-    return j;
-  }
-
   Eigen::Vector2d pixel_;
 };
 
-Intrinsics FromCamera(const Camera& c) { return {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2}; }
+/// Pixel error of a known point of a body that may stand elsewhere in the world.
+class BodyError : public ceres::SizedCostFunction<2, 8, 4, 3, 4, 3> {
+ public:
+  BodyError(const Eigen::Vector3d& on_body, const Eigen::Vector2d& pixel) : on_body_(on_body), pixel_(pixel) {}
+
+  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
+    const Eigen::Map<const Eigen::Quaterniond> q(parameters[1]), body_q(parameters[3]);
+    const Eigen::Map<const Eigen::Vector3d> t(parameters[2]), body_t(parameters[4]);
+    Eigen::Matrix<double, 2, 8> of_camera;
+    Eigen::Matrix<double, 2, 3> of_point;
+    const Eigen::Vector3d in_world = body_q * on_body_ + body_t, in_camera = q * in_world + t;
+    Eigen::Map<Eigen::Vector2d> r(residual);
+    r = ProjectWith(parameters[0], in_camera, jacobians ? &of_camera : nullptr, jacobians ? &of_point : nullptr) - pixel_;
+    if (!jacobians) return true;
+    const Eigen::Matrix<double, 2, 3> of_world = of_point * q.toRotationMatrix();
+    if (jacobians[0]) JacobianRows<8>(jacobians[0]) = of_camera;
+    if (jacobians[1]) JacobianRows<4>(jacobians[1]) = of_point * RotatedByQuaternion(q, in_world);
+    if (jacobians[2]) JacobianRows<3>(jacobians[2]) = of_point;
+    if (jacobians[3]) JacobianRows<4>(jacobians[3]) = of_world * RotatedByQuaternion(body_q, on_body_);
+    if (jacobians[4]) JacobianRows<3>(jacobians[4]) = of_world;
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d on_body_;
+  Eigen::Vector2d pixel_;
+};
+
+Intrinsics FromCamera(const Camera& c) { return {c.fx, c.fy / c.fx, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2}; }
 
 void ToCamera(const Intrinsics& in, Camera& c) {
-  c.fx = in[0], c.fy = in[1], c.cx = in[2], c.cy = in[3];
+  c.fx = in[0], c.fy = in[0] * in[1], c.cx = in[2], c.cy = in[3];
   c.k1 = in[4], c.k2 = in[5], c.p1 = in[6], c.p2 = in[7];
 }
 
-void RequireValid(const Scene& scene, const std::vector<Observation>& observations) {
+void RequireValid(const Scene& scene, const std::vector<Observation>& observations, const Bodies& bodies) {
+  for (const BodyObservation& o : bodies.observations)
+    if (o.view < 0 || o.view >= static_cast<int>(scene.views.size()) || o.body < 0 ||
+        o.body >= static_cast<int>(bodies.world_from_body.size()))
+      throw InputError("bundle adjustment: an observation names view " + std::to_string(o.view) + " and body " + std::to_string(o.body) +
+                       ", which the scene does not have");
   if (scene.views.size() < 2) throw InputError("bundle adjustment needs two views or more, got " + std::to_string(scene.views.size()));
   for (const View& view : scene.views)
     if (FromCamera(view.camera) != FromCamera(scene.views[0].camera))
@@ -106,13 +122,42 @@ double MeanError(const Scene& scene, const std::vector<Observation>& observation
 
 std::vector<int> FixedIntrinsics(const BundleOptions& options) {
   std::vector<int> fixed;
+  if (options.keep_aspect) fixed.push_back(1);
   if (!options.refine_principal_point) fixed.insert(fixed.end(), {2, 3});
   if (!options.refine_distortion) fixed.insert(fixed.end(), {5, 6, 7});
   return fixed;
 }
 
+/// Residuals of known points; body 0 stays where it is.
+void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering, Scene& scene, Bodies& bodies, Intrinsics& camera,
+               ceres::LossFunction* loss, ceres::Manifold* manifold) {
+  for (const BodyObservation& o : bodies.observations) {
+    View& view = scene.views[static_cast<std::size_t>(o.view)];
+    Rigid3& body = bodies.world_from_body[static_cast<std::size_t>(o.body)];
+    problem.AddResidualBlock(new BodyError(o.on_body, o.pixel), loss, camera.data(), view.camera_from_world.rotation.coeffs().data(),
+                             view.camera_from_world.translation.data(), body.rotation.coeffs().data(), body.translation.data());
+  }
+  for (std::size_t b = 0; b < bodies.world_from_body.size(); ++b) {
+    double *rotation = bodies.world_from_body[b].rotation.coeffs().data(), *translation = bodies.world_from_body[b].translation.data();
+    if (!problem.HasParameterBlock(rotation)) continue;
+    problem.SetManifold(rotation, manifold);
+    ordering.AddElementToGroup(rotation, 1);
+    ordering.AddElementToGroup(translation, 1);
+    if (b == 0) problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);
+  }
+}
+
+double BodiesRms(const Scene& scene, const Bodies& bodies) {
+  double sum = 0;
+  for (const BodyObservation& o : bodies.observations) {
+    const Rigid3& body = bodies.world_from_body[static_cast<std::size_t>(o.body)];
+    sum += (scene.views[static_cast<std::size_t>(o.view)].Project(body * o.on_body) - o.pixel).squaredNorm();
+  }
+  return bodies.observations.empty() ? 0 : std::sqrt(sum / static_cast<double>(bodies.observations.size()));
+}
+
 /// One solve. Poses, points and the camera are changed in place. @return iterations
-int Solve(Scene& scene, const std::vector<Observation>& observations, const BundleOptions& options) {
+int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observations, const BundleOptions& options) {
   Intrinsics camera = FromCamera(scene.views[0].camera);
   ceres::Problem problem;
   ceres::LossFunction* loss = new ceres::CauchyLoss(options.robust_px);
@@ -125,8 +170,9 @@ int Solve(Scene& scene, const std::vector<Observation>& observations, const Bund
                              view.camera_from_world.translation.data(), point);
     ordering->AddElementToGroup(point, 0);
   }
+  AddBodies(problem, *ordering, scene, bodies, camera, loss, manifold);
   ordering->AddElementToGroup(camera.data(), 1);
-  bool first = true;
+  bool first = bodies.observations.empty();  // bodies fix the gauge
   for (View& view : scene.views) {
     double *rotation = view.camera_from_world.rotation.coeffs().data(), *translation = view.camera_from_world.translation.data();
     if (!problem.HasParameterBlock(rotation)) continue;
@@ -142,6 +188,7 @@ int Solve(Scene& scene, const std::vector<Observation>& observations, const Bund
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-6;
+  solver.max_trust_region_radius = 1e8;  // beyond, steps gain nothing and rounding makes the reduced system indefinite
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
@@ -152,6 +199,7 @@ int Solve(Scene& scene, const std::vector<Observation>& observations, const Bund
     view.camera_from_world.rotation.normalize();
     ToCamera(camera, view.camera);
   }
+  for (Rigid3& body : bodies.world_from_body) body.rotation.normalize();
   return static_cast<int>(summary.iterations.size());
 }
 
@@ -187,20 +235,25 @@ void RebuildPoints(Scene& scene, const std::vector<Observation>& observations) {
 }  // namespace
 
 BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& observations, const BundleOptions& options,
-                          Progress* progress) {
-  RequireValid(scene, observations);
+                          Progress* progress, const Bodies& bodies) {
+  RequireValid(scene, observations, bodies);
   BundleResult result;
   result.scene = scene;
+  result.bodies = bodies;
   result.before_px = MeanError(scene, observations);
   std::vector<Observation> kept = Inliers(result.scene, observations, 8 * options.max_error_px);
   for (int round = 0; round < 2; ++round) {
     Step(progress, 0.5 * round, "bundle adjustment");
-    result.iterations += Solve(result.scene, kept, options);
+    result.iterations += Solve(result.scene, result.bodies, kept, options);
     kept = Inliers(result.scene, observations, options.max_error_px);
   }
   result.observations = static_cast<int>(kept.size());
   result.dropped = static_cast<int>(observations.size() - kept.size());
   result.after_px = MeanError(result.scene, kept);
+  for (const Observation& o : observations)
+    if (const double error = ErrorOf(result.scene, o) / options.robust_px; std::isfinite(error))
+      result.chi2 += options.robust_px * options.robust_px * std::log1p(error * error);
+  result.bodies_rms_px = BodiesRms(result.scene, result.bodies);
   RebuildPoints(result.scene, kept);
   return result;
 }

@@ -142,6 +142,38 @@ Features ColmapDatabase::ReadFeatures(int image) const {
   return features;
 }
 
+void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x, double y) {
+  Statement keypoints(other.database_.get(),
+                      "SELECT k.rows, k.cols, k.data FROM keypoints k JOIN images i USING (image_id) WHERE i.name = ?");
+  keypoints.Bind(1, name);
+  if (!keypoints.Next()) return;
+  const auto rows = keypoints.Integer(0), columns = keypoints.Integer(1);
+  Statement descriptors(other.database_.get(), "SELECT d.data FROM descriptors d JOIN images i USING (image_id) WHERE i.name = ?");
+  descriptors.Bind(1, name);
+  const auto values = static_cast<std::size_t>(rows * columns);
+  if (columns < 2 || keypoints.Bytes(2) != values * sizeof(float) || !descriptors.Next() ||
+      descriptors.Bytes(0) != static_cast<std::size_t>(rows) * kDescriptorSize)
+    throw ToolError("COLMAP wrote features of an unknown form for " + name + "; version 3.8 is expected");
+  std::vector<float> moved(values);
+  if (values > 0) std::memcpy(moved.data(), keypoints.Blob(2), values * sizeof(float));
+  for (std::size_t i = 0; i < values; i += static_cast<std::size_t>(columns)) {
+    moved[i] = static_cast<float>(moved[i] + x);
+    moved[i + 1] = static_cast<float>(moved[i + 1] + y);
+  }
+  for (const bool is_keypoints : {true, false}) {
+    Statement add(database_.get(),
+                  is_keypoints ? "INSERT INTO keypoints VALUES (?, ?, ?, ?)" : "INSERT INTO descriptors VALUES (?, ?, ?, ?)");
+    add.Bind(1, image + 1);
+    add.Bind(2, rows);
+    add.Bind(3, is_keypoints ? columns : kDescriptorSize);
+    if (is_keypoints)
+      add.BindBlob(4, moved.data(), values * sizeof(float));
+    else
+      add.BindBlob(4, descriptors.Blob(0), descriptors.Bytes(0));
+    add.RunOnce();
+  }
+}
+
 void ColmapDatabase::WriteMatches(const std::vector<PairMatches>& matches) {
   Execute("PRAGMA synchronous = OFF");
   Execute("BEGIN");
@@ -188,6 +220,21 @@ std::vector<VerifiedPair> ColmapDatabase::VerifiedPairs() const {
       if (config == 2) pair.geometry.matrix = (k_inverse.transpose() * pair.geometry.matrix * k_inverse).eval();
     }
     pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+std::vector<PairMatches> ColmapDatabase::VerifiedMatches() const {
+  std::vector<PairMatches> pairs;
+  Statement select(database_.get(), "SELECT pair_id, rows, data FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
+  while (select.Next()) {
+    const std::int64_t id = select.Integer(0);
+    PairMatches pair{static_cast<int>(id / kMaxImages) - 1, static_cast<int>(id % kMaxImages) - 1, {}};
+    pair.features.resize(static_cast<std::size_t>(select.Integer(1)));
+    if (select.Bytes(2) != 8 * pair.features.size())
+      throw ToolError("COLMAP wrote two-view geometries of an unknown form; version 3.8 is expected");
+    std::memcpy(static_cast<void*>(pair.features.data()), select.Blob(2), 8 * pair.features.size());
+    pairs.push_back(std::move(pair));
   }
   return pairs;
 }

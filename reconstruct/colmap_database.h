@@ -58,11 +58,15 @@ class ColmapDatabase {
 
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
+  /// Copies the features that another database holds for the image of that name to image i (0-based), moved by (x, y) pixels.
+  void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x, double y);
   void WriteMatches(const std::vector<PairMatches>& matches);
   /// Copies matches and two-view geometries of another database, by pair id.
   void AddPairsFrom(const std::filesystem::path& other);
   /// Pairs with at least one inlier, by pair id. Essential matrices are turned into fundamental ones with the camera's K.
   std::vector<VerifiedPair> VerifiedPairs() const;
+  /// The matched features of pairs that stood the geometric test, by pair id.
+  std::vector<PairMatches> VerifiedMatches() const;
   /// Puts other inliers in the place of a verified pair's.
   void ReplaceInliers(const std::vector<PairMatches>& pairs);
 

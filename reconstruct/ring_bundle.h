@@ -9,7 +9,7 @@
 namespace keypose::reconstruct {
 
 struct RingBundleOptions {
-  int max_iterations = 60;
+  int max_iterations = 30;
   double robust_px = 1;          ///< Cauchy loss
   double angle_prior_deg = 0.6;  ///< how far the table may stand from its even steps: standard deviation
   double step_prior_deg = 0.5;   ///< how far the even step may be from 360 degrees over the positions

@@ -40,7 +40,7 @@ class Reconstruction {
     Adjust(Agreeing(matches, 5), 12);
     for (const double error_px : {4.0, 2.5}) {
       Step(progress, error_px > 3 ? 0.7 : 0.8, "matching along the ring model's epipolar lines");
-      Adjust(GuidedMatches(error_px), 6);
+      Adjust(GuidedMatches(SceneOf(result_.model, names_, {}), error_px), 6);
     }
     if (bundle_.observations.size() < 3 * result_.model.views.size()) return std::move(result_);
     result_.found = true;
@@ -86,32 +86,36 @@ class Reconstruction {
     return agreeing;
   }
 
-  std::vector<PairMatches> GuidedMatches(double error_px) const {
-    const RingModel& model = result_.model;
+  /// Matches along the epipolar lines of pairs of cameras that look from not too different sides.
+  std::vector<PairMatches> GuidedMatches(const Scene& scene, double error_px) const {
     std::vector<std::pair<std::size_t, std::size_t>> pairs;
-    for (std::size_t a = 0; a < model.views.size(); ++a)
-      for (std::size_t b = a + 1; b < model.views.size(); ++b) {
-        const Eigen::Quaterniond turn = SecondFromFirst(model, model.views[a], model.views[b]).rotation;
-        if ((turn * Eigen::Vector3d::UnitZ()).z() > std::cos(options_.widest_pair_deg * kDegree)) pairs.emplace_back(a, b);
+    for (std::size_t a = 0; a < scene.views.size(); ++a)
+      for (std::size_t b = a + 1; b < scene.views.size(); ++b) {
+        const Rigid3 turn = Compose(scene.views[b].camera_from_world, scene.views[a].camera_from_world.Inverse());
+        if ((turn.rotation * Eigen::Vector3d::UnitZ()).z() > std::cos(options_.widest_pair_deg * kDegree)) pairs.emplace_back(a, b);
       }
     std::vector<PairMatches> found(pairs.size());
     ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
-      const RingView &a = model.views[pairs[static_cast<std::size_t>(k)].first],
-                     &b = model.views[pairs[static_cast<std::size_t>(k)].second];
+      const auto [a, b] = pairs[static_cast<std::size_t>(k)];
+      const int first = result_.model.views[a].image, second = result_.model.views[b].image;
       PairGeometry geometry;
       geometry.kind = PairGeometry::kFundamental;
-      geometry.matrix = FundamentalMatrix(model.camera, SecondFromFirst(model, a, b));
+      geometry.matrix =
+          FundamentalMatrix(scene.views[a].camera, Compose(scene.views[b].camera_from_world, scene.views[a].camera_from_world.Inverse()));
       found[static_cast<std::size_t>(k)] = {
-          a.image, b.image,
-          MatchGuided(features_[static_cast<std::size_t>(a.image)], features_[static_cast<std::size_t>(b.image)], geometry,
-                      options_.matching, error_px)};
+          first, second,
+          MatchGuided(features_[static_cast<std::size_t>(first)], features_[static_cast<std::size_t>(second)], geometry, options_.matching,
+                      error_px)};
     });
     return found;
   }
 
+  Triangulated Points(const Scene& scene, const std::vector<PairMatches>& matches, double error_px) const {
+    return Triangulate(scene, ViewOfImage(), BuildTracks(matches, features_), features_, {.min_angle_deg = 4, .max_error_px = error_px});
+  }
+
   void Adjust(const std::vector<PairMatches>& matches, double triangulation_error_px) {
-    const Triangulated points = Triangulate(SceneOf(result_.model, names_, {}), ViewOfImage(), BuildTracks(matches, features_), features_,
-                                            {.min_angle_deg = 4, .max_error_px = triangulation_error_px});
+    const Triangulated points = Points(SceneOf(result_.model, names_, {}), matches, triangulation_error_px);
     RingBundleOptions ring = options_.ring;
     if (ring.focal_px <= 0) ring.focal_px = result_.start.model.camera.fx;
     bundle_ = AdjustRingBundle(result_.model, points.scene.points, points.observations, ring);
@@ -132,7 +136,6 @@ class Reconstruction {
     for (std::size_t v = 0; v < seen.size(); ++v)
       if (seen[v] < options_.min_view_matches) all_seen = false, result_.by_step_only.push_back(ring.views[v].name);
     result_.scene = std::move(held.scene);
-    result_.observations = bundle_.observations;
     if (!all_seen) return;  // a camera of its own needs observations of its own
     BundleResult free = AdjustBundle(ring, bundle_.observations, options_.bundle, progress);
     const double observations = 2.0 * static_cast<double>(bundle_.observations.size()),
@@ -144,7 +147,18 @@ class Reconstruction {
     result_.chi2_ratio = free.chi2 / free_freedom / (held.chi2 / ring_freedom);
     if (result_.chi2_ratio >= options_.release_share) return;
     result_.freed = true;
-    result_.scene = std::move(free.scene);
+    Follow(std::move(free.scene), progress);
+  }
+
+  /// What did not fit the ring may fit the cameras now that they are free: matched and adjusted again.
+  void Follow(Scene scene, Progress* progress) {
+    for (const double error_px : {4.0, 2.5}) {
+      const Triangulated points = Points(scene, GuidedMatches(scene, error_px), 4 * error_px);
+      BundleResult free = AdjustBundle(points.scene, points.observations, options_.bundle, progress);
+      result_.free_error_px = free.after_px;
+      scene = std::move(free.scene);
+    }
+    result_.scene = std::move(scene);
   }
 
   const std::vector<std::string>& names_;

@@ -28,7 +28,6 @@ struct RingSfmResult {
   RingStart start;
   RingModel model;
   Scene scene;                                  ///< cameras and points, in the table's frame (z the axis)
-  std::vector<Observation> observations;        ///< of scene.points
   bool freed = false;                           ///< the cameras left the ring model
   double ring_error_px = 0, free_error_px = 0;  ///< mean reprojection errors
   double chi2_ratio = 1;                        ///< free over ring, per degree of freedom

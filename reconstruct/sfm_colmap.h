@@ -9,19 +9,18 @@
 #include "core/stage/stage.h"
 #include "reconstruct/bundle_adjustment.h"
 #include "reconstruct/colmap_database.h"
+#include "reconstruct/flip.h"
 #include "reconstruct/sfm_options.h"
 
 namespace keypose::reconstruct {
 
 /// Files of one run, in the stage's scratch folder.
 struct SfmFiles {
-  std::filesystem::path scratch, images, masks, database;
+  std::filesystem::path scratch, images, database;
 };
 
-/// Writes masks grown by the margin, where COLMAP looks for them.
-void WriteFeatureMasks(const ImageSet& set, const SfmFiles& files, int margin_px);
-
-/// SIFT features of all images into the database.
+/// SIFT features of all images into the database, sought in the photographs cut to their masks. Photographs without a mask are looked at
+/// whole. @throws InputError a mask of another size than its photograph
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options);
 
 /// Geometric verification of raw matches. COLMAP's RANSAC draws from a generator that each thread keeps, so the pairs are split into a
@@ -30,6 +29,16 @@ void VerifyMatches(StageContext& stage, const SfmFiles& files, const std::vector
 
 /// Incremental mapping on one thread (sums over threads depend on their number). @return model folders, most images first
 std::vector<std::filesystem::path> MapImages(StageContext& stage, const SfmFiles& files, const SfmOptions& options);
+
+/// Points seen by images whose cameras are known, by COLMAP's point_triangulator on one thread; then images that `views` lacks are placed
+/// by these points, as far as they can be (image_registrator), and triangulated too. Cameras that are given do not move.
+/// @param views  with names of the set; cameras may differ
+/// @return the model's folder
+std::filesystem::path TriangulateKnown(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<View>& views,
+                                       const std::string& name, const SfmOptions& options);
+
+/// All elements of all tracks, by point; points in the order of ReadColmapModel.
+std::vector<TrackElement> ReadTracks(const std::filesystem::path& model);
 
 /// The features that COLMAP joined into the points of a model.
 /// @param scene  the same model as ReadColmapModel gives it

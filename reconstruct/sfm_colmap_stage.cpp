@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "reconstruct/sfm_colmap.h"
+#include "reconstruct/sfm_crop.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;
@@ -32,63 +34,60 @@ std::string Text(double value) {
 std::string Text(int value) { return std::to_string(value); }
 std::string Text(bool value) { return value ? "1" : "0"; }
 
-/// Grown by `margin` pixels in both axes.
-Image8 Grown(const Image8& mask, int margin) {
-  Image8 rows(mask.width, mask.height, 1), grown(mask.width, mask.height, 1);
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x) {
-      std::uint8_t value = 0;
-      for (int k = std::max(0, x - margin); k <= std::min(mask.width - 1, x + margin); ++k) value = std::max(value, *mask.at(k, y));
-      *rows.at(x, y) = value;
-    }
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x) {
-      std::uint8_t value = 0;
-      for (int k = std::max(0, y - margin); k <= std::min(mask.height - 1, y + margin); ++k) value = std::max(value, *rows.at(x, k));
-      *grown.at(x, y) = value > 127 ? 255 : 0;
-    }
-  return grown;
+/// A photograph as features are sought in it: files in a folder of its own, and where its first pixel was.
+struct Prepared {
+  std::string file;
+  int x0 = 0, y0 = 0;
+};
+
+Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int margin_px) {
+  const CapturedImage& image = set.images[static_cast<std::size_t>(i)];
+  const std::string file = std::to_string(i) + ".png";
+  const Image8 photo = ReadImage(set.ImagePath(i), 1);
+  if (image.mask.empty()) {
+    WriteImage(folder / "images" / file, photo);
+    return {file};
+  }
+  const Image8 mask = ReadImage(set.MaskPath(i), 1);
+  if (mask.width != photo.width || mask.height != photo.height)
+    throw InputError("sfm: mask " + image.mask + " is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + ", but " +
+                     image.name + " is " + std::to_string(photo.width) + " x " + std::to_string(photo.height) + "; run capture again");
+  const ObjectCrop crop = CropToObject(photo, mask, margin_px);
+  WriteImage(folder / "images" / file, crop.image);
+  WriteImage(folder / "masks" / (file + ".png"), crop.mask);
+  return {file, crop.x0, crop.y0};
 }
 
-}  // namespace
-
-void WriteFeatureMasks(const ImageSet& set, const SfmFiles& files, int margin_px) {
-  fs::create_directories(files.masks);
-  ParallelFor(static_cast<std::int64_t>(set.images.size()), [&](std::int64_t i) {
-    const CapturedImage& image = set.images[static_cast<std::size_t>(i)];
-    if (image.mask.empty()) return;
-    const Image8 mask = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
-    if (mask.width != image.width || mask.height != image.height)
-      throw InputError("sfm: mask " + image.mask + " is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + ", but " +
-                       image.name + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) + "; run capture again");
-    WriteImage(files.masks / (image.name + ".png"), Grown(mask, margin_px));
-  });
-}
-
-void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options) {
-  std::string list;
-  for (const CapturedImage& image : set.images) list += image.name + "\n";
-  const fs::path list_file = files.scratch / "images.txt";
-  WriteFile(list_file, list);
+/// Features of images [begin, end) into a database in `folder`, by a COLMAP of one thread. @return what the images were called there
+std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end, const fs::path& folder,
+                                  const SfmOptions& options) {
+  fs::create_directories(folder / "images");
+  fs::create_directories(folder / "masks");
+  std::vector<Prepared> prepared;
+  int limit = options.max_image_size;
+  for (int i = begin; i < end; ++i) {
+    prepared.push_back(PrepareImage(set, i, folder, options.mask_margin_px));
+    // Features are sought at the scale that the whole photograph would have: the limit shrinks with the crop.
+    const CapturedImage& whole = set.images[static_cast<std::size_t>(i)];
+    const ImageInfo crop = ReadImageInfo(folder / "images" / prepared.back().file);
+    const double scale = std::min(1.0, options.max_image_size / static_cast<double>(std::max(whole.width, whole.height)));
+    if (scale < 1) limit = static_cast<int>(std::lround(scale * std::max(crop.width, crop.height)));
+  }
   Colmap(stage, {"feature_extractor",
                  "--database_path",
-                 files.database,
+                 folder / "features.db",
                  "--image_path",
-                 files.images,
-                 "--image_list_path",
-                 list_file,
+                 folder / "images",
                  "--ImageReader.mask_path",
-                 files.masks,
-                 "--ImageReader.single_camera",
-                 "1",
+                 folder / "masks",
                  "--ImageReader.camera_model",
                  "SIMPLE_RADIAL",
                  "--SiftExtraction.use_gpu",
                  "0",
                  "--SiftExtraction.num_threads",
-                 Text(ThreadCount()),
+                 "1",
                  "--SiftExtraction.max_image_size",
-                 Text(options.max_image_size),
+                 Text(limit),
                  "--SiftExtraction.max_num_features",
                  Text(options.max_features),
                  "--SiftExtraction.peak_threshold",
@@ -97,6 +96,36 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
                  Text(options.affine_shape),
                  "--SiftExtraction.domain_size_pooling",
                  Text(options.domain_size_pooling)});
+  return prepared;
+}
+
+}  // namespace
+
+void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options) {
+  const int images = static_cast<int>(set.images.size());
+  const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
+  const int per_part = shrunk ? 1 : 3;  // one limit on the size holds for all images of a part
+  const int parts = (images + per_part - 1) / per_part;
+  const auto folder = [&](std::int64_t k) { return files.scratch / ("features" + std::to_string(k)); };
+  std::vector<std::vector<Prepared>> prepared(static_cast<std::size_t>(parts));
+  std::atomic<int> done = 0;
+  ParallelFor(parts, [&](std::int64_t k) {
+    const int begin = static_cast<int>(k) * per_part, end = std::min(images, begin + per_part);
+    prepared[static_cast<std::size_t>(k)] = ExtractPart(stage, set, begin, end, folder(k), options);
+    done += end - begin;
+    Step(stage.progress(), 0.4 * done / images, "features of " + std::to_string(done) + " of " + std::to_string(images) + " images");
+  });
+  ColmapDatabase database(files.database);
+  for (int k = 0; k < parts; ++k) {
+    {
+      const ColmapDatabase part(folder(k) / "features.db");
+      for (std::size_t i = 0; i < prepared[static_cast<std::size_t>(k)].size(); ++i) {
+        const Prepared& image = prepared[static_cast<std::size_t>(k)][i];
+        database.AddFeaturesFrom(part, image.file, k * per_part + static_cast<int>(i), image.x0, image.y0);
+      }
+    }
+    fs::remove_all(folder(k));
+  }
 }
 
 void VerifyMatches(StageContext& stage, const SfmFiles& files, const std::vector<PairMatches>& matches, const SfmOptions& options) {
@@ -149,8 +178,7 @@ std::vector<fs::path> MapImages(StageContext& stage, const SfmFiles& files, cons
   return folders;
 }
 
-std::vector<Observation> ReadObservations(const fs::path& model, const ImageSet& set, const Scene& scene,
-                                          const std::vector<Features>& features) {
+std::vector<TrackElement> ReadTracks(const fs::path& model) {
   // COLMAP's layout: a count, then for each point id, position, colour, error, track length, and (image id, feature) pairs. The points
   // come in the order in which ReadColmapModel reads them.
   const std::string bytes = ReadFile(model / "points3D.bin");
@@ -162,23 +190,118 @@ std::vector<Observation> ReadObservations(const fs::path& model, const ImageSet&
     at += sizeof(T);
     return value;
   };
-  std::vector<int> view_of(set.images.size(), -1);
-  for (std::size_t v = 0; v < scene.views.size(); ++v)
-    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of[static_cast<std::size_t>(i)] = static_cast<int>(v);
-  std::vector<Observation> observations;
+  std::vector<TrackElement> elements;
   const auto points = get(std::uint64_t{});
   for (std::uint64_t p = 0; p < points; ++p) {
     at += 8 + 3 * 8 + 3 + 8;
     const auto length = get(std::uint64_t{});
     for (std::uint64_t t = 0; t < length; ++t) {
-      const std::size_t image = get(std::uint32_t{}) - 1U;
-      const auto feature = static_cast<Eigen::Index>(get(std::uint32_t{}));
-      if (image >= set.images.size() || view_of[image] < 0 || feature >= features[image].count())
-        throw ToolError("COLMAP's points3D.bin names a feature that is not there");
-      observations.push_back({view_of[image], static_cast<int>(p), features[image].positions.row(feature).transpose().cast<double>()});
+      const int image = static_cast<int>(get(std::uint32_t{})) - 1, feature = static_cast<int>(get(std::uint32_t{}));
+      elements.push_back({image, feature, static_cast<int>(p)});
     }
   }
+  return elements;
+}
+
+std::vector<Observation> ReadObservations(const fs::path& model, const ImageSet& set, const Scene& scene,
+                                          const std::vector<Features>& features) {
+  std::vector<int> view_of(set.images.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of[static_cast<std::size_t>(i)] = static_cast<int>(v);
+  std::vector<Observation> observations;
+  for (const TrackElement& element : ReadTracks(model)) {
+    const auto image = static_cast<std::size_t>(element.image);
+    if (image >= set.images.size() || view_of[image] < 0 || element.feature < 0 || element.feature >= features[image].count())
+      throw ToolError("COLMAP's points3D.bin names a feature that is not there");
+    observations.push_back({view_of[image], element.point, features[image].positions.row(element.feature).transpose().cast<double>()});
+  }
   return observations;
+}
+
+namespace {
+
+bool SameCamera(const Camera& a, const Camera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.k1 == b.k1 &&
+         a.k2 == b.k2 && a.p1 == b.p1 && a.p2 == b.p2;
+}
+
+bool OneCamera(const std::vector<View>& views) {
+  return std::all_of(views.begin(), views.end(), [&](const View& view) { return SameCamera(view.camera, views.front().camera); });
+}
+
+/// A model without points in COLMAP's text form. Image ids are those of the database, and so is the one camera where all have one.
+void WriteCameras(const fs::path& folder, const ImageSet& set, const std::vector<View>& views) {
+  fs::create_directories(folder);
+  std::ostringstream cameras, images;
+  cameras.precision(17);
+  images.precision(17);
+  const bool one_camera = OneCamera(views);
+  for (const View& view : views) {
+    const int id = set.Find(view.name) + 1;
+    if (id == 0) throw InputError("sfm: " + view.name + " is not among the photographs");
+    const Camera& c = view.camera;
+    const int camera = one_camera ? 1 : id;
+    if (!one_camera || &view == &views.front())
+      cameras << camera << " OPENCV " << c.width << " " << c.height << " " << c.fx << " " << c.fy << " " << c.cx << " " << c.cy << " "
+              << c.k1 << " " << c.k2 << " " << c.p1 << " " << c.p2 << "\n";
+    const Eigen::Quaterniond& q = view.camera_from_world.rotation;
+    const Eigen::Vector3d& t = view.camera_from_world.translation;
+    images << id << " " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << " " << t.x() << " " << t.y() << " " << t.z() << " "
+           << camera << " " << view.name << "\n\n";
+  }
+  WriteFile(folder / "cameras.txt", cameras.str());
+  WriteFile(folder / "images.txt", images.str());
+  WriteFile(folder / "points3D.txt", "");
+}
+
+void Triangulate(StageContext& stage, const SfmFiles& files, const fs::path& input, const fs::path& output, const SfmOptions& options) {
+  fs::create_directories(output);
+  Colmap(stage, {"point_triangulator",
+                 "--database_path",
+                 files.database,
+                 "--image_path",
+                 files.images,
+                 "--input_path",
+                 input,
+                 "--output_path",
+                 output,
+                 "--clear_points",
+                 "1",
+                 "--Mapper.num_threads",
+                 "1",
+                 "--Mapper.ba_refine_focal_length",
+                 "0",
+                 "--Mapper.ba_refine_extra_params",
+                 "0",
+                 "--Mapper.filter_min_tri_angle",
+                 Text(options.min_triangulation_deg),
+                 "--Mapper.tri_min_angle",
+                 Text(options.min_triangulation_deg)});
+}
+
+}  // namespace
+
+fs::path TriangulateKnown(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<View>& views,
+                          const std::string& name, const SfmOptions& options) {
+  const fs::path known = files.scratch / (name + "_known"), model = files.scratch / (name + "_points");
+  WriteCameras(known, set, views);
+  Triangulate(stage, files, known, model, options);
+  if (views.size() == set.images.size() || !OneCamera(views)) return model;
+  const fs::path more = files.scratch / (name + "_more");
+  fs::create_directories(more);
+  try {
+    Colmap(stage, {"image_registrator", "--database_path", files.database, "--input_path", model, "--output_path", more,
+                   "--Mapper.num_threads", "1", "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.fix_existing_images", "1"});
+  } catch (const ToolError& error) {
+    stage.Note(std::string("sfm: image_registrator: ") + error.what());
+    return model;
+  }
+  const Scene grown = ReadColmapModel(more);
+  if (grown.views.size() == views.size()) return model;
+  const fs::path grown_known = files.scratch / (name + "_more_known"), grown_model = files.scratch / (name + "_more_points");
+  WriteCameras(grown_known, set, grown.views);
+  Triangulate(stage, files, grown_known, grown_model, options);
+  return grown_model;
 }
 
 std::vector<std::pair<std::string, double>> AnalyzeModel(StageContext& stage, const fs::path& model) {

@@ -8,10 +8,13 @@
 #include "reconstruct/bundle_adjustment.h"
 #include "reconstruct/descriptor_matching.h"
 #include "reconstruct/pair_list.h"
+#include "reconstruct/ring_model.h"
 
 namespace keypose::reconstruct {
 
 struct SfmOptions {
+  std::string method = "auto";    ///< auto goes down the ladder: plate, features, ring
+  std::string rings = "auto";     ///< sizes of the rings in the order of names, such as 18+18
   int max_image_size = 2000;      ///< longer side at which features are found
   int max_features = 8192;        ///< per image
   double peak_threshold = 0.002;  ///< COLMAP's default of 0.0067 leaves little on clay, plush and paint
@@ -29,6 +32,9 @@ struct SfmOptions {
   bool refine_distortion = BundleOptions{}.refine_distortion;
   double min_placed = 0.6;
   bool level = true;
+  bool board = true;          ///< use the printed plate where photographs show it
+  int min_board_corners = 8;  ///< of the plate that a photograph must show to be placed by it
+  bool refine_poses = false;  ///< known poses are a start; else they stay as given
 
   PairListOptions PairList() const {
     PairListOptions pairs;
@@ -38,7 +44,22 @@ struct SfmOptions {
     return pairs;
   }
 
+  /// How the photographs may lie in rings.
+  /// @throws InputError  the sizes given do not add up to the number of photographs
+  std::vector<RingLayout> Layouts(const std::vector<std::string>& names) const {
+    const std::vector<int> sizes = RingSizes();
+    return sizes.empty() ? LikelyLayouts(names) : std::vector<RingLayout>{LayoutOfSizes(static_cast<int>(names.size()), sizes)};
+  }
+
+  std::vector<std::string> Problems() const {
+    if (rings == "auto" || !RingSizes().empty()) return {};
+    return {"rings must be auto or sizes joined by +, each 3 or more, such as 18+18, and is '" + rings + "'"};
+  }
+
   void Describe(OptionVisitor& visit) {
+    visit("method", method,
+          {"how cameras are found; auto goes down the ladder and says where it stopped", "", 0, 0, {"auto", "board", "features", "ring"}});
+    visit("rings", rings, {"sizes of the turntable's rings in the order of names, such as 18+18; auto tries equal ones", "", 0, 0, {}});
     visit("max_image_size", max_image_size, {"longer side at which features are found", "px", 320, 20000, {}});
     visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});
     visit("peak_threshold", peak_threshold, {"least contrast of a feature; smaller finds more on weak texture", "", 1e-4, 0.1, {}});
@@ -56,7 +77,28 @@ struct SfmOptions {
           {"also solve for the principal point; objects that fill little of the image do not determine it", "", 0, 1, {}});
     visit("refine_distortion", refine_distortion, {"solve for k1, k2, p1, p2 instead of k1 alone; for wide lenses", "", 0, 1, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
+    visit("board", board, {"place photographs by the printed plate where they show it", "", 0, 1, {}});
+    visit("min_board_corners", min_board_corners, {"corners of the plate that a photograph must show to be placed by it", "", 6, 1000, {}});
+    visit("refine_poses", refine_poses, {"take --poses for a start and adjust them; else they stay as given", "", 0, 1, {}});
     visit("level", level, {"turn the model upright, centre it, and scale the mean camera distance to 1", "", 0, 1, {}});
+  }
+
+ private:
+  /// Empty when `rings` is auto or malformed.
+  std::vector<int> RingSizes() const {
+    std::vector<int> sizes;
+    int value = 0;
+    for (const char c : rings + "+") {
+      if (c >= '0' && c <= '9' && value < 100000) {
+        value = 10 * value + (c - '0');
+      } else if (c == '+' && value >= 3) {
+        sizes.push_back(value);
+        value = 0;
+      } else {
+        return {};
+      }
+    }
+    return sizes;
   }
 };
 

@@ -5,11 +5,14 @@
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "core/stage/stage.h"
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/leveling.h"
+#include "reconstruct/placed_stage.h"
+#include "reconstruct/ring_sfm.h"
 #include "reconstruct/sfm_colmap.h"
 
 namespace {
@@ -65,7 +68,7 @@ std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const
     pair.second = j;
     pair.features = MatchDescriptors(features[static_cast<std::size_t>(i)], features[static_cast<std::size_t>(j)], matching);
   });
-  std::erase_if(matches, [&](const PairMatches& pair) { return static_cast<int>(pair.features.size()) < options.min_inliers; });
+  std::erase_if(matches, [](const PairMatches& pair) { return pair.features.empty(); });
   return matches;
 }
 
@@ -151,18 +154,29 @@ void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matc
   stage.Report("verified_matches", inliers);
 }
 
-/// Features and verified matches of the set, in a COLMAP database. @return the features
-std::vector<Features> BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options,
-                                    Stopwatch& watch) {
-  bool focal_known = false;
-  const Camera camera = StartCamera(set, focal_known);
+std::vector<std::string> NamesOf(const ImageSet& set) {
   std::vector<std::string> names;
   for (const CapturedImage& image : set.images) names.push_back(image.name);
-  ColmapDatabase::Create(files.database, camera, focal_known, names);
-  WriteFeatureMasks(set, files, options.mask_margin_px);
+  return names;
+}
+
+/// What was seen in the photographs.
+struct Seen {
+  Camera camera;  ///< as assumed before any adjustment
+  bool focal_known = false;
+  std::vector<Features> features;
+  std::vector<PairMatches> matches;  ///< raw, however few a pair has
+};
+
+/// Features, matches and verified matches of the set, the last in a COLMAP database.
+Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch) {
+  Seen seen;
+  seen.camera = StartCamera(set, seen.focal_known);
+  const std::vector<std::string> names = NamesOf(set);
+  ColmapDatabase::Create(files.database, seen.camera, seen.focal_known, names);
   ExtractFeatures(stage, set, files, options);
   watch.Lap(stage, "features");
-  std::vector<Features> features;
+  std::vector<Features>& features = seen.features;
   {
     const ColmapDatabase database(files.database);
     for (std::size_t i = 0; i < names.size(); ++i) features.push_back(database.ReadFeatures(static_cast<int>(i)));
@@ -174,10 +188,12 @@ std::vector<Features> BuildDatabase(StageContext& stage, const ImageSet& set, co
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
   Step(stage.progress(), 0.45, "matching");
-  const auto matches = MatchPairs(features, pairs, options, stage.progress());
+  seen.matches = MatchPairs(features, pairs, options, stage.progress());
   watch.Lap(stage, "matching");
   Step(stage.progress(), 0.6, "verifying matches");
-  VerifyMatches(stage, files, matches, options);
+  std::vector<PairMatches> enough = seen.matches;
+  std::erase_if(enough, [&](const PairMatches& pair) { return static_cast<int>(pair.features.size()) < options.min_inliers; });
+  VerifyMatches(stage, files, enough, options);
   watch.Lap(stage, "verification");
   ColmapDatabase database(files.database);
   if (options.guided_matching) {
@@ -185,19 +201,19 @@ std::vector<Features> BuildDatabase(StageContext& stage, const ImageSet& set, co
     stage.Report("guided_gain", MatchAlongLines(database, features, options, stage.progress()));
     watch.Lap(stage, "guided_matching");
   }
-  ReportMatches(stage, pairs.size(), matches.size(), database);
-  return features;
+  ReportMatches(stage, pairs.size(), enough.size(), database);
+  return seen;
 }
 
-/// The model adjusted once more, with a robust loss.
-Scene Refined(StageContext& stage, const Scene& scene, const std::vector<Observation>& observations, const SfmOptions& options) {
-  BundleOptions bundle;
-  bundle.refine_principal_point = options.refine_principal_point;
-  bundle.refine_distortion = options.refine_distortion;
-  BundleResult result = AdjustBundle(scene, observations, bundle, stage.progress());
+/// The model adjusted once more, with a robust loss; known poses stay, and so does what shows neither points nor a plate.
+Scene Refined(StageContext& stage, const PlacedModel& model, const SfmOptions& options) {
+  if (model.fixed || (model.observations.empty() && model.bodies.observations.empty())) return model.scene;
+  BundleResult result =
+      AdjustBundle(model.scene, model.observations, BundleFor(model, options), stage.progress(), model.bodies);
   stage.Report("colmap_reprojection_error_px", result.before_px);
   stage.Report("refined_reprojection_error_px", result.after_px);
   stage.Report("observations_dropped", result.dropped);
+  if (!model.bodies.observations.empty()) stage.Report("board_rms_px", result.bodies_rms_px);
   return std::move(result.scene);
 }
 
@@ -210,28 +226,119 @@ Scene Leveled(StageContext& stage, const Scene& scene) {
   return reconstruct::Transformed(leveling.level_from_model, scene);
 }
 
+/// Colours of points that a model of ours has, each from the first photograph that shows it.
+void ColorPoints(const ImageSet& set, Scene& scene) {
+  std::vector<std::vector<std::size_t>> of_view(scene.views.size());
+  for (std::size_t p = 0; p < scene.points.size(); ++p)
+    if (!scene.points[p].views.empty()) of_view[static_cast<std::size_t>(scene.points[p].views[0])].push_back(p);
+  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
+    const View& view = scene.views[static_cast<std::size_t>(v)];
+    if (of_view[static_cast<std::size_t>(v)].empty()) return;
+    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
+    for (const std::size_t p : of_view[static_cast<std::size_t>(v)]) {
+      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
+      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
+      scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));
+    }
+  });
+}
+
+/// Cameras and the method that found them.
+struct Placed {
+  Scene scene;
+  std::string method;
+  std::string scale_source = "none";  ///< of a frame that must stay: "plate" or "poses"
+};
+
+Placed PlaceKnown(StageContext& stage, const PlacedModel& model, const std::string& method, const SfmOptions& options) {
+  Step(stage.progress(), 0.85, "bundle adjustment");
+  return {Refined(stage, model, options), method, model.scale_source};
+}
+
+Placed PlaceByFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+                       const SetBoards& boards) {
+  Step(stage.progress(), 0.7, "mapping");
+  const auto models = MapImages(stage, files, options);
+  Placed placed{{}, "features"};
+  json sizes = json::array();
+  for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
+  stage.ReportJson("model_sizes", sizes.dump());
+  if (models.empty()) return placed;
+  const PlacedModel model = ModelFromMapper(stage, set, files, seen.features, models, boards, options);
+  if (model.scene.views.size() < 3) return {model.scene, "features"};
+  return PlaceKnown(stage, model, "features", options);
+}
+
+void ReportRing(StageContext& stage, const RingSfmResult& ring) {
+  stage.Report("ring_layout", ring.layout.reason);
+  stage.Report("ring_matches", ring.start.matches);
+  stage.Report("ring_inliers", ring.start.inliers);
+  stage.Report("ring_inlier_share", ring.start.inlier_share);
+  if (!ring.found) return;
+  stage.Report("ring_error_px", ring.ring_error_px);
+  stage.Report("ring_free_chi2_ratio", ring.chi2_ratio);
+  stage.Report("ring_freed", ring.freed);
+  stage.ReportJson("ring_slop_deg", json(ring.slop_deg).dump());
+  stage.ReportJson("placed_by_step_only", json(ring.by_step_only).dump());
+}
+
+Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+  const std::vector<std::string> names = NamesOf(set);
+  RingSfmOptions ring;
+  ring.matching.max_ratio = options.max_ratio;
+  ring.bundle.refine_principal_point = options.refine_principal_point;
+  ring.bundle.refine_distortion = options.refine_distortion;
+  if (!seen.focal_known) ring.ring.focal_prior = 0.15;
+  SubProgress part(stage.progress(), 0.88, 0.97);
+  RingSfmResult result = ReconstructRing(seen.camera, names, seen.features, seen.matches, options.Layouts(names), ring, &part);
+  ReportRing(stage, result);
+  if (!result.found) return {{}, "ring"};
+  ColorPoints(set, result.scene);
+  return {std::move(result.scene), "ring"};
+}
+
+/// Down the ladder until a rung holds all photographs; else the rung that holds most.
+Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+             Stopwatch& watch) {
+  if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
+  const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
+  Placed best;
+  if (options.method == "auto" || options.method == "board") {
+    const auto model = ModelFromBoards(stage, set, files, seen.features, boards, options);
+    if (model) best = PlaceKnown(stage, *model, "plate", options);
+    watch.Lap(stage, "board");
+    if (best.scene.views.size() >= options.min_placed * static_cast<double>(set.images.size()) && !best.scene.views.empty()) return best;
+  }
+  const auto all = [&] { return best.scene.views.size() == set.images.size(); };
+  if (options.method == "auto" || options.method == "features") {
+    Placed features = PlaceByFeatures(stage, set, files, options, seen, boards);
+    if (features.scene.views.size() > best.scene.views.size()) best = std::move(features);
+    watch.Lap(stage, "mapping");
+  }
+  if (!all() && (options.method == "auto" || options.method == "ring")) {
+    Placed ring = PlaceByRing(stage, set, options, seen);
+    watch.Lap(stage, "ring");
+    if (ring.scene.views.size() > best.scene.views.size()) best = std::move(ring);
+  }
+  return best;
+}
+
 void Run(StageContext& stage, const SfmOptions& options) {
   Stopwatch watch;
   const ImageSet set = ReadImageSet(stage.Input("images"));
   if (set.images.size() < 3)
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) + " photographs; at least 3 are needed");
+  options.Layouts(NamesOf(set));  // a wrong option is told before the work
   const fs::path scratch = stage.Scratch();
-  const SfmFiles files{scratch, set.folder, scratch / "masks", scratch / "database.db"};
+  const SfmFiles files{scratch, set.folder, scratch / "database.db"};
   Step(stage.progress(), 0, "features");
-  const std::vector<Features> features = BuildDatabase(stage, set, files, options, watch);
-  Step(stage.progress(), 0.7, "mapping");
-  const auto models = MapImages(stage, files, options);
-  watch.Lap(stage, "mapping");
-  Scene scene;
-  if (!models.empty()) scene = ReadColmapModel(models[0]);
-  json sizes = json::array();
-  for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
-  stage.ReportJson("model_sizes", sizes.dump());
+  const Seen seen = BuildDatabase(stage, set, files, options, watch);
+  auto [scene, method, scale_source] = Place(stage, set, files, options, seen, watch);
   RequirePlaced(set, scene, options);
-  Step(stage.progress(), 0.9, "bundle adjustment");
-  scene = Refined(stage, scene, ReadObservations(models[0], set, scene, features), options);
-  watch.Lap(stage, "refinement");
-  if (options.level) scene = Leveled(stage, scene);
+  stage.Report("method", method);
+  stage.Report("scale_source", scale_source);
+  if (options.level && scale_source == "none") scene = Leveled(stage, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   ReportModel(stage, set, scene, output);
@@ -241,7 +348,12 @@ const StageSpec kSpec = {
     .name = "sfm",
     .version = "2",
     .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
-    .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""}},
+    .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
+               {.name = "poses",
+                .kind = "path",
+                .help = "cameras that are known: a folder with a COLMAP model, or a transforms.json",
+                .file = "",
+                .optional = true}},
     .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"}},
     .tools = {"colmap"},
     .cores = 0,

@@ -1,0 +1,96 @@
+#include "core/io/poses_io.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// A number of the frame, else of the file, else `none`.
+double Number(const json& root, const json& frame, const char* name, double none) {
+  if (frame.contains(name)) return frame.at(name).get<double>();
+  return root.contains(name) ? root.at(name).get<double>() : none;
+}
+
+Camera CameraOf(const json& root, const json& frame) {
+  Camera camera;
+  camera.width = static_cast<int>(Number(root, frame, "w", 0));
+  camera.height = static_cast<int>(Number(root, frame, "h", 0));
+  camera.fx = Number(root, frame, "fl_x", 0);
+  const double angle = Number(root, frame, "camera_angle_x", 0);
+  if (camera.fx <= 0 && angle > 0 && camera.width > 0) camera.fx = camera.width / (2 * std::tan(angle / 2));
+  if (camera.fx <= 0 && angle > 0) camera.fx = -1 / (2 * std::tan(angle / 2));  // times a width that the caller knows
+  camera.fy = Number(root, frame, "fl_y", camera.fx);
+  camera.cx = Number(root, frame, "cx", camera.width / 2.0);
+  camera.cy = Number(root, frame, "cy", camera.height / 2.0);
+  camera.k1 = Number(root, frame, "k1", 0);
+  camera.k2 = Number(root, frame, "k2", 0);
+  camera.p1 = Number(root, frame, "p1", 0);
+  camera.p2 = Number(root, frame, "p2", 0);
+  return camera;
+}
+
+Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
+  Eigen::Matrix4d world_from_gl;
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 4; ++c)
+      world_from_gl(r, c) = matrix.size() == 3 && r == 3
+                                ? static_cast<double>(c == 3)
+                                : matrix.at(static_cast<std::size_t>(r)).at(static_cast<std::size_t>(c)).get<double>();
+  Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
+  const double off = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!world_from_gl.allFinite() || !(off < 1e-3) || rotation.determinant() < 0)
+    throw InputError(where + ": transform_matrix is no rotation and translation (off by " + std::to_string(off) +
+                     "); write the camera-to-world matrix without scale");
+  rotation.col(1) = -rotation.col(1).eval();  // y down and z forward
+  rotation.col(2) = -rotation.col(2).eval();
+  const Rigid3 world_from_camera{Eigen::Quaterniond(rotation).normalized(), world_from_gl.topRightCorner<3, 1>()};
+  return world_from_camera.Inverse();
+}
+
+std::vector<View> ReadTransforms(const fs::path& path) {
+  std::vector<View> views;
+  try {
+    const json root = json::parse(ReadFile(path));
+    for (const json& frame : root.at("frames")) {
+      View view;
+      view.name = fs::path(frame.at("file_path").get<std::string>()).filename().string();
+      const std::string where = path.string() + ", frame " + view.name;
+      view.camera = CameraOf(root, frame);
+      if (view.camera.fx == 0) throw InputError(where + " has no focal length; give fl_x or camera_angle_x");
+      view.camera_from_world = CameraFromWorld(frame.at("transform_matrix"), where);
+      views.push_back(std::move(view));
+    }
+  } catch (const json::exception& error) {
+    throw InputError(path.string() + " is no transforms.json (" + error.what() + ")");
+  }
+  return views;
+}
+
+}  // namespace
+
+std::vector<View> ReadPoses(const fs::path& path) {
+  std::vector<View> views;
+  if (fs::is_directory(path))
+    views = ReadColmapModel(path).views;
+  else if (path.extension() == ".json")
+    views = ReadTransforms(path);
+  else
+    throw InputError(path.string() + " is neither a folder with a COLMAP model nor a transforms.json");
+  if (views.empty()) throw InputError(path.string() + " holds no camera");
+  std::sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.name < b.name; });
+  for (std::size_t i = 1; i < views.size(); ++i)
+    if (views[i].name == views[i - 1].name) throw InputError(path.string() + " has two cameras for " + views[i].name);
+  return views;
+}
+
+}  // namespace keypose

@@ -1,0 +1,236 @@
+#include "reconstruct/placed_stage.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/poses_io.h"
+#include "reconstruct/known_poses.h"
+#include "reconstruct/leveling.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+BundleOptions BundleOf(const SfmOptions& options, bool with_plate, bool calibrate) {
+  BundleOptions bundle;
+  bundle.refine_principal_point = options.refine_principal_point || calibrate;
+  bundle.refine_distortion = options.refine_distortion;
+  bundle.keep_aspect = with_plate;  // of a plane seen under one tilt, any aspect ratio fits with another distance
+  return bundle;
+}
+
+/// Whether cameras look down on the plate at angles that differ by 15 degrees or more. One ring of views turns the plate about its normal
+/// only, which tells the focal length and nothing more (Zhang, TPAMI 2000, section 4).
+bool SeenUnderSeveralTilts(const Scene& scene) {
+  constexpr double kLeast_deg = 15, kDegree = 3.14159265358979323846 / 180;
+  std::vector<double> tilts;
+  for (const View& view : scene.views) {
+    const Eigen::Vector3d forward = view.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    tilts.push_back(std::asin(std::clamp(-forward.z(), -1.0, 1.0)) / kDegree);
+  }
+  if (tilts.size() < 8) return false;
+  std::sort(tilts.begin(), tilts.end());
+  return tilts[tilts.size() * 9 / 10] - tilts[tilts.size() / 10] >= kLeast_deg;
+}
+
+Rigid3 RigidOf(const Similarity3& similarity) { return {Eigen::Quaterniond(similarity.rotation), similarity.translation}; }
+
+/// A model's scene and tracks, as COLMAP wrote them.
+struct Loaded {
+  Scene scene;
+  std::vector<TrackElement> tracks;
+};
+
+Loaded Load(const fs::path& model) { return {ReadColmapModel(model), ReadTracks(model)}; }
+
+void Append(std::vector<View>& views, const Scene& scene) {
+  std::set<std::string> there;
+  for (const View& view : views) there.insert(view.name);
+  for (const View& view : scene.views)
+    if (!there.contains(view.name)) views.push_back(view);
+  std::sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.name < b.name; });
+}
+
+/// All views with the first one's camera: the sets were shot with one.
+void ShareCamera(std::vector<View>& views, const Camera& camera) {
+  for (View& view : views) view.camera = camera;
+}
+
+PlacedModel Triangulated(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+                         const std::vector<View>& views, const std::string& name, const SfmOptions& options) {
+  const fs::path folder = TriangulateKnown(stage, set, files, views, name, options);
+  PlacedModel model;
+  model.scene = ReadColmapModel(folder);
+  model.observations = ReadObservations(folder, set, model.scene, features);
+  return model;
+}
+
+/// Plates of all groups in a scene, where enough views show them.
+Bodies BodiesOf(const Scene& scene, const ImageSet& set, const SetBoards& boards, const std::vector<Rigid3>& world_from_board,
+                const SfmOptions& options) {
+  Bodies bodies;
+  bodies.world_from_body = world_from_board;
+  for (std::size_t g = 0; g < boards.groups.size(); ++g) {
+    const auto observations =
+        BoardObservations(scene, *set.plate, boards.groups[g].sightings, static_cast<int>(g), options.min_board_corners);
+    bodies.observations.insert(bodies.observations.end(), observations.begin(), observations.end());
+  }
+  return bodies;
+}
+
+void ReportJoin(StageContext& stage, const std::string& name, const Join& join) {
+  stage.ReportJson("join_" + name,
+                   json{{"pairs", join.pairs}, {"agreeing", join.agreeing}, {"rms", join.rms}, {"found", join.found}}.dump());
+}
+
+}  // namespace
+
+BundleOptions BundleFor(const PlacedModel& model, const SfmOptions& options) {
+  return BundleOf(options, !model.bodies.observations.empty(), model.calibrate);
+}
+
+int SetBoards::views() const {
+  int count = 0;
+  for (const Group& group : groups) count += static_cast<int>(group.poses.scene.views.size());
+  return count;
+}
+
+SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const Camera& camera, bool focal_known, const SfmOptions& options) {
+  std::map<std::string, SetBoards::Group> by_name;
+  for (const CapturedImage& image : set.images) {
+    SetBoards::Group& group = by_name[image.group];
+    group.name = image.group;
+    group.images.push_back(image.name);
+    if (!image.plate_corners.empty()) group.sightings.push_back({image.name, image.plate_corners});
+  }
+  SetBoards boards;
+  if (const auto upright = by_name.find("upright"); upright != by_name.end()) {
+    boards.groups.push_back(std::move(upright->second));
+    by_name.erase(upright);
+  }
+  for (auto& [name, group] : by_name) boards.groups.push_back(std::move(group));
+  if (!set.plate || !options.board) return boards;
+  BoardPosesOptions placing;
+  placing.min_corners = options.min_board_corners;
+  placing.bundle = BundleOf(options, true, false);
+  Camera start = camera;
+  bool known = focal_known;
+  json rejected = json::array();
+  double sum = 0, corners = 0;
+  for (SetBoards::Group& group : boards.groups) {
+    group.poses = PlaceByBoard(start, known, *set.plate, group.sightings, placing);
+    if (!boards.calibrate && SeenUnderSeveralTilts(group.poses.scene)) {
+      boards.calibrate = true;
+      placing.bundle = BundleOf(options, true, true);
+      group.poses = PlaceByBoard(start, known, *set.plate, group.sightings, placing);
+    }
+    for (const std::string& name : group.poses.rejected) rejected.push_back(name);
+    if (group.poses.scene.views.size() >= 3) start = group.poses.scene.views[0].camera, known = true;
+    const auto count = static_cast<double>(group.poses.bodies.observations.size());
+    sum += group.poses.rms_px * group.poses.rms_px * count;
+    corners += count;
+  }
+  stage.Report("board_views", boards.views());
+  stage.Report("board_rms_px", corners > 0 ? std::sqrt(sum / corners) : 0.0);
+  stage.ReportJson("board_rejected", rejected.dump());
+  return boards;
+}
+
+PlacedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+                           const SfmOptions& options) {
+  Camera photograph;
+  photograph.width = set.images[0].width;
+  photograph.height = set.images[0].height;
+  std::vector<std::string> names;
+  for (const CapturedImage& image : set.images) names.push_back(image.name);
+  const std::vector<View> views = MatchKnownPoses(ReadPoses(stage.Input("poses")), names, photograph);
+  stage.Report("known_poses", static_cast<int>(views.size()));
+  PlacedModel model = Triangulated(stage, set, files, features, views, "poses", options);
+  model.scale_source = "poses";
+  model.fixed = !options.refine_poses;
+  return model;
+}
+
+std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                                           const std::vector<Features>& features, const SetBoards& boards, const SfmOptions& options) {
+  const auto enough = [&](const SetBoards::Group& group) {
+    return group.poses.scene.views.size() >= 3 &&
+           static_cast<double>(group.poses.scene.views.size()) >= options.min_placed * static_cast<double>(group.images.size());
+  };
+  if (boards.groups.empty() || !enough(boards.groups[0])) return std::nullopt;
+  std::vector<View> views = boards.groups[0].poses.scene.views;
+  std::vector<Rigid3> world_from_board(boards.groups.size());
+  if (boards.groups.size() > 1) {
+    const auto matches = ColmapDatabase(files.database).VerifiedMatches();
+    const Loaded first = Load(TriangulateKnown(stage, set, files, views, "group0", options));
+    for (std::size_t g = 1; g < boards.groups.size(); ++g) {
+      const SetBoards::Group& group = boards.groups[g];
+      if (!enough(group)) continue;  // its photographs may still be placed one by one
+      const Loaded other = Load(TriangulateKnown(stage, set, files, group.poses.scene.views, "group" + std::to_string(g), options));
+      JoinOptions joining;
+      joining.with_scale = false;
+      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, matches), joining);
+      ReportJoin(stage, group.name, join);
+      if (!join.found) continue;
+      world_from_board[g] = RigidOf(join.first_from_second);
+      Append(views, Transformed(join.first_from_second, group.poses.scene));
+    }
+  }
+  ShareCamera(views, boards.groups[0].poses.scene.views[0].camera);
+  PlacedModel model = Triangulated(stage, set, files, features, views, "boards", options);
+  // A group that could not be joined has no place for its plate.
+  SetBoards known = boards;
+  for (std::size_t g = 1; g < known.groups.size(); ++g)
+    if (world_from_board[g].translation.isZero(0)) known.groups[g].sightings.clear();
+  model.bodies = BodiesOf(model.scene, set, known, world_from_board, options);
+  model.scale_source = "plate";
+  model.calibrate = boards.calibrate;
+  return model;
+}
+
+PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+                            const std::vector<fs::path>& models, const SetBoards& boards, const SfmOptions& options) {
+  PlacedModel model;
+  model.scale_source = "none";
+  if (models.empty()) return model;
+  const Loaded first = Load(models[0]);
+  std::vector<View> views = first.scene.views;
+  if (models.size() > 1 && views.size() < set.images.size()) {
+    const auto matches = ColmapDatabase(files.database).VerifiedMatches();
+    for (std::size_t m = 1; m < models.size(); ++m) {
+      const Loaded other = Load(models[m]);
+      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, matches), JoinOptions{});
+      ReportJoin(stage, "model" + std::to_string(m), join);
+      if (join.found) Append(views, Transformed(join.first_from_second, other.scene));
+    }
+  }
+  if (views.size() > first.scene.views.size()) {
+    ShareCamera(views, first.scene.views[0].camera);
+    model = Triangulated(stage, set, files, features, views, "joined", options);
+    model.scale_source = "none";
+  } else {
+    model.scene = first.scene;
+    model.observations = ReadObservations(models[0], set, model.scene, features);
+  }
+  if (boards.groups.empty() || boards.groups[0].poses.scene.views.size() < 3) return model;
+  try {
+    model.scene = Transformed(BoardFromScene(boards.groups[0].poses.scene, model.scene), model.scene);
+  } catch (const InputError& error) {
+    stage.Note(error.what());
+    return model;
+  }
+  SetBoards first_only = boards;
+  first_only.groups.resize(1);
+  model.bodies = BodiesOf(model.scene, set, first_only, {Rigid3{}}, options);
+  model.scale_source = "plate";
+  model.calibrate = boards.calibrate;
+  return model;
+}
+
+}  // namespace keypose::reconstruct
