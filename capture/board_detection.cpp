@@ -87,6 +87,7 @@ class PlateMap {
     const cv::Mat h = cv::findHomography(points.plate, points.image, cv::RANSAC, 6, inlier, 2000, 0.999);
     if (h.empty()) return;
     h_ = cv::Matx33d(h.ptr<double>());
+    plate_from_image_ = h_.inv();
     for (std::size_t i = 0; i < inlier.size(); ++i) {
       if (!inlier[i]) continue;
       places_.push_back(points.plate[i]);
@@ -95,7 +96,16 @@ class PlateMap {
     found_ = places_.size() >= 8;
   }
   bool found() const { return found_; }
-  cv::Point2d operator()(const cv::Point2d& on_plate) const {
+  cv::Point2d operator()(const cv::Point2d& on_plate) const { return Map(h_, on_plate) + Miss(on_plate); }
+  /// Where on the plate a pixel lies.
+  cv::Point2d OnPlate(const cv::Point2d& pixel) const {
+    cv::Point2d p = Map(plate_from_image_, pixel);
+    for (int round = 0; round < 2; ++round) p = Map(plate_from_image_, pixel - Miss(p));
+    return p;
+  }
+
+ private:
+  cv::Point2d Miss(const cv::Point2d& on_plate) const {
     cv::Point2d sum(0, 0);
     double total = 1e-3;
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -104,12 +114,11 @@ class PlateMap {
       sum += weight * misses_[i];
       total += weight;
     }
-    return Map(h_, on_plate) + sum / total;
+    return sum / total;
   }
 
- private:
   double square_m_;
-  cv::Matx33d h_;
+  cv::Matx33d h_, plate_from_image_;
   std::vector<cv::Point2d> places_, misses_;
   bool found_ = false;
 };
@@ -254,6 +263,95 @@ std::vector<PlateCorner> FitCorners(const cv::Mat& grey, const PlateMap& map, co
   return corners;
 }
 
+MarkerPoints PointsOf(const std::vector<PlateCorner>& corners, const PlateLayout& plate) {
+  MarkerPoints points;
+  for (const PlateCorner& corner : corners) {
+    const Eigen::Vector3d at = plate.Corner(corner.id);
+    points.plate.emplace_back(at.x(), at.y());
+    points.image.emplace_back(corner.pixel.x() - 0.5, corner.pixel.y() - 0.5);
+  }
+  return points;
+}
+
+/// Share of ink in each pixel of the shrunk photograph; below 0 off the plate and its rim of half a square.
+cv::Mat InkOf(const cv::Size& size, double factor, const PlateMap& map, const PlateLayout& plate) {
+  constexpr int kSamples = 16;
+  const PlateInk ink(plate);
+  const double width = plate.Width() / 2 + plate.square_m / 2, height = plate.Height() / 2 + plate.square_m / 2;
+  cv::Mat share(size, CV_32F, cv::Scalar(-1));
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const auto at = [&](double dx, double dy) { return map.OnPlate({(x + dx) / factor - 0.5, (y + dy) / factor - 0.5}); };
+      const cv::Point2d middle = at(0.5, 0.5);
+      if (std::abs(middle.x) > width || std::abs(middle.y) > height) continue;
+      const cv::Point2d right = at(1, 0.5) - at(0, 0.5), down = at(0.5, 1) - at(0.5, 0);
+      double sum = 0;
+      for (int k = 0; k < kSamples; ++k)
+        sum += ink.At(middle + ((k + 0.5) / kSamples - 0.5) * right + ((7 * k % kSamples + 0.5) / kSamples - 0.5) * down);
+      share.at<float>(y, x) = static_cast<float>(sum / kSamples);
+    }
+  return share;
+}
+
+/// Medians of the pixels under a mask, by channel.
+cv::Vec3f MedianColor(const cv::Mat& image, const cv::Mat& mask) {
+  cv::Vec3f median(0, 0, 0);
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> values;
+    for (int y = 0; y < image.rows; ++y)
+      for (int x = 0; x < image.cols; ++x)
+        if (mask.at<std::uint8_t>(y, x)) values.push_back(image.at<cv::Vec3f>(y, x)[c]);
+    if (values.empty()) return median;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[c] = *middle;
+  }
+  return median;
+}
+
+/// Pixels next to corners that were found, where nothing can stand in front of the plate.
+cv::Mat NextToCorners(const cv::Size& size, const std::vector<PlateCorner>& corners, double factor, const PlateMap& map,
+                      const PlateLayout& plate) {
+  cv::Mat near(size, CV_8U, cv::Scalar(0));
+  for (const PlateCorner& corner : corners) {
+    const Eigen::Vector3d at = plate.Corner(corner.id);
+    std::vector<cv::Point> outline;
+    for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      const cv::Point2d p = map({at.x() + 0.5 * dx * plate.square_m, at.y() + 0.5 * dy * plate.square_m});
+      outline.emplace_back(static_cast<int>(std::lround((p.x + 0.5) * factor - 0.5)),
+                           static_cast<int>(std::lround((p.y + 0.5) * factor - 0.5)));
+    }
+    cv::fillConvexPoly(near, outline, cv::Scalar(255));
+  }
+  return near;
+}
+
+/// Colour distance of each pixel to paper and ink in the light that its neighbourhood suggests.
+cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper, const cv::Vec3f& black) {
+  const cv::Size window(7, 7);
+  cv::Mat expected(rgb.size(), CV_32FC3, cv::Scalar(0, 0, 0)), product(rgb.size(), CV_32F, cv::Scalar(0)), square = product.clone();
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const float share = ink.at<float>(y, x);
+      if (share < 0) continue;
+      const cv::Vec3f e = (1 - share) * paper + share * black;
+      expected.at<cv::Vec3f>(y, x) = e;
+      product.at<float>(y, x) = e.dot(rgb.at<cv::Vec3f>(y, x));
+      square.at<float>(y, x) = e.dot(e);
+    }
+  cv::boxFilter(product, product, CV_32F, window);
+  cv::boxFilter(square, square, CV_32F, window);
+  cv::Mat distance(rgb.size(), CV_32F, cv::Scalar(0));
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      if (ink.at<float>(y, x) < 0) continue;
+      const float light = std::clamp(product.at<float>(y, x) / std::max(square.at<float>(y, x), 1.0F), 0.35F, 1.15F);
+      distance.at<float>(y, x) = static_cast<float>(cv::norm(rgb.at<cv::Vec3f>(y, x) - light * expected.at<cv::Vec3f>(y, x)));
+    }
+  cv::boxFilter(distance, distance, CV_32F, {3, 3});
+  return distance;
+}
+
 }  // namespace
 
 std::vector<PlateCorner> FindPlate(const Image8& image, const PlateLayout& plate) {
@@ -264,14 +362,30 @@ std::vector<PlateCorner> FindPlate(const Image8& image, const PlateLayout& plate
   const PlateInk ink(plate);
   const std::vector<PlateCorner> first = FitCorners(grey, rough, ink, plate);
   // Marker corners err by half a pixel, which bends the patches; the corners found foretell them better.
-  MarkerPoints found;
-  for (const PlateCorner& corner : first) {
-    const Eigen::Vector3d at = plate.Corner(corner.id);
-    found.plate.emplace_back(at.x(), at.y());
-    found.image.emplace_back(corner.pixel.x() - 0.5, corner.pixel.y() - 0.5);
-  }
-  const PlateMap fine(found, plate.square_m);
+  const PlateMap fine(PointsOf(first, plate), plate.square_m);
   return fine.found() ? FitCorners(grey, fine, ink, plate) : first;
+}
+
+BoardOdds OddsOfBoard(const Image8& image, const std::vector<PlateCorner>& corners, double factor, const PlateLayout& plate, double limit) {
+  constexpr double kEven = 30;  // grey levels of distance, over three channels, at which print is as likely as not
+  BoardOdds known;
+  const PlateMap map(PointsOf(corners, plate), plate.square_m);
+  if (!map.found()) return known;
+  cv::Mat rgb;
+  cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data())).convertTo(rgb, CV_32FC3);
+  const cv::Mat ink = InkOf(rgb.size(), factor, map, plate), near = NextToCorners(rgb.size(), corners, factor, map, plate);
+  const cv::Vec3f paper = MedianColor(rgb, near & (ink >= 0) & (ink < 0.05)), black = MedianColor(rgb, near & (ink > 0.95));
+  if (!(cv::norm(paper) > cv::norm(black) + kContrast)) return known;
+  const cv::Mat distance = DistanceToPrint(rgb, ink, paper, black);
+  known.on_board = Image8(image.width, image.height, 1);
+  known.odds = ImageF(image.width, image.height, 1);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      if (ink.at<float>(y, x) < 0) continue;
+      *known.on_board.at(x, y) = 255;
+      *known.odds.at(x, y) = static_cast<float>(std::clamp(4 * (distance.at<float>(y, x) / kEven - 1), -limit, limit));
+    }
+  return known;
 }
 
 }  // namespace keypose::capture

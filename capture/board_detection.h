@@ -22,4 +22,17 @@ namespace keypose::capture {
 /// views press the paper between square and marker to two pixels.
 std::vector<PlateCorner> FindPlate(const Image8& image, const PlateLayout& plate);
 
+/// What is known of a photograph from the plate that it shows.
+struct BoardOdds {
+  Image8 on_board;  ///< 255 where the plate's plane shows the plate or its white rim, hidden or not
+  ImageF odds;      ///< there: log odds that something stands in front of it, within +-limit
+};
+
+/// Compares the plate as it should look with what the photograph shows. Shadows are taken for shadows: light may vary smoothly, and by a
+/// factor; what is printed may not.
+/// @param image    RGB, the photograph shrunk
+/// @param corners  of the plate in the photograph at full size; fewer than 8 give an empty answer
+/// @param factor   size of `image` over that of the photograph
+BoardOdds OddsOfBoard(const Image8& image, const std::vector<PlateCorner>& corners, double factor, const PlateLayout& plate, double limit);
+
 }  // namespace keypose::capture

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/board_detection.h"
 #include "capture/board_print.h"
 #include "capture/capture_options.h"
 #include "capture/contact_sheet.h"
@@ -25,14 +26,18 @@ constexpr int kCellWidth = 240;
 
 /// The set while it is imported.
 struct Import {
-  fs::path folder, masks, background;  // masks, background: empty when the user gave none
-  std::vector<fs::path> files;
+  fs::path folder, masks;  // masks: empty when the user gave none
+  std::vector<PhotographGroup> groups;
+  std::vector<fs::path> backgrounds;  // of each group; empty where the user gave none
+  std::vector<fs::path> files;        // of all groups
   std::vector<Photograph> photographs;
   std::vector<char> quarter_turns;
   double factor = 1;          // size written over size read
   std::vector<Image8> small;  // working images
   std::vector<Image8> small_masks;
   std::vector<fs::path> user_masks;
+  std::vector<std::vector<PlateCorner>> plate_corners;  // of each photograph; empty when no plate is there
+  std::vector<BoardOdds> boards;                        // what these tell of the working images
 };
 
 Image8 QuarterTurned(const Image8& image) {
@@ -75,8 +80,9 @@ void ForEach(const Import& import, Progress* progress, const std::string& what, 
 Import Open(StageContext& stage, const CaptureOptions& options) {
   Import import;
   import.folder = stage.Input("photos");
-  import.files = ListPhotographs(import.folder);
-  import.photographs = InspectPhotographs(import.files);
+  import.groups = ListPhotographs(import.folder);
+  for (const PhotographGroup& group : import.groups) import.files.insert(import.files.end(), group.files.begin(), group.files.end());
+  import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
   import.quarter_turns = QuarterTurns(import.photographs);
   const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
@@ -85,25 +91,70 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
     import.masks = stage.Input("masks");
   else if (fs::is_directory(import.folder / "masks"))
     import.masks = import.folder / "masks";
-  import.background = stage.Has("background") ? stage.Input("background") : FindBackground(import.folder);
+  for (const PhotographGroup& group : import.groups)
+    import.backgrounds.push_back(stage.Has("background") ? stage.Input("background") : FindBackground(group.folder));
   import.user_masks.resize(import.files.size());
-  if (!import.masks.empty())
-    for (std::size_t i = 0; i < import.files.size(); ++i) import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
+  for (std::size_t i = 0; i < import.files.size(); ++i) {
+    const fs::path beside = import.files[i].parent_path() / "masks";
+    if (!import.masks.empty()) import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
+    if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
+      import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
+  }
   return import;
 }
 
-/// Decodes everything once, which also finds truncated files, and segments the set unless all masks are given.
+/// Photographs spread over the set, in which the plate would be seen if there were one.
+bool ShowsPlate(const Import& import, const CaptureOptions& options) {
+  constexpr std::size_t kProbes = 8;
+  const std::size_t probes = std::min(kProbes, import.files.size());
+  std::vector<char> seen(probes, 0);
+  ParallelFor(static_cast<std::int64_t>(probes), [&](std::int64_t k) {
+    const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
+    try {
+      seen[static_cast<std::size_t>(k)] = !FindPlate(Load(import, i, import.files[i], 3), options.Board()).empty();
+    } catch (const InputError&) {
+      // A damaged photograph is named later, with all the others.
+    }
+  });
+  return std::find(seen.begin(), seen.end(), 1) != seen.end();
+}
+
+/// Decodes everything once, which also finds truncated files, and looks for the plate.
+void DecodeAll(StageContext& stage, Import& import, const CaptureOptions& options) {
+  const bool with_plate = options.board && ShowsPlate(import, options);
+  import.small.resize(import.files.size());
+  import.plate_corners.resize(import.files.size());
+  import.boards.resize(import.files.size());
+  ForEach(import, stage.progress(), "cannot be used", [&](std::size_t i) {
+    const Image8 image = Load(import, i, import.files[i], 3);
+    import.small[i] = WorkingImage(image, options.mask_px);
+    if (!with_plate) return;
+    import.plate_corners[i] = FindPlate(image, options.Board());
+    import.boards[i] = OddsOfBoard(import.small[i], import.plate_corners[i], static_cast<double>(import.small[i].width) / image.width,
+                                   options.Board(), options.Masking().odds_limit);
+  });
+}
+
+/// Segments the groups unless all masks are given: each placement has its own light and its own empty set.
 void SegmentAll(StageContext& stage, Import& import, const CaptureOptions& options) {
   const MaskOptions masking = options.Masking();
-  import.small.resize(import.files.size());
-  ForEach(import, stage.progress(), "cannot be used",
-          [&](std::size_t i) { import.small[i] = WorkingImage(Load(import, i, import.files[i], 3), masking.working_px); });
   import.small_masks.resize(import.files.size());
   if (std::none_of(import.user_masks.begin(), import.user_masks.end(), [](const fs::path& mask) { return mask.empty(); })) return;
-  Image8 plate;
-  if (!import.background.empty()) plate = WorkingImage(ReadImage(import.background, 3), masking.working_px);
-  SubProgress progress(stage.progress(), 0.2, 0.7);
-  import.small_masks = SegmentSet(import.small, plate, masking, &progress);
+  std::size_t begin = 0;
+  for (std::size_t g = 0; g < import.groups.size(); ++g) {
+    const std::size_t end = begin + import.groups[g].files.size();
+    Image8 plate;
+    if (!import.backgrounds[g].empty()) plate = WorkingImage(ReadImage(import.backgrounds[g], 3), masking.working_px);
+    const auto share = [&](std::size_t i) { return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size()); };
+    SubProgress progress(stage.progress(), share(begin), share(end));
+    const std::vector<Image8> images(import.small.begin() + static_cast<std::ptrdiff_t>(begin),
+                                     import.small.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::vector<BoardOdds> boards(import.boards.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        import.boards.begin() + static_cast<std::ptrdiff_t>(end));
+    auto masks = SegmentSet(images, plate, boards, masking, &progress);
+    std::move(masks.begin(), masks.end(), import.small_masks.begin() + static_cast<std::ptrdiff_t>(begin));
+    begin = end;
+  }
 }
 
 Image8 MaskOf(const Import& import, std::size_t i, const Image8& image) {
@@ -145,6 +196,8 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, co
   entry.focal_px = import.photographs[i].focal_px * import.factor;
   entry.mask = "masks/" + entry.name + ".png";
   entry.mask_fraction = MaskFraction(mask);
+  entry.group = import.photographs[i].group;
+  entry.plate_corners = import.plate_corners[i];
   // Sharpness is judged at a size at which any camera that is in focus is sharp.
   const Image8 grey = WorkingImage(Grey(image), options.sharpness_px), grey_mask = WorkingImage(mask, options.sharpness_px);
   written.quality = MeasureQuality(grey, grey_mask);
@@ -181,6 +234,25 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all, const C
                      nlohmann::json(options.min_sharpness).dump() + ")");
 }
 
+int PlateViews(const Import& import) {
+  return static_cast<int>(
+      std::count_if(import.plate_corners.begin(), import.plate_corners.end(), [](const auto& corners) { return !corners.empty(); }));
+}
+
+void ReportPlate(StageContext& stage, const Import& import) {
+  const int views = PlateViews(import);
+  stage.Report("plate_views", views);
+  if (views == 0) return;
+  double corners = 0;
+  nlohmann::json without = nlohmann::json::array();
+  for (std::size_t i = 0; i < import.plate_corners.size(); ++i) {
+    corners += static_cast<double>(import.plate_corners[i].size());
+    if (import.plate_corners[i].empty()) without.push_back(import.photographs[i].name);
+  }
+  stage.Report("plate_mean_corners", corners / views);
+  stage.ReportJson("plate_not_seen", without.dump());
+}
+
 void ReportSet(StageContext& stage, const Import& import, const std::vector<Written>& all) {
   double sharpness = 0, exposure = 0, clipped = 0, fraction = 0;
   nlohmann::json each = nlohmann::json::array();
@@ -204,7 +276,13 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
   stage.Report("turned", static_cast<int>(std::count(import.quarter_turns.begin(), import.quarter_turns.end(), 1)));
   stage.Report("user_masks", static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
                                                             [](const auto& m) { return !m.empty(); })));
-  stage.Report("background_plate", !import.background.empty());
+  stage.Report("background_plate",
+               std::any_of(import.backgrounds.begin(), import.backgrounds.end(), [](const fs::path& file) { return !file.empty(); }));
+  if (import.groups.size() > 1) {
+    nlohmann::json groups;
+    for (const PhotographGroup& group : import.groups) groups[group.name] = group.files.size();
+    stage.ReportJson("groups", groups.dump());
+  }
   stage.Report("mean_sharpness", sharpness);
   stage.Report("mean_exposure", exposure);
   stage.Report("mean_clipped", clipped);
@@ -215,6 +293,7 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
 void Run(StageContext& stage, const CaptureOptions& options) {
   Import import = Open(stage, options);
   Step(stage.progress(), 0.05, "reading photographs");
+  DecodeAll(stage, import, options);
   SegmentAll(stage, import, options);
   const fs::path folder = stage.Output("images");
   fs::create_directories(folder / "masks");
@@ -222,15 +301,18 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   Step(stage.progress(), 0.7, "writing images and masks");
   ForEach(import, stage.progress(), "cannot be used", [&](std::size_t i) { written[i] = WriteOne(import, i, folder, options); });
   ReportSet(stage, import, written);
+  ReportPlate(stage, import);
   RequireFitSet(stage, written, options);
   ImageSet set;
   set.folder = folder;
   set.camera_model = import.photographs.front().camera_model;
+  if (PlateViews(import) > 0) set.plate = options.Board();
   std::vector<Image8> cells;
   for (Written& w : written) {
     set.images.push_back(std::move(w.image));
     cells.push_back(std::move(w.cell));
   }
+  std::sort(set.images.begin(), set.images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   WriteImageSet(set);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
   if (MedianFocalPx(import.photographs) <= 0)
@@ -245,7 +327,10 @@ const StageSpec kSpec = {
     .name = "capture",
     .version = "1",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
-    .inputs = {{.name = "photos", .kind = "folder", .help = "photographs of one pose: JPEG, PNG or TIFF", .file = ""},
+    .inputs = {{.name = "photos",
+                .kind = "folder",
+                .help = "photographs of one pose: JPEG, PNG or TIFF; or subfolders, one for each placement (upright, lying)",
+                .file = ""},
                {.name = "masks",
                 .kind = "folder",
                 .help = "masks of your own, white where the object is, named like the photographs",

@@ -62,13 +62,13 @@ class SegmentSetOn : public testing::TestWithParam<TestWall> {};
 // The outline is known to the pixel; at this size one pixel all round is 2 % of the area, so 0.95 allows a pixel and a little.
 TEST_P(SegmentSetOn, FindsTheObjectInEveryPhotograph) {
   const Set set = MakeSet(10, 240, 160, GetParam());
-  const auto masks = SegmentSet(set.images, {}, MaskOptions{});
+  const auto masks = SegmentSet(set.images, {}, {}, MaskOptions{});
   for (std::size_t i = 0; i < masks.size(); ++i) EXPECT_GT(Iou(masks[i], set.truths[i]), 0.95) << "photograph " << i;
 }
 
 TEST_P(SegmentSetOn, PlateFindsTheObjectInASinglePhotograph) {
   const Set set = MakeSet(1, 240, 160, GetParam());
-  const auto masks = SegmentSet(set.images, MakeTestWall(240, 160, GetParam()), MaskOptions{});
+  const auto masks = SegmentSet(set.images, MakeTestWall(240, 160, GetParam()), {}, MaskOptions{});
   EXPECT_GT(Iou(masks[0], set.truths[0]), 0.95);
 }
 
@@ -77,29 +77,29 @@ INSTANTIATE_TEST_SUITE_P(Walls, SegmentSetOn, testing::Values(TestWall::kLight, 
 TEST(SegmentSet, SameBitsForAnyThreadCount) {
   const Set set = MakeSet(6, 180, 120, TestWall::kLight);
   SetThreadCount(1);
-  const auto one = SegmentSet(set.images, {}, MaskOptions{});
+  const auto one = SegmentSet(set.images, {}, {}, MaskOptions{});
   SetThreadCount(4);
-  const auto four = SegmentSet(set.images, {}, MaskOptions{});
+  const auto four = SegmentSet(set.images, {}, {}, MaskOptions{});
   SetThreadCount(0);
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].data, four[i].data);
 }
 
 TEST(SegmentSet, PlateThatEqualsThePhotographGivesABlackMask) {
   const Image8 wall = MakeTestWall(120, 80, TestWall::kDark);
-  EXPECT_EQ(MaskFraction(SegmentSet({wall}, wall, MaskOptions{})[0]), 0);
+  EXPECT_EQ(MaskFraction(SegmentSet({wall}, wall, {}, MaskOptions{})[0]), 0);
 }
 
 TEST(SegmentSet, PlateOfAnotherShapeThrows) {
   const Image8 image = MakeTestWall(120, 80, TestWall::kDark), plate = MakeTestWall(100, 100, TestWall::kDark);
-  EXPECT_THAT(MessageOf([&] { SegmentSet({image}, plate, MaskOptions{}); }), HasSubstr("background plate has another shape"));
+  EXPECT_THAT(MessageOf([&] { SegmentSet({image}, plate, {}, MaskOptions{}); }), HasSubstr("background plate has another shape"));
 }
 
-TEST(SegmentSet, NoImagesThrow) { EXPECT_THROW(SegmentSet({}, {}, MaskOptions{}), InputError); }
+TEST(SegmentSet, NoImagesThrow) { EXPECT_THROW(SegmentSet({}, {}, {}, MaskOptions{}), InputError); }
 
 TEST(RefinedMask, FollowsTheEdgeAtFullResolution) {
   const TestPhoto large = MakeTestPhoto(3, 720, 480, TestWall::kDark);
   const Image8 small = WorkingImage(large.image, 240);
-  const auto masks = SegmentSet({small, WorkingImage(MakeTestPhoto(4, 720, 480, TestWall::kDark).image, 240)}, {}, MaskOptions{});
+  const auto masks = SegmentSet({small, WorkingImage(MakeTestPhoto(4, 720, 480, TestWall::kDark).image, 240)}, {}, {}, MaskOptions{});
   const Image8 mask = RefinedMask(large.image, masks[0]);
   ASSERT_EQ(mask.width, 720);
   EXPECT_GT(Iou(mask, large.truth), 0.97);

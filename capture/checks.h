@@ -9,7 +9,8 @@ namespace keypose::capture {
 
 /// What the header of a photograph says.
 struct Photograph {
-  std::string name;           ///< file name
+  std::string name;           ///< file name; with its subfolder's name and _ before it where there is one
+  std::string group;          ///< placement of the figure: the subfolder, or "lying" and "upright"; "" where there is one placement
   int width = 0, height = 0;  ///< after EXIF orientation
   std::uint64_t digest = 0;   ///< of the file's bytes
   std::uint64_t bytes = 0;

@@ -152,8 +152,26 @@ Image8 Segment(const Image8& image, const ImageF& odds, const MaskOptions& optio
   return FromMat(mask);
 }
 
+/// On the plate its print decides; colours, which were learned elsewhere (ink looks like dark noses), only lean.
+void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
+  if (board.odds.empty()) return;
+  for (std::size_t i = 0; i < odds.data.size(); ++i) {
+    if (!board.on_board.data[i]) continue;
+    const double lean = std::clamp(static_cast<double>(odds.data[i]), -1.5, 1.5);
+    odds.data[i] = static_cast<float>(std::clamp(2.0 * board.odds.data[i] + lean, -limit, limit));
+  }
+}
+
+/// Where the plate is seen nothing is learned: its ink is no colour of the set behind, or a dark nose would pass for background.
+void LeaveOutBoard(Image8& zones, const BoardOdds& board) {
+  if (board.odds.empty()) return;
+  for (std::size_t i = 0; i < zones.data.size(); ++i)
+    if (board.on_board.data[i] && board.odds.data[i] < 0) zones.data[i] = kNeither;
+}
+
 /// One round over the set: learn from the zones, then segment each image by the set's odds and its own together.
-std::vector<Image8> SegmentByZones(const std::vector<Image8>& images, const std::vector<Image8>& zones, const MaskOptions& options) {
+std::vector<Image8> SegmentByZones(const std::vector<Image8>& images, const std::vector<Image8>& zones,
+                                   const std::vector<BoardOdds>& boards, const MaskOptions& options) {
   ZoneOdds pooled;
   for (std::size_t i = 0; i < images.size(); ++i) pooled.Add(images[i], zones[i]);
   std::vector<Image8> masks(images.size());
@@ -164,16 +182,23 @@ std::vector<Image8> SegmentByZones(const std::vector<Image8>& images, const std:
     odds.Add(images[i], zones[i]);
     odds.Add(pooled, share);  // the photograph counts as much as the set
     odds.Finish();
-    masks[i] = Segment(images[i], odds.Of(images[i], options.odds_limit), options);
+    ImageF known = odds.Of(images[i], options.odds_limit);
+    AddBoard(known, boards[i], options.odds_limit);
+    masks[i] = Segment(images[i], known, options);
   });
   return masks;
 }
 
-std::vector<Image8> SegmentByPlate(const std::vector<Image8>& images, const Image8& plate, const MaskOptions& options) {
+std::vector<Image8> SegmentByPlate(const std::vector<Image8>& images, const Image8& plate, const std::vector<BoardOdds>& boards,
+                                   const MaskOptions& options) {
   std::vector<Image8> masks(images.size());
   ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    masks[i] = Segment(images[i], PlateOdds(images[i], plate, options), options);
+    ImageF odds = PlateOdds(images[i], plate, options);
+    // The empty set was shot without the printed plate, or with it turned another way.
+    for (std::size_t p = 0; p < odds.data.size(); ++p)
+      if (!boards[i].odds.empty() && boards[i].on_board.data[p]) odds.data[p] = boards[i].odds.data[p];
+    masks[i] = Segment(images[i], odds, options);
   });
   return masks;
 }
@@ -188,19 +213,23 @@ void RequirePlateFits(const std::vector<Image8>& images, const Image8& plate) {
 
 }  // namespace
 
-std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& plate, const MaskOptions& options, Progress* progress) {
+std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& plate, const std::vector<BoardOdds>& boards,
+                               const MaskOptions& options, Progress* progress) {
   cv::setNumThreads(1);  // the loops over images use all cores already
   if (images.empty()) throw InputError("capture: no photographs to mask");
+  std::vector<BoardOdds> known = boards;
+  known.resize(images.size());
   if (!plate.empty()) {
     RequirePlateFits(images, plate);
     Step(progress, 0, "masks from the background plate");
-    return SegmentByPlate(images, plate, options);
+    return SegmentByPlate(images, plate, known, options);
   }
   std::vector<Image8> zones, masks;
   for (const Image8& image : images) zones.push_back(FirstZones(image.width, image.height, options.border_share));
   for (int round = 0; round < options.rounds; ++round) {
     Step(progress, static_cast<double>(round) / options.rounds, "masks");
-    masks = SegmentByZones(images, zones, options);
+    for (std::size_t i = 0; i < zones.size(); ++i) LeaveOutBoard(zones[i], known[i]);
+    masks = SegmentByZones(images, zones, known, options);
     for (std::size_t i = 0; i < masks.size(); ++i) zones[i] = ZonesOf(masks[i]);
   }
   return masks;

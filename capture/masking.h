@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "capture/board_detection.h"
 #include "core/image.h"
 #include "core/progress.h"
 
@@ -28,11 +29,12 @@ struct MaskOptions {
 ///
 /// @param images  RGB at working size, at least one
 /// @param plate   RGB photograph of the empty set at the same size, or empty
+/// @param boards  what the printed plate tells of each image; empty, or one for each, empty where there is none
 /// @return one mask for each image: 255 in the object, which is one region; all zero where nothing looks like an object
 /// @throws InputError  no images, or a plate of another size
 /// Same bits for any thread count.
-std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& plate, const MaskOptions& options,
-                               Progress* progress = nullptr);
+std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& plate, const std::vector<BoardOdds>& boards,
+                               const MaskOptions& options, Progress* progress = nullptr);
 
 /// A small mask carried to the size of `image`, its border moved to the image's edges.
 Image8 RefinedMask(const Image8& image, const Image8& small_mask);

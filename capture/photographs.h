@@ -9,15 +9,23 @@
 
 namespace keypose::capture {
 
-/// Files of a folder that are JPEG, PNG or TIFF by name, sorted; a file background.* is not among them.
-/// @throws InputError  none there
-std::vector<std::filesystem::path> ListPhotographs(const std::filesystem::path& folder);
+/// One placement of the figure on the table: a subfolder of the photographs, or all of them.
+struct PhotographGroup {
+  std::string name;  ///< "" for the folder itself
+  std::filesystem::path folder;
+  std::vector<std::filesystem::path> files;  ///< sorted
+};
+
+/// Files of a folder that are JPEG, PNG or TIFF by name; a file background.* is not among them. Where the folder holds none, its subfolders
+/// (but `masks`) are groups, by name. Where names begin with "lying" (any case), these are group "lying" and the others "upright".
+/// @throws InputError  none there, or some in the folder and some in subfolders
+std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 
 /// The plate beside the photographs (background.jpg, .png, .tif), or empty.
 std::filesystem::path FindBackground(const std::filesystem::path& folder);
 
 /// Reads headers and digests, in parallel. @throws InputError  files that are no images; names all of them
-std::vector<Photograph> InspectPhotographs(const std::vector<std::filesystem::path>& files);
+std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups);
 
 /// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when there is none.
 std::filesystem::path FindMask(const std::filesystem::path& folder, const std::string& photograph_name);

@@ -52,14 +52,44 @@ Photograph Inspect(const fs::path& file) {
   return photograph;
 }
 
-}  // namespace
-
-std::vector<fs::path> ListPhotographs(const fs::path& folder) {
+std::vector<fs::path> PhotographsIn(const fs::path& folder) {
   std::vector<fs::path> files = ImagesIn(folder);
   std::erase_if(files, [](const fs::path& file) { return Lower(file.stem().string()) == "background"; });
-  if (files.empty())
-    throw InputError("capture: " + folder.string() + " has no photographs (.jpg, .jpeg, .png, .tif, .tiff); check the folder's path");
   return files;
+}
+
+std::vector<PhotographGroup> GroupsBelow(const fs::path& folder) {
+  std::vector<PhotographGroup> groups;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory() || name == "masks" || name.front() == '.') continue;
+    PhotographGroup group{name, entry.path(), PhotographsIn(entry.path())};
+    if (!group.files.empty()) groups.push_back(std::move(group));
+  }
+  std::sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return groups;
+}
+
+/// Photographs whose names begin with "lying" apart from the others.
+std::vector<PhotographGroup> SplitByName(const fs::path& folder, const std::vector<fs::path>& files) {
+  PhotographGroup lying{"lying", folder, {}}, upright{"upright", folder, {}};
+  for (const fs::path& file : files) (Lower(file.filename().string()).rfind("lying", 0) == 0 ? lying : upright).files.push_back(file);
+  if (lying.files.empty() || upright.files.empty()) return {{"", folder, files}};
+  return {lying, upright};
+}
+
+}  // namespace
+
+std::vector<PhotographGroup> ListPhotographs(const fs::path& folder) {
+  const std::vector<fs::path> files = PhotographsIn(folder);
+  const std::vector<PhotographGroup> below = GroupsBelow(folder);
+  if (files.empty() && below.empty())
+    throw InputError("capture: " + folder.string() + " has no photographs (.jpg, .jpeg, .png, .tif, .tiff); check the folder's path");
+  if (!files.empty() && !below.empty())
+    throw InputError("capture: " + folder.string() + " has photographs of its own (" + files.front().filename().string() +
+                     ") and in its subfolder " + below.front().name +
+                     "; put those of each placement of the figure in a subfolder (upright, lying), or all in one folder");
+  return below.empty() ? SplitByName(folder, files) : below;
 }
 
 fs::path FindBackground(const fs::path& folder) {
@@ -68,15 +98,22 @@ fs::path FindBackground(const fs::path& folder) {
   return {};
 }
 
-std::vector<Photograph> InspectPhotographs(const std::vector<fs::path>& files) {
+std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups) {
+  std::vector<std::pair<const PhotographGroup*, fs::path>> files;
+  for (const PhotographGroup& group : groups)
+    for (const fs::path& file : group.files) files.emplace_back(&group, file);
+  const bool in_subfolders = groups.size() > 1 && groups[0].folder != groups[1].folder;
   std::vector<Photograph> photographs(files.size());
   std::vector<std::string> faults(files.size());
   ParallelFor(static_cast<std::int64_t>(files.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
+    const auto& [group, file] = files[i];
     try {
-      photographs[i] = Inspect(files[i]);
+      photographs[i] = Inspect(file);
+      photographs[i].group = group->name;
+      if (in_subfolders) photographs[i].name = group->name + "_" + photographs[i].name;
     } catch (const InputError& error) {
-      faults[i] = files[i].filename().string();
+      faults[i] = file.filename().string();
     }
   });
   std::erase(faults, "");
