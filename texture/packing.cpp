@@ -50,7 +50,7 @@ Packing Pack(const std::vector<Shape>& shapes, const PackingOptions& options) {
   const double gap = static_cast<double>(options.gutter_px) / options.texture_size;
   SearchOptions search;
   search.gap = gap;
-  search.sweeps = options.effort;
+  search.effort = options.effort;
   std::optional<Nesting> apart;
   // Overlaps of half a cell are seldom too deep to be undone; outlines a cell wider do not overlap at all.
   for (search.margin = 0; !apart && search.margin <= 1; ++search.margin) {

@@ -16,7 +16,7 @@ struct Shape {
 struct PackingOptions {
   int texture_size = 2048;  ///< [px]
   int gutter_px = 4;        ///< least distance between two charts; half of it to the border
-  int effort = 600;         ///< rounds of the search; cost grows with it
+  int effort = 600;         ///< moves of the search, in sixteens; cost grows with it
 };
 
 struct Packing {

@@ -19,11 +19,11 @@ UvsX2 Placed(const UvsX2& points, double scale, const Placement& place);
 std::optional<Nesting> SetApart(const std::vector<UvsX2>& outlines, Nesting nesting, double gap);
 
 struct PressOptions {
-  double gap = 0;                ///< [side of the square] between charts; half of it to the border
-  int rounds = 200;              ///< of growing, by a thousandth each; cost grows with it
-  double straightening = 0.1;    ///< how strongly rims are drawn straight, 0: not
-  double most_conformal = 1.12;  ///< growing ends when the mean of s1 / s2 over all faces exceeds it
-  double most_deviation = 0.08;  ///< ... or the mean deviation of areas from their fair share does
+  double gap = 0;                 ///< [side of the square] between charts; half of it to the border
+  int rounds = 200;               ///< of growing, by a thousandth each; cost grows with it
+  double straightening = 0.1;     ///< how strongly rims are drawn straight, 0: not
+  double most_conformal = 1.13;   ///< growing ends when the mean of s1 / s2 over all faces exceeds it
+  double most_deviation = 0.088;  ///< ... or the mean deviation of areas from their fair share does
 };
 
 /// Charts laid out in the unit square, each an elastic sheet.

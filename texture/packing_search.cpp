@@ -18,10 +18,11 @@ constexpr int kTurns = 64;
 constexpr int kFirstTurns = 16;  // of the bottom-left start
 constexpr double kGrowth = 1.012;
 constexpr double kLeastGrowth = 1.002;
-constexpr int kPatience = 45;  // sweeps at one scale
+constexpr int kPatience = 60;  // sweeps at one scale
 constexpr int kFewCells = 60;  // an outline of fewer counts as its box: half a cell of overlap would be too much for it
-constexpr int kFar = 50;       // samples anywhere
-constexpr int kNear = 16;      // samples about the present place
+constexpr int kMovesPerEffort = 16;
+constexpr int kFar = 50;   // samples anywhere
+constexpr int kNear = 16;  // samples about the present place
 constexpr int kDescents = 3;
 
 struct Random {
@@ -90,7 +91,7 @@ struct Stamp {
     int row, begin, end;
   };
   std::vector<Span> spans;
-  int width = 0, height = 0;
+  int width = 0, height = 0, cells = 0;
   Eigen::Vector2d low = Eigen::Vector2d::Zero();  // [cells] of the turned outline's box, before the move to the origin
 };
 
@@ -122,10 +123,10 @@ Stamp Draw(const UvsX2& outline_in_cells) {
       }
     }
   }
-  int cells = 0;
-  for (const Stamp::Span& span : stamp.spans) cells += span.end - span.begin;
-  if (cells >= kFewCells) return stamp;
+  for (const Stamp::Span& span : stamp.spans) stamp.cells += span.end - span.begin;
+  if (stamp.cells >= kFewCells) return stamp;
   stamp.spans.clear();
+  stamp.cells = stamp.width * stamp.height;
   for (int row = 0; row < stamp.height; ++row) stamp.spans.push_back({row, 0, stamp.width});
   return stamp;
 }
@@ -191,7 +192,7 @@ class Search {
       : laid_(laid),
         n_(options.cells),
         widen_(options.gap / 2 * options.cells + options.margin),
-        sweeps_(options.sweeps),
+        moves_(static_cast<std::int64_t>(options.effort) * kMovesPerEffort),
         random_{seed},
         by_area_(seed % 2) {
     for (const UvsX2& p : laid) area_ += AreaOf(p);
@@ -209,7 +210,7 @@ class Search {
     Start();
     if (best_.empty() || laid_.size() < 2) return scale_;
     double growth = kGrowth;
-    while (sweeps_ > 0 && growth > kLeastGrowth) {
+    while (moves_ > 0 && growth > kLeastGrowth) {
       std::vector<Spot> spots = best_;
       if (Separated(scale_ * growth, spots)) {
         best_ = spots;
@@ -254,6 +255,9 @@ class Search {
 
   bool BottomLeft(double scale) {
     Stamps stamps(laid_, scale, widen_);
+    std::int64_t cells = 0;
+    for (const int item : order_) cells += stamps.Get(item, 0).cells;
+    if (cells > static_cast<std::int64_t>(n_) * n_) return false;
     Taken taken(n_);
     std::vector<Spot> spots(laid_.size());
     for (const int item : order_) {
@@ -404,7 +408,7 @@ class Search {
     }
     weights_.assign(static_cast<std::size_t>(count) * count, 16);
     std::vector<int> overlap(static_cast<std::size_t>(count) * count);
-    for (int sweep = 0; sweep < kPatience && sweeps_ > 0; ++sweep, --sweeps_) {
+    for (int sweep = 0; sweep < kPatience && moves_ > 0; ++sweep) {
       int worst = 0;
       std::vector<char> moves(count, 0);
       for (int i = 0; i < count; ++i) {
@@ -429,6 +433,7 @@ class Search {
         if (moves[i]) turn.push_back(i);
       for (int k = static_cast<int>(turn.size()); k > 1; --k) std::swap(turn[k - 1], turn[random_.Below(k)]);
       for (const int item : turn) Move(item, spots, stamps);
+      moves_ -= static_cast<std::int64_t>(turn.size());
     }
     return false;
   }
@@ -436,7 +441,7 @@ class Search {
   const std::vector<UvsX2>& laid_;
   int n_;
   double widen_, area_ = 0, scale_ = 0;
-  int sweeps_;
+  std::int64_t moves_;
   Random random_;
   bool by_area_;
   std::vector<int> order_;

@@ -22,7 +22,7 @@ struct Nesting {
 struct SearchOptions {
   double gap = 0;    ///< [side of the square] wanted between outlines; half of it to the border
   int margin = 0;    ///< [cells] extra width of the outlines; 1 leaves no overlaps at all
-  int sweeps = 300;  ///< rounds of the search; cost grows with it
+  int effort = 600;  ///< moves of the search, in sixteens; cost grows with it
   int searches = 2;  ///< independent ones, side by side; the largest result counts
   int cells = 256;   ///< of the grid along the square; places are multiples of its cell
 };

@@ -73,7 +73,7 @@ void RequireClosed(const Mesh& clean) {
 void UnwrapOptions::Describe(OptionVisitor& visit) {
   visit("texture_size", texture_size, {"edge of the square texture that the gutter is meant for", "px", 64, 16384, {}});
   visit("gutter", gutter, {"least distance between two charts", "px", 1, 64, {}});
-  visit("effort", effort, {"rounds of the search for places; cost grows with it", "", 0, 100000, {}});
+  visit("effort", effort, {"moves in the search for places, in sixteens; cost grows with it", "", 0, 100000, {}});
   visit("press", press, {"deform charts a little where that fills gaps between them"});
   visit("hide_seams", hide_seams, {"seams go where they are seen least: creases, below, behind (up is +z, the front -y)"});
   visit("max_distortion", max_distortion, {"mean stretch of a chart, 1 is none, above which it is cut", "", 1.01, 3, {}});
@@ -89,7 +89,6 @@ UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress
   atlas.Cut();
   atlas.Join();
   atlas.Hide();
-  atlas.Smooth();
   atlas.Join();
   Step(progress, 0.65, "flattening");
   atlas.Refine();

@@ -11,8 +11,8 @@ namespace keypose::texture {
 struct UnwrapOptions {
   int texture_size = 2048;       ///< [px] edge of the square texture that the gutter is meant for
   int gutter = 4;                ///< [px] least distance between two charts
-  double max_distortion = 1.15;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
-  int effort = 600;              ///< rounds of the search for places; cost grows with it
+  double max_distortion = 1.12;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
+  int effort = 600;              ///< moves in the search for places, in sixteens; cost grows with it
   bool press = true;             ///< charts yield a little where that fills gaps between them
   bool hide_seams = true;        ///< seams go where they are seen least: creases, below, behind (up is +z, the front -y)
   void Describe(OptionVisitor& visit);

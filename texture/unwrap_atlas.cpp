@@ -17,19 +17,20 @@ constexpr int kFacesPerChart = 300;  // at the start, before charts are merged
 constexpr int kLloydRounds = 6;
 constexpr int kRounds = 25;  // of flattening while charts are cut and merged
 constexpr int kFinalRounds = 200;
-constexpr int kSmoothPasses = 4;
 constexpr int kEarlyHidingRounds = 2;
 constexpr int kEarlyBand = 5;           // rings that a border of the small charts may move
 constexpr int kLateBand = 20;           // ... of the large ones
 constexpr double kLeastScore = 0.03;    // below which a merge is not even tried
-constexpr double kLargestShare = 0.12;  // of the whole area in one chart: larger ones pack badly
-constexpr double kP99Distortion = 2;    // within a chart
+constexpr double kLargestShare = 0.25;  // of the whole area in one chart: larger ones leave gaps
+constexpr std::size_t kCrumb = 12;      // faces: charts as small as that go to a neighbour even if it is bent somewhat too far
+constexpr double kCrumbSlack = 1.05;
+constexpr double kP99Distortion = 2;  // within a chart
 constexpr double kWorstDistortion = 8;
 constexpr double kLeastFlatness = 0.35;  // |sum of normals| / area below which a merge is not even tried
 
 }  // namespace
 
-std::optional<FlatChart> ChartAtlas::TryFlat(std::vector<int> faces, int rounds) const {
+std::optional<FlatChart> ChartAtlas::TryFlat(std::vector<int> faces, int rounds, double slack) const {
   FlatChart flat;
   flat.chart = MakeChart(surface_, std::move(faces));
   if (!flat.chart.disk) return std::nullopt;
@@ -37,7 +38,8 @@ std::optional<FlatChart> ChartAtlas::TryFlat(std::vector<int> faces, int rounds)
   if (!uvs) return std::nullopt;
   if (flat.chart.faces.size() > 1) {
     const Distortion distortion = MeasureDistortion(surface_, flat.chart, *uvs);
-    if (!(distortion.mean <= max_distortion_) || !(distortion.p99 <= kP99Distortion) || !(distortion.max <= kWorstDistortion))
+    if (!(distortion.mean <= slack * max_distortion_) || !(distortion.p99 <= slack * kP99Distortion) ||
+        !(distortion.max <= slack * kWorstDistortion))
       return std::nullopt;
   }
   flat.uvs = std::move(*uvs);
@@ -139,10 +141,11 @@ bool ChartAtlas::JoinRound(std::set<std::pair<int, int>>& failed) {
     if (used[a] || used[b]) continue;
     const std::pair<int, int> name = std::minmax(charts_[a].chart.faces.front(), charts_[b].chart.faces.front());
     std::optional<FlatChart> both;
-    if (-score > kLeastScore && WorthJoining(charts_[a], charts_[b])) {
+    const bool crumb = std::min(charts_[a].chart.faces.size(), charts_[b].chart.faces.size()) <= kCrumb;
+    if (crumb || (-score > kLeastScore && WorthJoining(charts_[a], charts_[b]))) {
       std::vector<int> faces = charts_[a].chart.faces;
       faces.insert(faces.end(), charts_[b].chart.faces.begin(), charts_[b].chart.faces.end());
-      both = TryFlat(std::move(faces), kRounds);
+      both = TryFlat(std::move(faces), kRounds, crumb ? kCrumbSlack : 1);
     }
     if (!both) {
       failed.insert(name);
@@ -165,29 +168,6 @@ void ChartAtlas::Join() {
     Step(progress_, 0.3 + 0.03 * round, "merging " + std::to_string(charts_.size()) + " charts");
     if (!JoinRound(failed)) break;
   }
-}
-
-// Teeth along the seams waste texture and show as ragged seams: a face with two neighbours in another chart goes over to it.
-void ChartAtlas::Smooth() {
-  const int face_count = static_cast<int>(surface_.faces.rows());
-  std::vector<int> label = Labels();
-  std::vector<int> size(charts_.size(), 0);
-  for (const int c : label) ++size[c];
-  for (int pass = 0; pass < kSmoothPasses; ++pass) {
-    for (int f = 0; f < face_count; ++f) {
-      for (int k = 0; k < 3; ++k) {
-        const int other = label[surface_.neighbors(f, k)];
-        if (other == label[f] || other != label[surface_.neighbors(f, (k + 1) % 3)] || size[label[f]] == 1) continue;
-        --size[label[f]];
-        ++size[other];
-        label[f] = other;
-      }
-    }
-  }
-  std::vector<std::vector<int>> work(charts_.size());
-  for (int f = 0; f < face_count; ++f) work[label[f]].push_back(f);
-  charts_.clear();
-  Settle(std::move(work));
 }
 
 // One border after the other, the costliest first, since a chart that has changed is the start of what its next border does.

@@ -33,8 +33,6 @@ class ChartAtlas {
   void Cut();
   /// Merges neighbours, costly borders first, while the joint chart stays flat enough.
   void Join();
-  /// Takes teeth off the borders.
-  void Smooth();
   /// Moves each border to the cheapest place near it where both charts stay flat enough.
   void Hide();
   /// Relaxes each chart to the end.
@@ -42,7 +40,7 @@ class ChartAtlas {
   const std::vector<FlatChart>& charts() const { return charts_; }
 
  private:
-  std::optional<FlatChart> TryFlat(std::vector<int> faces, int rounds) const;
+  std::optional<FlatChart> TryFlat(std::vector<int> faces, int rounds, double slack = 1) const;
   void Settle(std::vector<std::vector<int>> work);
   std::vector<int> Labels() const;
   std::map<std::pair<int, int>, double> Shared(const std::vector<int>& label, const PointsX3& of_edges) const;

@@ -13,7 +13,6 @@
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
 #include "texture/charts.h"
-#include "texture/packing.h"
 #include "texture/parametrise.h"
 
 namespace keypose::texture {
@@ -313,29 +312,6 @@ TEST(MakeChart, RingIsNoDiskAndPinchedVertexCountsTwice) {
     return;
   }
   FAIL() << "the tube has no such pair";
-}
-
-TEST(Pack, ManySquaresFitWithoutMirroring) {
-  Shape shape;
-  shape.points.resize(4, 2);
-  shape.points << 0, 0, 1, 0, 1, 1, 0, 1;
-  shape.corners.resize(2, 3);
-  shape.corners << 0, 1, 2, 0, 2, 3;
-  const Packing packing = Pack(std::vector<Shape>(16, shape), {512, 2});
-  EXPECT_GT(packing.utilisation, 0.8);
-  for (const UvsX2& uvs : packing.uvs) {
-    const Eigen::RowVector2d a = uvs.row(1) - uvs.row(0), b = uvs.row(2) - uvs.row(0);
-    EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 0);
-  }
-}
-
-TEST(Pack, FarTooManyShapesForTheGutterIsAQualityError) {
-  Shape shape;
-  shape.points.resize(3, 2);
-  shape.points << 0, 0, 1, 0, 0, 1;
-  shape.corners.resize(1, 3);
-  shape.corners << 0, 1, 2;
-  EXPECT_THROW(Pack(std::vector<Shape>(400, shape), {64, 8}), QualityError);
 }
 
 }  // namespace
