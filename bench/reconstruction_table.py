@@ -3,7 +3,7 @@
 
     reconstruction_table.py measure --set NAME=FOLDER ... [--views 34|all ...] [--peer FILE.json ...] [--ours-only] [--runs 1]
                                     [--masks both|neither] [--max-size 1000] [--json FILE] [--work DIR] [--reuse FILE.json]
-                                    [--ours-option STAGE.OPTION=VALUE ...] [--bin DIR] [--tools DIR] [--colmap colmap]
+                                    [--ours-option STAGE.OPTION=VALUE ...] [--resume] [--bin DIR] [--tools DIR] [--colmap colmap]
     reconstruction_table.py show FILE.json ...       the same tables from what --json wrote
     reconstruction_table.py prepare --set ...        only makes the inputs, in --work
 
@@ -26,7 +26,7 @@ run in {work}. Each step runs once a run however many results use it. `texture` 
 
 Processor time is user + system of the program and of the children that it waited for; memory is the largest resident size of any of
 its processes; programs use all cores. With --runs the figures of a program are medians. --reuse takes peers from an earlier --json
-where set, views, masks and size are the same. Needs nothing beyond Python; `colmap` deletes views from models and undistorts.
+where set, views, masks and size are the same; --resume goes on where a peer's run in --work stopped. Needs nothing beyond Python; `colmap` deletes views from models and undistorts.
 """
 import argparse
 import json
@@ -183,23 +183,26 @@ def run_peer(inputs, peer, work):
     places = {'work': work, 'images': undistorted / 'images', 'model': undistorted / 'sparse', 'masks': undistorted / 'masks',
               'undistorted': undistorted, 'max_size': inputs.args.max_size}
     fill = lambda word: string.Formatter().vformat(word, (), places)
-    rows, steps = [], {}
+    record = work / 'steps.json'
+    rows, steps = [], json.loads(record.read_text()) if record.exists() else {}
     for program, result in peer['results'].items():
         for step in result['steps']:
             if step not in steps:
                 words = peer['steps'][step] + (peer.get('masked', {}).get(step, []) if inputs.masked else [])
                 steps[step] = timed([fill(word) for word in words], work, work / f'{step}.log')
+                record.write_text(json.dumps(steps))
         counted = [step for step in result['steps'] if step not in peer.get('prepare', [])]
         texture = fill(result['texture']) if 'texture' in result else None
         scores = work / program.replace(' ', '_').replace('/', '_')
-        scores.mkdir()
+        scores.mkdir(exist_ok=True)
         rows.append(row_of(inputs, program, {step: steps[step] for step in result['steps']}, counted, fill(result['mesh']), texture, scores))
     return rows
 
 
-def fresh(folder):
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+def fresh(folder, keep=False):
+    if not keep:
+        shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
@@ -222,7 +225,7 @@ def measure(args, work):
                 for number, peer in enumerate(peers):
                     known = reused(earlier, inputs, peer)
                     if known is None:
-                        known = run_peer(inputs, peer, fresh(inputs.work / f'peer{number}' / str(run)))
+                        known = run_peer(inputs, peer, fresh(inputs.work / f'peer{number}' / str(run), args.resume))
                     elif run > 0:
                         continue
                     add(rows, known, args)
@@ -291,6 +294,7 @@ def parse():
         mode.add_argument('--ours-option', action='append', default=[], metavar='STAGE.OPTION=VALUE')
         mode.add_argument('--runs', type=int, default=1)
         mode.add_argument('--reuse', action='append', default=[], metavar='FILE.json')
+        mode.add_argument('--resume', action='store_true')
         mode.add_argument('--bin', default=here)
         mode.add_argument('--tools', default=here, help='where score_views and undistort_masks are')
         mode.add_argument('--colmap', default='colmap')

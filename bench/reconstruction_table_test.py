@@ -122,6 +122,17 @@ class ReconstructionTable(unittest.TestCase):
         self.assertGreater(row['gained_psnr_db'], 15)
         self.assertGreaterEqual(row['gained_psnr_db'], row['psnr_db'] - 0.01)
 
+    def test_a_stopped_run_goes_on(self):
+        peer = self.write('stops.json', {'steps': {'first': ['sh', '-c', f'echo once >> {{work}}/runs.txt; cp {self.truth} {{work}}/mesh.ply'],
+                                                   'second': ['test', '-e', '{work}/now']},
+                                         'results': {'late': {'steps': ['first', 'second'], 'mesh': '{work}/mesh.ply'}}})
+        words = ['--views', '13', '--peer', peer, '--work', str(self.folder / 'work')]
+        self.assertIn('test ended with 1', self.measure(*words, check=False).stderr)
+        work = self.folder / 'work/clay_13_masked/peer0/0'
+        (work / 'now').touch()
+        self.assertIn('| late | 1 |', self.measure(*words, '--resume').stdout)
+        self.assertEqual((work / 'runs.txt').read_text(), 'once\n')
+
     def test_without_masks_none_are_given(self):
         self.measure('--views', '12', '--masks', 'neither', '--peer', self.peer, '--work', str(self.folder / 'work'))
         folder = self.folder / 'work/clay_12_unmasked/peer0/0'
