@@ -148,7 +148,11 @@ class Fitter {
       if (options_.adjust_angles) AdjustAngles();
     }
     const Effort whole{3 * options_.rays, 64};
-    for (std::size_t v = 0; v < model_.views.size(); ++v) result.view_error_px.push_back(factor_ * ViewError(v, All(), whole));
+    for (std::size_t v = 0; v < model_.views.size(); ++v) {
+      std::vector<Vector3d> touching;
+      result.view_error_px.push_back(factor_ * ViewError(v, All(), whole, &touching));
+      for (const Vector3d& x : touching) result.points.push_back(PointOf(v, x));
+    }
     for (const double e : result.view_error_px) result.error_px += e / static_cast<double>(result.view_error_px.size());
     result.model = model_;
     result.found = result.error_px <= options_.max_error_px * factor_;
@@ -181,7 +185,8 @@ class Fitter {
   }
 
   /// Mean over the outline's rays of how far their best point lies outside of the other masks [coarse px].
-  double ViewError(std::size_t v, const std::vector<std::size_t>& against, const Effort& effort) const {
+  double ViewError(std::size_t v, const std::vector<std::size_t>& against, const Effort& effort,
+                   std::vector<Vector3d>* touching = nullptr) const {
     const Outline& outline = outlines_[v];
     if (outline.rays.empty()) return kCap_px;
     struct Other {
@@ -225,8 +230,22 @@ class Fitter {
         for (const double depth : {at - step, at + step})
           if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
       sum += best;
+      if (touching && best < 1.5) touching->push_back(own * Vector3d(at * ray));
     }
     return sum / rays;
+  }
+
+  /// A place on the outline of view v; views that look from within 50 degrees are taken to see it too.
+  SparsePoint PointOf(std::size_t v, const Vector3d& x) const {
+    SparsePoint point;
+    point.position = x;
+    point.color.setConstant(160);
+    const Rigid3 own = model_.CameraFromTable(model_.views[v]);
+    for (std::size_t j = 0; j < model_.views.size(); ++j) {
+      const Rigid3 other = Compose(model_.CameraFromTable(model_.views[j]), own.Inverse());
+      if ((other.rotation * Vector3d::UnitZ()).z() > std::cos(50 * kDegree)) point.views.push_back(static_cast<int>(j));
+    }
+    return point;
   }
 
   /// Depth of the axis where the camera of a view sees the middle of the body.

@@ -21,6 +21,7 @@ struct RingSilhouettes {
   RingModel model;
   double error_px = 0;                ///< mean distance by which rays of the outlines miss the body, in pixels of the photographs
   std::vector<double> view_error_px;  ///< of each of model.views
+  std::vector<SparsePoint> points;    ///< where outlines touch the body, in the table's frame; `views` count model.views
 };
 
 /// Fits a ring model to outlines: every line of sight along an outline touches the body, so some point of it lies in all other masks.

@@ -13,7 +13,7 @@
 namespace keypose::reconstruct {
 
 struct SfmOptions {
-  std::string method = "auto";    ///< auto goes down the ladder: plate, features, ring
+  std::string method = "auto";    ///< auto goes down the ladder: plate, features, ring, silhouettes
   std::string rings = "auto";     ///< sizes of the rings in the order of names, such as 18+18
   int max_image_size = 2000;      ///< longer side at which features are found
   int max_features = 8192;        ///< per image
@@ -58,7 +58,11 @@ struct SfmOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {"how cameras are found; auto goes down the ladder and says where it stopped", "", 0, 0, {"auto", "board", "features", "ring"}});
+          {"how cameras are found; auto goes down the ladder and says where it stopped",
+           "",
+           0,
+           0,
+           {"auto", "board", "features", "ring", "silhouettes"}});
     visit("rings", rings, {"sizes of the turntable's rings in the order of names, such as 18+18; auto tries equal ones", "", 0, 0, {}});
     visit("max_image_size", max_image_size, {"longer side at which features are found", "px", 320, 20000, {}});
     visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});

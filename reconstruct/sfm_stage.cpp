@@ -13,6 +13,7 @@
 #include "reconstruct/leveling.h"
 #include "reconstruct/placed_stage.h"
 #include "reconstruct/ring_sfm.h"
+#include "reconstruct/ring_silhouettes.h"
 #include "reconstruct/sfm_colmap.h"
 
 namespace {
@@ -208,8 +209,7 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
 /// The model adjusted once more, with a robust loss; known poses stay, and so does what shows neither points nor a plate.
 Scene Refined(StageContext& stage, const PlacedModel& model, const SfmOptions& options) {
   if (model.fixed || (model.observations.empty() && model.bodies.observations.empty())) return model.scene;
-  BundleResult result =
-      AdjustBundle(model.scene, model.observations, BundleFor(model, options), stage.progress(), model.bodies);
+  BundleResult result = AdjustBundle(model.scene, model.observations, BundleFor(model, options), stage.progress(), model.bodies);
   stage.Report("colmap_reprojection_error_px", result.before_px);
   stage.Report("refined_reprojection_error_px", result.after_px);
   stage.Report("observations_dropped", result.dropped);
@@ -265,7 +265,7 @@ Placed PlaceByFeatures(StageContext& stage, const ImageSet& set, const SfmFiles&
   for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
   stage.ReportJson("model_sizes", sizes.dump());
   if (models.empty()) return placed;
-  const PlacedModel model = ModelFromMapper(stage, set, files, seen.features, models, boards, options);
+  const PlacedModel model = ModelFromMapper(stage, set, files, {seen.features, seen.matches}, models, boards, options);
   if (model.scene.views.size() < 3) return {model.scene, "features"};
   return PlaceKnown(stage, model, "features", options);
 }
@@ -298,6 +298,39 @@ Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& o
   return {std::move(result.scene), "ring"};
 }
 
+std::vector<Image8> ReadMasks(const ImageSet& set) {
+  std::vector<Image8> masks(set.images.size());
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+    if (!set.images[static_cast<std::size_t>(i)].mask.empty())
+      masks[static_cast<std::size_t>(i)] = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
+  });
+  return masks;
+}
+
+/// The last rung: no feature counts, only outlines. Of the layouts the one whose outlines agree best.
+Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+  const std::vector<std::string> names = NamesOf(set);
+  const std::vector<Image8> masks = ReadMasks(set);
+  const std::vector<RingLayout> layouts = options.Layouts(names);
+  RingSilhouettes best;
+  std::string reason;
+  for (std::size_t k = 0; k < layouts.size(); ++k) {
+    const double share = 0.09 / static_cast<double>(layouts.size());
+    SubProgress part(stage.progress(), 0.88 + share * static_cast<double>(k), 0.88 + share * static_cast<double>(k + 1));
+    RingSilhouettes fit = FitRingToSilhouettes(seen.camera, layouts[k], masks, {}, &part);
+    if (fit.view_error_px.empty() || (!best.view_error_px.empty() && fit.error_px >= 0.9 * best.error_px)) continue;
+    best = std::move(fit);
+    reason = layouts[k].reason;
+  }
+  if (best.view_error_px.empty()) return {{}, "silhouettes"};
+  stage.Report("silhouette_layout", reason);
+  stage.Report("silhouette_error_px", best.error_px);
+  if (!best.found) return {{}, "silhouettes"};
+  Placed placed{SceneOf(best.model, names, best.points), "silhouettes"};
+  ColorPoints(set, placed.scene);
+  return placed;
+}
+
 /// Down the ladder until a rung holds all photographs; else the rung that holds most.
 Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
              Stopwatch& watch) {
@@ -305,7 +338,7 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
   const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
   Placed best;
   if (options.method == "auto" || options.method == "board") {
-    const auto model = ModelFromBoards(stage, set, files, seen.features, boards, options);
+    const auto model = ModelFromBoards(stage, set, files, {seen.features, seen.matches}, boards, options);
     if (model) best = PlaceKnown(stage, *model, "plate", options);
     watch.Lap(stage, "board");
     if (best.scene.views.size() >= options.min_placed * static_cast<double>(set.images.size()) && !best.scene.views.empty()) return best;
@@ -320,6 +353,12 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
     Placed ring = PlaceByRing(stage, set, options, seen);
     watch.Lap(stage, "ring");
     if (ring.scene.views.size() > best.scene.views.size()) best = std::move(ring);
+  }
+  const bool too_few = static_cast<double>(best.scene.views.size()) < options.min_placed * static_cast<double>(set.images.size());
+  if (options.method == "silhouettes" || (options.method == "auto" && too_few)) {
+    Placed outlines = PlaceBySilhouettes(stage, set, options, seen);
+    watch.Lap(stage, "silhouettes");
+    if (outlines.scene.views.size() > best.scene.views.size()) best = std::move(outlines);
   }
   return best;
 }
