@@ -96,6 +96,7 @@ TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
   UnwrapOptions options;
   options.press = false;
   options.effort = 20;
+  options.enough_utilisation = 0;
   const UnwrapResult hidden = Unwrapped(figure, options);
   options.hide_seams = false;
   const UnwrapResult plain = Unwrapped(figure, options);

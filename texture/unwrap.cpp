@@ -15,6 +15,9 @@
 namespace keypose::texture {
 namespace {
 
+// Of the surface in one chart. Large charts have few seams; where they pack badly, smaller ones are tried.
+constexpr double kLargestShares[] = {0.25, 0.1, 0.05};
+
 Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts, const std::vector<UvsX2>& uvs) {
   Mesh mesh = clean;
   int count = 0;
@@ -68,14 +71,55 @@ void RequireClosed(const Mesh& clean) {
                    std::to_string(report.volume) + "); run cleanup on it first");
 }
 
+void RequireProven(const Mesh& mesh) {
+  const AtlasFaults faults = FindAtlasFaults(mesh);
+  if (faults.none()) return;
+  throw QualityError("unwrap: the layout has " + std::to_string(faults.flipped) + " flipped triangles, " +
+                     std::to_string(faults.crossings) + " crossing seams, " + std::to_string(faults.nested) + " nested and " +
+                     std::to_string(faults.not_disks) + " broken charts; try another --max_distortion");
+}
+
+// From many small charts to a layout whose charts have at most `share` of the surface each.
+UnwrapResult LaidOut(const Mesh& clean, const Surface& surface, const ChartAtlas& cut, double share, const UnwrapOptions& options,
+                     Progress* progress) {
+  ChartAtlas atlas = cut;
+  atlas.Join(share);
+  atlas.Hide();
+  atlas.Join(share);
+  Step(progress, 0.65, "flattening");
+  atlas.Refine();
+  std::vector<Shape> shapes;
+  std::vector<const Chart*> charts;
+  for (const FlatChart& flat : atlas.charts()) {
+    shapes.push_back({flat.uvs, flat.chart.corners});
+    charts.push_back(&flat.chart);
+  }
+  Step(progress, 0.7, "packing " + std::to_string(shapes.size()) + " charts");
+  const Packing packing = Pack(shapes, {options.texture_size, options.gutter, options.effort});
+  Layout layout{packing.uvs, packing.scale};
+  Step(progress, 0.85, "pressing");
+  if (options.press) {
+    PressOptions press;
+    press.gap = static_cast<double>(options.gutter) / options.texture_size;
+    layout = Pressed(surface, charts, layout, press);
+  }
+  UnwrapResult result;
+  result.mesh = Assembled(clean, atlas.charts(), layout.uvs);
+  RequireProven(result.mesh);
+  result.charts = static_cast<int>(shapes.size());
+  result.stretch = MeasureAtlasStretch(result.mesh);
+  return result;
+}
+
 }  // namespace
 
 void UnwrapOptions::Describe(OptionVisitor& visit) {
   visit("texture_size", texture_size, {"edge of the square texture that the gutter is meant for", "px", 64, 16384, {}});
-  visit("gutter", gutter, {"least distance between two charts", "px", 1, 64, {}});
+  visit("gutter", gutter, {"least distance between two charts, half of it to the border", "px", 1, 64, {}});
   visit("effort", effort, {"moves in the search for places, in sixteens; cost grows with it", "", 0, 100000, {}});
   visit("press", press, {"deform charts a little where that fills gaps between them"});
   visit("hide_seams", hide_seams, {"seams go where they are seen least: creases, below, behind (up is +z, the front -y)"});
+  visit("enough_utilisation", enough_utilisation, {"more, smaller charts are tried while less of the texture is covered", "", 0, 1, {}});
   visit("max_distortion", max_distortion, {"mean stretch of a chart, 1 is none, above which it is cut", "", 1.01, 3, {}});
 }
 
@@ -85,37 +129,14 @@ UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress
   Step(progress, 0.05, "cutting charts");
   const Exposure exposure = FindExposure(surface, {});
   const PointsX3 costs = SeamCosts(surface, options.hide_seams ? exposure.cost : Eigen::VectorXd::Ones(clean.vertex_count()));
-  ChartAtlas atlas(surface, costs, options.max_distortion, progress);
-  atlas.Cut();
-  atlas.Join();
-  atlas.Hide();
-  atlas.Join();
-  Step(progress, 0.65, "flattening");
-  atlas.Refine();
-  std::vector<Shape> shapes;
-  for (const FlatChart& flat : atlas.charts()) shapes.push_back({flat.uvs, flat.chart.corners});
-  Step(progress, 0.7, "packing " + std::to_string(shapes.size()) + " charts");
-  const Packing packing = Pack(shapes, {options.texture_size, options.gutter, options.effort});
-  std::vector<const Chart*> charts;
-  for (const FlatChart& flat : atlas.charts()) charts.push_back(&flat.chart);
-  Layout layout{packing.uvs, packing.scale};
-  Step(progress, 0.85, "pressing");
-  if (options.press) {
-    PressOptions press;
-    press.gap = static_cast<double>(options.gutter) / options.texture_size;
-    layout = Pressed(surface, charts, layout, press);
-  }
-
+  ChartAtlas cut(surface, costs, options.max_distortion, progress);
+  cut.Cut();
   UnwrapResult result;
-  result.mesh = Assembled(clean, atlas.charts(), layout.uvs);
-  const AtlasFaults faults = FindAtlasFaults(result.mesh);
-  if (!faults.none()) {
-    throw QualityError("unwrap: the layout has " + std::to_string(faults.flipped) + " flipped triangles, " +
-                       std::to_string(faults.crossings) + " crossing seams, " + std::to_string(faults.nested) + " nested and " +
-                       std::to_string(faults.not_disks) + " broken charts; try another --max_distortion");
+  for (const double share : kLargestShares) {
+    const UnwrapResult layout = LaidOut(clean, surface, cut, share, options, progress);
+    if (result.charts == 0 || layout.stretch.utilisation > result.stretch.utilisation) result = layout;
+    if (result.stretch.utilisation >= options.enough_utilisation) break;
   }
-  result.charts = static_cast<int>(shapes.size());
-  result.stretch = MeasureAtlasStretch(result.mesh);
   const double area = SurfaceArea(clean.points, clean.faces);
   result.texels_per_unit = std::sqrt(result.stretch.utilisation / area) * options.texture_size;
   MeasureSeams(surface, exposure, result);

@@ -10,11 +10,12 @@ namespace keypose::texture {
 
 struct UnwrapOptions {
   int texture_size = 2048;       ///< [px] edge of the square texture that the gutter is meant for
-  int gutter = 4;                ///< [px] least distance between two charts
-  double max_distortion = 1.12;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above
+  int gutter = 4;                ///< [px] least distance between two charts; half of it to the border
+  double max_distortion = 1.12;  ///< charts merge while their mean of max(s1, 1/s2) stays below, and are cut when above; before pressing
   int effort = 600;              ///< moves in the search for places, in sixteens; cost grows with it
-  bool press = true;             ///< charts yield a little where that fills gaps between them
-  bool hide_seams = true;        ///< seams go where they are seen least: creases, below, behind (up is +z, the front -y)
+  double enough_utilisation = 0.82;  ///< more, smaller charts are tried while less of the texture is covered
+  bool press = true;                 ///< charts yield a little where that fills gaps between them
+  bool hide_seams = true;            ///< seams go where they are seen least: creases, below, behind (up is +z, the front -y)
   void Describe(OptionVisitor& visit);
 };
 
@@ -33,8 +34,8 @@ struct UnwrapResult {
 /// @throws InputError    empty, not finite, not closed, or a face without area; names the place
 /// @throws QualityError  the charts do not fit the texture with this gutter
 /// The layout is proven free of flipped and overlapping triangles in exact arithmetic before it is returned. Same bits for any thread
-/// count. Cost: a few seconds for 20,000 faces. Source: chart growing Sander et al., SGP 2003; flattening Liu et al., SGP 2008; merging,
-/// packing and proof are ours.
+/// count. Cost: some three processor seconds for 20,000 faces. Source: chart growing Sander et al., SGP 2003; flattening Liu et al., SGP
+/// 2008; places Egeblad et al., EJOR 2007; borders by minimal cuts; merging, pressing and proof are ours.
 UnwrapResult Unwrapped(const Mesh& clean, const UnwrapOptions& options, Progress* progress = nullptr);
 
 }  // namespace keypose::texture

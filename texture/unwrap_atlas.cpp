@@ -18,11 +18,10 @@ constexpr int kLloydRounds = 6;
 constexpr int kRounds = 25;  // of flattening while charts are cut and merged
 constexpr int kFinalRounds = 200;
 constexpr int kEarlyHidingRounds = 2;
-constexpr int kEarlyBand = 5;           // rings that a border of the small charts may move
-constexpr int kLateBand = 20;           // ... of the large ones
-constexpr double kLeastScore = 0.03;    // below which a merge is not even tried
-constexpr double kLargestShare = 0.25;  // of the whole area in one chart: larger ones leave gaps
-constexpr std::size_t kCrumb = 12;      // faces: charts as small as that go to a neighbour even if it is bent somewhat too far
+constexpr int kEarlyBand = 5;         // rings that a border of the small charts may move
+constexpr int kLateBand = 20;         // ... of the large ones
+constexpr double kLeastScore = 0.03;  // below which a merge is not even tried
+constexpr std::size_t kCrumb = 12;    // faces: charts as small as that go to a neighbour even if it is bent somewhat too far
 constexpr double kCrumbSlack = 1.05;
 constexpr double kP99Distortion = 2;  // within a chart
 constexpr double kWorstDistortion = 8;
@@ -117,7 +116,7 @@ bool ChartAtlas::WorthJoining(const FlatChart& a, const FlatChart& b) const {
       area += surface_.areas[f];
     }
   }
-  return area <= kLargestShare * surface_.areas.sum() && sum.norm() >= kLeastFlatness * area;
+  return area <= largest_share_ * surface_.areas.sum() && sum.norm() >= kLeastFlatness * area;
 }
 
 // Goes once over the pairs, first those that share most of their rims where these are seen best; each chart takes part in one merge a
@@ -162,7 +161,8 @@ bool ChartAtlas::JoinRound(std::set<std::pair<int, int>>& failed) {
   return joined;
 }
 
-void ChartAtlas::Join() {
+void ChartAtlas::Join(double largest_share) {
+  largest_share_ = largest_share;
   std::set<std::pair<int, int>> failed;
   for (int round = 0; round < 12; ++round) {
     Step(progress_, 0.3 + 0.03 * round, "merging " + std::to_string(charts_.size()) + " charts");

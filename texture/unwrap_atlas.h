@@ -32,7 +32,8 @@ class ChartAtlas {
   /// @throws InputError  a face without area
   void Cut();
   /// Merges neighbours, costly borders first, while the joint chart stays flat enough.
-  void Join();
+  /// @param largest_share  of the whole area that one chart may have
+  void Join(double largest_share);
   /// Moves each border to the cheapest place near it where both charts stay flat enough.
   void Hide();
   /// Relaxes each chart to the end.
@@ -51,7 +52,7 @@ class ChartAtlas {
   const Surface& surface_;
   const PointsX3& costs_;
   PointsX3 lengths_;  // of edges, as costs_
-  double max_distortion_;
+  double max_distortion_, largest_share_ = 1;
   Progress* progress_;
   std::vector<FlatChart> charts_;
 };

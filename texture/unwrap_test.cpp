@@ -65,6 +65,7 @@ UnwrapOptions Small() {
 UnwrapOptions Rigid() {
   UnwrapOptions options = Small();
   options.press = false;
+  options.enough_utilisation = 0;
   return options;
 }
 
