@@ -10,6 +10,7 @@
 #include "reconstruct/fusion.h"
 #include "reconstruct/hull_fill.h"
 #include "reconstruct/patch_match.h"
+#include "reconstruct/silhouette_fit.h"
 #include "reconstruct/view_selection.h"
 #include "reconstruct/visual_hull.h"
 
@@ -60,6 +61,21 @@ void Append(const PointCloud& more, PointCloud* cloud) {
   cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
 }
 
+// Depth bounds are as coarse as the grid; what a mask cuts off to the pixel goes here.
+PointCloud WithinOutlines(const PointCloud& cloud, const Silhouettes& silhouettes, double limit_px, int* outside) {
+  std::vector<char> keep(cloud.points.rows(), 1);
+  ParallelFor(
+      cloud.points.rows(), [&](std::int64_t i) { keep[i] = silhouettes.Within(cloud.points.row(i), limit_px); }, 1024);
+  std::vector<int> rows;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) rows.push_back(static_cast<int>(i));
+  *outside = static_cast<int>(keep.size() - rows.size());
+  PointCloud out;
+  out.points = cloud.points(rows, Eigen::all), out.normals = cloud.normals(rows, Eigen::all);
+  out.colors = cloud.colors(rows, Eigen::all), out.confidence = cloud.confidence(rows);
+  return out;
+}
+
 }  // namespace
 
 void DenseOptions::Describe(OptionVisitor& visit) {
@@ -79,6 +95,8 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("normal_tolerance_deg", normal_tolerance_deg, {"largest angle between the normals of two views that agree", "deg", 1, 90});
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
+  visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
+  visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 
@@ -110,10 +128,19 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   fusion.normal_tolerance_deg = options.normal_tolerance_deg;
   fusion.largest_cost = options.largest_cost;
   FusionResult fused = FuseDepthMaps(views, sources, matched.maps, fusion);
+  matched.maps.clear();
   result.completeness = std::move(fused.completeness);
-  result.cloud = std::move(fused.cloud);
+  Step(progress, 0.94, "outlines");
+  const Silhouettes silhouettes(views, hull_options.outside_votes);
+  result.hull_check = CheckAgainstHull(views, hull, silhouettes);
+  result.cloud = WithinOutlines(fused.cloud, silhouettes, options.outline_px, &result.outside_points);
+  if (options.silhouette_fit && result.cloud.points.rows() > 0) {
+    SilhouetteFit fit = FitToSilhouettes(result.cloud, silhouettes, {});
+    result.cloud = std::move(fit.cloud);
+    result.outline_gap_before_px = fit.gap_before_px, result.outline_gap_px = fit.gap_after_px;
+  }
   result.stereo_points = static_cast<int>(result.cloud.points.rows());
-  if (options.hull_fill) Append(HullFill(hull, views, bounds, fused.confirmed, result.cloud.points), &result.cloud);
+  if (options.hull_fill) Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud), &result.cloud);
   if (result.cloud.points.rows() == 0)
     throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) + " views from " + views.front().name +
                      " to " + views.back().name +

@@ -10,6 +10,7 @@
 #include "core/options.h"
 #include "core/progress.h"
 #include "reconstruct/dense_view.h"
+#include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {
 
@@ -25,6 +26,8 @@ struct DenseOptions {
   double normal_tolerance_deg = 30;
   double largest_cost = 0.75;
   int hull_resolution = 160;
+  double outline_px = 1.5;
+  bool silhouette_fit = true;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);
 };
@@ -34,7 +37,11 @@ struct DenseResult {
   int stereo_points = 0;             ///< the first ones of the cloud; the others are the hull's
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
-  std::int64_t evaluations = 0;  ///< windows correlated
+  HullCheck hull_check;              ///< each mask against what all masks allow
+  int outside_points = 0;            ///< dropped because they lie outside of the masks
+  double outline_gap_before_px = 0;  ///< mean distance of the cloud's outline inside of the masks', before the fit to them
+  double outline_gap_px = 0;         ///< and after
+  std::int64_t evaluations = 0;      ///< windows correlated
   double hull_volume = 0;
   double matching_cpu_seconds = 0;  ///< of PatchMatch alone, all threads together
 };

@@ -93,6 +93,16 @@ PointCloud RunColmap(StageContext& stage, const std::vector<DenseView>& views, c
   return WithinHull(cloud, CarveVisualHull(views, hull));
 }
 
+void ReportHullCheck(StageContext& stage, const std::vector<DenseView>& views, const HullCheck& check) {
+  nlohmann::json overlaps = nlohmann::json::object();
+  for (std::size_t i = 0; i < views.size(); ++i) overlaps[views[i].name] = std::round(check.iou[i] * 1e4) / 1e4;
+  stage.Report("hull_iou_mean", check.mean);
+  stage.ReportJson("hull_iou", overlaps.dump());
+  stage.ReportJson("views_disagreeing", nlohmann::json(check.disagreeing).dump());
+  if (!check.disagreeing.empty())
+    stage.Note("masks that disagree with what the other views allow, because of the mask or the camera: " + Names(check.disagreeing));
+}
+
 void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, const DenseResult& result) {
   nlohmann::json completeness = nlohmann::json::object();
   double mean = 0;
@@ -108,6 +118,10 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.Report("matching_cpu_seconds", result.matching_cpu_seconds);
   stage.Report("hull_volume", result.hull_volume);
   stage.Report("completeness_mean", mean);
+  stage.Report("points_outside_masks", result.outside_points);
+  stage.Report("outline_gap_before_px", result.outline_gap_before_px);
+  stage.Report("outline_gap_px", result.outline_gap_px);
+  ReportHullCheck(stage, views, result.hull_check);
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
   if (!result.views_without_sources.empty())

@@ -32,7 +32,8 @@ class DenseStage : public ::testing::Test {
       const std::string name = scene_.scene.views[i].name;
       WriteImage(set_.folder / name, scene_.images[i]);
       WriteImage(set_.folder / "masks" / (name + ".png"), scene_.masks[i]);
-      set_.images.push_back({.name = name, .width = 72, .height = 72, .mask = "masks/" + name + ".png"});
+      CapturedImage& image = set_.images.emplace_back();
+      image.name = name, image.width = image.height = 72, image.mask = "masks/" + name + ".png";
     }
     WriteImageSet(set_);
     WriteColmapModel(folder_ / "model", scene_.scene);

@@ -6,18 +6,22 @@
 #include "core/mesh.h"
 #include "reconstruct/dense_view.h"
 #include "reconstruct/depth_bounds.h"
+#include "reconstruct/silhouettes.h"
 #include "reconstruct/visual_hull.h"
 
 namespace keypose::reconstruct {
 
 constexpr float kHullConfidence = 0.1f;
 
-/// Centres of surface voxels of the hull that at least two views look at, with outward normals, mean colours and kHullConfidence.
+/// Places of the hull's surface that at least two views look at, with outward normals, mean colours and kHullConfidence.
 ///
-/// Left out where stereo knows better: within three voxels of a stereo point, and where more than a tenth of the pixels that look at
-/// the place have a confirmed depth (the hull bridges a hollow there).
+/// Left out where stereo knows better: within three voxels of a stereo point of confidence 0.3 or more, and where more than a tenth of the
+/// pixels that look at the place have a confirmed depth (the hull bridges a hollow there). Of the underside that no camera faces, a band
+/// of five voxels along such stereo points is added, so that the surface turns inwards where the outlines end.
+/// @param hull       carved with a margin from the views of `silhouettes`
 /// @param confirmed  for each view, 1 for each level-0 pixel with a confirmed depth
-PointCloud HullFill(const VisualHull& hull, const std::vector<DenseView>& views, const std::vector<DepthBounds>& bounds,
-                    const std::vector<std::vector<char>>& confirmed, const PointsX3& stereo_points);
+/// @param stereo     with confidence
+PointCloud HullFill(const VisualHull& hull, const Silhouettes& silhouettes, const std::vector<DenseView>& views,
+                    const std::vector<DepthBounds>& bounds, const std::vector<std::vector<char>>& confirmed, const PointCloud& stereo);
 
 }  // namespace keypose::reconstruct

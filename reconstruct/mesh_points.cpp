@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "core/kd_tree.h"
@@ -14,6 +15,8 @@ constexpr int kFewestPoints = 100;
 constexpr std::int64_t kGrain = 2048;
 // Two sides of a thin sheet see half of their neighbours turned away: only near unanimity tells a wrong normal.
 constexpr double kContraryShare = 0.2;
+// With the normals' own weight this makes a point of a tenth of the confidence pull less than a tenth.
+constexpr double kThinning = 1.5;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -46,13 +49,16 @@ int Drop(PointCloud& cloud, const std::vector<char>& keep) {
 struct Neighborhood {
   Eigen::VectorXd mean_distance;  // to the k nearest
   Eigen::VectorXd spacing;        // from the k-th: k points in a disc of that radius
+  Eigen::VectorXd confidence;     // the largest of the k nearest; empty without confidences
   Eigen::VectorXd agreeing;       // share of the k nearest whose normal lies on the same side
 };
 
 Neighborhood Measure(const PointCloud& cloud, int neighbors) {
   const KdTree tree(cloud.points);
   const Eigen::Index count = cloud.points.rows();
-  Neighborhood out{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
+  const bool graded = cloud.confidence.size() > 0;
+  Neighborhood out{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(graded ? count : 0),
+                   Eigen::VectorXd::Zero(count)};
   ParallelBlocks(count, kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       // The point finds itself too.
@@ -61,6 +67,7 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
       int agree = 0;
       for (const auto& n : near) {
         sum += std::sqrt(n.squared_distance);
+        if (graded) out.confidence[i] = std::max<double>(out.confidence[i], cloud.confidence[n.index]);
         if (n.index != i && cloud.normals.row(n.index).dot(cloud.normals.row(i)) > 0) ++agree;
       }
       out.mean_distance[i] = sum / neighbors;
@@ -79,6 +86,14 @@ bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
     flux += spacing[i] * spacing[i] * cloud.normals.row(i).dot(cloud.points.row(i) - middle);
   }
   return flux < 0;
+}
+
+// A share of the points, even and the same on every run.
+bool Chosen(std::uint64_t index, double share) {
+  std::uint64_t z = (index + 1) * 0x9E3779B97F4A7C15ull;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53 < share;
 }
 
 void RequireEnough(const PointCloud& cloud, const std::string& what, Eigen::Index before) {
@@ -128,11 +143,15 @@ FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& o
   const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * Median(near.mean_distance) : INFINITY;
   keep.assign(out.cloud.points.rows(), 1);
   std::vector<char> aligned;
+  const bool graded = options.thin_unsure && out.cloud.confidence.size() > 0;
   for (std::size_t i = 0; i < keep.size(); ++i) {
     keep[i] = near.mean_distance[i] <= limit;
+    out.removed_outliers += !keep[i];
+    if (keep[i] && graded && !Chosen(i, std::pow(out.cloud.confidence[i] / near.confidence[i], kThinning)))
+      keep[i] = 0, ++out.removed_thinned;
     if (keep[i]) aligned.push_back(near.agreeing[i] >= kContraryShare);
   }
-  out.removed_outliers = Drop(out.cloud, keep);
+  Drop(out.cloud, keep);
   out.removed_contrary = Drop(out.cloud, aligned);
   RequireEnough(out.cloud, what, before);
 

@@ -13,6 +13,7 @@ struct PointFilterOptions {
   int neighbors = 16;         ///< points that say how dense a place is, >= 4
   double outlier_ratio = 4;   ///< removed: mean distance to the neighbours above this many times the median; 0 keeps all
   double min_confidence = 0;  ///< removed: confidence below this, where the cloud has confidences
+  bool thin_unsure = true;    ///< of points less sure than their neighbours only a share stays: their confidence over the neighbours'
 };
 
 /// Points that are fit to be meshed.
@@ -22,6 +23,7 @@ struct FilteredPoints {
   double median_spacing = 0;
   int removed_unsure = 0;        ///< confidence too low
   int removed_outliers = 0;      ///< too far from their neighbours
+  int removed_thinned = 0;       ///< less sure than their neighbours
   int removed_contrary = 0;      ///< normal against nearly all of the neighbours' normals
   bool normals_flipped = false;  ///< all normals pointed inside and were turned round
 };
@@ -30,7 +32,8 @@ struct FilteredPoints {
 /// @throws InputError  fewer than 100 points, no normals, a value that is not finite, all points in one place; names `what` and the point
 void RequireMeshable(const PointCloud& cloud, const std::string& what);
 
-/// Removes strays and contrary normals, turns normals outside, and measures the sampling.
+/// Removes strays, contrary normals and a share of the points that are less sure than their neighbours, turns normals outside, and measures
+/// the sampling.
 ///
 /// @throws InputError  as RequireMeshable, or fewer than 100 points are left
 /// Cost: two passes of `neighbors`-nearest queries. Same bits for any thread count.

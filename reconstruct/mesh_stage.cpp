@@ -17,6 +17,7 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
   stage.Report("points_used", static_cast<std::int64_t>(result.used.cloud.points.rows()));
   stage.Report("points_unsure", result.used.removed_unsure);
   stage.Report("points_outliers", result.used.removed_outliers);
+  stage.Report("points_thinned", result.used.removed_thinned);
   stage.Report("points_contrary_normals", result.used.removed_contrary);
   stage.Report("normals_flipped", result.used.normals_flipped);
   stage.Report("spacing", result.used.median_spacing);

@@ -42,6 +42,7 @@ void MeshOptions::Describe(OptionVisitor& visit) {
   visit("outlier_ratio", filter.outlier_ratio,
         {"a point is removed when its neighbours are this many times farther than usual; 0 keeps all", "", 0, 1000, {}});
   visit("min_confidence", filter.min_confidence, {"points of lower confidence are not used", "", 0, 1, {}});
+  visit("thin_unsure", filter.thin_unsure, {"of points less sure than their neighbours keep only a share, so that they pull less"});
   visit("trim", trim.trim,
         {"surface farther from all points than this many point distances is cut away; 0 keeps all", "spacings", 0, 1000, {}});
   visit("keep_area", trim.keep_area, {"a patch without data stays when it is at most this share of the whole area", "", 0, 1, {}});
@@ -62,7 +63,7 @@ SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& opt
   Step(progress, 0.15, "fitting the surface");
   PoissonOptions poisson = options.poisson;
   poisson.depth = out.depth;
-  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, poisson);
+  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, out.used.cloud.confidence, poisson);
   FaceAlongNormals(surface, out.used.cloud);
   out.poisson_faces = surface.face_count();
 

@@ -191,6 +191,41 @@ TEST(ReconstructSurface, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one.mesh.colors, three.mesh.colors);
 }
 
+// Mean height above the sphere, in radii, of the surface near the pole.
+double PoleHeight(const Mesh& mesh) {
+  double sum = 0;
+  int count = 0;
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const Eigen::RowVector3d x = (mesh.points.row(v) - kCenter) / kRadius;
+    if (x.normalized().z() < 0.99) continue;
+    sum += x.norm() - 1, ++count;
+  }
+  return sum / std::max(1, count);
+}
+
+TEST(ReconstructSurface, WrongPatchOfLowConfidenceMovesTheSurfaceLessThanATenthOfASureOne) {
+  const PointCloud sphere = SphereCloud(8000);
+  PointCloud patch = UpperCap(SphereCloud(7000), 0.95);  // as dense as what is right
+  patch.points += 0.04 * kRadius * patch.normals;
+  PointCloud both = Joined(sphere, patch);
+  both.confidence = Eigen::VectorXf::Ones(both.points.rows());
+  const double sure = PoleHeight(Reconstruct(both).mesh);
+  both.confidence.tail(patch.points.rows()).setConstant(0.1f);
+  const double unsure = PoleHeight(Reconstruct(both).mesh);
+  EXPECT_GT(sure, 0.01);
+  EXPECT_LT(std::abs(unsure), 0.1 * sure);
+}
+
+TEST(ReconstructSurface, LowConfidenceHoldsTheSurfaceWhereNothingElseIs) {
+  PointCloud cloud = SphereCloud(8000);
+  cloud.confidence = Eigen::VectorXf::Ones(8000);
+  for (int i = 0; i < 8000; ++i)
+    if (cloud.normals(i, 2) > 0.7) cloud.confidence[i] = 0.1f;
+  const auto result = Reconstruct(cloud);
+  EXPECT_LT(LargestRadiusError(result.mesh), 0.015 * kRadius);
+  EXPECT_TRUE(CheckClosed(result.mesh).closed());
+}
+
 TEST(ReconstructSurface, FarFromTheOriginTheShapeIsTheSame) {
   PointCloud far = SphereCloud(4000);
   far.points.rowwise() += Eigen::RowVector3d(1e5, -2e5, 3e4);

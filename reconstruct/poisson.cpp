@@ -25,12 +25,13 @@ struct UnitCube {
   }
 };
 
-pcl::PointCloud<pcl::PointNormal>::Ptr ToPcl(const PointsX3& points, const PointsX3& normals, const UnitCube& cube) {
+pcl::PointCloud<pcl::PointNormal>::Ptr ToPcl(const PointsX3& points, const PointsX3& normals, const Eigen::VectorXf& weights,
+                                             const UnitCube& cube) {
   auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointNormal>>();
   cloud->resize(points.rows());
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const Eigen::RowVector3f p = ((points.row(i) - cube.center) / cube.extent).cast<float>();
-    const Eigen::RowVector3f n = normals.row(i).cast<float>();
+    const Eigen::RowVector3f n = normals.row(i).cast<float>() * (weights.size() ? weights[i] : 1.0f);
     auto& out = (*cloud)[i];
     out.x = p.x(), out.y = p.y(), out.z = p.z();
     out.normal_x = n.x(), out.normal_y = n.y(), out.normal_z = n.z();
@@ -58,10 +59,11 @@ Mesh FromPcl(const pcl::PointCloud<pcl::PointNormal>& vertices, const std::vecto
 
 }  // namespace
 
-Mesh ScreenedPoisson(const PointsX3& points, const PointsX3& normals, const PoissonOptions& options) {
+Mesh ScreenedPoisson(const PointsX3& points, const PointsX3& normals, const Eigen::VectorXf& weights, const PoissonOptions& options) {
   const UnitCube cube(points);
   pcl::Poisson<pcl::PointNormal> poisson;
-  poisson.setInputCloud(ToPcl(points, normals, cube));
+  poisson.setInputCloud(ToPcl(points, normals, weights, cube));
+  poisson.setConfidence(weights.size() > 0);  // the normals' lengths
   poisson.setDepth(options.depth);
   poisson.setScale(static_cast<float>(kPoissonCubeScale));
   // A solver split above the tree's depth would be ignored; below depth 9 one block is fastest, above it saves memory.

@@ -19,10 +19,13 @@ struct PoissonOptions {
 ///
 /// @param points   P x 3, finite, not all the same
 /// @param normals  P x 3 unit, pointing outside
+/// @param weights  P in (0, 1], or empty for all one: a normal's say among those near it. A lone point of low weight still holds the
+/// surface, at
+///                 a coarser level of the octree. The screening counts points and does not see weights: thin out what should pull less.
 /// @return positions and faces, counter-clockwise seen from where the normals point; faces with a repeated corner are left out
 /// @throws SolverError  no surface came out
 /// One thread, so the same bits everywhere. Needs about 1 GiB at depth 9 and cannot be interrupted.
 /// Source: Kazhdan & Hoppe, Screened Poisson Surface Reconstruction, TOG 2013 (PCL's build of it).
-Mesh ScreenedPoisson(const PointsX3& points, const PointsX3& normals, const PoissonOptions& options);
+Mesh ScreenedPoisson(const PointsX3& points, const PointsX3& normals, const Eigen::VectorXf& weights, const PoissonOptions& options);
 
 }  // namespace keypose::reconstruct

@@ -7,91 +7,26 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "reconstruct/mask_field.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-// Signed distance to the mask's rim on a reduced image: positive outside. Pictures end: beyond them nothing is known.
-struct MaskField {
-  Eigen::Matrix<double, 3, 4> from_world;  // to homogeneous pixels of the field
-  double focal = 0;
-  int width = 0, height = 0;
-  std::vector<float> distance;
-};
-
-// Lower envelope of parabolas: Felzenszwalb & Huttenlocher, Theory of Computing 2012.
-void SquaredDistance1d(const std::vector<float>& f, int n, std::vector<float>* d, std::vector<int>* v, std::vector<float>* z) {
-  int k = 0;
-  (*v)[0] = 0;
-  (*z)[0] = -std::numeric_limits<float>::infinity();
-  (*z)[1] = std::numeric_limits<float>::infinity();
-  for (int q = 1; q < n; ++q) {
-    float s = 0;
-    while (true) {
-      const int p = (*v)[k];
-      s = ((f[q] + static_cast<float>(q) * q) - (f[p] + static_cast<float>(p) * p)) / (2.0f * (q - p));
-      if (s > (*z)[k] || k == 0) break;
-      --k;
-    }
-    if (s <= (*z)[k]) s = (*z)[k];
-    (*v)[++k] = q;
-    (*z)[k] = s;
-    (*z)[k + 1] = std::numeric_limits<float>::infinity();
-  }
-  k = 0;
-  for (int q = 0; q < n; ++q) {
-    while ((*z)[k + 1] < q) ++k;
-    const float delta = static_cast<float>(q - (*v)[k]);
-    (*d)[q] = delta * delta + f[(*v)[k]];
-  }
-}
-
-// Distance of each pixel to the nearest pixel where `set` is true.
-std::vector<float> DistanceTo(const std::vector<char>& set, int width, int height) {
-  constexpr float kFar = 1e8f;
-  std::vector<float> out(set.size());
-  const int longest = std::max(width, height);
-  std::vector<float> f(longest), d(longest), z(longest + 1);
-  std::vector<int> v(longest);
-  for (int x = 0; x < width; ++x) {
-    for (int y = 0; y < height; ++y) f[y] = set[static_cast<std::size_t>(y) * width + x] ? 0 : kFar;
-    SquaredDistance1d(f, height, &d, &v, &z);
-    for (int y = 0; y < height; ++y) out[static_cast<std::size_t>(y) * width + x] = d[y];
-  }
-  for (int y = 0; y < height; ++y) {
-    float* row = out.data() + static_cast<std::size_t>(y) * width;
-    std::copy(row, row + width, f.begin());
-    SquaredDistance1d(f, width, &d, &v, &z);
-    for (int x = 0; x < width; ++x) row[x] = std::sqrt(d[x]);
-  }
-  return out;
-}
-
-MaskField MakeField(const DenseView& view, double margin_px) {
-  // A quarter of the working resolution is finer than the grid and keeps the transforms cheap.
+// Half of the working resolution is finer than the grid and keeps the transforms cheap.
+MaskField GrownField(const DenseView& view, double margin_px) {
   const int level = std::min<int>(1, static_cast<int>(view.levels.size()) - 1);
-  const DenseView::Level& source = view.levels[level];
-  MaskField field;
-  field.width = source.camera.width, field.height = source.camera.height;
-  field.focal = source.camera.fx;
-  Eigen::Matrix<double, 3, 4> motion;
-  motion.leftCols<3>() = view.camera_from_world.rotation.toRotationMatrix();
-  motion.col(3) = view.camera_from_world.translation;
-  field.from_world = source.camera.K() * motion;
-  std::vector<char> inside(source.grey.data.size()), outside(inside.size());
-  for (std::size_t i = 0; i < inside.size(); ++i) inside[i] = InMask(source.grey.data[i]), outside[i] = !inside[i];
-  field.distance = DistanceTo(inside, field.width, field.height);
-  const std::vector<float> depth = DistanceTo(outside, field.width, field.height);
-  const float margin = static_cast<float>(margin_px / (1 << level));
-  for (std::size_t i = 0; i < depth.size(); ++i) field.distance[i] -= depth[i] + margin;
+  MaskField field = MakeMaskField(view, level);
+  const float margin = static_cast<float>(margin_px / (1 << level)) - 0.5f;
+  for (float& distance : field.distance) distance -= margin;
   return field;
 }
 
 enum class Verdict { kUnseen, kInside, kOutside, kMixed };
 
 // Judges a ball against one mask. The crop's outside counts as outside the mask (it was cut at the mask's bounds) except beyond the
-// photograph, which the caller cannot tell apart: `edges` says which sides of the crop are sides of the photograph.
-Verdict Judge(const MaskField& field, const std::array<bool, 4>& edges, const Eigen::Vector3d& center, double radius) {
+// photograph, which the caller cannot tell apart: `field.edges` says which sides of the crop are sides of the photograph.
+Verdict Judge(const MaskField& field, const Eigen::Vector3d& center, double radius) {
+  const std::array<bool, 4>& edges = field.edges;
   const Eigen::Vector3d h = field.from_world * center.homogeneous();
   if (h.z() <= radius) return Verdict::kUnseen;
   const double x = h.x() / h.z(), y = h.y() / h.z();
@@ -114,7 +49,8 @@ Verdict Judge(const MaskField& field, const std::array<bool, 4>& edges, const Ei
 }
 
 // At a voxel's centre nothing is mixed.
-Verdict JudgePoint(const MaskField& field, const std::array<bool, 4>& edges, const Eigen::Vector3d& x) {
+Verdict JudgePoint(const MaskField& field, const Eigen::Vector3d& x) {
+  const std::array<bool, 4>& edges = field.edges;
   const Eigen::Vector3d h = field.from_world * x.homogeneous();
   if (h.z() <= 0) return Verdict::kUnseen;
   const double px = h.x() / h.z(), py = h.y() / h.z();
@@ -127,12 +63,9 @@ Verdict JudgePoint(const MaskField& field, const std::array<bool, 4>& edges, con
 
 class Carver {
  public:
-  Carver(const std::vector<DenseView>& views, const VisualHullOptions& options)
-      : options_(options), fields_(views.size()), edges_(views.size()) {
-    ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
-      fields_[i] = MakeField(views[i], options.mask_margin_px);
-      edges_[i] = MaskEdges(views[i]);
-    });
+  Carver(const std::vector<DenseView>& views, const VisualHullOptions& options) : options_(options), fields_(views.size()) {
+    ParallelFor(static_cast<std::int64_t>(views.size()),
+                [&](std::int64_t i) { fields_[i] = GrownField(views[i], options.mask_margin_px); });
   }
 
   // Fills a cube of n^3 voxels, n a power of two.
@@ -149,23 +82,13 @@ class Carver {
   }
 
  private:
-  // The crop keeps a margin around the mask wherever the photograph goes on; a mask that touches the crop's side touches the photograph's
-  // side.
-  static std::array<bool, 4> MaskEdges(const DenseView& view) {
-    const GreyMask& grey = view.levels[0].grey;
-    std::array<bool, 4> edges{};
-    for (int y = 0; y < grey.height; ++y) edges[0] |= InMask(*grey.at(0, y)), edges[1] |= InMask(*grey.at(grey.width - 1, y));
-    for (int x = 0; x < grey.width; ++x) edges[2] |= InMask(*grey.at(x, 0)), edges[3] |= InMask(*grey.at(x, grey.height - 1));
-    return edges;
-  }
-
   void Divide(const Eigen::Vector3i& corner, int step, VisualHull* hull) const {
     const Eigen::Vector3d center = hull->origin + hull->cell * (corner.cast<double>() + Eigen::Vector3d::Constant(step * 0.5));
     const bool leaf = step == 1;
     const double radius = leaf ? 0 : hull->cell * step * 0.5 * std::sqrt(3.0);
     int outside = 0, seen = 0, mixed = 0;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-      const Verdict verdict = leaf ? JudgePoint(fields_[i], edges_[i], center) : Judge(fields_[i], edges_[i], center, radius);
+      const Verdict verdict = leaf ? JudgePoint(fields_[i], center) : Judge(fields_[i], center, radius);
       outside += verdict == Verdict::kOutside;
       mixed += verdict == Verdict::kMixed;
       seen += verdict != Verdict::kUnseen;
@@ -187,7 +110,6 @@ class Carver {
 
   VisualHullOptions options_;
   std::vector<MaskField> fields_;
-  std::vector<std::array<bool, 4>> edges_;
 };
 
 // Where the rays through the masks' centroids meet, and how far the masks reach around it.
