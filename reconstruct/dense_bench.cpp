@@ -11,24 +11,38 @@
 namespace keypose::reconstruct {
 namespace {
 
+// Windows a second of a kernel by itself. With `near`, all that it reads stays in the first-level cache: the roof of the arithmetic;
+// without, windows wander over an image of 1.5 megapixels as PatchMatch's do.
 void NccPerSecond(benchmark::State& state) {
   const std::vector<PatchCostKernel> kernels = AvailablePatchCostKernels();
   if (state.range(0) >= static_cast<int>(kernels.size())) return state.SkipWithError("this processor has no such kernel");
-  GreyMask image(2000, 1500, 1);
+  const bool near = state.range(1) != 0;
+  GreyMask image(1440, 1080, 1);
   for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<std::uint16_t>((i * 2654435761u >> 13) | 1);
+  const SampleImage samples = MakeSampleImage(image);
+  const SampleImage* sources[kLanes] = {&samples, &samples, &samples, &samples};
   RefPatch patch;
-  FillRefPatch(image, 700, 700, BilateralTable(18), &patch);
-  int k = 0;
-  for (auto _ : state) {
-    const float x = 400.0f + static_cast<float>(k * 37 % 600), y = 300.0f + static_cast<float>(k / 600 % 600);
-    const PatchWarp warp{{x, y, 1}, {0.97f, 0.11f, 1e-5f}, {-0.08f, 1.02f, 2e-5f}};
-    benchmark::DoNotOptimize(kernels[state.range(0)].cost(patch, image, warp, 0.36f));
-    ++k;
+  FillRefPatch(image, 700, 700, BilateralTable(18), 0.36f, &patch);
+  WarpLanes warps{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    warps.ax[lane] = 0.97f, warps.bx[lane] = -0.08f, warps.ay[lane] = 0.11f, warps.by[lane] = 1.02f;
+    warps.ex[lane] = 1e-4f, warps.ey[lane] = -2e-4f;
   }
-  state.SetLabel(kernels[state.range(0)].name);
+  std::int64_t k = 0;
+  float costs[kLanes];
+  for (auto _ : state) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      warps.x[lane] = 200.3f + (near ? 0.0f : static_cast<float>(k / 8 % 900)) + 40.0f * static_cast<float>(lane);
+      warps.y[lane] = 300.7f + (near ? 0.0f : static_cast<float>(k / 7200 % 600 + k % 3));
+    }
+    kernels[state.range(0)].cost(patch, sources, warps, 0, kLanes, costs);
+    benchmark::DoNotOptimize(costs);
+    k += kLanes;
+  }
+  state.SetLabel(kernels[state.range(0)].name + (near ? ", in cache (roof)" : ", over an image"));
   state.counters["ncc_per_second"] = benchmark::Counter(static_cast<double>(k), benchmark::Counter::kIsRate);
 }
-BENCHMARK(NccPerSecond)->DenseRange(0, 2);
+BENCHMARK(NccPerSecond)->ArgsProduct({{0, 1, 2}, {0, 1}});
 
 void RenderedRing(benchmark::State& state) {
   const testing::RenderedScene scene = testing::RenderRing({.views = 16, .size = static_cast<int>(state.range(0))});

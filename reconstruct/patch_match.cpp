@@ -31,6 +31,7 @@ class Estimator {
         maps_(views.size()),
         inverse_depths_(views.size()),
         priors_(views.size()),
+        samples_(views.size()),
         evaluations_(views.size(), 0) {
     levels_ = views.empty() ? 0 : static_cast<int>(views[0].levels.size());
     // Work of a pass grows fourfold with each level.
@@ -40,6 +41,8 @@ class Estimator {
   PatchMatchResult Run() {
     for (int level = levels_ - 1; level >= 0; --level) {
       ForViews([&](int i) { level == levels_ - 1 ? Start(i, level) : Descend(i, level); });
+      ParallelFor(static_cast<std::int64_t>(views_.size()),
+                  [&](std::int64_t i) { samples_[i] = MakeSampleImage(views_[i].levels[level].grey); });
       RunLevel(level);
     }
     PatchMatchResult result;
@@ -65,7 +68,7 @@ class Estimator {
   SweepInputs Inputs(int i, int level) const {
     SweepInputs inputs;
     inputs.reference = &views_[i];
-    for (const int s : sources_[i]) inputs.sources.push_back(&views_[s]);
+    for (const int s : sources_[i]) inputs.sources.push_back(&views_[s]), inputs.samples.push_back(&samples_[s]);
     inputs.level = level;
     inputs.bounds = &bounds_[i];
     // Halving averages four pixels, which halves independent noise.
@@ -204,6 +207,7 @@ class Estimator {
   double work_ = 0, total_work_ = 0;
   std::vector<PlaneMap> maps_;
   std::vector<ImageF> inverse_depths_, priors_;
+  std::vector<SampleImage> samples_;
   std::vector<std::int64_t> evaluations_;
 };
 

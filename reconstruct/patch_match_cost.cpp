@@ -5,11 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define KEYPOSE_X86_KERNELS 1
-#endif
-
 namespace keypose::reconstruct {
 namespace {
 
@@ -29,146 +24,52 @@ PatchOffsets MakeOffsets() {
   return offsets;
 }
 
-// Weighted sums over the samples that lie inside the source's mask.
-struct Sums {
-  float w, r, rr, s, ss, rs;
+// |offset| and |grey difference|, not their squares, as in ACMM.
+struct SampleTable {
+  std::array<int, kPatchSamples> dx, dy;
+  std::array<float, kPatchSamples> weight;
 };
-
-__attribute__((always_inline)) inline float CostOf(const Sums& sums, const RefPatch& patch, float noise_variance) {
-  const float lost = 1 - sums.w / patch.weight_sum;
-  if (!(lost <= kLostWeightLimit)) return kWorstCost;  // also when the window has no weight at all
-  const float inverse = 1 / sums.w;
-  const float mean_r = sums.r * inverse, mean_s = sums.s * inverse;
-  const float var_r = std::max(0.0f, sums.rr * inverse - mean_r * mean_r);
-  const float var_s = std::max(0.0f, sums.ss * inverse - mean_s * mean_s);
-  const float denominator = (var_r + noise_variance) * (var_s + noise_variance);
-  if (!(denominator > 1e-8f)) return 1 + kLostWeightPenalty * lost;
-  const float ncc = (sums.rs * inverse - mean_r * mean_s) / std::sqrt(denominator);
-  return std::clamp(1 - ncc + kLostWeightPenalty * lost, 0.0f, kWorstCost);
+const SampleTable& WholeOffsets() {
+  static const SampleTable table = [] {
+    SampleTable t;
+    for (int k = 0; k < kPatchSamples; ++k) {
+      t.dx[k] = static_cast<int>(WindowOffsets().dx[k]), t.dy[k] = static_cast<int>(WindowOffsets().dy[k]);
+      t.weight[k] = std::exp(-std::hypot(WindowOffsets().dx[k], WindowOffsets().dy[k]) / (2.0f * kPatchRadius * kPatchRadius));
+    }
+    return t;
+  }();
+  return table;
 }
 
-float ScalarCost(const RefPatch& patch, const GreyMask& source, const PatchWarp& warp, float noise_variance) {
+float Low(std::uint32_t entry) { return static_cast<std::int16_t>(entry & 0xFFFF); }
+float High(std::uint32_t entry) { return static_cast<std::int16_t>(entry >> 16); }
+
+float ScalarCostOf(const RefPatch& patch, const SampleImage& source, const WarpLanes& warps, int lane) {
   const PatchOffsets& offsets = WindowOffsets();
   const float right = static_cast<float>(source.width - 1), bottom = static_cast<float>(source.height - 1);
-  Sums sums{};
+  PatchSums sums{};
   for (int k = 0; k < kPatchSamples; ++k) {
     const float dx = offsets.dx[k], dy = offsets.dy[k];
-    const float z = warp.h0[2] + dx * warp.hx[2] + dy * warp.hy[2];
-    const float x = (warp.h0[0] + dx * warp.hx[0] + dy * warp.hy[0]) / z;
-    const float y = (warp.h0[1] + dx * warp.hx[1] + dy * warp.hy[1]) / z;
-    if (!(z > 0 && x >= 0 && y >= 0 && x < right && y < bottom)) continue;
+    const float r = 1 / (1 + dx * warps.ex[lane] + dy * warps.ey[lane]);
+    const float x = warps.x[lane] + (dx * warps.ax[lane] + dy * warps.bx[lane]) * r;
+    const float y = warps.y[lane] + (dx * warps.ay[lane] + dy * warps.by[lane]) * r;
+    if (!(x >= 0 && y >= 0 && x < right && y < bottom)) continue;
     const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const std::uint16_t* top = source.at(x0, y0);
-    const std::uint16_t* low = top + source.width;
-    if (!(top[0] & top[1] & low[0] & low[1] & 1)) continue;
-    const float fx = x - x0, fy = y - y0;
-    const float a = top[0] + (static_cast<float>(top[1]) - top[0]) * fx;
-    const float b = low[0] + (static_cast<float>(low[1]) - low[0]) * fx;
-    const float value = (a + (b - a) * fy) * kGreyScale - patch.offset;
-    const float w = patch.weight[k], r = patch.value[k];
-    sums.w += w, sums.r += w * r, sums.rr += w * r * r;
-    sums.s += w * value, sums.ss += w * value * value, sums.rs += w * r * value;
+    const std::uint32_t* entry = source.entries.data() + static_cast<std::size_t>(y0) * source.width + x0;
+    if (!(entry[0] & 1)) continue;
+    const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+    const float left = Low(entry[0]) * (1 - fy) + High(entry[0]) * fy, next = Low(entry[1]) * (1 - fy) + High(entry[1]) * fy;
+    const float s = (left + (next - left) * fx) * kGreyScale;
+    const float w = patch.weight[k], wr = patch.weighted_value[k];
+    sums.w += w, sums.r += wr, sums.rr += wr * patch.value[k];
+    sums.s += w * s, sums.ss += w * s * s, sums.rs += wr * s;
   }
-  return CostOf(sums, patch, noise_variance);
+  return CostOfSums(sums, patch.noise_variance);
 }
 
-#if KEYPOSE_X86_KERNELS
-// GCC 12 takes its own _mm512_undefined_* for a read of an uninitialised value.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wuninitialized"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-__attribute__((target("avx2,fma"))) inline float Total(__m256 v) {
-  const __m128 four = _mm_add_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
-  const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
-  return _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)));
+void ScalarCost(const RefPatch& patch, const SampleImage* const* sources, const WarpLanes& warps, int first, int count, float* costs) {
+  for (int k = first; k < first + count; ++k) costs[k] = ScalarCostOf(patch, *sources[k], warps, k);
 }
-
-__attribute__((target("avx2,fma"))) float Avx2Cost(const RefPatch& patch, const GreyMask& source, const PatchWarp& warp,
-                                                   float noise_variance) {
-  const PatchOffsets& offsets = WindowOffsets();
-  const __m256 zero = _mm256_setzero_ps(), one = _mm256_set1_ps(1.0f);
-  const __m256 right = _mm256_set1_ps(static_cast<float>(source.width - 1)), bottom = _mm256_set1_ps(static_cast<float>(source.height - 1));
-  const __m256i last_x = _mm256_set1_epi32(source.width - 2), last_y = _mm256_set1_epi32(source.height - 2);
-  const __m256i stride = _mm256_set1_epi32(source.width), low_half = _mm256_set1_epi32(0xFFFF), bit = _mm256_set1_epi32(1);
-  const int* top_row = reinterpret_cast<const int*>(source.data.data());
-  const int* low_row = reinterpret_cast<const int*>(source.data.data() + source.width);
-  __m256 sw = zero, sr = zero, srr = zero, ss = zero, sss = zero, srs = zero;
-  for (int k = 0; k < kPatchSamples; k += 8) {
-    const __m256 dx = _mm256_load_ps(offsets.dx + k), dy = _mm256_load_ps(offsets.dy + k);
-    auto warped = [&](int i) __attribute__((target("avx2,fma"))) {
-      return _mm256_fmadd_ps(dx, _mm256_set1_ps(warp.hx[i]), _mm256_fmadd_ps(dy, _mm256_set1_ps(warp.hy[i]), _mm256_set1_ps(warp.h0[i])));
-    };
-    const __m256 z = warped(2), inverse = _mm256_div_ps(one, z);
-    const __m256 x = _mm256_mul_ps(warped(0), inverse), y = _mm256_mul_ps(warped(1), inverse);
-    __m256 inside = _mm256_and_ps(_mm256_cmp_ps(x, zero, _CMP_GE_OQ), _mm256_cmp_ps(y, zero, _CMP_GE_OQ));
-    inside = _mm256_and_ps(inside, _mm256_and_ps(_mm256_cmp_ps(x, right, _CMP_LT_OQ), _mm256_cmp_ps(y, bottom, _CMP_LT_OQ)));
-    inside = _mm256_and_ps(inside, _mm256_cmp_ps(z, zero, _CMP_GT_OQ));
-    // Lanes outside read the nearest legal pixel and are given no weight.
-    const __m256i x0 = _mm256_max_epi32(_mm256_min_epi32(_mm256_cvttps_epi32(x), last_x), _mm256_setzero_si256());
-    const __m256i y0 = _mm256_max_epi32(_mm256_min_epi32(_mm256_cvttps_epi32(y), last_y), _mm256_setzero_si256());
-    const __m256 fx = _mm256_sub_ps(x, _mm256_cvtepi32_ps(x0)), fy = _mm256_sub_ps(y, _mm256_cvtepi32_ps(y0));
-    const __m256i index = _mm256_add_epi32(_mm256_mullo_epi32(y0, stride), x0);
-    const __m256i top = _mm256_i32gather_epi32(top_row, index, 2), low = _mm256_i32gather_epi32(low_row, index, 2);
-    const __m256i both = _mm256_and_si256(top, low);
-    const __m256i masked = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_and_si256(both, _mm256_srli_epi32(both, 16)), bit), bit);
-    const __m256 t0 = _mm256_cvtepi32_ps(_mm256_and_si256(top, low_half)), t1 = _mm256_cvtepi32_ps(_mm256_srli_epi32(top, 16));
-    const __m256 l0 = _mm256_cvtepi32_ps(_mm256_and_si256(low, low_half)), l1 = _mm256_cvtepi32_ps(_mm256_srli_epi32(low, 16));
-    const __m256 a = _mm256_fmadd_ps(_mm256_sub_ps(t1, t0), fx, t0), b = _mm256_fmadd_ps(_mm256_sub_ps(l1, l0), fx, l0);
-    const __m256 grey = _mm256_fmadd_ps(_mm256_sub_ps(b, a), fy, a);
-    const __m256 used = _mm256_and_ps(inside, _mm256_castsi256_ps(masked));
-    const __m256 w = _mm256_and_ps(_mm256_load_ps(patch.weight + k), used);
-    const __m256 r = _mm256_load_ps(patch.value + k);
-    const __m256 s = _mm256_and_ps(used, _mm256_fmsub_ps(grey, _mm256_set1_ps(kGreyScale), _mm256_set1_ps(patch.offset)));
-    const __m256 wr = _mm256_mul_ps(w, r), ws = _mm256_mul_ps(w, s);
-    sw = _mm256_add_ps(sw, w), sr = _mm256_add_ps(sr, wr), ss = _mm256_add_ps(ss, ws);
-    srr = _mm256_fmadd_ps(wr, r, srr), sss = _mm256_fmadd_ps(ws, s, sss), srs = _mm256_fmadd_ps(wr, s, srs);
-  }
-  return CostOf({Total(sw), Total(sr), Total(srr), Total(ss), Total(sss), Total(srs)}, patch, noise_variance);
-}
-
-__attribute__((target("avx512f,avx512dq,avx512bw,avx512vl"))) float Avx512Cost(const RefPatch& patch, const GreyMask& source,
-                                                                               const PatchWarp& warp, float noise_variance) {
-  const PatchOffsets& offsets = WindowOffsets();
-  const __m512 zero = _mm512_setzero_ps(), one = _mm512_set1_ps(1.0f);
-  const __m512 right = _mm512_set1_ps(static_cast<float>(source.width - 1)), bottom = _mm512_set1_ps(static_cast<float>(source.height - 1));
-  const __m512i stride = _mm512_set1_epi32(source.width), low_half = _mm512_set1_epi32(0xFFFF);
-  const std::uint16_t* top_row = source.data.data();
-  const std::uint16_t* low_row = source.data.data() + source.width;
-  __m512 sw = zero, sr = zero, srr = zero, ss = zero, sss = zero, srs = zero;
-  for (int k = 0; k < kPatchSamples; k += 16) {
-    const __m512 dx = _mm512_load_ps(offsets.dx + k), dy = _mm512_load_ps(offsets.dy + k);
-    auto warped = [&](int i) __attribute__((target("avx512f,avx512dq,avx512bw,avx512vl"))) {
-      return _mm512_fmadd_ps(dx, _mm512_set1_ps(warp.hx[i]), _mm512_fmadd_ps(dy, _mm512_set1_ps(warp.hy[i]), _mm512_set1_ps(warp.h0[i])));
-    };
-    const __m512 z = warped(2), inverse = _mm512_div_ps(one, z);
-    const __m512 x = _mm512_mul_ps(warped(0), inverse), y = _mm512_mul_ps(warped(1), inverse);
-    __mmask16 inside = _mm512_cmp_ps_mask(x, zero, _CMP_GE_OQ) & _mm512_cmp_ps_mask(y, zero, _CMP_GE_OQ);
-    inside &=
-        _mm512_cmp_ps_mask(x, right, _CMP_LT_OQ) & _mm512_cmp_ps_mask(y, bottom, _CMP_LT_OQ) & _mm512_cmp_ps_mask(z, zero, _CMP_GT_OQ);
-    const __m512i x0 = _mm512_cvttps_epi32(x), y0 = _mm512_cvttps_epi32(y);
-    const __m512 fx = _mm512_sub_ps(x, _mm512_cvtepi32_ps(x0)), fy = _mm512_sub_ps(y, _mm512_cvtepi32_ps(y0));
-    const __m512i index = _mm512_add_epi32(_mm512_mullo_epi32(y0, stride), x0);
-    const __m512i none = _mm512_setzero_si512();
-    const __m512i top = _mm512_mask_i32gather_epi32(none, inside, index, top_row, 2);
-    const __m512i low = _mm512_mask_i32gather_epi32(none, inside, index, low_row, 2);
-    const __m512i both = _mm512_and_si512(top, low);
-    const __mmask16 used = _mm512_test_epi32_mask(_mm512_and_si512(both, _mm512_srli_epi32(both, 16)), _mm512_set1_epi32(1));
-    const __m512 t0 = _mm512_cvtepi32_ps(_mm512_and_si512(top, low_half)), t1 = _mm512_cvtepi32_ps(_mm512_srli_epi32(top, 16));
-    const __m512 l0 = _mm512_cvtepi32_ps(_mm512_and_si512(low, low_half)), l1 = _mm512_cvtepi32_ps(_mm512_srli_epi32(low, 16));
-    const __m512 a = _mm512_fmadd_ps(_mm512_sub_ps(t1, t0), fx, t0), b = _mm512_fmadd_ps(_mm512_sub_ps(l1, l0), fx, l0);
-    const __m512 grey = _mm512_fmadd_ps(_mm512_sub_ps(b, a), fy, a);
-    const __m512 w = _mm512_maskz_load_ps(used, patch.weight + k), r = _mm512_load_ps(patch.value + k);
-    const __m512 s = _mm512_maskz_fmsub_ps(used, grey, _mm512_set1_ps(kGreyScale), _mm512_set1_ps(patch.offset));
-    const __m512 wr = _mm512_mul_ps(w, r), ws = _mm512_mul_ps(w, s);
-    sw = _mm512_add_ps(sw, w), sr = _mm512_add_ps(sr, wr), ss = _mm512_add_ps(ss, ws);
-    srr = _mm512_fmadd_ps(wr, r, srr), sss = _mm512_fmadd_ps(ws, s, sss), srs = _mm512_fmadd_ps(wr, s, srs);
-  }
-  return CostOf({_mm512_reduce_add_ps(sw), _mm512_reduce_add_ps(sr), _mm512_reduce_add_ps(srr), _mm512_reduce_add_ps(ss),
-                 _mm512_reduce_add_ps(sss), _mm512_reduce_add_ps(srs)},
-                patch, noise_variance);
-}
-#pragma GCC diagnostic pop
-#endif
 
 PatchCostKernel ChooseKernel() {
   const std::vector<PatchCostKernel> kernels = AvailablePatchCostKernels();
@@ -185,54 +86,82 @@ const PatchOffsets& WindowOffsets() {
   return offsets;
 }
 
+float CostOfSums(const PatchSums& sums, float noise_variance) {
+  const float lost = 1 - sums.w;
+  if (!(lost <= kLostWeightLimit)) return kWorstCost;  // also when the window has no weight at all
+  const float inverse = 1 / sums.w;
+  const float mean_r = sums.r * inverse, mean_s = sums.s * inverse;
+  const float var_r = std::max(0.0f, sums.rr * inverse - mean_r * mean_r);
+  const float var_s = std::max(0.0f, sums.ss * inverse - mean_s * mean_s);
+  const float denominator = (var_r + noise_variance) * (var_s + noise_variance);
+  if (!(denominator > 1e-8f)) return 1 + kLostWeightPenalty * lost;
+  const float ncc = (sums.rs * inverse - mean_r * mean_s) / std::sqrt(denominator);
+  return std::clamp(1 - ncc + kLostWeightPenalty * lost, 0.0f, kWorstCost);
+}
+
 BilateralTable::BilateralTable(float color_scale) {
   for (int i = 0; i < kSize; ++i)
     similarity[i] = std::exp(-(static_cast<float>((i << kTableShift) + (1 << (kTableShift - 1))) * (255.0f / 32767.0f)) / color_scale);
 }
 
-void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, RefPatch* patch) {
-  // |offset| and |grey difference|, not their squares, as in ACMM.
-  static const std::array<float, kPatchSamples> spatial = [] {
-    std::array<float, kPatchSamples> weights;
-    for (int k = 0; k < kPatchSamples; ++k)
-      weights[k] = std::exp(-std::hypot(WindowOffsets().dx[k], WindowOffsets().dy[k]) / (2.0f * kPatchRadius * kPatchRadius));
-    return weights;
-  }();
-  const PatchOffsets& offsets = WindowOffsets();
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch) {
+  std::array<std::uint16_t, kPatchSamples> pixels;
+  const SampleTable& samples = WholeOffsets();
+  const int *dx = samples.dx.data(), *dy = samples.dy.data();
+  const float* spatial = samples.weight.data();
+  if (x >= kPatchRadius && y >= kPatchRadius && x + kPatchRadius < image.width && y + kPatchRadius < image.height) {
+    const std::uint16_t* here = image.at(x, y);
+    for (int k = 0; k < kPatchSamples; ++k) pixels[k] = here[dy[k] * image.width + dx[k]];
+  } else {
+    for (int k = 0; k < kPatchSamples; ++k) {
+      const int sx = x + dx[k], sy = y + dy[k];
+      pixels[k] = sx < 0 || sy < 0 || sx >= image.width || sy >= image.height ? 0 : *image.at(sx, sy);
+    }
+  }
   const int center = *image.at(x, y) >> 1;
-  float weight_sum = 0, sum = 0;
+  patch->unused = 0;
+  // Four running sums each: one alone would wait for itself.
+  float weights[4] = {}, sums[4] = {}, squares[4] = {};
   for (int k = 0; k < kPatchSamples; ++k) {
-    const int sx = x + static_cast<int>(offsets.dx[k]), sy = y + static_cast<int>(offsets.dy[k]);
-    patch->weight[k] = patch->value[k] = 0;
-    if (sx < 0 || sy < 0 || sx >= image.width || sy >= image.height) continue;
-    const std::uint16_t pixel = *image.at(sx, sy);
-    if (!InMask(pixel)) continue;
-    const float grey = pixel * kGreyScale;
-    patch->value[k] = grey;
-    patch->weight[k] = spatial[k] * table.similarity[std::abs((pixel >> 1) - center) >> kTableShift];
-    weight_sum += patch->weight[k];
-    sum += patch->weight[k] * grey;
+    const int inside = pixels[k] & 1;
+    const float weight = spatial[k] * table.similarity[std::abs((pixels[k] >> 1) - center) >> kTableShift] * static_cast<float>(inside);
+    patch->value[k] = pixels[k] * kGreyScale;
+    patch->weight[k] = weight;
+    patch->unused |= static_cast<std::uint32_t>(inside ^ 1) << k;
+    weights[k & 3] += weight, sums[k & 3] += weight * patch->value[k];
   }
-  patch->weight_sum = weight_sum;
-  patch->offset = weight_sum > 0 ? sum / weight_sum : 0;
-  float squares = 0;
+  const float weight_sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
+  const float inverse = weight_sum > 0 ? 1 / weight_sum : 0, mean = ((sums[0] + sums[1]) + (sums[2] + sums[3])) * inverse;
   for (int k = 0; k < kPatchSamples; ++k) {
-    patch->value[k] -= patch->offset;
-    squares += patch->weight[k] * patch->value[k] * patch->value[k];
+    patch->weight[k] *= inverse;
+    patch->value[k] -= mean;
+    patch->weighted_value[k] = patch->weight[k] * patch->value[k];
+    squares[k & 3] += patch->weighted_value[k] * patch->value[k];
   }
-  patch->variance = weight_sum > 0 ? squares / weight_sum : 0;
+  patch->variance = (squares[0] + squares[1]) + (squares[2] + squares[3]);
+  patch->noise_variance = noise_variance;
+}
+
+SampleImage MakeSampleImage(const GreyMask& image) {
+  SampleImage out{image.width + 2, image.height + 2, {}};
+  out.entries.assign(static_cast<std::size_t>(out.width) * out.height + 1,
+                     0);  // the last entry is read with its right neighbour
+  auto signed16 = [](std::uint16_t pixel) { return static_cast<std::uint32_t>(pixel ^ 0x8000u); };
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint16_t here = *image.at(x, y), below = y + 1 < image.height ? *image.at(x, y + 1) : 0;
+      const bool has_right = x + 1 < image.width;
+      const std::uint16_t right = has_right ? *image.at(x + 1, y) : 0;
+      const std::uint16_t corner = has_right && y + 1 < image.height ? *image.at(x + 1, y + 1) : 0;
+      const std::uint32_t all = here & below & right & corner & 1u;
+      out.entries[static_cast<std::size_t>(y + 1) * out.width + x + 1] = (signed16(here) & ~1u) | all | signed16(below) << 16;
+    }
+  return out;
 }
 
 std::vector<PatchCostKernel> AvailablePatchCostKernels() {
   std::vector<PatchCostKernel> kernels = {{"scalar", ScalarCost}};
-#if KEYPOSE_X86_KERNELS
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    kernels.push_back({"avx2", Avx2Cost});
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl"))
-      kernels.push_back({"avx512", Avx512Cost});
-  }
-#endif
+  for (PatchCostKernel& kernel : SimdPatchCostKernels()) kernels.push_back(std::move(kernel));
   return kernels;
 }
 

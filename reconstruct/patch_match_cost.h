@@ -20,11 +20,12 @@ const PatchOffsets& WindowOffsets();
 
 /// The reference window of one pixel. Weights: exp(-|offset| / (2 * 5^2) - |grey - centre's grey| / color_scale), zero outside the mask.
 struct alignas(64) RefPatch {
-  float weight[kPatchSamples];
-  float value[kPatchSamples];  ///< grey levels, less `offset`
-  float offset = 0;            ///< weighted mean grey of the window; subtracted from both images to keep single precision exact enough
-  float weight_sum = 0;
-  float variance = 0;  ///< weighted, grey levels^2
+  float weight[kPatchSamples];          ///< sum 1, or all zero
+  float value[kPatchSamples];           ///< grey levels, less the window's weighted mean
+  float weighted_value[kPatchSamples];  ///< weight * value; sums to 0
+  float variance = 0;                   ///< weighted, grey levels^2
+  float noise_variance = 0;             ///< added to both variances of the correlation
+  std::uint32_t unused = 0;             ///< bit k: sample k has no weight
 };
 
 /// exp(-|grey difference| / color_scale), tabulated.
@@ -35,18 +36,29 @@ struct BilateralTable {
   explicit BilateralTable(float color_scale);
 };
 
-void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, RefPatch* patch);
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch);
 
-/// Where the window's sample (dx, dy) lies in the source image: h0 + dx hx + dy hy, divided by its third coordinate.
-struct PatchWarp {
-  float h0[3], hx[3], hy[3];
+/// A source image laid out for sampling: one 64-bit read at a pixel brings it and its three neighbours to the right and below.
+///
+/// Entry (x + 1, y + 1) belongs to pixel (x, y); a border of one entry goes all round. Low half: the pixel less 32768, as int16, but its
+/// bit 0 tells whether all four neighbours are in the mask. High half: the same of the pixel below.
+struct SampleImage {
+  int width = 0, height = 0;  ///< with the border
+  std::vector<std::uint32_t> entries;
+};
+SampleImage MakeSampleImage(const GreyMask& image);
+
+/// Where the window of a plane lies in up to four sources, one a lane, in coordinates of SampleImage: the sample (dx, dy) is at (x + (ax dx
+/// + bx dy) r, y + (ay dx + by dy) r) with r = 1 / (1 + ex dx + ey dy). The centre's form keeps single precision exact enough.
+constexpr int kLanes = 4;
+struct alignas(16) WarpLanes {
+  float x[kLanes], y[kLanes], ax[kLanes], bx[kLanes], ay[kLanes], by[kLanes], ex[kLanes], ey[kLanes];
 };
 
-/// 1 - correlation, in [0, 2]; 2 when more than half of the window's weight falls outside the source's mask or image.
-/// Textureless windows tend to 1 because `noise_variance` is added to both variances.
-///
-/// @param source  at least 2 x 2 pixels
-using PatchCostFunction = float (*)(const RefPatch& patch, const GreyMask& source, const PatchWarp& warp, float noise_variance);
+/// costs[k] = 1 - correlation for lanes first <= k < first + count, in [0, 2]; 2 when more than half of the window's weight falls outside
+/// the source's mask or image. Textureless windows tend to 1 because the noise is added to both variances.
+using PatchCostFunction = void (*)(const RefPatch& patch, const SampleImage* const* sources, const WarpLanes& warps, int first, int count,
+                                   float* costs);
 
 struct PatchCostKernel {
   std::string name;  ///< "scalar", "avx2", "avx512"
@@ -58,5 +70,14 @@ std::vector<PatchCostKernel> AvailablePatchCostKernels();
 const PatchCostKernel& BestPatchCostKernel();
 
 constexpr float kWorstCost = 2.0f;
+
+/// Weighted sums over the samples that lie inside the source's mask: weight, reference (also squared), source (also squared), product.
+struct PatchSums {
+  float w, r, rr, s, ss, rs;
+};
+float CostOfSums(const PatchSums& sums, float noise_variance);
+
+/// The kernels of x86-64 that this processor runs; none elsewhere.
+std::vector<PatchCostKernel> SimdPatchCostKernels();
 
 }  // namespace keypose::reconstruct

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace keypose::reconstruct {
@@ -33,19 +34,6 @@ class Random {
   std::uint64_t state_;
 };
 
-// source pixel ~ a * (x, y, 1) + b * inverse depth.
-struct Transfer {
-  Eigen::Matrix3f a;
-  Eigen::Vector3f b;
-};
-
-Transfer MakeTransfer(const DenseView& from, const DenseView& to, int level) {
-  const Rigid3 to_from = Compose(to.camera_from_world, from.camera_from_world.Inverse());
-  const Eigen::Matrix3d k = to.camera(level).K();
-  return {(k * to_from.rotation.toRotationMatrix() * from.camera(level).K().inverse()).cast<float>(),
-          (k * to_from.translation).cast<float>()};
-}
-
 struct Offset {
   int dx, dy;
 };
@@ -55,10 +43,39 @@ constexpr std::array<Offset, 7> kNear = {{{0, -1}, {-1, -2}, {1, -2}, {-2, -3}, 
 constexpr std::array<Offset, 11> kFar = {
     {{0, -3}, {0, -5}, {0, -7}, {0, -9}, {0, -11}, {0, -13}, {0, -15}, {0, -17}, {0, -19}, {0, -21}, {0, -23}}};
 
-Offset Turned(Offset o, int quarter) {
-  for (int i = 0; i < quarter; ++i) o = {-o.dy, o.dx};
-  return o;
+constexpr int kNearReach = 4, kFarReach = 23;
+
+// An area in a view of a given width: offsets, and the same as distance in memory.
+struct Area {
+  std::vector<Offset> offsets;
+  std::vector<std::ptrdiff_t> steps;
+};
+
+template <std::size_t n>
+Area Turned(const std::array<Offset, n>& up, int quarter, int width) {
+  Area area;
+  for (Offset o : up) {
+    for (int i = 0; i < quarter; ++i) o = {-o.dy, o.dx};
+    area.offsets.push_back(o);
+    area.steps.push_back(static_cast<std::ptrdiff_t>(o.dy) * width + o.dx);
+  }
+  return area;
 }
+
+// Up to four of the sources, ready to be matched side by side.
+struct SourceLanes {
+  int count = 0;
+  int ids[kLanes] = {};  // unused lanes repeat the first
+  TransferLanes to, from;
+  const SampleImage* images[kLanes] = {};
+  const ImageF* depths[kLanes] = {};
+};
+
+struct Trial {
+  PlaneHypothesis plane;
+  WarpLanes warps;
+  float sum = 0;
+};
 
 class Sweeper {
  public:
@@ -69,11 +86,16 @@ class Sweeper {
         image_(inputs.reference->levels[inputs.level].grey),
         camera_(inputs.reference->camera(inputs.level)),
         cost_(BestPatchCostKernel().cost),
+        geometric_(!inputs.source_inverse_depths.empty()),
         count_(static_cast<int>(std::min<std::size_t>(inputs.sources.size(), kMaxSources))) {
     for (int k = 0; k < count_; ++k) {
       to_source_[k] = MakeTransfer(*in_.reference, *in_.sources[k], in_.level);
       from_source_[k] = MakeTransfer(*in_.sources[k], *in_.reference, in_.level);
-      source_images_[k] = &in_.sources[k]->levels[in_.level].grey;
+    }
+    for (int k = 0; k < count_; k += kLanes) all_.push_back(LanesOf(((1u << kLanes) - 1) << k & ((1u << count_) - 1)));
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      areas_.push_back(Turned(kNear, quarter, map_.width));
+      if (set_.far_areas) areas_.push_back(Turned(kFar, quarter, map_.width));
     }
     px_per_inverse_depth_ = static_cast<float>(PixelsPerInverseDepth(inputs));
   }
@@ -91,6 +113,20 @@ class Sweeper {
     float nearest, farthest;
   };
 
+  SourceLanes LanesOf(unsigned sources) const {
+    SourceLanes lanes;
+    for (int k = 0; k < count_ && lanes.count < kLanes; ++k)
+      if (sources >> k & 1) lanes.ids[lanes.count++] = k;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int k = lanes.ids[lane < lanes.count ? lane : 0];
+      lanes.ids[lane] = k;
+      lanes.to.Set(lane, to_source_[k]), lanes.from.Set(lane, from_source_[k]);
+      lanes.images[lane] = in_.samples[k];
+      if (!in_.source_inverse_depths.empty()) lanes.depths[lane] = in_.source_inverse_depths[k];
+    }
+    return lanes;
+  }
+
   std::size_t Index(int x, int y) const { return static_cast<std::size_t>(y) * map_.width + x; }
 
   Bounds BoundsAt(int x, int y) const {
@@ -100,90 +136,115 @@ class Sweeper {
     return {*b.nearest.at(bx, by), *b.farthest.at(bx, by)};
   }
 
-  bool Legal(int x, int y, const PlaneHypothesis& plane, const Bounds& bounds) const {
-    if (!(plane.inverse_depth >= bounds.farthest && plane.inverse_depth <= bounds.nearest)) return false;
-    const float rx = static_cast<float>((x - camera_.cx) / camera_.fx), ry = static_cast<float>((y - camera_.cy) / camera_.fy);
+  bool Legal(const PlaneHypothesis& plane) const {
+    if (!(plane.inverse_depth >= bounds_.farthest && plane.inverse_depth <= bounds_.nearest)) return false;
     const float nx = static_cast<float>(camera_.fx) * plane.gx, ny = static_cast<float>(camera_.fy) * plane.gy;
-    const float nz = plane.inverse_depth - rx * nx - ry * ny;
-    const float cosine2 = plane.inverse_depth * plane.inverse_depth / ((nx * nx + ny * ny + nz * nz) * (rx * rx + ry * ry + 1));
-    return cosine2 >= kLeastCosine * kLeastCosine;
+    const float nz = plane.inverse_depth - ray_x_ * nx - ray_y_ * ny;
+    return plane.inverse_depth * plane.inverse_depth >= kLeastCosine * kLeastCosine * ray_length2_ * (nx * nx + ny * ny + nz * nz);
   }
 
   void Prepare(int x, int y) {
-    FillRefPatch(image_, x, y, bilateral_, &patch_);
-    const float fx = static_cast<float>(x), fy = static_cast<float>(y);
-    for (int k = 0; k < count_; ++k) base_[k] = to_source_[k].a.col(0) * fx + to_source_[k].a.col(1) * fy + to_source_[k].a.col(2);
+    FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_);
+    x_ = static_cast<float>(x), y_ = static_cast<float>(y);
+    ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx), ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
+    ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
+    bounds_ = BoundsAt(x, y);
     prior_ = in_.prior ? *in_.prior->at(x, y) : 0;
     const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
     prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
   }
 
-  float SourceCost(int k, const PlaneHypothesis& plane) {
-    PatchWarp warp;
-    const Transfer& t = to_source_[k];
-    for (int i = 0; i < 3; ++i) {
-      warp.h0[i] = base_[k][i] + t.b[i] * plane.inverse_depth;
-      warp.hx[i] = t.a(i, 0) + t.b[i] * plane.gx;
-      warp.hy[i] = t.a(i, 1) + t.b[i] * plane.gy;
+  // How far the pixel lands from itself when it goes to each source by this plane and comes back by the source's own depth.
+  Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
+    Lanes w{}, sx, sy;
+    for (int lane = 0; lane < lanes.count; ++lane) {
+      const ImageF& depths = *lanes.depths[lane];
+      const float x = warps.x[lane] - 0.5f, y = warps.y[lane] - 0.5f;  // half a pixel on, without the border
+      if (x >= 0 && y >= 0 && x < static_cast<float>(depths.width) && y < static_cast<float>(depths.height))
+        w[lane] = *depths.at(static_cast<int>(x), static_cast<int>(y));
     }
-    ++evaluations_;
-    return std::min(cost_(patch_, *source_images_[k], warp, in_.noise_variance), kCostCap) + GeometricCost(k, warp);
-  }
-
-  // How far the pixel lands from itself when it goes to the source by this plane and comes back by the source's own depth.
-  float GeometricCost(int k, const PatchWarp& warp) const {
-    if (in_.source_inverse_depths.empty()) return 0;
-    constexpr float kWorst = kGeometricWeight * kGeometricCap;
-    const ImageF& depths = *in_.source_inverse_depths[k];
-    const float sx = warp.h0[0] / warp.h0[2], sy = warp.h0[1] / warp.h0[2];
-    if (!(warp.h0[2] > 0 && sx > -0.5f && sy > -0.5f && sx < depths.width - 0.5f && sy < depths.height - 0.5f)) return kWorst;
-    const float w = *depths.at(static_cast<int>(sx + 0.5f), static_cast<int>(sy + 0.5f));
-    if (!(w > 0)) return kWorst;
-    const Eigen::Vector3f back = from_source_[k].a * Eigen::Vector3f(sx, sy, 1) + from_source_[k].b * w;
-    const float dx = back.x() / back.z() - x_, dy = back.y() / back.z() - y_;
-    const float distance = std::sqrt(dx * dx + dy * dy);
-    return distance < kGeometricCap ? kGeometricWeight * distance : kWorst;
+    std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
+    sx -= 1.0f, sy -= 1.0f;
+    const TransferLanes& t = lanes.from;
+    const Lanes inverse = 1.0f / (t.x[2] * sx + t.y[2] * sy + t.one[2] + t.depth[2] * w);
+    const Lanes dx = (t.x[0] * sx + t.y[0] * sy + t.one[0] + t.depth[0] * w) * inverse - x_;
+    const Lanes dy = (t.x[1] * sx + t.y[1] * sy + t.one[1] + t.depth[1] * w) * inverse - y_;
+    const Lanes square = dx * dx + dy * dy, worst = Lanes{} + kGeometricCap * kGeometricCap;
+    const Lanes used = (w > 0.0f) & (square < worst) ? square : worst;
+    Lanes costs;
+    for (int lane = 0; lane < kLanes; ++lane) costs[lane] = __builtin_sqrtf(used[lane]);
+    return kGeometricWeight * costs;
   }
 
   float PriorCost(const PlaneHypothesis& plane) const {
     return prior_weight_ > 0 ? prior_weight_ * std::min(1.0f, std::abs(plane.inverse_depth - prior_) * px_per_inverse_depth_) : 0;
   }
 
-  // Mean over the pixel's sources; stops when it cannot get below `limit` any more.
-  float Evaluate(const PlaneHypothesis& plane, std::uint16_t sources, float limit) {
-    const float scale = 1.0f / static_cast<float>(std::popcount(sources));
-    float sum = PriorCost(plane);
-    for (int k = 0; k < count_; ++k) {
-      if (!(sources >> k & 1)) continue;
-      sum += SourceCost(k, plane) * scale;
-      if (sum >= limit) return kInfinite;
+  // Costs are means over the pixel's sources. Planes go to the first two sources all together and only then to the others, one by one, if
+  // they may still win: the answer of a window comes long after its start, and a branch on it would leave the processor idle until then.
+  void StartTrials(int count) {
+    const int pair = std::min(2, chosen_.count);
+    const float scale = 1.0f / static_cast<float>(chosen_.count);
+    float costs[kLanes];
+    for (int h = 0; h < count; ++h) trials_[h].warps = WarpsOf(chosen_.to, pixel_, trials_[h].plane);
+    for (int h = 0; h < count; ++h) {
+      Trial& trial = trials_[h];
+      trial.sum = PriorCost(trial.plane);
+      if (geometric_) {
+        const Lanes geometric = GeometricCosts(chosen_, trial.warps);
+        for (int k = 0; k < chosen_.count; ++k) trial.sum += geometric[k] * scale;
+      }
     }
-    return sum;
+    for (int h = 0; h < count; ++h) {
+      cost_(patch_, chosen_.images, trials_[h].warps, 0, pair, costs);
+      for (int k = 0; k < pair; ++k) trials_[h].sum += std::min(costs[k], kCostCap) * scale;
+    }
+    evaluations_ += static_cast<std::int64_t>(count) * pair;
+  }
+
+  void FinishTrial(Trial* trial) {
+    const int rest = chosen_.count - 2;
+    if (rest <= 0) return;
+    const float scale = 1.0f / static_cast<float>(chosen_.count);
+    float costs[kLanes];
+    cost_(patch_, chosen_.images, trial->warps, 2, rest, costs);
+    for (int k = 2; k < 2 + rest; ++k) trial->sum += std::min(costs[k], kCostCap) * scale;
+    evaluations_ += rest;
+  }
+
+  void Contest(int count, PlaneHypothesis* plane, float* cost) {
+    StartTrials(count);
+    for (int h = 0; h < count; ++h) {
+      if (trials_[h].sum >= *cost) continue;
+      FinishTrial(&trials_[h]);
+      Accept(trials_[h].plane, trials_[h].sum, plane, cost);
+    }
   }
 
   // The best plane of each area, moved to (x, y).
-  void CollectCandidates(int x, int y, const Bounds& bounds) {
+  void CollectCandidates(int x, int y) {
     candidates_ = 0;
-    for (int quarter = 0; quarter < 4; ++quarter) {
-      Collect(x, y, quarter, kNear.data(), static_cast<int>(kNear.size()), bounds);
-      if (set_.far_areas) Collect(x, y, quarter, kFar.data(), static_cast<int>(kFar.size()), bounds);
-    }
+    const int reach = set_.far_areas ? kFarReach : kNearReach;
+    const bool inner = x >= reach && y >= reach && x + reach < map_.width && y + reach < map_.height;
+    for (const Area& area : areas_) Collect(x, y, area, inner);
   }
 
-  void Collect(int x, int y, int quarter, const Offset* offsets, int count, const Bounds& bounds) {
+  void Collect(int x, int y, const Area& area, bool inner) {
+    const std::size_t here = Index(x, y);
     float least = kInfinite;
-    Offset best{};
-    for (int i = 0; i < count; ++i) {
-      const Offset o = Turned(offsets[i], quarter);
-      const int nx = x + o.dx, ny = y + o.dy;
-      if (nx < 0 || ny < 0 || nx >= map_.width || ny >= map_.height) continue;
-      const float cost = map_.cost[Index(nx, ny)];
-      if (cost < least) least = cost, best = o;
+    int best = -1;
+    for (int i = 0; i < static_cast<int>(area.steps.size()); ++i) {
+      if (!inner) {
+        const int nx = x + area.offsets[i].dx, ny = y + area.offsets[i].dy;
+        if (nx < 0 || ny < 0 || nx >= map_.width || ny >= map_.height) continue;
+      }
+      const float cost = map_.cost[here + area.steps[i]];
+      if (cost < least) least = cost, best = i;
     }
-    if (least == kInfinite) return;
-    PlaneHypothesis plane = map_.planes[Index(x + best.dx, y + best.dy)];
-    plane.inverse_depth -= best.dx * plane.gx + best.dy * plane.gy;
-    if (!Legal(x, y, plane, bounds) || Same(plane, map_.planes[Index(x, y)])) return;
+    if (best < 0) return;
+    PlaneHypothesis plane = map_.planes[here + area.steps[best]];
+    plane.inverse_depth -= static_cast<float>(area.offsets[best].dx) * plane.gx + static_cast<float>(area.offsets[best].dy) * plane.gy;
+    if (Same(plane, map_.planes[here]) || !Legal(plane)) return;
     for (int i = 0; i < candidates_; ++i)
       if (Same(plane, candidate_[i])) return;
     candidate_[candidates_++] = plane;
@@ -199,11 +260,12 @@ class Sweeper {
   void SelectSources(std::size_t index) {
     candidate_[candidates_] = map_.planes[index];
     const int total = candidates_ + 1;
+    for (int h = 0; h < total; ++h) FillRow(candidate_[h], matrix_[h]);
     std::array<float, kMaxSources> score{};
     for (int k = 0; k < count_; ++k) {
       float least = kInfinite;
       for (int h = 0; h < total; ++h) {
-        const float m = matrix_[h][k] = SourceCost(k, candidate_[h]);
+        const float m = matrix_[h][k];
         least = std::min(least, m);
         if (m < 0.8f) score[k] += std::exp(-m * m / 0.18f);
       }
@@ -221,6 +283,21 @@ class Sweeper {
     map_.sources[index] = chosen;
   }
 
+  void FillRow(const PlaneHypothesis& plane, float* row) {
+    for (const SourceLanes& lanes : all_) {
+      float costs[kLanes];
+      cost_(patch_, lanes.images, WarpsOf(lanes.to, AtPixel(lanes.to, x_, y_), plane), 0, lanes.count, costs);
+      evaluations_ += lanes.count;
+      for (int k = 0; k < lanes.count; ++k) row[lanes.ids[k]] = std::min(costs[k], kCostCap);
+    }
+  }
+
+  void Choose(std::uint16_t sources) {
+    if (sources != chosen_bits_) chosen_ = LanesOf(sources);
+    chosen_bits_ = sources;
+    pixel_ = AtPixel(chosen_.to, x_, y_);
+  }
+
   float MatrixCost(int h, std::uint16_t sources) const {
     float sum = 0;
     for (int k = 0; k < count_; ++k)
@@ -230,32 +307,35 @@ class Sweeper {
 
   void Visit(int x, int y) {
     const std::size_t index = Index(x, y);
-    x_ = static_cast<float>(x), y_ = static_cast<float>(y);
     Prepare(x, y);
-    const Bounds bounds = BoundsAt(x, y);
-    CollectCandidates(x, y, bounds);
+    CollectCandidates(x, y);
     PlaneHypothesis& plane = map_.planes[index];
     float& cost = map_.cost[index];
     if (set_.select_sources) {
       SelectSources(index);
       cost = MatrixCost(candidates_, map_.sources[index]);
       for (int h = 0; h < candidates_; ++h) Accept(candidate_[h], MatrixCost(h, map_.sources[index]), &plane, &cost);
+      Choose(map_.sources[index]);
     } else {
-      if (set_.refresh) cost = Evaluate(plane, map_.sources[index], kInfinite);
-      for (int h = 0; h < candidates_; ++h) Accept(candidate_[h], Evaluate(candidate_[h], map_.sources[index], cost), &plane, &cost);
+      Choose(map_.sources[index]);
+      int trials = 0;
+      if (set_.refresh) trials_[trials++].plane = plane, cost = kInfinite;
+      for (int h = 0; h < candidates_; ++h) trials_[trials++].plane = candidate_[h];
+      Contest(trials, &plane, &cost);
     }
-    Refine(x, y, bounds, map_.sources[index], &plane, &cost);
+    Refine(x, y, &plane, &cost);
   }
 
   static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane, float* cost) {
     if (candidate_cost < *cost) *plane = candidate, *cost = candidate_cost;
   }
 
-  void Refine(int x, int y, const Bounds& bounds, std::uint16_t sources, PlaneHypothesis* plane, float* cost) {
+  void Refine(int x, int y, PlaneHypothesis* plane, float* cost) {
     Random random(in_.seed ^ (static_cast<std::uint64_t>(set_.pass) << 48) ^ (static_cast<std::uint64_t>(in_.level) << 56) ^
                   (static_cast<std::uint64_t>(y) * 65536 + x) * 0xD6E8FEB86659FD93ull);
     const float depth_step = set_.depth_step_px / px_per_inverse_depth_;
     const float focal = static_cast<float>(camera_.fx);
+    int trials = 0;
     for (int trial = 0; trial < set_.refinements; ++trial) {
       PlaneHypothesis candidate = *plane;
       const int kind = trial % 4;  // depth, tilt, both, anywhere
@@ -269,13 +349,13 @@ class Sweeper {
         candidate.gy += step * random.Signed();
       }
       if (kind == 3) {
-        candidate.inverse_depth = bounds.farthest + (bounds.nearest - bounds.farthest) * random.Unit();
+        candidate.inverse_depth = bounds_.farthest + (bounds_.nearest - bounds_.farthest) * random.Unit();
         candidate.gx = candidate.inverse_depth / focal * 1.5f * random.Signed();
         candidate.gy = candidate.inverse_depth / focal * 1.5f * random.Signed();
       }
-      if (!Legal(x, y, candidate, bounds)) continue;
-      Accept(candidate, Evaluate(candidate, sources, *cost), plane, cost);
+      if (Legal(candidate)) trials_[trials++].plane = candidate;
     }
+    Contest(trials, plane, cost);
   }
 
   const SweepInputs& in_;
@@ -284,20 +364,26 @@ class Sweeper {
   const GreyMask& image_;
   const Pinhole camera_;
   const PatchCostFunction cost_;
+  const bool geometric_;
   const BilateralTable bilateral_{kColorScale};
   const int count_;
   float px_per_inverse_depth_ = 1;
   std::array<Transfer, kMaxSources> to_source_, from_source_;
-  std::array<const GreyMask*, kMaxSources> source_images_{};
+  std::vector<SourceLanes> all_;
+  std::vector<Area> areas_;
   std::int64_t evaluations_ = 0;
 
   // Of the pixel that is visited.
   RefPatch patch_;
-  float x_ = 0, y_ = 0, prior_ = 0, prior_weight_ = 0;
-  std::array<Eigen::Vector3f, kMaxSources> base_;
+  float x_ = 0, y_ = 0, ray_x_ = 0, ray_y_ = 0, ray_length2_ = 1, prior_ = 0, prior_weight_ = 0;
+  Bounds bounds_{};
+  unsigned chosen_bits_ = 0;
+  SourceLanes chosen_;
+  PixelLanes pixel_{};
   int candidates_ = 0;
   std::array<PlaneHypothesis, 9> candidate_;
   float matrix_[9][kMaxSources];
+  std::array<Trial, 10> trials_;
 };
 
 }  // namespace

@@ -7,13 +7,10 @@
 #include "reconstruct/dense_view.h"
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/patch_match_cost.h"
+#include "reconstruct/patch_match_warp.h"
 
 namespace keypose::reconstruct {
 
-/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) = inverse_depth + dx gx + dy gy.
-struct PlaneHypothesis {
-  float inverse_depth = 0, gx = 0, gy = 0;
-};
 /// Unit normal towards the camera, in the camera's frame.
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y, const PlaneHypothesis& plane);
 
@@ -31,7 +28,8 @@ struct PlaneMap {
 /// What a pass over one view reads and does not change.
 struct SweepInputs {
   const DenseView* reference = nullptr;
-  std::vector<const DenseView*> sources;  ///< at most 16, best first
+  std::vector<const DenseView*> sources;    ///< at most 16, best first
+  std::vector<const SampleImage*> samples;  ///< of each source at this level
   int level = 0;
   const DepthBounds* bounds = nullptr;
   std::vector<const ImageF*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty

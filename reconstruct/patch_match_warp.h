@@ -1,0 +1,42 @@
+// How planes of a reference view map to source views: four sources at a time, one a lane.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "reconstruct/dense_view.h"
+#include "reconstruct/patch_match_cost.h"
+
+namespace keypose::reconstruct {
+
+/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) = inverse_depth + dx gx + dy gy.
+struct PlaneHypothesis {
+  float inverse_depth = 0, gx = 0, gy = 0;
+};
+
+/// Source pixel ~ a (x, y, 1) + b * inverse depth: K_s R K_r^-1 and K_s t.
+struct Transfer {
+  Eigen::Matrix3f a;
+  Eigen::Vector3f b;
+};
+Transfer MakeTransfer(const DenseView& from, const DenseView& to, int level);
+
+/// Four numbers that one instruction works on (GCC's and Clang's vector extension, on any processor).
+using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
+
+/// Up to four transfers from one reference; and the same at one pixel: homogeneous source pixel of the pixel's ray at infinity.
+struct TransferLanes {
+  Lanes x[3] = {}, y[3] = {}, one[3] = {}, depth[3] = {};
+  void Set(int lane, const Transfer& transfer);
+};
+struct PixelLanes {
+  Lanes base[3];
+};
+inline PixelLanes AtPixel(const TransferLanes& t, float px, float py) {
+  return {{t.x[0] * px + t.y[0] * py + t.one[0], t.x[1] * px + t.y[1] * py + t.one[1], t.x[2] * px + t.y[2] * py + t.one[2]}};
+}
+
+/// The plane that the pixel sees, in each lane's source: homography H = K_s (R - t n^T / d) K_r^-1 in the centre's form of WarpLanes.
+/// Windows that reach the source camera's plane are sent far outside.
+WarpLanes WarpsOf(const TransferLanes& transfers, const PixelLanes& pixel, const PlaneHypothesis& plane);
+
+}  // namespace keypose::reconstruct
