@@ -149,12 +149,13 @@ json ToJson(const ViewScore& score) {
                 {"ssim", c.ssim},
                 {"gained_psnr_db", c.gained_psnr_db},
                 {"gained_ssim", c.gained_ssim},
+                {"filled_psnr_db", c.filled_psnr_db},
                 {"gain", {c.gain[0], c.gain[1], c.gain[2]}}});
   }
   return row;
 }
 
-constexpr const char* kFigures[] = {"iou", "precision", "recall", "psnr_db", "ssim", "gained_psnr_db", "gained_ssim"};
+constexpr const char* kFigures[] = {"iou", "precision", "recall", "psnr_db", "ssim", "gained_psnr_db", "gained_ssim", "filled_psnr_db"};
 
 /// Mean of each figure over the rows that have it.
 json Means(const json& rows, bool only_held_out) {
@@ -187,7 +188,8 @@ void Run(const Arguments& arguments) {
   for (const ViewScore& score : scorer.ScoreAll()) result["views"].push_back(ToJson(score));
   result["all"] = Means(result["views"], false);
   if (!arguments.held_out.empty()) result["held_out"] = Means(result["views"], true);
-  std::printf("%-28s %9s %9s %9s %9s %9s %9s %9s\n", "view", "IoU", "precision", "recall", "PSNR", "SSIM", "PSNR gain", "SSIM gain");
+  std::printf("%-28s %9s %9s %9s %9s %9s %9s %9s %9s\n", "view", "IoU", "precision", "recall", "PSNR", "SSIM", "PSNR gain", "SSIM gain",
+              "filled");
   for (const json& row : result["views"]) PrintRow(row["name"].get<std::string>() + (row["held_out"] ? " (held out)" : ""), row);
   PrintRow("mean of " + std::to_string(result["all"]["views"].get<int>()), result["all"]);
   if (result.contains("held_out"))

@@ -103,6 +103,18 @@ double MaskedPsnr(const Image8& a, const Image8& b, const Image8& mask, long pix
   return Psnr(sum, 3.0 * static_cast<double>(pixels));
 }
 
+/// The mask without the pixels that the mesh does not fill.
+Image8 Filled(const Image8& mask, const ColorRender& render) {
+  Image8 filled = mask;
+  for (std::size_t i = 0; i < filled.data.size(); ++i)
+    if (render.covered.data[i] < 1) filled.data[i] = 0;
+  return filled;
+}
+
+long CountMasked(const Image8& mask) {
+  return std::count_if(mask.data.begin(), mask.data.end(), [](std::uint8_t m) { return m >= 128; });
+}
+
 Eigen::Vector3d BestGain(const Image8& photograph, const Image8& mask, const ColorRender& render) {
   Eigen::Vector3d product = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
   for (int y = 0; y < mask.height; ++y)
@@ -203,7 +215,7 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
   RequireSameSize(photograph, mask, "photograph and mask");
   RequireSameSize(photograph, render.color, "photograph and render");
   ColorScore score;
-  score.pixels = std::count_if(mask.data.begin(), mask.data.end(), [](std::uint8_t m) { return m >= 128; });
+  score.pixels = CountMasked(mask);
   if (score.pixels == 0) return score;
   const Eigen::Vector3d background = BackgroundColor(photograph, mask), gain = BestGain(photograph, mask, render);
   const Image8 plain = Composed(render, background), gained = Composed(render, background, gain);
@@ -212,6 +224,8 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
   std::copy_n(gain.data(), 3, score.gain);
   score.gained_psnr_db = MaskedPsnr(photograph, gained, mask, score.pixels);
   score.gained_ssim = Ssim(photograph, gained, mask);
+  const Image8 filled = Filled(mask, render);
+  if (const long pixels = CountMasked(filled)) score.filled_psnr_db = MaskedPsnr(photograph, gained, filled, pixels);
   return score;
 }
 

@@ -41,6 +41,7 @@ struct ColorScore {
   double gain[3] = {1, 1, 1};  ///< factor on the render's sRGB values, least squares over masked pixels that the mesh fills
   double gained_psnr_db = 0;   ///< after the gain, values above 255 cut off
   double gained_ssim = 0;
+  double filled_psnr_db = 0;  ///< as gained_psnr_db, over the masked pixels that the mesh fills only: what the texture alone loses
 };
 /// @throws InputError  sizes differ
 ColorScore CompareColors(const Image8& photograph, const Image8& mask, const ColorRender& render);

@@ -147,6 +147,7 @@ TEST(CompareColors, WhatTheMeshLeavesOpenCountsAsBackground) {
   EXPECT_NEAR(score.psnr_db, 10 * std::log10(255. * 255 / (0.5 * 45 * 45 + 0.5 * 60 * 60)), 1e-9);
   EXPECT_NEAR(score.gain[2], 2, 1e-6);
   EXPECT_NEAR(score.gained_psnr_db, 10 * std::log10(255. * 255 / (0.5 * 60 * 60)), 1e-9);
+  EXPECT_EQ(score.filled_psnr_db, 99);
 }
 
 TEST(CompareColors, MeshOutsideTheMaskDoesNotCount) {
