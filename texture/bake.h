@@ -17,43 +17,56 @@ namespace keypose::texture {
 
 struct BakeOptions {
   int texture_size = 2048;
+  int bits = 0;
   int gutter = 12;
   double edge_guard = 2;
   double edge_feather = 10;
   double max_angle = 75;
-  double detail_exponent = 6;
+  bool common_light = true;
   double strictness = 3;
   bool harmonize = true;
-  int hold_out = 0;
+  int hold_out = 6;
+  bool leave_out = false;
 
   void Describe(OptionVisitor& visit) {
-    visit("texture_size", texture_size, {"width and height of the texture", "px", 16, 16384});
+    visit("texture_size", texture_size,
+          {"width and height of the texture; 0: a texel for each pixel of the nearest photographs, a power of two up to 4096", "px", 0,
+           16384});
+    visit("bits", bits,
+          {"a channel: 8 or 16 for .png and .tif (sRGB), 16 or 32 for .exr (linear light); 0: 8 for .png, 16 for others", "bits", 0, 32});
     visit("gutter", gutter, {"how far colours continue around each chart", "px", 0, 256});
     visit("edge_guard", edge_guard,
           {"nothing is taken from a photograph nearer than this to an edge of the mask, of the object or of the image", "px", 0, 100});
     visit("edge_feather", edge_feather, {"width beyond the guard over which a view gains its full weight", "px", 0, 1000});
     visit("max_angle", max_angle, {"views that see the surface more aslant than this do not count", "deg", 10, 89});
-    visit("detail_exponent", detail_exponent,
-          {"how much the best view rules in fine detail; 1 blends detail as softly as large-scale colour", "", 1, 50});
+    visit("common_light", common_light,
+          {"large-scale colour is the mean of all views; false: that of the view that paints the place, matched where views meet", ""});
     visit("strictness", strictness,
           {"how fast a colour loses weight that few other views support (lamps, wrong masks); 0 trusts all", "", 0, 20});
     visit("harmonize", harmonize, {"estimate one gain a view and channel, so that exposure and white balance agree", ""});
     visit("hold_out", hold_out,
-          {"leave every n-th photograph out of the texture and report how well it is predicted; 0 uses all", "photographs", 0, 1000});
+          {"report how well every n-th photograph is predicted by a texture of the others (of 12 or more); 0: do not", "photographs", 0,
+           1000});
+    visit("leave_out", leave_out, {"leave those photographs out of the texture itself too, to compare it with other programs'", ""});
   }
+  std::vector<std::string> Problems() const;
 };
 
-/// How well the textured mesh repeats one photograph.
+/// How well a textured mesh repeats one photograph (bake_quality.h).
 struct ViewQuality {
-  bool used = false;  ///< at least one texel took colour from it
-  bool held_out = false;
-  int pixels = 0;           ///< compared, well inside the mask
+  bool used = false;        ///< at least one texel took detail from it
+  bool held_out = false;    ///< held_out_* are known
+  int pixels = 0;           ///< compared, inside the mask
   double psnr_db = 0;       ///< against the photograph as it is; 0 without pixels, at most 99
-  double psnr_gain_db = 0;  ///< with the view's gain applied to the rendering
+  double psnr_gain_db = 0;  ///< with the factor a channel that gives the rendering the photograph's mean
+  double ssim = 0;
+  double held_out_psnr_db = 0, held_out_psnr_gain_db = 0, held_out_ssim = 0;  ///< the same for a texture made without this photograph
 };
 
 struct BakeResult {
-  Image8 texture;                      ///< RGB, texture_size square
+  ImageF linear;                       ///< RGB in linear light, 1 is the photographs' white; texture_size square
+  Image8 texture;                      ///< the same as 8-bit sRGB
+  int advised_size = 0;                ///< what texture_size 0 gives
   std::int64_t texels = 0;             ///< of the surface
   std::int64_t seen_texels = 0;        ///< painted from photographs; the rest is inpainted
   double mean_views_per_texel = 0;     ///< that see it, over the seen texels
@@ -66,18 +79,24 @@ struct BakeResult {
 /// The texture of a mesh from photographs with known cameras.
 ///
 /// A view counts where it sees the surface: by depth maps (rays by Embree), the mask, and a guard band along every edge of both.
-/// Large-scale colour (wider than 8 pixels of the photograph) is the mean of all good views, weighted by resolution and angle; detail comes
-/// from the best view or two, cross-faded. Per texel, colours that the other views contradict (a lamp's highlight, background behind a
-/// wrong mask) lose their weight. What no photograph shows is inpainted over the surface and counted.
+/// Each face is painted from one view, chosen by a graph cut on resolution, angle, sharpness and agreement with the others. Smooth shifts
+/// match the views where they meet and bring the large-scale colour (wider than a ring of faces) to the robust mean of all views, in which
+/// colours that the others contradict (a lamp's highlight, background behind a wrong mask) lose their weight. Faces larger than some pixels
+/// are split for this. What no photograph shows is inpainted over the surface and counted.
+/// How well photographs are predicted is measured by a second, smaller texture of the others.
 ///
 /// @param mesh   with UVs in [0,1]; faces counter-clockwise from outside
 /// @param views  V >= 1 cameras
 /// @param load   photograph of view i; called once a view, from several threads
 /// @return texture, counts and per-view quality
 /// @throws InputError  no UVs, photograph of another size than its camera, or not one texel is seen by any view
-/// Cost: one ray a depth pixel, then texels x facing views. Same bits for any thread count.
-/// Sources: Waechter et al., ECCV 2014 (weights, gains, outliers); Baumberg, BMVC 2002 (two-band blending).
+/// Cost: one ray a depth pixel, then four points a face x facing views, and one sample or two a texel. Same bits for any thread count.
+/// Sources: Lempitsky, Ivanov, CVPR 2007 (labels, levelling); Waechter et al., ECCV 2014 (weights, gains, outliers).
 BakeResult Bake(const Mesh& mesh, const std::vector<View>& views, const std::function<Photograph(int)>& load, const BakeOptions& options,
                 Progress* progress = nullptr);
+
+/// The power of two in [256, 4096] at which half the surface has at least one texel for each pixel of the view that shows it largest
+/// (up to a tenth less). Views behind it are not looked at, occlusion is not.
+int AdviseTextureSize(const Mesh& mesh, const std::vector<View>& views);
 
 }  // namespace keypose::texture

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/parallel.h"
 #include "texture/bake_view.h"
 
 namespace keypose::texture {
@@ -16,23 +18,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
-
-void CheckUvs(const Mesh& mesh) {
-  if (!mesh.has_uvs())
-    throw InputError(
-        "bake: the mesh has no texture coordinates; pass the output of unwrap, or a registered mesh that kept the template's UVs");
-  for (int f = 0; f < mesh.face_count(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const int t = mesh.uv_faces(f, k);
-      if (t < 0 || t >= mesh.uvs.rows())
-        throw InputError("bake: face " + std::to_string(f) + " names texture coordinate " + std::to_string(t) + ", but the mesh has " +
-                         std::to_string(mesh.uvs.rows()) + "; the file is damaged");
-      const auto uv = mesh.uvs.row(t);
-      if (!(uv.minCoeff() >= -1e-6 && uv.maxCoeff() <= 1 + 1e-6))
-        throw InputError("bake: face " + std::to_string(f) + " has texture coordinates (" + std::to_string(uv[0]) + ", " +
-                         std::to_string(uv[1]) + ") outside 0..1; tiled or several-page layouts cannot be baked: unwrap the mesh again");
-    }
-}
 
 /// A face's corners in texel units, y down.
 struct TexelTriangle {
@@ -203,6 +188,23 @@ Vector3f MeanPainted(const Painting& painting) {
 
 }  // namespace
 
+void CheckUvs(const Mesh& mesh) {
+  if (!mesh.has_uvs())
+    throw InputError(
+        "bake: the mesh has no texture coordinates; pass the output of unwrap, or a registered mesh that kept the template's UVs");
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int t = mesh.uv_faces(f, k);
+      if (t < 0 || t >= mesh.uvs.rows())
+        throw InputError("bake: face " + std::to_string(f) + " names texture coordinate " + std::to_string(t) + ", but the mesh has " +
+                         std::to_string(mesh.uvs.rows()) + "; the file is damaged");
+      const auto uv = mesh.uvs.row(t);
+      if (!(uv.minCoeff() >= -1e-6 && uv.maxCoeff() <= 1 + 1e-6))
+        throw InputError("bake: face " + std::to_string(f) + " has texture coordinates (" + std::to_string(uv[0]) + ", " +
+                         std::to_string(uv[1]) + ") outside 0..1; tiled or several-page layouts cannot be baked: unwrap the mesh again");
+    }
+}
+
 Atlas RasterizeAtlas(const Mesh& mesh, int size) {
   CheckUvs(mesh);
   Atlas atlas;
@@ -251,16 +253,24 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
     if (atlas.face[texel] >= 0 && !painting.painted[texel]) painting.color[texel] = (smooth(texel) + grain[texel]).cwiseMax(0.0f);
 }
 
-Image8 FinishTexture(const Atlas& atlas, const Painting& painting, int gutter) {
-  std::vector<Vector3f> color = painting.color;
+ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
+  const Vector3f rest = MeanPainted(painting);
+  std::vector<Vector3f> color = std::move(painting.color);
   std::vector<char> done(color.size());
   for (std::size_t texel = 0; texel < color.size(); ++texel) done[texel] = atlas.face[texel] >= 0;
   Grow(atlas.size, color, done, gutter, 1.0f, [](int) { return true; });
-  const Vector3f rest = MeanPainted(painting);
-  Image8 texture(atlas.size, atlas.size, 3);
+  ImageF texture(atlas.size, atlas.size, 3);
   for (std::size_t texel = 0; texel < color.size(); ++texel)
-    for (int k = 0; k < 3; ++k) texture.data[3 * texel + k] = SrgbOf(done[texel] ? color[texel][k] : rest[k]);
+    for (int k = 0; k < 3; ++k) texture.data[3 * texel + k] = done[texel] ? color[texel][k] : rest[k];
   return texture;
+}
+
+Image8 SrgbImage(const ImageF& linear) {
+  Image8 srgb(linear.width, linear.height, linear.channels);
+  ParallelBlocks(static_cast<std::int64_t>(linear.data.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) srgb.data[i] = SrgbOf(linear.data[i]);
+  });
+  return srgb;
 }
 
 }  // namespace keypose::texture

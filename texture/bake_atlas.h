@@ -20,8 +20,11 @@ struct Atlas {
   Eigen::Vector3f Weights(std::size_t texel) const { return {1 - bary[texel].x() - bary[texel].y(), bary[texel].x(), bary[texel].y()}; }
 };
 
+/// @throws InputError  no UVs, a UV index out of range, a UV outside [0,1]
+void CheckUvs(const Mesh& mesh);
+
 /// Lowest face wins where triangles overlap. Rim texels take the closest point of the closest triangle.
-/// @throws InputError  no UVs, a UV index out of range, a UV outside [0,1], or not one texel centre covered
+/// @throws InputError  as CheckUvs, or not one texel centre covered
 Atlas RasterizeAtlas(const Mesh& mesh, int size);
 
 /// Colours of an atlas in linear light while it is painted.
@@ -34,7 +37,11 @@ struct Painting {
 /// of charts, and the grain at the border of what was seen fades out over a few texels.
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting);
 
-/// The picture: `gutter` texels around each chart continue its colours, all else is the mean colour.
-Image8 FinishTexture(const Atlas& atlas, const Painting& painting, int gutter);
+/// The picture in linear light, RGB: `gutter` texels around each chart continue its colours, all else is the mean colour.
+/// The painting's colours are used up.
+ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter);
+
+/// As 8-bit sRGB.
+Image8 SrgbImage(const ImageF& linear);
 
 }  // namespace keypose::texture

@@ -3,8 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <utility>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -27,7 +25,7 @@ struct Observation {
 };
 using Observations = std::vector<std::vector<Observation>>;  // one list a surface point
 
-Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, int samples) {
+Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<char>& used, int samples) {
   const SurfaceSamples surface = SampleSurface(mesh.points, mesh.faces, samples, 20);
   const PointsX3 normals = FaceNormals(mesh.points, mesh.faces);
   Observations lists(samples);
@@ -36,6 +34,7 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, int s
       [&](std::int64_t i) {
         const Vector3d x = surface.points.row(i), n = normals.row(surface.faces[i]);
         for (int v = 0; v < static_cast<int>(views.size()); ++v) {
+          if (!used[v]) continue;
           const double cosine = n.dot((views[v].center() - x).normalized());
           if (cosine < 0.3) continue;
           const Sighting sighting = views[v].See(x);
@@ -109,8 +108,9 @@ Unknowns SolveRound(const Observations& lists, int channel, const Unknowns& befo
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views, int samples) {
-  const Observations lists = Observe(mesh, views, samples);
+std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<char>& used,
+                                            int samples) {
+  const Observations lists = Observe(mesh, views, used, samples);
   const int n = static_cast<int>(views.size());
   MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
@@ -119,14 +119,15 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
     for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15}) unknowns = SolveRound(lists, channel, unknowns, scale);
     log_gains.col(channel) = unknowns.log_gain;
   }
-  std::vector<int> by_brightness(n);
-  std::iota(by_brightness.begin(), by_brightness.end(), 0);
-  std::sort(by_brightness.begin(), by_brightness.end(),
-            [&](int a, int b) { return std::pair(log_gains.row(a).sum(), a) < std::pair(log_gains.row(b).sum(), b); });
-  const Eigen::RowVector3d reference = log_gains.row(by_brightness[n / 3]);
-  std::vector<Eigen::Vector3f> gains(n);
+  // The mean exposure is nearest to all photographs together: any brighter or darker choice is further from those not yet seen.
+  VectorXd shown = VectorXd::Constant(n, 1e-9);
+  for (const auto& list : lists)
+    for (const Observation& o : list) shown[o.view] += o.weight;
+  const Eigen::RowVector3d reference = shown.transpose() * log_gains / shown.sum();
+  std::vector<Eigen::Vector3f> gains(n, Eigen::Vector3f::Ones());
   for (int v = 0; v < n; ++v)
-    gains[v] = (log_gains.row(v) - reference).array().exp().max(1.0 / kMostGain).min(kMostGain).cast<float>().matrix().transpose();
+    if (used[v])
+      gains[v] = (log_gains.row(v) - reference).array().exp().max(1.0 / kMostGain).min(kMostGain).cast<float>().matrix().transpose();
   return gains;
 }
 

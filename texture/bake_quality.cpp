@@ -1,11 +1,122 @@
 #include "texture/bake_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/render.h"
 
 namespace keypose::texture {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+Image8 Halved(const Image8& fine) {
+  Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), fine.channels);
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x)
+      for (int c = 0; c < fine.channels; ++c) {
+        const int x1 = std::min(2 * x + 1, fine.width - 1), y1 = std::min(2 * y + 1, fine.height - 1);
+        coarse.at(x, y)[c] = static_cast<std::uint8_t>(
+            (fine.at(2 * x, 2 * y)[c] + fine.at(x1, 2 * y)[c] + fine.at(2 * x, y1)[c] + fine.at(x1, y1)[c] + 2) / 4);
+      }
+  return coarse;
+}
+
+/// Rendered and photographed colours on the grid of rays, linear light and sRGB.
+struct Pair {
+  std::vector<char> valid;
+  std::vector<Vector3d> rendered;      ///< sRGB
+  std::vector<Vector3f> photographed;  ///< linear
+};
+
+Pair RenderInto(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int size, const BakeView& view) {
+  const int width = view.rays_wide(), height = view.rays_high();
+  Pair pair;
+  pair.valid.assign(static_cast<std::size_t>(width) * height, 0);
+  pair.rendered.assign(pair.valid.size(), Vector3d::Zero());
+  pair.photographed.assign(pair.valid.size(), Vector3f::Zero());
+  const Eigen::Matrix3d world_from_camera = view.view().camera_from_world.rotation.conjugate().toRotationMatrix();
+  const double ray_width = std::exp2(view.RayLevel()) / view.view().camera.fx;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!view.RayIsGood(x, y)) continue;
+      const Vector2d pixel = view.RayPixel(x, y);
+      const RayScene::Hit hit = scene.Cast(view.center(), world_from_camera * view.view().camera.Unproject(pixel));
+      if (hit.face < 0) continue;
+      const auto f = mesh.faces.row(hit.face), t = mesh.uv_faces.row(hit.face);
+      const Vector2d uv = (1 - hit.u - hit.v) * mesh.uvs.row(t[0]) + hit.u * mesh.uvs.row(t[1]) + hit.v * mesh.uvs.row(t[2]);
+      // Texels under a pixel, each way, where the surface faces the camera; aslant there are more, but along one direction only.
+      const double on_surface = (mesh.points.row(f[1]) - mesh.points.row(f[0])).norm();
+      const double on_texture = (mesh.uvs.row(t[1]) - mesh.uvs.row(t[0])).norm() * size;
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      pair.rendered[i] = texture.Sample(uv, on_surface > 0 ? hit.distance * ray_width * on_texture / on_surface : 1);
+      pair.photographed[i] = view.ColorAt(pixel, view.RayLevel()).color;
+      pair.valid[i] = 1;
+    }
+  return pair;
+}
+
+double Luma(const Vector3d& srgb) { return 0.299 * srgb[0] + 0.587 * srgb[1] + 0.114 * srgb[2]; }
+
+/// Gaussian of sigma 1.5 over 11 x 11, separable; only meaningful where the window lies inside the image.
+ImageF Blurred(const ImageF& in) {
+  constexpr int kRadius = 5;
+  std::array<float, 2 * kRadius + 1> kernel;
+  float sum = 0;
+  for (int i = -kRadius; i <= kRadius; ++i) sum += kernel[i + kRadius] = std::exp(-static_cast<float>(i * i) / 4.5f);
+  for (float& k : kernel) k /= sum;
+  ImageF rows(in.width, in.height, 1), out(in.width, in.height, 1);
+  for (int y = 0; y < in.height; ++y)
+    for (int x = kRadius; x < in.width - kRadius; ++x)
+      for (int i = -kRadius; i <= kRadius; ++i) *rows.at(x, y) += kernel[i + kRadius] * *in.at(x + i, y);
+  for (int y = kRadius; y < in.height - kRadius; ++y)
+    for (int x = 0; x < in.width; ++x)
+      for (int i = -kRadius; i <= kRadius; ++i) *out.at(x, y) += kernel[i + kRadius] * *rows.at(x, y + i);
+  return out;
+}
+
+/// 1 where the whole 11 x 11 window is valid.
+std::vector<char> WholeWindows(const std::vector<char>& valid, int width, int height) {
+  constexpr int kRadius = 5;
+  std::vector<char> rows(valid.size(), 0), out(valid.size(), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0, run = 0; x < width; ++x) {
+      run = valid[static_cast<std::size_t>(y) * width + x] ? run + 1 : 0;
+      if (run > 2 * kRadius) rows[static_cast<std::size_t>(y) * width + x - kRadius] = 1;
+    }
+  for (int x = 0; x < width; ++x)
+    for (int y = 0, run = 0; y < height; ++y) {
+      run = rows[static_cast<std::size_t>(y) * width + x] ? run + 1 : 0;
+      if (run > 2 * kRadius) out[static_cast<std::size_t>(y - kRadius) * width + x] = 1;
+    }
+  return out;
+}
+
+ImageF Product(const ImageF& a, const ImageF& b) {
+  ImageF out = a;
+  for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= b.data[i];
+  return out;
+}
+
+}  // namespace
+
+TextureLevels::TextureLevels(Image8 texture) {
+  levels_.push_back(std::move(texture));
+  while (levels_.size() < 5 && levels_.back().width > 32) levels_.push_back(Halved(levels_.back()));
+}
+
+Vector3d TextureLevels::Sample(const Vector2d& uv, double texels) const {
+  const double level = std::clamp(std::log2(std::max(texels, 1e-6)), 0.0, static_cast<double>(levels_.size() - 1));
+  const int below = std::min(static_cast<int>(level), static_cast<int>(levels_.size()) - 1);
+  const double t = level - below;
+  const Vector3d fine = SampleTexture(levels_[below], uv);
+  if (t < 0.02) return fine;
+  return (1 - t) * fine + t * SampleTexture(levels_[below + 1], uv);
+}
 
 double Psnr(double sum_of_squares, double count) {
   if (count <= 0) return 0;
@@ -13,30 +124,54 @@ double Psnr(double sum_of_squares, double count) {
   return mean > 0 ? std::min(99.0, 10 * std::log10(255.0 * 255.0 / mean)) : 99.0;
 }
 
-Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const Image8& texture, const BakeView& view,
-                               const Eigen::Vector3f& gain) {
+double Ssim(const ImageF& a, const ImageF& b, const std::vector<char>& valid) {
+  const std::vector<char> whole = WholeWindows(valid, a.width, a.height);
+  const ImageF ma = Blurred(a), mb = Blurred(b), aa = Blurred(Product(a, a)), bb = Blurred(Product(b, b)), ab = Blurred(Product(a, b));
+  const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (!whole[i]) continue;
+    const double x = ma.data[i], y = mb.data[i], xx = aa.data[i] - x * x, yy = bb.data[i] - y * y, xy = ab.data[i] - x * y;
+    sum += (2 * x * y + c1) * (2 * xy + c2) / ((x * x + y * y + c1) * (xx + yy + c2));
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
+                               const BakeView& view) {
   Comparison result;
   if (view.sees_nothing()) return result;
-  const Eigen::Matrix3d world_from_camera = view.view().camera_from_world.rotation.conjugate().toRotationMatrix();
-  double sum = 0, sum_gain = 0;
-  for (const Eigen::Vector2d& pixel : view.TrustedPixels(2)) {
-    const RayScene::Hit hit = scene.Cast(view.center(), world_from_camera * view.view().camera.Unproject(pixel));
-    if (hit.face < 0) continue;
-    const double w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-    Eigen::Vector2d uv = Eigen::Vector2d::Zero();
-    for (int k = 0; k < 3; ++k) uv += w[k] * mesh.uvs.row(mesh.uv_faces(hit.face, k)).transpose();
-    const Eigen::Vector3d rendered = SampleTexture(texture, uv);
-    const Eigen::Vector3f photographed = view.ColorAt(pixel, 0).color;
-    for (int c = 0; c < 3; ++c) {
-      const double truth = SrgbOf(photographed[c]);
-      const double regained = SrgbOf(LinearOf(static_cast<std::uint8_t>(std::lround(rendered[c]))) / gain[c]);
-      sum += (rendered[c] - truth) * (rendered[c] - truth);
-      sum_gain += (regained - truth) * (regained - truth);
-    }
+  const Pair pair = RenderInto(mesh, scene, texture, texture_size, view);
+  Vector3d means[2] = {Vector3d::Zero(), Vector3d::Zero()};
+  const auto linear = [](const Vector3d& srgb) {
+    return Vector3f(LinearOf(static_cast<std::uint8_t>(std::lround(srgb[0]))), LinearOf(static_cast<std::uint8_t>(std::lround(srgb[1]))),
+                    LinearOf(static_cast<std::uint8_t>(std::lround(srgb[2]))));
+  };
+  for (std::size_t i = 0; i < pair.valid.size(); ++i) {
+    if (!pair.valid[i]) continue;
+    means[0] += linear(pair.rendered[i]).cast<double>();
+    means[1] += pair.photographed[i].cast<double>();
     ++result.pixels;
+  }
+  if (result.pixels == 0) return result;
+  const Vector3f gain = means[1].cwiseQuotient(means[0].cwiseMax(1e-9)).cast<float>();
+  ImageF rendered(view.rays_wide(), view.rays_high(), 1), photographed = rendered;
+  double sum = 0, sum_gain = 0;
+  for (std::size_t i = 0; i < pair.valid.size(); ++i) {
+    if (!pair.valid[i]) continue;
+    const Vector3f& p = pair.photographed[i];
+    const Vector3f g = linear(pair.rendered[i]).cwiseProduct(gain);
+    const Vector3d truth(SrgbOf(p[0]), SrgbOf(p[1]), SrgbOf(p[2])), regained(SrgbOf(g[0]), SrgbOf(g[1]), SrgbOf(g[2]));
+    sum += (pair.rendered[i] - truth).squaredNorm();
+    sum_gain += (regained - truth).squaredNorm();
+    rendered.data[i] = static_cast<float>(Luma(pair.rendered[i]));
+    photographed.data[i] = static_cast<float>(Luma(truth));
   }
   result.psnr_db = Psnr(sum, 3.0 * result.pixels);
   result.psnr_gain_db = Psnr(sum_gain, 3.0 * result.pixels);
+  result.ssim = Ssim(rendered, photographed, pair.valid);
   return result;
 }
 

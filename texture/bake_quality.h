@@ -1,5 +1,7 @@
-// How well a textured mesh repeats the photographs that it was baked from.
+// How well a textured mesh repeats photographs.
 #pragma once
+
+#include <vector>
 
 #include "core/image.h"
 #include "core/mesh.h"
@@ -8,16 +10,34 @@
 
 namespace keypose::texture {
 
-/// Squared 8-bit sRGB differences between a view's photograph and the mesh rendered into it without lamps, where the view has full trust.
+/// A texture and its halves, quarters, ...: far texels are averaged, not skipped.
+class TextureLevels {
+ public:
+  explicit TextureLevels(Image8 texture);
+  /// sRGB, 0..255, of about `texels` texels each way.
+  Eigen::Vector3d Sample(const Eigen::Vector2d& uv, double texels) const;
+
+ private:
+  std::vector<Image8> levels_;
+};
+
+/// One photograph against the mesh rendered into it without lamps, over the pixels inside the mask that the mesh covers, except within the
+/// guard of edges of depth and mask. 8-bit sRGB.
 struct Comparison {
   int pixels = 0;
-  double psnr_db = 0;       ///< as the photograph is
-  double psnr_gain_db = 0;  ///< rendering divided by `gain` (linear light) first
+  double psnr_db = 0;       ///< as both are
+  double psnr_gain_db = 0;  ///< after one factor a channel (linear light) that gives the render the photograph's mean
+  double ssim = 0;          ///< of the luma as both are, mean over the windows that lie inside; 0 when there is none
 };
-Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const Image8& texture, const BakeView& view,
-                               const Eigen::Vector3f& gain);
+/// At most 200,000 rays. @param texture_size  of `texture`, for the footprint of a ray
+Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
+                               const BakeView& view);
 
 /// 10 log10(255^2 / mean square), at most 99 (no difference at all).
 double Psnr(double sum_of_squares, double count);
+
+/// Mean structural similarity of two grey images (0..255) over the windows of 11 x 11 (Gaussian, sigma 1.5) whose pixels are all valid.
+/// Source: Wang, Bovik, Sheikh, Simoncelli, TIP 2004.
+double Ssim(const ImageF& a, const ImageF& b, const std::vector<char>& valid);
 
 }  // namespace keypose::texture

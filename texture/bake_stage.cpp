@@ -22,7 +22,7 @@ StageSpec Spec() {
   spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
                  {"images", "folder", "photographs and masks, as capture makes them", ""},
                  {"model", "folder", "COLMAP model with the cameras", ""}};
-  spec.outputs = {{"texture", "file", "the texture", "texture.png"}};
+  spec.outputs = {{"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"}};
   spec.memory_gib = 3;
   return spec;
 }
@@ -54,34 +54,57 @@ struct Mean {
   double value() const { return count > 0 ? sum / count : 0; }
 };
 
-void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& result) {
-  Mean psnr, psnr_gain, held_out;
+nlohmann::json ViewReport(const std::string& name, const ViewQuality& q, const Eigen::Vector3f& gain) {
+  nlohmann::json view = {{"name", name},           {"used", q.used},
+                         {"held_out", q.held_out}, {"pixels", q.pixels},
+                         {"psnr_db", q.psnr_db},   {"psnr_gain_db", q.psnr_gain_db},
+                         {"ssim", q.ssim},         {"gain", {gain[0], gain[1], gain[2]}}};
+  if (q.held_out) {
+    view["held_out_psnr_db"] = q.held_out_psnr_db;
+    view["held_out_psnr_gain_db"] = q.held_out_psnr_gain_db;
+    view["held_out_ssim"] = q.held_out_ssim;
+  }
+  return view;
+}
+
+void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& result, bool left_out) {
+  Mean psnr, psnr_gain, ssim, held_out, held_out_gain, held_out_ssim;
   int used = 0;
   nlohmann::json views = nlohmann::json::array();
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const ViewQuality& q = result.quality[v];
     used += q.used;
-    if (q.pixels > 0 && q.held_out) held_out.Add(q.psnr_gain_db);
-    if (q.pixels > 0 && !q.held_out) psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db);
-    const Eigen::Vector3f& g = result.gains[v];
-    views.push_back({{"name", scene.views[v].name},
-                     {"used", q.used},
-                     {"held_out", q.held_out},
-                     {"pixels", q.pixels},
-                     {"psnr_db", q.psnr_db},
-                     {"psnr_gain_db", q.psnr_gain_db},
-                     {"gain", {g[0], g[1], g[2]}}});
+    if (q.held_out) held_out.Add(q.held_out_psnr_db), held_out_gain.Add(q.held_out_psnr_gain_db), held_out_ssim.Add(q.held_out_ssim);
+    if (q.pixels > 0 && !(q.held_out && left_out)) psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db), ssim.Add(q.ssim);
+    views.push_back(ViewReport(scene.views[v].name, q, result.gains[v]));
   }
   stage.Report("views_total", static_cast<int>(scene.views.size()));
   stage.Report("views_used", used);
   stage.Report("mean_views_per_texel", result.mean_views_per_texel);
   stage.Report("psnr_db", psnr.value());
   stage.Report("psnr_gain_db", psnr_gain.value());
-  if (held_out.count > 0) stage.Report("held_out_psnr_db", held_out.value());
+  stage.Report("ssim", ssim.value());
+  if (held_out.count > 0) {
+    stage.Report("held_out_views", held_out.count);
+    stage.Report("held_out_psnr_db", held_out.value());
+    stage.Report("held_out_psnr_gain_db", held_out_gain.value());
+    stage.Report("held_out_ssim", held_out_ssim.value());
+  }
   stage.ReportJson("views", views.dump());
 }
 
+void WriteTexture(const std::filesystem::path& path, const BakeResult& result, int bits) {
+  // The 8-bit picture is the one that was measured; deeper ones are not rounded to it first.
+  std::string extension = path.extension().string();
+  if (extension == ".png" && bits != 16) return WriteImage(path, result.texture);
+  WriteLinearImage(path, result.linear, bits);
+}
+
 void Run(StageContext& stage, const BakeOptions& options) {
+  const std::filesystem::path path = stage.Output("texture");
+  if (!CanWriteLinear(path, options.bits))
+    throw UsageError("bake: a texture '" + path.filename().string() + "' with bits " + std::to_string(options.bits) +
+                     " cannot be written: .png and .tif hold 8 or 16 bits, .exr holds 16 or 32");
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
   RequireUsable(mesh, stage.Input("mesh").string());
   const Scene scene = ReadColmapModel(stage.Input("model"));
@@ -89,13 +112,14 @@ void Run(StageContext& stage, const BakeOptions& options) {
   const std::vector<int> index = MatchImages(scene, images);
   const BakeResult result = Bake(
       mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
-  stage.Report("texture_size", options.texture_size);
+  stage.Report("texture_size", result.texture.width);
+  stage.Report("texture_size_advised", result.advised_size);
   stage.Report("texels", result.texels);
   stage.Report("seen_texels", result.seen_texels);
   stage.Report("unseen_texels", result.unseen_texels());
   stage.Report("unseen_fraction", static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
-  ReportQuality(stage, scene, result);
-  WriteImage(stage.Output("texture"), result.texture);
+  ReportQuality(stage, scene, result, options.leave_out);
+  WriteTexture(path, result, options.bits);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene, c
   const Eigen::Matrix3d world_from_camera = rotation_.transpose();
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const Vector2d pixel((cell_x0_ + x + 0.5) * cell_px_, (cell_y0_ + y + 0.5) * cell_px_);
+      const Vector2d pixel = RayPixel(x, y);
       const RayScene::Hit hit = scene.Cast(center_, world_from_camera * view_.camera.Unproject(pixel));
       if (hit.face >= 0) *depth_.at(x, y) = static_cast<float>(hit.distance);
     }
@@ -153,8 +153,7 @@ void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& op
   for (int y = 0; y < depth_.height; ++y)
     for (int x = 0; x < depth_.width; ++x) {
       const float d = *depth_.at(x, y);
-      bool edge =
-          std::isinf(d) || !AllObject(photograph.mask, (cell_x0_ + x + 0.5) * cell_px_, (cell_y0_ + y + 0.5) * cell_px_, 0.5 * cell_px_);
+      bool edge = std::isinf(d) || !AllObject(photograph.mask, RayPixel(x, y).x(), RayPixel(x, y).y(), 0.5 * cell_px_);
       for (int k = 0; k < 4 && !edge; ++k) edge = !(std::abs(depth_at(x + (k == 0) - (k == 1), y + (k == 2) - (k == 3)) - d) < step * d);
       if (edge) *trust_.at(x, y) = 0;
     }
@@ -224,12 +223,6 @@ Sample BakeView::ColorAt(const Vector2d& pixel, double level) const {
   return a;
 }
 
-std::vector<Vector2d> BakeView::TrustedPixels(int stride) const {
-  std::vector<Vector2d> pixels;
-  for (int y = 0; y < trust_.height; y += stride)
-    for (int x = 0; x < trust_.width; x += stride)
-      if (*trust_.at(x, y) >= 1) pixels.emplace_back((cell_x0_ + x + 0.5) * cell_px_, (cell_y0_ + y + 0.5) * cell_px_);
-  return pixels;
-}
+double BakeView::RayLevel() const { return std::log2(cell_px_); }
 
 }  // namespace keypose::texture

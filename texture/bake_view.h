@@ -56,8 +56,13 @@ class BakeView {
   /// Colour at a pixel of the photograph, averaged over about 2^level of the photograph's pixels each way. Background never bleeds in.
   Sample ColorAt(const Eigen::Vector2d& pixel, double level) const;
 
-  /// Pixels (of the photograph) of every `stride`-th depth ray each way that has full trust.
-  std::vector<Eigen::Vector2d> TrustedPixels(int stride) const;
+  /// The grid of depth rays over what the mesh covers: its size, the pixel (of the photograph) of a ray, whether the ray meets the mesh
+  /// inside the mask beyond the guard along edges, and the pyramid's level on which a ray is a pixel.
+  int rays_wide() const { return depth_.width; }
+  int rays_high() const { return depth_.height; }
+  Eigen::Vector2d RayPixel(int x, int y) const { return {(cell_x0_ + x + 0.5) * cell_px_, (cell_y0_ + y + 0.5) * cell_px_}; }
+  bool RayIsGood(int x, int y) const { return *trust_.at(x, y) > 0; }
+  double RayLevel() const;
 
  private:
   void BuildPyramid(const Photograph& photograph, const BakeViewOptions& options);

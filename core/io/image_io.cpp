@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 
@@ -98,6 +99,30 @@ Image8 WithChannels(const Image8& in, int channels) {
   return out;
 }
 
+/// Lower case, with the dot.
+std::string ExtensionOf(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+/// In [0,1]; exact enough for 16 bits, where a table would not be.
+float SrgbFraction(float linear) {
+  const float l = std::clamp(linear, 0.0f, 1.0f);
+  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
+}
+
+/// Writes what was opened as `spec` says, or leaves no file.
+void WriteAll(const fs::path& path, const ImageSpec& spec, TypeDesc from, const void* data) {
+  auto output = ImageOutput::create(path.string());
+  if (!output) throw DiskError("cannot write image " + path.string() + ": its extension is not a known image format");
+  if (output->open(path.string(), spec) && output->write_image(from, data) && output->close()) return;
+  const std::string reason = output->geterror();
+  std::error_code ignored;
+  fs::remove(path, ignored);
+  throw DiskError("cannot write image " + path.string() + ": " + (reason.empty() ? "the disk may be full" : reason));
+}
+
 }  // namespace
 
 ImageInfo ReadImageInfo(const fs::path& path) {
@@ -133,8 +158,6 @@ Image8 ReadImage(const fs::path& path, int channels) {
 }
 
 void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
-  auto output = ImageOutput::create(path.string());
-  if (!output) throw DiskError("cannot write image " + path.string() + ": its extension is not a known image format");
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
   spec.attribute("CompressionQuality", quality);
   spec.attribute("Compression", path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
@@ -147,13 +170,36 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
     if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
     if (exif->focal_35mm > 0) spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
   }
-  const bool written = output->open(path.string(), spec) && output->write_image(TypeDesc::UINT8, image.data.data()) && output->close();
-  if (!written) {
-    const std::string reason = output->geterror();
-    std::error_code ignored;
-    fs::remove(path, ignored);
-    throw DiskError("cannot write image " + path.string() + ": " + (reason.empty() ? "the disk may be full" : reason));
+  WriteAll(path, spec, TypeDesc::UINT8, image.data.data());
+}
+
+bool CanWriteLinear(const fs::path& path, int bits) {
+  const std::string extension = ExtensionOf(path);
+  if (extension == ".exr") return bits == 0 || bits == 16 || bits == 32;
+  return (extension == ".png" || extension == ".tif" || extension == ".tiff") && (bits == 0 || bits == 8 || bits == 16);
+}
+
+void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
+  if (!CanWriteLinear(path, bits))
+    throw UsageError("cannot write " + path.string() + " with " + std::to_string(bits) +
+                     " bits a channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
+  const std::string extension = ExtensionOf(path);
+  ImageSpec spec(linear.width, linear.height, linear.channels, TypeDesc::HALF);
+  spec.attribute("Compression", "zip");
+  if (extension == ".exr") {
+    if (bits == 32) spec.set_format(TypeDesc::FLOAT);
+    spec.attribute("oiio:ColorSpace", "Linear");
+    return WriteAll(path, spec, TypeDesc::FLOAT, linear.data.data());
   }
+  const bool eight = bits == 8 || (bits == 0 && extension == ".png");
+  spec.set_format(eight ? TypeDesc::UINT8 : TypeDesc::UINT16);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  spec.attribute("png:compressionLevel", 4);
+  ImageF srgb(linear.width, linear.height, linear.channels);
+  ParallelBlocks(static_cast<std::int64_t>(srgb.data.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
+  });
+  WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
 }
 
 Image8 Resized(const Image8& image, int width, int height) {

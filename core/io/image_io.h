@@ -1,4 +1,4 @@
-// Reads and writes images (JPEG, PNG, TIFF) and the EXIF that matters here, by OpenImageIO.
+// Reads and writes images (JPEG, PNG, TIFF; OpenEXR is written) and the EXIF that matters here, by OpenImageIO.
 #pragma once
 
 #include <filesystem>
@@ -37,6 +37,13 @@ struct ExifToWrite {
 };
 /// By extension; JPEG at `quality`. @throws DiskError
 void WriteImage(const std::filesystem::path& path, const Image8& image, int quality = 92, const ExifToWrite* exif = nullptr);
+
+/// Whether WriteLinearImage knows the path's extension with this many bits a channel; 0: any that the extension allows.
+bool CanWriteLinear(const std::filesystem::path& path, int bits);
+/// Linear light (1 is white) by extension. .exr keeps it linear, values above 1 too, as half (bits 16, or 0) or float (32). .png and .tif
+/// are sRGB of 8 or 16 bits; 0 means 8 for .png and 16 for .tif.
+/// @throws UsageError  !CanWriteLinear(path, bits) @throws DiskError
+void WriteLinearImage(const std::filesystem::path& path, const ImageF& linear, int bits = 0);
 
 /// The image shrunk (box filter per axis) or enlarged (bilinear) to width x height.
 Image8 Resized(const Image8& image, int width, int height);

@@ -1,0 +1,71 @@
+// What the photographs say of a point of the surface, and how far they support each other.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "texture/bake_labels.h"
+#include "texture/bake_view.h"
+
+namespace keypose::texture {
+
+/// What one view says of one point.
+struct Vote {
+  int view = 0;
+  Eigen::Vector3f fine;            ///< linear light, gain applied
+  Eigen::Vector3f root, low_root;  ///< square roots, of fine and of the mean over 8 times as much: steps of about equal visibility.
+                                   ///< A highlight shows in the low band beyond its rim
+  float weight = 0;                ///< resolution, angle, trust, sharpness: its part of the mean
+  float say = 0;  ///< its part in what the views agree upon; flatter, since the view from straight ahead may be the one that sees the lamp
+  float agreement = 1;  ///< with the other views, (0, 1]
+};
+
+/// A point on a face.
+struct SurfacePoint {
+  int face = 0;
+  Eigen::Vector3f weights;  ///< barycentric
+};
+
+/// What all views together say of a face.
+struct FaceViews {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  ///< linear light, by weight and agreement
+  std::vector<LabelCandidate> candidates;          ///< ascending
+};
+
+/// All views, their gains, and the texels of one atlas.
+class Witnesses {
+ public:
+  /// @param used          one a view: 0 leaves it out
+  /// @param texture_size  of the atlas whose texels are painted
+  Witnesses(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<Eigen::Vector3f>& gains, const std::vector<char>& used,
+            int texture_size, double max_angle_deg, double strictness);
+
+  /// One vote for each used view that sees the point, ascending, with agreements. Colours are means over `texels` texels each way.
+  void CollectVotes(const SurfacePoint& point, double texels, std::vector<Vote>& votes) const;
+  /// One view's colour of a texel, gain applied; false when it does not see the point.
+  bool Look(int view, const SurfacePoint& point, Eigen::Vector3f& color) const;
+
+  /// The views that see each face, judged at four points of it.
+  std::vector<FaceViews> LookAtFaces() const;
+  const Mesh& mesh() const { return mesh_; }
+  int view_count() const { return static_cast<int>(views_.size()); }
+
+ private:
+  void FindViews(const std::vector<char>& used);
+  void WeighSharpness();
+  void MeasureTexels(int texture_size);
+  void AddVote(int view, const Sighting& sighting, double pixels, double cosine, std::vector<Vote>& votes) const;
+  FaceViews LookAtFace(int face) const;
+
+  const Mesh& mesh_;
+  const std::vector<BakeView>& views_;
+  const std::vector<Eigen::Vector3f>& gains_;
+  double least_cosine_, strictness_;
+  PointsX3 face_normals_, vertex_normals_;
+  std::vector<std::vector<int>> facing_;  ///< views that may see a face, ascending
+  std::vector<double> sharpness_;         ///< of the views, relative to the median
+  Eigen::VectorXd areas_;                 ///< of the faces, in world units squared
+  std::vector<double> area_per_texel_;    ///< the same divided by the face's texels
+};
+
+}  // namespace keypose::texture
