@@ -217,5 +217,50 @@ TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
   EXPECT_EQ(Run("--min_sharpnes 0").code, 2);
 }
 
+TEST_F(CaptureProgram, PrintsThePlateAlone) {
+  const fs::path pdf = root / "board.pdf";
+  const std::string program = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " + pdf.string();
+  EXPECT_EQ(std::system((program + " > /dev/null 2>&1").c_str()), 0);
+  EXPECT_EQ(ReadFile(pdf).substr(0, 5), "%PDF-");
+  EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())), 2);
+}
+
+TEST_F(CaptureProgram, SubfoldersAreGroupsWithPrefixedNames) {
+  for (const char* group : {"upright", "lying"}) {
+    fs::create_directories(photos / group);
+    for (int i = 0; i < 4; ++i)
+      WriteImage(photos / group / ("p" + std::to_string(i) + ".jpg"),
+                 MakeTestPhoto(i + (group[0] == 'l' ? 4 : 0), 180, 120, TestWall::kDark).image, 95);
+  }
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8u);
+  EXPECT_EQ(set.images[0].name, "lying_p0.jpg");
+  EXPECT_EQ(set.images[0].group, "lying");
+  EXPECT_EQ(set.images[7].name, "upright_p3.jpg");
+  EXPECT_EQ(set.images[7].group, "upright");
+  EXPECT_THAT(Report(), HasSubstr("\"upright\": 4"));
+}
+
+TEST_F(CaptureProgram, NamesThatBeginWithLyingAreAGroupToo) {
+  WritePhotos(6);
+  for (int i = 0; i < 4; ++i)
+    WriteImage(photos / ("LYING_" + std::to_string(i) + ".jpg"), MakeTestPhoto(i + 6, 180, 120, TestWall::kDark).image, 95);
+  ASSERT_EQ(Run().code, 0);
+  const ImageSet set = ReadImageSet(images);
+  EXPECT_EQ(set.images[set.Find("LYING_2.jpg")].group, "lying");
+  EXPECT_EQ(set.images[set.Find("p10.jpg")].group, "upright");
+}
+
+TEST_F(CaptureProgram, PhotographsInTheFolderAndInSubfoldersAreAnInputError) {
+  WritePhotos(9);
+  fs::create_directories(photos / "lying");
+  WriteImage(photos / "lying" / "a.jpg", MakeTestPhoto(1, 180, 120, TestWall::kDark).image, 95);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("subfolder lying"));
+}
+
 }  // namespace
 }  // namespace keypose::capture

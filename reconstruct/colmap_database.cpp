@@ -239,6 +239,20 @@ std::vector<PairMatches> ColmapDatabase::VerifiedMatches() const {
   return pairs;
 }
 
+void ColmapDatabase::PutInliers(const std::vector<PairMatches>& pairs) {
+  constexpr int kUncalibrated = 3;
+  Execute("BEGIN");
+  Statement put(database_.get(), "INSERT OR REPLACE INTO two_view_geometries (pair_id, rows, cols, data, config) VALUES (?, ?, 2, ?, ?)");
+  for (const PairMatches& pair : pairs) {
+    put.Bind(1, PairId(pair.first, pair.second));
+    put.Bind(2, static_cast<std::int64_t>(pair.features.size()));
+    put.BindBlob(3, pair.features.data(), pair.features.size() * 8);
+    put.Bind(4, kUncalibrated);
+    put.RunOnce();
+  }
+  Execute("COMMIT");
+}
+
 void ColmapDatabase::ReplaceInliers(const std::vector<PairMatches>& pairs) {
   Execute("BEGIN");
   Statement update(database_.get(), "UPDATE two_view_geometries SET rows = ?, data = ? WHERE pair_id = ?");

@@ -67,6 +67,8 @@ class ColmapDatabase {
   std::vector<VerifiedPair> VerifiedPairs() const;
   /// The matched features of pairs that stood the geometric test, by pair id.
   std::vector<PairMatches> VerifiedMatches() const;
+  /// Adds pairs with their inliers, or puts these in the place of what such a pair had.
+  void PutInliers(const std::vector<PairMatches>& pairs);
   /// Puts other inliers in the place of a verified pair's.
   void ReplaceInliers(const std::vector<PairMatches>& pairs);
 

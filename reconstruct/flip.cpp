@@ -1,6 +1,7 @@
 #include "reconstruct/flip.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -42,15 +43,30 @@ double Spread(const Scene& scene) {
   return scene.points.empty() ? 0 : std::sqrt(sum / static_cast<double>(scene.points.size()));
 }
 
-/// Whether three points span a triangle wide enough to tell a rotation.
-bool Spans(const Scene& scene, const std::vector<int>& points, double spread) {
-  const auto at = [&](int k) { return scene.points[static_cast<std::size_t>(points[static_cast<std::size_t>(k)])].position; };
-  return (at(1) - at(0)).cross(at(2) - at(0)).norm() > 0.01 * spread * spread;
+/// Whether three pairs could be one triangle: wide enough to tell a rotation, its sides alike in both models (but for one scale, if free).
+bool CouldAgree(const Scene& first, const Scene& second, const Pairs& three, double spread, double limit, bool with_scale) {
+  const auto in_first = [&](int k) {
+    return first.points[static_cast<std::size_t>(three[static_cast<std::size_t>(k % 3)].first)].position;
+  };
+  const auto in_second = [&](int k) {
+    return second.points[static_cast<std::size_t>(three[static_cast<std::size_t>(k % 3)].second)].position;
+  };
+  if ((in_first(1) - in_first(0)).cross(in_first(2) - in_first(0)).norm() < 0.02 * spread * spread) return false;
+  std::array<double, 3> a{}, b{};
+  for (int k = 0; k < 3; ++k) {
+    a[static_cast<std::size_t>(k)] = (in_first(k + 1) - in_first(k)).norm();
+    b[static_cast<std::size_t>(k)] = (in_second(k + 1) - in_second(k)).norm();
+  }
+  const double sum = b[0] + b[1] + b[2], scale = !with_scale ? 1 : sum > 0 ? (a[0] + a[1] + a[2]) / sum : 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(std::abs(a[k] - scale * b[k]) <= 2 * limit)) return false;
+  return true;
 }
 
 }  // namespace
 
-Pairs MatchPoints(const std::vector<TrackElement>& first, const std::vector<TrackElement>& second, const std::vector<PairMatches>& matches) {
+Pairs MatchPoints(const std::vector<TrackElement>& first, const std::vector<TrackElement>& second,
+                  const std::vector<PairMatches>& matches) {
   std::map<std::pair<int, int>, int> first_point, second_point;  // by image and feature
   for (const TrackElement& e : first) first_point[{e.image, e.feature}] = e.point;
   for (const TrackElement& e : second) second_point[{e.image, e.feature}] = e.point;
@@ -83,18 +99,13 @@ Join JoinModels(const Scene& first, const Scene& second, const Pairs& pairs, con
   Join join;
   join.pairs = static_cast<int>(pairs.size());
   if (join.pairs < std::max(3, options.min_pairs)) return join;
-  const double spread = Spread(first), second_spread = Spread(second), limit = options.max_distance * spread;
+  const double spread = Spread(first), limit = options.max_distance * spread;
   std::mt19937 random(7);
   Pairs best;
   for (int trial = 0; trial < options.trials; ++trial) {
     Pairs three;
-    std::vector<int> in_first, in_second;
-    for (int k = 0; k < 3; ++k) {
-      three.push_back(pairs[random() % pairs.size()]);
-      in_first.push_back(three.back().first);
-      in_second.push_back(three.back().second);
-    }
-    if (!Spans(first, in_first, spread) || !Spans(second, in_second, second_spread)) continue;
+    for (int k = 0; k < 3; ++k) three.push_back(pairs[random() % pairs.size()]);
+    if (!CouldAgree(first, second, three, spread, limit, options.with_scale)) continue;
     Pairs agreeing = Agreeing(first, second, pairs, Fit(first, second, three, options.with_scale), limit);
     if (agreeing.size() > best.size()) best = std::move(agreeing);
   }

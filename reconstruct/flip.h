@@ -28,9 +28,11 @@ struct Join {
   double rms = 0;  ///< of the agreeing pairs, in the first model's units
 };
 
-/// Pairs (point of the first model, point of the second) that verified matches join, most votes first; each point in one pair at most.
+/// Pairs (point of the first model, point of the second) that matches join, most votes first; each point in one pair at most. The matches
+/// need no geometric test of their own: light and view differ much between placements, so that hardly a pair of photographs has enough of
+/// them to stand one, but JoinModels looks at those of all pairs together.
 std::vector<std::pair<int, int>> MatchPoints(const std::vector<TrackElement>& first, const std::vector<TrackElement>& second,
-                                            const std::vector<PairMatches>& matches);
+                                             const std::vector<PairMatches>& matches);
 
 /// The similarity under which most pairs agree: RANSAC over triples, then least squares over those that agree, until they stay the same.
 /// Source: Fischler & Bolles 1981; Umeyama 1991. Same bits at every call.

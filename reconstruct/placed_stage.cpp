@@ -1,6 +1,8 @@
 #include "reconstruct/placed_stage.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -8,6 +10,8 @@
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
 #include "core/io/poses_io.h"
+#include "core/parallel.h"
+#include "reconstruct/guided_matching.h"
 #include "reconstruct/known_poses.h"
 #include "reconstruct/leveling.h"
 
@@ -84,6 +88,50 @@ Bodies BodiesOf(const Scene& scene, const ImageSet& set, const SetBoards& boards
   return bodies;
 }
 
+/// Fundamental matrix of two views: x_second^T F x_first = 0, in pixels.
+Eigen::Matrix3d Fundamental(const View& first, const View& second) {
+  const Rigid3 second_from_first = Compose(second.camera_from_world, first.camera_from_world.Inverse());
+  const Eigen::Vector3d t = second_from_first.translation;
+  Eigen::Matrix3d cross;
+  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
+  return second.camera.K().inverse().transpose() * cross * second_from_first.rotation.toRotationMatrix() * first.camera.K().inverse();
+}
+
+/// Matches features of two placements along the epipolar lines that their joined cameras give, into the database: what ties the halves in
+/// the adjustment.
+void MatchAcross(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+                 const std::vector<View>& first, const std::vector<View>& second, const SfmOptions& options) {
+  constexpr double kWidest_deg = 50, kMaxError_px = 3, kDegree = 3.14159265358979323846 / 180;
+  std::vector<std::pair<const View*, const View*>> pairs;
+  for (const View& a : first)
+    for (const View& b : second) {
+      const Eigen::Vector3d x = a.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ(),
+                            y = b.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+      if (a.name == b.name || x.dot(y) < std::cos(kWidest_deg * kDegree)) continue;
+      if (set.Find(a.name) < set.Find(b.name))
+        pairs.emplace_back(&a, &b);
+      else
+        pairs.emplace_back(&b, &a);
+    }
+  std::vector<PairMatches> found(pairs.size());
+  MatchOptions matching;
+  matching.max_ratio = options.max_ratio;
+  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+    const auto& [a, b] = pairs[static_cast<std::size_t>(k)];
+    PairMatches& pair = found[static_cast<std::size_t>(k)];
+    pair.first = set.Find(a->name);
+    pair.second = set.Find(b->name);
+    const PairGeometry geometry{PairGeometry::kFundamental, Fundamental(*a, *b)};
+    pair.features = MatchGuided(features[static_cast<std::size_t>(pair.first)], features[static_cast<std::size_t>(pair.second)], geometry,
+                                matching, kMaxError_px);
+  });
+  std::erase_if(found, [](const PairMatches& pair) { return pair.features.size() < 6; });
+  int count = 0;
+  for (const PairMatches& pair : found) count += static_cast<int>(pair.features.size());
+  ColmapDatabase(files.database).PutInliers(found);
+  stage.Report("matches_across", count);
+}
+
 void ReportJoin(StageContext& stage, const std::string& name, const Join& join) {
   stage.ReportJson("join_" + name,
                    json{{"pairs", join.pairs}, {"agreeing", join.agreeing}, {"rms", join.rms}, {"found", join.found}}.dump());
@@ -157,8 +205,8 @@ PlacedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFi
   return model;
 }
 
-std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                                           const std::vector<Features>& features, const SetBoards& boards, const SfmOptions& options) {
+std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
+                                           const SetBoards& boards, const SfmOptions& options) {
   const auto enough = [&](const SetBoards::Group& group) {
     return group.poses.scene.views.size() >= 3 &&
            static_cast<double>(group.poses.scene.views.size()) >= options.min_placed * static_cast<double>(group.images.size());
@@ -167,7 +215,6 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   std::vector<View> views = boards.groups[0].poses.scene.views;
   std::vector<Rigid3> world_from_board(boards.groups.size());
   if (boards.groups.size() > 1) {
-    const auto matches = ColmapDatabase(files.database).VerifiedMatches();
     const Loaded first = Load(TriangulateKnown(stage, set, files, views, "group0", options));
     for (std::size_t g = 1; g < boards.groups.size(); ++g) {
       const SetBoards::Group& group = boards.groups[g];
@@ -175,15 +222,17 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
       const Loaded other = Load(TriangulateKnown(stage, set, files, group.poses.scene.views, "group" + std::to_string(g), options));
       JoinOptions joining;
       joining.with_scale = false;
-      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, matches), joining);
+      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), joining);
       ReportJoin(stage, group.name, join);
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
-      Append(views, Transformed(join.first_from_second, group.poses.scene));
+      const Scene moved = Transformed(join.first_from_second, group.poses.scene);
+      MatchAcross(stage, set, files, seen.features, views, moved.views, options);
+      Append(views, moved);
     }
   }
   ShareCamera(views, boards.groups[0].poses.scene.views[0].camera);
-  PlacedModel model = Triangulated(stage, set, files, features, views, "boards", options);
+  PlacedModel model = Triangulated(stage, set, files, seen.features, views, "boards", options);
   // A group that could not be joined has no place for its plate.
   SetBoards known = boards;
   for (std::size_t g = 1; g < known.groups.size(); ++g)
@@ -194,7 +243,7 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   return model;
 }
 
-PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
                             const std::vector<fs::path>& models, const SetBoards& boards, const SfmOptions& options) {
   PlacedModel model;
   model.scale_source = "none";
@@ -202,21 +251,23 @@ PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmF
   const Loaded first = Load(models[0]);
   std::vector<View> views = first.scene.views;
   if (models.size() > 1 && views.size() < set.images.size()) {
-    const auto matches = ColmapDatabase(files.database).VerifiedMatches();
     for (std::size_t m = 1; m < models.size(); ++m) {
       const Loaded other = Load(models[m]);
-      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, matches), JoinOptions{});
+      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), JoinOptions{});
       ReportJoin(stage, "model" + std::to_string(m), join);
-      if (join.found) Append(views, Transformed(join.first_from_second, other.scene));
+      if (!join.found) continue;
+      const Scene moved = Transformed(join.first_from_second, other.scene);
+      MatchAcross(stage, set, files, seen.features, views, moved.views, options);
+      Append(views, moved);
     }
   }
   if (views.size() > first.scene.views.size()) {
     ShareCamera(views, first.scene.views[0].camera);
-    model = Triangulated(stage, set, files, features, views, "joined", options);
+    model = Triangulated(stage, set, files, seen.features, views, "joined", options);
     model.scale_source = "none";
   } else {
     model.scene = first.scene;
-    model.observations = ReadObservations(models[0], set, model.scene, features);
+    model.observations = ReadObservations(models[0], set, model.scene, seen.features);
   }
   if (boards.groups.empty() || boards.groups[0].poses.scene.views.size() < 3) return model;
   try {

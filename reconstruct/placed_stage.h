@@ -46,13 +46,19 @@ BundleOptions BundleFor(const PlacedModel& model, const SfmOptions& options);
 PlacedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
                            const SfmOptions& options);
 
+/// What was seen in the photographs: features, and raw matches of pairs, however few.
+struct SeenInSet {
+  const std::vector<Features>& features;
+  const std::vector<PairMatches>& matches;
+};
+
 /// From the plates, where enough photographs show one; the groups' models are joined by their points.
-std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                                           const std::vector<Features>& features, const SetBoards& boards, const SfmOptions& options);
+std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
+                                           const SetBoards& boards, const SfmOptions& options);
 
 /// The largest of the mapper's models, with the others joined to it where their points agree, and taken into the plate's frame where three
 /// of its views show it. Empty scene when the mapper found none.
-PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
+PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
                             const std::vector<std::filesystem::path>& models, const SetBoards& boards, const SfmOptions& options);
 
 }  // namespace keypose::reconstruct

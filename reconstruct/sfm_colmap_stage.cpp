@@ -267,6 +267,8 @@ void Triangulate(StageContext& stage, const SfmFiles& files, const fs::path& inp
                  output,
                  "--clear_points",
                  "1",
+                 "--Mapper.min_num_matches",
+                 "6",
                  "--Mapper.num_threads",
                  "1",
                  "--Mapper.ba_refine_focal_length",

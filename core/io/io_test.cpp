@@ -11,6 +11,7 @@
 #include "core/io/image_set.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/poses_io.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -292,6 +293,46 @@ TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
 }
 
 TEST(NearestWord, FindsTheTypo) { EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces"); }
+
+using PosesIo = IoTest;
+
+TEST_F(PosesIo, TransformsAreCameraToWorldWithYUp) {
+  // A camera at (0, -2, 0) that looks along +y, z up.
+  const fs::path file = Put("transforms.json", R"({"fl_x": 900, "w": 640, "h": 480, "k1": 0.01, "frames": [
+    {"file_path": "./images/b.jpg", "transform_matrix": [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0], [0, 0, 0, 1]]},
+    {"file_path": "./images/a", "cx": 300, "transform_matrix": [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0]]}]})");
+  const std::vector<View> views = ReadPoses(file);
+  ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(views[0].name, "a");
+  EXPECT_EQ(views[0].camera.cx, 300);
+  EXPECT_EQ(views[1].camera.fy, 900);
+  EXPECT_EQ(views[1].camera.k1, 0.01);
+  EXPECT_LT((views[1].Center() - Eigen::Vector3d(0, -2, 0)).norm(), 1e-12);
+  // A point ahead, to the right and above lands right of and above the middle.
+  const Eigen::Vector3d seen = views[1].camera_from_world * Eigen::Vector3d(0.1, 0, 0.2);
+  EXPECT_LT((seen - Eigen::Vector3d(0.1, -0.2, 2)).norm(), 1e-12);
+}
+
+TEST_F(PosesIo, FaultsAreInputErrorsThatNameTheFrame) {
+  const auto message = [&](const std::string& text) -> std::string {
+    try {
+      ReadPoses(Put("transforms.json", text));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message("{").find("transforms.json"), std::string::npos);
+  EXPECT_NE(message(R"({"frames": []})").find("holds no camera"), std::string::npos);
+  EXPECT_NE(message(R"({"fl_x": 9, "frames": [{"file_path": "q.jpg",
+    "transform_matrix": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}]})")
+                .find("frame q.jpg"),
+            std::string::npos);
+  EXPECT_NE(message(R"({"frames": [{"file_path": "q.jpg", "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}]})")
+                .find("no focal length"),
+            std::string::npos);
+  EXPECT_THROW(ReadPoses(Put("poses.csv", "a")), InputError);
+}
 
 using ImageSetIo = IoTest;
 
