@@ -222,6 +222,9 @@ Leveling LevelScene(const Scene& scene) {
   const CommonCenter ring_center = FitCenter(scene.views, rings, rotation);
   Leveling level;
   level.rings = static_cast<int>(rings.size());
+  level.ring_of_view.assign(scene.views.size(), -1);
+  for (std::size_t r = 0; r < rings.size(); ++r)
+    for (const int i : rings[r]) level.ring_of_view[static_cast<std::size_t>(i)] = static_cast<int>(r);
   // The axis counts where rings agree on it and it runs through the object's box; else the object's middle does.
   const Eigen::Vector2d half = ((box.high - box.low) / 2).head<2>();
   const Eigen::Vector2d off = (ring_center.center - box.middle.head<2>()).cwiseAbs();

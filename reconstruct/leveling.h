@@ -12,6 +12,7 @@ struct Leveling {
   int rings = 0;                  ///< groups of cameras that turn about the axis by a rotation
   double plane_rms = 0;           ///< of the rings' cameras off their planes, over the mean camera distance
   double circle_rms = 0;          ///< of the rings' cameras off circles about the common axis, over the mean camera distance
+  std::vector<int> ring_of_view;  ///< -1 for views of no ring
   bool centered_on_axis = false;  ///< else on the middle of the object's points
 };
 

@@ -12,6 +12,7 @@
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/leveling.h"
 #include "reconstruct/placed_stage.h"
+#include "reconstruct/ring_picture.h"
 #include "reconstruct/ring_sfm.h"
 #include "reconstruct/ring_silhouettes.h"
 #include "reconstruct/sfm_colmap.h"
@@ -363,6 +364,13 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
   return best;
 }
 
+/// The cameras, coloured by the rings that they form about one axis.
+Image8 Picture(const Scene& scene) {
+  std::vector<int> rings(scene.views.size(), -1);
+  if (scene.views.size() >= 3 && scene.points.size() >= 10) rings = LevelScene(scene).ring_of_view;
+  return DrawCameras(scene, rings);
+}
+
 void Run(StageContext& stage, const SfmOptions& options) {
   Stopwatch watch;
   const ImageSet set = ReadImageSet(stage.Input("images"));
@@ -380,6 +388,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   if (options.level && scale_source == "none") scene = Leveled(stage, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
+  if (const fs::path picture = stage.Output("picture"); !picture.empty()) WriteImage(picture, Picture(scene));
   ReportModel(stage, set, scene, output);
 }
 
@@ -393,7 +402,12 @@ const StageSpec kSpec = {
                 .help = "cameras that are known: a folder with a COLMAP model, or a transforms.json",
                 .file = "",
                 .optional = true}},
-    .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"}},
+    .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"},
+                {.name = "picture",
+                 .kind = "file",
+                 .help = "the placed cameras from above and from the side (.png)",
+                 .file = "cameras.png",
+                 .optional = true}},
     .tools = {"colmap"},
     .cores = 0,
     .memory_gib = 3};
