@@ -21,10 +21,11 @@ struct Picture {
 
 struct PosePart {
   std::string name;
-  std::vector<Picture> sides;    ///< textured, from all round; clay when there is no texture
-  std::vector<Picture> shape;    ///< the closed mesh alone, with its edges
-  std::optional<Picture> cloud;  ///< the dense points
-  std::optional<Picture> masks;  ///< contact sheet
+  std::vector<Picture> sides;      ///< textured, from all round; clay when there is no texture
+  std::vector<Picture> shape;      ///< the closed mesh alone, with its edges
+  std::optional<Picture> cloud;    ///< the dense points
+  std::optional<Picture> masks;    ///< contact sheet
+  std::optional<Picture> cameras;  ///< where they were placed, as sfm drew it
   std::optional<Picture> texture;
   int faces = 0, vertices = 0;
 };

@@ -94,13 +94,19 @@ class Gatherer {
     pose.name = name;
     const RunRecord& run = contents.run;
     const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name), *cleanup = run.Find("cleanup", name),
-                     *bake = run.Find("bake", name);
+                     *bake = run.Find("bake", name), *sfm = run.Find("sfm", name);
     if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
     if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, pose); });
     if (dense && !dense->Output("cloud").empty())
       Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
     if (capture && !capture->Output("images").empty())
       Try(contents, capture->id, [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
+    if (sfm && !sfm->Output("picture").empty())
+      Try(contents, sfm->id, [&] {
+        pose.cameras = Picture{
+            "Cameras from above and from the side: by ring (upper row), by reprojection error from blue to yellow at 1 px (lower row)",
+            ReadImage(sfm->Output("picture"), 3)};
+      });
     return pose;
   }
 

@@ -159,6 +159,8 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   made.insert(made.end(), pose.shape.begin(), pose.shape.end());
   if (pose.texture) made.push_back(*pose.texture);
   if (!made.empty()) html += "<h3>How it was made</h3>" + Shots(made, encode);
+  if (pose.cameras)
+    html += "<h3>Cameras</h3>" + Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
   if (pose.masks)
     html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"), Escape(pose.masks->caption));
   for (const StepRecord& step : contents.run.steps)
