@@ -99,6 +99,25 @@ std::unordered_map<int, int> Rings(const Surface& s, const std::vector<int>& lab
   return ring;
 }
 
+// The faces that the cut gives to the other chart, unless that saves next to nothing.
+std::vector<int> WorthChanging(const Surface& s, const PointsX3& costs, const std::vector<int>& label, int a, const std::vector<int>& faces,
+                               const std::unordered_map<int, int>& node, const MinCut& cut) {
+  std::vector<int> changed;
+  double before = 0, after = 0;
+  for (const int f : faces) {
+    const bool with_a = cut.WithSource(node.at(f));
+    if (with_a != (label[f] == a)) changed.push_back(f);
+    for (int k = 0; k < 3; ++k) {
+      const auto other = node.find(s.neighbors(f, k));
+      if (other == node.end()) continue;
+      if (label[other->first] != label[f]) before += costs(f, k);
+      if (cut.WithSource(other->second) != with_a) after += costs(f, k);
+    }
+  }
+  if (after > (1 - kLeastGain) * before) changed.clear();
+  return changed;
+}
+
 }  // namespace
 
 Exposure FindExposure(const Surface& s, const Viewers& viewers) {
@@ -155,9 +174,11 @@ std::vector<int> BetterBorder(const Surface& s, const PointsX3& costs, const std
   if (deepest[0] < 1 || deepest[1] < 1) return {};
   std::sort(faces.begin(), faces.end());
   std::unordered_map<int, int> node;
-  for (const int f : faces) node.emplace(f, static_cast<int>(node.size()));
   double mean = 0;
-  for (const int f : faces) mean += costs.row(f).mean() / static_cast<double>(faces.size());
+  for (const int f : faces) {
+    node.emplace(f, static_cast<int>(node.size()));
+    mean += costs.row(f).mean() / static_cast<double>(faces.size());
+  }
   constexpr std::int64_t kNever = std::int64_t{1} << 50;
   MinCut cut(static_cast<int>(faces.size()));
   for (const int f : faces) {
@@ -172,19 +193,7 @@ std::vector<int> BetterBorder(const Surface& s, const PointsX3& costs, const std
     }
   }
   cut.Solve();
-  std::vector<int> changed;
-  double before = 0, after = 0;
-  for (const int f : faces) {
-    if (cut.WithSource(node[f]) != (label[f] == a)) changed.push_back(f);
-    for (int k = 0; k < 3; ++k) {
-      const auto other = node.find(s.neighbors(f, k));
-      if (other == node.end()) continue;
-      if (label[other->first] != label[f]) before += costs(f, k);
-      if (cut.WithSource(other->second) != cut.WithSource(node[f])) after += costs(f, k);
-    }
-  }
-  if (after > (1 - kLeastGain) * before) changed.clear();
-  return changed;
+  return WorthChanging(s, costs, label, a, faces, node, cut);
 }
 
 }  // namespace keypose::texture

@@ -393,47 +393,58 @@ class Search {
     return cells;
   }
 
+  // Spots of the present scale at another: what was about the middle stays there. False when something is larger than the square.
+  bool Rescaled(double scale, std::vector<Spot>& spots, Stamps& stamps) const {
+    const double ratio = scale / scale_;
+    for (int i = 0; i < static_cast<int>(spots.size()); ++i) {
+      const Eigen::Vector2d grown = (Eigen::Vector2d(spots[i].x, spots[i].y) * ratio).array() - 0.5 * (ratio - 1) * n_;
+      const Spot moved{spots[i].turn, static_cast<int>(std::lround(grown.x())), static_cast<int>(std::lround(grown.y()))};
+      const std::optional<Spot> spot = Clamped(i, moved, stamps);
+      if (!spot) return false;
+      spots[i] = *spot;
+    }
+    return true;
+  }
+
+  // The items that overlap; pairs that do so for long weigh more and more.
+  std::vector<int> Overlapping(const std::vector<Spot>& spots, Stamps& stamps) {
+    const int count = static_cast<int>(spots.size());
+    std::vector<int> overlap(static_cast<std::size_t>(count) * count, 0);
+    std::vector<char> moves(count, 0);
+    int worst = 0;
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const int cells = Overlap(stamps.Get(i, spots[i].turn), spots[i], stamps.Get(j, spots[j].turn), spots[j]);
+        overlap[static_cast<std::size_t>(i) * count + j] = cells;
+        worst = std::max(worst, cells);
+        if (cells) moves[i] = moves[j] = 1;
+      }
+    }
+    for (int i = 0; worst > 0 && i < count; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const int cells = overlap[static_cast<std::size_t>(i) * count + j];
+        double& weight = weights_[static_cast<std::size_t>(i) * count + j];
+        weight = cells ? std::min(weight * (1.2 + 0.8 * cells / worst), 2e4) : std::max(16.0, weight * 0.95);
+        weights_[static_cast<std::size_t>(j) * count + i] = weight;
+      }
+    }
+    std::vector<int> items;
+    for (int i = 0; i < count; ++i)
+      if (moves[i]) items.push_back(i);
+    return items;
+  }
+
   // Moves what overlaps until nothing does, or patience ends.
   bool Separated(double scale, std::vector<Spot>& spots) {
-    const int count = static_cast<int>(spots.size());
     Stamps stamps(laid_, scale, widen_);
-    for (int i = 0; i < count; ++i) {
-      const Stamp& stamp = stamps.Get(i, spots[i].turn);
-      // What was about the middle stays there.
-      const Eigen::Vector2d grown = Eigen::Vector2d(spots[i].x, spots[i].y) * (scale / scale_);
-      const Spot moved{spots[i].turn, static_cast<int>(std::lround(grown.x() - 0.5 * (scale / scale_ - 1) * n_)),
-                       static_cast<int>(std::lround(grown.y() - 0.5 * (scale / scale_ - 1) * n_))};
-      if (stamp.width > n_ || stamp.height > n_) return false;
-      spots[i] = *Clamped(i, moved, stamps);
-    }
-    weights_.assign(static_cast<std::size_t>(count) * count, 16);
-    std::vector<int> overlap(static_cast<std::size_t>(count) * count);
+    if (!Rescaled(scale, spots, stamps)) return false;
+    weights_.assign(spots.size() * spots.size(), 16);
     for (int sweep = 0; sweep < kPatience && moves_ > 0; ++sweep) {
-      int worst = 0;
-      std::vector<char> moves(count, 0);
-      for (int i = 0; i < count; ++i) {
-        for (int j = 0; j < i; ++j) {
-          const int cells = Overlap(stamps.Get(i, spots[i].turn), spots[i], stamps.Get(j, spots[j].turn), spots[j]);
-          overlap[static_cast<std::size_t>(i) * count + j] = cells;
-          worst = std::max(worst, cells);
-          if (cells) moves[i] = moves[j] = 1;
-        }
-      }
-      if (worst == 0) return true;
-      for (int i = 0; i < count; ++i) {
-        for (int j = 0; j < i; ++j) {
-          const int cells = overlap[static_cast<std::size_t>(i) * count + j];
-          double& weight = weights_[static_cast<std::size_t>(i) * count + j];
-          weight = cells ? std::min(weight * (1.2 + 0.8 * cells / worst), 2e4) : std::max(16.0, weight * 0.95);
-          weights_[static_cast<std::size_t>(j) * count + i] = weight;
-        }
-      }
-      std::vector<int> turn;
-      for (int i = 0; i < count; ++i)
-        if (moves[i]) turn.push_back(i);
-      for (int k = static_cast<int>(turn.size()); k > 1; --k) std::swap(turn[k - 1], turn[random_.Below(k)]);
-      for (const int item : turn) Move(item, spots, stamps);
-      moves_ -= static_cast<std::int64_t>(turn.size());
+      std::vector<int> items = Overlapping(spots, stamps);
+      if (items.empty()) return true;
+      for (int k = static_cast<int>(items.size()); k > 1; --k) std::swap(items[k - 1], items[random_.Below(k)]);
+      for (const int item : items) Move(item, spots, stamps);
+      moves_ -= static_cast<std::int64_t>(items.size());
     }
     return false;
   }
