@@ -23,7 +23,7 @@ using Eigen::Vector3f;
 
 /// Fewer photographs than this predict nothing that one of them could be measured by.
 constexpr int kLeastForHoldOut = 12;
-/// Small against the squared jumps between views: the mean rules over several rings of faces, detail is left alone (measured best of 0.008
+/// Small against the squared jumps between views: the mean rules over several rings of faces, detail is left alone (measured best of 0.03
 /// to 20 on held-out photographs, docs/decisions/one-photograph-in-common-light.md).
 constexpr double kToMean = 0.03;
 /// Of the texture that predicts held-out photographs.

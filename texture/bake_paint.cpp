@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3f;
 
 /// Where a chosen view agrees less than this with the others, on a face or beside it, every texel is put to the vote.
-constexpr float kSure = 0.7f;
+constexpr float kSure = 0.15f;
 /// Weight of the mean of all views there: a trace where the chosen view agrees, everything where it does not.
 constexpr float kMeanWeight = 0.02f;
 
