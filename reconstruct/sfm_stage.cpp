@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
@@ -15,6 +16,7 @@
 #include "reconstruct/ring_picture.h"
 #include "reconstruct/ring_sfm.h"
 #include "reconstruct/ring_silhouettes.h"
+#include "reconstruct/ring_static.h"
 #include "reconstruct/sfm_colmap.h"
 
 namespace {
@@ -57,9 +59,11 @@ Camera StartCamera(const ImageSet& set, bool& focal_known) {
   return camera;
 }
 
-std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const std::vector<ImagePair>& pairs, const SfmOptions& options,
-                                    Progress* progress) {
+/// Raw matches, but for those on a background that stands still. @param rejected  how many those were
+std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const std::vector<ImagePair>& pairs, int longer_side_px,
+                                    const SfmOptions& options, int& rejected, Progress* progress) {
   std::vector<PairMatches> matches(pairs.size());
+  std::vector<int> static_matches(pairs.size(), 0);
   MatchOptions matching;
   matching.max_ratio = options.max_ratio;
   ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
@@ -68,14 +72,18 @@ std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const
     PairMatches& pair = matches[static_cast<std::size_t>(k)];
     pair.first = i;
     pair.second = j;
-    pair.features = MatchDescriptors(features[static_cast<std::size_t>(i)], features[static_cast<std::size_t>(j)], matching);
+    const Features &first = features[static_cast<std::size_t>(i)], &second = features[static_cast<std::size_t>(j)];
+    pair.features = MatchDescriptors(first, second, matching);
+    static_matches[static_cast<std::size_t>(k)] = RejectStaticMatches(first, second, longer_side_px, pair.features);
   });
+  rejected = std::accumulate(static_matches.begin(), static_matches.end(), 0);
   std::erase_if(matches, [](const PairMatches& pair) { return pair.features.empty(); });
   return matches;
 }
 
 /// Matches verified pairs once more along their epipolar lines, and keeps what is more. @return inliers gained
-int MatchAlongLines(ColmapDatabase& database, const std::vector<Features>& features, const SfmOptions& options, Progress* progress) {
+int MatchAlongLines(ColmapDatabase& database, const std::vector<Features>& features, int longer_side_px, const SfmOptions& options,
+                    Progress* progress) {
   constexpr double kMaxError_px = 4;  // COLMAP's own threshold
   const std::vector<VerifiedPair> pairs = database.VerifiedPairs();
   std::vector<PairMatches> guided(pairs.size());
@@ -88,8 +96,9 @@ int MatchAlongLines(ColmapDatabase& database, const std::vector<Features>& featu
     PairMatches& found = guided[static_cast<std::size_t>(k)];
     found.first = pair.first;
     found.second = pair.second;
-    found.features = MatchGuided(features[static_cast<std::size_t>(pair.first)], features[static_cast<std::size_t>(pair.second)],
-                                 pair.geometry, matching, kMaxError_px);
+    const Features &first = features[static_cast<std::size_t>(pair.first)], &second = features[static_cast<std::size_t>(pair.second)];
+    found.features = MatchGuided(first, second, pair.geometry, matching, kMaxError_px);
+    RejectStaticMatches(first, second, longer_side_px, found.features);
     if (static_cast<int>(found.features.size()) <= pair.inliers) found.features.clear();
   });
   int gained = 0;
@@ -190,7 +199,13 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
   Step(stage.progress(), 0.45, "matching");
-  seen.matches = MatchPairs(features, pairs, options, stage.progress());
+  const int longer_side_px = std::max(seen.camera.width, seen.camera.height);
+  int static_matches = 0;
+  seen.matches = MatchPairs(features, pairs, longer_side_px, options, static_matches, stage.progress());
+  stage.Report("static_matches_rejected", static_matches);
+  if (static_matches > 0)
+    stage.Note("warning: " + std::to_string(static_matches) +
+               " matches lie on a background that stands still while the object turns; they are left out (better masks would spare them)");
   watch.Lap(stage, "matching");
   Step(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = seen.matches;
@@ -200,7 +215,7 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
   ColmapDatabase database(files.database);
   if (options.guided_matching) {
     Step(stage.progress(), 0.65, "matching along epipolar lines");
-    stage.Report("guided_gain", MatchAlongLines(database, features, options, stage.progress()));
+    stage.Report("guided_gain", MatchAlongLines(database, features, longer_side_px, options, stage.progress()));
     watch.Lap(stage, "guided_matching");
   }
   ReportMatches(stage, pairs.size(), enough.size(), database);
