@@ -89,6 +89,7 @@ class Estimator {
       settings.refresh = pass == 0 || geometric;
       settings.far_areas = coarsest;
       settings.refinements = coarsest ? 4 : 3;
+      settings.parabola = level == 0 && pass == Passes(level) - 1;
       settings.depth_step_px = depth_step, settings.slope_step = slope_step;
       settings.pass = pass;
       if (geometric) Freeze(level);

@@ -43,6 +43,7 @@ struct SweepSettings {
   bool refresh = false;         ///< stored costs are of other conditions: compute them again
   bool far_areas = false;       ///< also look for planes up to 23 pixels away
   int refinements = 3;
+  bool parabola = false;       ///< settle each depth in the minimum of a parabola, after the random changes
   float depth_step_px = 0.5f;  ///< size of random depth changes, as motion in the sources
   float slope_step = 0.2f;     ///< size of random tilts, tangent of the slant
   int pass = 0;                ///< distinguishes the random numbers of passes
