@@ -49,9 +49,22 @@ int Drop(PointCloud& cloud, const std::vector<char>& keep) {
 struct Neighborhood {
   Eigen::VectorXd mean_distance;  // to the k nearest
   Eigen::VectorXd spacing;        // from the k-th: k points in a disc of that radius
-  Eigen::VectorXd confidence;     // the largest of the k nearest; empty without confidences
+  Eigen::VectorXd confidence;     // the largest of the k nearest that show the same place; empty without confidences
   Eigen::VectorXd agreeing;       // share of the k nearest whose normal lies on the same side
 };
+
+// The largest confidence, its own included, among the neighbours that lie above or below a point and face the same way: those that
+// contradict it. What lies beside it does not.
+double SurestAbove(const PointCloud& cloud, int i, const std::vector<KdTree::Neighbor>& near, double spacing) {
+  double surest = cloud.confidence[i];
+  for (const KdTree::Neighbor& n : near) {
+    const Eigen::RowVector3d step = cloud.points.row(n.index) - cloud.points.row(i);
+    const double along = step.dot(cloud.normals.row(i));
+    if (n.squared_distance - along * along > spacing * spacing || cloud.normals.row(n.index).dot(cloud.normals.row(i)) < 0.5) continue;
+    surest = std::max<double>(surest, cloud.confidence[n.index]);
+  }
+  return surest;
+}
 
 Neighborhood Measure(const PointCloud& cloud, int neighbors) {
   const KdTree tree(cloud.points);
@@ -67,12 +80,12 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
       int agree = 0;
       for (const auto& n : near) {
         sum += std::sqrt(n.squared_distance);
-        if (graded) out.confidence[i] = std::max<double>(out.confidence[i], cloud.confidence[n.index]);
         if (n.index != i && cloud.normals.row(n.index).dot(cloud.normals.row(i)) > 0) ++agree;
       }
       out.mean_distance[i] = sum / neighbors;
       out.spacing[i] = std::sqrt(near.back().squared_distance * std::numbers::pi / neighbors);
       out.agreeing[i] = static_cast<double>(agree) / neighbors;
+      if (graded) out.confidence[i] = SurestAbove(cloud, static_cast<int>(i), near, out.spacing[i]);
     }
   });
   return out;
@@ -86,6 +99,17 @@ bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
     flux += spacing[i] * spacing[i] * cloud.normals.row(i).dot(cloud.points.row(i) - middle);
   }
   return flux < 0;
+}
+
+// A point speaks for the area around it, so that sparse points of the hull are not drowned by their dense neighbours.
+Eigen::VectorXf Weights(const FilteredPoints& points) {
+  constexpr double kLargestArea = 16;
+  Eigen::VectorXf weights(points.spacing.size());
+  for (Eigen::Index i = 0; i < weights.size(); ++i) {
+    const double ratio = points.spacing[i] / points.median_spacing;
+    weights[i] = static_cast<float>(std::clamp(points.cloud.confidence[i] * std::min(kLargestArea, ratio * ratio), 0.01, 1.0));
+  }
+  return weights;
 }
 
 // A share of the points, even and the same on every run.
@@ -160,6 +184,7 @@ FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& o
   out.median_spacing = Median(out.spacing);
   if (!(out.median_spacing > 0))
     throw InputError("mesh: most points of " + what + " lie on top of each other; fuse the cloud first, so that places are unique");
+  if (out.cloud.confidence.size() > 0) out.weights = Weights(out);
   out.normals_flipped = PointInside(out.cloud, out.spacing);
   if (out.normals_flipped) out.cloud.normals = -out.cloud.normals;
   return out;

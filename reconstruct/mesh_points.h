@@ -13,13 +13,14 @@ struct PointFilterOptions {
   int neighbors = 16;         ///< points that say how dense a place is, >= 4
   double outlier_ratio = 4;   ///< removed: mean distance to the neighbours above this many times the median; 0 keeps all
   double min_confidence = 0;  ///< removed: confidence below this, where the cloud has confidences
-  bool thin_unsure = true;    ///< of points less sure than their neighbours only a share stays: their confidence over the neighbours'
+  bool thin_unsure = true;    ///< of points below or above surer ones only a share stays, by the ratio of their confidences
 };
 
 /// Points that are fit to be meshed.
 struct FilteredPoints {
   PointCloud cloud;
   Eigen::VectorXd spacing;  ///< P, distance between neighbouring samples around each point [the cloud's unit]
+  Eigen::VectorXf weights;  ///< P in (0, 1], confidence times the area a point speaks for; empty for a cloud without confidences
   double median_spacing = 0;
   int removed_unsure = 0;        ///< confidence too low
   int removed_outliers = 0;      ///< too far from their neighbours

@@ -63,7 +63,7 @@ SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& opt
   Step(progress, 0.15, "fitting the surface");
   PoissonOptions poisson = options.poisson;
   poisson.depth = out.depth;
-  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, out.used.cloud.confidence, poisson);
+  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, out.used.weights, poisson);
   FaceAlongNormals(surface, out.used.cloud);
   out.poisson_faces = surface.face_count();
 
