@@ -1,0 +1,188 @@
+// The parts of baking: choice of photographs, levelling, measures, splitting.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/geometry.h"
+#include "texture/bake_labels.h"
+#include "texture/bake_max_flow.h"
+#include "texture/bake_paint.h"
+#include "texture/bake_seams.h"
+#include "texture/bake_split.h"
+#include "texture/bake_testing.h"
+
+namespace keypose::texture {
+namespace {
+
+/// Colours a little to both sides of the middles of the mesh's edges: mean difference over edges between two views, and over the rest.
+std::pair<double, double> JumpsAtBordersAndWithin(const Mesh& mesh, const ImageF& texture, const std::vector<int>& labels) {
+  std::map<std::pair<int, int>, std::vector<std::pair<int, Vector3f>>> sides;  // edge: face, colour
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+      const Eigen::RowVector2d uv = 0.42 * (mesh.uvs.row(mesh.uv_faces(f, k)) + mesh.uvs.row(mesh.uv_faces(f, (k + 1) % 3))) +
+                                    0.16 * mesh.uvs.row(mesh.uv_faces(f, (k + 2) % 3));
+      const int x = static_cast<int>(uv[0] * texture.width), y = static_cast<int>((1 - uv[1]) * texture.height);
+      sides[{std::min(a, b), std::max(a, b)}].emplace_back(f, Eigen::Map<const Vector3f>(texture.at(x, y)));
+    }
+  double sum[2] = {0, 0}, count[2] = {0, 0};
+  for (const auto& [edge, s] : sides) {
+    if (s.size() != 2) continue;
+    const int within = labels[s[0].first] == labels[s[1].first];
+    sum[within] += (s[0].second.cwiseSqrt() - s[1].second.cwiseSqrt()).norm();
+    ++count[within];
+  }
+  EXPECT_GT(count[0], 50);
+  return {sum[0] / count[0], sum[1] / count[1]};
+}
+
+/// What BakeAll does of all views, with the labels kept.
+struct PaintedSphere {
+  std::vector<int> labels;
+  ImageF texture;
+};
+PaintedSphere PaintAll(const Mesh& mesh, const std::vector<View>& views, const std::vector<Photograph>& photographs, double to_mean) {
+  const RayScene scene(mesh.points, mesh.faces);
+  const Atlas atlas = RasterizeAtlas(mesh, 512);
+  std::vector<BakeView> loaded;
+  for (std::size_t v = 0; v < views.size(); ++v) loaded.emplace_back(views[v], photographs[v], mesh, scene, BakeViewOptions());
+  const std::vector<Vector3f> gains(views.size(), Vector3f::Ones());
+  PaintResult result = PaintTexels(Witnesses(mesh, loaded, gains, std::vector<char>(views.size(), 1), 512, 75, 3), atlas, to_mean, nullptr);
+  return {result.labels, FinishTexture(atlas, std::move(result.painting), 4)};
+}
+
+TEST(PaintTexels, BordersBetweenViewsShowNoMoreThanTheInside) {
+  const Mesh mesh = PatchSphere(20);
+  const std::vector<View> views = AllRound(240);
+  // The lamp stands still while the sphere turns, and every photograph has another exposure.
+  const Paint lit = [](const Vector3d& x, const Vector3d& eye) {
+    const double shade = 0.75 + 0.25 * x.normalized().dot((eye + Vector3d(0, 0, 3)).normalized());
+    return (Smooth(x, eye) * static_cast<float>(shade * (1 + 0.15 * std::sin(7 * eye.x() + 3 * eye.y())))).eval();
+  };
+  const std::vector<Photograph> photographs = Shoot(mesh, views, lit);
+  for (const double to_mean : {0.0, 1.0}) {
+    const PaintedSphere painted = PaintAll(mesh, views, photographs, to_mean);
+    const auto [borders, within] = JumpsAtBordersAndWithin(mesh, painted.texture, painted.labels);
+    EXPECT_LT(borders, 1.2 * within) << "to_mean " << to_mean;
+  }
+}
+
+TEST(LevelSeams, ViewsThatDifferByAConstantMeetHalfWay) {
+  const Mesh mesh = PatchSphere(6);
+  std::vector<FaceViews> faces(mesh.face_count());
+  std::vector<int> labels(mesh.face_count());
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    labels[f] = mesh.points(mesh.faces(f, 0), 2) + mesh.points(mesh.faces(f, 1), 2) + mesh.points(mesh.faces(f, 2), 2) > 0;
+    faces[f].mean = Vector3f(0.4f, 0.4f, 0.4f);
+    for (const int view : {0, 1}) {
+      const Vector3f color = Vector3f::Constant(view ? 0.6f : 0.3f);
+      faces[f].candidates.push_back({view, 1, color.cwiseSqrt(), color, 1, 1});
+    }
+  }
+  const auto shares = VertexShares(mesh, labels);
+  for (const double to_mean : {0.0, 1000.0})
+    for (const auto& list : LevelSeams(mesh, faces, labels, shares, to_mean)) {
+      if (list.size() < 2) continue;
+      // At the border both end at one colour; pulled hard, at the mean.
+      EXPECT_NEAR(0.3 + list[0].color[1], 0.6 + list[1].color[1], 0.02);
+      if (to_mean > 0) {
+        EXPECT_NEAR(0.3 + list[0].color[1], 0.4, 1e-3);
+      }
+    }
+}
+
+TEST(Ssim, IsOneForEqualImagesAndFollowsTheFormulaForAConstantShift) {
+  ImageF a(40, 30, 1), b(40, 30, 1);
+  for (std::size_t i = 0; i < a.data.size(); ++i) a.data[i] = 100, b.data[i] = 130;
+  const std::vector<char> all(a.data.size(), 1);
+  EXPECT_NEAR(Ssim(a, a, all), 1, 1e-6);
+  const double c1 = 2.55 * 2.55;
+  EXPECT_NEAR(Ssim(a, b, all), (2 * 100 * 130 + c1) / (100 * 100 + 130 * 130 + c1), 1e-4);
+  std::vector<char> narrow(a.data.size(), 0);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 10; ++x) narrow[y * 40 + x] = 1;
+  EXPECT_EQ(Ssim(a, b, narrow), 0);  // no window of 11 fits
+}
+
+TEST(MinCut, EqualsTheBestOfAllCuts) {
+  std::uint32_t state = 7;
+  const auto random = [&](int below) { return static_cast<int>((state = state * 1664525u + 1013904223u) >> 16) % below; };
+  for (int round = 0; round < 50; ++round) {
+    constexpr int kNodes = 8;
+    std::int64_t source[kNodes], sink[kNodes], arc[kNodes][kNodes] = {};
+    MinCut cut(kNodes);
+    for (int i = 0; i < kNodes; ++i) cut.AddTerminals(i, source[i] = random(10), sink[i] = random(10));
+    for (int e = 0; e < 14; ++e) {
+      const int a = random(kNodes), b = random(kNodes), forward = random(8), backward = random(8);
+      if (a == b) continue;
+      cut.AddEdge(a, b, forward, backward);
+      arc[a][b] += forward;
+      arc[b][a] += backward;
+    }
+    const auto cost = [&](unsigned with_source) {
+      std::int64_t sum = 0;
+      for (int i = 0; i < kNodes; ++i) {
+        sum += with_source >> i & 1 ? sink[i] : source[i];
+        for (int j = 0; j < kNodes; ++j) sum += (with_source >> i & 1) && !(with_source >> j & 1) ? arc[i][j] : 0;
+      }
+      return sum;
+    };
+    std::int64_t least = cost(0);
+    for (unsigned s = 1; s < 1u << kNodes; ++s) least = std::min(least, cost(s));
+    EXPECT_EQ(cut.Solve(), least);
+    unsigned chosen = 0;
+    for (int i = 0; i < kNodes; ++i) chosen |= static_cast<unsigned>(cut.WithSource(i)) << i;
+    EXPECT_EQ(cost(chosen), least);
+  }
+}
+
+TEST(ChooseLabels, OneViewThatIsNearlyTheBestEverywhereTakesAll) {
+  const Mesh mesh = PatchSphere(6);
+  std::vector<std::vector<LabelCandidate>> candidates(mesh.face_count());
+  const Vector3f grey = Vector3f::Constant(0.5f);
+  // View 5 is 5 % worse than whichever of nine others is best; but on one patch it is a thousandth as good.
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    candidates[f].push_back({f % 5, 1.0, grey, grey, 1, 1});
+    candidates[f].push_back({5, f < 72 ? 0.001 : 0.95, grey, grey, 1, 1});
+  }
+  const std::vector<int> labels = ChooseLabels(mesh, candidates);
+  for (int f = 0; f < mesh.face_count(); ++f) EXPECT_EQ(labels[f], f >= 72 ? 5 : f % 5) << f;
+  candidates[100].clear();
+  EXPECT_EQ(ChooseLabels(mesh, candidates)[100], -1);
+}
+
+TEST(SplitLargeFaces, KeepsTheSurfaceAndItsLayout) {
+  const Mesh mesh = PatchSphere(3);
+  const std::vector<View> views = AllRound(240);
+  const Mesh split = SplitLargeFaces(mesh, views);
+  ASSERT_GT(split.face_count(), mesh.face_count());
+  EXPECT_TRUE(CheckClosed(split).closed());
+  EXPECT_NEAR(SurfaceArea(split.points, split.faces), SurfaceArea(mesh.points, mesh.faces), 1e-9);
+  const Atlas before = RasterizeAtlas(mesh, 128), after = RasterizeAtlas(split, 128);
+  for (std::size_t t = 0; t < before.face.size(); ++t) {
+    ASSERT_EQ(before.inside[t], after.inside[t]);
+    if (!before.inside[t]) continue;
+    Vector3d x = Vector3d::Zero(), y = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      x += static_cast<double>(before.Weights(t)[k]) * mesh.points.row(mesh.faces(before.face[t], k)).transpose();
+      y += static_cast<double>(after.Weights(t)[k]) * split.points.row(split.faces(after.face[t], k)).transpose();
+    }
+    ASSERT_LT((x - y).norm(), 1e-5);
+  }
+}
+
+TEST(AdviseTextureSize, DoublesWithTheFocalLength) {
+  const Mesh mesh = PatchSphere(12);
+  std::vector<View> views = AllRound(240);
+  const int size = AdviseTextureSize(mesh, views);
+  // From 3 radii away a pixel is 1 / 124 of the radius. A quarter of the way round, 195 pixels, has 29 % of the layout's width, 44 % of its
+  // height.
+  EXPECT_EQ(size, 512);
+  for (View& view : views) view.camera.fx *= 2, view.camera.fy *= 2;
+  EXPECT_EQ(AdviseTextureSize(mesh, views), 2 * size);
+}
+
+}  // namespace
+}  // namespace keypose::texture
