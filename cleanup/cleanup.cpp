@@ -6,6 +6,7 @@
 #include "cleanup/intersections.h"
 #include "cleanup/ladder.h"
 #include "cleanup/measure.h"
+#include "cleanup/stand.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 
@@ -38,6 +39,7 @@ bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& opt
   scaled.points = (surface.points.rowwise() - frame.center) / frame.diagonal;
   scaled.faces = surface.faces;
   if (SelfIntersects(scaled)) return false;
+  if (options.stand == "auto" && FindStand(scaled)) return false;
   const int genus = report.components - report.euler / 2;
   return options.genus < 0 || genus <= options.genus || WithoutHandles(scaled, options.genus).cut == 0;
 }
@@ -52,6 +54,10 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
         {.help = "more triangles where the surface bends, or equal ones", .unit = "", .choices = {"adaptive", "uniform"}});
   visit("genus", genus,
         {.help = "handles that the result may have; surplus ones are cut or filled; -1 keeps all", .unit = "", .min = -1, .max = 1000});
+  visit("stand", stand,
+        {.help = "auto cuts off a level turntable, plate or cloth that the figure stands on (z up); keep leaves it",
+         .unit = "",
+         .choices = {"auto", "keep"}});
   visit("keep_components", keep_components,
         {.help = "pieces of the result, largest first; 0 keeps all", .unit = "pieces", .min = 0, .max = 1000000});
   visit("min_component", min_component,

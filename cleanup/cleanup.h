@@ -15,6 +15,7 @@ struct CleanupOptions {
   bool refine = false;              ///< also remesh surfaces that have fewer faces than wanted
   std::string remesh = "adaptive";  ///< adaptive: smaller triangles where the surface bends; uniform: equal ones
   int genus = 0;                    ///< handles of the result at most; surplus ones are cut or filled; -1 keeps all
+  std::string stand = "auto";       ///< auto: a level sheet that the figure stands on (z up) is cut off; keep: nothing is
   int keep_components = 1;          ///< pieces of the result, largest first; 0 keeps all
   double min_component = 0.02;      ///< pieces with less than this share of the largest one's area are dropped at once
   bool wrap = true;                 ///< allow the last rung, an alpha wrap
@@ -33,6 +34,7 @@ struct CleanupResult {
   int holes_filled = 0;
   double largest_hole_over_diag = 0;
   int components_removed = 0;
+  int stands_removed = 0;  ///< turntables, plates and cloths cut off below the figure
   int merged_vertices = 0;
   int self_intersections_before = 0;  ///< intersecting pairs of faces once the surface was welded and its holes filled
   int self_intersections = 0;         ///< of the result: always 0

@@ -33,6 +33,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("largest_hole_over_diag", result.largest_hole_over_diag);
   stage.Report("components", result.components);
   stage.Report("components_removed", result.components_removed);
+  stage.Report("stands_removed", result.stands_removed);
   stage.Report("merged_vertices", result.merged_vertices);
   stage.Report("self_intersections_before", result.self_intersections_before);
   stage.Report("self_intersections", result.self_intersections);

@@ -10,6 +10,7 @@
 #include "cleanup/components.h"
 #include "cleanup/intersections.h"
 #include "cleanup/soup.h"
+#include "cleanup/testing_damage.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -23,15 +24,6 @@ constexpr double kSphereVolume = 4 * EIGEN_PI / 3;
 Mesh Moved(Mesh mesh, const Eigen::RowVector3d& by, double scale = 1) {
   mesh.points = (mesh.points * scale).rowwise() + by;
   return mesh;
-}
-
-Mesh Together(const Mesh& a, const Mesh& b) {
-  Mesh out;
-  out.points.resize(a.points.rows() + b.points.rows(), 3);
-  out.points << a.points, b.points;
-  out.faces.resize(a.faces.rows() + b.faces.rows(), 3);
-  out.faces << a.faces, b.faces.array() + a.vertex_count();
-  return out;
 }
 
 template <class Keep>
@@ -91,12 +83,12 @@ TEST(MakeClosedManifold, CubeOfTwelveFacesStaysACube) {
   EXPECT_DOUBLE_EQ(result.volume, 1);
 }
 
-TEST(MakeClosedManifold, RefineReachesTheCountWithinTwoPercent) {
+TEST(MakeClosedManifold, RefineReachesTheCountWithinOnePercent) {
   CleanupOptions options = Faces(3000);
   options.refine = true;
   const CleanupResult result = MakeClosedManifold(MakeIcosphere(3), options);
   ExpectClosed(result.mesh);
-  EXPECT_NEAR(result.mesh.face_count(), 3000, 60);
+  EXPECT_NEAR(result.mesh.face_count(), 3000, 30);
   EXPECT_LT(result.to_input.max, 2e-3);  // a facet of the input bulges by 2.2e-3 of the diagonal under the sphere
 }
 
@@ -106,11 +98,12 @@ TEST(MakeClosedManifold, DenseSphereIsRemeshedEvenlyToTheCount) {
     options.remesh = remesh;
     const CleanupResult result = MakeClosedManifold(MakeIcosphere(5), options);
     ExpectClosed(result.mesh);
-    EXPECT_NEAR(result.mesh.face_count(), 2000, 40) << remesh;
+    EXPECT_NEAR(result.mesh.face_count(), 2000, 20) << remesh;
     EXPECT_NEAR(result.volume, kSphereVolume, 0.01 * kSphereVolume) << remesh;
     EXPECT_EQ(result.genus, 0);
-    EXPECT_LT(result.from_input.max, 0.003);
-    EXPECT_GT(result.mean_min_angle_deg, 40) << remesh;
+    EXPECT_LT(result.from_input.max, 0.001);
+    EXPECT_GT(result.mean_min_angle_deg, 48) << remesh;
+    EXPECT_GT(result.min_angle_deg, 15) << remesh;
   }
 }
 
@@ -234,23 +227,31 @@ TEST(MakeClosedManifold, ColoursComeFromTheNearestSurface) {
   for (int v = 0; v < result.mesh.vertex_count(); ++v) ASSERT_NEAR(result.mesh.colors(v, 1), 127 + 100 * result.mesh.points(v, 2), 3);
 }
 
-TEST(MakeClosedManifold, ScaleDoesNotMatter) {
-  const Mesh bowl = Above(MakeIcosphere(4), -0.5);
-  const CleanupResult unit = MakeClosedManifold(bowl, Faces(1500));
-  for (const double scale : {1e-3, 1e3}) {
-    const CleanupResult scaled = MakeClosedManifold(Moved(bowl, {0, 0, 0}, scale), Faces(1500));
-    ExpectClosed(scaled.mesh);
-    EXPECT_EQ(scaled.rung, unit.rung);
-    EXPECT_NEAR(scaled.mesh.face_count(), unit.mesh.face_count(), 0.02 * 1500);
-    EXPECT_NEAR(scaled.volume / std::pow(scale, 3), unit.volume, 2e-3 * unit.volume);
+TEST(MakeClosedManifold, AnotherUnitGivesTheSameFacesAndScaledPositions) {
+  const Mesh scene = Together(Above(MakeFigure(4, 3), -0.02), Moved(MakeIcosphere(1), {0.3, 0, 0}, 0.001));
+  for (const int faces : {1000, 20000}) {  // remeshed, and only filled
+    const CleanupResult unit = MakeClosedManifold(scene, Faces(faces));
+    for (const double scale : {1e-3, 1e3}) {
+      const CleanupResult scaled = MakeClosedManifold(Moved(scene, {0, 0, 0}, scale), Faces(faces));
+      EXPECT_EQ(scaled.rung, unit.rung);
+      ASSERT_EQ(scaled.mesh.faces, unit.mesh.faces);
+      const double diagonal = BoundingDiagonal(unit.mesh.points);
+      EXPECT_LT((scaled.mesh.points / scale - unit.mesh.points).cwiseAbs().maxCoeff(), 1e-12 * diagonal);
+    }
   }
 }
 
 TEST(MakeClosedManifold, CleaningTwiceChangesNothing) {
-  const CleanupResult once = MakeClosedManifold(Above(MakeIcosphere(4), -0.5), Faces(1500));
-  const CleanupResult twice = MakeClosedManifold(once.mesh, Faces(1500));
-  EXPECT_EQ(twice.mesh.points, once.mesh.points);
-  EXPECT_EQ(twice.mesh.faces, once.mesh.faces);
+  for (const Mesh& mesh : {Above(MakeIcosphere(4), -0.5), Above(MakeFigure(2, 1), -0.02), MakeTorus(1, 0.4, 60, 24)})
+    for (const char* remesh : {"uniform", "adaptive"}) {
+      CleanupOptions options = Faces(1500);
+      options.remesh = remesh;
+      const CleanupResult once = MakeClosedManifold(mesh, options);
+      const CleanupResult twice = MakeClosedManifold(once.mesh, options);
+      EXPECT_EQ(twice.rung, "as-is");
+      EXPECT_EQ(twice.mesh.points, once.mesh.points);
+      EXPECT_EQ(twice.mesh.faces, once.mesh.faces);
+    }
 }
 
 TEST(MakeClosedManifold, SameBitsForAnyThreadCount) {
@@ -265,22 +266,10 @@ TEST(MakeClosedManifold, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one.to_input.mean, two.to_input.mean);
 }
 
-TEST(MakeClosedManifold, TorusKeepsItsHandle) {
-  Mesh torus;
-  const int n = 40, m = 20;
-  torus.points.resize(n * m, 3);
-  torus.faces.resize(2 * n * m, 3);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < m; ++j) {
-      const double a = 2 * EIGEN_PI * i / n, b = 2 * EIGEN_PI * j / m;
-      torus.points.row(i * m + j) << (2 + 0.6 * std::cos(b)) * std::cos(a), (2 + 0.6 * std::cos(b)) * std::sin(a), 0.6 * std::sin(b);
-      const int p = i * m + j, q = (i + 1) % n * m + j, r = (i + 1) % n * m + (j + 1) % m, s = i * m + (j + 1) % m;
-      torus.faces.row(2 * p) << p, q, r;
-      torus.faces.row(2 * p + 1) << p, r, s;
-    }
+TEST(MakeClosedManifold, TorusKeepsItsHandleWhenAsked) {
   CleanupOptions keep = Faces(1000);
   keep.genus = -1;
-  const CleanupResult result = MakeClosedManifold(torus, keep);
+  const CleanupResult result = MakeClosedManifold(MakeTorus(2, 0.6, 40, 20), keep);
   ExpectClosed(result.mesh);
   EXPECT_EQ(result.genus, 1);
 }

@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kReroots = 6;  // of the shortest loop
 constexpr int kTries = 6;    // loops that are tried before a handle is left
+constexpr int kMendingRounds = 4;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Link {
@@ -167,7 +168,7 @@ Mesh WithOneLess(const Mesh& closed) {
   const int pieces = static_cast<int>(FindPieces(closed).list.size());
   const std::vector<std::vector<int>> loops = HandleLoops(closed);
   for (int i = 0; i < std::min<int>(kTries, static_cast<int>(loops.size())); ++i)
-    for (const int rings : {1, 2}) {
+    for (const int rings : {1, 2, 3}) {
       int dropped = 0;
       const Mesh mesh = CutAlong(closed, loops[i], rings);
       if (mesh.face_count() == 0) continue;
@@ -175,6 +176,11 @@ Mesh WithOneLess(const Mesh& closed) {
       const Mesh whole = WithoutBits(mesh, 0.01, &dropped);
       if (static_cast<int>(FindPieces(whole).list.size()) > pieces || Genus(whole) >= genus) continue;
       if (CheckClosed(whole).closed() && !SelfIntersects(whole)) return whole;
+      Mesh mended = WithoutIntersections(whole, kMendingRounds);
+      if (mended.face_count() == 0) continue;
+      OrientOutward(mended);
+      if (static_cast<int>(FindPieces(mended).list.size()) > pieces || Genus(mended) >= genus) continue;
+      if (CheckClosed(mended).closed() && !SelfIntersects(mended)) return mended;
     }
   return {};
 }
@@ -197,6 +203,9 @@ std::vector<std::vector<int>> HandleLoops(const Mesh& closed) {
     if (!(graph.Length(best[0]) < length * (1 - 1e-12))) break;
   }
   std::stable_sort(seen.begin(), seen.end(), [&](const auto& a, const auto& b) { return graph.Length(a) < graph.Length(b); });
+  // The same loop comes up from many roots.
+  const auto same = [&](const auto& a, const auto& b) { return std::abs(graph.Length(a) - graph.Length(b)) <= 1e-12 * graph.Length(b); };
+  seen.erase(std::unique(seen.begin(), seen.end(), same), seen.end());
   return seen;
 }
 

@@ -5,6 +5,7 @@
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -23,28 +24,41 @@ using Halfedge = SurfaceMesh::Halfedge_index;
 using Face = SurfaceMesh::Face_index;
 using Vertex = SurfaceMesh::Vertex_index;
 
+constexpr double kFlatRim = 1e-5;         // of the rim's extent
 constexpr std::size_t kCubicLimit = 400;  // rim vertices up to which the O(n^3) search is affordable (about a second)
 
 struct Rim {
   std::size_t vertices = 0;
   double extent = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  bool flat = false;
 };
+
+// Whether all points lie in one plane, as only a cut makes them.
+bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center, double tolerance) {
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& x : rim) spread += (x - center) * (x - center).transpose();
+  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  return std::all_of(rim.begin(), rim.end(), [&](const Eigen::Vector3d& x) { return std::abs(normal.dot(x - center)) <= tolerance; });
+}
 
 Rim Measure(const SurfaceMesh& mesh, Halfedge border) {
   Rim rim;
   Eigen::AlignedBox3d box;
+  std::vector<Eigen::Vector3d> points;
   Halfedge h = border;
   do {
     const auto& p = mesh.point(mesh.target(h));
     const Eigen::Vector3d x(p.x(), p.y(), p.z());
     box.extend(x);
     rim.center += x;
+    points.push_back(x);
     ++rim.vertices;
     h = mesh.next(h);
   } while (h != border);
   rim.center /= static_cast<double>(rim.vertices);
   rim.extent = box.diagonal().norm();
+  rim.flat = Flat(points, rim.center, kFlatRim * rim.extent);
   return rim;
 }
 
@@ -89,7 +103,7 @@ HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hol
     Step(progress, static_cast<double>(i) / static_cast<double>(borders.size()), "filling holes");
     const Rim rim = Measure(mesh, borders[i]);
     result.largest_over_diag = std::max(result.largest_over_diag, rim.extent / diagonal);
-    if (!FillSmoothly(mesh, borders[i], rim, rim.extent > large_hole * diagonal)) {
+    if (!FillSmoothly(mesh, borders[i], rim, rim.flat || rim.extent > large_hole * diagonal)) {
       FillByFan(mesh, borders[i], rim.center);
       ++result.fanned;
     }

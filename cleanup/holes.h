@@ -16,8 +16,9 @@ struct HolesResult {
 /// @param manifold  oriented 2-manifold, possibly with boundary
 /// @param large_hole  over the diagonal
 /// Holes up to `large_hole` are refined and faired with continuous tangents; larger ones (the base that stood on the
-/// turntable) become a membrane of least area over their rim, which is flat where the rim is flat.
-/// Source: Liepa, SGP 2003 (triangulation, refinement), Botsch & Kobbelt, SIGGRAPH 2004 (fairing), both by CGAL.
+/// turntable) become a membrane of least area over their rim, which is flat where the rim is flat. Small holes whose rim lies in a plane,
+/// as a cut leaves it, get a flat cap too. Source: Liepa, SGP 2003 (triangulation, refinement), Botsch & Kobbelt, SIGGRAPH 2004 (fairing),
+/// both by CGAL.
 HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole = 0.1);
 
 }  // namespace keypose::cleanup

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "cleanup/adapt.h"
 #include "cleanup/components.h"
@@ -13,6 +14,7 @@
 #include "cleanup/measure.h"
 #include "cleanup/size_field.h"
 #include "cleanup/soup.h"
+#include "cleanup/stand.h"
 #include "cleanup/wrap.h"
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -70,7 +72,20 @@ void Ladder::Weld() {
   // Stitching closes the cuts that a fin left, but only once the fin is gone; it also joins pieces, so bits are counted on both sides of
   // it.
   kept_ = Stitched(WithoutBits(Stitched(soup.mesh), options_.min_component, &result_.components_removed));
+  RemoveStand();
   if (options_.keep_components == 1) kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
+}
+
+// Once more after the cut, as a second, lower sheet can show up below a cloth; what the cut leaves of a rim is a bit or a piece afar.
+void Ladder::RemoveStand() {
+  if (options_.stand != "auto") return;
+  for (int sheets = 0; sheets < 3; ++sheets) {
+    const std::optional<CutPlane> plane = FindStand(kept_);
+    if (!plane) return;
+    const Mesh above = OrientedManifold(ClippedAbove(kept_, *plane), kWeld).mesh;
+    kept_ = WithoutBits(above, options_.min_component, &result_.components_removed);
+    ++result_.stands_removed;
+  }
 }
 
 void Ladder::Fill() {
@@ -105,16 +120,19 @@ Mesh Ladder::WithGenus(const Mesh& mesh) {
   if (genus <= options_.genus) return mesh;
   Step(progress_, 0.6, "cutting handles");
   HandlesResult result = WithoutHandles(mesh, options_.genus);
-  result_.genus_before = genus;
-  result_.handles_cut = result.cut;
+  result_.genus_before = std::max(result_.genus_before, genus);
+  result_.handles_cut += result.cut;
   return std::move(result.mesh);
 }
 
 // Slivers of the input or of a filled hole go where nothing has to cross for it.
 Mesh Ladder::WithBetterAngles(const Mesh& mesh) {
   if (LeastAngleDeg(mesh) >= kLeastAngleDeg) return mesh;
-  const Mesh better = WithoutThinAngles(mesh, 2 * kLeastAngleDeg);
-  return LeastAngleDeg(better) > LeastAngleDeg(mesh) && MayStay(better.face_count()) && Acceptable(better) ? better : mesh;
+  for (const double wanted_deg : {2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
+    const Mesh better = WithoutThinAngles(mesh, wanted_deg);
+    if (LeastAngleDeg(better) > LeastAngleDeg(mesh) && MayStay(better.face_count()) && Acceptable(better)) return better;
+  }
+  return mesh;
 }
 
 std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
@@ -123,14 +141,19 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   rules.follow_curvature = options_.remesh == "adaptive";
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces ? Thinned(base, static_cast<int>(kStartFaces * rules.faces)) : base;
+  std::optional<Mesh> with_slivers;
   for (int attempt = 0; attempt < kRemeshings; ++attempt) {
     Step(progress_, 0.7 + 0.05 * attempt, "remeshing");
     const Mesh mesh = Remeshed(start, base, sizes, rules.faces, true);
     if (!GoodSize(mesh.face_count())) break;
-    if (Acceptable(mesh)) return WithBetterAngles(mesh);
-    if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) return WithBetterAngles(*mended);
+    if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
+      Mesh better = WithBetterAngles(*mended);
+      if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
+      if (!with_slivers) with_slivers = std::move(better);
+    }
     Refine(base, FaceCenters(mesh, IntersectingFaces(mesh)), 3, sizes);
   }
+  if (with_slivers) return with_slivers;
   // Collapses only: more of the shape's sharpness, less even triangles.
   Mesh thinned = base.face_count() > rules.faces ? Thinned(base, rules.faces) : SplitTo(base, rules.faces);
   const std::optional<Mesh> mended = Mended(thinned);
@@ -141,7 +164,11 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
 std::optional<Mesh> Ladder::Finish(const Mesh& base) {
   const Mesh kept = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
   if (MayStay(kept.face_count())) return WithBetterAngles(kept);
-  return AtWantedSize(kept);
+  const std::optional<Mesh> mesh = AtWantedSize(kept);
+  // Even triangles can make room for a cut that slivers had no room for.
+  if (!mesh || options_.genus < 0 || Genus(*mesh) <= options_.genus) return mesh;
+  const Mesh cut = WithGenus(*mesh);
+  return MayStay(cut.face_count()) ? cut : SplitTo(cut, options_.faces);
 }
 
 std::optional<Mesh> Ladder::Wrap(double alpha, double offset_share, bool project) {
@@ -172,10 +199,24 @@ std::optional<Mesh> Ladder::WrapRungs() {
   const double area = SurfaceArea(filled_.points, filled_.faces);
   const double automatic = std::clamp(std::sqrt(2 * area / options_.faces), 1.0 / 250, 1.0 / 30);
   const double alpha = options_.wrap_alpha > 0 ? options_.wrap_alpha : automatic;
-  if (auto mesh = Try("R4 wrap", [&] { return Wrap(alpha, 1.0 / 30, true); })) return mesh;
-  if (auto mesh = Try("R4 thick wrap", [&] { return Wrap(alpha, 1.0 / 3, false); })) return mesh;
-  if (auto mesh = Try("R4 coarse wrap", [&] { return Wrap(2 * alpha, 1.0 / 2, false); })) return mesh;
-  return Try("R4 coarse wrap", [&] { return CoarseWraps(2 * alpha); });
+  const std::pair<const char*, std::function<std::optional<Mesh>()>> rungs[] = {
+      {"R4 wrap", [&] { return Wrap(alpha, 1.0 / 30, true); }},
+      {"R4 thick wrap", [&] { return Wrap(alpha, 1.0 / 3, false); }},
+      {"R4 coarse wrap", [&] { return Wrap(2 * alpha, 1.0 / 2, false); }},
+      {"R4 coarse wrap", [&] { return CoarseWraps(2 * alpha); }},
+  };
+  std::optional<Mesh> with_slivers;
+  std::string rung_with_slivers;
+  for (const auto& [name, step] : rungs) {
+    std::optional<Mesh> mesh = Try(name, step);
+    if (!mesh) continue;
+    if (LeastAngleDeg(*mesh) >= kLeastAngleDeg) return mesh;
+    if (with_slivers) continue;
+    with_slivers = std::move(mesh);
+    rung_with_slivers = name;
+  }
+  if (with_slivers) result_.rung = rung_with_slivers;
+  return with_slivers;
 }
 
 std::optional<Mesh> Ladder::Welded() {

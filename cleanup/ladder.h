@@ -26,6 +26,7 @@ class Ladder {
  private:
   std::optional<Mesh> Try(const char* rung, const std::function<std::optional<Mesh>()>& step);
   void Weld();
+  void RemoveStand();
   void Fill();
   std::optional<Mesh> Welded();
   std::optional<Mesh> MendedWhole();

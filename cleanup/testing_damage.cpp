@@ -202,6 +202,31 @@ Mesh MakeTorus(double radius, double tube, int n, int m) {
   return torus;
 }
 
+Mesh MakeRevolved(const std::vector<Eigen::Vector2d>& profile, int n) {
+  const int rings = static_cast<int>(profile.size());
+  Mesh mesh;
+  mesh.points.resize(rings * n + 2, 3);
+  for (int r = 0; r < rings; ++r)
+    for (int i = 0; i < n; ++i) {
+      const double a = 2 * EIGEN_PI * i / n;
+      mesh.points.row(r * n + i) << profile[r].x() * std::cos(a), profile[r].x() * std::sin(a), profile[r].y();
+    }
+  mesh.points.row(rings * n) << 0, 0, profile.front().y();
+  mesh.points.row(rings * n + 1) << 0, 0, profile.back().y();
+  mesh.faces.resize(2 * n * rings, 3);
+  int f = 0;
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n, last = (rings - 1) * n;
+    for (int r = 0; r + 1 < rings; ++r) {
+      mesh.faces.row(f++) << r * n + i, (r + 1) * n + i, (r + 1) * n + j;
+      mesh.faces.row(f++) << r * n + i, (r + 1) * n + j, r * n + j;
+    }
+    mesh.faces.row(f++) << rings * n, i, j;
+    mesh.faces.row(f++) << rings * n + 1, last + j, last + i;
+  }
+  return mesh;
+}
+
 Mesh MakeFigure(std::uint64_t seed, int limb) {
   Dice dice(seed);
   std::set<Cell> cells;

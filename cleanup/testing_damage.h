@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/mesh.h"
 
@@ -10,6 +11,8 @@ namespace keypose::cleanup {
 
 /// Closed torus round z. @param n  segments round the axis @param m  segments round the tube
 Mesh MakeTorus(double radius, double tube, int n, int m);
+/// Closed surface of revolution round z: rings of `n` vertices at (radius, height) from the top down, and a fan over each end.
+Mesh MakeRevolved(const std::vector<Eigen::Vector2d>& profile, int n);
 /// Closed figure with a body, a head, and limbs `limb` cells thick, blown up from cells and smoothed; proportions vary with the seed.
 Mesh MakeFigure(std::uint64_t seed, int limb);
 /// Both meshes as one, unconnected.
