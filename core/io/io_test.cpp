@@ -137,6 +137,29 @@ TEST_F(ImageIo, PngIsLossless) {
   EXPECT_EQ(ReadImage(folder_ / "g.png").data, Gradient(40, 30).data);
 }
 
+TEST_F(ImageIo, LinearLightIsWrittenAsTheExtensionAndBitsSay) {
+  ImageF linear(8, 4, 3, 0.2140411f);  // sRGB 127.5
+  linear.data[0] = 3;
+  linear.data[1] = 0.001f;  // on the straight part of the curve: 12.92 * 0.001 * 255 = 3.29
+  WriteLinearImage(folder_ / "l.png", linear);
+  WriteLinearImage(folder_ / "l16.png", linear, 16);
+  WriteLinearImage(folder_ / "l.tif", linear);
+  WriteLinearImage(folder_ / "l.exr", linear, 32);
+  for (const char* name : {"l.png", "l16.png", "l.tif"}) {
+    const Image8 read = ReadImage(folder_ / name, 3);
+    EXPECT_EQ(read.data[0], 255) << name;
+    EXPECT_EQ(read.data[1], 3) << name;
+    EXPECT_NEAR(read.data[2], 127.5, 0.6) << name;
+  }
+  EXPECT_EQ(ReadFile(folder_ / "l.png").at(24), 8);  // the depth in a PNG's header
+  EXPECT_EQ(ReadFile(folder_ / "l16.png").at(24), 16);
+  EXPECT_EQ(ReadFile(folder_ / "l.exr").substr(0, 4), "v/1\x01");
+  EXPECT_THROW(WriteLinearImage(folder_ / "l.exr", linear, 8), UsageError);
+  EXPECT_THROW(WriteLinearImage(folder_ / "l.png", linear, 32), UsageError);
+  EXPECT_THROW(WriteLinearImage(folder_ / "l.jpg", linear), UsageError);
+  EXPECT_THROW(WriteLinearImage(folder_ / "missing" / "l.exr", linear), DiskError);
+}
+
 TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
   const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};
   WriteImage(folder_ / "g.jpg", Gradient(64, 32), 98, &exif);
