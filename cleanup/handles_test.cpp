@@ -44,11 +44,10 @@ Mesh WithTube(bool outside) {
           if (sphere.faces(f, k) == v && (sphere.points.row(v) - poles[end]).norm() < 0.3 &&
               (sphere.points.row(v) - poles[end]).norm() > 1e-9 && (rim[end].empty() || rim[end].back() != v))
             rim[end].push_back(v);
-    // A tube that bends round arrives turned over.
-    const Eigen::Vector3d other = axis.cross(side), toward = outside && end == 1 ? Eigen::Vector3d(-side) : side;
+    const Eigen::Vector3d other = axis.cross(side);
     std::sort(rim[end].begin(), rim[end].end(), [&](int a, int b) {
       const auto angle = [&](int v) {
-        return std::atan2(mesh.points.row(v).dot(other.transpose()), mesh.points.row(v).dot(toward.transpose()));
+        return std::atan2(mesh.points.row(v).dot(other.transpose()), mesh.points.row(v).dot(side.transpose()));
       };
       return angle(a) < angle(b);
     });
@@ -60,10 +59,10 @@ Mesh WithTube(bool outside) {
     for (int i = 0; i < n; ++i) {
       const double t = static_cast<double>(r) / rings;
       const Eigen::Vector3d a = mesh.points.row(rim[0][i]), across = a - axis * axis.dot(a);
-      // Outside: the axis goes round in a half circle of radius 1.6 that starts and ends straight at the poles.
+      // Outside: the axis goes round in an arc that leaves one pole straight up and enters the other from below: one full turn.
       const double angle = EIGEN_PI * t, reach = outside ? 1.6 * std::sin(angle) * std::sin(angle) : 0,
                    height = outside ? std::cos(angle) * (1 + 0.8 * std::sin(angle)) : 1 - 2 * t;
-      const Eigen::Vector3d along = outside ? Eigen::Vector3d(side * std::cos(angle) - axis * std::sin(angle)) : side;
+      const Eigen::Vector3d along = outside ? Eigen::Vector3d(side * std::cos(2 * angle) - axis * std::sin(2 * angle)) : side;
       const Eigen::Vector3d turned = across - side * side.dot(across) + along * side.dot(across);
       mesh.points.row(base + (r - 1) * n + i) = (axis * height + side * reach + turned).transpose();
     }
