@@ -10,6 +10,6 @@ keypose_stage(dense ROOM reconstruct_dense SOURCES dense_stage.cpp LINK nlohmann
 add_library(keypose_dense_test_scene STATIC dense_test_scene.cpp)
 target_link_libraries(keypose_dense_test_scene PUBLIC keypose_reconstruct_dense)
 keypose_bench(dense_bench SOURCES dense_bench.cpp LINK keypose_dense_test_scene)
-keypose_test(dense_test SOURCES dense_test.cpp dense_stage_test.cpp patch_match_plane_test.cpp patch_match_test.cpp silhouettes_test.cpp visual_hull_test.cpp
+keypose_test(dense_test SOURCES dense_test.cpp dense_stage_test.cpp fusion_test.cpp patch_match_plane_test.cpp patch_match_test.cpp silhouettes_test.cpp visual_hull_test.cpp
              LINK keypose_dense_test_scene nlohmann_json::nlohmann_json)
 add_dependencies(dense_test keypose-dense)

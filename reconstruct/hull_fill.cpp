@@ -16,7 +16,7 @@ constexpr double kConfirmedShare = 0.1;
 constexpr float kSure = 0.3f;  // stereo below this does not silence the hull
 // The unseen underside is wanted only as a band along the rim of what is seen: it turns the surface inwards where the outlines end. Farther
 // in, the hull is a cone below the true base.
-constexpr double kRimFrom = 1, kRimTo = 6;
+constexpr double kRimFrom = 1, kRimTo = 14;
 constexpr double kUnseenGrey = 128;
 
 // What the views that look at a place of the hull say of it.

@@ -17,7 +17,7 @@ constexpr float kHullConfidence = 0.1f;
 ///
 /// Left out where stereo knows better: within three voxels of a stereo point of confidence 0.3 or more, and where more than a tenth of the
 /// pixels that look at the place have a confirmed depth (the hull bridges a hollow there). Of the underside that no camera faces, a band
-/// of five voxels along such stereo points is added, so that the surface turns inwards where the outlines end.
+/// of 13 voxels along such stereo points is added, so that the surface turns inwards where the outlines end.
 /// @param hull       carved with a margin from the views of `silhouettes`
 /// @param confirmed  for each view, 1 for each level-0 pixel with a confirmed depth
 /// @param stereo     with confidence

@@ -1,0 +1,89 @@
+#include "reconstruct/fusion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/render.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr int kSize = 40;
+
+// Cameras above the plane z = 0, ten degrees apart, all looking at the origin.
+std::vector<DenseView> ViewsOfThePlane(int count) {
+  std::vector<DenseView> views;
+  for (int i = 0; i < count; ++i) {
+    const double azimuth = 10 * i * M_PI / 180;
+    View view;
+    view.name = "v" + std::to_string(i);
+    view.camera = {.width = kSize, .height = kSize, .fx = 100, .fy = 100, .cx = 20, .cy = 20};
+    view.camera_from_world = LookAt(4 * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1.5).normalized(), Eigen::Vector3d::Zero());
+    views.push_back(PrepareDenseView(view, i, Image8(kSize, kSize, 3, 90), Image8(kSize, kSize, 1, 255), 1.0, 1));
+  }
+  return views;
+}
+
+// The exact map of the plane z = height.
+PlaneMap MapOf(const DenseView& view, double height) {
+  const Pinhole& camera = view.camera();
+  const Eigen::Vector3d normal = view.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
+  const double offset = normal.dot(view.camera_from_world * Eigen::Vector3d(0, 0, height));  // normal . x = offset in the camera
+  PlaneMap map(camera.width, camera.height);
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * camera.width + x;
+      map.planes[i] = {static_cast<float>(normal.dot(camera.Ray(x, y)) / offset), static_cast<float>(normal.x() / camera.fx / offset),
+                       static_cast<float>(normal.y() / camera.fy / offset)};
+      map.cost[i] = 0.1f;
+    }
+  return map;
+}
+
+std::vector<std::vector<int>> AllOthers(int count) {
+  std::vector<std::vector<int>> sources(count);
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < count; ++k)
+      if (k != i) sources[i].push_back(k);
+  return sources;
+}
+
+TEST(FuseDepthMaps, ExactMapsOfAPlaneGiveThePlane) {
+  const std::vector<DenseView> views = ViewsOfThePlane(4);
+  std::vector<PlaneMap> maps;
+  for (const DenseView& view : views) maps.push_back(MapOf(view, 0));
+  const FusionResult fused = FuseDepthMaps(views, AllOthers(4), maps, {});
+  ASSERT_GT(fused.cloud.points.rows(), kSize * kSize / 2);
+  EXPECT_LT(fused.cloud.points.rows(), 3 * kSize * kSize) << "views of one surface are merged, not stacked";
+  EXPECT_LT(fused.cloud.points.col(2).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_GT(fused.cloud.normals.col(2).minCoeff(), 1 - 1e-5);
+  EXPECT_GT(*std::min_element(fused.completeness.begin(), fused.completeness.end()), 0.7);
+  EXPECT_GT(fused.cloud.confidence.maxCoeff(), 0.6f);
+}
+
+TEST(FuseDepthMaps, MapThatNoOtherConfirmsAddsNothing) {
+  const std::vector<DenseView> views = ViewsOfThePlane(4);
+  std::vector<PlaneMap> maps;
+  for (int i = 0; i < 4; ++i) maps.push_back(MapOf(views[i], i == 2 ? 0.15 : 0));
+  const FusionResult fused = FuseDepthMaps(views, AllOthers(4), maps, {});
+  EXPECT_EQ(std::count(fused.confirmed[2].begin(), fused.confirmed[2].end(), 1), 0);
+  ASSERT_GT(fused.cloud.points.rows(), kSize * kSize / 2);
+  EXPECT_LT(fused.cloud.points.col(2).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(FuseDepthMaps, TooFewViewsOrTooPoorMatchesGiveNothing) {
+  const std::vector<DenseView> views = ViewsOfThePlane(4);
+  std::vector<PlaneMap> maps;
+  for (const DenseView& view : views) maps.push_back(MapOf(view, 0));
+  FusionOptions options;
+  options.least_views = 5;
+  EXPECT_EQ(FuseDepthMaps(views, AllOthers(4), maps, options).cloud.points.rows(), 0);
+  options = {};
+  options.largest_cost = 0.05;
+  EXPECT_EQ(FuseDepthMaps(views, AllOthers(4), maps, options).cloud.points.rows(), 0);
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct
