@@ -38,4 +38,19 @@ std::vector<std::pair<int, int>> MatchPoints(const std::vector<TrackElement>& fi
 /// Source: Fischler & Bolles 1981; Umeyama 1991. Same bits at every call.
 Join JoinModels(const Scene& first, const Scene& second, const std::vector<std::pair<int, int>>& pairs, const JoinOptions& options);
 
+struct ShapeJoinOptions {
+  int rotations = 240;  ///< starts, spread evenly over all turns
+  int coarse_points = 300, fine_points = 2000;
+  double kept = 0.6;           ///< share of the pairs, nearest first, that a step is fitted to: each half saw what the other did not
+  double max_distance = 0.02;  ///< of pairs that agree, over the first model's spread; at least twice its points' spacing
+  double max_color = 0.06;     ///< between their shares of red, green and blue, which light hardly changes
+  double min_share = 0.35;     ///< of the points that must agree
+  double max_rival = 0.85;     ///< what the next best turn may reach of the best one's agreement
+};
+
+/// The motion under which the coloured points of two metric models agree, where their photographs share too few features: trimmed ICP from
+/// turns all round, judged by points that agree in place and colour. `pairs` counts the second model's points.
+/// Source: Chetverikov et al., "The trimmed iterative closest point algorithm", ICPR 2002. Same bits for any thread count.
+Join JoinByShape(const Scene& first, const Scene& second, const ShapeJoinOptions& options);
+
 }  // namespace keypose::reconstruct

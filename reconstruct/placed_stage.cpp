@@ -222,8 +222,12 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
       const Loaded other = Load(TriangulateKnown(stage, set, files, group.poses.scene.views, "group" + std::to_string(g), options));
       JoinOptions joining;
       joining.with_scale = false;
-      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), joining);
+      Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), joining);
       ReportJoin(stage, group.name, join);
+      if (!join.found) {
+        join = JoinByShape(first.scene, other.scene, ShapeJoinOptions{});
+        ReportJoin(stage, group.name + "_by_shape", join);
+      }
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
       const Scene moved = Transformed(join.first_from_second, group.poses.scene);

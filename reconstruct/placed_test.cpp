@@ -238,6 +238,45 @@ TEST(JoinModels, UnrelatedModelsAreNotJoined) {
   EXPECT_FALSE(JoinModels(halves.first, halves.second, {}, {}).found);
 }
 
+/// Points on a lopsided coloured body: three balls of different sizes, of which `skip` (a direction) leaves one side unseen.
+Scene HalfSeen(const Vector3d& skip, const Similarity3& frame, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  const std::vector<std::pair<Vector3d, double>> balls = {{{0, 0, 0}, 0.05}, {{0.02, 0.01, 0.07}, 0.03}, {{0.06, -0.01, 0.01}, 0.02}};
+  Scene scene;
+  while (scene.points.size() < 3000) {
+    const std::size_t b = random() % balls.size();
+    const Vector3d normal_out = Vector3d(normal(random), normal(random), normal(random)).normalized();
+    if (normal_out.dot(skip) > 0.3) continue;
+    SparsePoint point =
+        PointAt(frame * Vector3d(balls[b].first + balls[b].second * normal_out + 1e-4 * Vector3d::Constant(normal(random))));
+    point.color << static_cast<std::uint8_t>(b == 0 ? 200 : 60), static_cast<std::uint8_t>(b == 1 ? 200 : 60),
+        static_cast<std::uint8_t>(b == 2 ? 200 : 60);
+    scene.points.push_back(point);
+  }
+  return scene;
+}
+
+TEST(JoinByShape, HalvesThatShareNoFeatureAreTurnedOntoEachOther) {
+  Similarity3 lying;
+  lying.rotation = Eigen::AngleAxisd(1.7, Vector3d(1, 0.2, 0.1).normalized()).toRotationMatrix();
+  lying.translation = Vector3d(0.05, -0.1, 0.04);
+  const Scene first = HalfSeen(-Vector3d::UnitZ(), {}, 1), second = HalfSeen(Vector3d::UnitY(), lying, 2);
+  const Join join = JoinByShape(first, second, {});
+  ASSERT_TRUE(join.found) << join.agreeing << " of " << join.pairs;
+  const Similarity3 truth = lying.Inverse();
+  EXPECT_LT((join.first_from_second.rotation.transpose() * truth.rotation - Eigen::Matrix3d::Identity()).norm(), 0.02);
+  EXPECT_LT((join.first_from_second * Vector3d(0.05, -0.1, 0.1) - truth * Vector3d(0.05, -0.1, 0.1)).norm(), 0.001);
+}
+
+TEST(JoinByShape, PlainBallIsNotJoinedSinceAnyTurnFits) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, 1);
+  Scene ball;
+  for (int i = 0; i < 2000; ++i) ball.points.push_back(PointAt(Vector3d(normal(random), normal(random), normal(random)).normalized()));
+  EXPECT_FALSE(JoinByShape(ball, ball, {}).found);
+}
+
 TEST(MatchPoints, MostVotesWinAndNoPointIsUsedTwice) {
   // Points 0 and 1 of the first model are seen by image 0 (features 0, 1) and image 1 (features 5, 6); the second's by images 2 and 3.
   const std::vector<TrackElement> first = {{0, 0, 0}, {1, 5, 0}, {0, 1, 1}, {1, 6, 1}}, second = {{2, 7, 0}, {3, 8, 0}, {2, 9, 1}};

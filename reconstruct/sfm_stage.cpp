@@ -365,6 +365,8 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
     if (features.scene.views.size() > best.scene.views.size()) best = std::move(features);
     watch.Lap(stage, "mapping");
   }
+  // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
+  if (boards.groups.size() > 1) return best;
   if (!all() && (options.method == "auto" || options.method == "ring")) {
     Placed ring = PlaceByRing(stage, set, options, seen);
     watch.Lap(stage, "ring");
