@@ -133,6 +133,8 @@ void MatchAcross(StageContext& stage, const ImageSet& set, const SfmFiles& files
 }
 
 void ReportJoin(StageContext& stage, const std::string& name, const Join& join) {
+  stage.Note("sfm: " + name + ": " + std::to_string(join.agreeing) + " of " + std::to_string(join.pairs) + " pairs of points agree" +
+             (join.found ? "" : ", too few to join the models"));
   stage.ReportJson("join_" + name,
                    json{{"pairs", join.pairs}, {"agreeing", join.agreeing}, {"rms", join.rms}, {"found", join.found}}.dump());
 }

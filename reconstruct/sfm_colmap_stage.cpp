@@ -287,7 +287,17 @@ fs::path TriangulateKnown(StageContext& stage, const ImageSet& set, const SfmFil
                           const std::string& name, const SfmOptions& options) {
   const fs::path known = files.scratch / (name + "_known"), model = files.scratch / (name + "_points");
   WriteCameras(known, set, views);
-  Triangulate(stage, files, known, model, options);
+  try {
+    Triangulate(stage, files, known, model, options);
+  } catch (const ToolError& error) {
+    // COLMAP gives up when not one point comes out: a figure without texture. Its cameras are known all the same.
+    stage.Note(std::string("sfm: no point could be triangulated: ") + error.what());
+    Scene cameras;
+    cameras.views = views;
+    fs::create_directories(model);
+    WriteColmapModel(model, cameras);
+    return model;
+  }
   if (views.size() == set.images.size() || !OneCamera(views)) return model;
   const fs::path more = files.scratch / (name + "_more");
   fs::create_directories(more);
