@@ -207,6 +207,46 @@ PlacedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFi
   return model;
 }
 
+namespace {
+
+/// One placement's model in its own plate's frame.
+struct Half {
+  Loaded raw;      ///< as triangulated, with the tracks of its points
+  Scene adjusted;  ///< with its wrong points gone
+};
+
+Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen, const SetBoards& boards, std::size_t g,
+            const SfmOptions& options) {
+  const SetBoards::Group& group = boards.groups[g];
+  const fs::path folder = TriangulateKnown(stage, set, files, group.poses.scene.views, "group" + std::to_string(g), options);
+  Half half;
+  half.raw = Load(folder);
+  Bodies bodies;
+  bodies.world_from_body = {Rigid3{}};
+  bodies.observations = BoardObservations(half.raw.scene, *set.plate, group.sightings, 0, options.min_board_corners);
+  half.adjusted = AdjustBundle(half.raw.scene, ReadObservations(folder, set, half.raw.scene, seen.features),
+                               BundleOf(options, true, boards.calibrate), stage.progress(), bodies)
+                      .scene;
+  // Photographs of other placements that COLMAP took in by chance matches are placed with their own.
+  std::erase_if(half.adjusted.views,
+                [&](const View& view) { return std::find(group.images.begin(), group.images.end(), view.name) == group.images.end(); });
+  return half;
+}
+
+/// By matches, else by shape and colour.
+Join JoinHalves(StageContext& stage, const std::string& name, const Half& first, const Half& second, const SeenInSet& seen) {
+  JoinOptions options;
+  options.with_scale = false;
+  Join join = JoinModels(first.raw.scene, second.raw.scene, MatchPoints(first.raw.tracks, second.raw.tracks, seen.matches), options);
+  ReportJoin(stage, name, join);
+  if (join.found) return join;
+  join = JoinByShape(first.adjusted, second.adjusted, ShapeJoinOptions{});
+  ReportJoin(stage, name + "_by_shape", join);
+  return join;
+}
+
+}  // namespace
+
 std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
                                            const SetBoards& boards, const SfmOptions& options) {
   const auto enough = [&](const SetBoards::Group& group) {
@@ -217,27 +257,20 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   std::vector<View> views = boards.groups[0].poses.scene.views;
   std::vector<Rigid3> world_from_board(boards.groups.size());
   if (boards.groups.size() > 1) {
-    const Loaded first = Load(TriangulateKnown(stage, set, files, views, "group0", options));
+    const Half first = HalfOf(stage, set, files, seen, boards, 0, options);
+    views = first.adjusted.views;
     for (std::size_t g = 1; g < boards.groups.size(); ++g) {
-      const SetBoards::Group& group = boards.groups[g];
-      if (!enough(group)) continue;  // its photographs may still be placed one by one
-      const Loaded other = Load(TriangulateKnown(stage, set, files, group.poses.scene.views, "group" + std::to_string(g), options));
-      JoinOptions joining;
-      joining.with_scale = false;
-      Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), joining);
-      ReportJoin(stage, group.name, join);
-      if (!join.found) {
-        join = JoinByShape(first.scene, other.scene, ShapeJoinOptions{});
-        ReportJoin(stage, group.name + "_by_shape", join);
-      }
+      if (!enough(boards.groups[g])) continue;  // its photographs may still be placed one by one
+      const Half other = HalfOf(stage, set, files, seen, boards, g, options);
+      const Join join = JoinHalves(stage, boards.groups[g].name, first, other, seen);
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
-      const Scene moved = Transformed(join.first_from_second, group.poses.scene);
-      MatchAcross(stage, set, files, seen.features, views, moved.views, options);
+      const Scene moved = Transformed(join.first_from_second, other.adjusted);
+      MatchAcross(stage, set, files, seen.features, first.adjusted.views, moved.views, options);
       Append(views, moved);
     }
   }
-  ShareCamera(views, boards.groups[0].poses.scene.views[0].camera);
+  ShareCamera(views, Camera(views[0].camera));
   PlacedModel model = Triangulated(stage, set, files, seen.features, views, "boards", options);
   // A group that could not be joined has no place for its plate.
   SetBoards known = boards;
