@@ -1,3 +1,5 @@
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -108,6 +110,55 @@ std::pair<double, double> Agreement(const Cloud& first, const KdTree& tree, cons
   return {static_cast<double>(agreeing) / static_cast<double>(second.size()), agreeing > 0 ? std::sqrt(sum / agreeing) : 0};
 }
 
+/// Normals of planes through each point's neighbours, of either sign.
+PointsX3 PlaneNormals(const Cloud& cloud, const KdTree& tree) {
+  constexpr int kNeighbors = 12;
+  PointsX3 normals(cloud.size(), 3);
+  ParallelFor(
+      cloud.size(),
+      [&](std::int64_t i) {
+        const auto near = tree.Nearest(cloud.points.row(i).transpose(), kNeighbors);
+        Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+        for (const KdTree::Neighbor& n : near) mean += cloud.points.row(n.index) / static_cast<double>(near.size());
+        Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+        for (const KdTree::Neighbor& n : near)
+          scatter += (cloud.points.row(n.index) - mean).transpose() * (cloud.points.row(n.index) - mean);
+        normals.row(i) = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0).transpose();
+      },
+      256);
+  return normals;
+}
+
+/// Point-to-plane steps over pairs that agree: sparse points of two halves are never the same ones, but lie on one surface.
+/// Source: Chen & Medioni, "Object modelling by registration of multiple range images", 1992.
+void Polish(const Cloud& first, const KdTree& tree, const PointsX3& normals, const Cloud& second, double limit, double max_color,
+            Similarity3& first_from_second) {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  for (int round = 0; round < 40; ++round) {
+    Eigen::Matrix<double, 6, 6> normal = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+    Vector6 right = Vector6::Zero();
+    for (Eigen::Index i = 0; i < second.size(); ++i) {
+      const Eigen::Vector3d x = first_from_second * Eigen::Vector3d(second.points.row(i).transpose());
+      const KdTree::Neighbor n = tree.Nearest(x);
+      if (n.squared_distance > limit * limit || (first.colors.row(n.index) - second.colors.row(i)).norm() > max_color) continue;
+      const Eigen::Vector3d m = normals.row(n.index).transpose();
+      const double off = m.dot(x - first.points.row(n.index).transpose());
+      const double weight = 1 / (1 + std::pow(off / (0.15 * limit), 2));  // Cauchy
+      Vector6 row;
+      row << x.cross(m), m;
+      normal += weight * row * row.transpose();
+      right -= weight * off * row;
+    }
+    const Vector6 step = normal.ldlt().solve(right);
+    const Eigen::Vector3d turn = step.head<3>();
+    const Eigen::Matrix3d rotation = turn.norm() > 0 ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix()
+                                                     : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    first_from_second.rotation = rotation * first_from_second.rotation;
+    first_from_second.translation = rotation * first_from_second.translation + step.tail<3>();
+    if (step.norm() < 1e-9) break;
+  }
+}
+
 struct Candidate {
   Similarity3 motion;
   double share = 0, rms = 0;
@@ -150,6 +201,8 @@ Join JoinByShape(const Scene& first, const Scene& second, const ShapeJoinOptions
   for (const Candidate& candidate : candidates)
     if (AngleBetween(candidate.motion, best.motion) > kAnotherTurn) rival = std::max(rival, candidate.share);
   join.first_from_second = best.motion;
+  Polish(target, tree, PlaneNormals(target, tree), Thinned(second, 8 * options.fine_points), limit, options.max_color,
+         join.first_from_second);
   join.pairs = static_cast<int>(fine.size());
   join.agreeing = static_cast<int>(std::lround(best.share * static_cast<double>(fine.size())));
   join.rms = best.rms;
