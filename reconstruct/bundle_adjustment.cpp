@@ -143,7 +143,7 @@ void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering,
     problem.SetManifold(rotation, manifold);
     ordering.AddElementToGroup(rotation, 1);
     ordering.AddElementToGroup(translation, 1);
-    if (b == 0) problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);
+    if (b == 0 || bodies.fixed) problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);
   }
 }
 

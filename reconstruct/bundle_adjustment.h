@@ -25,6 +25,7 @@ struct BodyObservation {
 struct Bodies {
   std::vector<Rigid3> world_from_body;
   std::vector<BodyObservation> observations;
+  bool fixed = false;  ///< the other bodies stay too
 };
 
 struct BundleOptions {

@@ -125,7 +125,7 @@ void MatchAcross(StageContext& stage, const ImageSet& set, const SfmFiles& files
     pair.features = MatchGuided(features[static_cast<std::size_t>(pair.first)], features[static_cast<std::size_t>(pair.second)], geometry,
                                 matching, kMaxError_px);
   });
-  std::erase_if(found, [](const PairMatches& pair) { return pair.features.size() < 6; });
+  std::erase_if(found, [&](const PairMatches& pair) { return static_cast<int>(pair.features.size()) < options.min_inliers; });
   int count = 0;
   for (const PairMatches& pair : found) count += static_cast<int>(pair.features.size());
   ColmapDatabase(files.database).PutInliers(found);
@@ -234,13 +234,15 @@ Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files, con
 }
 
 /// By matches, else by shape and colour.
-Join JoinHalves(StageContext& stage, const std::string& name, const Half& first, const Half& second, const SeenInSet& seen) {
+Join JoinHalves(StageContext& stage, const std::string& name, const Half& first, const Half& second, const SeenInSet& seen,
+                bool& by_shape) {
   JoinOptions options;
   options.with_scale = false;
   Join join = JoinModels(first.raw.scene, second.raw.scene, MatchPoints(first.raw.tracks, second.raw.tracks, seen.matches), options);
   ReportJoin(stage, name, join);
   if (join.found) return join;
   join = JoinByShape(first.adjusted, second.adjusted, ShapeJoinOptions{});
+  by_shape |= join.found;
   ReportJoin(stage, name + "_by_shape", join);
   return join;
 }
@@ -256,17 +258,20 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   if (boards.groups.empty() || !enough(boards.groups[0])) return std::nullopt;
   std::vector<View> views = boards.groups[0].poses.scene.views;
   std::vector<Rigid3> world_from_board(boards.groups.size());
+  bool by_shape = false;
   if (boards.groups.size() > 1) {
     const Half first = HalfOf(stage, set, files, seen, boards, 0, options);
     views = first.adjusted.views;
     for (std::size_t g = 1; g < boards.groups.size(); ++g) {
       if (!enough(boards.groups[g])) continue;  // its photographs may still be placed one by one
       const Half other = HalfOf(stage, set, files, seen, boards, g, options);
-      const Join join = JoinHalves(stage, boards.groups[g].name, first, other, seen);
+      const Join join = JoinHalves(stage, boards.groups[g].name, first, other, seen, by_shape);
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
       const Scene moved = Transformed(join.first_from_second, other.adjusted);
-      MatchAcross(stage, set, files, seen.features, first.adjusted.views, moved.views, options);
+      // Halves that share no features are tied by their shape alone: the few matches that epipolar lines would still find are chance, and
+      // pull them half a degree apart.
+      if (!by_shape) MatchAcross(stage, set, files, seen.features, first.adjusted.views, moved.views, options);
       Append(views, moved);
     }
   }
@@ -277,6 +282,7 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   for (std::size_t g = 1; g < known.groups.size(); ++g)
     if (world_from_board[g].translation.isZero(0)) known.groups[g].sightings.clear();
   model.bodies = BodiesOf(model.scene, set, known, world_from_board, options);
+  model.bodies.fixed = by_shape;
   model.scale_source = "plate";
   model.calibrate = boards.calibrate;
   return model;
