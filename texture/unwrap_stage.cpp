@@ -34,7 +34,7 @@ void Run(StageContext& stage, const UnwrapOptions& options) {
 }
 
 const StageSpec kSpec = {.name = "unwrap",
-                         .version = "1",
+                         .version = "2",
                          .summary = "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
                          .inputs = {{.name = "clean", .kind = "file", .help = "closed mesh (.ply, .obj, .off, .stl)", .file = ""}},
                          .outputs = {{.name = "unwrapped", .kind = "file", .help = "the same mesh with UVs", .file = "unwrapped.obj"}},
