@@ -29,7 +29,8 @@ PortInfo ParsePort(const json& value, bool output) {
   port.optional = value.value("optional", false);
   port.repeatable = value.value("repeatable", false);
   port.file = value.value("file", "");
-  if (port.kind != "file" && port.kind != "folder") throw std::runtime_error(fmt::format("port '{}' has kind '{}'", port.name, port.kind));
+  if (port.kind != "file" && port.kind != "folder" && port.kind != "path")
+    throw std::runtime_error(fmt::format("port '{}' has kind '{}'", port.name, port.kind));
   if (output && port.file.empty()) port.file = port.name;
   if (output && (port.file.find('/') != std::string::npos || port.file == ".."))
     throw std::runtime_error("an output's file is a plain name");

@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
+#include "core/io/image_set.h"
 #include "core/io/poses_io.h"
 #include "core/parallel.h"
 #include "reconstruct/guided_matching.h"

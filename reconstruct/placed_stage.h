@@ -5,10 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "core/io/image_set.h"
 #include "core/stage/stage.h"
 #include "reconstruct/board_poses.h"
 #include "reconstruct/sfm_colmap.h"
+
+namespace keypose {
+struct ImageSet;
+}
 
 namespace keypose::reconstruct {
 

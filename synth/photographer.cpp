@@ -93,7 +93,8 @@ struct Photographer::Impl {
         options(the_options),
         surface(TruthSurface(world, pose)),
         scene(surface.points, surface.faces),
-        normals(VertexNormals(pose(world.smooth), surface.faces)),  // the prints' own tilt is added point by point
+        normals(VertexNormals(pose(world.smooth.rows() ? world.smooth : world.rest.points),
+                              surface.faces)),  // the prints' own tilt is added point by point
         views(PlaceCameras(surface.points, options)),
         rays(views.front().view.camera),
         backdrop(Backdrop(options)),

@@ -20,7 +20,7 @@ struct TruthLandmark {
 struct World {
   Clay clay;
   Mesh rest;                             ///< truth surface in the rest pose: points and faces; about 0.2 m high, z up, on z = 0
-  PointsX3 smooth;                       ///< its vertices without the finger-prints; equal to rest.points unless these move the surface
+  PointsX3 smooth;                       ///< its vertices without the finger-prints, which may move the surface; empty: as rest.points
   std::vector<TruthLandmark> landmarks;  ///< 16 or so
   std::vector<Pose> poses;               ///< the character's repertoire: rest, bent, wave, bow, squash
 

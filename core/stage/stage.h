@@ -16,7 +16,7 @@ namespace keypose {
 
 struct Port {
   std::string name = {};
-  std::string kind = {};  ///< "file" or "folder"
+  std::string kind = {};  ///< "file", "folder", or "path": either by hand, a file in a pipeline
   std::string help = {};
   std::string file = {};  ///< outputs: name that the runner gives it, e.g. "clean.ply", "images"
   bool optional = false;
