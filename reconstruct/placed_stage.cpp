@@ -259,6 +259,7 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   if (boards.groups.empty() || !enough(boards.groups[0])) return std::nullopt;
   std::vector<View> views = boards.groups[0].poses.scene.views;
   std::vector<Rigid3> world_from_board(boards.groups.size());
+  std::vector<char> joined(boards.groups.size(), 0);
   bool by_shape = false;
   if (boards.groups.size() > 1) {
     const Half first = HalfOf(stage, set, files, seen, boards, 0, options);
@@ -269,6 +270,7 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
       const Join join = JoinHalves(stage, boards.groups[g].name, first, other, seen, by_shape);
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
+      joined[g] = 1;
       const Scene moved = Transformed(join.first_from_second, other.adjusted);
       // Halves that share no features are tied by their shape alone: the few matches that epipolar lines would still find are chance, and
       // pull them half a degree apart.
@@ -281,7 +283,7 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   // A group that could not be joined has no place for its plate.
   SetBoards known = boards;
   for (std::size_t g = 1; g < known.groups.size(); ++g)
-    if (world_from_board[g].translation.isZero(0)) known.groups[g].sightings.clear();
+    if (!joined[g]) known.groups[g].sightings.clear();
   model.bodies = BodiesOf(model.scene, set, known, world_from_board, options);
   model.bodies.fixed = by_shape;
   model.scale_source = "plate";

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/geometry.h"
-#include "texture/bake_max_flow.h"
+#include "texture/max_flow.h"
 
 namespace keypose::texture {
 namespace {

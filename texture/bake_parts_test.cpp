@@ -7,11 +7,11 @@
 
 #include "core/geometry.h"
 #include "texture/bake_labels.h"
-#include "texture/bake_max_flow.h"
 #include "texture/bake_paint.h"
 #include "texture/bake_seams.h"
 #include "texture/bake_split.h"
 #include "texture/bake_testing.h"
+#include "texture/max_flow.h"
 
 namespace keypose::texture {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
-#include "texture/bake_max_flow.h"
+#include "texture/max_flow.h"
 
 namespace keypose::texture {
 namespace {

@@ -1,4 +1,4 @@
-#include "texture/bake_max_flow.h"
+#include "texture/max_flow.h"
 
 #include <algorithm>
 #include <limits>
