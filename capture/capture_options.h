@@ -20,7 +20,7 @@ struct CaptureOptions {
   double max_bad_share = 0.2;   ///< more blurred or black photographs than this share stop the run
   int jpeg_quality = 96;        ///< where pixels had to be turned or resized
   int mask_px = 512;            ///< longer side at which masks are found
-  int mask_rounds = 3;
+  int mask_rounds = 4;
   double mask_smoothness = 12;
   double plate_difference = 6;
   bool board = true;  ///< look for the printed plate

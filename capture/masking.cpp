@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/imgproc/detail/gcgraph.hpp>
 #include <opencv2/ximgproc/edge_filter.hpp>
 #include <string>
 
+#include "capture/empty_set.h"
+#include "capture/region_cut.h"
 #include "capture/zone_odds.h"
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -69,89 +70,6 @@ ImageF PlateOdds(const Image8& image, const Image8& plate, const MaskOptions& op
   return odds;
 }
 
-/// 1 / (2 mean squared colour difference of neighbours), GrabCut's beta.
-double Beta(const cv::Mat& image) {
-  double sum = 0;
-  std::int64_t count = 0;
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const cv::Vec3d here = image.at<cv::Vec3b>(y, x);
-      if (x > 0) sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y, x - 1)), cv::NORM_L2SQR), ++count;
-      if (y > 0) sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y - 1, x)), cv::NORM_L2SQR), ++count;
-    }
-  return sum <= 0 ? 0 : 1 / (2 * sum / static_cast<double>(count));
-}
-
-/// Least cost labelling: odds at pixels, a cost for each pair of unlike neighbours that falls with their colour difference.
-cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
-  constexpr std::array<std::array<int, 2>, 4> kNeighbors{{{-1, 0}, {0, -1}, {-1, -1}, {1, -1}}};
-  const double beta = Beta(image);
-  const int pixels = image.rows * image.cols;
-  cv::detail::GCGraph<double> graph(static_cast<unsigned>(pixels), static_cast<unsigned>(2 * (4 * pixels)));
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const int vertex = graph.addVtx();
-      const double odd = *odds.at(x, y);
-      graph.addTermWeights(vertex, std::max(odd, 0.0), std::max(-odd, 0.0));
-      for (const auto& [dx, dy] : kNeighbors) {
-        const int nx = x + dx, ny = y + dy;
-        if (nx < 0 || ny < 0 || nx >= image.cols) continue;
-        const double difference = cv::norm(cv::Vec3d(image.at<cv::Vec3b>(y, x)) - cv::Vec3d(image.at<cv::Vec3b>(ny, nx)), cv::NORM_L2SQR);
-        const double weight = smoothness * std::exp(-beta * difference) / (dx != 0 && dy != 0 ? std::sqrt(2.0) : 1.0);
-        graph.addEdges(vertex, ny * image.cols + nx, weight, weight);
-      }
-    }
-  graph.maxFlow();
-  cv::Mat labels(image.size(), CV_8U);
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) labels.at<std::uint8_t>(y, x) = graph.inSourceSegment(y * image.cols + x) ? 255 : 0;
-  return labels;
-}
-
-/// The region that weighs most, where pixels count more the nearer they are to the middle.
-cv::Mat BestRegion(const cv::Mat& labels) {
-  cv::Mat components;
-  const int count = cv::connectedComponents(labels, components, 8, CV_32S);
-  std::vector<double> weight(static_cast<std::size_t>(count), 0);
-  for (int y = 0; y < labels.rows; ++y)
-    for (int x = 0; x < labels.cols; ++x) {
-      const double dx = (x + 0.5) / labels.cols - 0.5, dy = (y + 0.5) / labels.rows - 0.5;
-      weight[static_cast<std::size_t>(components.at<int>(y, x))] += std::exp(-(dx * dx + dy * dy) / (2 * 0.2 * 0.2));
-    }
-  int best = 0;
-  for (int i = 1; i < count; ++i)
-    if (best == 0 || weight[static_cast<std::size_t>(i)] > weight[static_cast<std::size_t>(best)]) best = i;
-  return best == 0 ? cv::Mat(cv::Mat::zeros(labels.size(), CV_8U)) : cv::Mat(components == best);
-}
-
-/// Fills holes unless they are plainly background seen through the object.
-void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
-  cv::Mat components;
-  const cv::Mat outside = mask == 0;
-  const int count = cv::connectedComponents(outside, components, 4, CV_32S);
-  std::vector<double> sum(static_cast<std::size_t>(count), 0), area(sum);
-  std::vector<char> open(static_cast<std::size_t>(count), 0);
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x) {
-      const auto c = static_cast<std::size_t>(components.at<int>(y, x));
-      sum[c] += *odds.at(x, y);
-      area[c] += 1;
-      if (x == 0 || y == 0 || x == mask.cols - 1 || y == mask.rows - 1) open[c] = 1;
-    }
-  for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x) {
-      const auto c = static_cast<std::size_t>(components.at<int>(y, x));
-      const bool see_through = area[c] > 1e-3 * static_cast<double>(mask.total()) && sum[c] < -sure * area[c];
-      if (c != 0 && !open[c] && !see_through) mask.at<std::uint8_t>(y, x) = 255;
-    }
-}
-
-Image8 Segment(const Image8& image, const ImageF& odds, const MaskOptions& options) {
-  cv::Mat mask = BestRegion(GraphCut(View(image), odds, options.smoothness));
-  FillHoles(mask, odds, options.odds_limit / 2);
-  return FromMat(mask);
-}
-
 /// On the plate its print decides; colours, which were learned elsewhere (ink looks like dark noses), only lean.
 void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
   if (board.odds.empty()) return;
@@ -169,8 +87,85 @@ void LeaveOutBoard(Image8& zones, const BoardOdds& board) {
     if (board.on_board.data[i] && board.odds.data[i] < 0) zones.data[i] = kNeither;
 }
 
-/// One round over the set: learn from the zones, then segment each image by the set's odds and its own together.
-std::vector<Image8> SegmentByZones(const std::vector<Image8>& images, const std::vector<Image8>& zones,
+constexpr float kShadow = -1;                   // odds below which a pixel counts as shadow
+constexpr int kColorRounds = 2;                 // a forest needs zones that are nearly right
+constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
+
+/// Pixels of an image that zones give a kind, evenly spread.
+PixelSamples SamplesOf(const std::vector<PixelFeatures>& features, const Image8& zones) {
+  PixelSamples samples;
+  for (const Zone zone : {kBackground, kObject}) {
+    const auto count = static_cast<std::size_t>(std::count(zones.data.begin(), zones.data.end(), zone));
+    // A stride that shares no factor with the width would do as well; a fractional one never falls into step with rows.
+    const double stride = std::max(1.0, static_cast<double>(count) / kSamplesPerImage);
+    double next = stride / 2;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if (zones.data[i] != zone || static_cast<double>(++seen) < next) continue;
+      next += stride;
+      samples.features.push_back(features[i]);
+      samples.object.push_back(zone == kObject);
+    }
+  }
+  return samples;
+}
+
+/// Everything one round knows of the set.
+struct Round {
+  const std::vector<Image8>& images;
+  std::vector<Image8> lab;
+  std::vector<Image8> zones;
+  std::vector<Take> takes;
+
+  const Take& TakeOf(std::size_t i) const {
+    for (const Take& take : takes)
+      if (i < take.end) return take;
+    return takes.back();
+  }
+};
+
+/// For each kind of pixel that may be shadow (entry 1 + kind), log odds that it is figure all the same. Shadow hangs on to a mask's rim;
+/// what is the figure's own lies well inside as well.
+std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kinds) {
+  std::vector<double> inside(1 + kShadowKinds, 0), rim(inside);
+  double all_inside = 0, all_rim = 0;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    cv::Mat core;
+    const int reach = 1 + 2 * (round.images[i].width / 24);
+    cv::erode(View(round.zones[i]) == kObject, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
+    const Image8 deep = FromMat(core);
+    for (std::size_t p = 0; p < deep.data.size(); ++p) {
+      if (round.zones[i].data[p] != kObject) continue;
+      (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
+      (deep.data[p] ? all_inside : all_rim) += 1;
+    }
+  }
+  std::vector<float> odds(1 + kShadowKinds, 0);
+  constexpr double kNothing = 2e-4;  // a share that tells nothing
+  for (std::size_t k = 1; k < odds.size(); ++k)
+    odds[k] =
+        static_cast<float>(2 * std::log((inside[k] / std::max(all_inside, 1.0) + kNothing) / (rim[k] / std::max(all_rim, 1.0) + kNothing)));
+  return odds;
+}
+
+/// Which photographs a forest that judges photograph i may not have learned from: a quarter of the set in its order, so that an error
+/// that a few neighbours share cannot confirm itself.
+std::size_t FoldOf(std::size_t i, std::size_t count, std::size_t folds) { return i * folds / count; }
+
+std::vector<PixelForest> Learn(const std::vector<PixelSamples>& samples) {
+  const std::size_t folds = samples.size() >= 8 ? 4 : 1;
+  std::vector<PixelForest> forests;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    std::vector<const PixelSamples*> others;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (folds == 1 || FoldOf(i, samples.size(), folds) != fold) others.push_back(&samples[i]);
+    forests.emplace_back(others, ForestOptions{});
+  }
+  return forests;
+}
+
+/// One round over the set: learn the zones' colours, then segment each image by the set's odds and its own together.
+std::vector<Image8> SegmentByColor(const std::vector<Image8>& images, const std::vector<Image8>& zones,
                                    const std::vector<BoardOdds>& boards, const MaskOptions& options) {
   ZoneOdds pooled;
   for (std::size_t i = 0; i < images.size(); ++i) pooled.Add(images[i], zones[i]);
@@ -184,7 +179,48 @@ std::vector<Image8> SegmentByZones(const std::vector<Image8>& images, const std:
     odds.Finish();
     ImageF known = odds.Of(images[i], options.odds_limit);
     AddBoard(known, boards[i], options.odds_limit);
-    masks[i] = Segment(images[i], known, options);
+    masks[i] = CutRegion(images[i], known, options.smoothness, options.odds_limit / 2);
+  });
+  return masks;
+}
+
+/// One round over the set: learn from the zones, then segment each image by what the others taught.
+std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardOdds>& boards, const MaskOptions& options) {
+  const std::size_t count = round.images.size();
+  std::vector<Image8> masks(count), kinds(count), empties(count);
+  std::vector<char> foretold(count);
+  std::vector<PixelSamples> related(count), plain(count);
+  const auto each = static_cast<std::int64_t>(count);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    empties[i] = EmptySet(round.lab, round.zones, round.TakeOf(i), i);
+    foretold[i] = Misfit(round.lab[i], empties[i], round.zones[i]) < options.largest_misfit;
+    kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i]) : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
+  });
+  const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    Image8 zones = round.zones[i];
+    for (std::size_t p = 0; p < zones.data.size(); ++p)
+      if (shadow_odds[kinds[i].data[p]] < kShadow && zones.data[p] == kObject) zones.data[p] = kNeither;
+    plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), zones);
+    if (foretold[i]) related[i] = plain[i];
+    plain[i].features = WithoutEmptySet(std::move(plain[i].features));
+  });
+  const std::vector<PixelForest> with_set = Learn(related), without_set = Learn(plain);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    const PixelForest& forest = (foretold[i] ? with_set : without_set)[FoldOf(i, count, with_set.size())];
+    std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], empties[i]);
+    if (!foretold[i]) features = WithoutEmptySet(std::move(features));
+    ImageF odds(round.images[i].width, round.images[i].height, 1);
+    for (std::size_t p = 0; p < features.size(); ++p) {
+      odds.data[p] = forest.Odds(features[p], static_cast<float>(options.odds_limit));
+      const float shadow = shadow_odds[kinds[i].data[p]];
+      if (shadow < kShadow) odds.data[p] = std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
+    }
+    AddBoard(odds, boards[i], options.odds_limit);
+    masks[i] = CutRegion(round.images[i], odds, options.smoothness, options.odds_limit / 2);
   });
   return masks;
 }
@@ -198,9 +234,29 @@ std::vector<Image8> SegmentByPlate(const std::vector<Image8>& images, const Imag
     // The empty set was shot without the printed plate, or with it turned another way.
     for (std::size_t p = 0; p < odds.data.size(); ++p)
       if (!boards[i].odds.empty() && boards[i].on_board.data[p]) odds.data[p] = boards[i].odds.data[p];
-    masks[i] = Segment(images[i], odds, options);
+    masks[i] = CutRegion(images[i], odds, options.smoothness, options.odds_limit / 2);
   });
   return masks;
+}
+
+Image8 Enlarged(const Image8& zones, int width, int height) {
+  cv::Mat large;
+  cv::resize(View(zones), large, {width, height}, 0, 0, cv::INTER_NEAREST);
+  return FromMat(large);
+}
+
+/// What the printed plate tells, for images of half the size.
+std::vector<BoardOdds> Halved(const std::vector<BoardOdds>& boards, const std::vector<Image8>& small) {
+  std::vector<BoardOdds> halved(boards.size());
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    if (boards[i].odds.empty()) continue;
+    halved[i].on_board = Enlarged(boards[i].on_board, small[i].width, small[i].height);
+    halved[i].odds = ImageF(small[i].width, small[i].height, 1);
+    const cv::Mat odds(boards[i].odds.height, boards[i].odds.width, CV_32F, const_cast<float*>(boards[i].odds.data.data()));
+    cv::Mat to(small[i].height, small[i].width, CV_32F, halved[i].odds.data.data());
+    cv::resize(odds, to, to.size(), 0, 0, cv::INTER_AREA);
+  }
+  return halved;
 }
 
 void RequirePlateFits(const std::vector<Image8>& images, const Image8& plate) {
@@ -224,15 +280,31 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
     Step(progress, 0, "masks from the background plate");
     return SegmentByPlate(images, plate, known, options);
   }
-  std::vector<Image8> zones, masks;
-  for (const Image8& image : images) zones.push_back(FirstZones(image.width, image.height, options.border_share));
-  for (int round = 0; round < options.rounds; ++round) {
-    Step(progress, static_cast<double>(round) / options.rounds, "masks");
-    for (std::size_t i = 0; i < zones.size(); ++i) LeaveOutBoard(zones[i], known[i]);
-    masks = SegmentByZones(images, zones, known, options);
-    for (std::size_t i = 0; i < masks.size(); ++i) zones[i] = ZonesOf(masks[i]);
+  // Rounds but the last at half the size: they only teach.
+  std::vector<Image8> small;
+  for (const Image8& image : images) small.push_back(WorkingImage(image, std::max(image.width, image.height) / 2));
+  Round coarse{small, {}, {}, {}};
+  for (const Image8& image : small) {
+    coarse.lab.push_back(LabOf(image));
+    coarse.zones.push_back(FirstZones(image.width, image.height, options.border_share));
   }
-  return masks;
+  coarse.takes = FindTakes(small, options.border_share);
+  const std::vector<BoardOdds> small_boards = Halved(known, small);
+  for (int round = 0; round + 1 < options.rounds; ++round) {
+    Step(progress, static_cast<double>(round) / options.rounds, "masks");
+    for (std::size_t i = 0; i < small.size(); ++i) LeaveOutBoard(coarse.zones[i], small_boards[i]);
+    const std::vector<Image8> masks =
+        round < kColorRounds ? SegmentByColor(small, coarse.zones, small_boards, options) : SegmentByForest(coarse, small_boards, options);
+    for (std::size_t i = 0; i < masks.size(); ++i) coarse.zones[i] = ZonesOf(masks[i]);
+  }
+  Step(progress, static_cast<double>(options.rounds - 1) / options.rounds, "masks");
+  Round fine{images, {}, {}, coarse.takes};
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    fine.lab.push_back(LabOf(images[i]));
+    fine.zones.push_back(Enlarged(coarse.zones[i], images[i].width, images[i].height));
+    LeaveOutBoard(fine.zones[i], known[i]);
+  }
+  return SegmentByForest(fine, known, options);
 }
 
 Image8 WorkingImage(const Image8& image, int working_px) {
@@ -251,7 +323,7 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
   cv::resize(View(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
   cv::ximgproc::guidedFilter(View(image), large, guided, radius, 25.0);
-  return FromMat(BestRegion(guided > 127));
+  return BestRegion(FromMat(guided > 127));
 }
 
 Image8 Grey(const Image8& image) {

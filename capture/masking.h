@@ -17,11 +17,12 @@
 namespace keypose::capture {
 
 struct MaskOptions {
-  int working_px = 512;         ///< longer side of the images that are segmented
-  int rounds = 3;               ///< segmentations; each but the first learns from the one before
-  double border_share = 0.06;   ///< width of the border zone over the image's longer side
-  double smoothness = 12;       ///< cost of a border between two pixels of one colour, in log odds
-  double odds_limit = 6;        ///< what one pixel can weigh at most, in log odds
+  int working_px = 512;        ///< longer side of the images that are segmented
+  int rounds = 4;              ///< segmentations; each but the first learns from the one before
+  double border_share = 0.06;  ///< width of the border zone over the image's longer side
+  double smoothness = 12;      ///< cost of a border between two pixels of one colour, in log odds
+  double odds_limit = 6;       ///< what one pixel can weigh at most, in log odds
+  double largest_misfit = 6;  ///< of the empty set, as far as it is known, to what is seen of it (8 bit Lab), up to which it is made use of
   double plate_difference = 6;  ///< CIE Lab distance to the background plate at which a pixel is as likely object as not
 };
 
