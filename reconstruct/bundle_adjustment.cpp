@@ -213,8 +213,8 @@ std::vector<Observation> Inliers(const Scene& scene, const std::vector<Observati
   return kept;
 }
 
-/// Points that are still observed, with their views and mean errors.
-void RebuildPoints(Scene& scene, const std::vector<Observation>& observations) {
+/// Points that are still observed, with their views and mean errors; the observations take their new numbers.
+void RebuildPoints(Scene& scene, std::vector<Observation>& observations) {
   std::vector<int> count(scene.points.size(), 0);
   for (SparsePoint& point : scene.points) point.views.clear(), point.error_px = 0;
   for (const Observation& o : observations) {
@@ -229,7 +229,13 @@ void RebuildPoints(Scene& scene, const std::vector<Observation>& observations) {
     std::sort(point.views.begin(), point.views.end());
     point.views.erase(std::unique(point.views.begin(), point.views.end()), point.views.end());
   }
+  std::vector<int> index(scene.points.size(), -1);
+  int next = 0;
+  for (std::size_t p = 0; p < scene.points.size(); ++p)
+    if (scene.points[p].views.size() >= 2) index[p] = next++;
   std::erase_if(scene.points, [](const SparsePoint& point) { return point.views.size() < 2; });
+  std::erase_if(observations, [&](const Observation& o) { return index[static_cast<std::size_t>(o.point)] < 0; });
+  for (Observation& o : observations) o.point = index[static_cast<std::size_t>(o.point)];
 }
 
 }  // namespace
@@ -255,6 +261,7 @@ BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& ob
       result.chi2 += options.robust_px * options.robust_px * std::log1p(error * error);
   result.bodies_rms_px = BodiesRms(result.scene, result.bodies);
   RebuildPoints(result.scene, kept);
+  result.kept = std::move(kept);
   return result;
 }
 

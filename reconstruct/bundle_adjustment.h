@@ -39,6 +39,7 @@ struct BundleOptions {
 
 struct BundleResult {
   Scene scene;
+  std::vector<Observation> kept;       ///< observations that stay, by the numbers of scene.points
   Bodies bodies;                       ///< as given, with the bodies where they were found to be
   double bodies_rms_px = 0;            ///< of their observations
   double before_px = 0, after_px = 0;  ///< mean reprojection errors

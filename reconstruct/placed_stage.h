@@ -37,7 +37,7 @@ struct PlacedModel {
   Scene scene;
   std::vector<Observation> observations;  ///< of scene.points
   Bodies bodies;                          ///< plates; none for poses given by the user
-  std::string scale_source;               ///< "plate", "poses" or "none"
+  std::string scale_source = "none";      ///< of a frame that must stay: "plate" or "poses"
   bool fixed = false;                     ///< cameras must stay as they are
   bool calibrate = false;                 ///< as SetBoards::calibrate
 };

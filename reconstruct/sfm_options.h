@@ -30,6 +30,8 @@ struct SfmOptions {
   double min_triangulation_deg = 1.5;
   bool refine_principal_point = BundleOptions{}.refine_principal_point;
   bool refine_distortion = BundleOptions{}.refine_distortion;
+  bool patches = true;         ///< points found again by grey values, and cameras adjusted to these
+  int adjusted_points = 8000;  ///< in the bundle adjustments, spread over the object
   double min_placed = 0.6;
   bool level = true;
   bool board = true;          ///< use the printed plate where photographs show it
@@ -80,6 +82,8 @@ struct SfmOptions {
     visit("refine_principal_point", refine_principal_point,
           {"also solve for the principal point; objects that fill little of the image do not determine it", "", 0, 1, {}});
     visit("refine_distortion", refine_distortion, {"solve for k1, k2, p1, p2 instead of k1 alone; for wide lenses", "", 0, 1, {}});
+    visit("patches", patches, {"find points again by grey values, far finer than features, and adjust cameras to these", "", 0, 1, {}});
+    visit("adjusted_points", adjusted_points, {"points in the bundle adjustments, spread over the object", "", 500, 1000000, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
     visit("board", board, {"place photographs by the printed plate where they show it", "", 0, 1, {}});
     visit("min_board_corners", min_board_corners, {"corners of the plate that a photograph must show to be placed by it", "", 6, 1000, {}});

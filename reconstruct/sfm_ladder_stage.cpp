@@ -1,0 +1,174 @@
+#include "reconstruct/sfm_ladder_stage.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/parallel.h"
+#include "reconstruct/ring_sfm.h"
+#include "reconstruct/ring_silhouettes.h"
+#include "reconstruct/sfm_thin.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// The model adjusted once more, with a robust loss; known poses stay, and so does what shows neither points nor a plate.
+PlacedModel Refined(StageContext& stage, PlacedModel model, const SfmOptions& options) {
+  if (model.fixed || (model.observations.empty() && model.bodies.observations.empty())) return model;
+  const PointSet some = SpreadPoints(model.scene, model.observations, options.adjusted_points);
+  BundleResult result = AdjustBundle(some.scene, some.observations, BundleFor(model, options), stage.progress(), model.bodies);
+  stage.Report("colmap_reprojection_error_px", result.before_px);
+  stage.Report("refined_reprojection_error_px", result.after_px);
+  stage.Report("observations_dropped", result.dropped);
+  if (!model.bodies.observations.empty()) stage.Report("board_rms_px", result.bodies_rms_px);
+  model.scene = std::move(result.scene);
+  model.observations = std::move(result.kept);
+  model.bodies = std::move(result.bodies);
+  return model;
+}
+
+/// Colours of points that a model of ours has, each from the first photograph that shows it.
+void ColorPoints(const ImageSet& set, Scene& scene) {
+  std::vector<std::vector<std::size_t>> of_view(scene.views.size());
+  for (std::size_t p = 0; p < scene.points.size(); ++p)
+    if (!scene.points[p].views.empty()) of_view[static_cast<std::size_t>(scene.points[p].views[0])].push_back(p);
+  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
+    const View& view = scene.views[static_cast<std::size_t>(v)];
+    if (of_view[static_cast<std::size_t>(v)].empty()) return;
+    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
+    for (const std::size_t p : of_view[static_cast<std::size_t>(v)]) {
+      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
+      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
+      scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));
+    }
+  });
+}
+
+Placed PlaceKnown(StageContext& stage, PlacedModel model, const std::string& method, const SfmOptions& options) {
+  Step(stage.progress(), 0.85, "bundle adjustment");
+  return {Refined(stage, std::move(model), options), method};
+}
+
+/// Without observations of its own.
+PlacedModel ModelOf(Scene scene) {
+  PlacedModel model;
+  model.scene = std::move(scene);
+  return model;
+}
+
+Placed PlaceByFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+                       const SetBoards& boards) {
+  Step(stage.progress(), 0.7, "mapping");
+  const auto models = MapImages(stage, files, options);
+  Placed placed{{}, "features"};
+  json sizes = json::array();
+  for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
+  stage.ReportJson("model_sizes", sizes.dump());
+  if (models.empty()) return placed;
+  PlacedModel model = ModelFromMapper(stage, set, files, {seen.features, seen.matches}, models, boards, options);
+  if (model.scene.views.size() < 3) return {ModelOf(std::move(model.scene)), "features"};
+  return PlaceKnown(stage, std::move(model), "features", options);
+}
+
+void ReportRing(StageContext& stage, const RingSfmResult& ring) {
+  stage.Report("ring_layout", ring.layout.reason);
+  stage.Report("ring_matches", ring.start.matches);
+  stage.Report("ring_inliers", ring.start.inliers);
+  stage.Report("ring_inlier_share", ring.start.inlier_share);
+  if (!ring.found) return;
+  stage.Report("ring_error_px", ring.ring_error_px);
+  stage.Report("ring_free_chi2_ratio", ring.chi2_ratio);
+  stage.Report("ring_freed", ring.freed);
+  stage.ReportJson("ring_slop_deg", json(ring.slop_deg).dump());
+  stage.ReportJson("placed_by_step_only", json(ring.by_step_only).dump());
+}
+
+Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+  const std::vector<std::string> names = NamesOf(set);
+  RingSfmOptions ring;
+  ring.matching.max_ratio = options.max_ratio;
+  ring.bundle.refine_principal_point = options.refine_principal_point;
+  ring.bundle.refine_distortion = options.refine_distortion;
+  if (!seen.focal_known) ring.ring.focal_prior = 0.15;
+  SubProgress part(stage.progress(), 0.88, 0.97);
+  RingSfmResult result = ReconstructRing(seen.camera, names, seen.features, seen.matches, options.Layouts(names), ring, &part);
+  ReportRing(stage, result);
+  if (!result.found) return {{}, "ring"};
+  ColorPoints(set, result.scene);
+  return {ModelOf(std::move(result.scene)), "ring"};
+}
+
+std::vector<Image8> ReadMasks(const ImageSet& set) {
+  std::vector<Image8> masks(set.images.size());
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+    if (!set.images[static_cast<std::size_t>(i)].mask.empty())
+      masks[static_cast<std::size_t>(i)] = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
+  });
+  return masks;
+}
+
+/// The last rung: no feature counts, only outlines. Of the layouts the one whose outlines agree best.
+Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+  const std::vector<std::string> names = NamesOf(set);
+  const std::vector<Image8> masks = ReadMasks(set);
+  const std::vector<RingLayout> layouts = options.Layouts(names);
+  RingSilhouettes best;
+  std::string reason;
+  for (std::size_t k = 0; k < layouts.size(); ++k) {
+    const double share = 0.09 / static_cast<double>(layouts.size());
+    SubProgress part(stage.progress(), 0.88 + share * static_cast<double>(k), 0.88 + share * static_cast<double>(k + 1));
+    RingSilhouettes fit = FitRingToSilhouettes(seen.camera, layouts[k], masks, {}, &part);
+    if (fit.view_error_px.empty() || (!best.view_error_px.empty() && fit.error_px >= 0.9 * best.error_px)) continue;
+    best = std::move(fit);
+    reason = layouts[k].reason;
+  }
+  if (best.view_error_px.empty()) return {{}, "silhouettes"};
+  stage.Report("silhouette_layout", reason);
+  stage.Report("silhouette_error_px", best.error_px);
+  if (!best.found) return {{}, "silhouettes"};
+  Placed placed{ModelOf(SceneOf(best.model, names, best.points)), "silhouettes"};
+  ColorPoints(set, placed.model.scene);
+  return placed;
+}
+
+}  // namespace
+
+Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+             Stopwatch& watch) {
+  if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
+  const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
+  Placed best;
+  if (options.method == "auto" || options.method == "board") {
+    auto model = ModelFromBoards(stage, set, files, {seen.features, seen.matches}, boards, options);
+    if (model) best = PlaceKnown(stage, std::move(*model), "plate", options);
+    watch.Lap(stage, "board");
+    if (best.views() >= options.min_placed * static_cast<double>(set.images.size()) && best.views() > 0) return best;
+  }
+  const auto all = [&] { return best.views() == set.images.size(); };
+  if (options.method == "auto" || options.method == "features") {
+    Placed features = PlaceByFeatures(stage, set, files, options, seen, boards);
+    if (features.views() > best.views()) best = std::move(features);
+    watch.Lap(stage, "mapping");
+  }
+  // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
+  if (boards.groups.size() > 1) return best;
+  if (!all() && (options.method == "auto" || options.method == "ring")) {
+    Placed ring = PlaceByRing(stage, set, options, seen);
+    watch.Lap(stage, "ring");
+    if (ring.views() > best.views()) best = std::move(ring);
+  }
+  const bool too_few = static_cast<double>(best.views()) < options.min_placed * static_cast<double>(set.images.size());
+  if (options.method == "silhouettes" || (options.method == "auto" && too_few)) {
+    Placed outlines = PlaceBySilhouettes(stage, set, options, seen);
+    watch.Lap(stage, "silhouettes");
+    if (outlines.views() > best.views()) best = std::move(outlines);
+  }
+  return best;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,28 @@
+// First half of sfm: what the photographs show. Features, matches, and the matches that stand the geometric test.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/io/image_set.h"
+#include "core/stage/stage.h"
+#include "reconstruct/sfm_colmap.h"
+#include "reconstruct/sfm_stopwatch.h"
+
+namespace keypose::reconstruct {
+
+/// What was seen in the photographs.
+struct Seen {
+  Camera camera;  ///< as assumed before any adjustment
+  bool focal_known = false;
+  std::vector<Features> features;
+  std::vector<PairMatches> matches;  ///< raw, however few a pair has
+};
+
+std::vector<std::string> NamesOf(const ImageSet& set);
+
+/// Features, matches and verified matches of the set, the last in a COLMAP database.
+/// @throws InputError  photographs of different sizes
+Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch);
+
+}  // namespace keypose::reconstruct
