@@ -1,6 +1,7 @@
 // keypose-capture: a folder of photographs to checked images with masks.
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "capture/board_detection.h"
@@ -147,8 +148,8 @@ void SegmentAll(StageContext& stage, Import& import, const CaptureOptions& optio
     if (!import.backgrounds[g].empty()) plate = WorkingImage(ReadImage(import.backgrounds[g], 3), masking.working_px);
     const auto share = [&](std::size_t i) { return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size()); };
     SubProgress progress(stage.progress(), share(begin), share(end));
-    const std::vector<Image8> images(import.small.begin() + static_cast<std::ptrdiff_t>(begin),
-                                     import.small.begin() + static_cast<std::ptrdiff_t>(end));
+    const std::vector<Image8> images(std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(begin)),
+                                     std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(end)));
     const std::vector<BoardOdds> boards(import.boards.begin() + static_cast<std::ptrdiff_t>(begin),
                                         import.boards.begin() + static_cast<std::ptrdiff_t>(end));
     auto masks = SegmentSet(images, plate, boards, masking, &progress);
@@ -196,6 +197,7 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, co
   entry.focal_px = import.photographs[i].focal_px * import.factor;
   entry.mask = "masks/" + entry.name + ".png";
   entry.mask_fraction = MaskFraction(mask);
+  entry.mask_given = !import.user_masks[i].empty();
   entry.group = import.photographs[i].group;
   entry.plate_corners = import.plate_corners[i];
   // Sharpness is judged at a size at which any camera that is in focus is sharp.

@@ -9,6 +9,7 @@
 
 #include "capture/empty_set.h"
 #include "capture/region_cut.h"
+#include "capture/set_rounds.h"
 #include "capture/zone_odds.h"
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -39,18 +40,6 @@ Image8 FirstZones(int width, int height, double border_share) {
   return zones;
 }
 
-/// The last round's mask as zones; the pixels at its border, which mix both, belong to neither.
-Image8 ZonesOf(const Image8& mask) {
-  const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
-  cv::Mat inside, outside;
-  cv::erode(View(mask), inside, kernel);
-  cv::dilate(View(mask), outside, kernel);
-  cv::Mat zones(inside.size(), CV_8U, cv::Scalar(kNeither));
-  zones.setTo(kObject, inside);
-  zones.setTo(kBackground, outside == 0);
-  return FromMat(zones);
-}
-
 /// Log odds from the difference to the empty set.
 ImageF PlateOdds(const Image8& image, const Image8& plate, const MaskOptions& options) {
   cv::Mat a, b;
@@ -70,159 +59,13 @@ ImageF PlateOdds(const Image8& image, const Image8& plate, const MaskOptions& op
   return odds;
 }
 
-/// On the plate its print decides; colours, which were learned elsewhere (ink looks like dark noses), only lean.
-void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
-  if (board.odds.empty()) return;
-  for (std::size_t i = 0; i < odds.data.size(); ++i) {
-    if (!board.on_board.data[i]) continue;
-    const double lean = std::clamp(static_cast<double>(odds.data[i]), -1.5, 1.5);
-    odds.data[i] = static_cast<float>(std::clamp(2.0 * board.odds.data[i] + lean, -limit, limit));
-  }
-}
+constexpr int kColorRounds = 2;  // a forest needs zones that are nearly right
 
 /// Where the plate is seen nothing is learned: its ink is no colour of the set behind, or a dark nose would pass for background.
 void LeaveOutBoard(Image8& zones, const BoardOdds& board) {
   if (board.odds.empty()) return;
   for (std::size_t i = 0; i < zones.data.size(); ++i)
     if (board.on_board.data[i] && board.odds.data[i] < 0) zones.data[i] = kNeither;
-}
-
-constexpr float kShadow = -1;                   // odds below which a pixel counts as shadow
-constexpr int kColorRounds = 2;                 // a forest needs zones that are nearly right
-constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
-
-/// Pixels of an image that zones give a kind, evenly spread.
-PixelSamples SamplesOf(const std::vector<PixelFeatures>& features, const Image8& zones) {
-  PixelSamples samples;
-  for (const Zone zone : {kBackground, kObject}) {
-    const auto count = static_cast<std::size_t>(std::count(zones.data.begin(), zones.data.end(), zone));
-    // A stride that shares no factor with the width would do as well; a fractional one never falls into step with rows.
-    const double stride = std::max(1.0, static_cast<double>(count) / kSamplesPerImage);
-    double next = stride / 2;
-    std::size_t seen = 0;
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      if (zones.data[i] != zone || static_cast<double>(++seen) < next) continue;
-      next += stride;
-      samples.features.push_back(features[i]);
-      samples.object.push_back(zone == kObject);
-    }
-  }
-  return samples;
-}
-
-/// Everything one round knows of the set.
-struct Round {
-  const std::vector<Image8>& images;
-  std::vector<Image8> lab;
-  std::vector<Image8> zones;
-  std::vector<Take> takes;
-
-  const Take& TakeOf(std::size_t i) const {
-    for (const Take& take : takes)
-      if (i < take.end) return take;
-    return takes.back();
-  }
-};
-
-/// For each kind of pixel that may be shadow (entry 1 + kind), log odds that it is figure all the same. Shadow hangs on to a mask's rim;
-/// what is the figure's own lies well inside as well.
-std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kinds) {
-  std::vector<double> inside(1 + kShadowKinds, 0), rim(inside);
-  double all_inside = 0, all_rim = 0;
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    cv::Mat core;
-    const int reach = 1 + 2 * (round.images[i].width / 24);
-    cv::erode(View(round.zones[i]) == kObject, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
-    const Image8 deep = FromMat(core);
-    for (std::size_t p = 0; p < deep.data.size(); ++p) {
-      if (round.zones[i].data[p] != kObject) continue;
-      (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
-      (deep.data[p] ? all_inside : all_rim) += 1;
-    }
-  }
-  std::vector<float> odds(1 + kShadowKinds, 0);
-  constexpr double kNothing = 2e-4;  // a share that tells nothing
-  for (std::size_t k = 1; k < odds.size(); ++k)
-    odds[k] =
-        static_cast<float>(2 * std::log((inside[k] / std::max(all_inside, 1.0) + kNothing) / (rim[k] / std::max(all_rim, 1.0) + kNothing)));
-  return odds;
-}
-
-/// Which photographs a forest that judges photograph i may not have learned from: a quarter of the set in its order, so that an error
-/// that a few neighbours share cannot confirm itself.
-std::size_t FoldOf(std::size_t i, std::size_t count, std::size_t folds) { return i * folds / count; }
-
-std::vector<PixelForest> Learn(const std::vector<PixelSamples>& samples) {
-  const std::size_t folds = samples.size() >= 8 ? 4 : 1;
-  std::vector<PixelForest> forests;
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    std::vector<const PixelSamples*> others;
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      if (folds == 1 || FoldOf(i, samples.size(), folds) != fold) others.push_back(&samples[i]);
-    forests.emplace_back(others, ForestOptions{});
-  }
-  return forests;
-}
-
-/// One round over the set: learn the zones' colours, then segment each image by the set's odds and its own together.
-std::vector<Image8> SegmentByColor(const std::vector<Image8>& images, const std::vector<Image8>& zones,
-                                   const std::vector<BoardOdds>& boards, const MaskOptions& options) {
-  ZoneOdds pooled;
-  for (std::size_t i = 0; i < images.size(); ++i) pooled.Add(images[i], zones[i]);
-  std::vector<Image8> masks(images.size());
-  const float share = 1.0F / static_cast<float>(images.size());
-  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
-    ZoneOdds odds;
-    odds.Add(images[i], zones[i]);
-    odds.Add(pooled, share);  // the photograph counts as much as the set
-    odds.Finish();
-    ImageF known = odds.Of(images[i], options.odds_limit);
-    AddBoard(known, boards[i], options.odds_limit);
-    masks[i] = CutRegion(images[i], known, options.smoothness, options.odds_limit / 2);
-  });
-  return masks;
-}
-
-/// One round over the set: learn from the zones, then segment each image by what the others taught.
-std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardOdds>& boards, const MaskOptions& options) {
-  const std::size_t count = round.images.size();
-  std::vector<Image8> masks(count), kinds(count), empties(count);
-  std::vector<char> foretold(count);
-  std::vector<PixelSamples> related(count), plain(count);
-  const auto each = static_cast<std::int64_t>(count);
-  ParallelFor(each, [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
-    empties[i] = EmptySet(round.lab, round.zones, round.TakeOf(i), i);
-    foretold[i] = Misfit(round.lab[i], empties[i], round.zones[i]) < options.largest_misfit;
-    kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i]) : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
-  });
-  const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
-  ParallelFor(each, [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
-    Image8 zones = round.zones[i];
-    for (std::size_t p = 0; p < zones.data.size(); ++p)
-      if (shadow_odds[kinds[i].data[p]] < kShadow && zones.data[p] == kObject) zones.data[p] = kNeither;
-    plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), zones);
-    if (foretold[i]) related[i] = plain[i];
-    plain[i].features = WithoutEmptySet(std::move(plain[i].features));
-  });
-  const std::vector<PixelForest> with_set = Learn(related), without_set = Learn(plain);
-  ParallelFor(each, [&](std::int64_t k) {
-    const auto i = static_cast<std::size_t>(k);
-    const PixelForest& forest = (foretold[i] ? with_set : without_set)[FoldOf(i, count, with_set.size())];
-    std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], empties[i]);
-    if (!foretold[i]) features = WithoutEmptySet(std::move(features));
-    ImageF odds(round.images[i].width, round.images[i].height, 1);
-    for (std::size_t p = 0; p < features.size(); ++p) {
-      odds.data[p] = forest.Odds(features[p], static_cast<float>(options.odds_limit));
-      const float shadow = shadow_odds[kinds[i].data[p]];
-      if (shadow < kShadow) odds.data[p] = std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
-    }
-    AddBoard(odds, boards[i], options.odds_limit);
-    masks[i] = CutRegion(round.images[i], odds, options.smoothness, options.odds_limit / 2);
-  });
-  return masks;
 }
 
 std::vector<Image8> SegmentByPlate(const std::vector<Image8>& images, const Image8& plate, const std::vector<BoardOdds>& boards,
@@ -237,26 +80,6 @@ std::vector<Image8> SegmentByPlate(const std::vector<Image8>& images, const Imag
     masks[i] = CutRegion(images[i], odds, options.smoothness, options.odds_limit / 2);
   });
   return masks;
-}
-
-Image8 Enlarged(const Image8& zones, int width, int height) {
-  cv::Mat large;
-  cv::resize(View(zones), large, {width, height}, 0, 0, cv::INTER_NEAREST);
-  return FromMat(large);
-}
-
-/// What the printed plate tells, for images of half the size.
-std::vector<BoardOdds> Halved(const std::vector<BoardOdds>& boards, const std::vector<Image8>& small) {
-  std::vector<BoardOdds> halved(boards.size());
-  for (std::size_t i = 0; i < boards.size(); ++i) {
-    if (boards[i].odds.empty()) continue;
-    halved[i].on_board = Enlarged(boards[i].on_board, small[i].width, small[i].height);
-    halved[i].odds = ImageF(small[i].width, small[i].height, 1);
-    const cv::Mat odds(boards[i].odds.height, boards[i].odds.width, CV_32F, const_cast<float*>(boards[i].odds.data.data()));
-    cv::Mat to(small[i].height, small[i].width, CV_32F, halved[i].odds.data.data());
-    cv::resize(odds, to, to.size(), 0, 0, cv::INTER_AREA);
-  }
-  return halved;
 }
 
 void RequirePlateFits(const std::vector<Image8>& images, const Image8& plate) {
@@ -283,7 +106,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
   // Rounds but the last at half the size: they only teach.
   std::vector<Image8> small;
   for (const Image8& image : images) small.push_back(WorkingImage(image, std::max(image.width, image.height) / 2));
-  Round coarse{small, {}, {}, {}};
+  Round coarse{small, {}, {}, {}, nullptr};
   for (const Image8& image : small) {
     coarse.lab.push_back(LabOf(image));
     coarse.zones.push_back(FirstZones(image.width, image.height, options.border_share));
@@ -298,7 +121,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
     for (std::size_t i = 0; i < masks.size(); ++i) coarse.zones[i] = ZonesOf(masks[i]);
   }
   Step(progress, static_cast<double>(options.rounds - 1) / options.rounds, "masks");
-  Round fine{images, {}, {}, coarse.takes};
+  Round fine{images, {}, {}, coarse.takes, nullptr};
   for (std::size_t i = 0; i < images.size(); ++i) {
     fine.lab.push_back(LabOf(images[i]));
     fine.zones.push_back(Enlarged(coarse.zones[i], images[i].width, images[i].height));

@@ -60,6 +60,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
       image.height = entry.at("height");
       image.focal_px = entry.value("focal_px", 0.0);
       image.mask = entry.value("mask", "");
+      image.mask_given = entry.value("mask_given", false);
       image.sharpness = entry.value("sharpness", 0.0);
       image.exposure = entry.value("exposure", 0.0);
       image.mask_fraction = entry.value("mask_fraction", 0.0);
@@ -94,6 +95,7 @@ void WriteImageSet(const ImageSet& set) {
     json entry = {
         {"name", image.name}, {"width", image.width},         {"height", image.height},     {"focal_px", image.focal_px},
         {"mask", image.mask}, {"sharpness", image.sharpness}, {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
+    if (image.mask_given) entry["mask_given"] = true;
     if (!image.group.empty()) entry["group"] = image.group;
     if (!image.plate_corners.empty()) entry["plate_corners"] = CornersJson(image.plate_corners);
     root["images"].push_back(std::move(entry));

@@ -17,6 +17,7 @@ struct CapturedImage {
   int width = 0, height = 0;
   double focal_px = 0;                     ///< from EXIF, 0 when unknown
   std::string mask;                        ///< path relative to the folder, "masks/IMG_0001.jpg.png"
+  bool mask_given = false;                 ///< the mask is the user's own, not to be touched
   double sharpness = 0;                    ///< variance of the Laplacian inside the mask, grey levels^2
   double exposure = 0;                     ///< mean luma inside the mask, 0..255
   double mask_fraction = 0;                ///< share of the image that the mask covers

@@ -1,0 +1,33 @@
+// Options of keypose-masks.
+#pragma once
+
+#include "capture/masking.h"
+#include "capture/space_masks.h"
+#include "core/options.h"
+
+namespace keypose::capture {
+
+struct MasksOptions {
+  int mask_px = MaskOptions{}.working_px;
+  double mask_smoothness = MaskOptions{}.smoothness;
+  int resolution = SpaceOptions{}.resolution;
+
+  MaskOptions Masking() const {
+    MaskOptions masking;
+    masking.working_px = mask_px;
+    masking.smoothness = mask_smoothness;
+    return masking;
+  }
+  SpaceOptions Space() const {
+    SpaceOptions space;
+    space.resolution = resolution;
+    return space;
+  }
+  void Describe(OptionVisitor& visit) {
+    visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
+    visit("mask_smoothness", mask_smoothness, {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
+    visit("resolution", resolution, {"voxels along the longest side of the space that the masks share", "", 16, 256, {}});
+  }
+};
+
+}  // namespace keypose::capture

@@ -1,0 +1,138 @@
+// keypose-masks: masks made to agree with each other in space, once the cameras are known.
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "capture/contact_sheet.h"
+#include "capture/masks_options.h"
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+#include "core/stage/stage.h"
+
+namespace {
+namespace fs = std::filesystem;
+using namespace keypose;
+using namespace keypose::capture;
+
+constexpr int kCellWidth = 240;
+
+/// What is known of the photographs that have a camera, at working size.
+struct Placed {
+  std::vector<std::size_t> index;  // in the images folder
+  std::vector<View> views;
+  std::vector<Image8> images, masks;
+  std::vector<BoardOdds> boards;
+};
+
+Placed Load(const ImageSet& set, const Scene& scene, const MasksOptions& options) {
+  Placed placed;
+  for (const View& view : scene.views) {
+    const int found = set.Find(view.name);
+    if (found < 0)
+      throw InputError("masks: the model names " + view.name + ", which is not in " + set.folder.string() +
+                       "; pass the images that the model was made from");
+    placed.index.push_back(static_cast<std::size_t>(found));
+    placed.views.push_back(view);
+  }
+  if (placed.views.size() < 3) throw InputError("masks: the model has fewer than 3 images; run sfm again");
+  placed.images.resize(placed.views.size());
+  placed.masks.resize(placed.views.size());
+  placed.boards.resize(placed.views.size());
+  ParallelFor(static_cast<std::int64_t>(placed.views.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    const auto at = static_cast<int>(placed.index[i]);
+    const Image8 image = ReadImage(set.ImagePath(at), 3), mask = ReadImage(set.MaskPath(at), 1);
+    if (image.width != mask.width || image.height != mask.height || image.width != placed.views[i].camera.width)
+      throw InputError("masks: " + set.images[placed.index[i]].name +
+                       ", its mask and its camera have different sizes; run capture and sfm again");
+    placed.images[i] = WorkingImage(image, options.mask_px);
+    placed.masks[i] = WorkingImage(mask, options.mask_px);
+    for (std::uint8_t& m : placed.masks[i].data) m = m > 127 ? 255 : 0;
+    const double factor = static_cast<double>(placed.images[i].width) / image.width;
+    placed.views[i].camera = placed.views[i].camera.Scaled(factor);
+    if (set.plate)
+      placed.boards[i] =
+          OddsOfBoard(placed.images[i], set.images[placed.index[i]].plate_corners, factor, *set.plate, MaskOptions{}.odds_limit);
+  });
+  return placed;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value / static_cast<double>(values.size());
+  return sum;
+}
+
+void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined, double low_overlap) {
+  nlohmann::json each = nlohmann::json::object(), low = nlohmann::json::array();
+  for (std::size_t i = 0; i < refined.agreement.size(); ++i) {
+    const std::string& name = set.images[placed.index[i]].name;
+    each[name] = {refined.agreement_before[i], refined.agreement[i]};
+    if (refined.agreement[i] < low_overlap) low.push_back(name);
+  }
+  stage.Report("agreement_before", Mean(refined.agreement_before));
+  stage.Report("agreement", Mean(refined.agreement));
+  stage.Report("least_agreement", *std::min_element(refined.agreement.begin(), refined.agreement.end()));
+  stage.ReportJson("views_disagreeing", low.dump());
+  stage.ReportJson("agreement_of_views", each.dump());
+}
+
+void Copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
+}
+
+/// Writes one photograph and its mask, the old one where there is no better. @return cell of the contact sheet
+Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const fs::path& folder, CapturedImage& entry) {
+  Copy(set.ImagePath(static_cast<int>(i)), folder / entry.name);
+  const Image8 image = ReadImage(set.ImagePath(static_cast<int>(i)), 3);
+  Image8 mask = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
+  if (refined && !entry.mask_given) mask = RefinedMask(image, *refined);
+  entry.mask = "masks/" + entry.name + ".png";
+  entry.mask_fraction = MaskFraction(mask);
+  WriteImage(folder / entry.mask, mask);
+  return ContactCell(image, mask, entry.name, kCellWidth);
+}
+
+void Run(StageContext& stage, const MasksOptions& options) {
+  ImageSet set = ReadImageSet(stage.Input("images"));
+  const Scene scene = ReadColmapModel(stage.Input("model"));
+  Step(stage.progress(), 0, "reading photographs");
+  const Placed placed = Load(set, scene, options);
+  SubProgress progress(stage.progress(), 0.2, 0.7);
+  const RefinedMasks refined =
+      RefineInSpace(placed.images, placed.masks, placed.views, placed.boards, options.Masking(), options.Space(), &progress);
+  ReportAgreement(stage, set, placed, refined, options.Space().overlap_low);
+  const fs::path folder = stage.Output("masked");
+  fs::create_directories(folder / "masks");
+  std::vector<const Image8*> mask_of(set.images.size(), nullptr);
+  for (std::size_t i = 0; i < refined.masks.size(); ++i) mask_of[placed.index[i]] = &refined.masks[i];
+  std::vector<Image8> cells(set.images.size());
+  Step(stage.progress(), 0.7, "writing images and masks");
+  ParallelFor(static_cast<std::int64_t>(cells.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    cells[i] = WriteOne(set, i, mask_of[i], folder, set.images[i]);
+  });
+  set.folder = folder;
+  WriteImageSet(set);
+  WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
+}
+
+const StageSpec kSpec = {
+    .name = "masks",
+    .version = "1",
+    .summary = "Segments the photographs again, with what all views together know of the figure's place in space.",
+    .inputs = {{.name = "images", .kind = "folder", .help = "photographs and masks, as capture makes them", .file = ""},
+               {.name = "model", .kind = "folder", .help = "COLMAP model of the cameras, as sfm makes it", .file = ""}},
+    .outputs = {{.name = "masked", .kind = "folder", .help = "the same with better masks", .file = "masked"}},
+    .tools = {},
+    .cores = 0,
+    .memory_gib = 1};
+
+}  // namespace
+
+int main(int argc, char** argv) { return RunStage<MasksOptions>(argc, argv, kSpec, Run); }

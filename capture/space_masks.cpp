@@ -1,0 +1,305 @@
+#include "capture/space_masks.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/set_rounds.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+cv::Mat View8(const Image8& image) {
+  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
+}
+
+/// What one mask says of places in space.
+struct Witness {
+  const View* view = nullptr;
+  Image8 denied;  ///< 1 where a place that is seen there is outside
+
+  enum Word : std::uint8_t { kUnseen, kDenied, kUpheld };
+  Word Of(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const {
+    const Eigen::Vector3d x = view->camera_from_world * x_in_world;
+    if (x.z() <= 0) return kUnseen;
+    const Eigen::Vector2d p = view->camera.Project(x);
+    const int px = static_cast<int>(std::floor(p.x())), py = static_cast<int>(std::floor(p.y()));
+    if (px < 0 || py < 0 || px >= denied.width || py >= denied.height) return kUnseen;
+    *pixel = {p.x(), p.y(), x.z()};
+    return *denied.at(px, py) ? kDenied : kUpheld;
+  }
+};
+
+struct Grid {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();
+  double cell = 0;
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();
+  std::vector<std::uint8_t> denials;  // x fastest
+
+  std::size_t At(int x, int y, int z) const { return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x; }
+  Eigen::Vector3d Center(int x, int y, int z) const { return low + cell * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5); }
+};
+
+std::vector<Witness> WitnessesOf(const std::vector<View>& views, const std::vector<Image8>& masks, double margin_px) {
+  std::vector<Witness> witnesses(views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    cv::Mat distance;
+    cv::distanceTransform(View8(masks[i]) == 0, distance, cv::DIST_L2, 3);
+    witnesses[i].view = &views[i];
+    witnesses[i].denied = Image8(masks[i].width, masks[i].height, 1, 0);
+    for (int y = 0; y < distance.rows; ++y)
+      for (int x = 0; x < distance.cols; ++x) *witnesses[i].denied.at(x, y) = distance.at<float>(y, x) > margin_px;
+  });
+  return witnesses;
+}
+
+/// Where the rays through the masks' middles meet, and how far the masks reach about it.
+struct Ball {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0;
+};
+
+Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-12;
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  std::vector<double> reach(views.size(), 0);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const cv::Moments moments = cv::moments(View8(masks[i]), true);
+    if (moments.m00 <= 0) continue;
+    const Eigen::Vector2d middle(moments.m10 / moments.m00 + 0.5, moments.m01 / moments.m00 + 0.5);
+    const Eigen::Vector3d ray = views[i].camera_from_world.rotation.conjugate() * views[i].camera.Unproject(middle).normalized();
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+    a += across;
+    b += across * views[i].Center();
+    const cv::Rect box = cv::boundingRect(View8(masks[i]));
+    reach[i] = 0.5 * std::hypot(box.width, box.height) / views[i].camera.fx;
+  }
+  Ball ball;
+  ball.center = a.ldlt().solve(b);
+  for (std::size_t i = 0; i < views.size(); ++i) reach[i] *= std::max(0.0, (views[i].camera_from_world * ball.center).z());
+  // A few masks that take in half the room must not make the space large.
+  std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 3 / 4), reach.end());
+  ball.radius = 1.5 * reach[reach.size() * 3 / 4];
+  return ball;
+}
+
+/// Counts denials in every voxel; views far apart are asked first, as they settle most voxels soonest.
+void Count(const std::vector<Witness>& witnesses, int most, Grid& grid) {
+  const std::size_t n = witnesses.size(), least_seen = std::max<std::size_t>(2, n / 8);
+  std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(0.382 * static_cast<double>(n))));
+  while (std::gcd(step, n) != 1) ++step;
+  grid.denials.assign(static_cast<std::size_t>(grid.size.prod()), 0);
+  ParallelFor(grid.size.z(), [&](std::int64_t slice) {
+    const int z = static_cast<int>(slice);
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        const Eigen::Vector3d center = grid.Center(x, y, z);
+        Eigen::Vector3d pixel;
+        std::size_t seen = 0;
+        int denials = 0;
+        for (std::size_t k = 0; k < n && denials <= most; ++k) {
+          const Witness::Word word = witnesses[k * step % n].Of(center, &pixel);
+          seen += word != Witness::kUnseen;
+          denials += word == Witness::kDenied;
+        }
+        // One more than the most, so that a view can take its own word back and no place gets in by that.
+        grid.denials[grid.At(x, y, z)] = static_cast<std::uint8_t>(seen < least_seen ? most + 1 : std::min(denials, most + 1));
+      }
+  });
+}
+
+Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
+                 const SpaceOptions& options) {
+  const Ball ball = FigureBall(views, masks);
+  Grid grid{ball.center - Eigen::Vector3d::Constant(ball.radius), 2 * ball.radius / 48, Eigen::Vector3i::Constant(48), {}};
+  const char* nothing =
+      "the masks have no common space: they or the cameras are wrong; look at the masks and at the picture of the cameras";
+  if (!(ball.radius > 0) || !std::isfinite(ball.radius) || !ball.center.allFinite()) throw InputError(std::string("masks: ") + nothing);
+  Count(witnesses, options.most_denials, grid);
+  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
+  for (int z = 0; z < grid.size.z(); ++z)
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        if (grid.denials[grid.At(x, y, z)] >= options.most_denials) continue;
+        low = low.cwiseMin(Eigen::Vector3i(x, y, z));
+        high = high.cwiseMax(Eigen::Vector3i(x, y, z));
+      }
+  if (high.x() < 0) throw InputError(std::string("masks: ") + nothing);
+  const Eigen::Vector3d extent = grid.cell * (high - low + Eigen::Vector3i::Constant(3)).cast<double>();
+  Grid fine;
+  fine.low = grid.low + grid.cell * (low.cast<double>() - Eigen::Vector3d::Ones());
+  fine.cell = extent.maxCoeff() / options.resolution;
+  fine.size = (extent / fine.cell).array().ceil().cast<int>().max(1);
+  Count(witnesses, options.most_denials, fine);
+  return fine;
+}
+
+/// Voxels that a ray can meet first of their number of denials: all but those within the part that nobody denies.
+struct Place {
+  Eigen::Vector3d center;
+  std::uint8_t denials;
+};
+
+std::vector<Place> PlacesOf(const Grid& grid, int most) {
+  std::vector<Place> places;
+  const auto undenied = [&](int x, int y, int z) {
+    return x >= 0 && y >= 0 && z >= 0 && x < grid.size.x() && y < grid.size.y() && z < grid.size.z() && grid.denials[grid.At(x, y, z)] == 0;
+  };
+  for (int z = 0; z < grid.size.z(); ++z)
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        const std::uint8_t denials = grid.denials[grid.At(x, y, z)];
+        if (denials > most) continue;
+        if (denials == 0 && undenied(x + 1, y, z) && undenied(x - 1, y, z) && undenied(x, y + 1, z) && undenied(x, y - 1, z) &&
+            undenied(x, y, z + 1) && undenied(x, y, z - 1))
+          continue;
+        places.push_back({grid.Center(x, y, z), denials});
+      }
+  return places;
+}
+
+/// The least denials by others along each pixel's ray.
+Image8 Picture(const Witness& witness, const std::vector<Place>& places, double cell, int most) {
+  Image8 picture(witness.denied.width, witness.denied.height, 1, static_cast<std::uint8_t>(most));
+  for (const Place& place : places) {
+    Eigen::Vector3d pixel;
+    const Witness::Word word = witness.Of(place.center, &pixel);
+    if (word == Witness::kUnseen) continue;
+    const auto denials = static_cast<std::uint8_t>(std::min(most, place.denials - (word == Witness::kDenied)));
+    // A voxel seen from anywhere is about as wide as this.
+    const double half = 0.5 * cell * witness.view->camera.fx / pixel.z();
+    const int x0 = std::max(0, static_cast<int>(std::lround(pixel.x() - half))),
+              y0 = std::max(0, static_cast<int>(std::lround(pixel.y() - half)));
+    const int x1 = std::min(picture.width, std::max(x0 + 1, static_cast<int>(std::lround(pixel.x() + half))));
+    const int y1 = std::min(picture.height, std::max(y0 + 1, static_cast<int>(std::lround(pixel.y() + half))));
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) *picture.at(x, y) = std::min(*picture.at(x, y), denials);
+  }
+  return picture;
+}
+
+/// Log odds of the figure for each number of denials, from how often masks have it inside and just outside.
+std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::vector<Image8>& denials, int most) {
+  std::vector<double> inside(static_cast<std::size_t>(most) + 1, 0), outside(inside);
+  double all_inside = 0, all_outside = 0;
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    cv::Mat near;
+    const int reach = 1 + 2 * (masks[i].width / 24);
+    cv::dilate(View8(masks[i]), near, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
+    for (int y = 0; y < near.rows; ++y)
+      for (int x = 0; x < near.cols; ++x) {
+        const std::uint8_t d = *denials[i].at(x, y);
+        if (*masks[i].at(x, y) > 127)
+          inside[d] += 1, all_inside += 1;
+        else if (near.at<std::uint8_t>(y, x))
+          outside[d] += 1, all_outside += 1;
+      }
+  }
+  std::vector<float> odds(inside.size());
+  for (std::size_t d = 0; d < odds.size(); ++d)
+    odds[d] =
+        static_cast<float>(std::log((inside[d] / std::max(all_inside, 1.0) + 1e-3) / (outside[d] / std::max(all_outside, 1.0) + 1e-3)));
+  // More denials never speak for the figure more than fewer.
+  for (std::size_t d = 1; d < odds.size(); ++d) odds[d] = std::min(odds[d], odds[d - 1]);
+  return odds;
+}
+
+/// One round at one size: what the others deny, weighed, leans the forest's odds.
+std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<Image8>& denials,
+                               const std::vector<BoardOdds>& boards, const MaskOptions& masking, const SpaceOptions& options,
+                               double weight) {
+  const std::vector<float> odds = OddsOfDenials(masks, denials, options.most_denials);
+  std::vector<ImageF> leaning;
+  Round round{images, {}, {}, FindTakes(images, masking.border_share), &leaning};
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    round.lab.push_back(LabOf(images[i]));
+    round.zones.push_back(ZonesOf(masks[i]));
+    leaning.emplace_back(images[i].width, images[i].height, 1);
+    for (std::size_t p = 0; p < denials[i].data.size(); ++p) leaning[i].data[p] = static_cast<float>(weight * odds[denials[i].data[p]]);
+  }
+  return SegmentByForest(round, boards, masking);
+}
+
+Image8 Binary(Image8 mask) {
+  for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
+  return mask;
+}
+
+Image8 ResizedMask(const Image8& mask, int width, int height) {
+  Image8 to(width, height, 1);
+  cv::Mat view = View8(to);
+  cv::resize(View8(mask), view, view.size(), 0, 0, mask.width > width ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return Binary(std::move(to));
+}
+
+}  // namespace
+
+std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options) {
+  if (std::count_if(masks.begin(), masks.end(), [](const Image8& mask) { return MaskFraction(mask) > 0; }) < 3)
+    throw InputError("masks: fewer than 3 photographs have a mask with anything in it; look at capture's contact sheet");
+  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
+  const Grid grid = SharedSpace(views, masks, witnesses, options);
+  const std::vector<Place> places = PlacesOf(grid, options.most_denials);
+  std::vector<Image8> pictures(views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    pictures[static_cast<std::size_t>(i)] = Picture(witnesses[static_cast<std::size_t>(i)], places, grid.cell, options.most_denials);
+  });
+  return pictures;
+}
+
+std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std::vector<Image8>& denials) {
+  constexpr int enough = 2;
+  std::vector<double> agreement(masks.size(), 0);
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    double both = 0, either = 0;
+    for (std::size_t p = 0; p < masks[i].data.size(); ++p) {
+      const bool mask = masks[i].data[p] > 127, hull = denials[i].data[p] < enough;
+      both += mask && hull;
+      either += mask || hull;
+    }
+    agreement[i] = either > 0 ? both / either : 0;
+  }
+  return agreement;
+}
+
+RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<View>& views,
+                           const std::vector<BoardOdds>& boards, const MaskOptions& masking, const SpaceOptions& options,
+                           Progress* progress) {
+  cv::setNumThreads(1);
+  std::vector<BoardOdds> known = boards;
+  known.resize(images.size());
+  // Rounds but the last at half the size: they settle which parts belong, the last where the outline runs.
+  std::vector<Image8> small, small_masks;
+  std::vector<View> small_views = views;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    small.push_back(WorkingImage(images[i], std::max(images[i].width, images[i].height) / 2));
+    small_masks.push_back(ResizedMask(masks[i], small[i].width, small[i].height));
+    small_views[i].camera = views[i].camera.Scaled(static_cast<double>(small[i].width) / images[i].width);
+  }
+  const std::vector<BoardOdds> small_boards = Halved(known, small);
+  SpaceOptions coarse = options;
+  coarse.resolution = std::max(16, options.resolution * 3 / 4);
+  coarse.margin_px = 0.7 * options.margin_px;
+  RefinedMasks refined;
+  std::vector<Image8> denials = DenialsByOthers(small_views, small_masks, coarse);
+  refined.agreement_before = AgreementInSpace(small_masks, denials);
+  // At first the others' word is only as good as masks that are partly wrong.
+  for (const double weight : {1.0, options.weight}) {
+    Step(progress, 0.2 * weight, "masks in space");
+    small_masks = SpaceRound(small, small_masks, denials, small_boards, masking, coarse, weight);
+    denials = DenialsByOthers(small_views, small_masks, coarse);
+  }
+  refined.agreement = AgreementInSpace(small_masks, denials);
+  Step(progress, 0.6, "masks in space");
+  std::vector<Image8> large;
+  for (std::size_t i = 0; i < images.size(); ++i) large.push_back(ResizedMask(small_masks[i], images[i].width, images[i].height));
+  refined.masks = SpaceRound(images, large, DenialsByOthers(views, large, options), known, masking, options, options.weight);
+  return refined;
+}
+
+}  // namespace keypose::capture
