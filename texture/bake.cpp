@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -71,9 +72,16 @@ Baked BakeFrom(const Studio& studio, const Atlas& atlas, const std::vector<char>
   Step(progress, 0, "gains");
   baked.gains = studio.options.harmonize ? HarmonizeGains(studio.mesh, studio.views, used)
                                          : std::vector<Vector3f>(studio.views.size(), Vector3f::Ones());
-  const Witnesses witnesses(studio.mesh, studio.views, baked.gains, used, atlas.size, studio.options.max_angle, studio.options.strictness);
+  AlignOptions align;
+  align.samples = static_cast<int>(std::clamp<std::int64_t>(atlas.texels / 16, 2000, align.samples));
+  const std::vector<Warp> warps = studio.options.align ? AlignPhotographs(studio.mesh, studio.views, used, align) : std::vector<Warp>();
+  const Witnesses witnesses(studio.mesh, studio.views, baked.gains, warps, used, atlas.size, studio.options.max_angle,
+                            studio.options.strictness);
   SubProgress painting(progress, 0.1, 0.8);
-  baked.paint = PaintTexels(witnesses, atlas, studio.options.common_light ? kToMean : 0, &painting);
+  PaintOptions paint;
+  paint.to_mean = studio.options.common_light ? kToMean : 0;
+  paint.detail_step = studio.options.common_light ? static_cast<float>(studio.options.detail_step) : std::numeric_limits<float>::infinity();
+  baked.paint = PaintTexels(witnesses, atlas, paint, &painting);
   if (baked.paint.seen_texels == 0) return baked;
   Step(progress, 0.8, "unseen texels and gutters");
   InpaintUnseen(studio.mesh, atlas, baked.paint.painting);

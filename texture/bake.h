@@ -23,6 +23,8 @@ struct BakeOptions {
   double edge_feather = 10;
   double max_angle = 75;
   bool common_light = true;
+  bool align = true;
+  double detail_step = 0.03;
   double strictness = 3;
   bool harmonize = true;
   int hold_out = 6;
@@ -41,6 +43,12 @@ struct BakeOptions {
     visit("max_angle", max_angle, {"views that see the surface more aslant than this do not count", "deg", 10, 89});
     visit("common_light", common_light,
           {"large-scale colour is the mean of all views; false: that of the view that paints the place, matched where views meet", ""});
+    visit("align", align, {"shift the photographs by smooth fields of some pixels so that they agree on the surface", ""});
+    visit(
+        "detail_step", detail_step,
+        {"detail comes from one photograph where it differs from the mean of all by less than this (square root of linear light, 0 to 1), "
+         "beyond from the mean; 0: always the mean",
+         "", 0, 10});
     visit("strictness", strictness,
           {"how fast a colour loses weight that few other views support (lamps, wrong masks); 0 trusts all", "", 0, 20});
     visit("harmonize", harmonize, {"estimate one gain a view and channel, so that exposure and white balance agree", ""});

@@ -56,13 +56,15 @@ struct TexelTriangle {
   /// Calls visit(x, y) for the texels whose centres lie in the bounding box grown by `margin`.
   template <class Visit>
   void ForBox(int size, double margin, const Visit& visit) const {
+    const TexelBox box = Box(size, margin);
+    for (int y = box.y0; y < box.y1; ++y)
+      for (int x = box.x0; x < box.x1; ++x) visit(x, y);
+  }
+  TexelBox Box(int size, double margin) const {
     const Vector2d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
-    const int x0 = std::max(0, static_cast<int>(std::ceil(low.x() - margin - 0.5))),
-              x1 = std::min(size - 1, static_cast<int>(high.x() + margin - 0.5));
-    const int y0 = std::max(0, static_cast<int>(std::ceil(low.y() - margin - 0.5))),
-              y1 = std::min(size - 1, static_cast<int>(high.y() + margin - 0.5));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) visit(x, y);
+    return {std::max(0, static_cast<int>(std::ceil(low.x() - margin - 0.5))),
+            std::max(0, static_cast<int>(std::ceil(low.y() - margin - 0.5))), std::min(size, static_cast<int>(high.x() + margin - 0.5) + 1),
+            std::min(size, static_cast<int>(high.y() + margin - 0.5) + 1)};
   }
 };
 
@@ -232,6 +234,8 @@ Atlas RasterizeAtlas(const Mesh& mesh, int size) {
   AddRims(mesh, atlas);
   return atlas;
 }
+
+TexelBox TexelsAround(const Mesh& mesh, const Atlas& atlas, int face) { return TexelTriangle(mesh, face, atlas.size).Box(atlas.size, 1); }
 
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
   std::vector<Vector3f> at_vertex;

@@ -27,6 +27,12 @@ void CheckUvs(const Mesh& mesh);
 /// @throws InputError  as CheckUvs, or not one texel centre covered
 Atlas RasterizeAtlas(const Mesh& mesh, int size);
 
+/// The box of texels in which those of a face lie, rims included; x1, y1 are one beyond the last.
+struct TexelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+TexelBox TexelsAround(const Mesh& mesh, const Atlas& atlas, int face);
+
 /// Colours of an atlas in linear light while it is painted.
 struct Painting {
   std::vector<Eigen::Vector3f> color;  ///< size^2

@@ -16,11 +16,21 @@ using Eigen::VectorXd;
 
 /// More than this between two photographs of one pose is no exposure, but an error of this estimate.
 constexpr double kMostGain = 3;
+/// Weight of "no gain" beside what the photographs say, in parts of the latter.
+constexpr double kBelief = 0.05;
+/// The same for light; two photographs cannot tell a lamp from an exposure, thirty can.
+double LightBelief(int photographs) { return kBelief + 3.0 / (photographs * photographs); }
+
+/// How the light on a surface may depend on its normal before the camera: a flash on the camera (the logarithm of the cosine), and a lamp
+/// beside it that stands still (the normal's part to the right). Light from above is not told: it is taken for the exposure of a ring of
+/// views.
+constexpr int kLights = 2;
+using Lights = Eigen::Matrix<double, kLights, 1>;
 
 struct Observation {
   int view;
   double weight;
-  double slant;  ///< -log of the cosine to the eye
+  Lights lights;
   Vector3d log_color;
 };
 using Observations = std::vector<std::vector<Observation>>;  // one list a surface point
@@ -42,19 +52,20 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const
           const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel, 1.5).color;
           // Near black the logarithm is noise, near white the sensor has clipped.
           if (color.minCoeff() < 0.004f || color.maxCoeff() > 0.93f) continue;
-          lists[i].push_back({v, sighting.trust * cosine, -std::log(cosine), color.cast<double>().array().log().matrix()});
+          const Lights lights(-std::log(cosine), (views[v].view().camera_from_world.rotation * n).x());
+          lists[i].push_back({v, sighting.trust * cosine, lights, color.cast<double>().array().log().matrix()});
         }
       },
       64);
   return lists;
 }
 
-/// The unknowns of a channel: a log gain for each view, and how fast brightness falls with the slant of the surface (1 for a flash on the
-/// camera, about 0 for a room's light). Without the last one, views that mostly see slanted surface would be taken for dark ones.
+/// The unknowns of a channel: a log gain for each view, and how much brightness depends on the surface's normal before the camera. Without
+/// the latter a turntable's lamps, which stand still while the object turns, would be taken for exposures: the lit side for overexposed.
 struct Unknowns {
   VectorXd log_gain;
-  double falloff = 0;
-  double Corrected(const Observation& o, int channel) const { return o.log_color[channel] + log_gain[o.view] + falloff * o.slant; }
+  Lights light = Lights::Zero();
+  double Corrected(const Observation& o, int channel) const { return o.log_color[channel] + log_gain[o.view] + light.dot(o.lights); }
 };
 
 /// Outlier weights of one point's observations under the present estimate.
@@ -75,35 +86,39 @@ void Weigh(const std::vector<Observation>& list, int channel, const Unknowns& un
 /// One round of weighted least squares, each point's own colour eliminated.
 Unknowns SolveRound(const Observations& lists, int channel, const Unknowns& before, double scale) {
   const int n = static_cast<int>(before.log_gain.size());
-  MatrixXd matrix = MatrixXd::Zero(n + 1, n + 1);
-  VectorXd right = VectorXd::Zero(n + 1);
+  MatrixXd matrix = MatrixXd::Zero(n + kLights, n + kLights);
+  VectorXd right = VectorXd::Zero(n + kLights);
   std::vector<double> weights;
   for (const auto& list : lists) {
     if (list.size() < 2) continue;
     Weigh(list, channel, before, scale, weights);
-    double sum = 0, sum_log = 0, sum_slant = 0;
+    double sum = 0, sum_log = 0;
+    Lights sum_lights = Lights::Zero();
     for (std::size_t a = 0; a < list.size(); ++a) {
       sum += weights[a];
       sum_log += weights[a] * list[a].log_color[channel];
-      sum_slant += weights[a] * list[a].slant;
+      sum_lights += weights[a] * list[a].lights;
     }
     for (std::size_t a = 0; a < list.size(); ++a) {
       const int v = list[a].view;
-      const double slant = list[a].slant - sum_slant / sum, log_color = list[a].log_color[channel] - sum_log / sum;
-      right[v] -= weights[a] * log_color;
-      right[n] -= weights[a] * slant * log_color;
-      matrix(v, v) += weights[a];
-      for (std::size_t b = 0; b < list.size(); ++b) matrix(v, list[b].view) -= weights[a] * weights[b] / sum;
-      matrix(v, n) += weights[a] * slant;
-      matrix(n, v) += weights[a] * slant;
-      matrix(n, n) += weights[a] * slant * slant;
+      const double w = weights[a], log_color = list[a].log_color[channel] - sum_log / sum;
+      const Lights lights = list[a].lights - sum_lights / sum;
+      right[v] -= w * log_color;
+      right.tail<kLights>() -= w * log_color * lights;
+      matrix(v, v) += w;
+      for (std::size_t b = 0; b < list.size(); ++b) matrix(v, list[b].view) -= w * weights[b] / sum;
+      matrix.block<1, kLights>(v, n) += w * lights.transpose();
+      matrix.block<kLights, 1>(n, v) += w * lights;
+      matrix.block<kLights, kLights>(n, n) += w * lights * lights.transpose();
     }
   }
   // Only differences of log gains are known; this holds their mean, and views without neighbours, at zero. Shading that the model does not
   // know pulls whole rings of views apart a little; gains are believed only as far as the photographs insist.
-  matrix.diagonal().array() += 0.05 * std::max(matrix.diagonal().head(n).mean(), 1e-9);
+  const double view = std::max(matrix.diagonal().head(n).mean(), 1e-9);
+  matrix.diagonal().head(n).array() += kBelief * view;
+  matrix.diagonal().tail(kLights).array() += LightBelief(n) * view;
   const VectorXd solved = matrix.ldlt().solve(right);
-  return {solved.head(n), solved[n]};
+  return {solved.head(n), solved.tail<kLights>()};
 }
 
 }  // namespace
@@ -114,7 +129,7 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
   const int n = static_cast<int>(views.size());
   MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
-    Unknowns unknowns{VectorXd::Zero(n), 0};
+    Unknowns unknowns{VectorXd::Zero(n), Lights::Zero()};
     // Graduated: nearly plain least squares first, then only what lies within a few per cent counts fully.
     for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15}) unknowns = SolveRound(lists, channel, unknowns, scale);
     log_gains.col(channel) = unknowns.log_gain;

@@ -15,6 +15,7 @@ struct LabelCandidate {
   Eigen::Vector3f linear;  ///< the same in linear light
   float seen;              ///< share of the face that the view sees, in (0, 1]
   float agreement;         ///< with the other views, the least over the face, in (0, 1]
+  float weight = 0;        ///< of this view in the mean of all, where it is fully trusted
 };
 
 struct LabelOptions {

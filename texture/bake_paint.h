@@ -13,16 +13,20 @@ namespace keypose::texture {
 struct PaintResult {
   Painting painting;
   std::vector<int> labels;       ///< one a face: the view that its detail comes from, -1 where none sees it
-  std::vector<char> used;        ///< one a view: the detail of at least one texel comes from it
+  std::vector<char> used;        ///< one a view: at least one texel has something of it
   std::int64_t seen_texels = 0;  ///< of those whose centre is in a triangle
   double mean_views = 0;         ///< that see a place of the surface, over the seen part
 };
 
-/// Each face from one photograph, chosen by a graph cut (bake_labels.h) and shifted smoothly in colour (bake_seams.h). Where the choice
-/// changes both are cross-faded over the faces around the border. What the chosen view does not see of a face comes from the next best.
-/// Cost: four votes a face, and little more than one sample a texel. Same bits for any thread count.
-///
-/// @param to_mean  how much large-scale colour is that of all views together; 0: only the borders are levelled
-PaintResult PaintTexels(const Witnesses& witnesses, const Atlas& atlas, double to_mean, Progress* progress);
+struct PaintOptions {
+  double to_mean = 0.03;     ///< how much large-scale colour of the detail is that of all views together; 0: only the borders are levelled
+  float detail_step = 0.03;  ///< see PaintTexels; infinite: detail everywhere
+};
+
+/// Two pictures in one: the mean of all views that see a place, and the detail of one photograph a face, chosen by a graph cut
+/// (bake_labels.h), shifted smoothly in colour (bake_seams.h), and cross-faded over the faces around a border between two. A texel is the
+/// detail where the two differ by much less than `detail_step` (square root of linear light), and the mean where by much more.
+/// Cost: four votes a face and view, one sample a texel and view. Same bits for any thread count.
+PaintResult PaintTexels(const Witnesses& witnesses, const Atlas& atlas, const PaintOptions& options, Progress* progress);
 
 }  // namespace keypose::texture

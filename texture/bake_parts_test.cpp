@@ -49,7 +49,8 @@ PaintedSphere PaintAll(const Mesh& mesh, const std::vector<View>& views, const s
   std::vector<BakeView> loaded;
   for (std::size_t v = 0; v < views.size(); ++v) loaded.emplace_back(views[v], photographs[v], mesh, scene, BakeViewOptions());
   const std::vector<Vector3f> gains(views.size(), Vector3f::Ones());
-  PaintResult result = PaintTexels(Witnesses(mesh, loaded, gains, std::vector<char>(views.size(), 1), 512, 75, 3), atlas, to_mean, nullptr);
+  PaintResult result =
+      PaintTexels(Witnesses(mesh, loaded, gains, {}, std::vector<char>(views.size(), 1), 512, 75, 3), atlas, {to_mean, 0.05f}, nullptr);
   return {result.labels, FinishTexture(atlas, std::move(result.painting), 4)};
 }
 

@@ -180,13 +180,16 @@ Sighting BakeView::See(const Vector3d& x_in_world) const {
   if (x.z() <= 0 || depth_.empty()) return sighting;
   sighting.pixel = view_.camera.Project(x);
   sighting.depth = x.z();
-  const Vector2d cell = sighting.pixel / cell_px_ - Vector2d(cell_x0_, cell_y0_);
-  if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < depth_.width && cell.y() < depth_.height)) return sighting;
-  const int cx = static_cast<int>(cell.x()), cy = static_cast<int>(cell.y());
-  const double surface = *depth_.at(cx, cy);
-  if (!(x.z() - surface < kDepthStepInCells * cell_px_ / view_.camera.fx * x.z())) return sighting;
-  sighting.trust = Trust(cell);
+  sighting.trust = TrustAt(sighting.pixel, sighting.depth);
   return sighting;
+}
+
+float BakeView::TrustAt(const Vector2d& pixel, double depth) const {
+  const Vector2d cell = pixel / cell_px_ - Vector2d(cell_x0_, cell_y0_);
+  if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < depth_.width && cell.y() < depth_.height)) return 0;
+  const double surface = *depth_.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+  if (!(depth - surface < kDepthStepInCells * cell_px_ / view_.camera.fx * depth)) return 0;
+  return Trust(cell);
 }
 
 Sample BakeView::Bilinear(int level, const Vector2d& pixel) const {
@@ -221,6 +224,24 @@ Sample BakeView::ColorAt(const Vector2d& pixel, double level) const {
   if (alpha > 0) a.color = ((1 - t) * a.alpha * a.color + t * b.alpha * b.color) / alpha;
   a.alpha = alpha;
   return a;
+}
+
+ImageF BakeView::Detail(int level) const {
+  constexpr int kBandLevels = 3;
+  const Image8& fine = levels_[level];
+  const int low = std::min(level + kBandLevels, static_cast<int>(levels_.size()) - 1);
+  const double size = 1 << (base_level_ + level);
+  ImageF detail(fine.width, fine.height, 1, std::numeric_limits<float>::quiet_NaN());
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) {
+      const std::uint8_t* p = fine.at(x, y);
+      if (p[3] < 128) continue;
+      const Sample around = Bilinear(low, Vector2d(box_.x0 + (x + 0.5) * size, box_.y0 + (y + 0.5) * size));
+      if (!(around.alpha > 0)) continue;
+      const auto luma = [](float r, float g, float b) { return std::sqrt(0.299f * r + 0.587f * g + 0.114f * b); };
+      *detail.at(x, y) = luma(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2])) - luma(around.color[0], around.color[1], around.color[2]);
+    }
+  return detail;
 }
 
 double BakeView::RayLevel() const { return std::log2(cell_px_); }

@@ -55,6 +55,21 @@ class BakeView {
   Sighting See(const Eigen::Vector3d& x_in_world) const;
   /// Colour at a pixel of the photograph, averaged over about 2^level of the photograph's pixels each way. Background never bleeds in.
   Sample ColorAt(const Eigen::Vector2d& pixel, double level) const;
+  /// Trust in a place of the surface that projects to `pixel` at `depth`; 0 where something is in front of it.
+  float TrustAt(const Eigen::Vector2d& pixel, double depth) const;
+
+  /// What the photograph shows finer than 8 pixels of a stored level and coarser than one: luma, square root of linear light, 1 channel.
+  /// Not a number where the mask leaves nothing.
+  ImageF Detail(int level) const;
+  /// The same place in the picture of a stored level, whose pixels are `scale` of the photograph's (at most 1).
+  struct Stored {
+    Eigen::Vector2d pixel;
+    double scale;
+  };
+  Stored StoredAt(int level, const Eigen::Vector2d& pixel) const {
+    const double scale = 1.0 / (1 << (base_level_ + level));
+    return {scale * (pixel - Eigen::Vector2d(box_.x0, box_.y0)), scale};
+  }
 
   /// The grid of depth rays over what the mesh covers: its size, the pixel (of the photograph) of a ray, whether the ray meets the mesh
   /// inside the mask beyond the guard along edges, and the pyramid's level on which a ray is a pixel.

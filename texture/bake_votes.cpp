@@ -14,27 +14,51 @@ using Eigen::Vector3f;
 
 /// Votes are compared by their colour, and by that of 2^3 times the width.
 constexpr double kBandLevels = 3;
-/// Views support each other when their colours (square root of linear light) are about this near: noise, and shading that turns with the
-/// table.
-constexpr float kLikeness = 0.1f;
+/// Colours (square root of linear light) this far from what most views say are never doubted: shading that turns with the table, and
+/// single hairs. Held-out photographs are predicted the worse the more of these is left out.
+constexpr float kLeastScale = 0.35f;
+/// Where the views differ among themselves, so many times their median difference from the middle is not doubted either.
+constexpr float kScale = 3;
+/// What is darker than the middle is no lamp: shadows and hairs are doubted at twice the distance.
+constexpr float kDark = 0.5f;
 
-/// Lowers the agreement of votes that few others support.
-///
-/// Support is the share of the say that lies near a vote's colour. Unlike a distance to the median it changes smoothly along the surface:
-/// where lit and shaded views are about equally many both stay, and no seam appears where the majority turns.
-void WeighAgreement(std::vector<Vote>& votes, double strictness) {
-  if (votes.size() < 2 || strictness <= 0) return;
-  float most = 0;
-  for (Vote& vote : votes) {
-    float support = 0;
-    for (const Vote& other : votes) {
-      const float apart = (vote.root - other.root).squaredNorm() + (vote.low_root - other.low_root).squaredNorm();
-      support += other.say * std::exp(-0.5f * apart / (kLikeness * kLikeness));
-    }
-    vote.agreement = support;
-    most = std::max(most, support);
+using Weighted = std::vector<std::pair<float, float>>;  // value, weight
+
+float WeightedMedian(Weighted& values) {
+  std::sort(values.begin(), values.end());
+  float all = 0, below = 0;
+  for (const auto& v : values) all += v.second;
+  for (const auto& v : values)
+    if (2 * (below += v.second) >= all) return v.first;
+  return values.back().first;
+}
+
+/// The middle of one band's colours, by say.
+Vector3f MiddleOf(const std::vector<Vote>& votes, Vector3f Vote::*band, Weighted& scratch) {
+  Vector3f middle;
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < votes.size(); ++i) scratch[i] = {(votes[i].*band)[c], votes[i].say};
+    middle[c] = WeightedMedian(scratch);
   }
-  for (Vote& vote : votes) vote.agreement = static_cast<float>(std::pow(vote.agreement / most, strictness));
+  return middle;
+}
+
+/// Lowers the agreement of votes far from what most others say, measured by how far the others lie apart: where lit and shaded views are
+/// about equally many all stay, and no seam appears where the majority turns; one highlight among views that agree goes.
+void WeighAgreement(std::vector<Vote>& votes, double strictness) {
+  if (votes.size() < 3 || strictness <= 0) return;
+  Weighted scratch(votes.size());
+  const Vector3f middle = MiddleOf(votes, &Vote::root, scratch), low_middle = MiddleOf(votes, &Vote::low_root, scratch);
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    votes[i].agreement = std::sqrt((votes[i].root - middle).squaredNorm() + (votes[i].low_root - low_middle).squaredNorm());
+    if ((votes[i].root - middle).sum() <= 0) votes[i].agreement *= kDark;
+    scratch[i] = {votes[i].agreement, votes[i].say};
+  }
+  const float scale = std::max(kLeastScale, kScale * WeightedMedian(scratch));
+  for (Vote& vote : votes) {
+    const float u = vote.agreement / scale;
+    vote.agreement = static_cast<float>(std::pow(1 + u * u * u * u, -strictness / 3));
+  }
 }
 
 /// The level of the photograph's pyramid on which so many pixels are one; 0 for less than a pixel.
@@ -49,8 +73,14 @@ Vector3d Mixed(const PointsX3& rows, const Mesh& mesh, const SurfacePoint& point
 }  // namespace
 
 Witnesses::Witnesses(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<Vector3f>& gains,
-                     const std::vector<char>& used, int texture_size, double max_angle_deg, double strictness)
-    : mesh_(mesh), views_(views), gains_(gains), least_cosine_(std::cos(max_angle_deg * M_PI / 180)), strictness_(strictness) {
+                     const std::vector<Warp>& warps, const std::vector<char>& used, int texture_size, double max_angle_deg,
+                     double strictness)
+    : mesh_(mesh),
+      views_(views),
+      gains_(gains),
+      warps_(warps),
+      least_cosine_(std::cos(max_angle_deg * M_PI / 180)),
+      strictness_(strictness) {
   face_normals_ = FaceNormals(mesh.points, mesh.faces);
   vertex_normals_ = VertexNormals(mesh.points, mesh.faces);
   FindViews(used);
@@ -108,12 +138,18 @@ void Witnesses::CollectVotes(const SurfacePoint& point, double texels, std::vect
   for (const int v : facing_[point.face]) {
     const Vector3d to_eye = (views_[v].center() - x).normalized();
     if (flat.dot(to_eye) < least_cosine_) continue;
-    const Sighting sighting = views_[v].See(x);
+    const Sighting sighting = See(v, x);
     if (sighting.trust <= 0) continue;
     const double cosine = std::max(smooth.dot(to_eye), least_cosine_), focal = views_[v].view().camera.fx / sighting.depth;
     AddVote(v, sighting, focal * focal * cosine * area_per_texel_[point.face] * texels * texels, cosine, votes);
   }
   WeighAgreement(votes, strictness_);
+}
+
+Sighting Witnesses::See(int view, const Vector3d& x) const {
+  Sighting sighting = views_[view].See(x);
+  if (sighting.trust > 0 && !warps_.empty()) sighting.pixel = warps_[view].Moved(sighting.pixel);
+  return sighting;
 }
 
 void Witnesses::AddVote(int view, const Sighting& sighting, double pixels, double cosine, std::vector<Vote>& votes) const {
@@ -126,24 +162,53 @@ void Witnesses::AddVote(int view, const Sighting& sighting, double pixels, doubl
   vote.fine = fine.color.cwiseProduct(gains_[view]);
   vote.root = vote.fine.cwiseSqrt();
   vote.low_root = low.color.cwiseProduct(gains_[view]).cwiseSqrt();
-  vote.weight = static_cast<float>(sighting.trust * pixels * cosine * cosine * sharpness_[view]);
+  vote.weight = static_cast<float>(sighting.trust * pixels * sharpness_[view]);
   vote.say = static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
   // A clipped pixel tells only that the surface was at least this bright: a highlight, or an overexposed photograph.
   if (fine.color.minCoeff() > 0.9f) vote.weight *= 0.1f, vote.say *= 0.3f;
+  vote.quality = static_cast<float>(vote.weight * cosine * cosine);
+  vote.trust = sighting.trust;
   if (vote.weight > 0) votes.push_back(vote);
 }
 
-bool Witnesses::Look(int view, const SurfacePoint& point, Vector3f& color) const {
-  const Vector3d x = Mixed(mesh_.points, mesh_, point);
-  const BakeView& from = views_[view];
-  const Sighting sighting = from.See(x);
-  if (sighting.trust <= 0) return false;
-  const double focal = from.view().camera.fx / sighting.depth;
-  const double cosine = std::max(face_normals_.row(point.face).dot((from.center() - x).normalized()), least_cosine_);
-  const Sample sample = from.ColorAt(sighting.pixel, LevelOf(focal * focal * cosine * area_per_texel_[point.face]));
-  if (sample.alpha <= 0) return false;
-  color = sample.color.cwiseProduct(gains_[view]);
+bool Witnesses::Prepare(int view, int face, FaceSight& sight) const {
+  // Within so many pixels perspective and lens are straight to a hundredth of a pixel.
+  constexpr float kFlatPixels = 48;
+  const View& from = views_[view].view();
+  sight.view = view;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d x = from.camera_from_world * mesh_.points.row(mesh_.faces(face, k)).transpose().eval();
+    if (!(x.z() > 0)) return false;
+    const Eigen::Vector2d pixel = from.camera.Project(x);
+    sight.pixels.col(k) = (warps_.empty() ? pixel : warps_[view].Moved(pixel)).cast<float>();
+    sight.depths[k] = static_cast<float>(x.z());
+  }
+  const auto side = [&](int a, int b) { return (sight.pixels.col(a) - sight.pixels.col(b)).norm(); };
+  sight.flat = std::max({side(0, 1), side(1, 2), side(2, 0)}) < kFlatPixels;
+  const Vector3d middle = Mixed(mesh_.points, mesh_, {face, Vector3f::Constant(1.0f / 3)});
+  const double focal = from.camera.fx / sight.depths.mean();
+  const double cosine = std::max(face_normals_.row(face).dot((views_[view].center() - middle).normalized()), least_cosine_);
+  sight.level = LevelOf(focal * focal * cosine * area_per_texel_[face]);
   return true;
+}
+
+float Witnesses::Look(const FaceSight& sight, const SurfacePoint& point, Vector3f& color) const {
+  const BakeView& from = views_[sight.view];
+  Eigen::Vector2d pixel;
+  float trust;
+  if (sight.flat) {
+    pixel = (sight.pixels * point.weights).cast<double>();
+    trust = from.TrustAt(pixel, sight.depths.dot(point.weights));
+  } else {
+    const Sighting sighting = See(sight.view, Mixed(mesh_.points, mesh_, point));
+    pixel = sighting.pixel;
+    trust = sighting.trust;
+  }
+  if (trust <= 0) return 0;
+  const Sample sample = from.ColorAt(pixel, sight.level);
+  if (sample.alpha <= 0) return 0;
+  color = sample.color.cwiseProduct(gains_[sight.view]);
+  return trust;
 }
 
 FaceViews Witnesses::LookAtFace(int face) const {
@@ -153,7 +218,7 @@ FaceViews Witnesses::LookAtFace(int face) const {
   // Each point stands for a quarter of the face.
   const double texels = area_per_texel_[face] > 0 ? std::max(1.0, 0.5 * std::sqrt(areas_[face] / area_per_texel_[face])) : 1;
   FaceViews result;
-  std::vector<LabelCandidate> sums(views_.size(), {0, 0, Vector3f::Zero(), Vector3f::Zero(), 0, 1});
+  std::vector<LabelCandidate> sums(views_.size(), {0, 0, Vector3f::Zero(), Vector3f::Zero(), 0, 1, 0});
   std::vector<Vote> votes;
   float total = 0;
   for (const Vector3f& w : weights) {
@@ -161,7 +226,8 @@ FaceViews Witnesses::LookAtFace(int face) const {
     for (const Vote& vote : votes) {
       LabelCandidate& sum = sums[vote.view];
       const float weight = vote.weight * vote.agreement;
-      sum.quality += vote.weight;
+      sum.quality += vote.quality;
+      sum.weight += weight / vote.trust;
       sum.agreement = std::min(sum.agreement, vote.agreement);
       sum.color += vote.root;
       sum.linear += vote.fine;
@@ -176,7 +242,8 @@ FaceViews Witnesses::LookAtFace(int face) const {
     if (!(sum.quality > 0)) continue;
     // A view that sees a part of the face only, or a part of it otherwise than the others, is no good for all of it.
     const float seen = sum.seen / kPoints, agreement = std::max(sum.agreement, 1e-6f);
-    result.candidates.push_back({v, sum.quality * agreement * seen * seen, sum.color / sum.seen, sum.linear / sum.seen, seen, agreement});
+    result.candidates.push_back(
+        {v, sum.quality * agreement * seen * seen, sum.color / sum.seen, sum.linear / sum.seen, seen, agreement, sum.weight / kPoints});
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "texture/bake_align.h"
 #include "texture/bake_labels.h"
 #include "texture/bake_view.h"
 
@@ -15,8 +16,10 @@ struct Vote {
   Eigen::Vector3f fine;            ///< linear light, gain applied
   Eigen::Vector3f root, low_root;  ///< square roots, of fine and of the mean over 8 times as much: steps of about equal visibility.
                                    ///< A highlight shows in the low band beyond its rim
-  float weight = 0;                ///< resolution, angle, trust, sharpness: its part of the mean
+  float weight = 0;                ///< pixels of the photograph, sharpness, trust: its part of the mean
+  float quality = 0;               ///< weight x cosine^2: how good it is to be painted from alone
   float say = 0;  ///< its part in what the views agree upon; flatter, since the view from straight ahead may be the one that sees the lamp
+  float trust = 0;      ///< that the view sees the point, (0, 1]; part of all of the above
   float agreement = 1;  ///< with the other views, (0, 1]
 };
 
@@ -32,18 +35,30 @@ struct FaceViews {
   std::vector<LabelCandidate> candidates;          ///< ascending
 };
 
-/// All views, their gains, and the texels of one atlas.
+/// One view of a face, prepared so that each texel of it is looked at quickly.
+struct FaceSight {
+  int view = 0;
+  bool flat = true;                   ///< pixels and depths at the corners may be interpolated; else each texel is projected
+  Eigen::Matrix<float, 2, 3> pixels;  ///< of the photograph, at the corners
+  Eigen::Vector3f depths;             ///< at the corners
+  double level = 0;                   ///< of the photograph's pyramid
+};
+
+/// All views, their gains and warps, and the texels of one atlas.
 class Witnesses {
  public:
   /// @param used          one a view: 0 leaves it out
+  /// @param warps         one a view, or none at all
   /// @param texture_size  of the atlas whose texels are painted
-  Witnesses(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<Eigen::Vector3f>& gains, const std::vector<char>& used,
-            int texture_size, double max_angle_deg, double strictness);
+  Witnesses(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<Eigen::Vector3f>& gains, const std::vector<Warp>& warps,
+            const std::vector<char>& used, int texture_size, double max_angle_deg, double strictness);
 
   /// One vote for each used view that sees the point, ascending, with agreements. Colours are means over `texels` texels each way.
   void CollectVotes(const SurfacePoint& point, double texels, std::vector<Vote>& votes) const;
-  /// One view's colour of a texel, gain applied; false when it does not see the point.
-  bool Look(int view, const SurfacePoint& point, Eigen::Vector3f& color) const;
+  /// False when a corner of the face is behind the camera.
+  bool Prepare(int view, int face, FaceSight& sight) const;
+  /// One view's colour of a texel, gain applied; @return trust in it, 0 when the view does not see the point.
+  float Look(const FaceSight& sight, const SurfacePoint& point, Eigen::Vector3f& color) const;
 
   /// The views that see each face, judged at four points of it.
   std::vector<FaceViews> LookAtFaces() const;
@@ -54,12 +69,14 @@ class Witnesses {
   void FindViews(const std::vector<char>& used);
   void WeighSharpness();
   void MeasureTexels(int texture_size);
+  Sighting See(int view, const Eigen::Vector3d& x) const;
   void AddVote(int view, const Sighting& sighting, double pixels, double cosine, std::vector<Vote>& votes) const;
   FaceViews LookAtFace(int face) const;
 
   const Mesh& mesh_;
   const std::vector<BakeView>& views_;
   const std::vector<Eigen::Vector3f>& gains_;
+  const std::vector<Warp>& warps_;
   double least_cosine_, strictness_;
   PointsX3 face_normals_, vertex_normals_;
   std::vector<std::vector<int>> facing_;  ///< views that may see a face, ascending
