@@ -7,14 +7,12 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/image_quality.h"
 #include "core/parallel.h"
 #include "core/render.h"
 
 namespace keypose::bench {
 namespace {
-
-constexpr int kRadius = 5;
-constexpr double kSigma = 1.5;
 
 template <class A, class B>
 void RequireSameSize(const ImageT<A>& a, const ImageT<B>& b, const char* what) {
@@ -29,67 +27,10 @@ double Ratio(long part, long whole, bool nothing_anywhere) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : nothing_anywhere ? 1 : 0;
 }
 
-using Plane = std::vector<double>;
-
-std::array<double, 2 * kRadius + 1> Window() {
-  std::array<double, 2 * kRadius + 1> window;
-  for (int i = -kRadius; i <= kRadius; ++i) window[static_cast<std::size_t>(i + kRadius)] = std::exp(-0.5 * i * i / (kSigma * kSigma));
-  return window;
-}
-
-/// Separable weighted sums; beyond the border there is nothing.
-Plane Blurred(const Plane& plane, int width, int height) {
-  const auto window = Window();
-  Plane rows(plane.size()), result(plane.size());
-  ParallelFor(height, [&](std::int64_t y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0;
-      for (int i = std::max(-kRadius, -x); i <= std::min(kRadius, width - 1 - x); ++i)
-        sum += window[static_cast<std::size_t>(i + kRadius)] * plane[static_cast<std::size_t>(y * width + x + i)];
-      rows[static_cast<std::size_t>(y * width + x)] = sum;
-    }
-  });
-  ParallelFor(height, [&](std::int64_t y) {
-    const int row = static_cast<int>(y);
-    for (int i = std::max(-kRadius, -row); i <= std::min(kRadius, height - 1 - row); ++i)
-      for (int x = 0; x < width; ++x)
-        result[static_cast<std::size_t>(y * width + x)] +=
-            window[static_cast<std::size_t>(i + kRadius)] * rows[static_cast<std::size_t>((y + i) * width + x)];
-  });
-  return result;
-}
-
-PixelBox MaskedBox(const Image8& mask) {
-  PixelBox box{mask.width, mask.height, 0, 0};
-  for (int y = 0; y < mask.height; ++y)
-    for (int x = 0; x < mask.width; ++x)
-      if (Masked(mask, x, y)) box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1), std::max(box.y1, y + 1)};
-  return box;
-}
-
-double Luma(const std::uint8_t* rgb) { return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2]; }
-
-/// Sums that the index needs, each weighted by window and mask: 1, a, b, aa, bb, ab.
-std::array<Plane, 6> WindowSums(const Image8& a, const Image8& b, const Image8& mask, const PixelBox& box) {
-  const int width = box.x1 - box.x0, height = box.y1 - box.y0;
-  std::array<Plane, 6> sums;
-  for (Plane& plane : sums) plane.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (!Masked(mask, box.x0 + x, box.y0 + y)) continue;
-      const double la = Luma(a.at(box.x0 + x, box.y0 + y)), lb = Luma(b.at(box.x0 + x, box.y0 + y));
-      const double values[6] = {1, la, lb, la * la, lb * lb, la * lb};
-      for (std::size_t k = 0; k < 6; ++k) sums[k][static_cast<std::size_t>(y * width + x)] = values[k];
-    }
-  for (Plane& plane : sums) plane = Blurred(plane, width, height);
-  return sums;
-}
-
-double SimilarityAt(const std::array<Plane, 6>& sums, std::size_t i) {
-  constexpr double kC1 = 0.01 * 255 * 0.01 * 255, kC2 = 0.03 * 255 * 0.03 * 255;
-  const double n = sums[0][i], ma = sums[1][i] / n, mb = sums[2][i] / n;
-  const double aa = sums[3][i] / n - ma * ma, bb = sums[4][i] / n - mb * mb, ab = sums[5][i] / n - ma * mb;
-  return (2 * ma * mb + kC1) * (2 * ab + kC2) / ((ma * ma + mb * mb + kC1) * (aa + bb + kC2));
+ImageT<double> LumaOf(const Image8& rgb) {
+  ImageT<double> luma(rgb.width, rgb.height, 1);
+  for (std::size_t i = 0; i < luma.data.size(); ++i) luma.data[i] = Luma(&rgb.data[3 * i]);
+  return luma;
 }
 
 double MaskedPsnr(const Image8& a, const Image8& b, const Image8& mask, long pixels) {
@@ -232,23 +173,9 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
 double Ssim(const Image8& a, const Image8& b, const Image8& mask) {
   RequireSameSize(a, b, "images");
   RequireSameSize(a, mask, "image and mask");
-  const PixelBox box = MaskedBox(mask);
-  if (box.empty()) return 1;
-  const std::array<Plane, 6> sums = WindowSums(a, b, mask, box);
-  double total = 0;
-  long count = 0;
-  for (int y = box.y0; y < box.y1; ++y)
-    for (int x = box.x0; x < box.x1; ++x) {
-      if (!Masked(mask, x, y)) continue;
-      total += SimilarityAt(sums, static_cast<std::size_t>((y - box.y0) * (box.x1 - box.x0) + x - box.x0));
-      ++count;
-    }
-  return total / static_cast<double>(count);
-}
-
-double Psnr(double sum_of_squares, double count) {
-  const double mean = sum_of_squares / count;
-  return mean > 0 ? std::min(99.0, 10 * std::log10(255.0 * 255.0 / mean)) : 99.0;
+  std::vector<char> valid(mask.data.size());
+  for (std::size_t i = 0; i < valid.size(); ++i) valid[i] = mask.data[i] >= 128;
+  return keypose::Ssim(LumaOf(a), LumaOf(b), valid);
 }
 
 }  // namespace keypose::bench

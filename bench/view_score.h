@@ -4,6 +4,7 @@
 #include "bench/textured_mesh.h"
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/image_quality.h"
 #include "core/ray_scene.h"
 
 namespace keypose::bench {
@@ -50,14 +51,8 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
 Image8 Composed(const ColorRender& render, const Eigen::Vector3d& background, const Eigen::Vector3d& gain = Eigen::Vector3d::Ones());
 Eigen::Vector3d BackgroundColor(const Image8& photograph, const Image8& mask);
 
-/// Mean structural similarity over the masked pixels of two RGB images' luma (0.299 R + 0.587 G + 0.114 B): Gaussian window 11 x 11 of
-/// standard deviation 1.5, K1 = 0.01, K2 = 0.03, L = 255. A window counts its masked pixels only, weights scaled to sum 1, so nothing
-/// outside the mask enters; with a full mask this is the usual index, with windows cut at the border.
-/// Source: Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 13(4), 2004.
+/// Mean structural similarity (core/image_quality.h) of two RGB images' luma over the masked pixels.
 /// @return 1 for an empty mask @throws InputError sizes differ
 double Ssim(const Image8& a, const Image8& b, const Image8& mask);
-
-/// 10 log10(255^2 / mean square), at most 99. @pre count > 0
-double Psnr(double sum_of_squares, double count);
 
 }  // namespace keypose::bench

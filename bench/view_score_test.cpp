@@ -171,6 +171,12 @@ TEST(Ssim, EqualsItsDefinition) {
   EXPECT_EQ(Ssim(a, a, mask), 1);
 }
 
+TEST(Ssim, FollowsTheFormulaForAConstantShift) {
+  const double c1 = 2.55 * 2.55;
+  EXPECT_NEAR(Ssim(Image8(40, 30, 3, 100), Image8(40, 30, 3, 130), Image8(40, 30, 1, 255)),
+              (2 * 100 * 130 + c1) / (100 * 100 + 130 * 130 + c1), 1e-9);
+}
+
 TEST(Ssim, NothingOutsideTheMaskEnters) {
   const Image8 a = Noise(80, 60, 1), mask = MaskOf(20, 20, 40, 40);
   Image8 b = Noise(80, 60, 2);

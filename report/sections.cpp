@@ -80,7 +80,10 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
            {{"texels unseen", "unseen_fraction"},
             {"views used", "views_used"},
             {"views a texel", "mean_views_per_texel"},
-            {"PSNR to photographs (dB)", "psnr_gain_db"}},
+            {"PSNR to photographs (dB)", "psnr_gain_db"},
+            {"PSNR to photographs left out (dB)", "held_out_psnr_db"},
+            {"... after one gain a channel (dB)", "held_out_psnr_gain_db"},
+            {"SSIM to photographs left out", "held_out_ssim"}},
            facts);
   return facts;
 }

@@ -57,6 +57,14 @@ class Judges {
           s,
           Bold(Percent(*unseen)) + " of the texture was in no photograph and is inpainted" +
               (*unseen < 0.06 ? "." : ": photograph from below or between the limbs."));
+    const auto left_out = s.Number("held_out_psnr_gain_db"), left_out_ssim = s.Number("held_out_ssim");
+    if (left_out && left_out_ssim)
+      Add(*left_out > 24   ? Grade::kGood
+          : *left_out > 19 ? Grade::kLook
+                           : Grade::kBad,
+          s,
+          "A texture of the other photographs predicts those left out at " + Bold(Pretty(*left_out) + " dB") + " PSNR, SSIM " +
+              Bold(Pretty(*left_out_ssim)) + ".");
     if (const auto psnr = s.Number("psnr_gain_db"))
       Add(*psnr > 28   ? Grade::kGood
           : *psnr > 22 ? Grade::kLook

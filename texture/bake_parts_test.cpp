@@ -94,19 +94,6 @@ TEST(LevelSeams, ViewsThatDifferByAConstantMeetHalfWay) {
     }
 }
 
-TEST(Ssim, IsOneForEqualImagesAndFollowsTheFormulaForAConstantShift) {
-  ImageF a(40, 30, 1), b(40, 30, 1);
-  for (std::size_t i = 0; i < a.data.size(); ++i) a.data[i] = 100, b.data[i] = 130;
-  const std::vector<char> all(a.data.size(), 1);
-  EXPECT_NEAR(Ssim(a, a, all), 1, 1e-6);
-  const double c1 = 2.55 * 2.55;
-  EXPECT_NEAR(Ssim(a, b, all), (2 * 100 * 130 + c1) / (100 * 100 + 130 * 130 + c1), 1e-4);
-  std::vector<char> narrow(a.data.size(), 0);
-  for (int y = 0; y < 30; ++y)
-    for (int x = 0; x < 10; ++x) narrow[y * 40 + x] = 1;
-  EXPECT_EQ(Ssim(a, b, narrow), 0);  // no window of 11 fits
-}
-
 TEST(MinCut, EqualsTheBestOfAllCuts) {
   std::uint32_t state = 7;
   const auto random = [&](int below) { return static_cast<int>((state = state * 1664525u + 1013904223u) >> 16) % below; };

@@ -1,7 +1,6 @@
 #include "texture/bake_quality.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -60,48 +59,6 @@ Pair RenderInto(const Mesh& mesh, const RayScene& scene, const TextureLevels& te
   return pair;
 }
 
-double Luma(const Vector3d& srgb) { return 0.299 * srgb[0] + 0.587 * srgb[1] + 0.114 * srgb[2]; }
-
-/// Gaussian of sigma 1.5 over 11 x 11, separable; only meaningful where the window lies inside the image.
-ImageF Blurred(const ImageF& in) {
-  constexpr int kRadius = 5;
-  std::array<float, 2 * kRadius + 1> kernel;
-  float sum = 0;
-  for (int i = -kRadius; i <= kRadius; ++i) sum += kernel[i + kRadius] = std::exp(-static_cast<float>(i * i) / 4.5f);
-  for (float& k : kernel) k /= sum;
-  ImageF rows(in.width, in.height, 1), out(in.width, in.height, 1);
-  for (int y = 0; y < in.height; ++y)
-    for (int x = kRadius; x < in.width - kRadius; ++x)
-      for (int i = -kRadius; i <= kRadius; ++i) *rows.at(x, y) += kernel[i + kRadius] * *in.at(x + i, y);
-  for (int y = kRadius; y < in.height - kRadius; ++y)
-    for (int x = 0; x < in.width; ++x)
-      for (int i = -kRadius; i <= kRadius; ++i) *out.at(x, y) += kernel[i + kRadius] * *rows.at(x, y + i);
-  return out;
-}
-
-/// 1 where the whole 11 x 11 window is valid.
-std::vector<char> WholeWindows(const std::vector<char>& valid, int width, int height) {
-  constexpr int kRadius = 5;
-  std::vector<char> rows(valid.size(), 0), out(valid.size(), 0);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0, run = 0; x < width; ++x) {
-      run = valid[static_cast<std::size_t>(y) * width + x] ? run + 1 : 0;
-      if (run > 2 * kRadius) rows[static_cast<std::size_t>(y) * width + x - kRadius] = 1;
-    }
-  for (int x = 0; x < width; ++x)
-    for (int y = 0, run = 0; y < height; ++y) {
-      run = rows[static_cast<std::size_t>(y) * width + x] ? run + 1 : 0;
-      if (run > 2 * kRadius) out[static_cast<std::size_t>(y - kRadius) * width + x] = 1;
-    }
-  return out;
-}
-
-ImageF Product(const ImageF& a, const ImageF& b) {
-  ImageF out = a;
-  for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= b.data[i];
-  return out;
-}
-
 }  // namespace
 
 TextureLevels::TextureLevels(Image8 texture) {
@@ -116,27 +73,6 @@ Vector3d TextureLevels::Sample(const Vector2d& uv, double texels) const {
   const Vector3d fine = SampleTexture(levels_[below], uv);
   if (t < 0.02) return fine;
   return (1 - t) * fine + t * SampleTexture(levels_[below + 1], uv);
-}
-
-double Psnr(double sum_of_squares, double count) {
-  if (count <= 0) return 0;
-  const double mean = sum_of_squares / count;
-  return mean > 0 ? std::min(99.0, 10 * std::log10(255.0 * 255.0 / mean)) : 99.0;
-}
-
-double Ssim(const ImageF& a, const ImageF& b, const std::vector<char>& valid) {
-  const std::vector<char> whole = WholeWindows(valid, a.width, a.height);
-  const ImageF ma = Blurred(a), mb = Blurred(b), aa = Blurred(Product(a, a)), bb = Blurred(Product(b, b)), ab = Blurred(Product(a, b));
-  const double c1 = 0.01 * 255 * 0.01 * 255, c2 = 0.03 * 255 * 0.03 * 255;
-  double sum = 0;
-  int count = 0;
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    if (!whole[i]) continue;
-    const double x = ma.data[i], y = mb.data[i], xx = aa.data[i] - x * x, yy = bb.data[i] - y * y, xy = ab.data[i] - x * y;
-    sum += (2 * x * y + c1) * (2 * xy + c2) / ((x * x + y * y + c1) * (xx + yy + c2));
-    ++count;
-  }
-  return count > 0 ? sum / count : 0;
 }
 
 Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
@@ -157,7 +93,7 @@ Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const Te
   }
   if (result.pixels == 0) return result;
   const Vector3f gain = means[1].cwiseQuotient(means[0].cwiseMax(1e-9)).cast<float>();
-  ImageF rendered(view.rays_wide(), view.rays_high(), 1), photographed = rendered;
+  ImageT<double> rendered(view.rays_wide(), view.rays_high(), 1), photographed = rendered;
   double sum = 0, sum_gain = 0;
   for (std::size_t i = 0; i < pair.valid.size(); ++i) {
     if (!pair.valid[i]) continue;
@@ -166,8 +102,8 @@ Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const Te
     const Vector3d truth(SrgbOf(p[0]), SrgbOf(p[1]), SrgbOf(p[2])), regained(SrgbOf(g[0]), SrgbOf(g[1]), SrgbOf(g[2]));
     sum += (pair.rendered[i] - truth).squaredNorm();
     sum_gain += (regained - truth).squaredNorm();
-    rendered.data[i] = static_cast<float>(Luma(pair.rendered[i]));
-    photographed.data[i] = static_cast<float>(Luma(truth));
+    rendered.data[i] = Luma(pair.rendered[i].data());
+    photographed.data[i] = Luma(truth.data());
   }
   result.psnr_db = Psnr(sum, 3.0 * result.pixels);
   result.psnr_gain_db = Psnr(sum_gain, 3.0 * result.pixels);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/image_quality.h"
 #include "core/mesh.h"
 #include "core/ray_scene.h"
 #include "texture/bake_view.h"
@@ -27,17 +28,10 @@ struct Comparison {
   int pixels = 0;
   double psnr_db = 0;       ///< as both are
   double psnr_gain_db = 0;  ///< after one factor a channel (linear light) that gives the render the photograph's mean
-  double ssim = 0;          ///< of the luma as both are, mean over the windows that lie inside; 0 when there is none
+  double ssim = 0;          ///< of the luma as both are (core/image_quality.h)
 };
 /// At most 200,000 rays. @param texture_size  of `texture`, for the footprint of a ray
 Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
                                const BakeView& view);
-
-/// 10 log10(255^2 / mean square), at most 99 (no difference at all).
-double Psnr(double sum_of_squares, double count);
-
-/// Mean structural similarity of two grey images (0..255) over the windows of 11 x 11 (Gaussian, sigma 1.5) whose pixels are all valid.
-/// Source: Wang, Bovik, Sheikh, Simoncelli, TIP 2004.
-double Ssim(const ImageF& a, const ImageF& b, const std::vector<char>& valid);
 
 }  // namespace keypose::texture
