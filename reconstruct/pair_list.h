@@ -13,7 +13,7 @@ struct PairListOptions {
   int all_pairs_limit = 48;    ///< up to this many images all pairs are matched
   int neighbors = 4;           ///< images before and after in the names' order are always paired; the order closes to a circle
   int similar = 24;            ///< most similar images of each image that are paired too
-  int preview_features = 768;  ///< largest features of each image by which similarity is counted
+  int preview_features = 512;  ///< largest features of each image by which similarity is counted
 };
 
 using ImagePair = std::pair<int, int>;  ///< first < second

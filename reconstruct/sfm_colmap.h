@@ -21,11 +21,8 @@ struct SfmFiles {
 
 /// SIFT features of all images into the database, sought in the photographs cut to their masks. Photographs without a mask are looked at
 /// whole. @throws InputError a mask of another size than its photograph
-void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options);
-
-/// Geometric verification of raw matches. COLMAP's RANSAC draws from a generator that each thread keeps, so the pairs are split into a
-/// fixed number of parts, each verified by a process of one thread on a database of its own; then the parts are joined in pair order.
-void VerifyMatches(StageContext& stage, const SfmFiles& files, const std::vector<PairMatches>& matches, const SfmOptions& options);
+/// @param fine  also at twice the photographs' size, which is where four of five features come from and most of the time goes
+void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, bool fine);
 
 /// Incremental mapping on one thread (sums over threads depend on their number). @return model folders, most images first
 std::vector<std::filesystem::path> MapImages(StageContext& stage, const SfmFiles& files, const SfmOptions& options);

@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kVerificationParts = 8;  // fixed: results must not depend on the cores
-
 std::string Colmap(StageContext& stage, const std::vector<std::string>& arguments) {
   return RunTool(stage, "colmap", arguments, {"QT_QPA_PLATFORM=offscreen", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"});
 }
@@ -60,7 +58,7 @@ Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int ma
 
 /// Features of images [begin, end) into a database in `folder`, by a COLMAP of one thread. @return what the images were called there
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end, const fs::path& folder,
-                                  const SfmOptions& options) {
+                                  const SfmOptions& options, bool fine) {
   fs::create_directories(folder / "images");
   fs::create_directories(folder / "masks");
   std::vector<Prepared> prepared;
@@ -92,6 +90,8 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
                  Text(options.max_features),
                  "--SiftExtraction.peak_threshold",
                  Text(options.peak_threshold),
+                 "--SiftExtraction.first_octave",
+                 fine ? "-1" : "0",
                  "--SiftExtraction.estimate_affine_shape",
                  Text(options.affine_shape),
                  "--SiftExtraction.domain_size_pooling",
@@ -101,7 +101,7 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
 
 }  // namespace
 
-void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options) {
+void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, bool fine) {
   const int images = static_cast<int>(set.images.size());
   const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
   const int per_part = shrunk ? 1 : 3;  // one limit on the size holds for all images of a part
@@ -111,7 +111,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
   std::atomic<int> done = 0;
   ParallelFor(parts, [&](std::int64_t k) {
     const int begin = static_cast<int>(k) * per_part, end = std::min(images, begin + per_part);
-    prepared[static_cast<std::size_t>(k)] = ExtractPart(stage, set, begin, end, folder(k), options);
+    prepared[static_cast<std::size_t>(k)] = ExtractPart(stage, set, begin, end, folder(k), options, fine);
     done += end - begin;
     Step(stage.progress(), 0.4 * done / images, "features of " + std::to_string(done) + " of " + std::to_string(images) + " images");
   });
@@ -128,42 +128,18 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
   }
 }
 
-void VerifyMatches(StageContext& stage, const SfmFiles& files, const std::vector<PairMatches>& matches, const SfmOptions& options) {
-  const ImageSet set = ReadImageSet(files.images);
-  std::vector<fs::path> parts(kVerificationParts);
-  ParallelFor(kVerificationParts, [&](std::int64_t k) {
-    std::vector<PairMatches> part;
-    for (std::size_t i = static_cast<std::size_t>(k); i < matches.size(); i += kVerificationParts) part.push_back(matches[i]);
-    if (part.empty()) return;
-    const fs::path database = files.scratch / ("part" + std::to_string(k) + ".db"),
-                   list = files.scratch / ("part" + std::to_string(k) + ".txt");
-    fs::copy_file(files.database, database);
-    ColmapDatabase(database).WriteMatches(part);
-    std::string lines;
-    for (const PairMatches& pair : part)
-      lines += set.images[static_cast<std::size_t>(pair.first)].name + " " + set.images[static_cast<std::size_t>(pair.second)].name + "\n";
-    WriteFile(list, lines);
-    Colmap(stage,
-           {"matches_importer", "--database_path", database, "--match_list_path", list, "--match_type", "pairs", "--SiftMatching.use_gpu",
-            "0", "--SiftMatching.num_threads", "1", "--SiftMatching.min_num_inliers", Text(options.min_inliers)});
-    parts[static_cast<std::size_t>(k)] = database;
-  });
-  ColmapDatabase whole(files.database);
-  for (const fs::path& part : parts) {
-    if (part.empty()) continue;
-    whole.AddPairsFrom(part);
-    fs::remove(part);
-  }
-}
-
 std::vector<fs::path> MapImages(StageContext& stage, const SfmFiles& files, const SfmOptions& options) {
-  const fs::path folder = files.scratch / "models";
+  const fs::path folder = files.scratch / (files.database.stem().string() + "_models");
   fs::create_directories(folder);
   try {
     Colmap(stage, {"mapper", "--database_path", files.database, "--image_path", files.images, "--output_path", folder,
                    "--Mapper.num_threads", "1", "--Mapper.min_num_matches", Text(options.min_inliers), "--Mapper.init_min_tri_angle", "8",
                    "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.filter_min_tri_angle", Text(options.min_triangulation_deg),
-                   "--Mapper.tri_min_angle", Text(options.min_triangulation_deg)});
+                   "--Mapper.tri_min_angle", Text(options.min_triangulation_deg),
+                   // Its adjustments only have to keep it from drifting: ours follow.
+                   "--Mapper.ba_local_num_images", "5", "--Mapper.ba_local_max_num_iterations", "10", "--Mapper.ba_local_max_refinements",
+                   "1", "--Mapper.ba_global_images_ratio", "1.5", "--Mapper.ba_global_points_ratio", "1.5",
+                   "--Mapper.ba_global_max_num_iterations", "15", "--Mapper.ba_global_max_refinements", "1"});
   } catch (const ToolError& error) {
     // COLMAP fails when no two images make a start: that is a fault of the photographs, which the caller words.
     stage.Note(std::string("sfm: mapper: ") + error.what());

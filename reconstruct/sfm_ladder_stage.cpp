@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "reconstruct/ring_sfm.h"
 #include "reconstruct/ring_silhouettes.h"
+#include "reconstruct/sfm_refine_stage.h"
 #include "reconstruct/sfm_thin.h"
 
 namespace keypose::reconstruct {
@@ -29,24 +30,6 @@ PlacedModel Refined(StageContext& stage, PlacedModel model, const SfmOptions& op
   model.observations = std::move(result.kept);
   model.bodies = std::move(result.bodies);
   return model;
-}
-
-/// Colours of points that a model of ours has, each from the first photograph that shows it.
-void ColorPoints(const ImageSet& set, Scene& scene) {
-  std::vector<std::vector<std::size_t>> of_view(scene.views.size());
-  for (std::size_t p = 0; p < scene.points.size(); ++p)
-    if (!scene.points[p].views.empty()) of_view[static_cast<std::size_t>(scene.points[p].views[0])].push_back(p);
-  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
-    const View& view = scene.views[static_cast<std::size_t>(v)];
-    if (of_view[static_cast<std::size_t>(v)].empty()) return;
-    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
-    for (const std::size_t p : of_view[static_cast<std::size_t>(v)]) {
-      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
-      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
-                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
-      scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));
-    }
-  });
 }
 
 Placed PlaceKnown(StageContext& stage, PlacedModel model, const std::string& method, const SfmOptions& options) {
@@ -136,12 +119,9 @@ Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const SfmOpt
   return placed;
 }
 
-}  // namespace
-
-Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
-             Stopwatch& watch) {
-  if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
-  const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
+/// The rungs that need matched features: plate and mapper.
+Placed PlaceByMatches(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+                      const SetBoards& boards, Stopwatch& watch) {
   Placed best;
   if (options.method == "auto" || options.method == "board") {
     auto model = ModelFromBoards(stage, set, files, {seen.features, seen.matches}, boards, options);
@@ -149,15 +129,18 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
     watch.Lap(stage, "board");
     if (best.views() >= options.min_placed * static_cast<double>(set.images.size()) && best.views() > 0) return best;
   }
-  const auto all = [&] { return best.views() == set.images.size(); };
   if (options.method == "auto" || options.method == "features") {
     Placed features = PlaceByFeatures(stage, set, files, options, seen, boards);
     if (features.views() > best.views()) best = std::move(features);
     watch.Lap(stage, "mapping");
   }
-  // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
-  if (boards.groups.size() > 1) return best;
-  if (!all() && (options.method == "auto" || options.method == "ring")) {
+  return best;
+}
+
+/// The rungs that believe in a turntable. `best` is what was found before.
+void PlaceByTurntable(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen, Placed& best,
+                      Stopwatch& watch) {
+  if (best.views() < set.images.size() && (options.method == "auto" || options.method == "ring")) {
     Placed ring = PlaceByRing(stage, set, options, seen);
     watch.Lap(stage, "ring");
     if (ring.views() > best.views()) best = std::move(ring);
@@ -168,6 +151,36 @@ Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, co
     watch.Lap(stage, "silhouettes");
     if (outlines.views() > best.views()) best = std::move(outlines);
   }
+}
+
+SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
+  return {scratch, set.folder, scratch / (fine ? "fine.db" : "coarse.db")};
+}
+
+}  // namespace
+
+Placed Place(StageContext& stage, const ImageSet& set, const fs::path& scratch, const SfmOptions& options, Stopwatch& watch,
+             bool& focal_known) {
+  // The ring model lives on what little there is: it gets the fine features at once.
+  bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
+  SfmFiles files = FilesOf(set, scratch, fine);
+  Seen seen = BuildDatabase(stage, set, files, options, fine, watch);
+  focal_known = seen.focal_known;
+  if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
+  const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
+  Placed best = PlaceByMatches(stage, set, files, options, seen, boards, watch);
+  if (!fine && options.detail == "auto" && best.views() < set.images.size() && options.method != "silhouettes") {
+    stage.Note("sfm: features at the photographs' own size place " + std::to_string(best.views()) + " of " +
+               std::to_string(set.images.size()) + "; looking for finer ones");
+    fine = true;
+    files = FilesOf(set, scratch, fine);
+    seen = BuildDatabase(stage, set, files, options, fine, watch);
+    Placed finer = PlaceByMatches(stage, set, files, options, seen, boards, watch);
+    if (finer.views() >= best.views()) best = std::move(finer);
+  }
+  stage.Report("fine_features", fine);
+  // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
+  if (boards.groups.size() <= 1) PlaceByTurntable(stage, set, options, seen, best, watch);
   return best;
 }
 

@@ -1,6 +1,7 @@
 // Second half of sfm: cameras from what the photographs show, down a ladder of methods.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "reconstruct/placed_stage.h"
@@ -15,8 +16,10 @@ struct Placed {
   std::size_t views() const { return model.scene.views.size(); }
 };
 
-/// Down the ladder until a rung holds all photographs; else the rung that holds most.
-Placed Place(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
-             Stopwatch& watch);
+/// Down the ladder until a rung holds all photographs; else the rung that holds most. Coarse features come first, and fine ones where those
+/// leave photographs out.
+/// @param focal_known  set: whether the photographs told the focal length
+Placed Place(StageContext& stage, const ImageSet& set, const std::filesystem::path& scratch, const SfmOptions& options, Stopwatch& watch,
+             bool& focal_known);
 
 }  // namespace keypose::reconstruct

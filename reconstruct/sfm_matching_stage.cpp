@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/ring_static.h"
+#include "reconstruct/sfm_verification.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -54,42 +56,51 @@ std::vector<PairMatches> MatchPairs(const std::vector<Features>& features, const
   return matches;
 }
 
+/// The pairs whose matches fit one rigid scene, in the pairs' order.
+std::vector<Verified> VerifyPairs(const std::vector<Features>& features, const std::vector<PairMatches>& matches, const SfmOptions& options,
+                                  Progress* progress) {
+  std::vector<std::optional<Verified>> tested(matches.size());
+  VerificationOptions verification;
+  verification.min_inliers = options.min_inliers;
+  ParallelFor(static_cast<std::int64_t>(matches.size()), [&](std::int64_t k) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    const PairMatches& pair = matches[static_cast<std::size_t>(k)];
+    tested[static_cast<std::size_t>(k)] =
+        VerifyPair(features[static_cast<std::size_t>(pair.first)], features[static_cast<std::size_t>(pair.second)], pair, verification);
+  });
+  std::vector<Verified> verified;
+  for (std::optional<Verified>& pair : tested)
+    if (pair) verified.push_back(std::move(*pair));
+  return verified;
+}
+
 /// Matches verified pairs once more along their epipolar lines, and keeps what is more. @return inliers gained
-int MatchAlongLines(ColmapDatabase& database, const std::vector<Features>& features, int longer_side_px, const SfmOptions& options,
+int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& features, int longer_side_px, const SfmOptions& options,
                     Progress* progress) {
-  constexpr double kMaxError_px = 4;  // COLMAP's own threshold
-  const std::vector<VerifiedPair> pairs = database.VerifiedPairs();
-  std::vector<PairMatches> guided(pairs.size());
+  std::vector<int> gained(pairs.size(), 0);
   MatchOptions matching;
   matching.max_ratio = options.max_ratio;
   ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
-    const VerifiedPair& pair = pairs[static_cast<std::size_t>(k)];
-    if (pair.geometry.kind == PairGeometry::kOther) return;
-    PairMatches& found = guided[static_cast<std::size_t>(k)];
-    found.first = pair.first;
-    found.second = pair.second;
-    const Features &first = features[static_cast<std::size_t>(pair.first)], &second = features[static_cast<std::size_t>(pair.second)];
-    found.features = MatchGuided(first, second, pair.geometry, matching, kMaxError_px);
-    RejectStaticMatches(first, second, longer_side_px, found.features);
-    if (static_cast<int>(found.features.size()) <= pair.inliers) found.features.clear();
+    Verified& pair = pairs[static_cast<std::size_t>(k)];
+    const Features &first = features[static_cast<std::size_t>(pair.inliers.first)],
+                   &second = features[static_cast<std::size_t>(pair.inliers.second)];
+    auto found = MatchGuided(first, second, pair.geometry, matching, VerificationOptions{}.max_error_px);
+    RejectStaticMatches(first, second, longer_side_px, found);
+    if (found.size() <= pair.inliers.features.size()) return;
+    gained[static_cast<std::size_t>(k)] = static_cast<int>(found.size() - pair.inliers.features.size());
+    pair.inliers.features = std::move(found);
   });
-  int gained = 0;
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (!guided[k].features.empty()) gained += static_cast<int>(guided[k].features.size()) - pairs[k].inliers;
-  std::erase_if(guided, [](const PairMatches& pair) { return pair.features.empty(); });
-  database.ReplaceInliers(guided);
-  return gained;
+  return std::accumulate(gained.begin(), gained.end(), 0);
 }
 
-void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matches, const ColmapDatabase& database) {
-  int inliers = 0;
-  const auto verified = database.VerifiedPairs();
-  for (const VerifiedPair& pair : verified) inliers += pair.inliers;
+void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matches, const std::vector<Verified>& verified) {
+  std::size_t inliers = 0;
+  for (const Verified& pair : verified) inliers += pair.inliers.features.size();
   stage.Report("pairs_tried", static_cast<int>(pairs));
   stage.Report("pairs_matched", static_cast<int>(with_matches));
   stage.Report("pairs_verified", static_cast<int>(verified.size()));
-  stage.Report("verified_matches", inliers);
+  stage.Report("verified_matches", static_cast<int>(inliers));
 }
 
 }  // namespace
@@ -100,12 +111,13 @@ std::vector<std::string> NamesOf(const ImageSet& set) {
   return names;
 }
 
-Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch) {
+Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, bool fine,
+                   Stopwatch& watch) {
   Seen seen;
   seen.camera = StartCamera(set, seen.focal_known);
   const std::vector<std::string> names = NamesOf(set);
   ColmapDatabase::Create(files.database, seen.camera, seen.focal_known, names);
-  ExtractFeatures(stage, set, files, options);
+  ExtractFeatures(stage, set, files, options, fine);
   watch.Lap(stage, "features");
   std::vector<Features>& features = seen.features;
   {
@@ -130,15 +142,17 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
   Step(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = seen.matches;
   std::erase_if(enough, [&](const PairMatches& pair) { return static_cast<int>(pair.features.size()) < options.min_inliers; });
-  VerifyMatches(stage, files, enough, options);
+  std::vector<Verified> verified = VerifyPairs(features, enough, options, stage.progress());
   watch.Lap(stage, "verification");
-  ColmapDatabase database(files.database);
   if (options.guided_matching) {
     Step(stage.progress(), 0.65, "matching along epipolar lines");
-    stage.Report("guided_gain", MatchAlongLines(database, features, longer_side_px, options, stage.progress()));
+    stage.Report("guided_gain", MatchAlongLines(verified, features, longer_side_px, options, stage.progress()));
     watch.Lap(stage, "guided_matching");
   }
-  ReportMatches(stage, pairs.size(), enough.size(), database);
+  ReportMatches(stage, pairs.size(), enough.size(), verified);
+  std::vector<PairMatches> inliers;
+  for (Verified& pair : verified) inliers.push_back(std::move(pair.inliers));
+  ColmapDatabase(files.database).PutInliers(inliers);
   return seen;
 }
 

@@ -22,7 +22,8 @@ struct Seen {
 std::vector<std::string> NamesOf(const ImageSet& set);
 
 /// Features, matches and verified matches of the set, the last in a COLMAP database.
+/// @param fine  features from twice the photographs' size too
 /// @throws InputError  photographs of different sizes
-Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, Stopwatch& watch);
+Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, bool fine, Stopwatch& watch);
 
 }  // namespace keypose::reconstruct

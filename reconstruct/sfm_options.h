@@ -18,6 +18,7 @@ struct SfmOptions {
   int max_image_size = 2000;      ///< longer side at which features are found
   int max_features = 8192;        ///< per image
   double peak_threshold = 0.002;  ///< COLMAP's default of 0.0067 leaves little on clay, plush and paint
+  std::string detail = "auto";    ///< size of the smallest features
   bool affine_shape = true;
   bool domain_size_pooling = false;
   int mask_margin_px = 4;
@@ -31,7 +32,7 @@ struct SfmOptions {
   bool refine_principal_point = BundleOptions{}.refine_principal_point;
   bool refine_distortion = BundleOptions{}.refine_distortion;
   bool patches = true;         ///< points found again by grey values, and cameras adjusted to these
-  int adjusted_points = 8000;  ///< in the bundle adjustments, spread over the object
+  int adjusted_points = 6000;  ///< in the bundle adjustments, spread over the object
   double min_placed = 0.6;
   bool level = true;
   bool board = true;          ///< use the printed plate where photographs show it
@@ -69,6 +70,13 @@ struct SfmOptions {
     visit("max_image_size", max_image_size, {"longer side at which features are found", "px", 320, 20000, {}});
     visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});
     visit("peak_threshold", peak_threshold, {"least contrast of a feature; smaller finds more on weak texture", "", 1e-4, 0.1, {}});
+    visit("detail", detail,
+          {"features from the photographs as they are (coarse), from twice their size too (fine), or that only where coarse ones leave "
+           "photographs out (auto)",
+           "",
+           0,
+           0,
+           {"auto", "coarse", "fine"}});
     visit("affine_shape", affine_shape, {"adapt features to slanted surfaces: more matches between distant views", "", 0, 1, {}});
     visit("domain_size_pooling", domain_size_pooling, {"pool descriptors over sizes: some more matches, three times slower", "", 0, 1, {}});
     visit("mask_margin_px", mask_margin_px, {"masks grow by this before features are looked for", "px", 0, 100, {}});

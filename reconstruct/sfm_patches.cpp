@@ -287,7 +287,7 @@ class Tracker {
 }  // namespace
 
 PatchImage MakePatchImage(const Image8& picture, const Image8& mask, double scale, const PatchOptions& options) {
-  if (mask.empty()) return {Smoothed(picture, options.smoothing_px), scale};
+  if (mask.empty()) return {Smoothed(picture, options.smoothing_px), scale, {}, Vector2d::Zero()};
   const int margin = 4 * options.radius_px;
   int x0 = picture.width, y0 = picture.height, x1 = 0, y1 = 0;
   for (int y = 0; y < mask.height; ++y)
@@ -296,9 +296,12 @@ PatchImage MakePatchImage(const Image8& picture, const Image8& mask, double scal
   if (x0 >= x1) return {};
   x0 = std::max(0, x0 - margin), y0 = std::max(0, y0 - margin);
   x1 = std::min(picture.width, x1 + margin), y1 = std::min(picture.height, y1 + margin);
-  Image8 cut(x1 - x0, y1 - y0, 1);
-  for (int y = 0; y < cut.height; ++y) std::copy_n(picture.at(x0, y0 + y), cut.width, cut.at(0, y));
-  return {Smoothed(cut, options.smoothing_px), scale, Vector2d(x0, y0)};
+  Image8 cut(x1 - x0, y1 - y0, 1), cut_mask = cut;
+  for (int y = 0; y < cut.height; ++y) {
+    std::copy_n(picture.at(x0, y0 + y), cut.width, cut.at(0, y));
+    std::copy_n(mask.at(x0, y0 + y), cut.width, cut_mask.at(0, y));
+  }
+  return {Smoothed(cut, options.smoothing_px), scale, std::move(cut_mask), Vector2d(x0, y0)};
 }
 
 PatchTracks TrackPatches(const Scene& scene, const std::vector<PatchImage>& images, const PatchOptions& options, Progress* progress) {

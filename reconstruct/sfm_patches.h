@@ -25,6 +25,7 @@ struct PatchOptions {
 struct PatchImage {
   ImageF grey;                                       ///< smoothed; empty where there is none
   double scale = 1;                                  ///< of its pixels over the photograph's: 0.5 is half the photograph's size
+  Image8 mask;                                       ///< of grey's size; empty where there is none
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< where its corner lies in the shrunk photograph [its px]
 };
 /// @param picture  grey, the photograph shrunk by `scale`

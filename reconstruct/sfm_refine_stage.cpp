@@ -6,6 +6,7 @@
 #include "core/io/image_io.h"
 #include "core/parallel.h"
 #include "reconstruct/ring_fit.h"
+#include "reconstruct/sfm_corners.h"
 #include "reconstruct/sfm_patches.h"
 #include "reconstruct/sfm_thin.h"
 
@@ -13,7 +14,8 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kFewestPoints = 40;
-constexpr int kFewestPlaces = 25;  // of a view; with fewer its features stay too
+constexpr int kPlenty = 3000;      // with fewer points, a round more that adds corners round those of the round before
+constexpr int kFewestPlaces = 60;  // of a view; with fewer its features stay too
 
 Image8 Shrunk(const Image8& image, double scale) {
   if (scale >= 1 || image.empty()) return image;
@@ -58,6 +60,23 @@ bool AllSeen(const Scene& scene, const std::vector<Observation>& observations) {
 
 }  // namespace
 
+void ColorPoints(const ImageSet& set, Scene& scene) {
+  std::vector<std::vector<std::size_t>> of_view(scene.views.size());
+  for (std::size_t p = 0; p < scene.points.size(); ++p)
+    if (!scene.points[p].views.empty()) of_view[static_cast<std::size_t>(scene.points[p].views[0])].push_back(p);
+  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
+    const View& view = scene.views[static_cast<std::size_t>(v)];
+    if (of_view[static_cast<std::size_t>(v)].empty()) return;
+    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
+    for (const std::size_t p : of_view[static_cast<std::size_t>(v)]) {
+      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
+      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
+      scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));
+    }
+  });
+}
+
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedModel& model, bool focal_known, const SfmOptions& options) {
   if (model.fixed || !options.patches || static_cast<int>(model.scene.points.size()) < kFewestPoints) return model.scene;
   Step(stage.progress(), 0.93, "refining points by grey values");
@@ -69,9 +88,12 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedMode
   fitting.bundle = BundleFor(model, options);
   fitting.ring.focal_prior = focal_known ? 0.03 : 0.15;
   const bool ring = bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
+  CornerOptions corners;
+  corners.most_points = options.adjusted_points;
   RingFit fit;
   PatchTracks tracks;
-  for (const double robust_px : {0.5, 0.3}) {
+  for (const double robust_px : {0.5, 0.4, 0.3}) {
+    if (robust_px == 0.4 && static_cast<int>(tracks.scene.points.size()) >= kPlenty) continue;
     tracks = TrackPatches(current.scene, images, patches, stage.progress());
     AddFeatures(tracks, current.observations);
     if (static_cast<int>(tracks.scene.points.size()) < kFewestPoints || !AllSeen(tracks.scene, tracks.observations)) {
@@ -80,13 +102,13 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedMode
     }
     fitting.bundle.robust_px = robust_px;
     fitting.bundle.max_error_px = 4 * robust_px;
-    const bool last = robust_px < 0.4;
+    const bool last = robust_px == 0.3;
     if (ring && last)
       fit = AdjustOnRings(tracks.scene, tracks.observations, fitting, stage.progress());
     else
       fit.result = AdjustBundle(tracks.scene, tracks.observations, fitting.bundle, stage.progress(), bodies);
     bodies = fit.result.bodies;
-    current = {fit.result.scene, {}};
+    current = {last ? fit.result.scene : AddCorners(fit.result.scene, images, patches, corners), fit.result.kept};
   }
   stage.Report("patch_points", static_cast<int>(fit.result.scene.points.size()));
   stage.Report("patch_observations", fit.result.observations);
@@ -94,6 +116,7 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedMode
   if (fit.tried) stage.Report("turntable_chi2_ratio", fit.chi2_ratio);
   stage.Report("on_turntable", fit.is_ring);
   if (!bodies.observations.empty()) stage.Report("board_rms_px", fit.result.bodies_rms_px);
+  ColorPoints(set, fit.result.scene);
   return std::move(fit.result.scene);
 }
 

@@ -13,4 +13,7 @@ namespace keypose::reconstruct {
 /// @param model  adjusted; with the observations of its points
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedModel& model, bool focal_known, const SfmOptions& options);
 
+/// Colours of points that a model of ours has, each from the first photograph that shows it.
+void ColorPoints(const ImageSet& set, Scene& scene);
+
 }  // namespace keypose::reconstruct

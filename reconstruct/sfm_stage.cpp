@@ -10,6 +10,7 @@
 #include "reconstruct/leveling.h"
 #include "reconstruct/ring_picture.h"
 #include "reconstruct/sfm_colmap.h"
+#include "reconstruct/sfm_hull_check_stage.h"
 #include "reconstruct/sfm_ladder_stage.h"
 #include "reconstruct/sfm_matching_stage.h"
 #include "reconstruct/sfm_refine_stage.h"
@@ -88,21 +89,21 @@ void Run(StageContext& stage, const SfmOptions& options) {
   if (set.images.size() < 3)
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) + " photographs; at least 3 are needed");
   options.Layouts(NamesOf(set));  // a wrong option is told before the work
-  const fs::path scratch = stage.Scratch();
-  const SfmFiles files{scratch, set.folder, scratch / "database.db"};
   Step(stage.progress(), 0, "features");
-  const Seen seen = BuildDatabase(stage, set, files, options, watch);
-  const Placed placed = Place(stage, set, files, options, seen, watch);
+  bool focal_known = false;
+  const Placed placed = Place(stage, set, stage.Scratch(), options, watch, focal_known);
   RequirePlaced(set, placed.model.scene, options);
   stage.Report("method", placed.method);
   stage.Report("scale_source", placed.model.scale_source);
-  Scene scene = RefineByPatches(stage, set, placed.model, seen.focal_known, options);
+  Scene scene = RefineByPatches(stage, set, placed.model, focal_known, options);
   watch.Lap(stage, "patches");
   if (options.level && placed.model.scale_source == "none") scene = Leveled(stage, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   if (const fs::path picture = stage.Output("picture"); !picture.empty()) WriteImage(picture, Picture(scene));
   ReportModel(stage, set, scene, output);
+  ReportHullAgreement(stage, set, scene);
+  watch.Lap(stage, "hull_check");
 }
 
 const StageSpec kSpec = {

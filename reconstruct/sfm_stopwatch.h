@@ -4,7 +4,9 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <map>
 #include <string>
+#include <utility>
 
 #include "core/stage/stage.h"
 
@@ -15,10 +17,13 @@ class Stopwatch {
  public:
   void Lap(StageContext& stage, const std::string& name) {
     const auto now = std::chrono::steady_clock::now();
-    stage.Report("seconds_" + name, std::chrono::duration<double>(now - last_).count());
-    last_ = now;
     const double cpu = CpuSeconds();
-    stage.Report("cpu_seconds_" + name, cpu - last_cpu_);
+    auto& [seconds, cpu_seconds] = spent_[name];
+    seconds += std::chrono::duration<double>(now - last_).count();
+    cpu_seconds += cpu - last_cpu_;
+    stage.Report("seconds_" + name, seconds);
+    stage.Report("cpu_seconds_" + name, cpu_seconds);
+    last_ = now;
     last_cpu_ = cpu;
   }
 
@@ -35,6 +40,7 @@ class Stopwatch {
   }
 
   double last_cpu_ = CpuSeconds();
+  std::map<std::string, std::pair<double, double>> spent_;  ///< what is done twice adds up
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 

@@ -1,0 +1,14 @@
+// Whether the outlines in the photographs agree with the cameras that were found.
+#pragma once
+
+#include "core/camera.h"
+#include "core/io/image_set.h"
+#include "core/stage/stage.h"
+
+namespace keypose::reconstruct {
+
+/// Reprojection errors stay small when the principal point is wrong or a photograph is turned; the common hull of all masks does not.
+/// Reports hull_iou_mean, hull_iou_least and views_disagreeing, and notes the names; nothing where masks have no common space.
+void ReportHullAgreement(StageContext& stage, const ImageSet& set, const Scene& scene);
+
+}  // namespace keypose::reconstruct
