@@ -92,7 +92,7 @@ void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x) {
       const auto c = static_cast<std::size_t>(components.at<int>(y, x));
-      const bool see_through = area[c] > 1e-3 * static_cast<double>(mask.total()) && sum[c] < -sure * area[c];
+      const bool see_through = area[c] > 5e-4 * static_cast<double>(mask.total()) && sum[c] < -sure * area[c];
       if (c != 0 && !open[c] && !see_through) mask.at<std::uint8_t>(y, x) = 255;
     }
 }

@@ -32,6 +32,8 @@ void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
   }
 }
 
+constexpr double kDepth = 0.33;                 // of the deepest place of a mask, from which on a pixel lies well inside
+constexpr double kHole = 1;                     // mean odds against the figure at which a hole stays open
 constexpr float kShadow = -1;                   // odds below which a pixel counts as shadow
 constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
 
@@ -60,10 +62,13 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
   std::vector<double> inside(1 + kShadowKinds, 0), rim(inside);
   double all_inside = 0, all_rim = 0;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    cv::Mat core;
-    const int reach = 1 + 2 * (round.images[i].width / 24);
-    cv::erode(View(round.zones[i]) == kObject, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
-    const Image8 deep = FromMat(core);
+    // The frame counts as outside: a figure that it cuts is not deep there.
+    cv::Mat padded, depth;
+    cv::copyMakeBorder(View(round.zones[i]) == kObject, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+    cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
+    double deepest = 0;
+    cv::minMaxLoc(depth, nullptr, &deepest);
+    const Image8 deep = FromMat(depth(cv::Rect(1, 1, round.zones[i].width, round.zones[i].height)) > kDepth * deepest);
     for (std::size_t p = 0; p < deep.data.size(); ++p) {
       if (round.zones[i].data[p] != kObject) continue;
       (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
@@ -141,7 +146,7 @@ std::vector<Image8> SegmentByColor(const std::vector<Image8>& images, const std:
     odds.Finish();
     ImageF known = odds.Of(images[i], options.odds_limit);
     AddBoard(known, boards[i], options.odds_limit);
-    masks[i] = CutRegion(images[i], known, options.smoothness, options.odds_limit / 2);
+    masks[i] = CutRegion(images[i], known, options.smoothness, kHole);
   });
   return masks;
 }
@@ -183,7 +188,7 @@ std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardO
     }
     for (std::size_t p = 0; round.leaning && p < features.size(); ++p) odds.data[p] += (*round.leaning)[i].data[p];
     AddBoard(odds, boards[i], options.odds_limit);
-    masks[i] = CutRegion(round.images[i], odds, options.smoothness, options.odds_limit / 3);
+    masks[i] = CutRegion(round.images[i], odds, options.smoothness, kHole);
   });
   return masks;
 }

@@ -90,7 +90,7 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
 
 /// Counts denials in every voxel; views far apart are asked first, as they settle most voxels soonest.
 void Count(const std::vector<Witness>& witnesses, int most, Grid& grid) {
-  const std::size_t n = witnesses.size(), least_seen = std::max<std::size_t>(2, n / 8);
+  const std::size_t n = witnesses.size(), least_seen = std::max<std::size_t>(2, n / 3);
   std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(0.382 * static_cast<double>(n))));
   while (std::gcd(step, n) != 1) ++step;
   grid.denials.assign(static_cast<std::size_t>(grid.size.prod()), 0);
@@ -239,7 +239,9 @@ Image8 ResizedMask(const Image8& mask, int width, int height) {
 
 }  // namespace
 
-std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options) {
+std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& asked) {
+  SpaceOptions options = asked;
+  options.most_denials = std::clamp(static_cast<int>(views.size()) / 6, std::min(3, asked.most_denials), asked.most_denials);
   if (std::count_if(masks.begin(), masks.end(), [](const Image8& mask) { return MaskFraction(mask) > 0; }) < 3)
     throw InputError("masks: fewer than 3 photographs have a mask with anything in it; look at capture's contact sheet");
   const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
@@ -289,8 +291,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   std::vector<Image8> denials = DenialsByOthers(small_views, small_masks, coarse);
   refined.agreement_before = AgreementInSpace(small_masks, denials);
   // At first the others' word is only as good as masks that are partly wrong.
-  for (const double weight : {1.0, options.weight}) {
-    Step(progress, 0.2 * weight, "masks in space");
+  for (const double weight : {1.0, options.weight, options.weight}) {
+    Step(progress, 0.15 * weight, "masks in space");
     small_masks = SpaceRound(small, small_masks, denials, small_boards, masking, coarse, weight);
     denials = DenialsByOthers(small_views, small_masks, coarse);
   }

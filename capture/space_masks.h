@@ -12,14 +12,14 @@ namespace keypose::capture {
 
 struct SpaceOptions {
   int resolution = 128;       ///< voxels along the longest side of the space that the masks share
-  int most_denials = 8;       ///< views against a place that are told apart; more count as this many
+  int most_denials = 8;       ///< views against a place that are told apart, fewer in sets below 48; more count as this many
   double margin_px = 1;       ///< a mask denies a place that it shows outside of itself by more than this
   double weight = 2;          ///< of what the others say against what the photograph shows
   double overlap_low = 0.96;  ///< views that agree less with the hull are named
 };
 
 /// For each mask a picture of how many of the other masks deny all places along a pixel's ray: the least number over the places. Pixels
-/// that look past the space of the figure have `most_denials`.
+/// that look past the space of the figure have the most that is told apart. A place that less than a third of the views see is outside.
 /// @param views  with cameras of the masks' size
 /// @throws InputError  fewer than 3 masks with anything in them, or they have no common space
 /// Same bits for any thread count.
