@@ -9,7 +9,9 @@
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/fusion.h"
 #include "reconstruct/hull_fill.h"
+#include "reconstruct/outline_evidence.h"
 #include "reconstruct/patch_match.h"
+#include "reconstruct/rim_points.h"
 #include "reconstruct/silhouette_fit.h"
 #include "reconstruct/view_selection.h"
 #include "reconstruct/visual_hull.h"
@@ -61,19 +63,52 @@ void Append(const PointCloud& more, PointCloud* cloud) {
   cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
 }
 
+// Moves the rows that are kept up, in place. @return how many went
+int Keep(const std::vector<char>& keep, PointCloud* cloud) {
+  Eigen::Index to = 0;
+  const Eigen::Index count = cloud->points.rows();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (!keep[i]) continue;
+    if (to != i) {
+      cloud->points.row(to) = cloud->points.row(i), cloud->normals.row(to) = cloud->normals.row(i);
+      cloud->colors.row(to) = cloud->colors.row(i), cloud->confidence[to] = cloud->confidence[i];
+    }
+    ++to;
+  }
+  if (to == count) return 0;
+  cloud->points.conservativeResize(to, 3), cloud->normals.conservativeResize(to, 3);
+  cloud->colors.conservativeResize(to, 3), cloud->confidence.conservativeResize(to);
+  return static_cast<int>(count - to);
+}
+
 // Depth bounds are as coarse as the grid; what a mask cuts off to the pixel goes here.
-PointCloud WithinOutlines(const PointCloud& cloud, const Silhouettes& silhouettes, double limit_px, int* outside) {
-  std::vector<char> keep(cloud.points.rows(), 1);
+int KeepWithinOutlines(const Silhouettes& silhouettes, double limit_px, PointCloud* cloud) {
+  std::vector<char> keep(cloud->points.rows(), 1);
   ParallelFor(
-      cloud.points.rows(), [&](std::int64_t i) { keep[i] = silhouettes.Within(cloud.points.row(i), limit_px); }, 1024);
-  std::vector<int> rows;
-  for (std::size_t i = 0; i < keep.size(); ++i)
-    if (keep[i]) rows.push_back(static_cast<int>(i));
-  *outside = static_cast<int>(keep.size() - rows.size());
-  PointCloud out;
-  out.points = cloud.points(rows, Eigen::all), out.normals = cloud.normals(rows, Eigen::all);
-  out.colors = cloud.colors(rows, Eigen::all), out.confidence = cloud.confidence(rows);
-  return out;
+      cloud->points.rows(), [&](std::int64_t i) { keep[i] = silhouettes.Within(cloud->points.row(i), limit_px); }, 1024);
+  return Keep(keep, cloud);
+}
+
+// Where the masks agree, outlines are known better than any depth: where they touch the surface they are put in, and depths give way to
+// them. Masks that contradict each other have no exact outlines in space: then the cloud is only fitted to them, smoothly.
+void MeetOutlines(const VisualHull& hull, const Silhouettes& silhouettes, const std::vector<DenseView>& views, const DenseOptions& options,
+                  DenseResult* result) {
+  constexpr double kAgreeing = 0.98;
+  if (result->cloud.points.rows() == 0) return;
+  if (options.rim_points && result->hull_check.mean >= kAgreeing) {
+    const PointCloud rims = RimPoints(hull, silhouettes, views, {});
+    OutlineEvidence evidence =
+        HearOutlines(std::move(result->cloud), rims, silhouettes, MiddleFootprint(hull, silhouettes), hull.cell * hull.size.maxCoeff(), {});
+    result->cloud = std::move(evidence.cloud);
+    result->contradicted_points = evidence.contradicted + evidence.dropped;
+    result->error_px.assign(evidence.errors.begin(), evidence.errors.end());
+    result->rim_points = static_cast<int>(rims.points.rows());
+    Append(rims, &result->cloud);
+  } else if (options.silhouette_fit) {
+    SilhouetteFit fit = FitToSilhouettes(result->cloud, silhouettes, {});
+    result->cloud = std::move(fit.cloud);
+    result->outline_gap_before_px = fit.gap_before_px, result->outline_gap_px = fit.gap_after_px;
+  }
 }
 
 }  // namespace
@@ -96,7 +131,11 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
-  visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
+  visit("silhouette_fit", silhouette_fit,
+        {"where the masks do not agree, move points so that the cloud's outline in each view falls on its mask's outline"});
+  visit(
+      "rim_points", rim_points,
+      {"where the masks agree (hull_iou_mean of 0.98), add the places where their outlines touch the surface, and correct depths by them"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 
@@ -133,13 +172,10 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   Step(progress, 0.94, "outlines");
   const Silhouettes silhouettes(views, hull_options.outside_votes);
   result.hull_check = CheckAgainstHull(views, hull, silhouettes);
-  result.cloud = WithinOutlines(fused.cloud, silhouettes, options.outline_px, &result.outside_points);
-  if (options.silhouette_fit && result.cloud.points.rows() > 0) {
-    SilhouetteFit fit = FitToSilhouettes(result.cloud, silhouettes, {});
-    result.cloud = std::move(fit.cloud);
-    result.outline_gap_before_px = fit.gap_before_px, result.outline_gap_px = fit.gap_after_px;
-  }
-  result.stereo_points = static_cast<int>(result.cloud.points.rows());
+  result.cloud = std::move(fused.cloud);
+  result.outside_points = KeepWithinOutlines(silhouettes, options.outline_px, &result.cloud);
+  MeetOutlines(hull, silhouettes, views, options, &result);
+  result.stereo_points = static_cast<int>(result.cloud.points.rows()) - result.rim_points;
   if (options.hull_fill) Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud), &result.cloud);
   if (result.cloud.points.rows() == 0)
     throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) + " views from " + views.front().name +

@@ -16,7 +16,7 @@ namespace keypose::reconstruct {
 
 struct DenseOptions {
   std::string backend = "patchmatch";
-  int max_size = 1000;
+  int max_size = 1600;
   int levels = 3;
   int sources = 8;
   int geometric_passes = 2;
@@ -28,13 +28,17 @@ struct DenseOptions {
   int hull_resolution = 160;
   double outline_px = 1.5;
   bool silhouette_fit = true;
+  bool rim_points = true;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);
 };
 
 struct DenseResult {
   PointCloud cloud;                  ///< world frame; normals towards the cameras, colour, confidence
-  int stereo_points = 0;             ///< the first ones of the cloud; the others are the hull's
+  int stereo_points = 0;             ///< the first ones of the cloud
+  int rim_points = 0;                ///< the next ones, where outlines touch the surface; the others are the hull's
+  int contradicted_points = 0;       ///< of stereo, put elsewhere or dropped because rim points say otherwise
+  std::vector<double> error_px;      ///< typical error of stereo by confidence, eight classes from 0 to 1, as rim points measure it
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
   HullCheck hull_check;              ///< each mask against what all masks allow

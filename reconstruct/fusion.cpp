@@ -52,51 +52,52 @@ class Fuser {
 
  private:
   bool Usable(int view, std::size_t pixel) const {
-    return maps_[view].planes[pixel].inverse_depth > 0 && maps_[view].cost[pixel] <= options_.largest_cost;
+    return maps_[view].InverseDepth(pixel) > 0 && maps_[view].Cost(pixel) <= options_.largest_cost;
   }
   Eigen::Vector3d World(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);
-    return rotations_[view].transpose() * (views_[view].camera().Ray(x, y) / maps_[view].planes[pixel].inverse_depth) + centers_[view];
+    return rotations_[view].transpose() * (views_[view].camera().Ray(x, y) / maps_[view].InverseDepth(pixel)) + centers_[view];
   }
   Eigen::Vector3d Normal(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);
-    return rotations_[view].transpose() * PlaneNormal(views_[view].camera(), x, y, maps_[view].planes[pixel]);
+    return rotations_[view].transpose() * PlaneNormal(views_[view].camera(), x, y, maps_[view].Plane(pixel));
   }
 
-  // The pixels of the sources that show the same piece of surface; the first member is the pixel itself.
-  Group Agreeing(int view, std::size_t pixel) const {
+  // The pixels of the sources that show the same piece of surface; the first member is the pixel itself. Stops when there are `enough`.
+  Group Agreeing(int view, std::size_t pixel, int enough) const {
     Group group;
     group.members[group.count++] = {view, pixel};
     const Eigen::Vector3d point = World(view, pixel), normal = Normal(view, pixel);
     const Eigen::Vector2d here(static_cast<double>(pixel % maps_[view].width), static_cast<double>(pixel / maps_[view].width));
     for (const int s : sources_[view]) {
       const PlaneMap& map = maps_[s];
-      if (map.planes.empty()) continue;
+      if (map.empty()) continue;
       const Eigen::Vector3d x = rotations_[s] * (point - centers_[s]);
       if (x.z() <= 0) continue;
       const Eigen::Vector2d p = views_[s].camera().Project(x);
       if (!(p.x() > -0.5 && p.y() > -0.5 && p.x() < map.width - 0.5 && p.y() < map.height - 0.5)) continue;
       const std::size_t other = static_cast<std::size_t>(p.y() + 0.5) * map.width + static_cast<std::size_t>(p.x() + 0.5);
-      if (!Usable(s, other) || std::abs(1 - x.z() * map.planes[other].inverse_depth) > options_.depth_tolerance) continue;
+      if (!Usable(s, other) || std::abs(1 - x.z() * map.InverseDepth(other)) > options_.depth_tolerance) continue;
       const Eigen::Vector3d back = rotations_[view] * (World(s, other) - centers_[view]);
       if (back.z() <= 0 || (views_[view].camera().Project(back) - here).norm() > options_.reprojection_px) continue;
       if (Normal(s, other).dot(normal) < least_cosine_) continue;
       group.members[group.count++] = {s, other};
+      if (group.count >= enough) break;
     }
     return group;
   }
 
   void Confirm(int view) {
     const PlaneMap& map = maps_[view];
-    confirmed_[view].assign(map.planes.size(), 0);
-    for (std::size_t pixel = 0; pixel < map.planes.size(); ++pixel)
-      confirmed_[view][pixel] = Usable(view, pixel) && Agreeing(view, pixel).count >= options_.least_views;
+    confirmed_[view].assign(map.size(), 0);
+    for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
+      confirmed_[view][pixel] = Usable(view, pixel) && Agreeing(view, pixel, options_.least_views).count >= options_.least_views;
   }
 
   void Emit(int view) {
     for (std::size_t pixel = 0; pixel < confirmed_[view].size(); ++pixel) {
       if (!confirmed_[view][pixel] || used_[view][pixel]) continue;
-      const Group group = Agreeing(view, pixel);
+      const Group group = Agreeing(view, pixel, kMaxSources + 1);
       int used = 0;
       for (int k = 1; k < group.count; ++k) used += used_[group.members[k].view][group.members[k].pixel];
       if (used >= 2) continue;
@@ -117,7 +118,7 @@ class Fuser {
       const std::uint8_t* rgb = views_[view].color.data.data() + pixel * 3;
       point += weight * x, normal += weight * n;
       color += weight * Eigen::Vector3d(rgb[0], rgb[1], rgb[2]);
-      match += weight * std::max(0.0, 1.0 - maps_[view].cost[pixel]);
+      match += weight * std::max(0.0, 1.0 - maps_[view].Cost(pixel));
       total += weight;
     }
     points_.push_back(point / total);

@@ -31,13 +31,13 @@ PlaneMap MapOf(const DenseView& view, double height) {
   const Pinhole& camera = view.camera();
   const Eigen::Vector3d normal = view.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
   const double offset = normal.dot(view.camera_from_world * Eigen::Vector3d(0, 0, height));  // normal . x = offset in the camera
-  PlaneMap map(camera.width, camera.height);
+  PlaneMap map(camera);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * camera.width + x;
-      map.planes[i] = {static_cast<float>(normal.dot(camera.Ray(x, y)) / offset), static_cast<float>(normal.x() / camera.fx / offset),
-                       static_cast<float>(normal.y() / camera.fy / offset)};
-      map.cost[i] = 0.1f;
+      map.SetPlane(i, {static_cast<float>(normal.dot(camera.Ray(x, y)) / offset), static_cast<float>(normal.x() / camera.fx / offset),
+                       static_cast<float>(normal.y() / camera.fy / offset)});
+      map.SetCost(i, 0.1f);
     }
   return map;
 }

@@ -88,7 +88,7 @@ class Estimator {
       settings.select_sources = !geometric && (coarsest || (pass == 0 && level > 0));
       settings.refresh = pass == 0 || geometric;
       settings.far_areas = coarsest;
-      settings.refinements = coarsest ? 4 : 3;
+      settings.refinements = coarsest ? 4 : geometric ? 2 : 3;
       settings.parabola = level == 0 && pass == Passes(level) - 1;
       settings.depth_step_px = depth_step, settings.slope_step = slope_step;
       settings.pass = pass;
@@ -111,9 +111,19 @@ class Estimator {
     ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
       const Pinhole& camera = views_[i].camera(level);
       if (inverse_depths_[i].width != camera.width || inverse_depths_[i].height != camera.height)
-        inverse_depths_[i] = ImageF(camera.width, camera.height, 1);
-      for (std::size_t k = 0; k < maps_[i].planes.size(); ++k) inverse_depths_[i].data[k] = maps_[i].planes[k].inverse_depth;
+        inverse_depths_[i] = NoDepths(static_cast<int>(i), level);
+      for (std::size_t k = 0; k < maps_[i].size(); ++k) inverse_depths_[i].Set(k, maps_[i].InverseDepth(k));
     });
+  }
+
+  DepthImage NoDepths(int i, int level) const {
+    const Pinhole& camera = views_[i].camera(level);
+    const DepthBounds& bounds = bounds_[i];
+    float lowest = std::numeric_limits<float>::max(), highest = 0;
+    for (std::size_t k = 0; k < bounds.nearest.data.size(); ++k)
+      if (bounds.nearest.data[k] > 0)
+        lowest = std::min(lowest, bounds.farthest.data[k]), highest = std::max(highest, bounds.nearest.data[k]);
+    return DepthImage(camera.width, camera.height, std::min(lowest, highest), highest);
   }
 
   // Half of the pixels start at the hull's front, half anywhere on their ray within the hull; known points replace both.
@@ -121,7 +131,7 @@ class Estimator {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
     const DepthBounds& bounds = bounds_[i];
-    maps_[i] = PlaneMap(camera.width, camera.height);
+    maps_[i] = PlaneMap(camera);
     const std::uint16_t all = static_cast<std::uint16_t>((1u << std::min<std::size_t>(kSourcesUsed, sources_[i].size())) - 1);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
@@ -131,14 +141,15 @@ class Estimator {
         const float nearest = *bounds.nearest.at(x, y), farthest = *bounds.farthest.at(x, y);
         const bool front = hash & 1;
         const float along = Unit(Mixed(hash)) * (front ? 0.15f : 1.0f);
-        PlaneHypothesis& plane = maps_[i].planes[index];
+        PlaneHypothesis plane;
         plane.inverse_depth = nearest + (farthest - nearest) * along;
         const float* slope = bounds.slope.at(x, y);
         const float spread = plane.inverse_depth / static_cast<float>(camera.fx);
         plane.gx = front ? slope[0] : spread * (2 * Unit(Mixed(hash + 1)) - 1);
         plane.gy = front ? slope[1] : spread * (2 * Unit(Mixed(hash + 2)) - 1);
+        maps_[i].SetPlane(index, plane);
         maps_[i].sources[index] = all;
-        maps_[i].cost[index] = 2 * kWorstCost;  // unknown, but there: may be asked for
+        maps_[i].SetCost(index, 2 * kWorstCost);  // unknown, but there: may be asked for
       }
     if (!seeds_.empty()) PlantSeeds(i, level);
   }
@@ -153,9 +164,11 @@ class Estimator {
       const int px = static_cast<int>(std::lround(p.x())), py = static_cast<int>(std::lround(p.y()));
       if (px < 0 || py < 0 || px >= map.width || py >= map.height) continue;
       const float w = static_cast<float>(1 / x.z());
-      PlaneHypothesis& plane = map.planes[static_cast<std::size_t>(py) * map.width + px];
+      const std::size_t pixel = static_cast<std::size_t>(py) * map.width + px;
+      PlaneHypothesis plane = map.Plane(pixel);
       if (plane.inverse_depth <= 0 || w > *bounds_[i].nearest.at(px, py) || w < *bounds_[i].farthest.at(px, py)) continue;
       plane.inverse_depth = w;
+      map.SetPlane(pixel, plane);
     }
   }
 
@@ -164,22 +177,22 @@ class Estimator {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
     const PlaneMap coarse = std::move(maps_[i]);
-    PlaneMap fine(camera.width, camera.height);
-    ImageF prior(camera.width, camera.height, 1);
+    PlaneMap fine(camera);
+    DepthImage prior = NoDepths(i, level);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
         if (!Visited(inputs, x, y)) continue;
         const std::size_t index = static_cast<std::size_t>(y) * camera.width + x;
         const int parent = BestParent(coarse, x, y);
         if (parent < 0) continue;
-        const PlaneHypothesis& from = coarse.planes[parent];
+        const PlaneHypothesis from = coarse.Plane(parent);
         const float px = static_cast<float>(parent % coarse.width) * 2 + 0.5f, py = static_cast<float>(parent / coarse.width) * 2 + 0.5f;
-        PlaneHypothesis& plane = fine.planes[index];
-        plane = {from.inverse_depth + 0.5f * (from.gx * (x - px) + from.gy * (y - py)), from.gx * 0.5f, from.gy * 0.5f};
+        PlaneHypothesis plane = {from.inverse_depth + 0.5f * (from.gx * (x - px) + from.gy * (y - py)), from.gx * 0.5f, from.gy * 0.5f};
         if (!(plane.inverse_depth > 0)) plane.inverse_depth = from.inverse_depth;
         fine.sources[index] = coarse.sources[parent];
-        fine.cost[index] = 2 * kWorstCost;
-        *prior.at(x, y) = plane.inverse_depth;
+        fine.SetPlane(index, plane);
+        fine.SetCost(index, 2 * kWorstCost);
+        prior.Set(index, plane.inverse_depth);
       }
     maps_[i] = std::move(fine);
     priors_[i] = std::move(prior);
@@ -188,12 +201,12 @@ class Estimator {
   // The pixel's own parent; at the rim, where that was not in the mask, the best of the parents around.
   static int BestParent(const PlaneMap& coarse, int x, int y) {
     const int cx = std::min(x / 2, coarse.width - 1), cy = std::min(y / 2, coarse.height - 1);
-    if (coarse.planes[static_cast<std::size_t>(cy) * coarse.width + cx].inverse_depth > 0) return cy * coarse.width + cx;
+    if (coarse.InverseDepth(static_cast<std::size_t>(cy) * coarse.width + cx) > 0) return cy * coarse.width + cx;
     int best = -1;
     for (int ny = std::max(0, cy - 1); ny <= std::min(coarse.height - 1, cy + 1); ++ny)
       for (int nx = std::max(0, cx - 1); nx <= std::min(coarse.width - 1, cx + 1); ++nx) {
         const int k = ny * coarse.width + nx;
-        if (coarse.planes[k].inverse_depth > 0 && (best < 0 || coarse.cost[k] < coarse.cost[best])) best = k;
+        if (coarse.InverseDepth(k) > 0 && (best < 0 || coarse.Cost(k) < coarse.Cost(best))) best = k;
       }
     return best;
   }
@@ -207,7 +220,7 @@ class Estimator {
   int levels_ = 0;
   double work_ = 0, total_work_ = 0;
   std::vector<PlaneMap> maps_;
-  std::vector<ImageF> inverse_depths_, priors_;
+  std::vector<DepthImage> inverse_depths_, priors_;
   std::vector<SampleImage> samples_;
   std::vector<std::int64_t> evaluations_;
 };

@@ -78,7 +78,7 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
     std::vector<double> depth_errors, angles;
     for (int y = kSize / 2 - 10; y < kSize / 2 + 10; ++y)
       for (int x = kSize / 2 - 10; x < kSize / 2 + 10; ++x) {
-        const PlaneHypothesis& found = result.maps[0].planes[static_cast<std::size_t>(y) * result.maps[0].width + x];
+        const PlaneHypothesis found = result.maps[0].Plane(static_cast<std::size_t>(y) * result.maps[0].width + x);
         const double depth = plane.Depth({0, 0, 0}, views[0].camera().Ray(x, y));
         depth_errors.push_back(std::abs(1 / found.inverse_depth / depth - 1));
         const double cosine = PlaneNormal(views[0].camera(), x, y, found).dot(plane.normal);

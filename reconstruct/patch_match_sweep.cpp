@@ -68,7 +68,7 @@ struct SourceLanes {
   int ids[kLanes] = {};  // unused lanes repeat the first
   TransferLanes to, from;
   const SampleImage* images[kLanes] = {};
-  const ImageF* depths[kLanes] = {};
+  const DepthImage* depths[kLanes] = {};
 };
 
 struct Trial {
@@ -104,7 +104,7 @@ class Sweeper {
     for (int color = 0; color < 2; ++color)
       for (int y = 0; y < map_.height; ++y)
         for (int x = (y + color) & 1; x < map_.width; x += 2)
-          if (map_.planes[Index(x, y)].inverse_depth > 0) Visit(x, y);
+          if (map_.InverseDepth(Index(x, y)) > 0) Visit(x, y);
     return evaluations_;
   }
 
@@ -149,7 +149,7 @@ class Sweeper {
     ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx), ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
     ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
     bounds_ = BoundsAt(x, y);
-    prior_ = in_.prior ? *in_.prior->at(x, y) : 0;
+    prior_ = in_.prior ? in_.prior->At(x, y) : 0;
     const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
     prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
   }
@@ -158,10 +158,10 @@ class Sweeper {
   Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
     Lanes w{}, sx, sy;
     for (int lane = 0; lane < lanes.count; ++lane) {
-      const ImageF& depths = *lanes.depths[lane];
+      const DepthImage& depths = *lanes.depths[lane];
       const float x = warps.x[lane] - 0.5f, y = warps.y[lane] - 0.5f;  // half a pixel on, without the border
       if (x >= 0 && y >= 0 && x < static_cast<float>(depths.width) && y < static_cast<float>(depths.height))
-        w[lane] = *depths.at(static_cast<int>(x), static_cast<int>(y));
+        w[lane] = depths.At(static_cast<int>(x), static_cast<int>(y));
     }
     std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
     sx -= 1.0f, sy -= 1.0f;
@@ -231,20 +231,20 @@ class Sweeper {
 
   void Collect(int x, int y, const Area& area, bool inner) {
     const std::size_t here = Index(x, y);
-    float least = kInfinite;
+    std::uint16_t least = PlaneMap::kNoCost;
     int best = -1;
     for (int i = 0; i < static_cast<int>(area.steps.size()); ++i) {
       if (!inner) {
         const int nx = x + area.offsets[i].dx, ny = y + area.offsets[i].dy;
         if (nx < 0 || ny < 0 || nx >= map_.width || ny >= map_.height) continue;
       }
-      const float cost = map_.cost[here + area.steps[i]];
+      const std::uint16_t cost = map_.PackedCost(here + area.steps[i]);
       if (cost < least) least = cost, best = i;
     }
     if (best < 0) return;
-    PlaneHypothesis plane = map_.planes[here + area.steps[best]];
+    PlaneHypothesis plane = map_.Plane(here + area.steps[best]);
     plane.inverse_depth -= static_cast<float>(area.offsets[best].dx) * plane.gx + static_cast<float>(area.offsets[best].dy) * plane.gy;
-    if (Same(plane, map_.planes[here]) || !Legal(plane)) return;
+    if (Same(plane, present_) || !Legal(plane)) return;
     for (int i = 0; i < candidates_; ++i)
       if (Same(plane, candidate_[i])) return;
     candidate_[candidates_++] = plane;
@@ -258,7 +258,7 @@ class Sweeper {
 
   // Sources that agree with several candidates see this pixel; those that agree with none are hidden from it.
   void SelectSources(std::size_t index) {
-    candidate_[candidates_] = map_.planes[index];
+    candidate_[candidates_] = present_;
     const int total = candidates_ + 1;
     for (int h = 0; h < total; ++h) FillRow(candidate_[h], matrix_[h]);
     std::array<float, kMaxSources> score{};
@@ -308,9 +308,10 @@ class Sweeper {
   void Visit(int x, int y) {
     const std::size_t index = Index(x, y);
     Prepare(x, y);
+    present_ = map_.Plane(index);
     CollectCandidates(x, y);
-    PlaneHypothesis& plane = map_.planes[index];
-    float& cost = map_.cost[index];
+    PlaneHypothesis plane = present_;
+    float cost = map_.Cost(index);
     if (set_.select_sources) {
       SelectSources(index);
       cost = MatrixCost(candidates_, map_.sources[index]);
@@ -324,6 +325,7 @@ class Sweeper {
       Contest(trials, &plane, &cost);
     }
     Refine(x, y, &plane, &cost);
+    map_.SetPlane(index, plane), map_.SetCost(index, cost);
   }
 
   static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane, float* cost) {
@@ -399,6 +401,7 @@ class Sweeper {
   unsigned chosen_bits_ = 0;
   SourceLanes chosen_;
   PixelLanes pixel_{};
+  PlaneHypothesis present_;
   int candidates_ = 0;
   std::array<PlaneHypothesis, 9> candidate_;
   float matrix_[9][kMaxSources];
@@ -406,9 +409,6 @@ class Sweeper {
 };
 
 }  // namespace
-
-PlaneMap::PlaneMap(int w, int h)
-    : width(w), height(h), planes(static_cast<std::size_t>(w) * h), cost(planes.size(), kInfinite), sources(planes.size(), 0) {}
 
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y, const PlaneHypothesis& plane) {
   const double c = plane.inverse_depth - plane.gx * x - plane.gy * y;

@@ -8,22 +8,12 @@
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/patch_match_cost.h"
 #include "reconstruct/patch_match_warp.h"
+#include "reconstruct/plane_map.h"
 
 namespace keypose::reconstruct {
 
 /// Unit normal towards the camera, in the camera's frame.
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y, const PlaneHypothesis& plane);
-
-/// A plane for each pixel, row-major. Pixels without one have inverse_depth 0 and infinite cost.
-struct PlaneMap {
-  int width = 0, height = 0;
-  std::vector<PlaneHypothesis> planes;
-  std::vector<float> cost;
-  std::vector<std::uint16_t> sources;  ///< bit k: the k-th source view is used here
-
-  PlaneMap() = default;
-  PlaneMap(int w, int h);
-};
 
 /// What a pass over one view reads and does not change.
 struct SweepInputs {
@@ -32,8 +22,8 @@ struct SweepInputs {
   std::vector<const SampleImage*> samples;  ///< of each source at this level
   int level = 0;
   const DepthBounds* bounds = nullptr;
-  std::vector<const ImageF*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
-  const ImageF* prior = nullptr;                     ///< inverse depth expected where texture is weak; may be null
+  std::vector<const DepthImage*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
+  const DepthImage* prior = nullptr;                     ///< inverse depth expected where texture is weak; may be null
   float noise_variance = 0;
   std::uint64_t seed = 0;
 };

@@ -5,13 +5,9 @@
 
 #include "reconstruct/dense_view.h"
 #include "reconstruct/patch_match_cost.h"
+#include "reconstruct/plane_map.h"
 
 namespace keypose::reconstruct {
-
-/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) = inverse_depth + dx gx + dy gy.
-struct PlaneHypothesis {
-  float inverse_depth = 0, gx = 0, gy = 0;
-};
 
 /// Source pixel ~ a (x, y, 1) + b * inverse depth: K_s R K_r^-1 and K_s t.
 struct Transfer {

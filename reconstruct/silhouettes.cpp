@@ -72,15 +72,6 @@ double OverlapOf(const DenseView& view, const RayGrid& grid, const Silhouettes& 
   return either > 0 ? static_cast<double>(both) / static_cast<double>(either) : 0;
 }
 
-// World length of a pixel at the hull's middle, the median over the views.
-double MiddleFootprint(const VisualHull& hull, const Silhouettes& silhouettes) {
-  const Eigen::Vector3d middle = hull.origin + 0.5 * hull.cell * hull.size.cast<double>();
-  std::vector<double> lengths;
-  for (int i = 0; i < silhouettes.views(); ++i) lengths.push_back(silhouettes.See(i, middle).footprint);
-  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
-  return lengths[lengths.size() / 2];
-}
-
 }  // namespace
 
 Silhouettes::Silhouettes(const std::vector<DenseView>& views, int outside_votes)
@@ -152,6 +143,14 @@ Eigen::Vector3d Silhouettes::RimNormal(int view, const Eigen::Vector3d& x) const
   // The line through (px, py) with this normal, and the plane that projects to it.
   const Eigen::Vector3d line(slope.x(), slope.y(), -slope.x() * px - slope.y() * py);
   return (field.from_world.leftCols<3>().transpose() * line).normalized();
+}
+
+double MiddleFootprint(const VisualHull& hull, const Silhouettes& silhouettes) {
+  const Eigen::Vector3d middle = hull.origin + 0.5 * hull.cell * hull.size.cast<double>();
+  std::vector<double> lengths;
+  for (int i = 0; i < silhouettes.views(); ++i) lengths.push_back(silhouettes.See(i, middle).footprint);
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
+  return lengths[lengths.size() / 2];
 }
 
 PointCloud ExactHullSurface(const VisualHull& hull, const Silhouettes& silhouettes) {

@@ -46,6 +46,9 @@ class Silhouettes {
   int votes_ = 1;
 };
 
+/// World length of a pixel of level 0 at the hull's middle, the median over the views.
+double MiddleFootprint(const VisualHull& hull, const Silhouettes& silhouettes);
+
 /// Points of the hull's surface, one near each surface voxel, put exactly where Outside is zero, with outward normals.
 /// @param hull  carved from the same views with a margin, so that it holds the exact hull
 PointCloud ExactHullSurface(const VisualHull& hull, const Silhouettes& silhouettes);

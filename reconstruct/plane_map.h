@@ -1,0 +1,94 @@
+// Planes and depths of all pixels of a view, packed: at full resolution they are most of what stereo keeps in memory.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "reconstruct/dense_view.h"
+
+namespace keypose::reconstruct {
+
+/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) = inverse_depth + dx gx + dy gy.
+struct PlaneHypothesis {
+  float inverse_depth = 0, gx = 0, gy = 0;
+};
+
+/// A plane and its cost for each pixel, row-major, in 12 bytes a pixel. Pixels without a plane have inverse depth 0 and infinite cost.
+/// Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to 1/16384.
+class PlaneMap {
+ public:
+  int width = 0, height = 0;
+  std::vector<std::uint16_t> sources;  ///< bit k: the k-th source view is used here
+
+  PlaneMap() = default;
+  explicit PlaneMap(const Pinhole& camera)
+      : width(camera.width), height(camera.height), unit_(static_cast<float>(1 / (kTiltSteps * camera.fx))), inverse_unit_(1 / unit_) {
+    const std::size_t count = static_cast<std::size_t>(width) * height;
+    sources.assign(count, 0), planes_.assign(count, {}), costs_.assign(count, kNoCost);
+  }
+
+  bool empty() const { return planes_.empty(); }
+  std::size_t size() const { return planes_.size(); }
+  float InverseDepth(std::size_t pixel) const { return planes_[pixel].inverse_depth; }
+  PlaneHypothesis Plane(std::size_t pixel) const {
+    const Packed& p = planes_[pixel];
+    const float unit = p.inverse_depth * unit_;
+    return {p.inverse_depth, p.gx * unit, p.gy * unit};
+  }
+  void SetPlane(std::size_t pixel, const PlaneHypothesis& plane) {
+    const float scale = plane.inverse_depth > 0 ? inverse_unit_ / plane.inverse_depth : 0;
+    planes_[pixel] = {plane.inverse_depth, Tilt(plane.gx * scale), Tilt(plane.gy * scale)};
+  }
+  float Cost(std::size_t pixel) const {
+    return costs_[pixel] == kNoCost ? std::numeric_limits<float>::infinity() : costs_[pixel] * (1.0f / kCostSteps);
+  }
+  void SetCost(std::size_t pixel, float cost) {
+    costs_[pixel] = static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, kNoCost - 1.0f));
+  }
+  /// The same order as Cost, cheaper to read; kNoCost where there is no plane.
+  std::uint16_t PackedCost(std::size_t pixel) const { return costs_[pixel]; }
+  static constexpr std::uint16_t kNoCost = 65535;
+
+ private:
+  static constexpr float kTiltSteps = 4096, kCostSteps = 16384;
+  struct Packed {
+    float inverse_depth = 0;
+    std::int16_t gx = 0, gy = 0;
+  };
+  static std::int16_t Tilt(float steps) {
+    return static_cast<std::int16_t>(std::clamp(steps + (steps < 0 ? -0.5f : 0.5f), -32767.0f, 32767.0f));
+  }
+
+  float unit_ = 0, inverse_unit_ = 0;
+  std::vector<Packed> planes_;
+  std::vector<std::uint16_t> costs_;
+};
+
+/// One inverse depth a pixel in 16 bits, within known limits.
+class DepthImage {
+ public:
+  int width = 0, height = 0;
+
+  DepthImage() = default;
+  DepthImage(int w, int h, float lowest, float highest)
+      : width(w), height(h), low_(lowest), step_(std::max(highest - lowest, 1e-30f) / kSteps), data_(static_cast<std::size_t>(w) * h, 0) {}
+
+  bool empty() const { return data_.empty(); }
+  /// 0 where there is none.
+  float At(std::size_t pixel) const { return data_[pixel] ? low_ + step_ * (data_[pixel] - 1) : 0; }
+  float At(int x, int y) const { return At(static_cast<std::size_t>(y) * width + x); }
+  void Set(std::size_t pixel, float inverse_depth) {
+    data_[pixel] =
+        inverse_depth > 0 ? static_cast<std::uint16_t>(1.5f + std::clamp((inverse_depth - low_) / step_, 0.0f, kSteps)) : std::uint16_t{0};
+  }
+
+ private:
+  static constexpr float kSteps = 65533;
+  float low_ = 0, step_ = 1;
+  std::vector<std::uint16_t> data_;
+};
+
+}  // namespace keypose::reconstruct

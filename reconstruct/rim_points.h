@@ -1,0 +1,30 @@
+// Places where the surface touches an outline: as exact as the masks, whatever the texture.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "reconstruct/dense_view.h"
+#include "reconstruct/silhouettes.h"
+#include "reconstruct/visual_hull.h"
+
+namespace keypose::reconstruct {
+
+struct RimPointsOptions {
+  double tolerance_px = 0.5;     ///< of the other masks, within which a ray still counts as inside
+  double sure_length = 0.015;    ///< pieces of rays up to this share of the hull's longest side have confidence 1
+  double longest_length = 0.03;  ///< longer ones tell too little: left out
+};
+
+/// Every ray through a mask's rim touches the surface somewhere. The other masks leave only a piece of it; where that is a single short
+/// one, its middle lies on the surface but for a small part of the piece's length times the angle between the views that end it. The
+/// piece is tangent to the surface, so a place too near or too far along it hardly matters.
+///
+/// @param hull  carved with a margin from the views of `silhouettes`
+/// @return one point near every second pixel of rim; normals outwards, colours from just inside of the rim, confidence 0.4 to 1
+/// Masks that are wrong give none: where one is too large no piece is left, where it is too small the piece is long.
+/// Source: the frontier points of Cipolla & Giblin, Visual Motion of Curves and Surfaces, 2000, found by bracketing instead of tracking.
+PointCloud RimPoints(const VisualHull& hull, const Silhouettes& silhouettes, const std::vector<DenseView>& views,
+                     const RimPointsOptions& options);
+
+}  // namespace keypose::reconstruct
