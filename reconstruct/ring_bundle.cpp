@@ -140,7 +140,7 @@ class RingProblem {
     solver.linear_solver_type = ceres::DENSE_SCHUR;  // on one thread, as in bundle_adjustment.cpp
     solver.linear_solver_ordering = ordering_;
     solver.max_num_iterations = options_.max_iterations;
-    solver.function_tolerance = 1e-5;
+    solver.function_tolerance = 1e-7;
     solver.max_trust_region_radius = 1e7;  // beyond, steps gain nothing and rounding makes the reduced system indefinite
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;

@@ -58,6 +58,8 @@ RingModel NearestRingModel(const Scene& scene, const Leveling& leveling) {
   }
   RingModel model;
   model.camera = scene.views[0].camera;
+  // One ring leaves the pixels' aspect open to free cameras, and what they made of it would stay: pixels are square.
+  model.camera.fx = model.camera.fy = 0.5 * (model.camera.fx + model.camera.fy);
   model.views.resize(level.views.size());
   for (const auto& [name, views] : members) {
     std::vector<Eigen::Quaterniond> rotations;

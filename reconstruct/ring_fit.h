@@ -13,7 +13,7 @@ namespace keypose::reconstruct {
 /// own.
 ///
 /// @param leveling  of the scene
-/// @return in the levelled frame, in which the axis is z
+/// @return in the levelled frame, in which the axis is z; with square pixels
 RingModel NearestRingModel(const Scene& scene, const Leveling& leveling);
 
 struct RingFitOptions {

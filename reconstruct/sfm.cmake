@@ -13,7 +13,7 @@ keypose_room(reconstruct_sfm
 set_source_files_properties(descriptor_matching.cpp PROPERTIES COMPILE_OPTIONS -O3)
 keypose_stage(sfm ROOM reconstruct_sfm SOURCES sfm_stage.cpp LINK nlohmann_json::nlohmann_json)
 keypose_test(ring_test SOURCES ring_test.cpp ring_silhouettes_test.cpp ring_static_test.cpp LINK keypose_reconstruct_sfm)
-keypose_test(sfm_test SOURCES sfm_test.cpp sfm_matching_test.cpp LINK keypose_reconstruct_sfm SQLite::SQLite3)
+keypose_test(sfm_test SOURCES sfm_test.cpp sfm_matching_test.cpp sfm_refine_test.cpp LINK keypose_reconstruct_sfm SQLite::SQLite3)
 keypose_test(placed_test SOURCES placed_test.cpp LINK keypose_reconstruct_sfm)
 keypose_test(sfm_program_test SOURCES sfm_program_test.cpp LINK keypose_core)
 add_dependencies(sfm_program_test keypose-sfm)

@@ -16,13 +16,14 @@ std::vector<DenseView> MaskViews(const ImageSet& set, const Scene& scene) {
   constexpr double kSide_px = 500;
   std::vector<DenseView> views(scene.views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
-    const View& view = scene.views[static_cast<std::size_t>(v)];
+    View view = scene.views[static_cast<std::size_t>(v)];
     const int i = set.Find(view.name);
     if (i < 0 || set.images[static_cast<std::size_t>(i)].mask.empty()) return;
-    const double scale = std::min(1.0, kSide_px / std::max(view.camera.width, view.camera.height));
+    view.camera = view.camera.Scaled(std::min(1.0, kSide_px / std::max(view.camera.width, view.camera.height)));
+    const Image8 mask = Resized(ReadImage(set.MaskPath(i), 1), view.camera.width, view.camera.height);
     // The hull asks for no colour.
     const Image8 grey(view.camera.width, view.camera.height, 3, 128);
-    views[static_cast<std::size_t>(v)] = PrepareDenseView(view, static_cast<int>(v), grey, ReadImage(set.MaskPath(i), 1), scale, 1);
+    views[static_cast<std::size_t>(v)] = PrepareDenseView(view, static_cast<int>(v), grey, mask, 1, 1);
   });
   std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
   return views;

@@ -86,6 +86,10 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PlacedMode
   Bodies bodies = model.bodies;
   RingFitOptions fitting;
   fitting.bundle = BundleFor(model, options);
+  // Pixels are square: a ring of views alone would let the aspect ratio trade against the distance.
+  fitting.bundle.keep_aspect = true;
+  if (!options.refine_distortion && bodies.observations.empty())
+    for (View& view : current.scene.views) view.camera.fx = view.camera.fy = 0.5 * (view.camera.fx + view.camera.fy);
   fitting.ring.focal_prior = focal_known ? 0.03 : 0.15;
   const bool ring = bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
   CornerOptions corners;
