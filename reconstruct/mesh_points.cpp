@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "reconstruct/mesh_merge.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -148,19 +150,26 @@ void RequireMeshable(const PointCloud& cloud, const std::string& what) {
                      " lie in one place; the reconstruction before it failed");
 }
 
-FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& options, const std::string& what, Progress* progress) {
+FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options, double merge_cell, const std::string& what,
+                            Progress* progress) {
   RequireMeshable(cloud, what);
   const Eigen::Index before = cloud.points.rows();
   FilteredPoints out;
-  out.cloud = cloud;
+  out.cloud = std::move(cloud);
   std::vector<char> keep(before, 1);
   for (Eigen::Index i = 0; i < before; ++i) {
-    const bool sure = cloud.confidence.size() == 0 || cloud.confidence[i] >= options.min_confidence;
-    keep[i] = sure && cloud.normals.row(i).norm() > 1e-6;
+    const bool sure = out.cloud.confidence.size() == 0 || out.cloud.confidence[i] >= options.min_confidence;
+    keep[i] = sure && out.cloud.normals.row(i).norm() > 1e-6;
   }
   out.removed_unsure = Drop(out.cloud, keep);
   RequireEnough(out.cloud, what, before);
   out.cloud.normals.rowwise().normalize();
+  if (merge_cell > 0) {
+    const Eigen::Index unmerged = out.cloud.points.rows();
+    out.cloud = MergeWithinCells(out.cloud, merge_cell);
+    out.merged = static_cast<int>(unmerged - out.cloud.points.rows());
+    RequireEnough(out.cloud, what, before);
+  }
 
   Step(progress, 0.1, "looking for strays");
   Neighborhood near = Measure(out.cloud, options.neighbors);

@@ -25,6 +25,7 @@ struct FilteredPoints {
   int removed_unsure = 0;        ///< confidence too low
   int removed_outliers = 0;      ///< too far from their neighbours
   int removed_thinned = 0;       ///< less sure than their neighbours
+  int merged = 0;                ///< joined with others of their cell
   int removed_contrary = 0;      ///< normal against nearly all of the neighbours' normals
   bool normals_flipped = false;  ///< all normals pointed inside and were turned round
 };
@@ -33,12 +34,14 @@ struct FilteredPoints {
 /// @throws InputError  fewer than 100 points, no normals, a value that is not finite, all points in one place; names `what` and the point
 void RequireMeshable(const PointCloud& cloud, const std::string& what);
 
-/// Removes strays, contrary normals and a share of the points that are less sure than their neighbours, turns normals outside, and measures
-/// the sampling.
+/// Joins points that a mesh of this fineness cannot tell apart, removes strays, contrary normals and a share of the points that are less
+/// sure than their neighbours, turns normals outside, and measures the sampling.
 ///
+/// @param merge_cell  edge of the cells within which points are joined (MergeWithinCells); 0 joins none
 /// @throws InputError  as RequireMeshable, or fewer than 100 points are left
 /// Cost: two passes of `neighbors`-nearest queries. Same bits for any thread count.
 /// Source: the distance rule is Rusu et al. 2008 (statistical outlier removal) with medians for means.
-FilteredPoints FilterPoints(const PointCloud& cloud, const PointFilterOptions& options, const std::string& what, Progress* progress);
+FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options, double merge_cell, const std::string& what,
+                            Progress* progress);
 
 }  // namespace keypose::reconstruct

@@ -1,4 +1,6 @@
 // keypose-mesh: an oriented point cloud becomes a coloured surface.
+#include <utility>
+
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
@@ -10,11 +12,13 @@ using keypose::reconstruct::MeshOptions;
 
 void Run(keypose::StageContext& stage, const MeshOptions& options) {
   const auto path = stage.Input("cloud");
-  const keypose::PointCloud cloud = keypose::ReadPointCloud(path);
-  const auto result = keypose::reconstruct::ReconstructSurface(cloud, options, path.filename().string(), stage.progress());
+  keypose::PointCloud cloud = keypose::ReadPointCloud(path);
+  const auto points = static_cast<std::int64_t>(cloud.points.rows());
+  const auto result = keypose::reconstruct::ReconstructSurface(std::move(cloud), options, path.filename().string(), stage.progress());
   keypose::WriteMesh(stage.Output("surface"), result.mesh);
-  stage.Report("points", static_cast<std::int64_t>(cloud.points.rows()));
+  stage.Report("points", points);
   stage.Report("points_used", static_cast<std::int64_t>(result.used.cloud.points.rows()));
+  stage.Report("points_merged", result.used.merged);
   stage.Report("points_unsure", result.used.removed_unsure);
   stage.Report("points_outliers", result.used.removed_outliers);
   stage.Report("points_thinned", result.used.removed_thinned);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "core/geometry.h"
 #include "core/kd_tree.h"
@@ -14,6 +16,21 @@ constexpr int kShallowest = 4;
 double CellSize(const PointsX3& points, int depth) {
   const Eigen::RowVector3d extent = points.colwise().maxCoeff() - points.colwise().minCoeff();
   return kPoissonCubeScale * extent.maxCoeff() / std::pow(2.0, depth);
+}
+
+// The largest extent of all but the outermost hundredth on each side: a single stray must not say how fine the mesh is.
+double BulkExtent(const PointsX3& points) {
+  double extent = 0;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> values(points.col(c).begin(), points.col(c).end());
+    const auto low = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 100);
+    const auto high = values.end() - 1 - static_cast<std::ptrdiff_t>(values.size() / 100);
+    std::nth_element(values.begin(), low, values.end());
+    const double lowest = *low;
+    std::nth_element(values.begin(), high, values.end());
+    extent = std::max(extent, *high - lowest);
+  }
+  return extent;
 }
 
 // Poisson's inside is where the normals come from; a surface that disagrees with its points would turn every later step inside out.
@@ -34,6 +51,7 @@ void FaceAlongNormals(Mesh& mesh, const PointCloud& cloud) {
 void MeshOptions::Describe(OptionVisitor& visit) {
   visit("depth", depth, {"octree levels; 0 chooses them from the distance between points", "levels", 0, 12, {}});
   visit("max_depth", max_depth, {"highest number of octree levels that depth 0 chooses", "levels", kShallowest, 12, {}});
+  visit("merge", merge, {"points within this many of the finest cells of each other become one; 0 keeps all", "cells", 0, 4, {}});
   visit("point_weight", poisson.point_weight,
         {"how strongly the surface is held to the points; 0 is the unscreened method", "", 0, 100, {}});
   visit("samples_per_node", poisson.samples_per_node,
@@ -54,10 +72,12 @@ int DepthForSampling(double diagonal, double spacing, int max_depth) {
   return static_cast<int>(std::clamp(levels, static_cast<double>(std::min(kShallowest, max_depth)), static_cast<double>(max_depth)));
 }
 
-SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& options, const std::string& what, Progress* progress) {
+SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress) {
   SurfaceResult out;
   SubProgress filtering(progress, 0, 0.15);
-  out.used = FilterPoints(cloud, options.filter, what, &filtering);
+  RequireMeshable(cloud, what);
+  const double cell = kPoissonCubeScale * BulkExtent(cloud.points) / std::pow(2.0, options.depth > 0 ? options.depth : options.max_depth);
+  out.used = FilterPoints(std::move(cloud), options.filter, options.merge * cell, what, &filtering);
   out.depth = options.depth > 0 ? options.depth
                                 : DepthForSampling(BoundingDiagonal(out.used.cloud.points), out.used.median_spacing, options.max_depth);
   Step(progress, 0.15, "fitting the surface");

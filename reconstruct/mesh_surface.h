@@ -16,6 +16,8 @@ namespace keypose::reconstruct {
 struct MeshOptions {
   int depth = 0;      ///< octree levels; 0 chooses from the sampling: ceil(log2(diagonal / (2 spacing)))
   int max_depth = 8;  ///< the highest that depth 0 chooses
+  double merge =
+      0.5;  ///< edge, in finest octree cells, of the cells whose points become one: the surface holds no more detail; 0 keeps all
   PoissonOptions poisson;
   PointFilterOptions filter;
   TrimOptions trim;
@@ -42,6 +44,6 @@ int DepthForSampling(double diagonal, double spacing, int max_depth);
 /// @throws InputError   see FilterPoints
 /// @throws SolverError  no surface near the points
 /// Same bits for any thread count.
-SurfaceResult ReconstructSurface(const PointCloud& cloud, const MeshOptions& options, const std::string& what, Progress* progress);
+SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress);
 
 }  // namespace keypose::reconstruct

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "reconstruct/mesh_merge.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -67,6 +68,44 @@ MeshOptions Fast() {
 
 SurfaceResult Reconstruct(const PointCloud& cloud, const MeshOptions& options = Fast()) {
   return ReconstructSurface(cloud, options, "cloud.ply", nullptr);
+}
+
+TEST(MergeWithinCells, MeanOfACellIsWeightedByConfidenceSquared) {
+  PointCloud cloud = SphereCloud(4);
+  cloud.points << 0, 0, 0, 0.3, 0, 0, 0.3, 0, 0, 2, 0, 0;
+  cloud.normals << 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 1;  // the third is another side of a thin sheet
+  cloud.confidence = Eigen::Vector4f(1, 0.5f, 0.25f, 0.75f);
+  const PointCloud merged = MergeWithinCells(cloud, 1);
+  ASSERT_EQ(merged.points.rows(), 3);
+  EXPECT_NEAR(merged.points.col(0).sum(), 0.3 * 0.25 / 1.25 + 0.3 + 2, 1e-12);
+  EXPECT_NEAR(merged.confidence.sum(), 1.25 / 1.5 + 0.25 + 0.75, 1e-6);
+  EXPECT_EQ(merged.normals.col(2).sum(), 1);
+}
+
+TEST(MergeWithinCells, PointsApartKeepTheirValues) {
+  const PointCloud cloud = SphereCloud(500);
+  const PointCloud merged = MergeWithinCells(cloud, 1e-3);
+  ASSERT_EQ(merged.points.rows(), cloud.points.rows());
+  EXPECT_NEAR((merged.points.colwise().sum() - cloud.points.colwise().sum()).norm(), 0, 1e-9);
+}
+
+TEST(ReconstructSurface, PointsBeyondTheMeshsFinenessAreMerged) {
+  MeshOptions options;
+  options.max_depth = 6;
+  const SurfaceResult dense = ReconstructSurface(SphereCloud(160000), options, "cloud", nullptr);
+  // A surface meets 1.5 cells of a cubic grid for each cell's face of area, averaged over directions; octants of normals add a few.
+  const double cell = options.merge * kPoissonCubeScale * 2 * kRadius * 0.98 / 64;
+  const double cells = 1.5 * 4 * std::numbers::pi * kRadius * kRadius / (cell * cell);
+  EXPECT_NEAR(static_cast<double>(dense.used.cloud.points.rows()), cells, 0.2 * cells);
+  EXPECT_LT(LargestRadiusError(dense.mesh), 0.01 * kRadius);
+}
+
+TEST(ReconstructSurface, AStrayDoesNotMakeTheMeshCoarse) {
+  PointCloud cloud = SphereCloud(20000);
+  cloud.points.row(0) *= 1e4;
+  const SurfaceResult result = ReconstructSurface(cloud, {}, "cloud", nullptr);
+  EXPECT_GT(result.used.cloud.points.rows(), 15000);
+  EXPECT_LT(LargestRadiusError(result.mesh), 0.01 * kRadius);
 }
 
 TEST(ReconstructSurface, SphereCloudGivesClosedOutwardSphereWithinSpacing) {
