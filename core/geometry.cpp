@@ -200,7 +200,7 @@ void RequireUsable(const Mesh& mesh, const std::string& what) {
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     if (!mesh.points.row(v).allFinite())
       throw InputError(what + ": vertex " + std::to_string(v) +
-                       " is not finite (NaN or infinity); repair the file or run 'keypose cleanup' on it");
+                       " is not finite (NaN or infinity); remove that vertex and its faces, or run the step that wrote the file again");
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)
       if (mesh.faces(f, k) < 0 || mesh.faces(f, k) >= mesh.vertex_count())

@@ -76,6 +76,7 @@ TEST(RequireUsable, NamesTheFault) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("vertex 7"), std::string::npos);
+    EXPECT_EQ(std::string(error.what()).find("cleanup"), std::string::npos) << "which refuses such files itself";
   }
   EXPECT_THROW(RequireUsable(Mesh{}, "source"), InputError);
 }
