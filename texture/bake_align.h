@@ -21,7 +21,7 @@ struct Warp {
 };
 
 struct AlignOptions {
-  int samples = 120000;     ///< points of the surface at which photographs are compared
+  int samples = 60000;      ///< points of the surface at which photographs are compared
   int nodes = 14;           ///< of a lattice along the longer side of what the photograph shows
   double smoothness = 0.5;  ///< of the lattice, in parts of what the photographs tell of a node on average
   double stiffness = 0.02;  ///< pull towards no displacement, in the same parts

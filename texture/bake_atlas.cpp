@@ -90,9 +90,10 @@ void AddRims(const Mesh& mesh, Atlas& atlas) {
   }
 }
 
-/// Texels around `done` ones, ring by ring, take the mean of their done neighbours times `decay`.
-template <class Allowed>
-void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int rings, float decay, const Allowed& allowed) {
+/// Texels around `done` ones, ring by ring, take the mean of their done neighbours' values times `decay`.
+template <class Allowed, class Value>
+void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int rings, float decay, const Allowed& allowed,
+          const Value& value) {
   const auto neighbors = [&](int texel, const auto& visit) {
     const int x = texel % size, y = texel / size;
     for (int dy = -1; dy <= 1; ++dy)
@@ -116,7 +117,7 @@ void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int r
       int count = 0;
       neighbors(texel, [&](int n) {
         if (!done[n]) return;
-        sum += color[n];
+        sum += value(n);
         ++count;
       });
       color[texel] = sum * (decay / static_cast<float>(count));
@@ -247,14 +248,14 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
     const auto f = mesh.faces.row(atlas.face[texel]);
     return (w[0] * at_vertex[f[0]] + w[1] * at_vertex[f[1]] + w[2] * at_vertex[f[2]]).eval();
   };
-  // What a painted texel has beyond the smooth colour is carried a little way into the unseen part, so that no edge shows there.
-  std::vector<Vector3f> grain(painting.color.size(), Vector3f::Zero());
+  // What a painted texel has beyond the smooth colour is carried a little way into the unseen part, so that no edge shows there. Until the
+  // end unseen texels hold this grain only.
   std::vector<char> done = painting.painted;
-  for (std::size_t texel = 0; texel < grain.size(); ++texel)
-    if (done[texel]) grain[texel] = painting.color[texel] - smooth(texel);
-  Grow(atlas.size, grain, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; });
-  for (std::size_t texel = 0; texel < grain.size(); ++texel)
-    if (atlas.face[texel] >= 0 && !painting.painted[texel]) painting.color[texel] = (smooth(texel) + grain[texel]).cwiseMax(0.0f);
+  Grow(
+      atlas.size, painting.color, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
+      [&](int texel) { return painting.painted[texel] ? (painting.color[texel] - smooth(texel)).eval() : painting.color[texel]; });
+  for (std::size_t texel = 0; texel < done.size(); ++texel)
+    if (atlas.face[texel] >= 0 && !painting.painted[texel]) painting.color[texel] = (smooth(texel) + painting.color[texel]).cwiseMax(0.0f);
 }
 
 ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
@@ -262,7 +263,8 @@ ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
   std::vector<Vector3f> color = std::move(painting.color);
   std::vector<char> done(color.size());
   for (std::size_t texel = 0; texel < color.size(); ++texel) done[texel] = atlas.face[texel] >= 0;
-  Grow(atlas.size, color, done, gutter, 1.0f, [](int) { return true; });
+  Grow(
+      atlas.size, color, done, gutter, 1.0f, [](int) { return true; }, [&](int texel) { return color[texel]; });
   ImageF texture(atlas.size, atlas.size, 3);
   for (std::size_t texel = 0; texel < color.size(); ++texel)
     for (int k = 0; k < 3; ++k) texture.data[3 * texel + k] = done[texel] ? color[texel][k] : rest[k];

@@ -181,4 +181,36 @@ inline double PsnrAgainst(
   return Psnr(sum, count);
 }
 
+/// The same against the paint averaged over a square of `texels` around each texel's centre: what a camera of that footprint can know of a
+/// hard edge. A square that reaches beyond its texel's face goes on in the face's plane.
+inline double FootprintPsnrAgainst(const Mesh& mesh, const Image8& texture, const Paint& truth, double texels) {
+  constexpr int kSamples = 8;
+  const Atlas fine = RasterizeAtlas(mesh, texture.width);
+  double sum = 0, count = 0;
+  for (int y = 0; y < fine.size; ++y)
+    for (int x = 0; x < fine.size; ++x) {
+      const std::size_t texel = static_cast<std::size_t>(y) * fine.size + x;
+      if (!fine.inside[texel]) continue;
+      const int f = fine.face[texel];
+      Eigen::Matrix3d corners;  // columns: u, v, 1 of the corners, in texels
+      for (int k = 0; k < 3; ++k) {
+        const auto uv = mesh.uvs.row(mesh.uv_faces(f, k));
+        corners.col(k) = Vector3d(uv[0] * fine.size, (1 - uv[1]) * fine.size, 1);
+      }
+      const Eigen::Matrix3d weights_of = corners.inverse();
+      Vector3f mean = Vector3f::Zero();
+      for (int s = 0; s < kSamples * kSamples; ++s) {
+        const Vector3d at(x + 0.5 + texels * ((s % kSamples + 0.5) / kSamples - 0.5),
+                          y + 0.5 + texels * ((s / kSamples + 0.5) / kSamples - 0.5), 1);
+        const Vector3d w = weights_of * at;
+        Vector3d point = Vector3d::Zero();
+        for (int k = 0; k < 3; ++k) point += w[k] * mesh.points.row(mesh.faces(f, k)).transpose();
+        mean += truth(point, Vector3d::Zero()) / (kSamples * kSamples);
+      }
+      for (int k = 0; k < 3; ++k) sum += std::pow(texture.data[3 * texel + k] - static_cast<double>(SrgbOf(mean[k])), 2), ++count;
+    }
+  EXPECT_GT(count, 1000);
+  return Psnr(sum, count);
+}
+
 }  // namespace keypose::texture

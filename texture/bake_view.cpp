@@ -129,6 +129,8 @@ void BakeView::BuildPyramid(const Photograph& photograph, const BakeViewOptions&
 void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene, const BakeViewOptions& options) {
   const double area = static_cast<double>(box_.x1 - box_.x0) * (box_.y1 - box_.y0);
   cell_px_ = std::max(1.0, std::sqrt(area / options.depth_rays));
+  cells_per_px_ = 1 / cell_px_;
+  depth_step_ = kDepthStepInCells * cell_px_ / view_.camera.fx;
   cell_x0_ = static_cast<int>(box_.x0 / cell_px_);
   cell_y0_ = static_cast<int>(box_.y0 / cell_px_);
   const int width = static_cast<int>(std::ceil(box_.x1 / cell_px_)) - cell_x0_,
@@ -146,7 +148,6 @@ void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene, c
 
 void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& options) {
   trust_ = ImageF(depth_.width, depth_.height, 1, kFar);
-  const double step = kDepthStepInCells * cell_px_ / view_.camera.fx;
   const auto depth_at = [&](int x, int y) {
     return x < 0 || y < 0 || x >= depth_.width || y >= depth_.height ? std::numeric_limits<float>::infinity() : *depth_.at(x, y);
   };
@@ -154,7 +155,8 @@ void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& op
     for (int x = 0; x < depth_.width; ++x) {
       const float d = *depth_.at(x, y);
       bool edge = std::isinf(d) || !AllObject(photograph.mask, RayPixel(x, y).x(), RayPixel(x, y).y(), 0.5 * cell_px_);
-      for (int k = 0; k < 4 && !edge; ++k) edge = !(std::abs(depth_at(x + (k == 0) - (k == 1), y + (k == 2) - (k == 3)) - d) < step * d);
+      for (int k = 0; k < 4 && !edge; ++k)
+        edge = !(std::abs(depth_at(x + (k == 0) - (k == 1), y + (k == 2) - (k == 3)) - d) < depth_step_ * d);
       if (edge) *trust_.at(x, y) = 0;
     }
   DistanceToZero(trust_);
@@ -185,11 +187,10 @@ Sighting BakeView::See(const Vector3d& x_in_world) const {
 }
 
 float BakeView::TrustAt(const Vector2d& pixel, double depth) const {
-  const Vector2d cell = pixel / cell_px_ - Vector2d(cell_x0_, cell_y0_);
+  const Vector2d cell(pixel.x() * cells_per_px_ - cell_x0_, pixel.y() * cells_per_px_ - cell_y0_);
   if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < depth_.width && cell.y() < depth_.height)) return 0;
   const double surface = *depth_.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
-  if (!(depth - surface < kDepthStepInCells * cell_px_ / view_.camera.fx * depth)) return 0;
-  return Trust(cell);
+  return depth - surface < depth_step_ * depth ? Trust(cell) : 0;
 }
 
 Sample BakeView::Bilinear(int level, const Vector2d& pixel) const {

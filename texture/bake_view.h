@@ -94,6 +94,8 @@ class BakeView {
   int base_level_ = 0;          ///< levels dropped at the fine end
   std::vector<Image8> levels_;  ///< 4 channels: sRGB and alpha; level i is of 2^(base_level + i) pixels
   double cell_px_ = 1;          ///< photograph pixels a depth ray, each way
+  double cells_per_px_ = 1;     ///< its inverse
+  double depth_step_ = 0;       ///< what lies further behind the depth map than this part of its depth is hidden
   int cell_x0_ = 0, cell_y0_ = 0;
   ImageF depth_;
   ImageF trust_;

@@ -197,7 +197,10 @@ float Witnesses::Look(const FaceSight& sight, const SurfacePoint& point, Vector3
   Eigen::Vector2d pixel;
   float trust;
   if (sight.flat) {
-    pixel = (sight.pixels * point.weights).cast<double>();
+    const auto mixed = [&](int row) {
+      return sight.pixels(row, 0) * point.weights[0] + sight.pixels(row, 1) * point.weights[1] + sight.pixels(row, 2) * point.weights[2];
+    };
+    pixel = {mixed(0), mixed(1)};
     trust = from.TrustAt(pixel, sight.depths.dot(point.weights));
   } else {
     const Sighting sighting = See(sight.view, Mixed(mesh_.points, mesh_, point));
