@@ -1,4 +1,5 @@
 // keypose-dense: photographs and cameras to an oriented, coloured cloud.
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -132,6 +133,8 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
 }
 
 void Run(StageContext& stage, const DenseOptions& options) {
+  // Else the limit from which freed memory goes back to the system grows with the first large images, and maps are kept that nobody needs.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Scene scene = ReadColmapModel(stage.Input("model"));
   const ImageSet set = ReadImageSet(stage.Input("images"));
   const std::vector<DenseView> views = LoadViews(scene, set, options, stage);

@@ -31,7 +31,7 @@ PlaneMap MapOf(const DenseView& view, double height) {
   const Pinhole& camera = view.camera();
   const Eigen::Vector3d normal = view.camera_from_world.rotation * Eigen::Vector3d::UnitZ();
   const double offset = normal.dot(view.camera_from_world * Eigen::Vector3d(0, 0, height));  // normal . x = offset in the camera
-  PlaneMap map(camera);
+  PlaneMap map(camera, 8);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * camera.width + x;

@@ -131,7 +131,7 @@ class Estimator {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
     const DepthBounds& bounds = bounds_[i];
-    maps_[i] = PlaneMap(camera);
+    maps_[i] = PlaneMap(camera, static_cast<int>(sources_[i].size()));
     const std::uint16_t all = static_cast<std::uint16_t>((1u << std::min<std::size_t>(kSourcesUsed, sources_[i].size())) - 1);
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
@@ -148,7 +148,7 @@ class Estimator {
         plane.gx = front ? slope[0] : spread * (2 * Unit(Mixed(hash + 1)) - 1);
         plane.gy = front ? slope[1] : spread * (2 * Unit(Mixed(hash + 2)) - 1);
         maps_[i].SetPlane(index, plane);
-        maps_[i].sources[index] = all;
+        maps_[i].SetSources(index, all);
         maps_[i].SetCost(index, 2 * kWorstCost);  // unknown, but there: may be asked for
       }
     if (!seeds_.empty()) PlantSeeds(i, level);
@@ -177,8 +177,9 @@ class Estimator {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
     const PlaneMap coarse = std::move(maps_[i]);
-    PlaneMap fine(camera);
-    DepthImage prior = NoDepths(i, level);
+    PlaneMap fine(camera, static_cast<int>(sources_[i].size()));
+    DepthImage prior = NoDepths(i, level + 1);
+    for (std::size_t k = 0; k < coarse.size(); ++k) prior.Set(k, coarse.InverseDepth(k));
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x) {
         if (!Visited(inputs, x, y)) continue;
@@ -189,10 +190,9 @@ class Estimator {
         const float px = static_cast<float>(parent % coarse.width) * 2 + 0.5f, py = static_cast<float>(parent / coarse.width) * 2 + 0.5f;
         PlaneHypothesis plane = {from.inverse_depth + 0.5f * (from.gx * (x - px) + from.gy * (y - py)), from.gx * 0.5f, from.gy * 0.5f};
         if (!(plane.inverse_depth > 0)) plane.inverse_depth = from.inverse_depth;
-        fine.sources[index] = coarse.sources[parent];
+        fine.SetSources(index, coarse.Sources(parent));
         fine.SetPlane(index, plane);
         fine.SetCost(index, 2 * kWorstCost);
-        prior.Set(index, plane.inverse_depth);
       }
     maps_[i] = std::move(fine);
     priors_[i] = std::move(prior);

@@ -149,9 +149,19 @@ class Sweeper {
     ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx), ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
     ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
     bounds_ = BoundsAt(x, y);
-    prior_ = in_.prior ? in_.prior->At(x, y) : 0;
+    prior_ = in_.prior ? PriorAt(*in_.prior, x, y) : 0;
     const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
     prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
+  }
+
+  // Between the four pixels of the coarser level around; across an edge of depth, the one that covers this pixel.
+  float PriorAt(const DepthImage& coarse, int x, int y) const {
+    const int px = std::min(x / 2, coarse.width - 1), py = std::min(y / 2, coarse.height - 1);
+    const int qx = std::clamp(px + (x & 1 ? 1 : -1), 0, coarse.width - 1), qy = std::clamp(py + (y & 1 ? 1 : -1), 0, coarse.height - 1);
+    const float here = coarse.At(px, py);
+    if (here <= 0) return 0;
+    auto near = [&](float depth) { return depth > 0 && std::abs(depth - here) * px_per_inverse_depth_ < 3 ? depth : here; };
+    return 0.5625f * here + 0.1875f * (near(coarse.At(qx, py)) + near(coarse.At(px, qy))) + 0.0625f * near(coarse.At(qx, qy));
   }
 
   // How far the pixel lands from itself when it goes to each source by this plane and comes back by the source's own depth.
@@ -262,6 +272,7 @@ class Sweeper {
     const int total = candidates_ + 1;
     for (int h = 0; h < total; ++h) FillRow(candidate_[h], matrix_[h]);
     std::array<float, kMaxSources> score{};
+    const unsigned before = map_.Sources(index);
     for (int k = 0; k < count_; ++k) {
       float least = kInfinite;
       for (int h = 0; h < total; ++h) {
@@ -269,7 +280,7 @@ class Sweeper {
         least = std::min(least, m);
         if (m < 0.8f) score[k] += std::exp(-m * m / 0.18f);
       }
-      if (map_.sources[index] >> k & 1) score[k] *= 1.25f;
+      if (before >> k & 1) score[k] *= 1.25f;
       score[k] -= 1e-3f * least;  // an order when nothing is good
     }
     std::uint16_t chosen = 0;
@@ -280,7 +291,7 @@ class Sweeper {
       if (n >= 2 && score[best] <= 0) break;
       chosen |= static_cast<std::uint16_t>(1 << best);
     }
-    map_.sources[index] = chosen;
+    map_.SetSources(index, chosen);
   }
 
   void FillRow(const PlaneHypothesis& plane, float* row) {
@@ -314,11 +325,11 @@ class Sweeper {
     float cost = map_.Cost(index);
     if (set_.select_sources) {
       SelectSources(index);
-      cost = MatrixCost(candidates_, map_.sources[index]);
-      for (int h = 0; h < candidates_; ++h) Accept(candidate_[h], MatrixCost(h, map_.sources[index]), &plane, &cost);
-      Choose(map_.sources[index]);
+      cost = MatrixCost(candidates_, map_.Sources(index));
+      for (int h = 0; h < candidates_; ++h) Accept(candidate_[h], MatrixCost(h, map_.Sources(index)), &plane, &cost);
+      Choose(map_.Sources(index));
     } else {
-      Choose(map_.sources[index]);
+      Choose(map_.Sources(index));
       int trials = 0;
       if (set_.refresh) trials_[trials++].plane = plane, cost = kInfinite;
       for (int h = 0; h < candidates_; ++h) trials_[trials++].plane = candidate_[h];

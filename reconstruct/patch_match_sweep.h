@@ -23,7 +23,7 @@ struct SweepInputs {
   int level = 0;
   const DepthBounds* bounds = nullptr;
   std::vector<const DepthImage*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
-  const DepthImage* prior = nullptr;                     ///< inverse depth expected where texture is weak; may be null
+  const DepthImage* prior = nullptr;  ///< of the coarser level: inverse depth expected where texture is weak; may be null
   float noise_variance = 0;
   std::uint64_t seed = 0;
 };

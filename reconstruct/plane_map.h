@@ -16,18 +16,18 @@ struct PlaneHypothesis {
   float inverse_depth = 0, gx = 0, gy = 0;
 };
 
-/// A plane and its cost for each pixel, row-major, in 12 bytes a pixel. Pixels without a plane have inverse depth 0 and infinite cost.
-/// Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to 1/16384.
+/// A plane, its cost and its source views for each pixel, row-major, in 11 bytes a pixel (12 when there are more than eight sources).
+/// Pixels without a plane have inverse depth 0 and infinite cost. Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to
+/// 1/16384.
 class PlaneMap {
  public:
   int width = 0, height = 0;
-  std::vector<std::uint16_t> sources;  ///< bit k: the k-th source view is used here
-
   PlaneMap() = default;
-  explicit PlaneMap(const Pinhole& camera)
+  PlaneMap(const Pinhole& camera, int source_count)
       : width(camera.width), height(camera.height), unit_(static_cast<float>(1 / (kTiltSteps * camera.fx))), inverse_unit_(1 / unit_) {
     const std::size_t count = static_cast<std::size_t>(width) * height;
-    sources.assign(count, 0), planes_.assign(count, {}), costs_.assign(count, kNoCost);
+    planes_.assign(count, {}), costs_.assign(count, kNoCost);
+    first_sources_.assign(count, 0), more_sources_.assign(source_count > 8 ? count : 0, 0);
   }
 
   bool empty() const { return planes_.empty(); }
@@ -48,6 +48,14 @@ class PlaneMap {
   void SetCost(std::size_t pixel, float cost) {
     costs_[pixel] = static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, kNoCost - 1.0f));
   }
+  /// Bit k: the k-th source view is used here.
+  std::uint16_t Sources(std::size_t pixel) const {
+    return static_cast<std::uint16_t>(first_sources_[pixel] | (more_sources_.empty() ? 0 : more_sources_[pixel] << 8));
+  }
+  void SetSources(std::size_t pixel, std::uint16_t sources) {
+    first_sources_[pixel] = static_cast<std::uint8_t>(sources & 255);
+    if (!more_sources_.empty()) more_sources_[pixel] = static_cast<std::uint8_t>(sources >> 8);
+  }
   /// The same order as Cost, cheaper to read; kNoCost where there is no plane.
   std::uint16_t PackedCost(std::size_t pixel) const { return costs_[pixel]; }
   static constexpr std::uint16_t kNoCost = 65535;
@@ -65,6 +73,7 @@ class PlaneMap {
   float unit_ = 0, inverse_unit_ = 0;
   std::vector<Packed> planes_;
   std::vector<std::uint16_t> costs_;
+  std::vector<std::uint8_t> first_sources_, more_sources_;
 };
 
 /// One inverse depth a pixel in 16 bits, within known limits.
