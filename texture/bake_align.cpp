@@ -155,14 +155,18 @@ class Aligner {
     return 1 / ((1 + u * u) * (1 + u * u));
   }
 
-  /// A Gauss-Newton step of one lattice.
-  void StepView(int v, const Round& round) {
-    Warp& warp = warps_[v];
-    const int count = static_cast<int>(warp.nodes.size());
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * count);
-    std::vector<Eigen::Matrix2d> blocks(static_cast<std::size_t>(count) * 9, Eigen::Matrix2d::Zero());
-    double information = 0, total = 0;
+  /// The normal equations of one lattice, by pairs of nodes that are neighbours.
+  struct Normal {
+    std::vector<Eigen::Matrix2d> blocks;  ///< see Slot
+    Eigen::VectorXd right;
+    double information = 0, total = 0;  ///< of all slopes, weights
+  };
+
+  Normal Collect(int v, const Round& round) const {
+    const Warp& warp = warps_[v];
+    Normal normal;
+    normal.blocks.assign(warp.nodes.size() * 9, Eigen::Matrix2d::Zero());
+    normal.right.setZero(2 * static_cast<Eigen::Index>(warp.nodes.size()));
     for (const Observation& o : seen_[v]) {
       Read read;
       // The mean of one photograph is that photograph.
@@ -170,37 +174,51 @@ class Aligner {
       const double r = read.value - round.mean[o.point], w = o.weight * Robust(r);
       const Corners at = CornersAt(warp, o.pixel);
       const Eigen::Matrix2d square = w * read.slope * read.slope.transpose();
-      information += square.trace();
-      total += w;
+      normal.information += square.trace();
+      normal.total += w;
       for (int a = 0; a < 4; ++a) {
-        right.segment<2>(2 * at.node[a]) -= at.weight[a] * w * r * read.slope;
-        for (int b = 0; b < 4; ++b) {
-          if (at.node[b] > at.node[a]) continue;
-          blocks[Slot(warp, at.node[a], at.node[b])] += at.weight[a] * at.weight[b] * square;
-        }
+        normal.right.segment<2>(2 * at.node[a]) -= at.weight[a] * w * r * read.slope;
+        for (int b = 0; b < 4; ++b)
+          if (at.node[b] <= at.node[a]) normal.blocks[Slot(warp, at.node[a], at.node[b])] += at.weight[a] * at.weight[b] * square;
       }
     }
-    if (!(information > 0)) return;
-    const double unit = information / (2.0 * count), flat = kFlatSlope * views_[v].StoredAt(round.level, Vector2d::Zero()).scale;
-    for (int a = 0; a < count; ++a)
+    return normal;
+  }
+
+  /// The lower triangle's entries.
+  static std::vector<Eigen::Triplet<double>> EntriesOf(const Warp& warp, const Normal& normal) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int a = 0; a < static_cast<int>(warp.nodes.size()); ++a)
       for (int dy = -1; dy <= 0; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
           const int b = a + dy * warp.wide + dx;
           if (b > a || b < 0) continue;
-          const Eigen::Matrix2d& m = blocks[Slot(warp, a, b)];
+          const Eigen::Matrix2d& m = normal.blocks[Slot(warp, a, b)];
           for (int i = 0; i < 2; ++i)
             for (int j = 0; j < 2; ++j)
               if (2 * a + i >= 2 * b + j && m(i, j) != 0) entries.emplace_back(2 * a + i, 2 * b + j, m(i, j));
         }
-    AddPriors(warp, options_.smoothness * unit, options_.stiffness * unit + flat * flat * total / count, entries, right);
+    return entries;
+  }
+
+  /// A Gauss-Newton step of one lattice.
+  void StepView(int v, const Round& round) {
+    Warp& warp = warps_[v];
+    const int count = static_cast<int>(warp.nodes.size());
+    Normal normal = Collect(v, round);
+    if (!(normal.information > 0)) return;
+    const double unit = normal.information / (2.0 * count), scale = views_[v].StoredAt(round.level, Vector2d::Zero()).scale;
+    const double flat = kFlatSlope * scale;
+    std::vector<Eigen::Triplet<double>> entries = EntriesOf(warp, normal);
+    AddPriors(warp, options_.smoothness * unit, options_.stiffness * unit + flat * flat * normal.total / count, entries, normal.right);
     Eigen::SparseMatrix<double> matrix(2 * count, 2 * count);
     matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::VectorXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(right);
+    const Eigen::VectorXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(normal.right);
+    if (!solved.allFinite()) return;
     // Slopes are known over about a pixel of this level.
-    const double most_step = 1.5 / views_[v].StoredAt(round.level, Vector2d::Zero()).scale;
+    const double most_step = 1.5 / scale;
     for (int a = 0; a < count; ++a) {
       Vector2d step = solved.segment<2>(2 * a);
-      if (!step.allFinite()) return;
       if (step.norm() > most_step) step *= most_step / step.norm();
       warp.nodes[a] += step;
       if (warp.nodes[a].norm() > options_.most_px) warp.nodes[a] *= options_.most_px / warp.nodes[a].norm();
