@@ -213,14 +213,18 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::ve
 std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<Image8>& denials,
                                const std::vector<BoardOdds>& boards, const MaskOptions& masking, const SpaceOptions& options,
                                double weight) {
-  const std::vector<float> odds = OddsOfDenials(masks, denials, options.most_denials);
+  constexpr double kManyViews = 48;
+  // A hull is larger than its figure, the more so the fewer the views: that nobody denies a place says less than that some do.
+  std::vector<float> leaning_of = OddsOfDenials(masks, denials, options.most_denials);
+  const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
+  for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
   std::vector<ImageF> leaning;
   Round round{images, {}, {}, FindTakes(images, masking.border_share), &leaning};
   for (std::size_t i = 0; i < images.size(); ++i) {
     round.lab.push_back(LabOf(images[i]));
     round.zones.push_back(ZonesOf(masks[i]));
     leaning.emplace_back(images[i].width, images[i].height, 1);
-    for (std::size_t p = 0; p < denials[i].data.size(); ++p) leaning[i].data[p] = static_cast<float>(weight * odds[denials[i].data[p]]);
+    for (std::size_t p = 0; p < denials[i].data.size(); ++p) leaning[i].data[p] = leaning_of[denials[i].data[p]];
   }
   return SegmentByForest(round, boards, masking);
 }
