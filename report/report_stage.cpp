@@ -42,7 +42,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
@@ -94,12 +94,14 @@ class Gatherer {
     pose.name = name;
     const RunRecord& run = contents.run;
     const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name), *cleanup = run.Find("cleanup", name),
-                     *bake = run.Find("bake", name), *sfm = run.Find("sfm", name);
+                     *bake = run.Find("bake", name), *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
     if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
     if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, pose); });
     if (dense && !dense->Output("cloud").empty())
       Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
-    if (capture && !capture->Output("images").empty())
+    if (masks && !masks->Output("masked").empty())
+      Try(contents, masks->id, [&] { pose.masks = MaskSheet(ReadImageSet(masks->Output("masked"))); });
+    else if (capture && !capture->Output("images").empty())
       Try(contents, capture->id, [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
     if (sfm && !sfm->Output("picture").empty())
       Try(contents, sfm->id, [&] {

@@ -202,6 +202,24 @@ TEST(Judge, NamesFailuresFirstAndPraisesLast) {
   EXPECT_TRUE(few);
 }
 
+TEST(Judge, NamesViewsWhoseSilhouettesTheOthersContradict) {
+  Contents contents = Minimal();
+  StepRecord masks;
+  masks.id = masks.step = masks.stage = "masks";
+  masks.numbers["agreement"] = 0.97;
+  masks.lists["views_disagreeing"] = R"(["a.jpg", 3, "b<.jpg"])";
+  contents.run.steps.push_back(masks);
+  const auto said = [](const std::vector<Verdict>& verdicts) {
+    for (const Verdict& v : verdicts)
+      if (v.where == "masks") return v;
+    return Verdict{};
+  };
+  EXPECT_EQ(said(Judge(contents)).grade, Grade::kLook);
+  EXPECT_THAT(said(Judge(contents)).text, HasSubstr("a.jpg, b&lt;.jpg."));
+  contents.run.steps.back().lists["views_disagreeing"] = "[]";
+  EXPECT_EQ(said(Judge(contents)).grade, Grade::kGood);
+}
+
 TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
   const std::string page = BuildPage(Minimal(), NoPictures);
   EXPECT_THAT(page, HasSubstr("clay &lt;dog&gt;"));

@@ -41,7 +41,7 @@ std::string Chip(const StepRecord& step) {
 
 std::string MissingStages(const Contents& contents, const PosePart& pose) {
   std::string missing;
-  for (const char* stage : {"capture", "sfm", "dense", "mesh", "cleanup", "bake"}) {
+  for (const char* stage : {"capture", "sfm", "masks", "dense", "mesh", "cleanup", "bake"}) {
     if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
     missing += (missing.empty() ? "" : ", ") + std::string(stage);
   }
@@ -57,6 +57,7 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   AddFacts(run.Find("sfm", pose),
            {{"reprojection error (px)", "reprojection_error_px"}, {"sparse points", "points"}, {"mean track length", "mean_track_length"}},
            facts);
+  AddFacts(run.Find("masks", pose), {{"masks' overlap with their hull", "agreement"}, {"least of a view", "least_agreement"}}, facts);
   AddFacts(run.Find("dense", pose),
            {{"dense points", "points"}, {"dense CPU time", "cpu_seconds"}, {"dense completeness", "completeness_mean"}}, facts);
   AddFacts(run.Find("mesh", pose), {{"Poisson faces", "faces"}}, facts);

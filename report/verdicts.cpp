@@ -1,11 +1,14 @@
 // The rules of Judge in contents.h.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "report/contents.h"
 #include "report/html.h"
 
 namespace keypose::report {
 namespace {
+
+constexpr std::size_t kNamesShown = 8;
 
 std::string Bold(const std::string& text) { return "<b>" + text + "</b>"; }
 
@@ -29,6 +32,23 @@ class Judges {
           s,
           "Mean reprojection error " + Bold(Pretty(*error) + " px") +
               (*error < 1 ? "." : ": cameras are vague; look for blur, zooming or a moving background."));
+  }
+
+  /// Views whose silhouettes the others contradict: a wrong mask, a turned photograph or a wrong principal point.
+  void Masks(const StepRecord& s) {
+    const auto agreement = s.Number("agreement");
+    const auto listed = s.lists.find("views_disagreeing");
+    if (!agreement || listed == s.lists.end()) return;
+    std::vector<std::string> names;
+    for (const auto& name : nlohmann::json::parse(listed->second))
+      if (name.is_string()) names.push_back(name);
+    std::string text = "Silhouettes overlap the visual hull of the others by " + Bold(Percent(*agreement)) + " on average";
+    if (!names.empty()) {
+      text += "; these disagree, by their mask or their camera: ";
+      for (std::size_t i = 0; i < std::min(names.size(), kNamesShown); ++i) text += (i ? ", " : "") + Escape(names[i]);
+      if (names.size() > kNamesShown) text += " and " + std::to_string(names.size() - kNamesShown) + " more";
+    }
+    Add(names.empty() ? Grade::kGood : Grade::kLook, s, text + ".");
   }
 
   void Cleanup(const StepRecord& s) {
@@ -116,6 +136,7 @@ std::vector<Verdict> Judge(const Contents& contents) {
       verdicts.push_back({Grade::kBad, step.id, "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing below."});
     if (!step.trouble.empty()) verdicts.push_back({Grade::kLook, step.id, Escape(step.trouble)});
     if (step.stage == "sfm") judges.Sfm(step);
+    if (step.stage == "masks") judges.Masks(step);
     if (step.stage == "cleanup") judges.Cleanup(step);
     if (step.stage == "unwrap") judges.Unwrap(step);
     if (step.stage == "bake") judges.Bake(step);
