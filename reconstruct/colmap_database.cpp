@@ -2,7 +2,6 @@
 
 #include <sqlite3.h>
 
-#include <Eigen/LU>
 #include <cmath>
 #include <cstring>
 
@@ -174,56 +173,6 @@ void ColmapDatabase::AddFeaturesFrom(const ColmapDatabase& other, const std::str
   }
 }
 
-void ColmapDatabase::WriteMatches(const std::vector<PairMatches>& matches) {
-  Execute("PRAGMA synchronous = OFF");
-  Execute("BEGIN");
-  Statement add(database_.get(), "INSERT INTO matches VALUES (?, ?, 2, ?)");
-  for (const PairMatches& pair : matches) {
-    add.Bind(1, PairId(pair.first, pair.second));
-    add.Bind(2, static_cast<std::int64_t>(pair.features.size()));
-    static_assert(sizeof(pair.features[0]) == 8);
-    add.BindBlob(3, pair.features.data(), pair.features.size() * 8);
-    add.RunOnce();
-  }
-  Execute("COMMIT");
-}
-
-void ColmapDatabase::AddPairsFrom(const fs::path& other) {
-  {
-    Statement attach(database_.get(), "ATTACH ? AS other");
-    attach.Bind(1, other.string());
-    attach.RunOnce();
-  }
-  Execute("PRAGMA synchronous = OFF");
-  Execute("INSERT INTO matches SELECT * FROM other.matches ORDER BY pair_id");
-  Execute("INSERT INTO two_view_geometries SELECT * FROM other.two_view_geometries ORDER BY pair_id");
-  Execute("DETACH other");
-}
-
-std::vector<VerifiedPair> ColmapDatabase::VerifiedPairs() const {
-  const Eigen::Matrix3d k_inverse = ReadCameraMatrix().inverse();
-  std::vector<VerifiedPair> pairs;
-  Statement select(database_.get(), "SELECT pair_id, rows, config, F, E, H FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
-  while (select.Next()) {
-    const std::int64_t id = select.Integer(0);
-    VerifiedPair pair{
-        static_cast<int>(id / kMaxImages) - 1, static_cast<int>(id % kMaxImages) - 1, static_cast<int>(select.Integer(1)), {}};
-    // COLMAP's TwoViewGeometry: 2 calibrated, 3 uncalibrated, 4 to 6 planar or panoramic.
-    const auto config = select.Integer(2);
-    if (config >= 2 && config <= 6) {
-      const int column = config == 2 ? 4 : config == 3 ? 3 : 5;
-      pair.geometry.kind = config == 2 ? PairGeometry::kEssential : config == 3 ? PairGeometry::kFundamental : PairGeometry::kHomography;
-      if (select.Bytes(column) != 9 * sizeof(double))
-        throw ToolError("COLMAP wrote two-view geometries of an unknown form; version 3.8 is expected");
-      pair.geometry.matrix =
-          Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(static_cast<const double*>(select.Blob(column)));
-      if (config == 2) pair.geometry.matrix = (k_inverse.transpose() * pair.geometry.matrix * k_inverse).eval();
-    }
-    pairs.push_back(pair);
-  }
-  return pairs;
-}
-
 std::vector<PairMatches> ColmapDatabase::VerifiedMatches() const {
   std::vector<PairMatches> pairs;
   Statement select(database_.get(), "SELECT pair_id, rows, data FROM two_view_geometries WHERE rows > 0 ORDER BY pair_id");
@@ -251,29 +200,6 @@ void ColmapDatabase::PutInliers(const std::vector<PairMatches>& pairs) {
     put.RunOnce();
   }
   Execute("COMMIT");
-}
-
-void ColmapDatabase::ReplaceInliers(const std::vector<PairMatches>& pairs) {
-  Execute("BEGIN");
-  Statement update(database_.get(), "UPDATE two_view_geometries SET rows = ?, data = ? WHERE pair_id = ?");
-  for (const PairMatches& pair : pairs) {
-    update.Bind(1, static_cast<std::int64_t>(pair.features.size()));
-    update.BindBlob(2, pair.features.data(), pair.features.size() * 8);
-    update.Bind(3, PairId(pair.first, pair.second));
-    update.RunOnce();
-  }
-  Execute("COMMIT");
-}
-
-Eigen::Matrix3d ColmapDatabase::ReadCameraMatrix() const {
-  Statement select(database_.get(), "SELECT params FROM cameras WHERE camera_id = 1");
-  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
-  if (!select.Next() || select.Bytes(0) < 3 * sizeof(double)) throw ToolError("the matching database has no camera");
-  const auto* p = static_cast<const double*>(select.Blob(0));
-  k(0, 0) = k(1, 1) = p[0];
-  k(0, 2) = p[1];
-  k(1, 2) = p[2];
-  return k;
 }
 
 }  // namespace keypose::reconstruct

@@ -1,7 +1,7 @@
 // COLMAP 3.8's SQLite database: cameras, images, features, matches, two-view geometries.
 //
-// We write cameras and images ourselves, so that ids follow the names' order, and matches, which our own matcher finds; COLMAP's programs
-// add features and verified geometries. Image ids count from 1.
+// We write cameras and images ourselves, so that ids follow the names' order, and verified matches, which our own matcher finds; COLMAP's
+// programs add features. Image ids count from 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,16 +32,10 @@ struct PairMatches {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;
 };
 
-/// How COLMAP relates two images.
+/// How two images are related.
 struct PairGeometry {
-  enum Kind { kEssential, kFundamental, kHomography, kOther } kind = kOther;
+  enum Kind { kFundamental, kHomography, kOther } kind = kOther;
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< fundamental matrix (second^T F first = 0) or homography second <- first, in pixels
-};
-
-/// How many matches of a pair stood the geometric test.
-struct VerifiedPair {
-  int first = 0, second = 0, inliers = 0;
-  PairGeometry geometry;
 };
 
 class ColmapDatabase {
@@ -60,17 +54,10 @@ class ColmapDatabase {
   Features ReadFeatures(int image) const;
   /// Copies the features that another database holds for the image of that name to image i (0-based), moved by (x, y) pixels.
   void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x, double y);
-  void WriteMatches(const std::vector<PairMatches>& matches);
-  /// Copies matches and two-view geometries of another database, by pair id.
-  void AddPairsFrom(const std::filesystem::path& other);
-  /// Pairs with at least one inlier, by pair id. Essential matrices are turned into fundamental ones with the camera's K.
-  std::vector<VerifiedPair> VerifiedPairs() const;
   /// The matched features of pairs that stood the geometric test, by pair id.
   std::vector<PairMatches> VerifiedMatches() const;
   /// Adds pairs with their inliers, or puts these in the place of what such a pair had.
   void PutInliers(const std::vector<PairMatches>& pairs);
-  /// Puts other inliers in the place of a verified pair's.
-  void ReplaceInliers(const std::vector<PairMatches>& pairs);
 
  private:
   struct Closer {
@@ -78,7 +65,6 @@ class ColmapDatabase {
   };
   explicit ColmapDatabase(sqlite3* database) : database_(database) {}
   void Execute(const std::string& sql) const;
-  Eigen::Matrix3d ReadCameraMatrix() const;
   std::unique_ptr<sqlite3, Closer> database_;
 };
 

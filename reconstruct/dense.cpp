@@ -89,8 +89,9 @@ int KeepWithinOutlines(const Silhouettes& silhouettes, double limit_px, PointClo
   return Keep(keep, cloud);
 }
 
-// Where the masks agree, outlines are known better than any depth: where they touch the surface they are put in, and depths give way to
-// them. Masks that contradict each other have no exact outlines in space: then the cloud is only fitted to them, smoothly.
+// The cloud is fitted to the outlines smoothly, which keeps its detail. Where texture is too weak for good depths and the masks agree,
+// outlines are known better than any depth: on request the places where they touch the surface are put in, and depths give way to them.
+// Masks that contradict each other have no exact outlines in space.
 void MeetOutlines(const VisualHull& hull, const Silhouettes& silhouettes, const std::vector<DenseView>& views, const DenseOptions& options,
                   DenseResult* result) {
   constexpr double kAgreeing = 0.98;
@@ -131,11 +132,11 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
-  visit("silhouette_fit", silhouette_fit,
-        {"where the masks do not agree, move points so that the cloud's outline in each view falls on its mask's outline"});
-  visit(
-      "rim_points", rim_points,
-      {"where the masks agree (hull_iou_mean of 0.98), add the places where their outlines touch the surface, and correct depths by them"});
+  visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
+  visit("rim_points", rim_points,
+        {"instead of silhouette_fit, where the masks agree (hull_iou_mean of 0.98): add the places where their outlines touch the surface, "
+         "and "
+         "correct depths by them"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 

@@ -1,6 +1,5 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sqlite3.h>
 #include <stdlib.h>
 
 #include <Eigen/LU>
@@ -35,62 +34,23 @@ class DatabaseTest : public testing::Test {
     camera.cy = 240;
   }
   void TearDown() override { fs::remove_all(folder); }
-  /// Writes a verified pair the way COLMAP does.
-  void AddGeometry(const fs::path& path, int first, int second, int rows, int config, const Eigen::Matrix3d& f,
-                   const Eigen::Matrix3d& e) const {
-    sqlite3* database = nullptr;
-    ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
-    sqlite3_stmt* add = nullptr;
-    sqlite3_prepare_v2(database,
-                       "INSERT INTO two_view_geometries (pair_id, rows, cols, data, config, F, E, H) VALUES (?, ?, 2, ?, ?, ?, ?, ?)", -1,
-                       &add, nullptr);
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rf = f, re = e;
-    const std::vector<std::uint32_t> data(static_cast<std::size_t>(2 * rows));
-    sqlite3_bind_int64(add, 1, 2147483647LL * (first + 1) + second + 1);
-    sqlite3_bind_int(add, 2, rows);
-    sqlite3_bind_blob(add, 3, data.data(), 8 * rows, SQLITE_TRANSIENT);
-    sqlite3_bind_int(add, 4, config);
-    sqlite3_bind_blob(add, 5, rf.data(), 72, SQLITE_TRANSIENT);
-    sqlite3_bind_blob(add, 6, re.data(), 72, SQLITE_TRANSIENT);
-    sqlite3_bind_blob(add, 7, rf.data(), 72, SQLITE_TRANSIENT);
-    EXPECT_EQ(sqlite3_step(add), SQLITE_DONE);
-    sqlite3_finalize(add);
-    sqlite3_close(database);
-  }
   fs::path folder;
   Camera camera;
 };
 
-TEST_F(DatabaseTest, PartsJoinInPairOrder) {
-  const std::vector<std::string> names{"a.jpg", "b.jpg", "c.jpg"};
-  ColmapDatabase whole = ColmapDatabase::Create(folder / "whole.db", camera, true, names);
-  ColmapDatabase::Create(folder / "one.db", camera, true, names).WriteMatches({{1, 2, {{0, 3}, {4, 5}}}});
-  ColmapDatabase::Create(folder / "two.db", camera, true, names).WriteMatches({{0, 1, {{7, 8}}}});
-  AddGeometry(folder / "one.db", 1, 2, 20, 3, Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero());
-  AddGeometry(folder / "two.db", 0, 1, 17, 2, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Identity());
-  AddGeometry(folder / "two.db", 0, 2, 0, 0, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero());
-  whole.AddPairsFrom(folder / "one.db");
-  whole.AddPairsFrom(folder / "two.db");
-  const auto pairs = whole.VerifiedPairs();
+TEST_F(DatabaseTest, VerifiedMatchesAreReadInPairOrderAsTheyWerePut) {
+  ColmapDatabase database = ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg", "b.jpg", "c.jpg"});
+  database.PutInliers({{1, 2, {{0, 3}, {4, 5}}}, {0, 1, {{7, 8}}}, {0, 2, {}}});
+  database.PutInliers({{1, 2, {{6, 9}}}});  // in the place of what it had
+  const std::vector<PairMatches> pairs = database.VerifiedMatches();
+  using Matches = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   ASSERT_EQ(pairs.size(), 2U);
   EXPECT_EQ(pairs[0].first, 0);
   EXPECT_EQ(pairs[0].second, 1);
-  EXPECT_EQ(pairs[0].inliers, 17);
-  EXPECT_EQ(pairs[1].inliers, 20);
-  EXPECT_EQ(pairs[1].geometry.kind, PairGeometry::kFundamental);
-  EXPECT_EQ(pairs[1].geometry.matrix, Eigen::Matrix3d::Identity());
-  // An essential matrix of normalised points becomes a fundamental matrix of pixels.
-  Eigen::Matrix3d k_inverse;
-  k_inverse << 1 / 800.0, 0, -0.4, 0, 1 / 800.0, -0.3, 0, 0, 1;
-  EXPECT_EQ(pairs[0].geometry.kind, PairGeometry::kEssential);
-  EXPECT_LT((pairs[0].geometry.matrix - k_inverse.transpose() * k_inverse).norm(), 1e-12);
-}
-
-TEST_F(DatabaseTest, ReplacedInliersAreRead) {
-  ColmapDatabase database = ColmapDatabase::Create(folder / "d.db", camera, false, {"a.jpg", "b.jpg"});
-  AddGeometry(folder / "d.db", 0, 1, 17, 3, Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero());
-  database.ReplaceInliers({{0, 1, std::vector<std::pair<std::uint32_t, std::uint32_t>>(29)}});
-  EXPECT_EQ(database.VerifiedPairs().at(0).inliers, 29);
+  EXPECT_EQ(pairs[0].features, (Matches{{7, 8}}));
+  EXPECT_EQ(pairs[1].first, 1);
+  EXPECT_EQ(pairs[1].second, 2);
+  EXPECT_EQ(pairs[1].features, (Matches{{6, 9}}));
 }
 
 TEST_F(DatabaseTest, ImagesWithoutFeaturesReadAsEmpty) {
