@@ -141,8 +141,8 @@ void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering,
     double *rotation = bodies.world_from_body[b].rotation.coeffs().data(), *translation = bodies.world_from_body[b].translation.data();
     if (!problem.HasParameterBlock(rotation)) continue;
     problem.SetManifold(rotation, manifold);
-    ordering.AddElementToGroup(rotation, 1);
-    ordering.AddElementToGroup(translation, 1);
+    ordering.AddElementToGroup(rotation, 2);
+    ordering.AddElementToGroup(translation, 2);
     if (b == 0 || bodies.fixed) problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);
   }
 }
@@ -171,14 +171,15 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
     ordering->AddElementToGroup(point, 0);
   }
   AddBodies(problem, *ordering, scene, bodies, camera, loss, manifold);
+  // Ceres orders a group by address: one group for each array, or sums would depend on where the memory lies.
   ordering->AddElementToGroup(camera.data(), 1);
   bool first = bodies.observations.empty();  // bodies fix the gauge
   for (View& view : scene.views) {
     double *rotation = view.camera_from_world.rotation.coeffs().data(), *translation = view.camera_from_world.translation.data();
     if (!problem.HasParameterBlock(rotation)) continue;
     problem.SetManifold(rotation, manifold);
-    ordering->AddElementToGroup(rotation, 1);
-    ordering->AddElementToGroup(translation, 1);
+    ordering->AddElementToGroup(rotation, 3);
+    ordering->AddElementToGroup(translation, 3);
     if (first) problem.SetParameterBlockConstant(rotation), problem.SetParameterBlockConstant(translation);  // the gauge, but for scale
     first = false;
   }

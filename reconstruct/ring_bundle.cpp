@@ -187,15 +187,16 @@ class RingProblem {
   }
 
   void OrderCameras() {
+    // Ceres orders a group by address: one group for each array, or sums would depend on where the memory lies.
     ordering_->AddElementToGroup(camera_.focal_k1.data(), 1);
     for (Rigid3& ring : model_.rings) {
       if (!problem_.HasParameterBlock(ring.rotation.coeffs().data())) continue;
       problem_.SetManifold(ring.rotation.coeffs().data(), &quaternions_);
-      ordering_->AddElementToGroup(ring.rotation.coeffs().data(), 1);
-      ordering_->AddElementToGroup(ring.translation.data(), 1);
+      ordering_->AddElementToGroup(ring.rotation.coeffs().data(), 2);
+      ordering_->AddElementToGroup(ring.translation.data(), 2);
     }
-    for (RingView& view : model_.views) ordering_->AddElementToGroup(&view.angle_rad, 1);
-    for (double& step : model_.step_rad) ordering_->AddElementToGroup(&step, 1);
+    for (RingView& view : model_.views) ordering_->AddElementToGroup(&view.angle_rad, 3);
+    for (double& step : model_.step_rad) ordering_->AddElementToGroup(&step, 4);
   }
 
   static ceres::Problem::Options Owned() {

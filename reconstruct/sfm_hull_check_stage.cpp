@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/io/image_io.h"
+#include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "reconstruct/silhouettes.h"
 #include "reconstruct/visual_hull.h"

@@ -2,8 +2,11 @@
 #pragma once
 
 #include "core/camera.h"
-#include "core/io/image_set.h"
 #include "core/stage/stage.h"
+
+namespace keypose {
+struct ImageSet;
+}
 
 namespace keypose::reconstruct {
 

@@ -5,6 +5,7 @@
 
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
+#include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "reconstruct/ring_sfm.h"
 #include "reconstruct/ring_silhouettes.h"

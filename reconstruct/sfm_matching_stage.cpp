@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/errors.h"
+#include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/ring_static.h"

@@ -4,10 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "core/io/image_set.h"
 #include "core/stage/stage.h"
 #include "reconstruct/sfm_colmap.h"
 #include "reconstruct/sfm_stopwatch.h"
+
+namespace keypose {
+struct ImageSet;
+}
 
 namespace keypose::reconstruct {
 

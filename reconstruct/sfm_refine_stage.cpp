@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/io/image_io.h"
+#include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "reconstruct/ring_fit.h"
 #include "reconstruct/sfm_corners.h"

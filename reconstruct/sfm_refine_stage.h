@@ -1,9 +1,12 @@
 // Last part of sfm: points found again by grey values, and cameras adjusted to them.
 #pragma once
 
-#include "core/io/image_set.h"
 #include "core/stage/stage.h"
 #include "reconstruct/placed_stage.h"
+
+namespace keypose {
+struct ImageSet;
+}
 
 namespace keypose::reconstruct {
 

@@ -242,7 +242,7 @@ TEST(VerifyPair, InliersOfARigidSceneAreFoundAmongWrongMatchesAndChanceIsNot) {
   }
   PairMatches raw{0, 1, {}}, chance{0, 1, {}};
   for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(right + wrong); ++i) raw.features.emplace_back(i, i);
-  for (std::uint32_t i = 0; i < 60; ++i)
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(std::min(wrong, 60)); ++i)
     chance.features.emplace_back(static_cast<std::uint32_t>(right) + i, static_cast<std::uint32_t>(right) + i);
   VerificationOptions options;
   options.max_error_px = 1;
