@@ -4,18 +4,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/cv_image.h"
+
 namespace keypose::capture {
 namespace {
-
-cv::Mat View(const Image8& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
-}
-
-Image8 FromMat(const cv::Mat& mat) {
-  Image8 image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(View(image));
-  return image;
-}
 
 constexpr std::size_t kMostOfTake = 21;  // photographs that a median is taken over
 constexpr std::size_t kLeastOfTake = 3;
@@ -24,7 +16,7 @@ constexpr std::size_t kLeastOfTake = 3;
 std::vector<float> BorderSignature(const Image8& image, double border_share) {
   constexpr int kWidth = 96;
   cv::Mat small, grey;
-  cv::resize(View(image), small, {kWidth, std::max(8, kWidth * image.height / image.width)}, 0, 0, cv::INTER_AREA);
+  cv::resize(MatOf(image), small, {kWidth, std::max(8, kWidth * image.height / image.width)}, 0, 0, cv::INTER_AREA);
   cv::cvtColor(small, grey, cv::COLOR_RGB2GRAY);
   const int band = std::max(2, static_cast<int>(std::lround(2 * border_share * kWidth)));
   std::vector<float> signature;
@@ -145,9 +137,9 @@ std::vector<Take> FindTakes(const std::vector<Image8>& images, double border_sha
 }
 
 Image8 EmptySet(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const Take& take, std::size_t i) {
-  cv::Mat empty = CarriedIn(View(lab[i]), View(zones[i]) == kBackground);
+  cv::Mat empty = CarriedIn(MatOf(lab[i]), MatOf(zones[i]) == kBackground);
   const std::vector<std::size_t> others = OthersOf(take, i);
-  if (others.size() < kLeastOfTake) return FromMat(empty);
+  if (others.size() < kLeastOfTake) return ImageOf(empty);
   std::array<std::array<std::uint8_t, kMostOfTake>, 3> values{};
   for (int y = 0; y < empty.rows; ++y)
     for (int x = 0; x < empty.cols; ++x) {
@@ -161,19 +153,19 @@ Image8 EmptySet(const std::vector<Image8>& lab, const std::vector<Image8>& zones
       if (count < kLeastOfTake) continue;
       for (int c = 0; c < 3; ++c) empty.at<cv::Vec3b>(y, x)[c] = Median(values[static_cast<std::size_t>(c)], count);
     }
-  return FromMat(empty);
+  return ImageOf(empty);
 }
 
 Image8 LabOf(const Image8& rgb) {
   cv::Mat lab;
-  cv::cvtColor(View(rgb), lab, cv::COLOR_RGB2Lab);
-  return FromMat(lab);
+  cv::cvtColor(MatOf(rgb), lab, cv::COLOR_RGB2Lab);
+  return ImageOf(lab);
 }
 
 std::vector<PixelFeatures> FeaturesOf(const Image8& lab, const Image8& empty_lab) {
-  const cv::Mat smooth = SmoothDifference(View(lab), View(empty_lab), 5);
+  const cv::Mat smooth = SmoothDifference(MatOf(lab), MatOf(empty_lab), 5);
   cv::Mat light;
-  cv::extractChannel(View(lab), light, 0);
+  cv::extractChannel(MatOf(lab), light, 0);
   light.convertTo(light, CV_32F);
   const cv::Mat fine = Contrast(light, 5), coarse = Contrast(light, 11);
   std::vector<PixelFeatures> features(static_cast<std::size_t>(lab.width) * lab.height);
@@ -212,9 +204,9 @@ double Misfit(const Image8& lab, const Image8& empty_lab, const Image8& zones) {
 }
 
 Image8 ShadowKinds(const Image8& lab, const Image8& empty_lab) {
-  const cv::Mat smooth = SmoothDifference(View(lab), View(empty_lab), 5);
+  const cv::Mat smooth = SmoothDifference(MatOf(lab), MatOf(empty_lab), 5);
   cv::Mat light;
-  cv::extractChannel(View(lab), light, 0);
+  cv::extractChannel(MatOf(lab), light, 0);
   light.convertTo(light, CV_32F);
   const cv::Mat contrast = Contrast(light, 5);
   constexpr double kLargestHue = 4, kLargestContrast = 6, kLeastLight = 0.3;  // of 8 bit Lab; of the empty set's lightness

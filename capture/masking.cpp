@@ -7,6 +7,7 @@
 #include <opencv2/ximgproc/edge_filter.hpp>
 #include <string>
 
+#include "capture/cv_image.h"
 #include "capture/empty_set.h"
 #include "capture/region_cut.h"
 #include "capture/set_rounds.h"
@@ -16,16 +17,6 @@
 
 namespace keypose::capture {
 namespace {
-
-cv::Mat View(const Image8& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
-}
-
-Image8 FromMat(const cv::Mat& mat) {
-  Image8 image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(View(image));
-  return image;
-}
 
 /// Before anything is known: a band along the borders, and an ellipse in the middle.
 Image8 FirstZones(int width, int height, double border_share) {
@@ -43,8 +34,8 @@ Image8 FirstZones(int width, int height, double border_share) {
 /// Log odds from the difference to the empty set.
 ImageF PlateOdds(const Image8& image, const Image8& plate, const MaskOptions& options) {
   cv::Mat a, b;
-  cv::cvtColor(View(image), a, cv::COLOR_RGB2Lab);
-  cv::cvtColor(View(plate), b, cv::COLOR_RGB2Lab);
+  cv::cvtColor(MatOf(image), a, cv::COLOR_RGB2Lab);
+  cv::cvtColor(MatOf(plate), b, cv::COLOR_RGB2Lab);
   ImageF odds(image.width, image.height, 1);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
@@ -136,23 +127,23 @@ Image8 WorkingImage(const Image8& image, int working_px) {
   cv::Mat small;
   const cv::Size size(std::max(1, static_cast<int>(std::lround(image.width * factor))),
                       std::max(1, static_cast<int>(std::lround(image.height * factor))));
-  cv::resize(View(image), small, size, 0, 0, cv::INTER_AREA);
-  return FromMat(small);
+  cv::resize(MatOf(image), small, size, 0, 0, cv::INTER_AREA);
+  return ImageOf(small);
 }
 
 Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
   if (small_mask.width == image.width && small_mask.height == image.height) return small_mask;
   cv::Mat large, guided;
-  cv::resize(View(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
+  cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
-  cv::ximgproc::guidedFilter(View(image), large, guided, radius, 25.0);
-  return BestRegion(FromMat(guided > 127));
+  cv::ximgproc::guidedFilter(MatOf(image), large, guided, radius, 25.0);
+  return BestRegion(ImageOf(guided > 127));
 }
 
 Image8 Grey(const Image8& image) {
   cv::Mat grey;
-  cv::cvtColor(View(image), grey, cv::COLOR_RGB2GRAY);
-  return FromMat(grey);
+  cv::cvtColor(MatOf(image), grey, cv::COLOR_RGB2GRAY);
+  return ImageOf(grey);
 }
 
 double MaskFraction(const Image8& mask) {

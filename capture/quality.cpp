@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/cv_image.h"
+
 namespace keypose::capture {
 namespace {
-
-cv::Mat View(const Image8& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
-}
 
 /// The blur effect along one axis: the share of neighbouring differences that a box blur of nine pixels leaves.
 double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
@@ -28,23 +26,23 @@ double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
 }  // namespace
 
 Quality MeasureQuality(const Image8& grey, const Image8& mask) {
-  cv::Mat inside = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255)) : cv::Mat(View(mask) > 127);
+  cv::Mat inside = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255)) : cv::Mat(MatOf(mask) > 127);
   // The object's outline is an edge of the mask, not of the picture's focus.
   cv::Mat core;
   cv::erode(inside, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
   if (cv::countNonZero(core) > 100) inside = core;
   if (cv::countNonZero(inside) == 0) inside.setTo(255);
   cv::Mat laplacian, values, weight;
-  cv::Laplacian(View(grey), laplacian, CV_32F);
+  cv::Laplacian(MatOf(grey), laplacian, CV_32F);
   cv::Scalar mean, deviation;
   cv::meanStdDev(laplacian, mean, deviation, inside);
-  View(grey).convertTo(values, CV_32F);
+  MatOf(grey).convertTo(values, CV_32F);
   inside.convertTo(weight, CV_32F, 1 / 255.0);
   Quality quality;
   quality.laplacian_variance = deviation[0] * deviation[0];
   quality.crispness = 1 - std::max(BlurEffect(values, weight, true), BlurEffect(values, weight, false));
-  quality.exposure = cv::mean(View(grey), inside)[0];
-  const cv::Mat clipped = ((View(grey) <= 2) | (View(grey) >= 253)) & inside;
+  quality.exposure = cv::mean(MatOf(grey), inside)[0];
+  const cv::Mat clipped = ((MatOf(grey) <= 2) | (MatOf(grey) >= 253)) & inside;
   quality.clipped = static_cast<double>(cv::countNonZero(clipped)) / cv::countNonZero(inside);
   return quality;
 }

@@ -7,18 +7,10 @@
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 #include <vector>
 
+#include "capture/cv_image.h"
+
 namespace keypose::capture {
 namespace {
-
-cv::Mat View(const Image8& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
-}
-
-Image8 FromMat(const cv::Mat& mat) {
-  Image8 image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(View(image));
-  return image;
-}
 
 /// 1 / (2 mean squared colour difference of neighbours), GrabCut's beta.
 double Beta(const cv::Mat& image) {
@@ -100,11 +92,11 @@ void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
 }  // namespace
 
 Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, double sure) {
-  cv::Mat mask = HeaviestRegion(GraphCut(View(image), odds, smoothness));
+  cv::Mat mask = HeaviestRegion(GraphCut(MatOf(image), odds, smoothness));
   FillHoles(mask, odds, sure);
-  return FromMat(mask);
+  return ImageOf(mask);
 }
 
-Image8 BestRegion(const Image8& mask) { return FromMat(HeaviestRegion(View(mask))); }
+Image8 BestRegion(const Image8& mask) { return ImageOf(HeaviestRegion(MatOf(mask))); }
 
 }  // namespace keypose::capture

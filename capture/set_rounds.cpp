@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/cv_image.h"
 #include "capture/pixel_forest.h"
 #include "capture/region_cut.h"
 #include "capture/zone_odds.h"
@@ -11,16 +12,6 @@
 
 namespace keypose::capture {
 namespace {
-
-cv::Mat View(const Image8& image) {
-  return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.data.data()));
-}
-
-Image8 FromMat(const cv::Mat& mat) {
-  Image8 image(mat.cols, mat.rows, mat.channels());
-  mat.copyTo(View(image));
-  return image;
-}
 
 /// On the plate its print decides; colours, which were learned elsewhere (ink looks like dark noses), only lean.
 void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
@@ -64,11 +55,11 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     // The frame counts as outside: a figure that it cuts is not deep there.
     cv::Mat padded, depth;
-    cv::copyMakeBorder(View(round.zones[i]) == kObject, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+    cv::copyMakeBorder(MatOf(round.zones[i]) == kObject, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
     cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
     double deepest = 0;
     cv::minMaxLoc(depth, nullptr, &deepest);
-    const Image8 deep = FromMat(depth(cv::Rect(1, 1, round.zones[i].width, round.zones[i].height)) > kDepth * deepest);
+    const Image8 deep = ImageOf(depth(cv::Rect(1, 1, round.zones[i].width, round.zones[i].height)) > kDepth * deepest);
     for (std::size_t p = 0; p < deep.data.size(); ++p) {
       if (round.zones[i].data[p] != kObject) continue;
       (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
@@ -103,8 +94,8 @@ std::vector<PixelForest> Learn(const std::vector<PixelSamples>& samples) {
 
 Image8 Enlarged(const Image8& zones, int width, int height) {
   cv::Mat large;
-  cv::resize(View(zones), large, {width, height}, 0, 0, cv::INTER_NEAREST);
-  return FromMat(large);
+  cv::resize(MatOf(zones), large, {width, height}, 0, 0, cv::INTER_NEAREST);
+  return ImageOf(large);
 }
 
 std::vector<BoardOdds> Halved(const std::vector<BoardOdds>& boards, const std::vector<Image8>& small) {
@@ -123,12 +114,12 @@ std::vector<BoardOdds> Halved(const std::vector<BoardOdds>& boards, const std::v
 Image8 ZonesOf(const Image8& mask) {
   const cv::Mat kernel = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
   cv::Mat inside, outside;
-  cv::erode(View(mask), inside, kernel);
-  cv::dilate(View(mask), outside, kernel);
+  cv::erode(MatOf(mask), inside, kernel);
+  cv::dilate(MatOf(mask), outside, kernel);
   cv::Mat zones(inside.size(), CV_8U, cv::Scalar(kNeither));
   zones.setTo(kObject, inside);
   zones.setTo(kBackground, outside == 0);
-  return FromMat(zones);
+  return ImageOf(zones);
 }
 
 /// One round over the set: learn the zones' colours, then segment each image by the set's odds and its own together.

@@ -4,7 +4,8 @@ find_package(nlohmann_json REQUIRED)
 keypose_room(reconstruct_dense
   SOURCES dense.cpp dense_colmap.cpp dense_view.cpp depth_bounds.cpp fusion.cpp hull_fill.cpp mask_field.cpp outline_evidence.cpp patch_match.cpp patch_match_cost.cpp
           patch_match_simd.cpp patch_match_sweep.cpp patch_match_warp.cpp rim_points.cpp
-          silhouette_fit.cpp silhouettes.cpp view_selection.cpp visual_hull.cpp)
+          silhouette_fit.cpp silhouettes.cpp view_selection.cpp visual_hull.cpp
+  LINK keypose_reconstruct_cloud)
 keypose_stage(dense ROOM reconstruct_dense SOURCES dense_stage.cpp LINK nlohmann_json::nlohmann_json)
 
 add_library(keypose_dense_test_scene STATIC dense_test_scene.cpp)

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "reconstruct/cloud_rows.h"
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/fusion.h"
 #include "reconstruct/hull_fill.h"
@@ -63,30 +64,12 @@ void Append(const PointCloud& more, PointCloud* cloud) {
   cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
 }
 
-// Moves the rows that are kept up, in place. @return how many went
-int Keep(const std::vector<char>& keep, PointCloud* cloud) {
-  Eigen::Index to = 0;
-  const Eigen::Index count = cloud->points.rows();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (!keep[i]) continue;
-    if (to != i) {
-      cloud->points.row(to) = cloud->points.row(i), cloud->normals.row(to) = cloud->normals.row(i);
-      cloud->colors.row(to) = cloud->colors.row(i), cloud->confidence[to] = cloud->confidence[i];
-    }
-    ++to;
-  }
-  if (to == count) return 0;
-  cloud->points.conservativeResize(to, 3), cloud->normals.conservativeResize(to, 3);
-  cloud->colors.conservativeResize(to, 3), cloud->confidence.conservativeResize(to);
-  return static_cast<int>(count - to);
-}
-
 // Depth bounds are as coarse as the grid; what a mask cuts off to the pixel goes here.
 int KeepWithinOutlines(const Silhouettes& silhouettes, double limit_px, PointCloud* cloud) {
   std::vector<char> keep(cloud->points.rows(), 1);
   ParallelFor(
       cloud->points.rows(), [&](std::int64_t i) { keep[i] = silhouettes.Within(cloud->points.row(i), limit_px); }, 1024);
-  return Keep(keep, cloud);
+  return KeepRows(keep, cloud);
 }
 
 // The cloud is fitted to the outlines smoothly, which keeps its detail. Where texture is too weak for good depths and the masks agree,

@@ -5,6 +5,6 @@ pkg_check_modules(PCL_COMMON REQUIRED pcl_common)
 keypose_room(reconstruct_mesh
   SOURCES mesh_merge.cpp mesh_points.cpp mesh_surface.cpp mesh_trim.cpp poisson.cpp
   SYSTEM_INCLUDES ${PCL_COMMON_INCLUDE_DIRS}
-  LINK pcl_surface pcl_search pcl_common)
+  LINK keypose_reconstruct_cloud pcl_surface pcl_search pcl_common)
 keypose_stage(mesh ROOM reconstruct_mesh SOURCES mesh_stage.cpp)
 keypose_test(mesh_test SOURCES mesh_test.cpp LINK keypose_reconstruct_mesh)

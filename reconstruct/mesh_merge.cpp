@@ -6,32 +6,12 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "reconstruct/facing_cells.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 constexpr std::int64_t kGrain = 4096;
-
-struct Keyed {
-  std::uint64_t key;
-  int point;
-};
-
-// 20 bits an axis, 1 for each sign of the normal: grids beyond a million cells a side wrap, far from any mesh's.
-std::vector<Keyed> KeysInOrder(const PointCloud& cloud, double cell) {
-  const Eigen::RowVector3d low = cloud.points.colwise().minCoeff();
-  std::vector<Keyed> keyed(cloud.points.rows());
-  ParallelBlocks(cloud.points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      std::uint64_t key = 0;
-      for (int c = 0; c < 3; ++c) key = key << 20 | (static_cast<std::uint64_t>((cloud.points(i, c) - low[c]) / cell) & 0xFFFFF);
-      for (int c = 0; c < 3; ++c) key = key << 1 | (cloud.normals(i, c) > 0 ? 1 : 0);
-      keyed[i] = {key, static_cast<int>(i)};
-    }
-  });
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.point < b.point; });
-  return keyed;
-}
 
 struct Sum {
   Eigen::RowVector3d point = Eigen::RowVector3d::Zero(), normal = point, color = point;
@@ -57,7 +37,7 @@ void Store(const Sum& sum, int at, PointCloud* out) {
 }  // namespace
 
 PointCloud MergeWithinCells(const PointCloud& cloud, double cell) {
-  const std::vector<Keyed> keyed = KeysInOrder(cloud, cell);
+  const std::vector<KeyedPoint> keyed = SortByFacingCell(cloud, cell);
   std::vector<std::size_t> starts;
   for (std::size_t k = 0; k < keyed.size(); ++k)
     if (k == 0 || keyed[k].key != keyed[k - 1].key) starts.push_back(k);

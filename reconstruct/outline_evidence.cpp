@@ -6,6 +6,8 @@
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "reconstruct/cloud_rows.h"
+#include "reconstruct/facing_cells.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -41,22 +43,7 @@ struct Sites {
 
 // Points of one small cell that face into the same octant.
 Sites GroupPoints(const PointCloud& cloud, double cell) {
-  struct Keyed {
-    std::uint64_t key;
-    int point;
-  };
-  const Eigen::RowVector3d low = cloud.points.colwise().minCoeff();
-  std::vector<Keyed> keyed(cloud.points.rows());
-  ParallelFor(
-      cloud.points.rows(),
-      [&](std::int64_t i) {
-        std::uint64_t key = 0;
-        for (int c = 0; c < 3; ++c) key = key << 20 | (static_cast<std::uint64_t>((cloud.points(i, c) - low[c]) / cell) & 0xFFFFF);
-        for (int c = 0; c < 3; ++c) key = key << 1 | (cloud.normals(i, c) > 0 ? 1 : 0);
-        keyed[i] = {key, static_cast<int>(i)};
-      },
-      4096);
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.point < b.point; });
+  const std::vector<KeyedPoint> keyed = SortByFacingCell(cloud, cell);
   Sites out;
   out.site_of.resize(keyed.size());
   for (std::size_t k = 0; k < keyed.size(); ++k) {
@@ -247,19 +234,6 @@ bool Move(const Site& site, double error, double footprint, Eigen::Index i, Poin
   cloud->normals.row(i) = n;
   cloud->confidence[i] = std::min(cloud->confidence[i], kOutlineConfidence);
   return true;
-}
-
-// Moves the rows that are kept up.
-void KeepRows(const std::vector<char>& keep, PointCloud* cloud) {
-  Eigen::Index to = 0;
-  for (Eigen::Index i = 0; i < cloud->points.rows(); ++i) {
-    if (!keep[i]) continue;
-    cloud->points.row(to) = cloud->points.row(i), cloud->normals.row(to) = cloud->normals.row(i);
-    cloud->colors.row(to) = cloud->colors.row(i), cloud->confidence[to] = cloud->confidence[i];
-    ++to;
-  }
-  cloud->points.conservativeResize(to, 3), cloud->normals.conservativeResize(to, 3);
-  cloud->colors.conservativeResize(to, 3), cloud->confidence.conservativeResize(to);
 }
 
 }  // namespace

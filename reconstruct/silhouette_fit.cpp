@@ -7,6 +7,7 @@
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "reconstruct/facing_cells.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -127,21 +128,7 @@ struct Sites {
 };
 
 Sites GroupPoints(const PointCloud& cloud, double cell) {
-  struct Keyed {
-    std::uint64_t key;
-    int point;
-  };
-  const Eigen::RowVector3d low = cloud.points.colwise().minCoeff();
-  std::vector<Keyed> keyed(cloud.points.rows());
-  ParallelBlocks(cloud.points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      std::uint64_t key = 0;
-      for (int c = 0; c < 3; ++c) key = key << 20 | (static_cast<std::uint64_t>((cloud.points(i, c) - low[c]) / cell) & 0xFFFFF);
-      for (int c = 0; c < 3; ++c) key = key << 1 | (cloud.normals(i, c) > 0 ? 1 : 0);
-      keyed[i] = {key, static_cast<int>(i)};
-    }
-  });
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.point < b.point; });
+  const std::vector<KeyedPoint> keyed = SortByFacingCell(cloud, cell);
   Sites sites;
   sites.site_of.resize(keyed.size());
   int count = 0;
@@ -151,7 +138,7 @@ Sites GroupPoints(const PointCloud& cloud, double cell) {
   }
   sites.points = PointsX3::Zero(count, 3), sites.normals = PointsX3::Zero(count, 3);
   Eigen::VectorXd members = Eigen::VectorXd::Zero(count);
-  for (const Keyed& k : keyed) {
+  for (const KeyedPoint& k : keyed) {
     const int s = sites.site_of[k.point];
     sites.points.row(s) += cloud.points.row(k.point), sites.normals.row(s) += cloud.normals.row(k.point);
     ++members[s];
