@@ -1,0 +1,34 @@
+// Where the outlines of the masks want a mesh's surface: a displacement for each vertex that some view sees on the surface's own outline.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "reconstruct/silhouettes.h"
+
+namespace keypose::reconstruct {
+
+struct OutlineTargetOptions {
+  double reach_px = 10;      ///< outlines farther than this from the surface's own are not believed
+  double smoothing_px = 20;  ///< claims within some of these lengths say together what is usual here
+  double errors = 3;         ///< a claim that misses the usual by more than this many typical deviations is not heard
+};
+
+struct SurfaceTargets {
+  std::vector<float> offset;  ///< for each vertex, world units along the vertex normal (area weighted): puts the outline on the masks'
+  std::vector<float> weight;  ///< how many views say so, in whole views; 0: no view has the vertex on its outline, offset is 0
+  double gap_px = 0;          ///< mean over views and outlines of how far inside of the masks' outlines the surface's lie
+  double gap_spread_px = 0;   ///< mean absolute gap
+};
+
+/// In each view the surface's outline is its edges between faces that look at the camera and faces that do not, where nothing of the
+/// surface lies beyond them in the picture. How far such an edge lies from the mask's outline, across it, is a claim on the edge's ends.
+/// Claims that leave the hull of all masks are dropped; views whose claims contradict their surroundings are trusted less, claims far from
+/// what is usual around them are not heard: a hole in a mask, a bad mask or a bad camera does not pull.
+///
+/// @param mesh  triangles, outwards; may be open. Edges without exactly two faces make no outline
+/// Claims are right to first order: after vertices have moved by several pixels, ask again.
+/// Cost: a picture of the mesh for each view, and some ten thousand questions of nearest claims. Same bits for any thread count.
+SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes, const OutlineTargetOptions& options = {});
+
+}  // namespace keypose::reconstruct
