@@ -93,6 +93,9 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
   return out;
 }
 
+// The mean distance to the nearest `neighbors` of a point among points that lie evenly on a plane, one for a square of this side.
+double EvenMeanDistance(double side, int neighbors) { return 2.0 / 3 * side * std::sqrt(neighbors / std::numbers::pi); }
+
 // The divergence theorem on samples: area-weighted normals against offsets from the middle give three times the volume.
 bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
   const Eigen::RowVector3d middle = cloud.points.colwise().mean();
@@ -173,7 +176,9 @@ FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options,
 
   Step(progress, 0.1, "looking for strays");
   Neighborhood near = Measure(out.cloud, options.neighbors);
-  const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * Median(near.mean_distance) : INFINITY;
+  // Several layers of points are denser than merging leaves one: what the hull fills in, a point a voxel, is no stray beside them.
+  const double usual = std::max(Median(near.mean_distance), EvenMeanDistance(merge_cell, options.neighbors));
+  const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * usual : INFINITY;
   keep.assign(out.cloud.points.rows(), 1);
   std::vector<char> aligned;
   const bool graded = options.thin_unsure && out.cloud.confidence.size() > 0;
