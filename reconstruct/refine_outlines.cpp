@@ -136,8 +136,16 @@ class Outline {
     for (int f = 0; f < mesh.face_count(); ++f) {
       const int a = mesh.faces(f, 0), b = mesh.faces(f, 1), c = mesh.faces(f, 2);
       front_[f] = (center - Eigen::Vector3d(mesh.points.row(a))).dot(surface_.face_normals.row(f)) > 0;
-      if (ahead_[a] && ahead_[b] && ahead_[c]) picture_.Fill(pixels_[a], pixels_[b], pixels_[c]);
+      if (ahead_[a] && ahead_[b] && ahead_[c] && !Deep(a, b, c)) picture_.Fill(pixels_[a], pixels_[b], pixels_[c]);
     }
+  }
+
+  // Whether all of a face lies deeper in the mask than outlines are asked for: most faces do, and need not be drawn.
+  bool Deep(int a, int b, int c) const {
+    const Eigen::Vector2d& p = pixels_[a];
+    if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= field_.width - 1 && p.y() <= field_.height - 1)) return false;
+    const double depth = -field_.At(static_cast<int>(p.x() + 0.5), static_cast<int>(p.y() + 0.5)) - reach_px_ - 2;
+    return depth > 0 && depth * depth > std::max((pixels_[b] - p).squaredNorm(), (pixels_[c] - p).squaredNorm());
   }
 
   void Walk(const Fold& fold) {
