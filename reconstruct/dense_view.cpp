@@ -124,17 +124,18 @@ void FillLevelZero(const Image8& image, const Image8& mask, const Camera& camera
   out->levels.push_back(std::move(level));
 }
 
-// Running mean of `radius` pixels either way along rows or columns of an interleaved (value, weight) image.
-void BoxBlur(const ImageF& in, int radius, bool rows, ImageF* out) {
-  const int length = rows ? in.width : in.height, lines = rows ? in.height : in.width;
-  for (int line = 0; line < lines; ++line) {
-    auto at = [&](auto& image, int i) { return rows ? image.at(i, line) : image.at(line, i); };
-    double value = 0, weight = 0;
-    for (int i = -radius; i < length; ++i) {
-      if (i + radius < length) value += at(in, i + radius)[0], weight += at(in, i + radius)[1];
-      if (i - radius - 1 >= 0) value -= at(in, i - radius - 1)[0], weight -= at(in, i - radius - 1)[1];
-      if (i >= 0) at(*out, i)[0] = static_cast<float>(value), at(*out, i)[1] = static_cast<float>(weight);
-    }
+// Running sums of `radius` places either way along `length` places that lie `stride` apart, for `lines` lines side by side: memory is read
+// in its order.
+void BoxBlur(const float* in, int length, int stride, int lines, int radius, float* out) {
+  std::vector<double> sums(lines, 0.0);
+  for (int i = -radius; i < length; ++i) {
+    auto row = [&](int k) { return in + static_cast<std::ptrdiff_t>(k) * stride; };
+    if (const int next = i + radius; next < length)
+      for (int k = 0; k < lines; ++k) sums[k] += row(next)[k];
+    if (const int last = i - radius - 1; last >= 0)
+      for (int k = 0; k < lines; ++k) sums[k] -= row(last)[k];
+    if (i >= 0)
+      for (int k = 0; k < lines; ++k) out[static_cast<std::ptrdiff_t>(i) * stride + k] = static_cast<float>(sums[k]);
   }
 }
 
@@ -146,7 +147,10 @@ DenseView::Level WithoutShading(const DenseView::Level& level) {
   ImageF a(grey.width, grey.height, 2), b = a;
   for (std::size_t i = 0; i < grey.data.size(); ++i)
     if (InMask(grey.data[i])) a.data[2 * i] = static_cast<float>(grey.data[i]) * kGreyScale, a.data[2 * i + 1] = 1;
-  for (int round = 0; round < kRounds; ++round) BoxBlur(a, kRadius, true, &b), BoxBlur(b, kRadius, false, &a);
+  for (int round = 0; round < kRounds; ++round) {
+    for (int y = 0; y < grey.height; ++y) BoxBlur(a.at(0, y), grey.width, 2, 2, kRadius, b.at(0, y));
+    BoxBlur(b.data.data(), grey.height, 2 * grey.width, 2 * grey.width, kRadius, a.data.data());
+  }
   DenseView::Level out = level;
   for (std::size_t i = 0; i < grey.data.size(); ++i) {
     if (!InMask(grey.data[i])) {

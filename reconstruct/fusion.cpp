@@ -14,6 +14,19 @@ struct Member {
   std::size_t pixel = 0;
 };
 
+// From one view's pixels to another's, and its normals to the first: both ways what Transfer is to PatchMatch, in double precision.
+struct Passage {
+  Eigen::Matrix3d there, back, turn;
+  Eigen::Vector3d there_depth, back_depth;
+};
+
+Passage PassageOf(const DenseView& from, const DenseView& to) {
+  const Rigid3 motion = Compose(to.camera_from_world, from.camera_from_world.Inverse()), back = motion.Inverse();
+  const Eigen::Matrix3d k = from.camera().K(), other = to.camera().K();
+  return {other * motion.rotation.toRotationMatrix() * k.inverse(), k * back.rotation.toRotationMatrix() * other.inverse(),
+          back.rotation.toRotationMatrix(), other * motion.translation, k * back.translation};
+}
+
 struct Group {
   std::array<Member, kMaxSources + 1> members;
   int count = 0;
@@ -28,11 +41,13 @@ class Fuser {
         maps_(maps),
         options_(options),
         least_cosine_(std::cos(options.normal_tolerance_deg * M_PI / 180)),
+        passages_(views.size()),
         confirmed_(views.size()),
         used_(views.size()) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       rotations_.push_back(views[i].camera_from_world.rotation.toRotationMatrix());
       centers_.push_back(views[i].Center());
+      for (const int s : sources[i]) passages_[i].push_back(PassageOf(views[i], views[s]));
     }
   }
 
@@ -63,24 +78,41 @@ class Fuser {
     return rotations_[view].transpose() * PlaneNormal(views_[view].camera(), x, y, maps_[view].Plane(pixel));
   }
 
+  // In the camera's frame, of any length, towards the camera.
+  Eigen::Vector3d PlainNormal(int view, double x, double y, const PlaneHypothesis& plane) const {
+    const Pinhole& camera = views_[view].camera();
+    const double gx = plane.gx, gy = plane.gy;
+    return -Eigen::Vector3d(camera.fx * gx, camera.fy * gy, plane.inverse_depth - gx * (x - camera.cx) - gy * (y - camera.cy));
+  }
+
   // The pixels of the sources that show the same piece of surface; the first member is the pixel itself. Stops when there are `enough`.
   Group Agreeing(int view, std::size_t pixel, int enough) const {
     Group group;
     group.members[group.count++] = {view, pixel};
-    const Eigen::Vector3d point = World(view, pixel), normal = Normal(view, pixel);
-    const Eigen::Vector2d here(static_cast<double>(pixel % maps_[view].width), static_cast<double>(pixel / maps_[view].width));
-    for (const int s : sources_[view]) {
+    const PlaneMap& own = maps_[view];
+    const double x = static_cast<double>(pixel % own.width), y = static_cast<double>(pixel / own.width), w = own.InverseDepth(pixel);
+    const Eigen::Vector3d normal = PlainNormal(view, x, y, own.Plane(pixel));
+    const double least_dot2 = least_cosine_ * least_cosine_ * normal.squaredNorm();
+    for (std::size_t k = 0; k < sources_[view].size(); ++k) {
+      const int s = sources_[view][k];
       const PlaneMap& map = maps_[s];
       if (map.empty()) continue;
-      const Eigen::Vector3d x = rotations_[s] * (point - centers_[s]);
-      if (x.z() <= 0) continue;
-      const Eigen::Vector2d p = views_[s].camera().Project(x);
-      if (!(p.x() > -0.5 && p.y() > -0.5 && p.x() < map.width - 0.5 && p.y() < map.height - 0.5)) continue;
-      const std::size_t other = static_cast<std::size_t>(p.y() + 0.5) * map.width + static_cast<std::size_t>(p.x() + 0.5);
-      if (!Usable(s, other) || std::abs(1 - x.z() * map.InverseDepth(other)) > options_.depth_tolerance) continue;
-      const Eigen::Vector3d back = rotations_[view] * (World(s, other) - centers_[view]);
-      if (back.z() <= 0 || (views_[view].camera().Project(back) - here).norm() > options_.reprojection_px) continue;
-      if (Normal(s, other).dot(normal) < least_cosine_) continue;
+      const Passage& passage = passages_[view][k];
+      const Eigen::Vector3d there = passage.there * Eigen::Vector3d(x, y, 1) + passage.there_depth * w;  // z: its depth over this one's
+      if (there.z() <= 0) continue;
+      const double px = there.x() / there.z(), py = there.y() / there.z();
+      if (!(px > -0.5 && py > -0.5 && px < map.width - 0.5 && py < map.height - 0.5)) continue;
+      const int ox = static_cast<int>(px + 0.5), oy = static_cast<int>(py + 0.5);
+      const std::size_t other = static_cast<std::size_t>(oy) * map.width + ox;
+      if (!Usable(s, other)) continue;
+      const PlaneHypothesis plane = map.Plane(other);
+      if (std::abs(w - there.z() * plane.inverse_depth) > options_.depth_tolerance * w) continue;
+      const Eigen::Vector3d back = passage.back * Eigen::Vector3d(ox, oy, 1) + passage.back_depth * plane.inverse_depth;
+      const double miss_x = back.x() - x * back.z(), miss_y = back.y() - y * back.z(), reach = options_.reprojection_px * back.z();
+      if (back.z() <= 0 || miss_x * miss_x + miss_y * miss_y > reach * reach) continue;
+      const Eigen::Vector3d turned = passage.turn * PlainNormal(s, ox, oy, plane);
+      const double dot = turned.dot(normal);
+      if (dot < 0 || dot * dot < least_dot2 * turned.squaredNorm()) continue;
       group.members[group.count++] = {s, other};
       if (group.count >= enough) break;
     }
@@ -147,6 +179,7 @@ class Fuser {
   const double least_cosine_;
   std::vector<Eigen::Matrix3d> rotations_;
   std::vector<Eigen::Vector3d> centers_;
+  std::vector<std::vector<Passage>> passages_;  // as sources_
   std::vector<std::vector<char>> confirmed_, used_;
   std::vector<Eigen::Vector3d> points_, normals_, colors_;
   std::vector<float> confidence_;

@@ -85,11 +85,13 @@ class Estimator {
     for (int pass = 0; pass < Passes(level); ++pass) {
       const bool geometric = pass >= PhotometricPasses(level), first_geometric = pass == PhotometricPasses(level);
       SweepSettings settings;
-      settings.select_sources = !geometric && (coarsest || (pass == 0 && level > 0));
+      // All sources judge all planes at the first pass of a level, and at the end of the coarsest, when the planes are worth a choice.
+      const bool settled = coarsest && pass + 1 == PhotometricPasses(level);
+      settings.select_sources = !geometric && ((level > 0 && pass == 0) || settled || levels_ == 1);
       settings.refresh = pass == 0 || geometric;
       settings.far_areas = coarsest;
-      settings.refinements = coarsest ? 4 : geometric ? 2 : 3;
       settings.parabola = level == 0 && pass == Passes(level) - 1;
+      settings.refinements = coarsest ? 4 : settings.parabola ? 1 : geometric ? 2 : 3;
       settings.depth_step_px = depth_step, settings.slope_step = slope_step;
       settings.pass = pass;
       if (geometric) Freeze(level);

@@ -121,8 +121,16 @@ KEYPOSE_AVX2 void Avx2Cost(const RefPatch& patch, const SampleImage* const* sour
   }
 }
 
-KEYPOSE_AVX512 inline __attribute__((always_inline)) __m512i Pairs512(const SampleImage& image, __m256i index) {
-  return _mm512_i32gather_epi64(index, image.entries.data(), 4);
+// Single reads instead of a gather instruction, which some processors take apart into more steps than these.
+KEYPOSE_AVX512 inline __attribute__((always_inline)) __m128i TwoPairs(const std::uint32_t* entries, const int* index) {
+  const __m128i one = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(entries + index[0]));
+  return _mm_castps_si128(_mm_loadh_pi(_mm_castsi128_ps(one), reinterpret_cast<const __m64*>(entries + index[1])));
+}
+KEYPOSE_AVX512 inline __attribute__((always_inline)) __m512i EightPairs(const SampleImage& image, const int* index) {
+  const std::uint32_t* entries = image.entries.data();
+  const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(TwoPairs(entries, index)), TwoPairs(entries, index + 2), 1);
+  const __m256i high = _mm256_inserti128_si256(_mm256_castsi128_si256(TwoPairs(entries, index + 4)), TwoPairs(entries, index + 6), 1);
+  return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
 }
 
 KEYPOSE_AVX512 inline __attribute__((always_inline)) __m256 Folded(__m512 a, __m512 b) {
@@ -157,8 +165,9 @@ KEYPOSE_AVX512 inline __attribute__((always_inline)) void Avx512Windows(const Re
     index[v] = _mm512_add_epi32(_mm512_mullo_epi32(y0, _mm512_set1_epi32(image.width)), x0);
   }
   KEYPOSE_EACH(v, kVectors) {
-    first[v] = Pairs512(*sources[k + v / 2], _mm512_castsi512_si256(index[v]));
-    second[v] = Pairs512(*sources[k + v / 2], _mm512_extracti64x4_epi64(index[v], 1));
+    alignas(64) int at[16];
+    _mm512_store_si512(at, index[v]);
+    first[v] = EightPairs(*sources[k + v / 2], at), second[v] = EightPairs(*sources[k + v / 2], at + 8);
   }
   const __m512i even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
   const __m512i odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));

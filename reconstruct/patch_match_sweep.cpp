@@ -14,6 +14,8 @@ constexpr float kCostCap = 1.2f;          // one source that sees a highlight or
 constexpr float kGeometricWeight = 0.2f;  // cost per pixel of disagreement with a source's own depth
 constexpr float kGeometricCap = 3.0f;     // pixels
 constexpr float kPriorWeight = 0.3f;
+constexpr float kPairMargin = 0.02f;   // a plane this much worse than the present one in the first two sources does not win by the others
+constexpr int kStripWidth = 64;        // pixels visited side by side: what their windows read of all sources stays in the nearest cache
 constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
@@ -75,6 +77,7 @@ struct Trial {
   PlaneHypothesis plane;
   WarpLanes warps;
   float sum = 0;
+  float pair = 0;  // the sum after the first two sources
 };
 
 class Sweeper {
@@ -102,9 +105,7 @@ class Sweeper {
 
   std::int64_t Run() {
     for (int color = 0; color < 2; ++color)
-      for (int y = 0; y < map_.height; ++y)
-        for (int x = (y + color) & 1; x < map_.width; x += 2)
-          if (map_.InverseDepth(Index(x, y)) > 0) Visit(x, y);
+      for (int left = 0; left < map_.width; left += kStripWidth) VisitStrip(left, std::min(left + kStripWidth, map_.width), color);
     return evaluations_;
   }
 
@@ -125,6 +126,12 @@ class Sweeper {
       if (!in_.source_inverse_depths.empty()) lanes.depths[lane] = in_.source_inverse_depths[k];
     }
     return lanes;
+  }
+
+  void VisitStrip(int left, int right, int color) {
+    for (int y = 0; y < map_.height; ++y)
+      for (int x = left + ((y + color + left) & 1); x < right; x += 2)
+        if (map_.InverseDepth(Index(x, y)) > 0) Visit(x, y);
   }
 
   std::size_t Index(int x, int y) const { return static_cast<std::size_t>(y) * map_.width + x; }
@@ -192,11 +199,13 @@ class Sweeper {
 
   // Costs are means over the pixel's sources. Planes go to the first two sources all together and only then to the others, one by one, if
   // they may still win: the answer of a window comes long after its start, and a branch on it would leave the processor idle until then.
-  void StartTrials(int count) {
+  // Planes that lose by the costs that need no window are dropped before. @return how many are left
+  int StartTrials(int count, float limit) {
     const int pair = std::min(2, chosen_.count);
     const float scale = 1.0f / static_cast<float>(chosen_.count);
     float costs[kLanes];
     for (int h = 0; h < count; ++h) trials_[h].warps = WarpsOf(chosen_.to, pixel_, trials_[h].plane);
+    int kept = 0;
     for (int h = 0; h < count; ++h) {
       Trial& trial = trials_[h];
       trial.sum = PriorCost(trial.plane);
@@ -204,12 +213,17 @@ class Sweeper {
         const Lanes geometric = GeometricCosts(chosen_, trial.warps);
         for (int k = 0; k < chosen_.count; ++k) trial.sum += geometric[k] * scale;
       }
+      if (trial.sum >= limit) continue;
+      if (kept != h) trials_[kept] = trial;
+      ++kept;
     }
-    for (int h = 0; h < count; ++h) {
+    for (int h = 0; h < kept; ++h) {
       cost_(patch_, chosen_.images, trials_[h].warps, 0, pair, costs);
       for (int k = 0; k < pair; ++k) trials_[h].sum += std::min(costs[k], kCostCap) * scale;
+      trials_[h].pair = trials_[h].sum;
     }
-    evaluations_ += static_cast<std::int64_t>(count) * pair;
+    evaluations_ += static_cast<std::int64_t>(kept) * pair;
+    return kept;
   }
 
   void FinishTrial(Trial* trial) {
@@ -223,11 +237,11 @@ class Sweeper {
   }
 
   void Contest(int count, PlaneHypothesis* plane, float* cost) {
-    StartTrials(count);
-    for (int h = 0; h < count; ++h) {
-      if (trials_[h].sum >= *cost) continue;
+    const int kept = StartTrials(count, *cost);
+    for (int h = 0; h < kept; ++h) {
+      if (trials_[h].sum >= *cost || trials_[h].pair > pair_ + kPairMargin) continue;
       FinishTrial(&trials_[h]);
-      Accept(trials_[h].plane, trials_[h].sum, plane, cost);
+      if (trials_[h].sum < *cost) *plane = trials_[h].plane, *cost = trials_[h].sum, pair_ = trials_[h].pair;
     }
   }
 
@@ -323,6 +337,7 @@ class Sweeper {
     CollectCandidates(x, y);
     PlaneHypothesis plane = present_;
     float cost = map_.Cost(index);
+    pair_ = kInfinite;
     if (set_.select_sources) {
       SelectSources(index);
       cost = MatrixCost(candidates_, map_.Sources(index));
@@ -330,8 +345,12 @@ class Sweeper {
       Choose(map_.Sources(index));
     } else {
       Choose(map_.Sources(index));
+      if (set_.refresh) {
+        cost = kInfinite;
+        trials_[0].plane = plane;
+        Contest(1, &plane, &cost);
+      }
       int trials = 0;
-      if (set_.refresh) trials_[trials++].plane = plane, cost = kInfinite;
       for (int h = 0; h < candidates_; ++h) trials_[trials++].plane = candidate_[h];
       Contest(trials, &plane, &cost);
     }
@@ -352,7 +371,7 @@ class Sweeper {
     for (int trial = 0; trial < set_.refinements; ++trial) {
       if (trial == 2) Contest(trials, plane, cost), trials = 0;  // the third change builds on the better of the first two
       PlaneHypothesis candidate = *plane;
-      const int kind = trial % 4;  // depth, tilt, both, anywhere
+      const int kind = (trial + (set_.parabola ? 1 : 0)) % 4;  // depth, unless the parabola finds it; tilt, both, anywhere
       if (kind == 0 || kind == 2) candidate.inverse_depth += depth_step * random.Signed();
       if (kind == 1 || kind == 2) {
         // Tilts grow with the slant, for equal angles are larger tangents there.
@@ -378,7 +397,7 @@ class Sweeper {
     const float step = 0.25f / px_per_inverse_depth_, here = *cost;
     trials_[0].plane = trials_[1].plane = *plane;
     trials_[0].plane.inverse_depth += step, trials_[1].plane.inverse_depth -= step;
-    StartTrials(2);
+    StartTrials(2, kInfinite);
     FinishTrial(&trials_[0]), FinishTrial(&trials_[1]);
     const float nearer = trials_[0].sum, farther = trials_[1].sum, bend = nearer + farther - 2 * here;
     const PlaneHypothesis center = *plane;
@@ -413,6 +432,7 @@ class Sweeper {
   SourceLanes chosen_;
   PixelLanes pixel_{};
   PlaneHypothesis present_;
+  float pair_ = kInfinite;  // of the present plane: its cost after the first two sources, where it is known
   int candidates_ = 0;
   std::array<PlaneHypothesis, 9> candidate_;
   float matrix_[9][kMaxSources];

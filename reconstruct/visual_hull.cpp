@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -76,28 +77,40 @@ class Carver {
     const int blocks = std::min(n, 8), step = n / blocks;
     ParallelFor(static_cast<std::int64_t>(blocks) * blocks * blocks, [&](std::int64_t i) {
       const int b = static_cast<int>(i);
-      Divide(Eigen::Vector3i(b % blocks, b / blocks % blocks, b / blocks / blocks) * step, step, &hull);
+      Open all;
+      all.views.resize(fields_.size());
+      std::iota(all.views.begin(), all.views.end(), 0);
+      Divide(Eigen::Vector3i(b % blocks, b / blocks % blocks, b / blocks / blocks) * step, step, all, &hull);
     });
     return hull;
   }
 
  private:
-  void Divide(const Eigen::Vector3i& corner, int step, VisualHull* hull) const {
+  // What the cells around a cell have settled, which holds for all within them, and the views that are still to be asked.
+  struct Open {
+    int outside = 0, seen = 0;
+    std::vector<int> views;
+  };
+
+  void Divide(const Eigen::Vector3i& corner, int step, const Open& parent, VisualHull* hull) const {
     const Eigen::Vector3d center = hull->origin + hull->cell * (corner.cast<double>() + Eigen::Vector3d::Constant(step * 0.5));
     const bool leaf = step == 1;
     const double radius = leaf ? 0 : hull->cell * step * 0.5 * std::sqrt(3.0);
-    int outside = 0, seen = 0, mixed = 0;
-    for (std::size_t i = 0; i < fields_.size(); ++i) {
+    Open open{parent.outside, parent.seen, {}};
+    int mixed_seen = 0;
+    for (const int i : parent.views) {
       const Verdict verdict = leaf ? JudgePoint(fields_[i], center) : Judge(fields_[i], center, radius);
-      outside += verdict == Verdict::kOutside;
-      mixed += verdict == Verdict::kMixed;
-      seen += verdict != Verdict::kUnseen;
-      if (outside >= options_.outside_votes) return;
+      open.outside += verdict == Verdict::kOutside;
+      open.seen += verdict == Verdict::kOutside || verdict == Verdict::kInside;
+      if (open.outside >= options_.outside_votes) return;
+      if (verdict != Verdict::kMixed) continue;
+      ++mixed_seen;
+      open.views.push_back(i);
     }
-    if (seen < 2) return;
-    if (leaf || (mixed == 0 && outside < options_.outside_votes)) return Fill(corner, step, hull);
+    if (open.seen + mixed_seen < 2) return;
+    if (leaf || open.views.empty()) return Fill(corner, step, hull);
     const int half = step / 2;
-    for (int k = 0; k < 8; ++k) Divide(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2) * half, half, hull);
+    for (int k = 0; k < 8; ++k) Divide(corner + Eigen::Vector3i(k & 1, k >> 1 & 1, k >> 2) * half, half, open, hull);
   }
 
   static void Fill(const Eigen::Vector3i& corner, int step, VisualHull* hull) {
@@ -196,13 +209,18 @@ std::optional<VisualHull::Interval> VisualHull::March(const Eigen::Vector3d& fro
   double begin = 0, end = 0;
   if (cell <= 0 || !ClipToGrid(*this, from, direction, &begin, &end)) return std::nullopt;
   const double step = 0.5 * cell / direction.norm();
-  std::optional<Interval> interval;
-  for (double t = begin + 0.5 * step; t < end; t += step) {
-    if (!Contains(from + t * direction)) continue;
-    if (!interval) interval = Interval{t - 0.5 * step, t};
-    interval->back = t + 0.5 * step;
-  }
-  return interval;
+  const Eigen::Vector3d first = (from + (begin + 0.5 * step) * direction - origin) / cell, next = step / cell * direction;
+  // Within the box coordinates are positive but for rounding, so that cutting off the fraction is the floor.
+  auto inside_at = [&](int k) {
+    return Inside(static_cast<int>(first.x() + k * next.x()), static_cast<int>(first.y() + k * next.y()),
+                  static_cast<int>(first.z() + k * next.z()));
+  };
+  const int count = static_cast<int>((end - begin) / step + 0.5);
+  int front = 0, back = count - 1;
+  while (front < count && !inside_at(front)) ++front;
+  if (front >= count) return std::nullopt;
+  while (!inside_at(back)) --back;
+  return Interval{begin + front * step, begin + (back + 1) * step};
 }
 
 double VisualHull::Volume() const {
