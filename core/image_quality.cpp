@@ -25,11 +25,11 @@ Plane Blurred(const Plane& plane, int width, int height) {
   const auto window = Window();
   Plane rows(plane.size()), result(plane.size());
   ParallelFor(height, [&](std::int64_t y) {
-    for (int x = 0; x < width; ++x) {
-      double sum = 0;
-      for (int i = std::max(-kRadius, -x); i <= std::min(kRadius, width - 1 - x); ++i)
-        sum += window[static_cast<std::size_t>(i + kRadius)] * plane[static_cast<std::size_t>(y * width + x + i)];
-      rows[static_cast<std::size_t>(y * width + x)] = sum;
+    const double* from = plane.data() + y * width;
+    double* to = rows.data() + y * width;
+    for (int i = -kRadius; i <= kRadius; ++i) {
+      const double weight = window[static_cast<std::size_t>(i + kRadius)];
+      for (int x = std::max(0, -i); x < std::min(width, width - i); ++x) to[x] += weight * from[x + i];
     }
   });
   ParallelFor(height, [&](std::int64_t y) {

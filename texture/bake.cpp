@@ -30,9 +30,9 @@ constexpr double kToMean = 0.03;
 /// Of the texture that predicts held-out photographs.
 constexpr int kMeasureSize = 1024;
 
-std::vector<BakeView> LoadViews(const Mesh& mesh, const RayScene& scene, const std::vector<View>& views,
-                                const std::function<Photograph(int)>& load, const BakeOptions& options, std::int64_t texels,
-                                Progress* progress) {
+std::vector<BakeView> LoadViews(const Mesh& mesh, const std::vector<View>& views, const std::function<Photograph(int)>& load,
+                                const BakeOptions& options, std::int64_t texels, Progress* progress) {
+  const RayScene scene(mesh.points, mesh.faces);
   BakeViewOptions view_options;
   view_options.edge_guard_px = options.edge_guard;
   view_options.edge_feather_px = options.edge_feather;
@@ -55,7 +55,6 @@ std::vector<BakeView> LoadViews(const Mesh& mesh, const RayScene& scene, const s
 /// Everything that does not change between the texture and the one that measures.
 struct Studio {
   const Mesh& mesh;
-  const RayScene& scene;
   const std::vector<BakeView>& views;
   const BakeOptions& options;
 };
@@ -94,7 +93,7 @@ std::vector<Comparison> Compare(const Studio& studio, const Image8& texture, con
   const TextureLevels levels(texture);
   std::vector<Comparison> comparisons(studio.views.size());
   ParallelFor(static_cast<std::int64_t>(studio.views.size()), [&](std::int64_t v) {
-    if (which[v]) comparisons[v] = CompareToPhotograph(studio.mesh, studio.scene, levels, texture.width, studio.views[v]);
+    if (which[v]) comparisons[v] = CompareToPhotograph(studio.mesh, levels, texture.width, studio.views[v]);
   });
   return comparisons;
 }
@@ -174,10 +173,9 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views, const std::fu
   const Mesh mesh = SplitLargeFaces(given, views);
   const Atlas atlas = RasterizeAtlas(mesh, options.texture_size > 0 ? options.texture_size : result.advised_size);
   result.texels = atlas.texels;
-  const RayScene scene(mesh.points, mesh.faces);
   SubProgress loading(progress, 0.02, 0.4), painting(progress, 0.4, 0.8), measuring(progress, 0.85, 1);
-  const std::vector<BakeView> loaded = LoadViews(mesh, scene, views, load, options, atlas.texels, &loading);
-  const Studio studio{mesh, scene, loaded, options};
+  const std::vector<BakeView> loaded = LoadViews(mesh, views, load, options, atlas.texels, &loading);
+  const Studio studio{mesh, loaded, options};
   const std::vector<char> held_out = HeldOut(loaded, options.hold_out), all(views.size(), 1);
   std::vector<char> used = all;
   for (std::size_t v = 0; v < used.size(); ++v) used[v] = !(options.leave_out && held_out[v]);

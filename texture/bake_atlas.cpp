@@ -19,129 +19,164 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// A face's corners in texel units, y down.
-struct TexelTriangle {
-  Vector2d p[3];
-  double twice_area;
+double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-  TexelTriangle(const Mesh& mesh, int f, int size) {
-    for (int k = 0; k < 3; ++k) {
-      const auto uv = mesh.uvs.row(mesh.uv_faces(f, k));
-      p[k] = {uv[0] * size, (1 - uv[1]) * size};
-    }
-    twice_area = Cross(p[1] - p[0], p[2] - p[0]);
+TexelTriangle TriangleOf(const Mesh& mesh, int f, int size) {
+  TexelTriangle triangle;
+  for (int k = 0; k < 3; ++k) {
+    const auto uv = mesh.uvs.row(mesh.uv_faces(f, k));
+    triangle.p[k] = {uv[0] * size, (1 - uv[1]) * size};
   }
-  static double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-  Vector3d Barycentric(const Vector2d& q) const {
-    const double w1 = Cross(q - p[0], p[2] - p[0]) / twice_area, w2 = Cross(p[1] - p[0], q - p[0]) / twice_area;
-    return {1 - w1 - w2, w1, w2};
-  }
-  /// Of the point of the triangle's outline that is closest to q; the squared distance to it comes along.
-  Vector3d ClosestOnOutline(const Vector2d& q, double& squared_distance) const {
-    Vector3d best = Vector3d::UnitX();
-    squared_distance = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-      const Vector2d edge = p[(k + 1) % 3] - p[k];
-      const double length2 = edge.squaredNorm();
-      const double t = length2 > 0 ? std::clamp((q - p[k]).dot(edge) / length2, 0.0, 1.0) : 0;
-      const double d2 = (p[k] + t * edge - q).squaredNorm();
-      if (d2 >= squared_distance) continue;
-      squared_distance = d2;
-      best.setZero();
-      best[k] = 1 - t;
-      best[(k + 1) % 3] = t;
-    }
-    return best;
-  }
-  /// Calls visit(x, y) for the texels whose centres lie in the bounding box grown by `margin`.
-  template <class Visit>
-  void ForBox(int size, double margin, const Visit& visit) const {
-    const TexelBox box = Box(size, margin);
-    for (int y = box.y0; y < box.y1; ++y)
-      for (int x = box.x0; x < box.x1; ++x) visit(x, y);
-  }
-  TexelBox Box(int size, double margin) const {
-    const Vector2d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
-    return {std::max(0, static_cast<int>(std::ceil(low.x() - margin - 0.5))),
-            std::max(0, static_cast<int>(std::ceil(low.y() - margin - 0.5))), std::min(size, static_cast<int>(high.x() + margin - 0.5) + 1),
-            std::min(size, static_cast<int>(high.y() + margin - 0.5) + 1)};
-  }
-};
-
-void Assign(Atlas& atlas, std::size_t texel, int face, const Vector3d& w) {
-  atlas.face[texel] = face;
-  atlas.bary[texel] = {static_cast<float>(w[1]), static_cast<float>(w[2])};
+  triangle.twice_area = Cross(triangle.p[1] - triangle.p[0], triangle.p[2] - triangle.p[0]);
+  return triangle;
 }
 
-void AddRims(const Mesh& mesh, Atlas& atlas) {
-  const int size = atlas.size;
-  std::vector<float> nearest(atlas.face.size(), std::numeric_limits<float>::infinity());
-  for (int f = 0; f < mesh.face_count(); ++f) {
-    const TexelTriangle triangle(mesh, f, size);
-    triangle.ForBox(size, 1, [&](int x, int y) {
-      const std::size_t texel = static_cast<std::size_t>(y) * size + x;
-      if (atlas.inside[texel]) return;
-      double d2;
-      const Vector3d w = triangle.ClosestOnOutline({x + 0.5, y + 0.5}, d2);
-      if (d2 > 1 || static_cast<float>(d2) >= nearest[texel]) return;
-      nearest[texel] = static_cast<float>(d2);
-      Assign(atlas, texel, f, w);
-    });
+/// The texels whose centres lie in the bounding box grown by `margin`.
+TexelBox BoxOf(const TexelTriangle& triangle, int size, double margin) {
+  const Vector2d *p = triangle.p, low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
+  return {std::max(0, static_cast<int>(std::ceil(low.x() - margin - 0.5))),
+          std::max(0, static_cast<int>(std::ceil(low.y() - margin - 0.5))), std::min(size, static_cast<int>(high.x() + margin - 0.5) + 1),
+          std::min(size, static_cast<int>(high.y() + margin - 0.5) + 1)};
+}
+
+/// Some rows of the atlas, which one thread fills.
+class Band {
+ public:
+  Band(Atlas& atlas, int y0, int y1) : atlas_(atlas), y0_(y0), y1_(y1) {}
+
+  void FillInsides() {
+    for (std::size_t f = 0; f < atlas_.triangles.size(); ++f) {
+      const TexelTriangle& triangle = atlas_.triangles[f];
+      if (triangle.twice_area == 0) continue;
+      ForBox(triangle, 0, [&](int x, int y, std::size_t texel) {
+        if (atlas_.inside[texel] || triangle.Barycentric({x + 0.5, y + 0.5}).minCoeff() < -1e-9) return;
+        atlas_.face[texel] = static_cast<int>(f);
+        atlas_.inside[texel] = 1;
+        ++texels_;
+      });
+    }
   }
+
+  void AddRims() {
+    std::vector<float> nearest(static_cast<std::size_t>(y1_ - y0_) * atlas_.size, std::numeric_limits<float>::infinity());
+    const std::size_t first = static_cast<std::size_t>(y0_) * atlas_.size;
+    for (std::size_t f = 0; f < atlas_.triangles.size(); ++f) {
+      const TexelTriangle& triangle = atlas_.triangles[f];
+      ForBox(triangle, 1, [&](int x, int y, std::size_t texel) {
+        if (atlas_.inside[texel]) return;
+        double d2;
+        triangle.ClosestOnOutline({x + 0.5, y + 0.5}, d2);
+        if (d2 > 1 || static_cast<float>(d2) >= nearest[texel - first]) return;
+        nearest[texel - first] = static_cast<float>(d2);
+        atlas_.face[texel] = static_cast<int>(f);
+      });
+    }
+  }
+
+  std::int64_t texels() const { return texels_; }
+
+ private:
+  template <class Visit>
+  void ForBox(const TexelTriangle& triangle, double margin, const Visit& visit) {
+    const TexelBox box = BoxOf(triangle, atlas_.size, margin);
+    for (int y = std::max(box.y0, y0_); y < std::min(box.y1, y1_); ++y)
+      for (int x = box.x0; x < box.x1; ++x) visit(x, y, static_cast<std::size_t>(y) * atlas_.size + x);
+  }
+
+  Atlas& atlas_;
+  int y0_, y1_;
+  std::int64_t texels_ = 0;
+};
+
+/// Rows that one thread takes at a time.
+constexpr int kRows = 128;
+
+template <class Visit>
+void ForNeighbors(int size, int texel, const Visit& visit) {
+  const int x = texel % size, y = texel / size;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if ((dx || dy) && x + dx >= 0 && y + dy >= 0 && x + dx < size && y + dy < size) visit((y + dy) * size + x + dx);
+}
+
+/// Allowed texels that are not done but touch one that is.
+template <class Allowed>
+std::vector<int> FirstRing(int size, const std::vector<char>& done, const Allowed& allowed) {
+  std::vector<std::vector<int>> bands((size + kRows - 1) / kRows);
+  ParallelBlocks(size, kRows, [&](std::int64_t begin, std::int64_t end) {
+    for (int texel = static_cast<int>(begin) * size; texel < static_cast<int>(end) * size; ++texel) {
+      if (done[texel] || !allowed(texel)) continue;
+      bool touches = false;
+      ForNeighbors(size, texel, [&](int n) { touches |= done[n] != 0; });
+      if (touches) bands[begin / kRows].push_back(texel);
+    }
+  });
+  std::vector<int> ring;
+  for (const auto& band : bands) ring.insert(ring.end(), band.begin(), band.end());
+  return ring;
 }
 
 /// Texels around `done` ones, ring by ring, take the mean of their done neighbours' values times `decay`.
 template <class Allowed, class Value>
 void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int rings, float decay, const Allowed& allowed,
           const Value& value) {
-  const auto neighbors = [&](int texel, const auto& visit) {
-    const int x = texel % size, y = texel / size;
-    for (int dy = -1; dy <= 1; ++dy)
-      for (int dx = -1; dx <= 1; ++dx)
-        if ((dx || dy) && x + dx >= 0 && y + dy >= 0 && x + dx < size && y + dy < size) visit((y + dy) * size + x + dx);
-  };
-  std::vector<int> ring;
-  std::vector<char> queued(done.size(), 0);
-  const auto queue_around = [&](int texel) {
-    neighbors(texel, [&](int n) {
-      if (done[n] || queued[n] || !allowed(n)) return;
-      queued[n] = 1;
-      ring.push_back(n);
-    });
-  };
-  for (int texel = 0; texel < size * size; ++texel)
-    if (done[texel]) queue_around(texel);
+  if (rings <= 0) return;
+  std::vector<int> ring = FirstRing(size, done, allowed), next;
+  constexpr char kQueued = 2;  // neither done nor to be queued again: seen as done by nobody
+  std::vector<char> state = done;
+  for (const int texel : ring) state[texel] = kQueued;
   for (int round = 0; round < rings && !ring.empty(); ++round) {
-    for (const int texel : ring) {
-      Vector3f sum = Vector3f::Zero();
-      int count = 0;
-      neighbors(texel, [&](int n) {
-        if (!done[n]) return;
-        sum += value(n);
-        ++count;
+    ParallelFor(
+        static_cast<std::int64_t>(ring.size()),
+        [&](std::int64_t i) {
+          Vector3f sum = Vector3f::Zero();
+          int count = 0;
+          ForNeighbors(size, ring[i], [&](int n) {
+            if (!done[n]) return;
+            sum += value(n);
+            ++count;
+          });
+          color[ring[i]] = sum * (decay / static_cast<float>(count));
+        },
+        1024);
+    next.clear();
+    for (const int texel : ring) done[texel] = state[texel] = 1;
+    for (const int texel : ring)
+      ForNeighbors(size, texel, [&](int n) {
+        if (state[n] || !allowed(n)) return;
+        state[n] = kQueued;
+        next.push_back(n);
       });
-      color[texel] = sum * (decay / static_cast<float>(count));
-    }
-    std::vector<int> finished;
-    finished.swap(ring);
-    for (const int texel : finished) done[texel] = 1;
-    for (const int texel : finished) queue_around(texel);
+    ring.swap(next);
   }
+}
+
+/// Weighted sums of a face's painted colours for its corners, a column each; the weights' sums are below.
+Eigen::Matrix<float, 4, 3> CornerSums(const Atlas& atlas, const Painting& painting, int face) {
+  Eigen::Matrix<float, 4, 3> sums = Eigen::Matrix<float, 4, 3>::Zero();
+  const TexelBox box = TexelsAround(atlas, face);
+  for (int y = box.y0; y < box.y1; ++y)
+    for (int x = box.x0; x < box.x1; ++x) {
+      const std::size_t texel = static_cast<std::size_t>(y) * atlas.size + x;
+      if (atlas.face[texel] != face || !painting.painted[texel]) continue;
+      const Vector3f w = atlas.Weights(texel).cwiseAbs2();
+      for (int k = 0; k < 3; ++k) sums.col(k) += w[k] * painting.color[texel].homogeneous();
+    }
+  return sums;
 }
 
 /// Mean painted colour at each vertex; `known` is 0 where nothing was painted near it.
 void VertexColors(const Mesh& mesh, const Atlas& atlas, const Painting& painting, std::vector<Vector3f>& color, std::vector<char>& known) {
+  std::vector<Eigen::Matrix<float, 4, 3>> corners(mesh.face_count());  // colour and weight
+  ParallelFor(
+      mesh.face_count(), [&](std::int64_t f) { corners[f] = CornerSums(atlas, painting, static_cast<int>(f)); }, 64);
   std::vector<float> weight(mesh.vertex_count(), 0);
   color.assign(mesh.vertex_count(), Vector3f::Zero());
-  for (std::size_t texel = 0; texel < atlas.face.size(); ++texel) {
-    if (!painting.painted[texel]) continue;
-    const Vector3f w = atlas.Weights(texel);
+  for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) {
-      const int v = mesh.faces(atlas.face[texel], k);
-      color[v] += w[k] * w[k] * painting.color[texel];
-      weight[v] += w[k] * w[k];
+      color[mesh.faces(f, k)] += corners[f].col(k).head<3>();
+      weight[mesh.faces(f, k)] += corners[f](3, k);
     }
-  }
   known.assign(mesh.vertex_count(), 0);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     if (!(weight[v] > 1e-6f)) continue;
@@ -208,35 +243,61 @@ void CheckUvs(const Mesh& mesh) {
     }
 }
 
+Vector3d TexelTriangle::Barycentric(const Vector2d& q) const {
+  const double w1 = Cross(q - p[0], p[2] - p[0]) / twice_area, w2 = Cross(p[1] - p[0], q - p[0]) / twice_area;
+  return {1 - w1 - w2, w1, w2};
+}
+
+Vector3d TexelTriangle::ClosestOnOutline(const Vector2d& q, double& squared_distance) const {
+  int side = 0;
+  double along = 0;
+  squared_distance = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vector2d edge = p[(k + 1) % 3] - p[k];
+    const double length2 = edge.squaredNorm();
+    const double t = length2 > 0 ? std::clamp((q - p[k]).dot(edge) / length2, 0.0, 1.0) : 0;
+    const double d2 = (p[k] + t * edge - q).squaredNorm();
+    if (d2 >= squared_distance) continue;
+    squared_distance = d2;
+    side = k;
+    along = t;
+  }
+  Vector3d weights = Vector3d::Zero();
+  weights[side] = 1 - along;
+  weights[(side + 1) % 3] = along;
+  return weights;
+}
+
+Vector3f Atlas::Weights(std::size_t texel) const {
+  const Vector2d center(static_cast<double>(texel % size) + 0.5, static_cast<double>(texel / size) + 0.5);
+  const TexelTriangle& triangle = triangles[face[texel]];
+  double d2;
+  return (inside[texel] ? triangle.Barycentric(center) : triangle.ClosestOnOutline(center, d2)).cast<float>();
+}
+
 Atlas RasterizeAtlas(const Mesh& mesh, int size) {
   CheckUvs(mesh);
   Atlas atlas;
   atlas.size = size;
   const std::size_t count = static_cast<std::size_t>(size) * size;
   atlas.face.assign(count, -1);
-  atlas.bary.assign(count, Eigen::Vector2f::Zero());
   atlas.inside.assign(count, 0);
-  for (int f = 0; f < mesh.face_count(); ++f) {
-    const TexelTriangle triangle(mesh, f, size);
-    if (triangle.twice_area == 0) continue;
-    triangle.ForBox(size, 0, [&](int x, int y) {
-      const std::size_t texel = static_cast<std::size_t>(y) * size + x;
-      if (atlas.inside[texel]) return;
-      const Vector3d w = triangle.Barycentric({x + 0.5, y + 0.5});
-      if (w.minCoeff() < -1e-9) return;
-      Assign(atlas, texel, f, w);
-      atlas.inside[texel] = 1;
-      ++atlas.texels;
-    });
-  }
+  for (int f = 0; f < mesh.face_count(); ++f) atlas.triangles.push_back(TriangleOf(mesh, f, size));
+  std::vector<std::int64_t> texels((size + kRows - 1) / kRows, 0);
+  ParallelBlocks(size, kRows, [&](std::int64_t begin, std::int64_t end) {
+    Band band(atlas, static_cast<int>(begin), static_cast<int>(end));
+    band.FillInsides();
+    band.AddRims();
+    texels[begin / kRows] = band.texels();
+  });
+  for (const std::int64_t some : texels) atlas.texels += some;
   if (atlas.texels == 0)
     throw InputError("bake: the texture coordinates cover not one texel of " + std::to_string(size) + " x " + std::to_string(size) +
                      "; unwrap the mesh again");
-  AddRims(mesh, atlas);
   return atlas;
 }
 
-TexelBox TexelsAround(const Mesh& mesh, const Atlas& atlas, int face) { return TexelTriangle(mesh, face, atlas.size).Box(atlas.size, 1); }
+TexelBox TexelsAround(const Atlas& atlas, int face) { return BoxOf(atlas.triangles[face], atlas.size, 1); }
 
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
   std::vector<Vector3f> at_vertex;
@@ -254,8 +315,13 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
   Grow(
       atlas.size, painting.color, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
       [&](int texel) { return painting.painted[texel] ? (painting.color[texel] - smooth(texel)).eval() : painting.color[texel]; });
-  for (std::size_t texel = 0; texel < done.size(); ++texel)
-    if (atlas.face[texel] >= 0 && !painting.painted[texel]) painting.color[texel] = (smooth(texel) + painting.color[texel]).cwiseMax(0.0f);
+  ParallelFor(
+      static_cast<std::int64_t>(done.size()),
+      [&](std::int64_t texel) {
+        if (atlas.face[texel] >= 0 && !painting.painted[texel])
+          painting.color[texel] = (smooth(texel) + painting.color[texel]).cwiseMax(0.0f);
+      },
+      1 << 16);
 }
 
 ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
@@ -266,8 +332,9 @@ ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
   Grow(
       atlas.size, color, done, gutter, 1.0f, [](int) { return true; }, [&](int texel) { return color[texel]; });
   ImageF texture(atlas.size, atlas.size, 3);
-  for (std::size_t texel = 0; texel < color.size(); ++texel)
-    for (int k = 0; k < 3; ++k) texture.data[3 * texel + k] = done[texel] ? color[texel][k] : rest[k];
+  ParallelFor(
+      static_cast<std::int64_t>(color.size()),
+      [&](std::int64_t texel) { Eigen::Map<Vector3f>(texture.data.data() + 3 * texel) = done[texel] ? color[texel] : rest; }, 1 << 16);
   return texture;
 }
 

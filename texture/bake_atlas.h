@@ -9,15 +9,27 @@
 
 namespace keypose::texture {
 
+/// A face's corners in texel units, y down.
+struct TexelTriangle {
+  Eigen::Vector2d p[3];
+  double twice_area = 0;
+
+  Eigen::Vector3d Barycentric(const Eigen::Vector2d& q) const;
+  /// Of the point of the triangle's outline that is closest to q; the squared distance to it comes along.
+  Eigen::Vector3d ClosestOnOutline(const Eigen::Vector2d& q, double& squared_distance) const;
+};
+
 /// Which surface point each texel shows. Texel (x, y), top row first, has its centre at u = (x + .5) / size, v = 1 - (y + .5) / size.
 struct Atlas {
   int size = 0;
-  std::vector<int> face;              ///< size^2; -1: no surface
-  std::vector<Eigen::Vector2f> bary;  ///< size^2; weights of the face's second and third corner
+  std::vector<int> face;     ///< size^2; -1: no surface
   std::vector<char> inside;  ///< size^2; 1: the texel's centre is in a triangle; 0: at most a texel outside (a chart's rim), or no surface
-  std::int64_t texels = 0;   ///< with centres in a triangle
+  std::vector<TexelTriangle> triangles;  ///< one a face
+  std::int64_t texels = 0;               ///< with centres in a triangle
 
-  Eigen::Vector3f Weights(std::size_t texel) const { return {1 - bary[texel].x() - bary[texel].y(), bary[texel].x(), bary[texel].y()}; }
+  /// Barycentric weights of the point of face[texel] that the texel shows; not to be asked where there is no surface. Not stored: that
+  /// would be the largest part of the memory.
+  Eigen::Vector3f Weights(std::size_t texel) const;
 };
 
 /// @throws InputError  no UVs, a UV index out of range, a UV outside [0,1]
@@ -31,7 +43,7 @@ Atlas RasterizeAtlas(const Mesh& mesh, int size);
 struct TexelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
-TexelBox TexelsAround(const Mesh& mesh, const Atlas& atlas, int face);
+TexelBox TexelsAround(const Atlas& atlas, int face);
 
 /// Colours of an atlas in linear light while it is painted.
 struct Painting {

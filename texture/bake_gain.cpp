@@ -49,7 +49,7 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const
           if (cosine < 0.3) continue;
           const Sighting sighting = views[v].See(x);
           if (sighting.trust <= 0) continue;
-          const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel, 1.5).color;
+          const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel.cast<float>(), 1.5f).color;
           // Near black the logarithm is noise, near white the sensor has clipped.
           if (color.minCoeff() < 0.004f || color.maxCoeff() > 0.93f) continue;
           const Lights lights(-std::log(cosine), (views[v].view().camera_from_world.rotation * n).x());

@@ -60,23 +60,38 @@ class Expansion {
       for (const LabelCandidate& c : candidates[f])
         if (c.quality > best_[f]) best_[f] = c.quality, labels_[f] = c.view;
     node_.assign(candidates.size(), -1);
+    borders_of_.resize(candidates.size());
+    for (std::size_t i = 0; i < borders_.size(); ++i) {
+      borders_of_[borders_[i].a].push_back(static_cast<int>(i));
+      borders_of_[borders_[i].b].push_back(static_cast<int>(i));
+    }
+    for (std::size_t f = 0; f < candidates.size(); ++f)
+      for (const LabelCandidate& c : candidates[f]) {
+        if (c.view >= static_cast<int>(faces_of_.size())) faces_of_.resize(c.view + 1);
+        faces_of_[c.view].push_back(static_cast<int>(f));
+      }
   }
 
   /// @return whether any face took `view`
   bool Expand(int view) {
     std::vector<int> faces;
-    for (std::size_t f = 0; f < candidates_.size(); ++f)
-      if (labels_[f] >= 0 && labels_[f] != view && FindCandidate(candidates_[f], view)) {
-        node_[f] = static_cast<int>(faces.size());
-        faces.push_back(static_cast<int>(f));
-      }
+    for (const int f : faces_of_[view]) {
+      if (labels_[f] == view) continue;
+      node_[f] = static_cast<int>(faces.size());
+      faces.push_back(f);
+    }
     if (faces.empty()) return false;
     MinCut cut(static_cast<int>(faces.size()));
     // With the source: takes the view; what could go either way keeps its label. The cut severs the source from those that keep, so that is
     // where the price of keeping lies.
     for (std::size_t i = 0; i < faces.size(); ++i)
       cut.AddTerminals(static_cast<int>(i), Data(faces[i], labels_[faces[i]]), Data(faces[i], view));
-    for (const Border& border : borders_) AddBorder(border, view, cut);
+    for (const int f : faces)
+      for (const int b : borders_of_[f]) {
+        const Border& border = borders_[b];
+        // A border inside is met from both sides.
+        if (f == border.a || node_[border.a] < 0) AddBorder(border, view, cut);
+      }
     cut.Solve();
     bool changed = false;
     for (std::size_t i = 0; i < faces.size(); ++i) {
@@ -107,7 +122,6 @@ class Expansion {
   void AddBorder(const Border& border, int view, MinCut& cut) const {
     const int p = node_[border.a], q = node_[border.b];
     const int lp = labels_[border.a], lq = labels_[border.b];
-    if (p < 0 && q < 0) return;
     if (p < 0) return cut.AddTerminals(q, Gap(border, lp, lq), Gap(border, lp, view));
     if (q < 0) return cut.AddTerminals(p, Gap(border, lp, lq), Gap(border, view, lq));
     const std::int64_t both_keep = Gap(border, lp, lq), only_p = Gap(border, view, lq), only_q = Gap(border, lp, view);
@@ -123,6 +137,7 @@ class Expansion {
   Eigen::VectorXd areas_;
   std::vector<double> best_;
   std::vector<int> labels_, node_;
+  std::vector<std::vector<int>> borders_of_, faces_of_;  ///< of each face, of each view
 };
 
 void KeepBest(int most, std::vector<LabelCandidate>& list) {

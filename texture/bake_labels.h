@@ -10,12 +10,13 @@ namespace keypose::texture {
 /// A photograph that could paint a face.
 struct LabelCandidate {
   int view;
-  double quality;          ///< > 0; footprint, angle, sharpness, trust, agreement with the other views
-  Eigen::Vector3f color;   ///< mean colour of the face there, square root of linear light
-  Eigen::Vector3f linear;  ///< the same in linear light
-  float seen;              ///< share of the face that the view sees, in (0, 1]
-  float agreement;         ///< with the other views, the least over the face, in (0, 1]
-  float weight = 0;        ///< of this view in the mean of all, where it is fully trusted
+  double quality;            ///< > 0; footprint, angle, sharpness, trust, agreement with the other views
+  Eigen::Vector3f color;     ///< mean colour of the face there, square root of linear light
+  Eigen::Vector3f linear;    ///< the same in linear light
+  float seen;                ///< share of the face that the view sees, in (0, 1]
+  float agreement;           ///< with the other views, the least over the face, in (0, 1]
+  float weight = 0;          ///< of this view in the mean of all, where it is fully trusted
+  float mean_agreement = 1;  ///< over the face: part of the weight
 };
 
 struct LabelOptions {

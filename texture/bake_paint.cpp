@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "texture/bake_lattice.h"
 #include "texture/bake_seams.h"
 
 namespace keypose::texture {
@@ -19,22 +20,45 @@ constexpr float kSure = 0.15f;
 /// Weight of the mean of all views there: a trace where the chosen view agrees, everything where it does not.
 constexpr float kMeanWeight = 0.02f;
 
+/// Photographs are bilinear between their pixels: at nodes this near to each other nothing of that is lost that could be seen.
+constexpr float kNodePixels = 0.5f;
+
 /// Less than this share of the weight is not looked at: it is not seen, but would cost as much as all of it.
 constexpr float kLeastShare = 0.02f;
 
 /// One view of a face with its parts at the corners.
 struct Painted {
   FaceSight sight;
+  float agreement = 1;    ///< with the other views over the face: part of its weight
   Vector3f weight;        ///< in the mean of all views
   Vector3f share;         ///< in the detail
   Eigen::Matrix3f shift;  ///< of its colour as detail, times the share; a column a corner
 };
+/// A texel of a face.
+struct FaceTexel {
+  std::size_t texel = 0;
+  Vector3f weights;  ///< barycentric
+};
+/// A point of a face, what the views have said of it so far, and at last its colour.
+struct PointWork {
+  Vector3f weights;  ///< barycentric
+  float least_weight = 0, least_share = 0;
+  Vector3f mean = Vector3f::Zero(), detail = Vector3f::Zero();
+  float mean_sum = 0, detail_sum = 0;
+  Vector3f color = Vector3f::Zero();
+  bool seen = false;
+
+  explicit PointWork(const Vector3f& w) : weights(w) {}
+};
 struct FaceWork {
+  std::vector<FaceTexel> texels;
+  std::vector<PointWork> points;
   std::vector<Painted> views;
   Vector3f weight;  ///< sum over the views
   Vector3f share;
-  bool doubt = false;
-  std::vector<Vote> votes;  ///< scratch
+  Vector3f doubt;                ///< at the corners: 1 where a chosen view is contradicted, else 0
+  std::vector<float> agreement;  ///< of each point's views; empty without doubt
+  std::vector<Vote> votes;       ///< scratch
 };
 
 /// All that is known once the views are chosen.
@@ -51,48 +75,19 @@ class Painter {
     SpreadWeights();
   }
 
-  void PrepareFace(int face, FaceWork& work) const {
-    work.views.clear();
-    work.weight.setZero();
-    work.share.setZero();
-    work.doubt = false;
-    for (const LabelCandidate& candidate : faces_[face].candidates) {
-      Painted painted;
-      painted.weight = painted.share = Vector3f::Zero();
-      painted.shift.setZero();
-      for (int k = 0; k < 3; ++k) AddCorner(mesh_.faces(face, k), k, candidate, painted, work.doubt);
-      if (!witnesses_.Prepare(candidate.view, face, painted.sight)) continue;
-      work.weight += painted.weight;
-      work.share += painted.share;
-      work.views.push_back(painted);
+  /// Colours of the texels in `work`, all of this face.
+  void PaintFace(int face, FaceWork& work, Painting& painting, std::vector<char>& used) const {
+    PrepareFace(face, work);
+    const int parts = LatticeParts(work);
+    if (2 * FaceLattice::CountOf(parts) < static_cast<int>(work.texels.size()))
+      PaintLattice(face, FaceLattice(parts), work, painting, used);
+    work.points.clear();
+    for (const FaceTexel& texel : work.texels) work.points.emplace_back(texel.weights);
+    ColorPoints(face, work, used);
+    for (std::size_t i = 0; i < work.texels.size(); ++i) {
+      painting.color[work.texels[i].texel] = work.points[i].color;
+      painting.painted[work.texels[i].texel] = work.points[i].seen;
     }
-  }
-
-  /// False when no view sees the point.
-  bool Color(const SurfacePoint& point, FaceWork& work, Vector3f& color, std::vector<char>& used) const {
-    if (work.doubt)
-      witnesses_.CollectVotes(point, 1, work.votes);
-    else
-      work.votes.clear();
-    Vector3f mean = Vector3f::Zero(), detail = Vector3f::Zero(), seen;
-    float mean_sum = 0, detail_sum = 0;
-    const float least_weight = kLeastShare * work.weight.dot(point.weights), least_share = kLeastShare * work.share.dot(point.weights);
-    for (const Painted& view : work.views) {
-      float weight = view.weight.dot(point.weights), share = view.share.dot(point.weights);
-      if (weight <= least_weight && share <= least_share) continue;
-      const float trust = witnesses_.Look(view.sight, point, seen);
-      if (trust <= 0) continue;
-      used[view.sight.view] = 1;
-      const float agreement = work.votes.empty() ? 1 : AgreementOf(view.sight.view, work.votes);
-      mean += agreement * trust * weight * seen;
-      mean_sum += agreement * trust * weight;
-      if (share <= least_share) continue;
-      detail += agreement * (share * seen + view.shift * point.weights);
-      detail_sum += agreement * share;
-    }
-    if (!(mean_sum > 0)) return Rest(point, color, used, work.votes);
-    color = Mixed(mean / mean_sum, detail, detail_sum, kMeanWeight * work.share.dot(point.weights) * static_cast<float>(work.doubt));
-    return true;
   }
 
   double MeanViews() const {
@@ -114,7 +109,102 @@ class Painter {
     float weight;
   };
 
-  void AddCorner(int v, int corner, const LabelCandidate& candidate, Painted& painted, bool& doubt) const {
+  void PrepareFace(int face, FaceWork& work) const {
+    work.views.clear();
+    work.weight.setZero();
+    work.share.setZero();
+    for (int k = 0; k < 3; ++k) work.doubt[k] = doubt_[mesh_.faces(face, k)];
+    for (const LabelCandidate& candidate : faces_[face].candidates) {
+      Painted painted;
+      painted.weight = painted.share = Vector3f::Zero();
+      painted.shift.setZero();
+      painted.agreement = candidate.mean_agreement;
+      for (int k = 0; k < 3; ++k) AddCorner(mesh_.faces(face, k), k, candidate, painted);
+      if (!witnesses_.Prepare(candidate.view, face, painted.sight)) continue;
+      work.weight += painted.weight;
+      work.share += painted.share;
+      work.views.push_back(painted);
+    }
+  }
+
+  /// So many parts of the sides that photographs say nothing more between the nodes.
+  static int LatticeParts(const FaceWork& work) {
+    float longest = 0;
+    for (const Painted& view : work.views)
+      for (int k = 0; k < 3; ++k)
+        longest = std::max(longest, (view.sight.pixels.col(k) - view.sight.pixels.col((k + 1) % 3)).squaredNorm());
+    return 1 + static_cast<int>(std::min(1000.0f, std::sqrt(longest) / kNodePixels));
+  }
+
+  /// Where texels are many times smaller than the photographs' pixels: colours at the nodes, linear between them. Texels that have an
+  /// unseen node beside them are left in `work`.
+  void PaintLattice(int face, const FaceLattice& lattice, FaceWork& work, Painting& painting, std::vector<char>& used) const {
+    work.points.clear();
+    lattice.ForNodes([&](const Vector3f& weights) { work.points.emplace_back(weights); });
+    ColorPoints(face, work, used);
+    std::erase_if(work.texels, [&](const FaceTexel& texel) {
+      const FaceLattice::Corners at = lattice.Between(texel.weights);
+      Vector3f color = Vector3f::Zero();
+      for (int k = 0; k < 3; ++k) {
+        if (!work.points[at.node[k]].seen) return false;
+        color += at.weight[k] * work.points[at.node[k]].color;
+      }
+      painting.color[texel.texel] = color;
+      painting.painted[texel.texel] = 1;
+      return true;
+    });
+  }
+
+  void ColorPoints(int face, FaceWork& work, std::vector<char>& used) const {
+    if (work.points.empty()) return;
+    for (PointWork& point : work.points) {
+      point.least_weight = kLeastShare * work.weight.dot(point.weights);
+      point.least_share = kLeastShare * work.share.dot(point.weights);
+    }
+    AskForAgreement(face, work);
+    for (std::size_t i = 0; i < work.views.size(); ++i) AddView(face, static_cast<int>(i), work, used);
+    for (PointWork& point : work.points) {
+      point.seen = point.mean_sum > 0 || Rest({face, point.weights}, point.color, used, work.votes);
+      if (point.mean_sum > 0)
+        point.color = Mixed(point.mean / point.mean_sum, point.detail, point.detail_sum,
+                            kMeanWeight * work.share.dot(point.weights) * work.doubt.dot(point.weights));
+    }
+  }
+
+  /// Puts each point of a face in doubt to the vote. What a view then loses grows from nothing where the doubt ends, so that no edge shows
+  /// there.
+  void AskForAgreement(int face, FaceWork& work) const {
+    work.agreement.clear();
+    if (work.doubt.isZero()) return;
+    for (const PointWork& point : work.points) {
+      witnesses_.CollectVotes({face, point.weights}, 1, work.votes);
+      const float doubt = work.doubt.dot(point.weights);
+      for (const Painted& view : work.views) work.agreement.push_back(std::pow(AgreementOf(view.sight.view, work.votes), doubt));
+    }
+  }
+
+  void AddView(int face, int which, FaceWork& work, std::vector<char>& used) const {
+    const Painted& view = work.views[which];
+    Vector3f seen;
+    for (std::size_t j = 0; j < work.points.size(); ++j) {
+      PointWork& point = work.points[j];
+      const float weight = view.weight.dot(point.weights), share = view.share.dot(point.weights);
+      if (weight <= point.least_weight && share <= point.least_share) continue;
+      const float trust = witnesses_.Look(view.sight, {face, point.weights}, seen);
+      if (trust <= 0) continue;
+      used[view.sight.view] = 1;
+      const float agreement = work.agreement.empty() ? 1 : work.agreement[j * work.views.size() + which];
+      // The weight holds the agreement over the face already: what the place itself has less of is all that comes off.
+      const float part = trust * weight * std::min(1.0f, agreement / view.agreement);
+      point.mean += part * seen;
+      point.mean_sum += part;
+      if (share <= point.least_share) continue;
+      point.detail += agreement * (share * seen + view.shift * point.weights);
+      point.detail_sum += agreement * share;
+    }
+  }
+
+  void AddCorner(int v, int corner, const LabelCandidate& candidate, Painted& painted) const {
     for (const VertexWeight& w : weights_[v])
       if (w.view == candidate.view) painted.weight[corner] = w.weight;
     for (std::size_t i = 0; i < shares_[v].size(); ++i) {
@@ -122,7 +212,6 @@ class Painter {
       // A view that was chosen beside this face may have a highlight on it.
       painted.share[corner] = shares_[v][i].share * candidate.agreement;
       painted.shift.col(corner) = painted.share[corner] * shifts_[v][i].color;
-      doubt |= least_agreement_[v][i] < kSure;
     }
   }
 
@@ -136,17 +225,22 @@ class Painter {
     return mean + std::exp(-0.5f * apart / std::max(detail_step_ * detail_step_, 1e-12f)) * (detail - mean);
   }
 
-  /// The least agreement of each vertex's views on the faces around it.
+  /// The corners of all faces at vertices around which a face sees one of the vertex's views contradicted: what is contradicted is put to
+  /// the vote in full, and beyond it doubt ends.
   void FindDoubts() {
-    least_agreement_.resize(shares_.size());
-    for (std::size_t v = 0; v < shares_.size(); ++v) least_agreement_[v].assign(shares_[v].size(), 1);
+    std::vector<char> contradicted(shares_.size(), 0);
     for (int f = 0; f < mesh_.face_count(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        const int v = mesh_.faces(f, k);
-        for (std::size_t i = 0; i < shares_[v].size(); ++i)
-          if (const LabelCandidate* here = FindCandidate(faces_[f].candidates, shares_[v][i].view))
-            least_agreement_[v][i] = std::min(least_agreement_[v][i], here->agreement);
-      }
+      for (int k = 0; k < 3; ++k)
+        for (const LabelShare& share : shares_[mesh_.faces(f, k)]) {
+          const LabelCandidate* here = FindCandidate(faces_[f].candidates, share.view);
+          if (here && here->agreement < kSure) contradicted[mesh_.faces(f, k)] = 1;
+        }
+    doubt_.assign(shares_.size(), 0);
+    for (int f = 0; f < mesh_.face_count(); ++f) {
+      const auto v = mesh_.faces.row(f);
+      if (contradicted[v[0]] || contradicted[v[1]] || contradicted[v[2]])
+        for (int k = 0; k < 3; ++k) doubt_[v[k]] = 1;
+    }
   }
 
   /// Each view's weight in the mean at the vertices, so that it changes smoothly over the surface.
@@ -199,29 +293,26 @@ class Painter {
   std::vector<int> labels_;
   std::vector<std::vector<LabelShare>> shares_;
   std::vector<std::vector<Shift>> shifts_;
-  std::vector<std::vector<float>> least_agreement_;  ///< beside shares_
-  std::vector<std::vector<VertexWeight>> weights_;   ///< of each vertex
+  std::vector<float> doubt_;                        ///< 1 or 0, of each vertex
+  std::vector<std::vector<VertexWeight>> weights_;  ///< of each vertex
 };
 
-/// What one block of faces adds to the result.
-struct Tally {
-  std::int64_t seen = 0;
-  std::vector<char> used;
-};
-
-void PaintFace(const Painter& painter, const Mesh& mesh, const Atlas& atlas, int face, FaceWork& work, Painting& painting, Tally& tally) {
-  const TexelBox box = TexelsAround(mesh, atlas, face);
-  bool prepared = false;
+void PaintFace(const Painter& painter, const Atlas& atlas, int face, FaceWork& work, Painting& painting, std::vector<char>& used) {
+  const TexelBox box = TexelsAround(atlas, face);
+  work.texels.clear();
   for (int y = box.y0; y < box.y1; ++y)
     for (int x = box.x0; x < box.x1; ++x) {
       const std::size_t texel = static_cast<std::size_t>(y) * atlas.size + x;
-      if (atlas.face[texel] != face) continue;
-      if (!prepared) painter.PrepareFace(face, work);
-      prepared = true;
-      if (!painter.Color({face, atlas.Weights(texel)}, work, painting.color[texel], tally.used)) continue;
-      painting.painted[texel] = 1;
-      tally.seen += atlas.inside[texel];
+      if (atlas.face[texel] == face) work.texels.push_back({texel, atlas.Weights(texel)});
     }
+  if (!work.texels.empty()) painter.PaintFace(face, work, painting, used);
+}
+
+/// Texels with their centre in a triangle that are painted.
+std::int64_t CountSeen(const Atlas& atlas, const Painting& painting) {
+  std::int64_t seen = 0;
+  for (std::size_t texel = 0; texel < atlas.inside.size(); ++texel) seen += painting.painted[texel] && atlas.inside[texel];
+  return seen;
 }
 
 }  // namespace
@@ -243,14 +334,14 @@ PaintResult PaintTexels(const Witnesses& witnesses, const Atlas& atlas, const Pa
     Step(progress, 0.3 + 0.7 * static_cast<double>(first) / static_cast<double>(faces), "texels");
     ParallelBlocks(std::min(band, faces - first), 128, [&](std::int64_t begin, std::int64_t end) {
       FaceWork work;
-      Tally tally{0, std::vector<char>(witnesses.view_count(), 0)};
+      std::vector<char> used(witnesses.view_count(), 0);
       for (std::int64_t f = first + begin; f < first + end; ++f)
-        PaintFace(painter, mesh, atlas, static_cast<int>(f), work, result.painting, tally);
-      const std::lock_guard<std::mutex> lock(mutex);  // sums of integers: the same in any order
-      result.seen_texels += tally.seen;
-      for (int v = 0; v < witnesses.view_count(); ++v) result.used[v] |= tally.used[v];
+        PaintFace(painter, atlas, static_cast<int>(f), work, result.painting, used);
+      const std::lock_guard<std::mutex> lock(mutex);  // the same in any order
+      for (int v = 0; v < witnesses.view_count(); ++v) result.used[v] |= used[v];
     });
   }
+  result.seen_texels = CountSeen(atlas, result.painting);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "texture/bake_labels.h"
+#include "texture/bake_lattice.h"
 #include "texture/bake_paint.h"
 #include "texture/bake_seams.h"
 #include "texture/bake_split.h"
@@ -52,6 +53,43 @@ PaintedSphere PaintAll(const Mesh& mesh, const std::vector<View>& views, const s
   PaintResult result =
       PaintTexels(Witnesses(mesh, loaded, gains, {}, std::vector<char>(views.size(), 1), 512, 75, 3), atlas, {to_mean, 0.05f}, nullptr);
   return {result.labels, FinishTexture(atlas, std::move(result.painting), 4)};
+}
+
+TEST(FaceLattice, GivesLinearFunctionsBackAndCutsTheTriangleWithoutGaps) {
+  const auto linear = [](const Vector3f& w) { return 3 * w[0] - 2 * w[1] + 7 * w[2]; };
+  for (const int parts : {1, 2, 5, 16}) {
+    const FaceLattice lattice(parts);
+    std::vector<float> values;
+    lattice.ForNodes([&](const Vector3f& w) { values.push_back(linear(w)); });
+    ASSERT_EQ(static_cast<int>(values.size()), FaceLattice::CountOf(parts));
+    // Corners, sides, nodes, and points a rounding outside are among these.
+    for (int i = 0; i <= 60; ++i)
+      for (int j = 0; i + j <= 60; ++j) {
+        const Vector3f w(static_cast<float>(60 - i - j) / 60 + (i == 0 ? 1e-6f : 0), static_cast<float>(i) / 60 - (i == 0 ? 1e-6f : 0),
+                         static_cast<float>(j) / 60);
+        const FaceLattice::Corners at = lattice.Between(w);
+        float value = 0, sum = 0;
+        for (int k = 0; k < 3; ++k) {
+          ASSERT_GE(at.weight[k], -1e-6f);
+          sum += at.weight[k];
+          value += at.weight[k] * values[static_cast<std::size_t>(at.node[k])];
+        }
+        ASSERT_NEAR(sum, 1, 1e-5);
+        ASSERT_NEAR(value, linear(w), 1e-4) << parts << " " << w.transpose();
+      }
+  }
+}
+
+TEST(Bake, TexelsFarFinerThanThePhotographsAreWhatTheyWouldBeOneByOne) {
+  const Mesh mesh = PatchSphere(6);
+  const std::vector<View> views = AllRound(80);
+  BakeOptions options = Small();
+  options.texture_size = 768;
+  options.hold_out = 0;
+  // 20 texels a pixel: nodes. The same photographs' bilinear values, read one by one, are the paint of a photograph of 80 lines at best.
+  const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth), options);
+  EXPECT_GT(PsnrAgainst(mesh, result.texture, Smooth), 38);
+  EXPECT_EQ(result.unseen_texels(), 0);
 }
 
 TEST(PaintTexels, BordersBetweenViewsShowNoMoreThanTheInside) {

@@ -32,28 +32,38 @@ struct Pair {
   std::vector<Vector3f> photographed;  ///< linear
 };
 
-Pair RenderInto(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int size, const BakeView& view) {
+/// Where a ray meets the plane of a face that it is known to meet.
+struct Meeting {
+  double distance = 0;  ///< in lengths of the direction
+  double u = 0, v = 0;  ///< weights of the second and third corner, within [0, 1] but for rounding
+};
+Meeting Meet(const Mesh& mesh, const Eigen::RowVector3i& face, const Vector3d& origin, const Vector3d& direction) {
+  const Vector3d a = mesh.points.row(face[0]), ab = mesh.points.row(face[1]).transpose() - a, ac = mesh.points.row(face[2]).transpose() - a;
+  const Vector3d across = direction.cross(ac), from_a = origin - a, around = from_a.cross(ab);
+  const double determinant = ab.dot(across);
+  if (determinant == 0) return {};
+  return {ac.dot(around) / determinant, from_a.dot(across) / determinant, direction.dot(around) / determinant};
+}
+
+Pair RenderInto(const Mesh& mesh, const TextureLevels& texture, int size, const BakeView& view) {
   const int width = view.rays_wide(), height = view.rays_high();
   Pair pair;
   pair.valid.assign(static_cast<std::size_t>(width) * height, 0);
   pair.rendered.assign(pair.valid.size(), Vector3d::Zero());
   pair.photographed.assign(pair.valid.size(), Vector3f::Zero());
-  const Eigen::Matrix3d world_from_camera = view.view().camera_from_world.rotation.conjugate().toRotationMatrix();
   const double ray_width = std::exp2(view.RayLevel()) / view.view().camera.fx;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       if (!view.RayIsGood(x, y)) continue;
-      const Vector2d pixel = view.RayPixel(x, y);
-      const RayScene::Hit hit = scene.Cast(view.center(), world_from_camera * view.view().camera.Unproject(pixel));
-      if (hit.face < 0) continue;
-      const auto f = mesh.faces.row(hit.face), t = mesh.uv_faces.row(hit.face);
+      const auto f = mesh.faces.row(view.RayFace(x, y)), t = mesh.uv_faces.row(view.RayFace(x, y));
+      const Meeting hit = Meet(mesh, f, view.center(), view.RayInWorld(x, y));
       const Vector2d uv = (1 - hit.u - hit.v) * mesh.uvs.row(t[0]) + hit.u * mesh.uvs.row(t[1]) + hit.v * mesh.uvs.row(t[2]);
       // Texels under a pixel, each way, where the surface faces the camera; aslant there are more, but along one direction only.
       const double on_surface = (mesh.points.row(f[1]) - mesh.points.row(f[0])).norm();
       const double on_texture = (mesh.uvs.row(t[1]) - mesh.uvs.row(t[0])).norm() * size;
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       pair.rendered[i] = texture.Sample(uv, on_surface > 0 ? hit.distance * ray_width * on_texture / on_surface : 1);
-      pair.photographed[i] = view.ColorAt(pixel, view.RayLevel()).color;
+      pair.photographed[i] = view.ColorAt(view.RayPixel(x, y).cast<float>(), view.RayLevel()).color;
       pair.valid[i] = 1;
     }
   return pair;
@@ -75,11 +85,10 @@ Vector3d TextureLevels::Sample(const Vector2d& uv, double texels) const {
   return (1 - t) * fine + t * SampleTexture(levels_[below + 1], uv);
 }
 
-Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
-                               const BakeView& view) {
+Comparison CompareToPhotograph(const Mesh& mesh, const TextureLevels& texture, int texture_size, const BakeView& view) {
   Comparison result;
   if (view.sees_nothing()) return result;
-  const Pair pair = RenderInto(mesh, scene, texture, texture_size, view);
+  const Pair pair = RenderInto(mesh, texture, texture_size, view);
   Vector3d means[2] = {Vector3d::Zero(), Vector3d::Zero()};
   const auto linear = [](const Vector3d& srgb) {
     return Vector3f(LinearOf(static_cast<std::uint8_t>(std::lround(srgb[0]))), LinearOf(static_cast<std::uint8_t>(std::lround(srgb[1]))),

@@ -31,7 +31,6 @@ struct Comparison {
   double ssim = 0;          ///< of the luma as both are (core/image_quality.h)
 };
 /// At most 200,000 rays. @param texture_size  of `texture`, for the footprint of a ray
-Comparison CompareToPhotograph(const Mesh& mesh, const RayScene& scene, const TextureLevels& texture, int texture_size,
-                               const BakeView& view);
+Comparison CompareToPhotograph(const Mesh& mesh, const TextureLevels& texture, int texture_size, const BakeView& view);
 
 }  // namespace keypose::texture

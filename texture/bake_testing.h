@@ -131,13 +131,15 @@ inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& 
     photograph.image = Image8(c.width, c.height, 3);
     photograph.mask = Image8(c.width, c.height, 1);
     const Vector3d eye = views[v].Center();
+    const Eigen::Matrix3d world_from_camera = views[v].camera_from_world.rotation.conjugate().toRotationMatrix();
     ParallelFor(c.height, [&](std::int64_t y) {
       for (int x = 0; x < c.width; ++x) {
         Vector3f sum = Vector3f::Zero();
         int hits = 0;
+        // The lens bends nothing within a pixel, so one ray of it is solved for, and its corners' are not.
+        const Vector3d middle = world_from_camera * c.Unproject({x + 0.5, static_cast<double>(y) + 0.5});
         for (int s = 0; s < 4; ++s) {
-          const Vector3d ray = c.Unproject({x + (s % 2 + 0.5) / 2, static_cast<double>(y) + (s / 2 + 0.5) / 2});
-          const Vector3d direction = views[v].camera_from_world.rotation.conjugate() * ray;
+          const Vector3d direction = middle + world_from_camera * Vector3d((s % 2 - 0.5) / (2 * c.fx), (s / 2 - 0.5) / (2 * c.fy), 0);
           const RayScene::Hit hit = scene.Cast(eye, direction);
           sum += hit.face < 0 ? Vector3f::Ones() : paint(eye + hit.distance * direction, eye);
           hits += hit.face >= 0;
@@ -148,6 +150,13 @@ inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& 
     });
   }
   return photographs;
+}
+
+/// PatchSphere(12) from AllRound(240), smooth or checkered: several tests look at the same photographs.
+inline const std::vector<Photograph>& SharedPhotographs(bool checkered) {
+  static const std::vector<Photograph> smooth = Shoot(PatchSphere(12), AllRound(240), Smooth);
+  static const std::vector<Photograph> checker = Shoot(PatchSphere(12), AllRound(240), Checker);
+  return checkered ? checker : smooth;
 }
 
 inline BakeOptions Small() {

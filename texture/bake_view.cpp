@@ -11,12 +11,26 @@ namespace keypose::texture {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr float kFar = 1e6f;
 /// A step in depth of more than this many ray spacings is an edge; a plane makes such a step only when seen at less than 10 degrees.
 constexpr double kDepthStepInCells = 6;
+/// Rays apart whose directions are known; those between are interpolated.
+constexpr int kRayStep = 8;
+
+/// Over the square root: fine in the darks, where sRGB is steep.
+std::array<std::uint8_t, 4096> SrgbTable() {
+  std::array<std::uint8_t, 4096> t;
+  for (int i = 0; i < 4096; ++i) {
+    const double l = (i / 4095.0) * (i / 4095.0);
+    t[i] = static_cast<std::uint8_t>(std::lround(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055)));
+  }
+  return t;
+}
+const std::array<std::uint8_t, 4096> kSrgb = SrgbTable();
 
 void CheckSizes(const View& view, const Photograph& photograph) {
   const auto check = [&](const Image8& image, const char* what) {
@@ -78,27 +92,13 @@ bool AllObject(const Image8& mask, double x, double y, double half) {
 
 }  // namespace
 
-float LinearOf(std::uint8_t srgb) {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> t;
-    for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(i <= 10 ? i / 255.0 / 12.92 : std::pow((i / 255.0 + 0.055) / 1.055, 2.4));
-    return t;
-  }();
-  return table[srgb];
-}
+const std::array<float, 256> kLinear = [] {
+  std::array<float, 256> t;
+  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(i <= 10 ? i / 255.0 / 12.92 : std::pow((i / 255.0 + 0.055) / 1.055, 2.4));
+  return t;
+}();
 
-std::uint8_t SrgbOf(float linear) {
-  // A table over the square root: fine in the darks, where sRGB is steep.
-  static const std::array<std::uint8_t, 4096> table = [] {
-    std::array<std::uint8_t, 4096> t;
-    for (int i = 0; i < 4096; ++i) {
-      const double l = (i / 4095.0) * (i / 4095.0);
-      t[i] = static_cast<std::uint8_t>(std::lround(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055)));
-    }
-    return t;
-  }();
-  return table[static_cast<int>(std::sqrt(std::clamp(linear, 0.0f, 1.0f)) * 4095 + 0.5f)];
-}
+std::uint8_t SrgbOf(float linear) { return kSrgb[static_cast<int>(std::sqrt(std::clamp(linear, 0.0f, 1.0f)) * 4095 + 0.5f)]; }
 
 BakeView::BakeView(const View& view, const Photograph& photograph, const Mesh& mesh, const RayScene& scene, const BakeViewOptions& options)
     : view_(view), rotation_(view.camera_from_world.rotation.toRotationMatrix()), center_(view.Center()), sharpness_(photograph.sharpness) {
@@ -124,30 +124,43 @@ void BakeView::BuildPyramid(const Photograph& photograph, const BakeViewOptions&
   }
   levels_.push_back(std::move(base));
   for (int i = 0; i < 5; ++i) levels_.push_back(Halved(levels_.back()));
+  for (std::size_t i = 0; i < levels_.size(); ++i) scales_.push_back(1.0f / static_cast<float>(1 << (base_level_ + static_cast<int>(i))));
 }
 
 void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene, const BakeViewOptions& options) {
   const double area = static_cast<double>(box_.x1 - box_.x0) * (box_.y1 - box_.y0);
   cell_px_ = std::max(1.0, std::sqrt(area / options.depth_rays));
-  cells_per_px_ = 1 / cell_px_;
-  depth_step_ = kDepthStepInCells * cell_px_ / view_.camera.fx;
+  cells_per_px_ = static_cast<float>(1 / cell_px_);
+  depth_step_ = static_cast<float>(kDepthStepInCells * cell_px_ / view_.camera.fx);
   cell_x0_ = static_cast<int>(box_.x0 / cell_px_);
   cell_y0_ = static_cast<int>(box_.y0 / cell_px_);
   const int width = static_cast<int>(std::ceil(box_.x1 / cell_px_)) - cell_x0_,
             height = static_cast<int>(std::ceil(box_.y1 / cell_px_)) - cell_y0_;
   depth_ = ImageF(width, height, 1, std::numeric_limits<float>::infinity());
-  const Eigen::Matrix3d world_from_camera = rotation_.transpose();
+  ray_face_ = ImageT<int>(width, height, 1, -1);
+  rays_ = ImageT<Vector3d>((width + kRayStep - 1) / kRayStep + 1, (height + kRayStep - 1) / kRayStep + 1, 1, Vector3d::Zero());
+  for (int y = 0; y < rays_.height; ++y)
+    for (int x = 0; x < rays_.width; ++x)
+      *rays_.at(x, y) = rotation_.transpose() * view_.camera.Unproject(RayPixel(kRayStep * x, kRayStep * y));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const Vector2d pixel = RayPixel(x, y);
-      const RayScene::Hit hit = scene.Cast(center_, world_from_camera * view_.camera.Unproject(pixel));
-      if (hit.face >= 0) *depth_.at(x, y) = static_cast<float>(hit.distance);
+      const RayScene::Hit hit = scene.Cast(center_, RayInWorld(x, y));
+      if (hit.face < 0) continue;
+      *ray_face_.at(x, y) = hit.face;
+      *depth_.at(x, y) = static_cast<float>(hit.distance);
     }
   MarkEdges(photograph, options);
 }
 
+Vector3d BakeView::RayInWorld(int x, int y) const {
+  const int x0 = x / kRayStep, y0 = y / kRayStep;
+  const double fx = static_cast<double>(x % kRayStep) / kRayStep, fy = static_cast<double>(y % kRayStep) / kRayStep;
+  const Vector3d *above = rays_.at(x0, y0), *below = rays_.at(x0, y0 + 1);
+  return (1 - fy) * ((1 - fx) * above[0] + fx * above[1]) + fy * ((1 - fx) * below[0] + fx * below[1]);
+}
+
 void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& options) {
-  trust_ = ImageF(depth_.width, depth_.height, 1, kFar);
+  ImageF distance(depth_.width, depth_.height, 1, kFar);
   const auto depth_at = [&](int x, int y) {
     return x < 0 || y < 0 || x >= depth_.width || y >= depth_.height ? std::numeric_limits<float>::infinity() : *depth_.at(x, y);
   };
@@ -157,23 +170,15 @@ void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& op
       bool edge = std::isinf(d) || !AllObject(photograph.mask, RayPixel(x, y).x(), RayPixel(x, y).y(), 0.5 * cell_px_);
       for (int k = 0; k < 4 && !edge; ++k)
         edge = !(std::abs(depth_at(x + (k == 0) - (k == 1), y + (k == 2) - (k == 3)) - d) < depth_step_ * d);
-      if (edge) *trust_.at(x, y) = 0;
+      if (edge) *distance.at(x, y) = 0;
     }
-  DistanceToZero(trust_);
-  for (float& t : trust_.data) {
+  DistanceToZero(distance);
+  trust_ = Image8(depth_.width, depth_.height, 1);
+  for (std::size_t i = 0; i < trust_.data.size(); ++i) {
     // The first cell beyond an edge is half a cell away from it.
-    const double beyond = ((t - 0.5) * cell_px_ - options.edge_guard_px) / std::max(options.edge_feather_px, 1e-6);
-    t = static_cast<float>(std::clamp(beyond, 0.0, 1.0));
+    const double beyond = ((distance.data[i] - 0.5) * cell_px_ - options.edge_guard_px) / std::max(options.edge_feather_px, 1e-6);
+    trust_.data[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(beyond, 0.0, 1.0)));
   }
-}
-
-float BakeView::Trust(const Vector2d& cell) const {
-  const double x = std::clamp(cell.x() - 0.5, 0.0, trust_.width - 1.0), y = std::clamp(cell.y() - 0.5, 0.0, trust_.height - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, trust_.width - 1),
-            y1 = std::min(y0 + 1, trust_.height - 1);
-  const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-  return (1 - fy) * ((1 - fx) * *trust_.at(x0, y0) + fx * *trust_.at(x1, y0)) +
-         fy * ((1 - fx) * *trust_.at(x0, y1) + fx * *trust_.at(x1, y1));
 }
 
 Sighting BakeView::See(const Vector3d& x_in_world) const {
@@ -182,49 +187,8 @@ Sighting BakeView::See(const Vector3d& x_in_world) const {
   if (x.z() <= 0 || depth_.empty()) return sighting;
   sighting.pixel = view_.camera.Project(x);
   sighting.depth = x.z();
-  sighting.trust = TrustAt(sighting.pixel, sighting.depth);
+  sighting.trust = TrustAt(sighting.pixel.cast<float>(), static_cast<float>(sighting.depth));
   return sighting;
-}
-
-float BakeView::TrustAt(const Vector2d& pixel, double depth) const {
-  const Vector2d cell(pixel.x() * cells_per_px_ - cell_x0_, pixel.y() * cells_per_px_ - cell_y0_);
-  if (!(cell.x() >= 0 && cell.y() >= 0 && cell.x() < depth_.width && cell.y() < depth_.height)) return 0;
-  const double surface = *depth_.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
-  return depth - surface < depth_step_ * depth ? Trust(cell) : 0;
-}
-
-Sample BakeView::Bilinear(int level, const Vector2d& pixel) const {
-  const Image8& image = levels_[level];
-  const double scale = 1.0 / (1 << (base_level_ + level));
-  const double x = std::clamp((pixel.x() - box_.x0) * scale - 0.5, 0.0, image.width - 1.0);
-  const double y = std::clamp((pixel.y() - box_.y0) * scale - 0.5, 0.0, image.height - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, image.width - 1),
-            y1 = std::min(y0 + 1, image.height - 1);
-  const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
-  const std::uint8_t* p[4] = {image.at(x0, y0), image.at(x1, y0), image.at(x0, y1), image.at(x1, y1)};
-  const float w[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
-  Sample sample;
-  for (int k = 0; k < 4; ++k) {
-    const float a = w[k] * p[k][3];
-    sample.color += a * Vector3f(LinearOf(p[k][0]), LinearOf(p[k][1]), LinearOf(p[k][2]));
-    sample.alpha += a;
-  }
-  if (sample.alpha > 0) sample.color /= sample.alpha;
-  sample.alpha /= 255;
-  return sample;
-}
-
-Sample BakeView::ColorAt(const Vector2d& pixel, double level) const {
-  const double stored = std::clamp(level - base_level_, 0.0, levels_.size() - 1.0);
-  const int fine = static_cast<int>(stored);
-  const float t = static_cast<float>(stored - fine);
-  Sample a = Bilinear(fine, pixel);
-  if (t < 0.02f || fine + 1 >= static_cast<int>(levels_.size())) return a;
-  const Sample b = Bilinear(fine + 1, pixel);
-  const float alpha = (1 - t) * a.alpha + t * b.alpha;
-  if (alpha > 0) a.color = ((1 - t) * a.alpha * a.color + t * b.alpha * b.color) / alpha;
-  a.alpha = alpha;
-  return a;
 }
 
 ImageF BakeView::Detail(int level) const {
@@ -237,7 +201,7 @@ ImageF BakeView::Detail(int level) const {
     for (int x = 0; x < fine.width; ++x) {
       const std::uint8_t* p = fine.at(x, y);
       if (p[3] < 128) continue;
-      const Sample around = Bilinear(low, Vector2d(box_.x0 + (x + 0.5) * size, box_.y0 + (y + 0.5) * size));
+      const Sample around = Bilinear(low, Vector2d(box_.x0 + (x + 0.5) * size, box_.y0 + (y + 0.5) * size).cast<float>());
       if (!(around.alpha > 0)) continue;
       const auto luma = [](float r, float g, float b) { return std::sqrt(0.299f * r + 0.587f * g + 0.114f * b); };
       *detail.at(x, y) = luma(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2])) - luma(around.color[0], around.color[1], around.color[2]);
@@ -245,6 +209,6 @@ ImageF BakeView::Detail(int level) const {
   return detail;
 }
 
-double BakeView::RayLevel() const { return std::log2(cell_px_); }
+float BakeView::RayLevel() const { return static_cast<float>(std::log2(cell_px_)); }
 
 }  // namespace keypose::texture

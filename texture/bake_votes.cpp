@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 /// Votes are compared by their colour, and by that of 2^3 times the width.
-constexpr double kBandLevels = 3;
+constexpr float kBandLevels = 3;
 /// Colours (square root of linear light) this far from what most views say are never doubted: shading that turns with the table, and
 /// single hairs. Held-out photographs are predicted the worse the more of these is left out.
 constexpr float kLeastScale = 0.35f;
@@ -62,7 +62,7 @@ void WeighAgreement(std::vector<Vote>& votes, double strictness) {
 }
 
 /// The level of the photograph's pyramid on which so many pixels are one; 0 for less than a pixel.
-double LevelOf(double pixels) { return pixels > 1 ? 0.5 * std::log2(pixels) : 0; }
+float LevelOf(double pixels) { return pixels > 1 ? 0.5f * std::log2(static_cast<float>(pixels)) : 0; }
 
 Vector3d Mixed(const PointsX3& rows, const Mesh& mesh, const SurfacePoint& point) {
   Vector3d x = Vector3d::Zero();
@@ -154,8 +154,9 @@ Sighting Witnesses::See(int view, const Vector3d& x) const {
 
 void Witnesses::AddVote(int view, const Sighting& sighting, double pixels, double cosine, std::vector<Vote>& votes) const {
   const BakeView& from = views_[view];
-  const double level = LevelOf(pixels);
-  const Sample fine = from.ColorAt(sighting.pixel, level), low = from.ColorAt(sighting.pixel, level + kBandLevels);
+  const float level = LevelOf(pixels);
+  const Eigen::Vector2f pixel = sighting.pixel.cast<float>();
+  const Sample fine = from.ColorAt(pixel, level), low = from.ColorAt(pixel, level + kBandLevels);
   if (fine.alpha <= 0 || low.alpha <= 0) return;
   Vote vote;
   vote.view = view;
@@ -192,26 +193,10 @@ bool Witnesses::Prepare(int view, int face, FaceSight& sight) const {
   return true;
 }
 
-float Witnesses::Look(const FaceSight& sight, const SurfacePoint& point, Vector3f& color) const {
-  const BakeView& from = views_[sight.view];
-  Eigen::Vector2d pixel;
-  float trust;
-  if (sight.flat) {
-    const auto mixed = [&](int row) {
-      return sight.pixels(row, 0) * point.weights[0] + sight.pixels(row, 1) * point.weights[1] + sight.pixels(row, 2) * point.weights[2];
-    };
-    pixel = {mixed(0), mixed(1)};
-    trust = from.TrustAt(pixel, sight.depths.dot(point.weights));
-  } else {
-    const Sighting sighting = See(sight.view, Mixed(mesh_.points, mesh_, point));
-    pixel = sighting.pixel;
-    trust = sighting.trust;
-  }
-  if (trust <= 0) return 0;
-  const Sample sample = from.ColorAt(pixel, sight.level);
-  if (sample.alpha <= 0) return 0;
-  color = sample.color.cwiseProduct(gains_[sight.view]);
-  return trust;
+float Witnesses::SeeExactly(int view, const SurfacePoint& point, Eigen::Vector2f& pixel) const {
+  const Sighting sighting = See(view, Mixed(mesh_.points, mesh_, point));
+  pixel = sighting.pixel.cast<float>();
+  return sighting.trust;
 }
 
 FaceViews Witnesses::LookAtFace(int face) const {
@@ -222,6 +207,7 @@ FaceViews Witnesses::LookAtFace(int face) const {
   const double texels = area_per_texel_[face] > 0 ? std::max(1.0, 0.5 * std::sqrt(areas_[face] / area_per_texel_[face])) : 1;
   FaceViews result;
   std::vector<LabelCandidate> sums(views_.size(), {0, 0, Vector3f::Zero(), Vector3f::Zero(), 0, 1, 0});
+  std::vector<float> trusted(views_.size(), 0);  // weights without agreement
   std::vector<Vote> votes;
   float total = 0;
   for (const Vector3f& w : weights) {
@@ -231,6 +217,7 @@ FaceViews Witnesses::LookAtFace(int face) const {
       const float weight = vote.weight * vote.agreement;
       sum.quality += vote.quality;
       sum.weight += weight / vote.trust;
+      trusted[vote.view] += vote.weight / vote.trust;
       sum.agreement = std::min(sum.agreement, vote.agreement);
       sum.color += vote.root;
       sum.linear += vote.fine;
@@ -245,8 +232,8 @@ FaceViews Witnesses::LookAtFace(int face) const {
     if (!(sum.quality > 0)) continue;
     // A view that sees a part of the face only, or a part of it otherwise than the others, is no good for all of it.
     const float seen = sum.seen / kPoints, agreement = std::max(sum.agreement, 1e-6f);
-    result.candidates.push_back(
-        {v, sum.quality * agreement * seen * seen, sum.color / sum.seen, sum.linear / sum.seen, seen, agreement, sum.weight / kPoints});
+    result.candidates.push_back({v, sum.quality * agreement * seen * seen, sum.color / sum.seen, sum.linear / sum.seen, seen, agreement,
+                                 sum.weight / kPoints, std::max(sum.weight / trusted[v], 1e-6f)});
   }
   return result;
 }

@@ -41,7 +41,7 @@ struct FaceSight {
   bool flat = true;                   ///< pixels and depths at the corners may be interpolated; else each texel is projected
   Eigen::Matrix<float, 2, 3> pixels;  ///< of the photograph, at the corners
   Eigen::Vector3f depths;             ///< at the corners
-  double level = 0;                   ///< of the photograph's pyramid
+  float level = 0;                    ///< of the photograph's pyramid
 };
 
 /// All views, their gains and warps, and the texels of one atlas.
@@ -58,7 +58,22 @@ class Witnesses {
   /// False when a corner of the face is behind the camera.
   bool Prepare(int view, int face, FaceSight& sight) const;
   /// One view's colour of a texel, gain applied; @return trust in it, 0 when the view does not see the point.
-  float Look(const FaceSight& sight, const SurfacePoint& point, Eigen::Vector3f& color) const;
+  float Look(const FaceSight& sight, const SurfacePoint& point, Eigen::Vector3f& color) const {
+    const BakeView& from = views_[sight.view];
+    Eigen::Vector2f pixel;
+    float trust;
+    if (sight.flat) {
+      pixel = sight.pixels * point.weights;
+      trust = from.TrustAt(pixel, sight.depths.dot(point.weights));
+    } else {
+      trust = SeeExactly(sight.view, point, pixel);
+    }
+    if (trust <= 0) return 0;
+    const Sample sample = from.ColorAt(pixel, sight.level);
+    if (sample.alpha <= 0) return 0;
+    color = sample.color.cwiseProduct(gains_[sight.view]);
+    return trust;
+  }
 
   /// The views that see each face, judged at four points of it.
   std::vector<FaceViews> LookAtFaces() const;
@@ -70,6 +85,7 @@ class Witnesses {
   void WeighSharpness();
   void MeasureTexels(int texture_size);
   Sighting See(int view, const Eigen::Vector3d& x) const;
+  float SeeExactly(int view, const SurfacePoint& point, Eigen::Vector2f& pixel) const;
   void AddVote(int view, const Sighting& sighting, double pixels, double cosine, std::vector<Vote>& votes) const;
   FaceViews LookAtFace(int face) const;
 
