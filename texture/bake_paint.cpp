@@ -21,7 +21,7 @@ constexpr float kSure = 0.15f;
 constexpr float kMeanWeight = 0.02f;
 
 /// Photographs are bilinear between their pixels: at nodes this near to each other nothing of that is lost that could be seen.
-constexpr float kNodePixels = 0.5f;
+constexpr float kNodePixels = 0.7f;
 
 /// Less than this share of the weight is not looked at: it is not seen, but would cost as much as all of it.
 constexpr float kLeastShare = 0.02f;
