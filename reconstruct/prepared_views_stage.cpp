@@ -1,0 +1,63 @@
+#include "reconstruct/prepared_views_stage.h"
+
+#include <algorithm>
+
+#include "core/errors.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+std::string Names(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
+}
+
+// For each view of the model its index in the images folder.
+std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene, const ImageSet& set) {
+  std::vector<int> index;
+  std::vector<std::string> missing, without_mask;
+  for (const View& view : scene.views) {
+    index.push_back(set.Find(view.name));
+    if (index.back() < 0) {
+      missing.push_back(view.name);
+    } else if (set.images[index.back()].mask.empty()) {
+      without_mask.push_back(view.name);
+    }
+  }
+  if (scene.views.empty()) throw InputError(stage_name + ": the model has no images; run sfm again");
+  if (!missing.empty())
+    throw InputError(stage_name + ": the model names images that are not in " + set.folder.string() + ": " + Names(missing) +
+                     "; pass the images that the model was made from");
+  if (!without_mask.empty()) throw InputError(stage_name + ": images without a mask: " + Names(without_mask) + "; run capture again");
+  return index;
+}
+
+}  // namespace
+
+std::vector<DenseView> LoadPreparedViews(StageContext& stage, const std::string& stage_name, const Scene& scene, int max_size, int levels) {
+  const ImageSet set = ReadImageSet(stage.Input("images"));
+  const std::vector<int> image_of = MatchToImages(stage_name, scene, set);
+  int longest = 1;
+  for (const View& view : scene.views) longest = std::max({longest, view.camera.width, view.camera.height});
+  const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
+  std::vector<DenseView> views(scene.views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3), mask = ReadImage(set.MaskPath(image_of[i]), 1);
+    views[i] = PrepareDenseView(scene.views[i], static_cast<int>(i), image, mask, scale, levels);
+  });
+  std::vector<std::string> empty;
+  for (const DenseView& view : views)
+    if (view.masked_pixels == 0) empty.push_back(view.name);
+  std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
+  if (!empty.empty()) stage.Note(stage_name + ": left out, because the mask is empty or the image too small: " + Names(empty));
+  if (views.size() < 3)
+    throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " + std::to_string(scene.views.size()) +
+                     " images have a mask with anything in it (empty: " + Names(empty) + "); look at the masks of capture");
+  return views;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,260 @@
+#include "reconstruct/refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "reconstruct/refine_outlines.h"
+#include "reconstruct/refine_profile.h"
+#include "reconstruct/refine_shading.h"
+#include "reconstruct/refine_solve.h"
+#include "reconstruct/refine_views.h"
+#include "reconstruct/silhouettes.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using Values = std::vector<float>;
+
+constexpr int kSteps = 8;           // offsets to either side
+constexpr double kStep = 0.5;       // pixels of the level, at levels above 0
+constexpr double kFineStep = 0.25;  // at level 0
+constexpr int kSearches = 4;        // searches and solutions of one set of profiles
+constexpr float kFaint = 0.01f;     // weights below this are believed less than in proportion
+constexpr double kLeastEvidence = 0.02;
+constexpr int kGrain = 1024;
+
+double Quantile(Values values, double share) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// The place that a profile asks for near where the vertex is, and how surely: the curvature of the minimum times the square of the
+// agreement.
+struct Wish {
+  float target = 0, weight = 0;
+};
+
+Wish Search(const float* cost, int count, float step, float at, float window, float pull) {
+  const int middle = count / 2;
+  int best = -1;
+  float least = 1e9f;
+  for (int k = 0; k < count; ++k) {
+    const float offset = static_cast<float>(k - middle) * step, away = offset - at;
+    if (std::abs(away) > window) continue;
+    const float value = cost[k] + pull * away * away;
+    if (value < least) least = value, best = k;
+  }
+  if (best < 0) return {};
+  const float agreement = std::max(0.0f, 1 - cost[best]);
+  if (best == 0 || best == count - 1) {  // the minimum lies beyond: go there, less surely
+    const float slope = std::abs(cost[best] - cost[best == 0 ? 1 : count - 2]);
+    return {static_cast<float>(best - middle) * step, 0.5f * slope / (step * step) * agreement * agreement};
+  }
+  const float before = cost[best - 1], here = cost[best], after = cost[best + 1], bend = before - 2 * here + after;
+  if (bend <= 1e-6f) return {static_cast<float>(best - middle) * step, 0};
+  const float part = std::clamp(0.5f * (before - after) / bend, -0.5f, 0.5f);
+  return {(static_cast<float>(best - middle) + part) * step, bend / (step * step) * agreement * agreement};
+}
+
+class Refiner {
+ public:
+  Refiner(const Mesh& surface, const std::vector<DenseView>& views, const RefineOptions& options)
+      : views_(views), options_(options), silhouettes_(views, static_cast<int>(std::clamp<std::size_t>(views.size() / 14, 1, 5))) {
+    result_.mesh = surface;
+    result_.mesh.normals.resize(0, 3);
+    neighbors_ = MakeNeighbors(surface.points, surface.faces);
+  }
+
+  RefineResult Run(Progress* progress) {
+    const PointsX3 start = result_.mesh.points;
+    const int total = options_.levels * options_.rounds;
+    Look(true);
+    result_.cost_before = MeanCost();
+    for (int level = options_.levels - 1, done = 0; level >= 0; --level)
+      for (int round = 0; round < options_.rounds; ++round, ++done) {
+        Step(progress, 0.1 + 0.9 * done / total, "level " + std::to_string(level));
+        Round(level, round);
+      }
+    Look(false);
+    result_.cost_after = MeanCost();
+    result_.outline_gap_px = OutlineTargets(result_.mesh, silhouettes_).gap_spread_px;
+    Values moved(start.rows());
+    for (Eigen::Index v = 0; v < start.rows(); ++v)
+      moved[v] = static_cast<float>((result_.mesh.points.row(v) - start.row(v)).norm() / result_.footprint);
+    result_.moved_median = Quantile(moved, 0.5), result_.moved_95 = Quantile(std::move(moved), 0.95);
+    return std::move(result_);
+  }
+
+ private:
+  void Look(bool first) {
+    normals_ = VertexNormals(result_.mesh.points, result_.mesh.faces);
+    sights_ = AllSights(result_.mesh, normals_, views_);
+    chosen_ = ChooseViews(result_.mesh.points, views_, sights_);
+    if (!first) return;
+    Values footprints;
+    for (const VertexViews& v : chosen_)
+      if (v.count >= 2) footprints.push_back(v.footprint);
+    if (footprints.empty())
+      throw InputError(
+          "refine: no vertex of the surface lies within the masks of two photographs that it faces; it was made from other "
+          "photographs or cameras: run mesh again on these");
+    result_.seen = static_cast<double>(footprints.size()) / static_cast<double>(chosen_.size());
+    result_.footprint = Quantile(std::move(footprints), 0.5);
+  }
+
+  // Where the surface lies now, over the vertices that are compared.
+  double MeanCost() const {
+    const Profiles here = CostProfiles(result_.mesh.points, normals_, chosen_, views_, 0, 0, result_.footprint);
+    double sum = 0;
+    std::size_t count = 0;
+    for (const float cost : here.cost)
+      if (cost < 1) sum += cost, ++count;
+    return count ? sum / static_cast<double>(count) : 1;
+  }
+
+  void Round(int level, int round) {
+    Look(false);
+    const double step = (level == 0 ? kFineStep : kStep) * (1 << level);  // footprints
+    Profiles profiles = CostProfiles(result_.mesh.points, normals_, chosen_, views_, level, kSteps, step * result_.footprint);
+    std::vector<char> known(chosen_.size());
+    for (std::size_t v = 0; v < known.size(); ++v) known[v] = *std::min_element(profiles.Row(v), profiles.Row(v) + profiles.count()) < 1;
+    Diffuse(neighbors_, profiles.count(), options_.aggregate, known, &profiles.cost);
+    if (round == 0) outlines_ = OutlineTargets(result_.mesh, silhouettes_);
+    if (round == 0 && level == options_.levels - 1) result_.outline_gap_before_px = outlines_.gap_spread_px;
+    shading_ = {};
+    if (level == 0 && options_.shading > 0) {
+      shading_ = NormalsFromShading(result_.mesh, normals_, neighbors_, views_, sights_, options_.shading_smooth);
+      result_.shading_error_before = shading_.residual_before, result_.shading_error_after = shading_.residual_after;
+    }
+    Values shift(chosen_.size(), 0.0f);
+    Solve(profiles, static_cast<float>(step), &shift);
+    Move(std::move(shift));
+    result_.evidence = evidence_;
+  }
+
+  void Solve(const Profiles& profiles, float step, Values* shift) {
+    DisplacementEnergy energy;
+    energy.unit = result_.footprint;
+    energy.anchor = options_.anchor, energy.membrane = options_.membrane, energy.bending = options_.bending;
+    energy.target.resize(shift->size()), energy.weight.resize(shift->size());
+    energy.slope_normals = shading_.normals, energy.slope_weight = shading_.weight;
+    for (float& weight : energy.slope_weight) weight *= static_cast<float>(options_.shading);
+    for (int search = 0; search < kSearches; ++search) {
+      // First the whole range, then what is near to where the neighbours allow.
+      const float window = step * static_cast<float>(kSteps) * (search == 0 ? 1.0f : 0.5f);
+      const float pull = (search == 0 ? 0.05f : 0.1f * static_cast<float>(search)) / (step * step * kSteps * kSteps);
+      ParallelBlocks(static_cast<std::int64_t>(shift->size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t v = begin; v < end; ++v) {
+          Wish wish = Search(profiles.Row(v), profiles.count(), step, (*shift)[v], window, pull);
+          // Shading that moves over smooth clay pulls everywhere a little; texture pulls much.
+          wish.weight *= wish.weight / (wish.weight + kFaint);
+          const float outline = static_cast<float>(options_.outlines) * outlines_.weight[v];
+          energy.weight[v] = wish.weight + outline;
+          energy.target[v] = static_cast<float>(wish.weight * wish.target + outline * outlines_.offset[v] / result_.footprint) /
+                             std::max(energy.weight[v], 1e-20f);
+        }
+      });
+      SolveDisplacement(result_.mesh.points, normals_, neighbors_, energy, shift);
+    }
+    std::size_t sure = 0;
+    for (const float weight : energy.weight) sure += weight > kLeastEvidence;
+    evidence_ = static_cast<double>(sure) / static_cast<double>(shift->size());
+  }
+
+  void Move(Values shift) {
+    HoldInside(&shift);
+    PointsX3 moved = Moved(shift);
+    for (int round = 0; round < 12; ++round) {
+      const std::vector<char> folded = Folded(moved);
+      const auto count = std::count(folded.begin(), folded.end(), 1);
+      if (count == 0) break;
+      if (round == 0) result_.unfolded += static_cast<int>(count);
+      const Values before = shift;
+      for (int v = 0; v < neighbors_.vertex_count(); ++v) {
+        if (!folded[v]) continue;
+        float mean = 0;
+        for (int e = neighbors_.begin[v]; e < neighbors_.begin[v + 1]; ++e) mean += neighbors_.weight[e] * before[neighbors_.vertex[e]];
+        shift[v] = round < 8 ? mean * neighbors_.inverse_sum[v] : 0;
+      }
+      moved = Moved(shift);
+    }
+    result_.mesh.points = moved;
+    for (std::size_t v = 0; v < shift.size(); ++v) outlines_.offset[v] -= shift[v] * static_cast<float>(result_.footprint);
+  }
+
+  PointsX3 Moved(const Values& shift) const {
+    PointsX3 out = result_.mesh.points;
+    for (Eigen::Index v = 0; v < out.rows(); ++v) out.row(v) += shift[v] * result_.footprint * normals_.row(v);
+    return out;
+  }
+
+  // Vertices of faces that the move turns over.
+  std::vector<char> Folded(const PointsX3& moved) const {
+    const FacesX3& faces = result_.mesh.faces;
+    const PointsX3 before = FaceNormals(result_.mesh.points, faces), after = FaceNormals(moved, faces);
+    std::vector<char> folded(moved.rows(), 0);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+      if (before.row(f).dot(after.row(f)) < 0.2 && before.row(f).squaredNorm() > 0)
+        for (int c = 0; c < 3; ++c) folded[faces(f, c)] = 1;
+    return folded;
+  }
+
+  // Masks know where the object ends: no vertex is moved out of them.
+  void HoldInside(Values* shift) {
+    std::vector<char> held(shift->size(), 0);
+    ParallelFor(
+        static_cast<std::int64_t>(shift->size()),
+        [&](std::int64_t v) {
+          const Eigen::Vector3d x = result_.mesh.points.row(v), way = result_.footprint * normals_.row(v).transpose();
+          for (int k = 0; k < 4; ++k) {
+            float& d = (*shift)[v];
+            if (d <= 0 || silhouettes_.Within(x + d * way, options_.outside_px)) return;
+            held[v] = 1;
+            d = k < 2 ? 0.5f * d : 0.0f;
+          }
+        },
+        kGrain);
+    result_.held_inside = static_cast<int>(std::count(held.begin(), held.end(), 1));
+  }
+
+  const std::vector<DenseView>& views_;
+  const RefineOptions& options_;
+  Silhouettes silhouettes_;
+  Neighbors neighbors_;
+  PointsX3 normals_;
+  std::vector<VertexViews> chosen_;
+  RefineResult result_;
+  SurfaceTargets outlines_;
+  std::vector<std::vector<float>> sights_;
+  ShadingNormals shading_;
+  double evidence_ = 0;
+};
+
+}  // namespace
+
+void RefineOptions::Describe(OptionVisitor& visit) {
+  visit("max_size", max_size, {"longer side of the pictures that are compared; larger photographs are scaled down", "px", 64, 20000});
+  visit("levels", levels, {"pyramid levels, each of half the size of the one before; the coarsest goes first", "", 1, 6});
+  visit("rounds", rounds, {"searches along new normals at each level", "", 1, 10});
+  visit("anchor", anchor, {"how much a vertex resists being moved by photographs that say little", "", 1e-6, 100});
+  visit("membrane", membrane, {"how much neighbours keep each other from moving differently", "", 0, 100});
+  visit("bending", bending, {"how stiff the surface is where photographs say little", "", 0, 100000});
+  visit("aggregate", aggregate, {"rounds in which neighbours share what photographs say of each offset", "", 0, 50});
+  visit("outlines", outlines,
+        {"how much a view in which a vertex lies on the surface's outline counts; 1 is as much as good texture", "", 0, 1000});
+  visit("shading", shading, {"how much normals that the shading tells count for fine detail; 0 leaves them out", "", 0, 1000});
+  visit("shading_smooth", shading_smooth, {"detail coarser than this many rounds of neighbours is not taken from shading", "", 1, 10000});
+  visit("outside_px", outside_px, {"how far outside of the masks a vertex may be moved", "px", 0, 100});
+}
+
+RefineResult RefineSurface(const Mesh& surface, const std::vector<DenseView>& views, const RefineOptions& options, Progress* progress) {
+  RequireUsable(surface, "refine: the surface");
+  return Refiner(surface, views, options).Run(progress);
+}
+
+}  // namespace keypose::reconstruct
