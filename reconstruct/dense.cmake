@@ -6,7 +6,7 @@ keypose_room(reconstruct_dense
           patch_match_simd.cpp patch_match_sweep.cpp patch_match_warp.cpp rim_points.cpp
           silhouette_fit.cpp silhouettes.cpp view_selection.cpp visual_hull.cpp
   LINK keypose_reconstruct_cloud)
-keypose_stage(dense ROOM reconstruct_dense SOURCES dense_stage.cpp LINK nlohmann_json::nlohmann_json)
+keypose_stage(dense ROOM reconstruct_dense SOURCES dense_stage.cpp prepared_views_stage.cpp LINK nlohmann_json::nlohmann_json)
 
 add_library(keypose_dense_test_scene STATIC dense_test_scene.cpp)
 target_link_libraries(keypose_dense_test_scene PUBLIC keypose_reconstruct_dense)

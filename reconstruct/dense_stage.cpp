@@ -7,14 +7,12 @@
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
-#include "core/parallel.h"
 #include "core/stage/stage.h"
 #include "reconstruct/dense.h"
 #include "reconstruct/dense_colmap.h"
 #include "reconstruct/patch_match_cost.h"
+#include "reconstruct/prepared_views_stage.h"
 #include "reconstruct/visual_hull.h"
 
 namespace keypose::reconstruct {
@@ -31,47 +29,6 @@ std::string Names(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
   return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
-}
-
-// For each view of the model its index in the images folder.
-std::vector<int> MatchToImages(const Scene& scene, const ImageSet& set) {
-  std::vector<int> index;
-  std::vector<std::string> missing, without_mask;
-  for (const View& view : scene.views) {
-    index.push_back(set.Find(view.name));
-    if (index.back() < 0) {
-      missing.push_back(view.name);
-    } else if (set.images[index.back()].mask.empty()) {
-      without_mask.push_back(view.name);
-    }
-  }
-  if (scene.views.empty()) throw InputError("dense: the model has no images; run sfm again");
-  if (!missing.empty())
-    throw InputError("dense: the model names images that are not in " + set.folder.string() + ": " + Names(missing) +
-                     "; pass the images that the model was made from");
-  if (!without_mask.empty()) throw InputError("dense: images without a mask: " + Names(without_mask) + "; run capture again");
-  return index;
-}
-
-std::vector<DenseView> LoadViews(const Scene& scene, const ImageSet& set, const DenseOptions& options, StageContext& stage) {
-  const std::vector<int> image_of = MatchToImages(scene, set);
-  int longest = 1;
-  for (const View& view : scene.views) longest = std::max({longest, view.camera.width, view.camera.height});
-  const double scale = std::min(1.0, static_cast<double>(options.max_size) / longest);
-  std::vector<DenseView> views(scene.views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
-    const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3), mask = ReadImage(set.MaskPath(image_of[i]), 1);
-    views[i] = PrepareDenseView(scene.views[i], static_cast<int>(i), image, mask, scale, options.levels);
-  });
-  std::vector<std::string> empty;
-  for (const DenseView& view : views)
-    if (view.masked_pixels == 0) empty.push_back(view.name);
-  std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
-  if (!empty.empty()) stage.Note("dense: left out, because the mask is empty or the image too small: " + Names(empty));
-  if (views.size() < 3)
-    throw InputError("dense: only " + std::to_string(views.size()) + " of " + std::to_string(scene.views.size()) +
-                     " images have a mask with anything in it (empty: " + Names(empty) + "); look at the masks of capture");
-  return views;
 }
 
 // COLMAP's cloud holds the background too: what lies outside of the visual hull is not the object.
@@ -136,8 +93,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
   // Else the limit from which freed memory goes back to the system grows with the first large images, and maps are kept that nobody needs.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Scene scene = ReadColmapModel(stage.Input("model"));
-  const ImageSet set = ReadImageSet(stage.Input("images"));
-  const std::vector<DenseView> views = LoadViews(scene, set, options, stage);
+  const std::vector<DenseView> views = LoadPreparedViews(stage, "dense", scene, options.max_size, options.levels);
   double masked = 0;
   for (const DenseView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
   PointCloud cloud;
