@@ -151,57 +151,72 @@ void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int r
   }
 }
 
-/// Weighted sums of a face's painted colours for its corners, a column each; the weights' sums are below.
-Eigen::Matrix<float, 4, 3> CornerSums(const Atlas& atlas, const Painting& painting, int face) {
-  Eigen::Matrix<float, 4, 3> sums = Eigen::Matrix<float, 4, 3>::Zero();
+/// For the corners of a face, a column each: weighted sums of its colours, of their weights, and of what the weights would be were all
+/// sure.
+using CornerSums = Eigen::Matrix<float, 5, 3>;
+CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
+  CornerSums sums = CornerSums::Zero();
   const TexelBox box = TexelsAround(atlas, face);
   for (int y = box.y0; y < box.y1; ++y)
     for (int x = box.x0; x < box.x1; ++x) {
       const std::size_t texel = static_cast<std::size_t>(y) * atlas.size + x;
-      if (atlas.face[texel] != face || !painting.painted[texel]) continue;
+      if (atlas.face[texel] != face) continue;
       const Vector3f w = atlas.Weights(texel).cwiseAbs2();
-      for (int k = 0; k < 3; ++k) sums.col(k) += w[k] * painting.color[texel].homogeneous();
+      const float sure = painting.painted[texel] ? static_cast<float>(painting.sure[texel]) / 255 : 0;
+      sums.topRows<3>() += sure * painting.color[texel] * w.transpose();
+      sums.row(3) += sure * w.transpose();
+      sums.row(4) += w.transpose();
     }
   return sums;
 }
 
-/// Mean painted colour at each vertex; `known` is 0 where nothing was painted near it.
-void VertexColors(const Mesh& mesh, const Atlas& atlas, const Painting& painting, std::vector<Vector3f>& color, std::vector<char>& known) {
-  std::vector<Eigen::Matrix<float, 4, 3>> corners(mesh.face_count());  // colour and weight
+/// Colours of the vertices, as far as they are known.
+struct VertexColors {
+  std::vector<Vector3f> color;
+  std::vector<float> sure;  ///< in [0, 1]
+};
+
+VertexColors ReadVertices(const Mesh& mesh, const Atlas& atlas, const Painting& painting) {
+  std::vector<CornerSums> corners(mesh.face_count());
   ParallelFor(
-      mesh.face_count(), [&](std::int64_t f) { corners[f] = CornerSums(atlas, painting, static_cast<int>(f)); }, 64);
-  std::vector<float> weight(mesh.vertex_count(), 0);
-  color.assign(mesh.vertex_count(), Vector3f::Zero());
+      mesh.face_count(), [&](std::int64_t f) { corners[f] = SumCorners(atlas, painting, static_cast<int>(f)); }, 64);
+  std::vector<Eigen::Matrix<float, 5, 1>> sums(mesh.vertex_count(), Eigen::Matrix<float, 5, 1>::Zero());
   for (int f = 0; f < mesh.face_count(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      color[mesh.faces(f, k)] += corners[f].col(k).head<3>();
-      weight[mesh.faces(f, k)] += corners[f](3, k);
-    }
-  known.assign(mesh.vertex_count(), 0);
-  for (int v = 0; v < mesh.vertex_count(); ++v) {
-    if (!(weight[v] > 1e-6f)) continue;
-    color[v] /= weight[v];
-    known[v] = 1;
+    for (int k = 0; k < 3; ++k) sums[mesh.faces(f, k)] += corners[f].col(k);
+  VertexColors read;
+  for (const auto& sum : sums) {
+    const bool known = sum[3] > 1e-6f;
+    read.color.push_back(known ? (sum.head<3>() / sum[3]).eval() : Vector3f::Zero());
+    read.sure.push_back(known ? sum[3] / sum[4] : 0);
   }
+  return read;
 }
 
-/// Unknown vertices become the mean of their neighbours (a harmonic function on the edges of the mesh).
-void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, std::vector<Vector3f>& color, const std::vector<char>& known) {
+/// Colours that are not sure become the mean of their neighbours (a harmonic function on the edges of the mesh), drawn to what they were as
+/// far as that was sure.
+void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, VertexColors& colors) {
+  // Surer than this is kept; a grain of the fallback keeps parts that touch nothing known from being singular.
+  constexpr float kKept = 0.9f;
+  constexpr double kGrain = 1e-6, kPull = 0.2;
   std::vector<int> row(mesh.vertex_count(), -1);
   int unknowns = 0;
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (!known[v]) row[v] = unknowns++;
+    if (colors.sure[v] < kKept) row[v] = unknowns++;
   if (unknowns == 0) return;
-  // A grain of the fallback keeps parts that touch nothing known from being singular.
-  constexpr double kGrain = 1e-6;
   Eigen::MatrixXd right = (kGrain * fallback.cast<double>().transpose()).replicate(unknowns, 1);
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(unknowns, kGrain);
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    if (row[v] < 0) continue;
+    const double pull = kPull * colors.sure[v] / (1 - colors.sure[v]);
+    diagonal[row[v]] += pull;
+    right.row(row[v]) += pull * colors.color[v].cast<double>().transpose();
+  }
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& [a, b] : UndirectedEdges(mesh.faces)) {
     for (const auto& [i, j] : {std::pair(a, b), std::pair(b, a)}) {
       if (row[i] < 0) continue;
       diagonal[row[i]] += 1;
-      if (row[j] < 0) right.row(row[i]) += color[j].cast<double>().transpose();
+      if (row[j] < 0) right.row(row[i]) += colors.color[j].cast<double>().transpose();
       if (row[j] >= 0 && row[i] > row[j]) entries.emplace_back(row[i], row[j], -1.0);
     }
   }
@@ -210,7 +225,7 @@ void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, std::vector<V
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::MatrixXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(right);
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (row[v] >= 0) color[v] = solved.row(row[v]).cast<float>().transpose();
+    if (row[v] >= 0) colors.color[v] = solved.row(row[v]).cast<float>().transpose();
 }
 
 Vector3f MeanPainted(const Painting& painting) {
@@ -300,15 +315,14 @@ Atlas RasterizeAtlas(const Mesh& mesh, int size) {
 TexelBox TexelsAround(const Atlas& atlas, int face) { return BoxOf(atlas.triangles[face], atlas.size, 1); }
 
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
-  std::vector<Vector3f> at_vertex;
-  std::vector<char> known;
-  VertexColors(mesh, atlas, painting, at_vertex, known);
-  SpreadOverSurface(mesh, MeanPainted(painting), at_vertex, known);
+  VertexColors vertices = ReadVertices(mesh, atlas, painting);
+  SpreadOverSurface(mesh, MeanPainted(painting), vertices);
   const auto smooth = [&](std::size_t texel) {
     const Vector3f w = atlas.Weights(texel);
     const auto f = mesh.faces.row(atlas.face[texel]);
-    return (w[0] * at_vertex[f[0]] + w[1] * at_vertex[f[1]] + w[2] * at_vertex[f[2]]).eval();
+    return (w[0] * vertices.color[f[0]] + w[1] * vertices.color[f[1]] + w[2] * vertices.color[f[2]]).eval();
   };
+  const auto count = static_cast<std::int64_t>(atlas.face.size());
   // What a painted texel has beyond the smooth colour is carried a little way into the unseen part, so that no edge shows there. Until the
   // end unseen texels hold this grain only.
   std::vector<char> done = painting.painted;
@@ -316,7 +330,7 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
       atlas.size, painting.color, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
       [&](int texel) { return painting.painted[texel] ? (painting.color[texel] - smooth(texel)).eval() : painting.color[texel]; });
   ParallelFor(
-      static_cast<std::int64_t>(done.size()),
+      count,
       [&](std::int64_t texel) {
         if (atlas.face[texel] >= 0 && !painting.painted[texel])
           painting.color[texel] = (smooth(texel) + painting.color[texel]).cwiseMax(0.0f);

@@ -49,10 +49,11 @@ TexelBox TexelsAround(const Atlas& atlas, int face);
 struct Painting {
   std::vector<Eigen::Vector3f> color;  ///< size^2
   std::vector<char> painted;           ///< size^2; 1: from photographs
+  std::vector<std::uint8_t> sure;      ///< size^2; where painted: how far the photographs are to be believed, 255 at most
 };
 
-/// Paints surface texels that no photograph reached: colours spread over the surface (not over the atlas) as heat does, through the seams
-/// of charts, and the grain at the border of what was seen fades out over a few texels.
+/// Paints surface texels that no photograph reached: colours that are sure spread over the surface (not over the atlas) as heat does,
+/// through the seams of charts, and what the border of the seen part has beyond them fades out over a few texels. Painted texels stay.
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting);
 
 /// The picture in linear light, RGB: `gutter` texels around each chart continue its colours, all else is the mean colour.

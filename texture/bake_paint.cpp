@@ -20,6 +20,10 @@ constexpr float kSure = 0.15f;
 /// Weight of the mean of all views there: a trace where the chosen view agrees, everything where it does not.
 constexpr float kMeanWeight = 0.02f;
 
+/// A texel that some view trusts this much is what the photographs show; what is nearer to all their edges may be background.
+constexpr float kSureTrust = 0.5f;
+std::uint8_t SureOf(float trust) { return static_cast<std::uint8_t>(std::lround(255 * std::min(1.0f, trust / kSureTrust))); }
+
 /// Photographs are bilinear between their pixels: at nodes this near to each other nothing of that is lost that could be seen.
 constexpr float kNodePixels = 0.7f;
 
@@ -45,6 +49,7 @@ struct PointWork {
   float least_weight = 0, least_share = 0;
   Vector3f mean = Vector3f::Zero(), detail = Vector3f::Zero();
   float mean_sum = 0, detail_sum = 0;
+  float trust = 0;  ///< the greatest of a view
   Vector3f color = Vector3f::Zero();
   bool seen = false;
 
@@ -87,6 +92,7 @@ class Painter {
     for (std::size_t i = 0; i < work.texels.size(); ++i) {
       painting.color[work.texels[i].texel] = work.points[i].color;
       painting.painted[work.texels[i].texel] = work.points[i].seen;
+      painting.sure[work.texels[i].texel] = SureOf(work.points[i].trust);
     }
   }
 
@@ -145,12 +151,15 @@ class Painter {
     std::erase_if(work.texels, [&](const FaceTexel& texel) {
       const FaceLattice::Corners at = lattice.Between(texel.weights);
       Vector3f color = Vector3f::Zero();
+      float trust = 0;
       for (int k = 0; k < 3; ++k) {
         if (!work.points[at.node[k]].seen) return false;
         color += at.weight[k] * work.points[at.node[k]].color;
+        trust += at.weight[k] * work.points[at.node[k]].trust;
       }
       painting.color[texel.texel] = color;
       painting.painted[texel.texel] = 1;
+      painting.sure[texel.texel] = SureOf(trust);
       return true;
     });
   }
@@ -193,6 +202,7 @@ class Painter {
       const float trust = witnesses_.Look(view.sight, {face, point.weights}, seen);
       if (trust <= 0) continue;
       used[view.sight.view] = 1;
+      point.trust = std::max(point.trust, trust);
       const float agreement = work.agreement.empty() ? 1 : work.agreement[j * work.views.size() + which];
       // The weight holds the agreement over the face already: what the place itself has less of is all that comes off.
       const float part = trust * weight * std::min(1.0f, agreement / view.agreement);
@@ -326,6 +336,7 @@ PaintResult PaintTexels(const Witnesses& witnesses, const Atlas& atlas, const Pa
   result.mean_views = painter.MeanViews();
   result.painting.color.assign(atlas.face.size(), Vector3f::Zero());
   result.painting.painted.assign(atlas.face.size(), 0);
+  result.painting.sure.assign(atlas.face.size(), 0);
   result.used.assign(witnesses.view_count(), 0);
   std::mutex mutex;
   // Bands, so that progress is told and cancelling is possible between them.
