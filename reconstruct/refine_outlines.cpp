@@ -16,8 +16,9 @@ namespace {
 constexpr int kFine = 2;              // cells of a view's picture a pixel and axis
 constexpr int kMargin = 24;           // pixels round the mask's crop: the surface may stand out
 constexpr double kBeyond = 0.75;      // pixels beyond an edge where nothing of the surface may lie
+constexpr double kOutermost = 0.2;    // pixels that a fold may lie inside of its neighbours on the outline
 constexpr double kLeastFacing = 0.7;  // cosine between the surface's normal and the outline's plane
-constexpr double kFullLength = 2;     // pixels of outline that make a whole claim
+constexpr double kFullLength = 0.5;   // pixels of outline that make a whole claim
 constexpr double kHullSlack = 1;      // pixels that a claim may leave the hull
 constexpr double kLeastSpread = 0.5;  // pixels: outlines of masks are no finer
 constexpr int kNeighbors = 48;
@@ -100,6 +101,15 @@ struct Claim {
   double footprint = 0;  // world length of a pixel
 };
 
+// A place on a fold that may be on the outline.
+struct Sample {
+  int a = 0, b = 0;
+  double t = 0, length = 0;  // share of the edge, pixels that it stands for
+  double offset = 0, footprint = 0;
+  double distance = 0;  // outside of the mask, pixels
+  std::size_t bin = 0;  // pixel of the mask's outline
+};
+
 struct Surface {
   const Mesh& mesh;
   PointsX3 normals, face_normals;
@@ -120,6 +130,7 @@ class Outline {
     Project();
     for (const Fold& fold : surface_.folds)
       if (front_[fold.left] != front_[fold.right] && ahead_[fold.a] && ahead_[fold.b]) Walk(fold);
+    KeepOutermost();
     return Merged();
   }
 
@@ -170,8 +181,29 @@ class Outline {
     if (facing < kLeastFacing) return;
     const double offset = -sighting.distance * sighting.footprint / facing;
     if (offset > 0 && !silhouettes_.Within(x + offset * normal, kHullSlack)) return;
-    claims_.push_back({fold.a, view_, offset, (1 - t) * length, sighting.footprint});
-    claims_.push_back({fold.b, view_, offset, t * length, sighting.footprint});
+    const Eigen::Vector2d foot = pixel - sighting.distance * away.normalized();
+    samples_.push_back({fold.a, fold.b, t, length, offset, sighting.footprint, sighting.distance, Bin(foot)});
+  }
+
+  std::size_t Bin(const Eigen::Vector2d& foot) const {
+    const auto cell = [](double at, int size) { return std::clamp<std::ptrdiff_t>(std::lround(at) + kMargin, 1, size + 2 * kMargin - 2); };
+    return static_cast<std::size_t>(cell(foot.y(), field_.height) * (field_.width + 2 * kMargin) + cell(foot.x(), field_.width));
+  }
+
+  // A rough surface has many folds near its outline. Those that others hide from the outline by a fraction of a pixel say nothing: they
+  // would be pulled out.
+  void KeepOutermost() {
+    const std::ptrdiff_t row = field_.width + 2 * kMargin;
+    std::vector<float> outermost(static_cast<std::size_t>(row * (field_.height + 2 * kMargin)), -1e9f);
+    for (const Sample& sample : samples_) outermost[sample.bin] = std::max(outermost[sample.bin], static_cast<float>(sample.distance));
+    for (const Sample& sample : samples_) {
+      float most = -1e9f;
+      for (const std::ptrdiff_t y : {-row, std::ptrdiff_t{0}, row})
+        for (const std::ptrdiff_t x : {-1, 0, 1}) most = std::max(most, outermost[sample.bin + static_cast<std::size_t>(x + y)]);
+      if (sample.distance < most - kOutermost) continue;
+      claims_.push_back({sample.a, view_, sample.offset, (1 - sample.t) * sample.length, sample.footprint});
+      claims_.push_back({sample.b, view_, sample.offset, sample.t * sample.length, sample.footprint});
+    }
   }
 
   bool AtPhotographsEnd(const Eigen::Vector2d& pixel) const {
@@ -202,6 +234,7 @@ class Outline {
   Picture picture_;
   std::vector<Eigen::Vector2d> pixels_;
   std::vector<char> ahead_, front_;
+  std::vector<Sample> samples_;
   std::vector<Claim> claims_;
 };
 
