@@ -23,6 +23,10 @@ constexpr double kStep = 0.5;       // pixels of the level, at levels above 0
 constexpr double kFineStep = 0.25;  // at level 0
 constexpr int kSearches = 4;        // searches and solutions of one set of profiles
 constexpr float kFaint = 0.01f;     // weights below this are believed less than in proportion
+constexpr float kContrast = 0.05f;  // a minimum this much below its profile's mean is half believed
+constexpr int kRelax = 2;           // rounds of tangential smoothing before each search
+constexpr int kSmoothNormals = 2;
+constexpr int kUnfoldings = 5;
 constexpr double kLeastEvidence = 0.02;
 constexpr int kGrain = 1024;
 
@@ -50,7 +54,10 @@ Wish Search(const float* cost, int count, float step, float at, float window, fl
     if (value < least) least = value, best = k;
   }
   if (best < 0) return {};
-  const float agreement = std::max(0.0f, 1 - cost[best]);
+  // One place that is better than all others, not one of many.
+  float usual = 0;
+  for (int k = 0; k < count; ++k) usual += cost[k] / static_cast<float>(count);
+  const float contrast = std::max(0.0f, usual - cost[best]), agreement = std::max(0.0f, 1 - cost[best]) * contrast / (contrast + kContrast);
   if (best == 0 || best == count - 1) {  // the minimum lies beyond: go there, less surely
     const float slope = std::abs(cost[best] - cost[best == 0 ? 1 : count - 2]);
     return {static_cast<float>(best - middle) * step, 0.5f * slope / (step * step) * agreement * agreement};
@@ -68,6 +75,7 @@ class Refiner {
     result_.mesh = surface;
     result_.mesh.normals.resize(0, 3);
     neighbors_ = MakeNeighbors(surface.points, surface.faces);
+    border_ = BoundaryVertices(surface.vertex_count(), surface.faces);
   }
 
   RefineResult Run(Progress* progress) {
@@ -91,8 +99,25 @@ class Refiner {
   }
 
  private:
+  PointsX3 SmoothNormals() const {
+    const PointsX3 own = VertexNormals(result_.mesh.points, result_.mesh.faces);
+    Values values(own.size());
+    for (Eigen::Index i = 0; i < own.size(); ++i) values[i] = static_cast<float>(own.data()[i]);
+    Diffuse(neighbors_, 3, kSmoothNormals, std::vector<char>(own.rows(), 1), &values);
+    PointsX3 out(own.rows(), 3);
+    for (Eigen::Index v = 0; v < own.rows(); ++v) {
+      out.row(v) << values[3 * v], values[3 * v + 1], values[3 * v + 2];
+      const double length = out.row(v).norm();
+      if (length > 0.1)
+        out.row(v) /= length;
+      else
+        out.row(v) = own.row(v);
+    }
+    return out;
+  }
+
   void Look(bool first) {
-    normals_ = VertexNormals(result_.mesh.points, result_.mesh.faces);
+    normals_ = SmoothNormals();
     sights_ = AllSights(result_.mesh, normals_, views_);
     chosen_ = ChooseViews(result_.mesh.points, views_, sights_);
     if (!first) return;
@@ -118,6 +143,7 @@ class Refiner {
   }
 
   void Round(int level, int round) {
+    Relax();
     Look(false);
     const double step = (level == 0 ? kFineStep : kStep) * (1 << level);  // footprints
     Profiles profiles = CostProfiles(result_.mesh.points, normals_, chosen_, views_, level, kSteps, step * result_.footprint);
@@ -133,8 +159,7 @@ class Refiner {
     }
     Values shift(chosen_.size(), 0.0f);
     Solve(profiles, static_cast<float>(step), &shift);
-    Move(std::move(shift));
-    result_.evidence = evidence_;
+    Move(shift);
   }
 
   void Solve(const Profiles& profiles, float step, Values* shift) {
@@ -163,28 +188,62 @@ class Refiner {
     }
     std::size_t sure = 0;
     for (const float weight : energy.weight) sure += weight > kLeastEvidence;
-    evidence_ = static_cast<double>(sure) / static_cast<double>(shift->size());
+    result_.evidence = static_cast<double>(sure) / static_cast<double>(shift->size());
+    Unfold(&energy, shift);
   }
 
-  void Move(Values shift) {
-    HoldInside(&shift);
-    PointsX3 moved = Moved(shift);
-    for (int round = 0; round < 12; ++round) {
-      const std::vector<char> folded = Folded(moved);
+  // What turns a face over is not believed, nor is what lies beside it.
+  void Unfold(DisplacementEnergy* energy, Values* shift) {
+    HoldInside(shift);
+    for (int round = 0; round < kUnfoldings; ++round) {
+      std::vector<char> folded = Folded(Moved(*shift));
       const auto count = std::count(folded.begin(), folded.end(), 1);
-      if (count == 0) break;
       if (round == 0) result_.unfolded += static_cast<int>(count);
-      const Values before = shift;
-      for (int v = 0; v < neighbors_.vertex_count(); ++v) {
-        if (!folded[v]) continue;
-        float mean = 0;
-        for (int e = neighbors_.begin[v]; e < neighbors_.begin[v + 1]; ++e) mean += neighbors_.weight[e] * before[neighbors_.vertex[e]];
-        shift[v] = round < 8 ? mean * neighbors_.inverse_sum[v] : 0;
-      }
-      moved = Moved(shift);
+      if (count == 0) return;
+      folded = Grown(folded);
+      for (std::size_t v = 0; v < folded.size(); ++v)
+        if (folded[v]) energy->weight[v] *= 0.1f;
+      if (energy->slope_weight.size() == folded.size())
+        for (std::size_t v = 0; v < folded.size(); ++v)
+          if (folded[v]) energy->slope_weight[v] *= 0.1f;
+      SolveDisplacement(result_.mesh.points, normals_, neighbors_, *energy, shift);
+      HoldInside(shift);
     }
-    result_.mesh.points = moved;
+    for (int round = 0; round < kUnfoldings; ++round) {
+      const std::vector<char> folded = Folded(Moved(*shift));
+      for (std::size_t v = 0; v < folded.size(); ++v)
+        if (folded[v]) (*shift)[v] = 0;
+    }
+  }
+
+  std::vector<char> Grown(const std::vector<char>& marked) const {
+    std::vector<char> out = marked;
+    for (int v = 0; v < neighbors_.vertex_count(); ++v)
+      for (int e = neighbors_.begin[v]; e < neighbors_.begin[v + 1]; ++e) out[v] |= marked[neighbors_.vertex[e]];
+    return out;
+  }
+
+  void Move(const Values& shift) {
+    result_.mesh.points = Moved(shift);
     for (std::size_t v = 0; v < shift.size(); ++v) outlines_.offset[v] -= shift[v] * static_cast<float>(result_.footprint);
+  }
+
+  // Marching cubes leave slivers, whose normals turn at the least touch: vertices slide along the surface towards their neighbours' middle.
+  void Relax() {
+    for (int round = 0; round < kRelax; ++round) {
+      const PointsX3 from = result_.mesh.points, normals = VertexNormals(from, result_.mesh.faces);
+      ParallelFor(
+          from.rows(),
+          [&](std::int64_t v) {
+            if (border_[v] || neighbors_.inverse_sum[v] == 0) return;
+            Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+            for (int e = neighbors_.begin[v]; e < neighbors_.begin[v + 1]; ++e) mean += from.row(neighbors_.vertex[e]);
+            const Eigen::RowVector3d way = mean / (neighbors_.begin[v + 1] - neighbors_.begin[v]) - from.row(v), normal = normals.row(v);
+            result_.mesh.points.row(v) += 0.5 * (way - way.dot(normal) * normal);
+          },
+          kGrain);
+    }
+    neighbors_ = MakeNeighbors(result_.mesh.points, result_.mesh.faces);
   }
 
   PointsX3 Moved(const Values& shift) const {
@@ -199,7 +258,7 @@ class Refiner {
     const PointsX3 before = FaceNormals(result_.mesh.points, faces), after = FaceNormals(moved, faces);
     std::vector<char> folded(moved.rows(), 0);
     for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      if (before.row(f).dot(after.row(f)) < 0.2 && before.row(f).squaredNorm() > 0)
+      if (before.row(f).dot(after.row(f)) < 0.3 && before.row(f).squaredNorm() > 0)
         for (int c = 0; c < 3; ++c) folded[faces(f, c)] = 1;
     return folded;
   }
@@ -226,13 +285,13 @@ class Refiner {
   const RefineOptions& options_;
   Silhouettes silhouettes_;
   Neighbors neighbors_;
+  std::vector<char> border_;
   PointsX3 normals_;
   std::vector<VertexViews> chosen_;
   RefineResult result_;
   SurfaceTargets outlines_;
   std::vector<std::vector<float>> sights_;
   ShadingNormals shading_;
-  double evidence_ = 0;
 };
 
 }  // namespace
