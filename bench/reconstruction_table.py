@@ -42,8 +42,8 @@ import time
 
 HOLD_OUT_EVERY, HOLD_OUT_FROM = 6, 2
 ENVIRONMENT = {'OMP_WAIT_POLICY': 'passive'}  # waiting threads of OpenMP are no work
-PORTS = {'dense': 'cloud', 'mesh': 'surface', 'cleanup': 'clean', 'unwrap': 'unwrapped', 'bake': 'texture'}
-FILES = {'cloud': 'cloud.ply', 'surface': 'surface.ply', 'clean': 'clean.ply', 'unwrapped': 'unwrapped.obj', 'texture': 'texture.png'}
+PORTS = {'dense': 'cloud', 'mesh': 'surface', 'refine': 'refined', 'cleanup': 'clean', 'unwrap': 'unwrapped', 'bake': 'texture'}
+FILES = {'cloud': 'cloud.ply', 'surface': 'surface.ply', 'refined': 'refined.ply', 'clean': 'clean.ply', 'unwrapped': 'unwrapped.obj', 'texture': 'texture.png'}
 
 
 class Failure(Exception):
@@ -161,6 +161,8 @@ def run_ours(inputs, args, work):
     steps = {}
     for stage, port in PORTS.items():
         program = f'{args.bin}/keypose-{stage}'
+        if stage == 'refine' and not os.path.exists(program):
+            continue  # older builds, to compare with, have none
         known = json.loads(subprocess.run([program, '--describe'], check=True, capture_output=True).stdout)
         have['mesh'] = have.get('unwrapped')
         have[port] = work / FILES[port]
@@ -168,14 +170,15 @@ def run_ours(inputs, args, work):
         for item in known['inputs']:
             if have.get(item['name']):
                 command += [f'--{item["name"]}', have[item['name']]]
-        if stage == 'dense':
+        if stage in ('dense', 'refine'):
             command += ['--max_size', args.max_size]
         for option in args.ours_option:
             name, value = option.split('=', 1)
             if name.split('.')[0] == stage:
                 command += [f'--{name.split(".")[1]}', value]
         steps[stage] = timed(command, work, work / f'{stage}.log')
-    return [row_of(inputs, args.ours_name, steps, list(PORTS), have['unwrapped'], have['texture'], work)]
+        have['surface'] = have.get('refined', have.get('surface'))  # what follows takes the refined surface
+    return [row_of(inputs, args.ours_name, steps, list(steps), have['unwrapped'], have['texture'], work)]
 
 
 def run_peer(inputs, peer, work):

@@ -116,7 +116,7 @@ class ReconstructionTable(unittest.TestCase):
         self.measure('--views', '14', '--max-size', '240', '--ours-name', 'ours', '--ours-only', '--peer', self.peer, '--json', str(rows),
                      '--ours-option', 'cleanup.faces=1500', '--ours-option', 'bake.texture_size=128')
         (row,) = json.loads(rows.read_text())
-        self.assertEqual(list(row['steps']), ['dense', 'mesh', 'cleanup', 'unwrap', 'bake'])
+        self.assertEqual(list(row['steps']), ['dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'bake'])
         self.assertAlmostEqual(row['cpu_s'], sum(step['cpu_s'] for step in row['steps'].values()), 9)
         self.assertGreater(row['iou'], 0.8)
         self.assertGreater(row['gained_psnr_db'], 15)

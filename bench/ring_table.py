@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 PRINTS = ['--spacing', '0.0009', '--prints-move', '--print-height', '0.00015', '--print-spacing', '0.003']
-STEPS = ['capture', 'sfm', 'masks', 'dense', 'mesh', 'cleanup', 'unwrap', 'bake']
+STEPS = ['capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'bake']
 
 
 def call(command):

@@ -41,7 +41,7 @@ std::string Chip(const StepRecord& step) {
 
 std::string MissingStages(const Contents& contents, const PosePart& pose) {
   std::string missing;
-  for (const char* stage : {"capture", "sfm", "masks", "dense", "mesh", "cleanup", "bake"}) {
+  for (const char* stage : {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"}) {
     if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
     missing += (missing.empty() ? "" : ", ") + std::string(stage);
   }
@@ -61,6 +61,11 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   AddFacts(run.Find("dense", pose),
            {{"dense points", "points"}, {"dense CPU time", "cpu_seconds"}, {"dense completeness", "completeness_mean"}}, facts);
   AddFacts(run.Find("mesh", pose), {{"Poisson faces", "faces"}}, facts);
+  AddFacts(run.Find("refine", pose),
+           {{"photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
+            {"outlines miss the masks by (px)", "outline_gap_px"},
+            {"surface where photographs tell the place", "evidence"}},
+           facts);
   AddFacts(run.Find("cleanup", pose),
            {{"faces", "faces"},
             {"closed 2-manifold", "closed"},
