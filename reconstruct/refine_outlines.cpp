@@ -288,7 +288,9 @@ class Court {
   double Heard(const Place& place, const Claim& claim) const {
     const double miss = Miss(place, claim) / (options_.errors * std::max(place.spread, kLeastSpread));
     const double rest = std::max(0.0, 1 - miss * miss);
-    return trust_[claim.view] * rest * rest;
+    // Fur makes claims that scatter: each says less.
+    const double scatter = std::max(place.spread / kLeastSpread, 1.0);
+    return trust_[claim.view] * rest * rest / (scatter * scatter);
   }
 
  private:
