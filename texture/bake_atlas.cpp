@@ -118,8 +118,7 @@ std::vector<int> FirstRing(int size, const std::vector<char>& done, const Allowe
 
 /// Texels around `done` ones, ring by ring, take the mean of their done neighbours' values times `decay`.
 template <class Allowed, class Value>
-void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int rings, float decay, const Allowed& allowed,
-          const Value& value) {
+void Grow(int size, Painting& painting, std::vector<char>& done, int rings, float decay, const Allowed& allowed, const Value& value) {
   if (rings <= 0) return;
   std::vector<int> ring = FirstRing(size, done, allowed), next;
   constexpr char kQueued = 2;  // neither done nor to be queued again: seen as done by nobody
@@ -136,7 +135,7 @@ void Grow(int size, std::vector<Vector3f>& color, std::vector<char>& done, int r
             sum += value(n);
             ++count;
           });
-          color[ring[i]] = sum * (decay / static_cast<float>(count));
+          painting.At(ring[i]) = sum * (decay / static_cast<float>(count));
         },
         1024);
     next.clear();
@@ -162,8 +161,8 @@ CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
       const std::size_t texel = static_cast<std::size_t>(y) * atlas.size + x;
       if (atlas.face[texel] != face) continue;
       const Vector3f w = atlas.Weights(texel).cwiseAbs2();
-      const float sure = painting.painted[texel] ? static_cast<float>(painting.sure[texel]) / 255 : 0;
-      sums.topRows<3>() += sure * painting.color[texel] * w.transpose();
+      const float sure = static_cast<float>(painting.sure[texel]) / 255;
+      sums.topRows<3>() += sure * painting.At(texel) * w.transpose();
       sums.row(3) += sure * w.transpose();
       sums.row(4) += w.transpose();
     }
@@ -231,9 +230,9 @@ void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, VertexColors&
 Vector3f MeanPainted(const Painting& painting) {
   Vector3d sum = Vector3d::Zero();
   std::int64_t count = 0;
-  for (std::size_t i = 0; i < painting.color.size(); ++i) {
-    if (!painting.painted[i]) continue;
-    sum += painting.color[i].cast<double>();
+  for (std::size_t i = 0; i < painting.sure.size(); ++i) {
+    if (!painting.sure[i]) continue;
+    sum += painting.At(i).cast<double>();
     ++count;
   }
   return count > 0 ? (sum / static_cast<double>(count)).cast<float>().eval() : Vector3f::Constant(0.5f);
@@ -325,31 +324,35 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
   const auto count = static_cast<std::int64_t>(atlas.face.size());
   // What a painted texel has beyond the smooth colour is carried a little way into the unseen part, so that no edge shows there. Until the
   // end unseen texels hold this grain only.
-  std::vector<char> done = painting.painted;
+  std::vector<char> done(painting.sure.size());
+  for (std::size_t texel = 0; texel < done.size(); ++texel) done[texel] = painting.sure[texel] > 0;
+  const auto grain = [&](int texel) -> Vector3f {
+    return painting.sure[texel] ? (painting.At(texel) - smooth(texel)).eval() : Vector3f(painting.At(texel));
+  };
   Grow(
-      atlas.size, painting.color, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
-      [&](int texel) { return painting.painted[texel] ? (painting.color[texel] - smooth(texel)).eval() : painting.color[texel]; });
+      atlas.size, painting, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; }, grain);
   ParallelFor(
       count,
       [&](std::int64_t texel) {
-        if (atlas.face[texel] >= 0 && !painting.painted[texel])
-          painting.color[texel] = (smooth(texel) + painting.color[texel]).cwiseMax(0.0f);
+        if (atlas.face[texel] >= 0 && !painting.sure[texel]) painting.At(texel) = (smooth(texel) + painting.At(texel)).cwiseMax(0.0f);
       },
       1 << 16);
 }
 
-ImageF FinishTexture(const Atlas& atlas, Painting&& painting, int gutter) {
+ImageF FinishTexture(const Atlas& atlas, Painting&& given, int gutter) {
+  Painting painting = std::move(given);
   const Vector3f rest = MeanPainted(painting);
-  std::vector<Vector3f> color = std::move(painting.color);
-  std::vector<char> done(color.size());
-  for (std::size_t texel = 0; texel < color.size(); ++texel) done[texel] = atlas.face[texel] >= 0;
+  std::vector<char> done(painting.sure.size());
+  for (std::size_t texel = 0; texel < done.size(); ++texel) done[texel] = atlas.face[texel] >= 0;
   Grow(
-      atlas.size, color, done, gutter, 1.0f, [](int) { return true; }, [&](int texel) { return color[texel]; });
-  ImageF texture(atlas.size, atlas.size, 3);
+      atlas.size, painting, done, gutter, 1.0f, [](int) { return true; }, [&](int texel) -> Vector3f { return painting.At(texel); });
   ParallelFor(
-      static_cast<std::int64_t>(color.size()),
-      [&](std::int64_t texel) { Eigen::Map<Vector3f>(texture.data.data() + 3 * texel) = done[texel] ? color[texel] : rest; }, 1 << 16);
-  return texture;
+      static_cast<std::int64_t>(done.size()),
+      [&](std::int64_t texel) {
+        if (!done[texel]) painting.At(texel) = rest;
+      },
+      1 << 16);
+  return std::move(painting.color);
 }
 
 Image8 SrgbImage(const ImageF& linear) {

@@ -47,9 +47,12 @@ TexelBox TexelsAround(const Atlas& atlas, int face);
 
 /// Colours of an atlas in linear light while it is painted.
 struct Painting {
-  std::vector<Eigen::Vector3f> color;  ///< size^2
-  std::vector<char> painted;           ///< size^2; 1: from photographs
-  std::vector<std::uint8_t> sure;      ///< size^2; where painted: how far the photographs are to be believed, 255 at most
+  ImageF color;                    ///< RGB
+  std::vector<std::uint8_t> sure;  ///< size^2; how far the photographs' colour is to be believed, 255 at most; 0: not from photographs
+
+  explicit Painting(int size = 0) : color(size, size, 3), sure(static_cast<std::size_t>(size) * size, 0) {}
+  Eigen::Map<Eigen::Vector3f> At(std::size_t texel) { return Eigen::Map<Eigen::Vector3f>(color.data.data() + 3 * texel); }
+  Eigen::Map<const Eigen::Vector3f> At(std::size_t texel) const { return Eigen::Map<const Eigen::Vector3f>(color.data.data() + 3 * texel); }
 };
 
 /// Paints surface texels that no photograph reached: colours that are sure spread over the surface (not over the atlas) as heat does,

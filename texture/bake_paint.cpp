@@ -22,7 +22,7 @@ constexpr float kMeanWeight = 0.02f;
 
 /// A texel that some view trusts this much is what the photographs show; what is nearer to all their edges may be background.
 constexpr float kSureTrust = 0.5f;
-std::uint8_t SureOf(float trust) { return static_cast<std::uint8_t>(std::lround(255 * std::min(1.0f, trust / kSureTrust))); }
+std::uint8_t SureOf(float trust) { return static_cast<std::uint8_t>(1 + std::lround(254 * std::min(1.0f, trust / kSureTrust))); }
 
 /// Photographs are bilinear between their pixels: at nodes this near to each other nothing of that is lost that could be seen.
 constexpr float kNodePixels = 0.7f;
@@ -90,9 +90,8 @@ class Painter {
     for (const FaceTexel& texel : work.texels) work.points.emplace_back(texel.weights);
     ColorPoints(face, work, used);
     for (std::size_t i = 0; i < work.texels.size(); ++i) {
-      painting.color[work.texels[i].texel] = work.points[i].color;
-      painting.painted[work.texels[i].texel] = work.points[i].seen;
-      painting.sure[work.texels[i].texel] = SureOf(work.points[i].trust);
+      painting.At(work.texels[i].texel) = work.points[i].color;
+      painting.sure[work.texels[i].texel] = work.points[i].seen ? SureOf(work.points[i].trust) : 0;
     }
   }
 
@@ -157,8 +156,7 @@ class Painter {
         color += at.weight[k] * work.points[at.node[k]].color;
         trust += at.weight[k] * work.points[at.node[k]].trust;
       }
-      painting.color[texel.texel] = color;
-      painting.painted[texel.texel] = 1;
+      painting.At(texel.texel) = color;
       painting.sure[texel.texel] = SureOf(trust);
       return true;
     });
@@ -321,7 +319,7 @@ void PaintFace(const Painter& painter, const Atlas& atlas, int face, FaceWork& w
 /// Texels with their centre in a triangle that are painted.
 std::int64_t CountSeen(const Atlas& atlas, const Painting& painting) {
   std::int64_t seen = 0;
-  for (std::size_t texel = 0; texel < atlas.inside.size(); ++texel) seen += painting.painted[texel] && atlas.inside[texel];
+  for (std::size_t texel = 0; texel < atlas.inside.size(); ++texel) seen += painting.sure[texel] && atlas.inside[texel];
   return seen;
 }
 
@@ -334,9 +332,7 @@ PaintResult PaintTexels(const Witnesses& witnesses, const Atlas& atlas, const Pa
   PaintResult result;
   result.labels = painter.labels();
   result.mean_views = painter.MeanViews();
-  result.painting.color.assign(atlas.face.size(), Vector3f::Zero());
-  result.painting.painted.assign(atlas.face.size(), 0);
-  result.painting.sure.assign(atlas.face.size(), 0);
+  result.painting = Painting(atlas.size);
   result.used.assign(witnesses.view_count(), 0);
   std::mutex mutex;
   // Bands, so that progress is told and cancelling is possible between them.
