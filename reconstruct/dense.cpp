@@ -113,6 +113,11 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("depth_tolerance", depth_tolerance, {"largest relative difference of depth of two views that agree", "", 1e-5, 0.5});
   visit("normal_tolerance_deg", normal_tolerance_deg, {"largest angle between the normals of two views that agree", "deg", 1, 90});
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
+  visit("largest_error", largest_error,
+        {"pixels whose depth is expected to be off by more than this, by how sharply the match falls off beside it, are dropped",
+         "px of the "
+         "picture on the surface",
+         0.05, 100});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
   visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
@@ -150,6 +155,7 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   fusion.depth_tolerance = options.depth_tolerance;
   fusion.normal_tolerance_deg = options.normal_tolerance_deg;
   fusion.largest_cost = options.largest_cost;
+  fusion.largest_error = options.largest_error;
   FusionResult fused = FuseDepthMaps(views, sources, matched.maps, fusion);
   matched.maps.clear();
   result.completeness = std::move(fused.completeness);

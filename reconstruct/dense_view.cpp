@@ -97,7 +97,7 @@ Box MaskBox(const Image8& mask) {
 }
 
 std::uint16_t Packed(float grey, bool inside) {
-  const int value = static_cast<int>(std::lround(std::clamp(grey, 0.0f, 255.0f) * (32767.0f / 255.0f)));
+  const int value = static_cast<int>(std::clamp(grey, 0.0f, 255.0f) * (32767.0f / 255.0f) + 0.5f);
   return static_cast<std::uint16_t>(value << 1 | (inside ? 1 : 0));
 }
 
@@ -115,7 +115,7 @@ void FillLevelZero(const Image8& image, const Image8& mask, const Camera& camera
       float rgb[3];
       for (int c = 0; c < 3; ++c) {
         rgb[c] = Bilinear(image, p.x(), p.y(), c);
-        out->color.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(rgb[c]));
+        out->color.at(x, y)[c] = static_cast<std::uint8_t>(rgb[c] + 0.5f);
       }
       const bool inside = *mask.at(gx, gy) != 0;
       out->masked_pixels += inside;

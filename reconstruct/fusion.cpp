@@ -67,7 +67,8 @@ class Fuser {
 
  private:
   bool Usable(int view, std::size_t pixel) const {
-    return maps_[view].InverseDepth(pixel) > 0 && maps_[view].Cost(pixel) <= options_.largest_cost;
+    return maps_[view].InverseDepth(pixel) > 0 && maps_[view].Cost(pixel) <= options_.largest_cost &&
+           maps_[view].ExpectedError(pixel) <= options_.largest_error;
   }
   Eigen::Vector3d World(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);

@@ -73,6 +73,24 @@ TEST(FuseDepthMaps, MapThatNoOtherConfirmsAddsNothing) {
   EXPECT_LT(fused.cloud.points.col(2).cwiseAbs().maxCoeff(), 1e-5);
 }
 
+TEST(FuseDepthMaps, DepthsThatAreExpectedToErrGiveNothing) {
+  const std::vector<DenseView> views = ViewsOfThePlane(4);
+  std::vector<PlaneMap> maps;
+  for (const DenseView& view : views) {
+    maps.push_back(MapOf(view, 0));
+    for (std::size_t i = 0; i < maps.back().size(); ++i) maps.back().SetExpectedError(i, i % kSize < kSize / 2 ? 0.3f : 1.5f);
+  }
+  EXPECT_NEAR(maps[0].ExpectedError(0), 0.3f, 0.3f * 0.03f);
+  EXPECT_NEAR(maps[0].ExpectedError(kSize - 1), 1.5f, 1.5f * 0.03f);
+  const FusionResult fused = FuseDepthMaps(views, AllOthers(4), maps, {});
+  ASSERT_GT(fused.cloud.points.rows(), 0);
+  for (const std::vector<char>& confirmed : fused.confirmed)
+    for (std::size_t i = 0; i < confirmed.size(); ++i) ASSERT_FALSE(confirmed[i] && i % kSize >= kSize / 2);
+  FusionOptions all;
+  all.largest_error = 2;
+  EXPECT_GT(FuseDepthMaps(views, AllOthers(4), maps, all).cloud.points.rows(), fused.cloud.points.rows() * 3 / 2);
+}
+
 TEST(FuseDepthMaps, TooFewViewsOrTooPoorMatchesGiveNothing) {
   const std::vector<DenseView> views = ViewsOfThePlane(4);
   std::vector<PlaneMap> maps;

@@ -28,13 +28,17 @@ struct PaintedPlane {
   double Grey(const Eigen::Vector3d& x) const {
     const double a = u.dot(x - Eigen::Vector3d(0, 0, kDistance)), b = x.y();
     double grey = 128;
-    for (const Eigen::Vector3d& wave : waves) grey += 12 * std::sin(wave.x() * a + wave.y() * b + wave.z());
+    const double contrast = faint_below && b > 0 ? 1.5 : 12;
+    for (const Eigen::Vector3d& wave : waves) grey += contrast * std::sin(wave.x() * a + wave.y() * b + wave.z());
     return grey;
   }
   Eigen::Vector3d u, normal, waves[8];
+  bool faint_below = false;  // an eighth of the contrast where y > 0
 };
 
-DenseView Photograph(const PaintedPlane& plane, const Eigen::Vector3d& center) {
+DenseView Photograph(const PaintedPlane& plane, const Eigen::Vector3d& center, double noise = 0) {
+  std::mt19937 random(static_cast<unsigned>(1000 * (center.x() + 2 * center.y()) + 5000));
+  std::normal_distribution<double> gauss(0, 1);
   View view;
   view.name = "plane.png";
   view.camera = {.width = kSize, .height = kSize, .fx = 90, .fy = 90, .cx = kSize / 2.0, .cy = kSize / 2.0};
@@ -51,7 +55,8 @@ DenseView Photograph(const PaintedPlane& plane, const Eigen::Vector3d& center) {
         const double depth = plane.Depth(center, ray);
         sum += depth > 0 && depth < 12 ? plane.Grey(center + depth * ray) : 128;
       }
-      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(sum / 9));
+      const double grey = sum / 9 + noise * gauss(random);
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(grey));
     }
   return PrepareDenseView(view, 0, image, Image8(kSize, kSize, 1, 255), 1, 2);
 }
@@ -59,6 +64,40 @@ DenseView Photograph(const PaintedPlane& plane, const Eigen::Vector3d& center) {
 double Median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
+}
+
+DepthBounds WideBounds() {
+  DepthBounds bounds{1, ImageF(kSize / 2, kSize / 2, 1), ImageF(kSize / 2, kSize / 2, 1), ImageF(kSize / 2, kSize / 2, 2)};
+  std::fill(bounds.nearest.data.begin(), bounds.nearest.data.end(), 1 / 1.8f);
+  std::fill(bounds.farthest.data.begin(), bounds.farthest.data.end(), 1 / 6.0f);
+  return bounds;
+}
+
+// Half of the plane has an eighth of the other's contrast, and every photograph noise of its own.
+TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
+  PaintedPlane plane(20 * M_PI / 180);
+  plane.faint_below = true;
+  std::vector<DenseView> views;
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(0, 0), Eigen::Vector2d(0.5, 0), Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.1, 0.5), Eigen::Vector2d(0, -0.5)})
+    views.push_back(Photograph(plane, {at.x(), at.y(), 0}, 1.5));
+  PatchMatchOptions options;
+  options.geometric_passes = 0;
+  const PatchMatchResult result =
+      EstimatePlanes(views, {{1, 2, 3, 4}, {}, {}, {}, {}}, std::vector<DepthBounds>(5, WideBounds()), {}, options);
+  const PlaneMap& map = result.maps[0];
+  std::vector<double> errors[2], expected[2];
+  for (int y = 12; y < kSize - 12; ++y)
+    for (int x = 12; x < kSize - 12; ++x) {
+      if (std::abs(y - kSize / 2) < 8) continue;  // windows that see both halves
+      const std::size_t pixel = static_cast<std::size_t>(y) * map.width + x;
+      const double depth = plane.Depth({0, 0, 0}, views[0].camera().Ray(x, y));
+      errors[y > kSize / 2].push_back(std::abs(1 / map.InverseDepth(pixel) / depth - 1) * views[0].camera().fx);
+      expected[y > kSize / 2].push_back(map.ExpectedError(pixel));
+    }
+  EXPECT_GT(Median(expected[1]), 2 * Median(expected[0]));
+  // On a plane the coarser level holds the faint half better than its own windows could.
+  for (int half = 0; half < 2; ++half) EXPECT_LT(Median(errors[half]), 3 * Median(expected[half])) << half;
 }
 
 TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
@@ -69,12 +108,10 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
     for (const Eigen::Vector2d& at :
          {Eigen::Vector2d(0.5, 0), Eigen::Vector2d(-0.4, 0.1), Eigen::Vector2d(0.1, 0.5), Eigen::Vector2d(0, -0.5)})
       views.push_back(Photograph(plane, {at.x(), at.y(), 0}));
-    DepthBounds bounds{1, ImageF(kSize / 2, kSize / 2, 1), ImageF(kSize / 2, kSize / 2, 1), ImageF(kSize / 2, kSize / 2, 2)};
-    std::fill(bounds.nearest.data.begin(), bounds.nearest.data.end(), 1 / 1.8f);
-    std::fill(bounds.farthest.data.begin(), bounds.farthest.data.end(), 1 / 6.0f);
     PatchMatchOptions options;
     options.geometric_passes = 0;
-    const PatchMatchResult result = EstimatePlanes(views, {{1, 2, 3, 4}, {}, {}, {}, {}}, std::vector<DepthBounds>(5, bounds), {}, options);
+    const PatchMatchResult result =
+        EstimatePlanes(views, {{1, 2, 3, 4}, {}, {}, {}, {}}, std::vector<DepthBounds>(5, WideBounds()), {}, options);
     std::vector<double> depth_errors, angles;
     for (int y = kSize / 2 - 10; y < kSize / 2 + 10; ++y)
       for (int x = kSize / 2 - 10; x < kSize / 2 + 10; ++x) {

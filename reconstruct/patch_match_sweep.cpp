@@ -77,7 +77,8 @@ struct Trial {
   PlaneHypothesis plane;
   WarpLanes warps;
   float sum = 0;
-  float pair = 0;  // the sum after the first two sources
+  float pair = 0;   // the sum after the first two sources
+  float extra = 0;  // what of the sum is not of windows
 };
 
 class Sweeper {
@@ -213,6 +214,7 @@ class Sweeper {
         const Lanes geometric = GeometricCosts(chosen_, trial.warps);
         for (int k = 0; k < chosen_.count; ++k) trial.sum += geometric[k] * scale;
       }
+      trial.extra = trial.sum;
       if (trial.sum >= limit) continue;
       if (kept != h) trials_[kept] = trial;
       ++kept;
@@ -241,7 +243,7 @@ class Sweeper {
     for (int h = 0; h < kept; ++h) {
       if (trials_[h].sum >= *cost || trials_[h].pair > pair_ + kPairMargin) continue;
       FinishTrial(&trials_[h]);
-      if (trials_[h].sum < *cost) *plane = trials_[h].plane, *cost = trials_[h].sum, pair_ = trials_[h].pair;
+      if (trials_[h].sum < *cost) *plane = trials_[h].plane, *cost = trials_[h].sum, pair_ = trials_[h].pair, extra_ = trials_[h].extra;
     }
   }
 
@@ -356,6 +358,7 @@ class Sweeper {
     }
     Refine(x, y, &plane, &cost);
     map_.SetPlane(index, plane), map_.SetCost(index, cost);
+    if (set_.parabola) map_.SetExpectedError(index, ExpectedError(plane));
   }
 
   static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane, float* cost) {
@@ -400,6 +403,7 @@ class Sweeper {
     StartTrials(2, kInfinite);
     FinishTrial(&trials_[0]), FinishTrial(&trials_[1]);
     const float nearer = trials_[0].sum, farther = trials_[1].sum, bend = nearer + farther - 2 * here;
+    window_cost_ = here - extra_, window_bend_ = bend - (trials_[0].extra + trials_[1].extra - 2 * extra_);
     const PlaneHypothesis center = *plane;
     for (int h = 0; h < 2; ++h)
       if (Legal(trials_[h].plane)) Accept(trials_[h].plane, trials_[h].sum, plane, cost);
@@ -407,6 +411,15 @@ class Sweeper {
     trials_[0].plane = center;
     trials_[0].plane.inverse_depth += step * std::clamp(0.5f * (farther - nearer) / bend, -1.0f, 1.0f);
     if (Legal(trials_[0].plane)) Contest(1, plane, cost);
+  }
+
+  // Two windows of variance V that differ by noise of variance r cost r / (2 V) at the best shift and u^2 g / (2 V) more at u pixels beside
+  // it, where g is the mean squared gradient; least squares over n samples find the shift to r / (n g). So cost over bend is the squared
+  // error, whatever the noise is: the sensor's, or a highlight's. [pixels of this view on the surface]
+  float ExpectedError(const PlaneHypothesis& plane) const {
+    constexpr float kStep = 0.25f, kSamples = 16;  // half of the window's samples: weights differ, and noise is not white
+    const float px = kStep * std::sqrt(2 * std::max(window_cost_, 1e-3f) / (kSamples * std::max(window_bend_, 1e-6f)));
+    return px / px_per_inverse_depth_ * static_cast<float>(camera_.fx) / plane.inverse_depth;
   }
 
   const SweepInputs& in_;
@@ -432,6 +445,7 @@ class Sweeper {
   SourceLanes chosen_;
   PixelLanes pixel_{};
   PlaneHypothesis present_;
+  float extra_ = 0, window_cost_ = 0, window_bend_ = 0;
   float pair_ = kInfinite;  // of the present plane: its cost after the first two sources, where it is known
   int candidates_ = 0;
   std::array<PlaneHypothesis, 9> candidate_;

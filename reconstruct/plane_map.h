@@ -56,12 +56,19 @@ class PlaneMap {
     first_sources_[pixel] = static_cast<std::uint8_t>(sources & 255);
     if (!more_sources_.empty()) more_sources_[pixel] = static_cast<std::uint8_t>(sources >> 8);
   }
+  /// How far the depth is likely to be off, in pixels of this view on the surface: what the last pass leaves in the place of the sources.
+  /// In steps of 3 %, between 1/64 and 24.
+  float ExpectedError(std::size_t pixel) const { return kLeastError * std::exp2(first_sources_[pixel] * (1.0f / kErrorSteps)); }
+  void SetExpectedError(std::size_t pixel, float error) {
+    first_sources_[pixel] =
+        static_cast<std::uint8_t>(std::clamp(kErrorSteps * std::log2(std::max(error, kLeastError) / kLeastError) + 0.5f, 0.0f, 255.0f));
+  }
   /// The same order as Cost, cheaper to read; kNoCost where there is no plane.
   std::uint16_t PackedCost(std::size_t pixel) const { return costs_[pixel]; }
   static constexpr std::uint16_t kNoCost = 65535;
 
  private:
-  static constexpr float kTiltSteps = 4096, kCostSteps = 16384;
+  static constexpr float kTiltSteps = 4096, kCostSteps = 16384, kErrorSteps = 24, kLeastError = 1.0f / 64;
   struct Packed {
     float inverse_depth = 0;
     std::int16_t gx = 0, gy = 0;

@@ -120,8 +120,20 @@ double Silhouettes::Outside(const Eigen::Vector3d& x, int without) const {
 }
 
 bool Silhouettes::Within(const Eigen::Vector3d& x, double limit_px) const {
+  // Distances change by at most one a pixel, so far from the limit the nearest pixel's says it all.
+  constexpr double kSure = 1.5;
   int seen = 0, outside = 0;
   for (int i = 0; i < views(); ++i) {
+    const MaskField& field = fields_[i];
+    const Eigen::Vector3d h = field.from_world.leftCols<3>() * x + field.from_world.col(3);
+    if (h.z() > 0) {
+      const double inverse = 1 / h.z(), px = h.x() * inverse, py = h.y() * inverse;
+      if (px >= 0 && py >= 0 && px <= field.width - 1 && py <= field.height - 1 &&
+          field.At(static_cast<int>(px + 0.5), static_cast<int>(py + 0.5)) + kSure < limit_px) {
+        ++seen;
+        continue;
+      }
+    }
     const Sighting sighting = See(i, x);
     seen += sighting.seen;
     outside += sighting.seen && sighting.distance > limit_px;
