@@ -18,7 +18,7 @@ struct RefineOptions {
   double membrane = 0.02;
   double bending = 20;
   int aggregate = 2;
-  double outlines = 0.5;
+  double outlines = 1.5;
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;
