@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/stage/stage_context.h"
+#include "core/stage/stage.h"
 #include "reconstruct/dense_view.h"
 
 namespace keypose::reconstruct {
