@@ -24,7 +24,7 @@ struct DenseOptions {
   double reprojection_px = 1.5;
   double depth_tolerance = 0.01;
   double normal_tolerance_deg = 30;
-  double largest_cost = 0.9;
+  double largest_cost = 1.0;
   double largest_error = 1.0;
   int hull_resolution = 160;
   double outline_px = 1.5;

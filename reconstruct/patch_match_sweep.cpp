@@ -418,6 +418,7 @@ class Sweeper {
   // error, whatever the noise is: the sensor's, or a highlight's. [pixels of this view on the surface]
   float ExpectedError(const PlaneHypothesis& plane) const {
     constexpr float kStep = 0.25f, kSamples = 16;  // half of the window's samples: weights differ, and noise is not white
+    if (patch_.variance < 4 * in_.noise_variance) return kInfinite;  // nothing but noise to go by
     const float px = kStep * std::sqrt(2 * std::max(window_cost_, 1e-3f) / (kSamples * std::max(window_bend_, 1e-6f)));
     return px / px_per_inverse_depth_ * static_cast<float>(camera_.fx) / plane.inverse_depth;
   }
