@@ -115,16 +115,13 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
   visit("largest_error", largest_error,
         {"pixels whose depth is expected to be off by more than this, by how sharply the match falls off beside it, are dropped",
-         "px of the "
-         "picture on the surface",
-         0.05, 100});
+         "px of the picture on the surface", 0.05, 100});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
   visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
   visit("rim_points", rim_points,
         {"instead of silhouette_fit, where the masks agree (hull_iou_mean of 0.98): add the places where their outlines touch the surface, "
-         "and "
-         "correct depths by them"});
+         "and correct depths by them"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 

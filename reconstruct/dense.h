@@ -28,7 +28,7 @@ struct DenseOptions {
   double largest_error = 1.0;
   int hull_resolution = 160;
   double outline_px = 1.5;
-  bool silhouette_fit = true;
+  bool silhouette_fit = false;
   bool rim_points = false;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);

@@ -80,8 +80,8 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.Report("hull_volume", result.hull_volume);
   stage.Report("completeness_mean", mean);
   stage.Report("points_outside_masks", result.outside_points);
-  stage.Report("outline_gap_before_px", result.outline_gap_before_px);
-  stage.Report("outline_gap_px", result.outline_gap_px);
+  if (options.silhouette_fit && !options.rim_points) stage.Report("outline_gap_before_px", result.outline_gap_before_px);
+  if (options.silhouette_fit && !options.rim_points) stage.Report("outline_gap_px", result.outline_gap_px);
   ReportHullCheck(stage, views, result.hull_check);
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
@@ -121,7 +121,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};

@@ -39,7 +39,7 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "mesh";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
   spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false}};
   spec.outputs = {{"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};

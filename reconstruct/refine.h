@@ -13,12 +13,12 @@ namespace keypose::reconstruct {
 struct RefineOptions {
   int max_size = 1600;
   int levels = 2;
-  int rounds = 2;
+  int rounds = 3;
   double anchor = 0.01;
   double membrane = 0.02;
-  double bending = 20;
+  double bending = 200;
   int aggregate = 2;
-  double outlines = 1.5;
+  double outlines = 3;
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;
