@@ -80,8 +80,6 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.Report("hull_volume", result.hull_volume);
   stage.Report("completeness_mean", mean);
   stage.Report("points_outside_masks", result.outside_points);
-  if (options.silhouette_fit && !options.rim_points) stage.Report("outline_gap_before_px", result.outline_gap_before_px);
-  if (options.silhouette_fit && !options.rim_points) stage.Report("outline_gap_px", result.outline_gap_px);
   ReportHullCheck(stage, views, result.hull_check);
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
@@ -104,6 +102,10 @@ void Run(StageContext& stage, const DenseOptions& options) {
     stage.Report("kernel", BestPatchCostKernel().name);
     DenseResult result = ReconstructDense(views, scene, options, stage.progress());
     ReportMatching(stage, views, result);
+    if (options.silhouette_fit && !options.rim_points) {
+      stage.Report("outline_gap_before_px", result.outline_gap_before_px);
+      stage.Report("outline_gap_px", result.outline_gap_px);
+    }
     cloud = std::move(result.cloud);
   }
   const double cpu = CpuSeconds(RUSAGE_SELF) + CpuSeconds(RUSAGE_CHILDREN);
