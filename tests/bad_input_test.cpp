@@ -196,6 +196,21 @@ TEST_F(BadInput, NanVertices) {
   ExpectFault({"interpolate", "--keys", good, "--keys", bad, "--frames", "frames"}, kInput, {"vertex 7"}, "frames");
 }
 
+TEST_F(BadInput, SurfaceThatNoPhotographShows) {
+  const fs::path truth = world_->path() / "truth" / "rest";
+  const RunResult captured = Keypose({"capture", "--photos", Photos(), "--masks", truth / "masks", "--images", "images"});
+  ASSERT_EQ(captured.exit_code, kOk) << captured.output;
+  Mesh far = MakeIcosphere(2), broken = far;
+  far.points.col(2).array() += 1e4;
+  broken.points(7, 1) = NAN;
+  const auto refine = [&](const fs::path& surface, const std::vector<std::string>& words) {
+    ExpectFault({"refine", "--images", "images", "--model", truth / "cameras", "--surface", surface, "--refined", "refined.ply"}, kInput,
+                words, "refined.ply");
+  };
+  refine(MeshFile("far.ply", far), {"made from other photographs or cameras"});
+  refine(MeshFile("broken.ply", broken), {"vertex 7"});
+}
+
 TEST_F(BadInput, EmptyMesh) {
   WriteText(here() / "no_vertices.ply",
             "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
