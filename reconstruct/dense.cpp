@@ -114,7 +114,8 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("normal_tolerance_deg", normal_tolerance_deg, {"largest angle between the normals of two views that agree", "deg", 1, 90});
   visit("largest_cost", largest_cost, {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "", 0.05, 2});
   visit("largest_error", largest_error,
-        {"pixels whose depth is expected to be off by more than this, by how sharply the match falls off beside it, are dropped",
+        {"pixels whose depth is expected to be off by more than this and than half of all are, by how sharply the match falls off beside "
+         "it, are dropped",
          "px of the picture on the surface", 0.05, 100});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});

@@ -32,6 +32,19 @@ struct Group {
   int count = 0;
 };
 
+// Of fur, or out of focus, no depth is sure: half of the pixels that match are heard in any case.
+float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options) {
+  std::vector<float> errors;
+  for (const PlaneMap& map : maps) {
+    for (std::size_t pixel = 0; pixel < map.size(); pixel += 16)
+      if (map.InverseDepth(pixel) > 0 && map.Cost(pixel) <= options.largest_cost) errors.push_back(map.ExpectedError(pixel));
+  }
+  if (errors.empty()) return static_cast<float>(options.largest_error);
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return std::max(static_cast<float>(options.largest_error), *middle);
+}
+
 class Fuser {
  public:
   Fuser(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<PlaneMap>& maps,
@@ -40,6 +53,7 @@ class Fuser {
         sources_(sources),
         maps_(maps),
         options_(options),
+        error_limit_(ErrorLimit(maps, options)),
         least_cosine_(std::cos(options.normal_tolerance_deg * M_PI / 180)),
         passages_(views.size()),
         confirmed_(views.size()),
@@ -68,7 +82,7 @@ class Fuser {
  private:
   bool Usable(int view, std::size_t pixel) const {
     return maps_[view].InverseDepth(pixel) > 0 && maps_[view].Cost(pixel) <= options_.largest_cost &&
-           maps_[view].ExpectedError(pixel) <= options_.largest_error;
+           maps_[view].ExpectedError(pixel) <= error_limit_;
   }
   Eigen::Vector3d World(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);
@@ -177,6 +191,7 @@ class Fuser {
   const std::vector<std::vector<int>>& sources_;
   const std::vector<PlaneMap>& maps_;
   const FusionOptions& options_;
+  const float error_limit_;
   const double least_cosine_;
   std::vector<Eigen::Matrix3d> rotations_;
   std::vector<Eigen::Vector3d> centers_;

@@ -16,7 +16,7 @@ struct FusionOptions {
   double depth_tolerance = 0.01;  ///< relative
   double normal_tolerance_deg = 30;
   double largest_cost = 1.0;   ///< pixels that match worse do not take part
-  double largest_error = 1.0;  ///< nor do those whose depth is expected to be off by more, pixels on the surface
+  double largest_error = 1.0;  ///< nor those whose depth is expected to be off by more, pixels on the surface; or than the median's
 };
 
 struct FusionResult {
