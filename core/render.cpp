@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/srgb.h"
 
 namespace keypose {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 using Rgb8 = Eigen::Matrix<std::uint8_t, 3, 1>;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-double LinearFromSrgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
-double SrgbFromLinear(double l) { return l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055; }
 
 const std::array<double, 256>& LinearTable() {
   static const std::array<double, 256> table = [] {

@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "reconstruct/cloud_rows.h"
+#include "reconstruct/cpu_seconds.h"
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/fusion.h"
 #include "reconstruct/hull_fill.h"
@@ -20,15 +21,6 @@
 namespace keypose::reconstruct {
 namespace {
 
-double ProcessCpuSeconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-// Views that look along the outside of a mask by mistake are the more likely the more views there are.
-int OutsideVotes(std::size_t views) { return std::clamp(static_cast<int>(views / 14), 1, 5); }
-
 std::vector<std::vector<Eigen::Vector3d>> Seeds(const std::vector<DenseView>& views, const Scene& scene) {
   std::vector<std::vector<Eigen::Vector3d>> of_scene(scene.views.size()), seeds(views.size());
   for (const SparsePoint& point : scene.points)
@@ -39,12 +31,6 @@ std::vector<std::vector<Eigen::Vector3d>> Seeds(const std::vector<DenseView>& vi
   return seeds;
 }
 
-std::string Names(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
-}
-
 void RequireSources(const std::vector<DenseView>& views, std::vector<std::vector<int>>* sources, DenseResult* result) {
   for (std::size_t i = 0; i < views.size(); ++i)
     if ((*sources)[i].size() < 2) {
@@ -53,7 +39,7 @@ void RequireSources(const std::vector<DenseView>& views, std::vector<std::vector
     }
   if (result->views_without_sources.size() == views.size())
     throw InputError("dense: no view has two others that see the same surface from 3 to 65 degrees apart (" +
-                     Names(result->views_without_sources) + "); take more photographs, closer together");
+                     NameList(result->views_without_sources) + "); take more photographs, closer together");
 }
 
 void Append(const PointCloud& more, PointCloud* cloud) {
@@ -142,9 +128,9 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   RequireSources(views, &sources, &result);
   PatchMatchOptions match_options;
   match_options.geometric_passes = options.geometric_passes;
-  const double cpu_before = ProcessCpuSeconds();
+  const double cpu_before = CpuSeconds();
   PatchMatchResult matched = EstimatePlanes(views, sources, bounds, Seeds(views, scene), match_options, progress);
-  result.matching_cpu_seconds = ProcessCpuSeconds() - cpu_before;
+  result.matching_cpu_seconds = CpuSeconds() - cpu_before;
   result.evaluations = matched.evaluations;
   Step(progress, 0.9, "fusion");
   FusionOptions fusion;

@@ -1,6 +1,5 @@
 // keypose-dense: photographs and cameras to an oriented, coloured cloud.
 #include <malloc.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -9,6 +8,7 @@
 #include "core/io/colmap_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
+#include "reconstruct/cpu_seconds.h"
 #include "reconstruct/dense.h"
 #include "reconstruct/dense_colmap.h"
 #include "reconstruct/patch_match_cost.h"
@@ -17,19 +17,6 @@
 
 namespace keypose::reconstruct {
 namespace {
-
-double CpuSeconds(int who) {
-  rusage usage{};
-  getrusage(who, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-std::string Names(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
-}
 
 // COLMAP's cloud holds the background too: what lies outside of the visual hull is not the object.
 PointCloud WithinHull(const PointCloud& cloud, const VisualHull& hull) {
@@ -58,7 +45,7 @@ void ReportHullCheck(StageContext& stage, const std::vector<DenseView>& views, c
   stage.ReportJson("hull_iou", overlaps.dump());
   stage.ReportJson("views_disagreeing", nlohmann::json(check.disagreeing).dump());
   if (!check.disagreeing.empty())
-    stage.Note("masks that disagree with what the other views allow, because of the mask or the camera: " + Names(check.disagreeing));
+    stage.Note("masks that disagree with what the other views allow, because of the mask or the camera: " + NameList(check.disagreeing));
 }
 
 void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, const DenseResult& result) {
@@ -84,7 +71,7 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
   if (!result.views_without_sources.empty())
-    stage.Note("dense: views without neighbours, not matched: " + Names(result.views_without_sources));
+    stage.Note("dense: views without neighbours, not matched: " + NameList(result.views_without_sources));
 }
 
 void Run(StageContext& stage, const DenseOptions& options) {
@@ -108,7 +95,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
     }
     cloud = std::move(result.cloud);
   }
-  const double cpu = CpuSeconds(RUSAGE_SELF) + CpuSeconds(RUSAGE_CHILDREN);
+  const double cpu = CpuSeconds();
   stage.Report("points", static_cast<int>(cloud.points.rows()));
   stage.Report("views", static_cast<int>(views.size()));
   stage.Report("cpu_seconds", cpu);

@@ -242,4 +242,10 @@ DenseView PrepareDenseView(const View& view, int scene_index, const Image8& imag
   return out;
 }
 
+std::string NameList(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
+  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
+}
+
 }  // namespace keypose::reconstruct

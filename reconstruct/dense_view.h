@@ -54,4 +54,7 @@ struct DenseView {
 /// @throws InputError  sizes differ; names the image
 DenseView PrepareDenseView(const View& view, int scene_index, const Image8& image, const Image8& mask, double scale, int levels);
 
+/// The names of views for a message: eight, and how many more.
+std::string NameList(const std::vector<std::string>& names);
+
 }  // namespace keypose::reconstruct

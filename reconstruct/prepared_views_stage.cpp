@@ -10,12 +10,6 @@
 namespace keypose::reconstruct {
 namespace {
 
-std::string Names(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < 8; ++i) text += (i ? ", " : "") + names[i];
-  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
-}
-
 // For each view of the model its index in the images folder.
 std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene, const ImageSet& set) {
   std::vector<int> index;
@@ -30,9 +24,9 @@ std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene
   }
   if (scene.views.empty()) throw InputError(stage_name + ": the model has no images; run sfm again");
   if (!missing.empty())
-    throw InputError(stage_name + ": the model names images that are not in " + set.folder.string() + ": " + Names(missing) +
+    throw InputError(stage_name + ": the model names images that are not in " + set.folder.string() + ": " + NameList(missing) +
                      "; pass the images that the model was made from");
-  if (!without_mask.empty()) throw InputError(stage_name + ": images without a mask: " + Names(without_mask) + "; run capture again");
+  if (!without_mask.empty()) throw InputError(stage_name + ": images without a mask: " + NameList(without_mask) + "; run capture again");
   return index;
 }
 
@@ -53,10 +47,10 @@ std::vector<DenseView> LoadPreparedViews(StageContext& stage, const std::string&
   for (const DenseView& view : views)
     if (view.masked_pixels == 0) empty.push_back(view.name);
   std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
-  if (!empty.empty()) stage.Note(stage_name + ": left out, because the mask is empty or the image too small: " + Names(empty));
+  if (!empty.empty()) stage.Note(stage_name + ": left out, because the mask is empty or the image too small: " + NameList(empty));
   if (views.size() < 3)
     throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " + std::to_string(scene.views.size()) +
-                     " images have a mask with anything in it (empty: " + Names(empty) + "); look at the masks of capture");
+                     " images have a mask with anything in it (empty: " + NameList(empty) + "); look at the masks of capture");
   return views;
 }
 

@@ -71,7 +71,7 @@ Wish Search(const float* cost, int count, float step, float at, float window, fl
 class Refiner {
  public:
   Refiner(const Mesh& surface, const std::vector<DenseView>& views, const RefineOptions& options)
-      : views_(views), options_(options), silhouettes_(views, static_cast<int>(std::clamp<std::size_t>(views.size() / 14, 1, 5))) {
+      : views_(views), options_(options), silhouettes_(views, OutsideVotes(views.size())) {
     result_.mesh = surface;
     result_.mesh.normals.resize(0, 3);
     neighbors_ = MakeNeighbors(surface.points, surface.faces);

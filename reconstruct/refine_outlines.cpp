@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "reconstruct/weighted_median.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -238,20 +240,7 @@ class Outline {
   std::vector<Claim> claims_;
 };
 
-struct Weighed {
-  double value = 0, weight = 0;
-};
-
-double WeightedMedian(std::vector<Weighed>* values) {
-  std::sort(values->begin(), values->end(), [](const Weighed& a, const Weighed& b) { return a.value < b.value; });
-  double total = 0, sum = 0;
-  for (const Weighed& w : *values) total += w.weight;
-  for (const Weighed& w : *values) {
-    sum += w.weight;
-    if (2 * sum >= total) return w.value;
-  }
-  return 0;
-}
+using Weighed = std::pair<double, double>;  // value, weight
 
 // Claims [begin, end) of one vertex, and what is usual around it.
 struct Place {
@@ -328,7 +317,7 @@ class Court {
       values.push_back({Pixels(claim), trust_[claim.view] * near.weight * claim.weight / std::sqrt(of_view[claim.view])});
     }
     place->usual = WeightedMedian(&values);
-    for (Weighed& w : values) w.value = std::abs(w.value - place->usual);
+    for (Weighed& w : values) w.first = std::abs(w.first - place->usual);
     place->spread = 1.48 * WeightedMedian(&values);
   }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/srgb.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -35,10 +36,7 @@ Vector3d Slope(const Basis& l, const Vector3d& n) {
 const std::array<float, 256>& Linear() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> out{};
-    for (int i = 0; i < 256; ++i) {
-      const double v = i / 255.0;
-      out[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-    }
+    for (int i = 0; i < 256; ++i) out[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
     return out;
   }();
   return table;

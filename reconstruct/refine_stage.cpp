@@ -1,22 +1,15 @@
 // keypose-refine: a surface is moved to where the photographs agree on it.
 #include <malloc.h>
-#include <sys/resource.h>
 
 #include "core/io/colmap_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
+#include "reconstruct/cpu_seconds.h"
 #include "reconstruct/prepared_views_stage.h"
 #include "reconstruct/refine.h"
 
 namespace keypose::reconstruct {
 namespace {
-
-double CpuSeconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 void Run(StageContext& stage, const RefineOptions& options) {
   // Else the limit from which freed memory goes back to the system grows with the first large images.

@@ -1,14 +1,13 @@
 // What each part of a stage's work cost.
 #pragma once
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "core/stage/stage.h"
+#include "reconstruct/cpu_seconds.h"
 
 namespace keypose::reconstruct {
 
@@ -28,17 +27,6 @@ class Stopwatch {
   }
 
  private:
-  /// Of this process and of the programs that it has run.
-  static double CpuSeconds() {
-    double seconds = 0;
-    for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-      rusage usage{};
-      getrusage(who, &usage);
-      seconds += usage.ru_utime.tv_sec + usage.ru_stime.tv_sec + 1e-6 * (usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-    }
-    return seconds;
-  }
-
   double last_cpu_ = CpuSeconds();
   std::map<std::string, std::pair<double, double>> spent_;  ///< what is done twice adds up
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();

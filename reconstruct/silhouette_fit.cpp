@@ -8,6 +8,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "reconstruct/facing_cells.h"
+#include "reconstruct/weighted_median.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -74,17 +75,6 @@ std::vector<Contact> AllContacts(const PointCloud& cloud, const Silhouettes& sil
   std::vector<Contact> all;
   for (const std::vector<Contact>& contacts : of_view) all.insert(all.end(), contacts.begin(), contacts.end());
   return all;
-}
-
-double WeightedMedian(std::vector<std::pair<double, double>>* values) {
-  std::sort(values->begin(), values->end());
-  double total = 0, sum = 0;
-  for (const auto& [value, weight] : *values) total += weight;
-  for (const auto& [value, weight] : *values) {
-    sum += weight;
-    if (2 * sum >= total) return value;
-  }
-  return 0;
 }
 
 class Field {

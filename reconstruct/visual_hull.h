@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -10,6 +11,10 @@
 #include "reconstruct/dense_view.h"
 
 namespace keypose::reconstruct {
+
+/// How many views have to see a place outside of their masks for it to be outside: masks that cut the object by mistake are the more likely
+/// the more there are.
+inline int OutsideVotes(std::size_t views) { return std::clamp(static_cast<int>(views / 14), 1, 5); }
 
 struct VisualHullOptions {
   int resolution = 160;       ///< voxels along the longest side, in [8, 512]

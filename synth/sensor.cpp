@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/srgb.h"
+
 #include "synth/noise.h"
 
 namespace keypose::synth {
@@ -42,8 +44,7 @@ const std::vector<std::uint8_t>& SrgbTable() {
   static const std::vector<std::uint8_t> table = [] {
     std::vector<std::uint8_t> t(65536);
     for (int i = 0; i < 65536; ++i) {
-      const double v = i / 65535.0;
-      t[i] = static_cast<std::uint8_t>(std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+      t[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(i / 65535.0)));
     }
     return t;
   }();

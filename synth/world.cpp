@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/srgb.h"
 #include "synth/noise.h"
 #include "synth/polygonize.h"
 
@@ -19,10 +20,7 @@ using Eigen::Vector3d;
 constexpr double kPi = 3.141592653589793;
 
 /// Linear light from the 0..255 sRGB value that a painter would name.
-Vector3d Srgb(int r, int g, int b) {
-  const auto linear = [](int v) { return v <= 10 ? v / 255.0 / 12.92 : std::pow((v / 255.0 + 0.055) / 1.055, 2.4); };
-  return {linear(r), linear(g), linear(b)};
-}
+Vector3d Srgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
 
 struct Palette {
   Vector3d body, belly, limb, hand, scarf, horn, spot, spike;
@@ -330,8 +328,7 @@ Mesh TruthSurface(const World& world, const Pose& pose, bool with_colors) {
     const Vector3d x = world.rest.points.row(i);
     const Vector3d color = world.clay.Paint(x, world.clay.LumpAt(x));
     for (int c = 0; c < 3; ++c) {
-      const double v = color[c] <= 0.0031308 ? 12.92 * color[c] : 1.055 * std::pow(color[c], 1 / 2.4) - 0.055;
-      surface.colors(i, c) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0, 1.0)));
+      surface.colors(i, c) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(SrgbFromLinear(color[c]), 0.0, 1.0)));
     }
   };
   ParallelFor(surface.points.rows(), paint, 512);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/errors.h"
+#include "core/srgb.h"
 
 namespace keypose::texture {
 namespace {
@@ -26,7 +27,7 @@ std::array<std::uint8_t, 4096> SrgbTable() {
   std::array<std::uint8_t, 4096> t;
   for (int i = 0; i < 4096; ++i) {
     const double l = (i / 4095.0) * (i / 4095.0);
-    t[i] = static_cast<std::uint8_t>(std::lround(255 * (l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055)));
+    t[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(l)));
   }
   return t;
 }
@@ -94,7 +95,7 @@ bool AllObject(const Image8& mask, double x, double y, double half) {
 
 const std::array<float, 256> kLinear = [] {
   std::array<float, 256> t;
-  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(i <= 10 ? i / 255.0 / 12.92 : std::pow((i / 255.0 + 0.055) / 1.055, 2.4));
+  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
   return t;
 }();
 
