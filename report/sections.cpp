@@ -55,7 +55,10 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   if (const StepRecord* sfm = run.Find("sfm", pose); sfm && sfm->Number("images_total"))
     facts.emplace_back("placed by sfm", Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
   AddFacts(run.Find("sfm", pose),
-           {{"reprojection error (px)", "reprojection_error_px"}, {"sparse points", "points"}, {"mean track length", "mean_track_length"}},
+           {{"cameras from", "method"},
+            {"reprojection error (px)", "reprojection_error_px"},
+            {"sparse points", "points"},
+            {"mean track length", "mean_track_length"}},
            facts);
   AddFacts(run.Find("masks", pose), {{"masks' overlap with their hull", "agreement"}, {"least of a view", "least_agreement"}}, facts);
   AddFacts(run.Find("dense", pose),
@@ -64,7 +67,8 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   AddFacts(run.Find("refine", pose),
            {{"photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
             {"outlines miss the masks by (px)", "outline_gap_px"},
-            {"surface where photographs tell the place", "evidence"}},
+            {"surface where photographs tell the place (share)", "evidence"},
+            {"its brightness misses the photographs by (share)", "shading_error_after"}},
            facts);
   AddFacts(run.Find("cleanup", pose),
            {{"faces", "faces"},
