@@ -12,20 +12,6 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches, const std::vector<Features>& features) {
-  std::vector<PairPoints> points;
-  for (const PairMatches& pair : matches) {
-    PairPoints p{pair.first, pair.second, {}};
-    p.xy.resize(static_cast<Eigen::Index>(pair.features.size()), 4);
-    for (std::size_t k = 0; k < pair.features.size(); ++k)
-      p.xy.row(static_cast<Eigen::Index>(k))
-          << features[static_cast<std::size_t>(pair.first)].positions.row(pair.features[k].first).cast<double>(),
-          features[static_cast<std::size_t>(pair.second)].positions.row(pair.features[k].second).cast<double>();
-    points.push_back(std::move(p));
-  }
-  return points;
-}
-
 class Reconstruction {
  public:
   Reconstruction(const std::vector<std::string>& names, const std::vector<Features>& features, const RingSfmOptions& options)

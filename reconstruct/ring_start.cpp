@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/parallel.h"
+#include "reconstruct/epipolar.h"
 #include "reconstruct/ring_simplex.h"
 
 namespace keypose::reconstruct {
@@ -24,20 +25,6 @@ struct Match {
   int a, b;  ///< places of its views in the list of views
   Vector3d x, y;
 };
-
-double SquaredSampson(const Matrix3d& e, const Vector3d& x, const Vector3d& y) {
-  const Vector3d line = e * x;
-  const double residual = y.dot(line);
-  return residual * residual / (line.head<2>().squaredNorm() + (e.transpose() * y).head<2>().squaredNorm() + 1e-300);
-}
-
-Matrix3d EssentialOf(const Matrix3d& r1, const Vector3d& t1, const Matrix3d& r2, const Vector3d& t2) {
-  const Matrix3d r = r2 * r1.transpose();
-  const Vector3d t = t2 - r * t1;
-  Matrix3d cross;
-  cross << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  return cross * r;
-}
 
 /// Truncated squared errors of matches. Their essential matrices are made once for each pair of views.
 class Judge {
@@ -370,6 +357,20 @@ class Finder {
 };
 
 }  // namespace
+
+std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches, const std::vector<Features>& features) {
+  std::vector<PairPoints> points;
+  for (const PairMatches& pair : matches) {
+    PairPoints p{pair.first, pair.second, {}};
+    p.xy.resize(static_cast<Eigen::Index>(pair.features.size()), 4);
+    for (std::size_t k = 0; k < pair.features.size(); ++k)
+      p.xy.row(static_cast<Eigen::Index>(k))
+          << features[static_cast<std::size_t>(pair.first)].positions.row(pair.features[k].first).cast<double>(),
+          features[static_cast<std::size_t>(pair.second)].positions.row(pair.features[k].second).cast<double>();
+    points.push_back(std::move(p));
+  }
+  return points;
+}
 
 RingStart FindRingModel(const Camera& camera, const RingLayout& layout, const std::vector<PairPoints>& pairs, Progress* progress) {
   return Finder(camera, layout, pairs).Run(progress);

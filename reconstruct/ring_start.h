@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "reconstruct/colmap_database.h"
 #include "reconstruct/ring_model.h"
 
 namespace keypose::reconstruct {
@@ -14,6 +15,9 @@ struct PairPoints {
   int first = 0, second = 0;                                     ///< images, first < second
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> xy;  ///< N x (x1, y1, x2, y2) [px]
 };
+
+/// The pixels of matched features.
+std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches, const std::vector<Features>& features);
 
 struct RingStart {
   RingModel model;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
+#include "reconstruct/ring_order.h"
 #include "reconstruct/ring_sfm.h"
 #include "reconstruct/ring_silhouettes.h"
 #include "reconstruct/sfm_refine_stage.h"
@@ -72,7 +74,30 @@ void ReportRing(StageContext& stage, const RingSfmResult& ring) {
   stage.ReportJson("placed_by_step_only", json(ring.by_step_only).dump());
 }
 
-Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+/// The order in which the photographs stand on their rings, by what they show: where names do not tell it.
+std::optional<RingLayout> SortedLayout(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options,
+                                       const Seen& seen, const Scene& known) {
+  if (options.rings != "auto") return std::nullopt;
+  Scene part = known;
+  if (part.views.empty() && options.method == "ring")
+    if (const auto models = MapImages(stage, files, options); !models.empty()) part = ReadColmapModel(models[0]);
+  const std::vector<std::string> names = NamesOf(set);
+  const auto order = OrderOnRings(part, names, PointsOf(seen.matches, seen.features));
+  if (!order) return std::nullopt;
+  json rings = json::array();
+  for (const auto& ring : order->layout.rings) {
+    json in_order = json::array();
+    for (const RingLayout::Place& place : ring) in_order.push_back(names[static_cast<std::size_t>(place.image)]);
+    rings.push_back(std::move(in_order));
+  }
+  stage.ReportJson("order_found", rings.dump());
+  stage.Note("warning: the names of the photographs do not tell in which order they were shot; sorted " + std::to_string(order->sorted) +
+             " of " + std::to_string(names.size()) + " by what they show: " + order->layout.reason);
+  return order->layout;
+}
+
+Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen,
+                   const std::vector<RingLayout>& layouts) {
   const std::vector<std::string> names = NamesOf(set);
   RingSfmOptions ring;
   ring.matching.max_ratio = options.max_ratio;
@@ -80,7 +105,7 @@ Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& o
   ring.bundle.refine_distortion = options.refine_distortion;
   if (!seen.focal_known) ring.ring.focal_prior = 0.15;
   SubProgress part(stage.progress(), 0.88, 0.97);
-  RingSfmResult result = ReconstructRing(seen.camera, names, seen.features, seen.matches, options.Layouts(names), ring, &part);
+  RingSfmResult result = ReconstructRing(seen.camera, names, seen.features, seen.matches, layouts, ring, &part);
   ReportRing(stage, result);
   if (!result.found) return {{}, "ring"};
   ColorPoints(set, result.scene);
@@ -97,10 +122,9 @@ std::vector<Image8> ReadMasks(const ImageSet& set) {
 }
 
 /// The last rung: no feature counts, only outlines. Of the layouts the one whose outlines agree best.
-Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen) {
+Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const Seen& seen, const std::vector<RingLayout>& layouts) {
   const std::vector<std::string> names = NamesOf(set);
   const std::vector<Image8> masks = ReadMasks(set);
-  const std::vector<RingLayout> layouts = options.Layouts(names);
   RingSilhouettes best;
   std::string reason;
   for (std::size_t k = 0; k < layouts.size(); ++k) {
@@ -139,16 +163,24 @@ Placed PlaceByMatches(StageContext& stage, const ImageSet& set, const SfmFiles& 
 }
 
 /// The rungs that believe in a turntable. `best` is what was found before.
-void PlaceByTurntable(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen, Placed& best,
-                      Stopwatch& watch) {
+void PlaceByTurntable(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
+                      Placed& best, Stopwatch& watch) {
+  std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
   if (best.views() < set.images.size() && (options.method == "auto" || options.method == "ring")) {
-    Placed ring = PlaceByRing(stage, set, options, seen);
+    Placed ring = PlaceByRing(stage, set, options, seen, layouts);
     watch.Lap(stage, "ring");
+    if (ring.views() == 0) {
+      if (auto sorted = SortedLayout(stage, set, files, options, seen, best.model.scene)) {
+        layouts.insert(layouts.begin(), std::move(*sorted));
+        ring = PlaceByRing(stage, set, options, seen, {layouts[0]});
+      }
+      watch.Lap(stage, "ring_order");
+    }
     if (ring.views() > best.views()) best = std::move(ring);
   }
   const bool too_few = static_cast<double>(best.views()) < options.min_placed * static_cast<double>(set.images.size());
   if (options.method == "silhouettes" || (options.method == "auto" && too_few)) {
-    Placed outlines = PlaceBySilhouettes(stage, set, options, seen);
+    Placed outlines = PlaceBySilhouettes(stage, set, seen, layouts);
     watch.Lap(stage, "silhouettes");
     if (outlines.views() > best.views()) best = std::move(outlines);
   }
@@ -181,7 +213,7 @@ Placed Place(StageContext& stage, const ImageSet& set, const fs::path& scratch, 
   }
   stage.Report("fine_features", fine);
   // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
-  if (boards.groups.size() <= 1) PlaceByTurntable(stage, set, options, seen, best, watch);
+  if (boards.groups.size() <= 1) PlaceByTurntable(stage, set, files, options, seen, best, watch);
   return best;
 }
 
