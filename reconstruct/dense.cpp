@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -10,11 +10,9 @@
 #include "reconstruct/cpu_seconds.h"
 #include "reconstruct/depth_bounds.h"
 #include "reconstruct/fusion.h"
+#include "reconstruct/gap_fill.h"
 #include "reconstruct/hull_fill.h"
-#include "reconstruct/outline_evidence.h"
 #include "reconstruct/patch_match.h"
-#include "reconstruct/rim_points.h"
-#include "reconstruct/silhouette_fit.h"
 #include "reconstruct/view_selection.h"
 #include "reconstruct/visual_hull.h"
 
@@ -58,29 +56,6 @@ int KeepWithinOutlines(const Silhouettes& silhouettes, double limit_px, PointClo
   return KeepRows(keep, cloud);
 }
 
-// The cloud is fitted to the outlines smoothly, which keeps its detail. Where texture is too weak for good depths and the masks agree,
-// outlines are known better than any depth: on request the places where they touch the surface are put in, and depths give way to them.
-// Masks that contradict each other have no exact outlines in space.
-void MeetOutlines(const VisualHull& hull, const Silhouettes& silhouettes, const std::vector<DenseView>& views, const DenseOptions& options,
-                  DenseResult* result) {
-  constexpr double kAgreeing = 0.98;
-  if (result->cloud.points.rows() == 0) return;
-  if (options.rim_points && result->hull_check.mean >= kAgreeing) {
-    const PointCloud rims = RimPoints(hull, silhouettes, views, {});
-    OutlineEvidence evidence =
-        HearOutlines(std::move(result->cloud), rims, silhouettes, MiddleFootprint(hull, silhouettes), hull.cell * hull.size.maxCoeff(), {});
-    result->cloud = std::move(evidence.cloud);
-    result->contradicted_points = evidence.contradicted + evidence.dropped;
-    result->error_px.assign(evidence.errors.begin(), evidence.errors.end());
-    result->rim_points = static_cast<int>(rims.points.rows());
-    Append(rims, &result->cloud);
-  } else if (options.silhouette_fit) {
-    SilhouetteFit fit = FitToSilhouettes(result->cloud, silhouettes, {});
-    result->cloud = std::move(fit.cloud);
-    result->outline_gap_before_px = fit.gap_before_px, result->outline_gap_px = fit.gap_after_px;
-  }
-}
-
 }  // namespace
 
 void DenseOptions::Describe(OptionVisitor& visit) {
@@ -105,10 +80,8 @@ void DenseOptions::Describe(OptionVisitor& visit) {
          "px of the picture on the surface", 0.05, 100});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
-  visit("silhouette_fit", silhouette_fit, {"move points so that the cloud's outline in each view falls on its mask's outline"});
-  visit("rim_points", rim_points,
-        {"instead of silhouette_fit, where the masks agree (hull_iou_mean of 0.98): add the places where their outlines touch the surface, "
-         "and correct depths by them"});
+  visit("gap_fill", gap_fill,
+        {"add points of smooth surface, at low confidence, over gaps without texture that confirmed depths surround"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 
@@ -140,16 +113,20 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   fusion.normal_tolerance_deg = options.normal_tolerance_deg;
   fusion.largest_cost = options.largest_cost;
   fusion.largest_error = options.largest_error;
-  FusionResult fused = FuseDepthMaps(views, sources, matched.maps, fusion);
-  matched.maps.clear();
+  FusionResult fused = FuseDepthMaps(views, sources, std::move(matched.maps), fusion);
   result.completeness = std::move(fused.completeness);
   Step(progress, 0.94, "outlines");
   const Silhouettes silhouettes(views, hull_options.outside_votes);
   result.hull_check = CheckAgainstHull(views, hull, silhouettes);
   result.cloud = std::move(fused.cloud);
   result.outside_points = KeepWithinOutlines(silhouettes, options.outline_px, &result.cloud);
-  MeetOutlines(hull, silhouettes, views, options, &result);
-  result.stereo_points = static_cast<int>(result.cloud.points.rows()) - result.rim_points;
+  result.stereo_points = static_cast<int>(result.cloud.points.rows());
+  if (options.gap_fill) {
+    PointCloud bridges = FillGaps(views, sources, fused.cells, {.least_views = options.least_views});
+    KeepWithinOutlines(silhouettes, options.outline_px, &bridges);
+    result.gap_points = static_cast<int>(bridges.points.rows());
+    Append(bridges, &result.cloud);
+  }
   if (options.hull_fill) Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud), &result.cloud);
   if (result.cloud.points.rows() == 0)
     throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) + " views from " + views.front().name +

@@ -28,8 +28,7 @@ struct DenseOptions {
   double largest_error = 1.0;
   int hull_resolution = 160;
   double outline_px = 1.5;
-  bool silhouette_fit = false;
-  bool rim_points = false;
+  bool gap_fill = true;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);
 };
@@ -37,16 +36,12 @@ struct DenseOptions {
 struct DenseResult {
   PointCloud cloud;                  ///< world frame; normals towards the cameras, colour, confidence
   int stereo_points = 0;             ///< the first ones of the cloud
-  int rim_points = 0;                ///< the next ones, where outlines touch the surface; the others are the hull's
-  int contradicted_points = 0;       ///< of stereo, put elsewhere or dropped because rim points say otherwise
-  std::vector<double> error_px;      ///< typical error of stereo by confidence, eight classes from 0 to 1, as rim points measure it
+  int gap_points = 0;                ///< the next ones, bridging gaps; the others are the hull's
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
-  HullCheck hull_check;              ///< each mask against what all masks allow
-  int outside_points = 0;            ///< dropped because they lie outside of the masks
-  double outline_gap_before_px = 0;  ///< mean distance of the cloud's outline inside of the masks', before the fit to them
-  double outline_gap_px = 0;         ///< and after
-  std::int64_t evaluations = 0;      ///< windows correlated
+  HullCheck hull_check;          ///< each mask against what all masks allow
+  int outside_points = 0;        ///< dropped because they lie outside of the masks
+  std::int64_t evaluations = 0;  ///< windows correlated
   double hull_volume = 0;
   double matching_cpu_seconds = 0;  ///< of PatchMatch alone, all threads together
 };

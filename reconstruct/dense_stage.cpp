@@ -56,10 +56,8 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
     mean += result.completeness[i] / static_cast<double>(views.size());
   }
   stage.Report("stereo_points", result.stereo_points);
-  stage.Report("rim_points", result.rim_points);
-  stage.Report("points_contradicted", result.contradicted_points);
-  stage.ReportJson("error_px_by_confidence", nlohmann::json(result.error_px).dump());
-  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.rim_points);
+  stage.Report("gap_points", result.gap_points);
+  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.gap_points);
   stage.Report("ncc_evaluations", result.evaluations);
   stage.Report("ncc_per_cpu_second",
                result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
@@ -89,10 +87,6 @@ void Run(StageContext& stage, const DenseOptions& options) {
     stage.Report("kernel", BestPatchCostKernel().name);
     DenseResult result = ReconstructDense(views, scene, options, stage.progress());
     ReportMatching(stage, views, result);
-    if (options.silhouette_fit && !options.rim_points) {
-      stage.Report("outline_gap_before_px", result.outline_gap_before_px);
-      stage.Report("outline_gap_px", result.outline_gap_px);
-    }
     cloud = std::move(result.cloud);
   }
   const double cpu = CpuSeconds();

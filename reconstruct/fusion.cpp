@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -27,6 +28,16 @@ Passage PassageOf(const DenseView& from, const DenseView& to) {
           back.rotation.toRotationMatrix(), other * motion.translation, k * back.translation};
 }
 
+constexpr char kConfirmed = 1, kUsed = 2;
+
+// A point of the cloud, small: there are a million.
+struct FusedPoint {
+  Eigen::Vector3d point;
+  Eigen::Vector3f normal;
+  float confidence = 0;
+  std::array<std::uint8_t, 3> color;
+};
+
 struct Group {
   std::array<Member, kMaxSources + 1> members;
   int count = 0;
@@ -47,17 +58,17 @@ float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options
 
 class Fuser {
  public:
-  Fuser(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<PlaneMap>& maps,
+  Fuser(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
         const FusionOptions& options)
       : views_(views),
         sources_(sources),
-        maps_(maps),
+        maps_(std::move(maps)),
         options_(options),
-        error_limit_(ErrorLimit(maps, options)),
+        error_limit_(ErrorLimit(maps_, options)),
         least_cosine_(std::cos(options.normal_tolerance_deg * M_PI / 180)),
         passages_(views.size()),
-        confirmed_(views.size()),
-        used_(views.size()) {
+        state_(views.size()),
+        points_(views.size()) {
     for (std::size_t i = 0; i < views.size(); ++i) {
       rotations_.push_back(views[i].camera_from_world.rotation.toRotationMatrix());
       centers_.push_back(views[i].Center());
@@ -67,15 +78,20 @@ class Fuser {
 
   FusionResult Run() {
     ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) { Confirm(static_cast<int>(i)); });
-    for (std::size_t i = 0; i < views_.size(); ++i) used_[i].assign(confirmed_[i].size(), 0);
     for (std::size_t i = 0; i < views_.size(); ++i) Emit(static_cast<int>(i));
     FusionResult result;
+    result.cells.resize(views_.size());
+    ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
+      for (char& state : state_[i]) state &= kConfirmed;
+      if (!maps_[i].empty()) result.cells[i] = CellsOf(views_[i], maps_[i], state_[i]);
+    });
+    maps_.clear();
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      const double found = static_cast<double>(std::count(confirmed_[i].begin(), confirmed_[i].end(), 1));
+      const double found = static_cast<double>(std::count(state_[i].begin(), state_[i].end(), kConfirmed));
       result.completeness.push_back(views_[i].masked_pixels > 0 ? found / static_cast<double>(views_[i].masked_pixels) : 0);
     }
     result.cloud = Cloud();
-    result.confirmed = std::move(confirmed_);
+    result.confirmed = std::move(state_);
     return result;
   }
 
@@ -136,25 +152,26 @@ class Fuser {
 
   void Confirm(int view) {
     const PlaneMap& map = maps_[view];
-    confirmed_[view].assign(map.size(), 0);
+    state_[view].assign(map.size(), 0);
     for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-      confirmed_[view][pixel] = Usable(view, pixel) && Agreeing(view, pixel, options_.least_views).count >= options_.least_views;
+      if (Usable(view, pixel) && Agreeing(view, pixel, options_.least_views).count >= options_.least_views)
+        state_[view][pixel] = kConfirmed;
   }
 
   void Emit(int view) {
-    for (std::size_t pixel = 0; pixel < confirmed_[view].size(); ++pixel) {
-      if (!confirmed_[view][pixel] || used_[view][pixel]) continue;
+    for (std::size_t pixel = 0; pixel < state_[view].size(); ++pixel) {
+      if (state_[view][pixel] != kConfirmed) continue;
       const Group group = Agreeing(view, pixel, kMaxSources + 1);
       int used = 0;
-      for (int k = 1; k < group.count; ++k) used += used_[group.members[k].view][group.members[k].pixel];
+      for (int k = 1; k < group.count; ++k) used += (state_[group.members[k].view][group.members[k].pixel] & kUsed) != 0;
       if (used >= 2) continue;
-      for (int k = 0; k < group.count; ++k) used_[group.members[k].view][group.members[k].pixel] = 1;
-      Merge(group);
+      for (int k = 0; k < group.count; ++k) state_[group.members[k].view][group.members[k].pixel] |= kUsed;
+      Merge(group, &points_[view]);
     }
   }
 
   // Weighted by how squarely and how closely a view sees the surface.
-  void Merge(const Group& group) {
+  void Merge(const Group& group, std::vector<FusedPoint>* points) const {
     Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = point, color = point;
     double total = 0, match = 0;
     for (int k = 0; k < group.count; ++k) {
@@ -168,44 +185,51 @@ class Fuser {
       match += weight * std::max(0.0, 1.0 - maps_[view].Cost(pixel));
       total += weight;
     }
-    points_.push_back(point / total);
-    normals_.push_back(normal.normalized());
-    colors_.push_back(color / total);
     const double views = std::min(1.0, (group.count - 1) / 4.0);
-    confidence_.push_back(static_cast<float>(std::clamp(views * (0.3 + 0.7 * match / total), 0.05, 1.0)));
+    FusedPoint out;
+    out.point = point / total, out.normal = normal.normalized().cast<float>();
+    for (int c = 0; c < 3; ++c) out.color[c] = static_cast<std::uint8_t>(std::lround(std::clamp(color[c] / total, 0.0, 255.0)));
+    out.confidence = static_cast<float>(std::clamp(views * (0.3 + 0.7 * match / total), 0.05, 1.0));
+    points->push_back(out);
   }
 
-  PointCloud Cloud() const {
+  // View by view, so that what was copied is freed.
+  PointCloud Cloud() {
+    std::size_t count = 0;
+    for (const std::vector<FusedPoint>& points : points_) count += points.size();
     PointCloud cloud;
-    const int count = static_cast<int>(points_.size());
-    cloud.points.resize(count, 3), cloud.normals.resize(count, 3), cloud.colors.resize(count, 3), cloud.confidence.resize(count);
-    for (int i = 0; i < count; ++i) {
-      cloud.points.row(i) = points_[i], cloud.normals.row(i) = normals_[i];
-      for (int c = 0; c < 3; ++c) cloud.colors(i, c) = static_cast<std::uint8_t>(std::lround(std::clamp(colors_[i][c], 0.0, 255.0)));
-      cloud.confidence[i] = confidence_[i];
+    const auto rows = static_cast<Eigen::Index>(count);
+    cloud.points.resize(rows, 3), cloud.normals.resize(rows, 3), cloud.colors.resize(rows, 3), cloud.confidence.resize(rows);
+    Eigen::Index row = 0;
+    for (std::vector<FusedPoint>& points : points_) {
+      for (const FusedPoint& p : points) {
+        cloud.points.row(row) = p.point, cloud.normals.row(row) = p.normal.cast<double>();
+        for (int c = 0; c < 3; ++c) cloud.colors(row, c) = p.color[c];
+        cloud.confidence[row++] = p.confidence;
+      }
+      std::vector<FusedPoint>().swap(points);
     }
     return cloud;
   }
 
   const std::vector<DenseView>& views_;
   const std::vector<std::vector<int>>& sources_;
-  const std::vector<PlaneMap>& maps_;
+  std::vector<PlaneMap> maps_;
   const FusionOptions& options_;
   const float error_limit_;
   const double least_cosine_;
   std::vector<Eigen::Matrix3d> rotations_;
   std::vector<Eigen::Vector3d> centers_;
-  std::vector<std::vector<Passage>> passages_;  // as sources_
-  std::vector<std::vector<char>> confirmed_, used_;
-  std::vector<Eigen::Vector3d> points_, normals_, colors_;
-  std::vector<float> confidence_;
+  std::vector<std::vector<Passage>> passages_;   // as sources_
+  std::vector<std::vector<char>> state_;         // kConfirmed, kUsed
+  std::vector<std::vector<FusedPoint>> points_;  // by the view that they were found in
 };
 
 }  // namespace
 
-FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
-                           const std::vector<PlaneMap>& maps, const FusionOptions& options) {
-  return Fuser(views, sources, maps, options).Run();
+FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
+                           const FusionOptions& options) {
+  return Fuser(views, sources, std::move(maps), options).Run();
 }
 
 }  // namespace keypose::reconstruct

@@ -6,6 +6,7 @@
 
 #include "core/mesh.h"
 #include "reconstruct/dense_view.h"
+#include "reconstruct/gap_fill.h"
 #include "reconstruct/patch_match_sweep.h"
 
 namespace keypose::reconstruct {
@@ -22,13 +23,15 @@ struct FusionOptions {
 struct FusionResult {
   PointCloud cloud;                          ///< normals towards the cameras; confidence in (0, 1]: agreement and match
   std::vector<std::vector<char>> confirmed;  ///< for each view, 1 for each pixel whose depth enough others confirmed
+  std::vector<SurfaceCells> cells;           ///< of each view: its confirmed depths, coarsely; empty where it has no map
   std::vector<double> completeness;          ///< for each view, the share of masked pixels that were confirmed; 0 for views without map
 };
 
+/// @param maps  freed as soon as they are read
 /// A pixel is kept when enough of its sources' maps put a surface at the same place with the same normal; those pixels are merged with it
 /// and not used again, and a pixel whose neighbours in two views are used already adds nothing. Views are taken in order, pixels row by
 /// row: the same bits for any thread count. Source: Merrell et al., ICCV 2007, in the form of Schoenberger et al., ECCV 2016.
-FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
-                           const std::vector<PlaneMap>& maps, const FusionOptions& options);
+FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
+                           const FusionOptions& options);
 
 }  // namespace keypose::reconstruct

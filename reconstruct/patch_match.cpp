@@ -47,6 +47,7 @@ class Estimator {
     }
     PatchMatchResult result;
     result.maps = std::move(maps_);
+    for (PlaneMap& map : result.maps) map.DropMatches();
     result.evaluations = std::accumulate(evaluations_.begin(), evaluations_.end(), std::int64_t{0});
     return result;
   }
@@ -88,10 +89,10 @@ class Estimator {
       // All sources judge all planes at the first pass of a level, and at the end of the coarsest, when the planes are worth a choice.
       const bool settled = coarsest && pass + 1 == PhotometricPasses(level);
       settings.select_sources = !geometric && ((level > 0 && pass == 0) || settled || levels_ == 1);
-      settings.refresh = pass == 0 || geometric;
+      settings.refresh = pass == 0;
       settings.far_areas = coarsest;
       settings.parabola = level == 0 && pass == Passes(level) - 1;
-      settings.refinements = coarsest ? 4 : settings.parabola ? 1 : geometric ? 2 : 3;
+      settings.refinements = coarsest ? 4 : settings.parabola ? 1 : geometric || level == 0 ? 2 : 3;
       settings.depth_step_px = depth_step, settings.slope_step = slope_step;
       settings.pass = pass;
       if (geometric) Freeze(level);

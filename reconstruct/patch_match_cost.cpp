@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 
 namespace keypose::reconstruct {
 namespace {
@@ -40,6 +41,15 @@ const SampleTable& WholeOffsets() {
   }();
   return table;
 }
+
+using Four = float __attribute__((vector_size(4 * sizeof(float))));
+Four Load(const float* from) {
+  Four four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
+}
+void Store(const Four& four, float* to) { std::memcpy(to, &four, sizeof four); }
+float Total(const Four& four) { return (four[0] + four[1]) + (four[2] + four[3]); }
 
 float Low(std::uint32_t entry) { return static_cast<std::int16_t>(entry & 0xFFFF); }
 float High(std::uint32_t entry) { return static_cast<std::int16_t>(entry >> 16); }
@@ -105,7 +115,8 @@ BilateralTable::BilateralTable(float color_scale) {
 }
 
 void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch) {
-  std::array<std::uint16_t, kPatchSamples> pixels;
+  alignas(16) std::array<std::uint16_t, kPatchSamples> pixels;
+  alignas(16) std::array<float, kPatchSamples> similarity;
   const SampleTable& samples = WholeOffsets();
   const int *dx = samples.dx.data(), *dy = samples.dy.data();
   const float* spatial = samples.weight.data();
@@ -120,25 +131,28 @@ void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& tab
   }
   const int center = *image.at(x, y) >> 1;
   patch->unused = 0;
-  // Four running sums each: one alone would wait for itself.
-  float weights[4] = {}, sums[4] = {}, squares[4] = {};
   for (int k = 0; k < kPatchSamples; ++k) {
     const int inside = pixels[k] & 1;
-    const float weight = spatial[k] * table.similarity[std::abs((pixels[k] >> 1) - center) >> kTableShift] * static_cast<float>(inside);
-    patch->value[k] = pixels[k] * kGreyScale;
-    patch->weight[k] = weight;
+    similarity[k] = inside ? table.similarity[std::abs((pixels[k] >> 1) - center) >> kTableShift] : 0;
     patch->unused |= static_cast<std::uint32_t>(inside ^ 1) << k;
-    weights[k & 3] += weight, sums[k & 3] += weight * patch->value[k];
   }
-  const float weight_sum = (weights[0] + weights[1]) + (weights[2] + weights[3]);
-  const float inverse = weight_sum > 0 ? 1 / weight_sum : 0, mean = ((sums[0] + sums[1]) + (sums[2] + sums[3])) * inverse;
-  for (int k = 0; k < kPatchSamples; ++k) {
-    patch->weight[k] *= inverse;
-    patch->value[k] -= mean;
-    patch->weighted_value[k] = patch->weight[k] * patch->value[k];
-    squares[k & 3] += patch->weighted_value[k] * patch->value[k];
+  // Four samples at a time.
+  Four weights{}, sums{}, squares{};
+  for (int k = 0; k < kPatchSamples; k += 4) {
+    const Four value = Four{static_cast<float>(pixels[k]), static_cast<float>(pixels[k + 1]), static_cast<float>(pixels[k + 2]),
+                            static_cast<float>(pixels[k + 3])} *
+                       kGreyScale;
+    const Four weight = Load(spatial + k) * Load(similarity.data() + k);
+    Store(value, patch->value + k), Store(weight, patch->weight + k);
+    weights += weight, sums += weight * value;
   }
-  patch->variance = (squares[0] + squares[1]) + (squares[2] + squares[3]);
+  const float weight_sum = Total(weights), inverse = weight_sum > 0 ? 1 / weight_sum : 0, mean = Total(sums) * inverse;
+  for (int k = 0; k < kPatchSamples; k += 4) {
+    const Four weight = Load(patch->weight + k) * inverse, value = Load(patch->value + k) - mean, weighted = weight * value;
+    Store(weight, patch->weight + k), Store(value, patch->value + k), Store(weighted, patch->weighted_value + k);
+    squares += weighted * value;
+  }
+  patch->variance = Total(squares);
   patch->noise_variance = noise_variance;
 }
 

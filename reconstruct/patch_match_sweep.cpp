@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
 
 namespace keypose::reconstruct {
 namespace {
@@ -14,7 +17,8 @@ constexpr float kCostCap = 1.2f;          // one source that sees a highlight or
 constexpr float kGeometricWeight = 0.2f;  // cost per pixel of disagreement with a source's own depth
 constexpr float kGeometricCap = 3.0f;     // pixels
 constexpr float kPriorWeight = 0.3f;
-constexpr float kPairMargin = 0.02f;   // a plane this much worse than the present one in the first two sources does not win by the others
+constexpr float kPairMargin = 0.02f;  // a plane this much worse than the present one in the first two sources does not win by the others
+constexpr float kSame = 0.1f, kSameInTheEnd = 0.15f;  // pixels
 constexpr int kStripWidth = 64;        // pixels visited side by side: what their windows read of all sources stays in the nearest cache
 constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
@@ -64,6 +68,18 @@ Area Turned(const std::array<Offset, n>& up, int quarter, int width) {
   return area;
 }
 
+using LaneInts = std::int32_t __attribute__((vector_size(sizeof(std::int32_t) * kLanes)));
+
+Lanes SquareRoots(const Lanes& x) {
+#if defined(__SSE__)
+  return _mm_sqrt_ps(x);
+#else
+  Lanes roots;
+  for (int lane = 0; lane < kLanes; ++lane) roots[lane] = std::sqrt(x[lane]);
+  return roots;
+#endif
+}
+
 // Up to four of the sources, ready to be matched side by side.
 struct SourceLanes {
   int count = 0;
@@ -71,6 +87,8 @@ struct SourceLanes {
   TransferLanes to, from;
   const SampleImage* images[kLanes] = {};
   const DepthImage* depths[kLanes] = {};
+  Lanes depth_width{}, depth_height{};
+  LaneInts depth_stride{};
 };
 
 struct Trial {
@@ -124,7 +142,10 @@ class Sweeper {
       lanes.ids[lane] = k;
       lanes.to.Set(lane, to_source_[k]), lanes.from.Set(lane, from_source_[k]);
       lanes.images[lane] = in_.samples[k];
-      if (!in_.source_inverse_depths.empty()) lanes.depths[lane] = in_.source_inverse_depths[k];
+      if (!geometric_) continue;
+      const DepthImage& depths = *in_.source_inverse_depths[k];
+      lanes.depths[lane] = &depths, lanes.depth_stride[lane] = depths.width;
+      lanes.depth_width[lane] = static_cast<float>(depths.width), lanes.depth_height[lane] = static_cast<float>(depths.height);
     }
     return lanes;
   }
@@ -174,14 +195,14 @@ class Sweeper {
 
   // How far the pixel lands from itself when it goes to each source by this plane and comes back by the source's own depth.
   Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
-    Lanes w{}, sx, sy;
-    for (int lane = 0; lane < lanes.count; ++lane) {
-      const DepthImage& depths = *lanes.depths[lane];
-      const float x = warps.x[lane] - 0.5f, y = warps.y[lane] - 0.5f;  // half a pixel on, without the border
-      if (x >= 0 && y >= 0 && x < static_cast<float>(depths.width) && y < static_cast<float>(depths.height))
-        w[lane] = depths.At(static_cast<int>(x), static_cast<int>(y));
-    }
+    Lanes sx, sy, w{};
     std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
+    const Lanes x = sx - 0.5f, y = sy - 0.5f;  // half a pixel on, without the border
+    const LaneInts inside = (x >= 0.0f) & (y >= 0.0f) & (x < lanes.depth_width) & (y < lanes.depth_height);
+    const LaneInts at = __builtin_convertvector(inside ? y : Lanes{}, LaneInts) * lanes.depth_stride +
+                        __builtin_convertvector(inside ? x : Lanes{}, LaneInts);
+    for (int lane = 0; lane < kLanes; ++lane) w[lane] = lanes.depths[lane]->At(static_cast<std::size_t>(at[lane]));
+    w = inside ? w : Lanes{};
     sx -= 1.0f, sy -= 1.0f;
     const TransferLanes& t = lanes.from;
     const Lanes inverse = 1.0f / (t.x[2] * sx + t.y[2] * sy + t.one[2] + t.depth[2] * w);
@@ -189,9 +210,7 @@ class Sweeper {
     const Lanes dy = (t.x[1] * sx + t.y[1] * sy + t.one[1] + t.depth[1] * w) * inverse - y_;
     const Lanes square = dx * dx + dy * dy, worst = Lanes{} + kGeometricCap * kGeometricCap;
     const Lanes used = (w > 0.0f) & (square < worst) ? square : worst;
-    Lanes costs;
-    for (int lane = 0; lane < kLanes; ++lane) costs[lane] = __builtin_sqrtf(used[lane]);
-    return kGeometricWeight * costs;
+    return kGeometricWeight * SquareRoots(used);
   }
 
   float PriorCost(const PlaneHypothesis& plane) const {
@@ -257,17 +276,18 @@ class Sweeper {
 
   void Collect(int x, int y, const Area& area, bool inner) {
     const std::size_t here = Index(x, y);
-    std::uint16_t least = PlaneMap::kNoCost;
-    int best = -1;
-    for (int i = 0; i < static_cast<int>(area.steps.size()); ++i) {
+    // Cost and index in one number: its minimum needs no branch, which would be guessed wrong as often as not.
+    std::uint32_t least = static_cast<std::uint32_t>(PlaneMap::kNoCost) << 4;
+    const int count = static_cast<int>(area.steps.size());
+    for (int i = 0; i < count; ++i) {
       if (!inner) {
         const int nx = x + area.offsets[i].dx, ny = y + area.offsets[i].dy;
         if (nx < 0 || ny < 0 || nx >= map_.width || ny >= map_.height) continue;
       }
-      const std::uint16_t cost = map_.PackedCost(here + area.steps[i]);
-      if (cost < least) least = cost, best = i;
+      least = std::min(least, static_cast<std::uint32_t>(map_.PackedCost(here + area.steps[i])) << 4 | static_cast<std::uint32_t>(i));
     }
-    if (best < 0) return;
+    if (least >> 4 == PlaneMap::kNoCost) return;
+    const std::size_t best = least & 15;
     PlaneHypothesis plane = map_.Plane(here + area.steps[best]);
     plane.inverse_depth -= static_cast<float>(area.offsets[best].dx) * plane.gx + static_cast<float>(area.offsets[best].dy) * plane.gy;
     if (Same(plane, present_) || !Legal(plane)) return;
@@ -276,10 +296,10 @@ class Sweeper {
     candidate_[candidates_++] = plane;
   }
 
-  // Planes that differ by less than a twentieth of a pixel over the window.
+  // Planes that differ by less than a fraction of a pixel over the window; depths that close are found by the parabola.
   bool Same(const PlaneHypothesis& a, const PlaneHypothesis& b) const {
     const float change = std::abs(a.inverse_depth - b.inverse_depth) + kPatchRadius * (std::abs(a.gx - b.gx) + std::abs(a.gy - b.gy));
-    return change * px_per_inverse_depth_ < 0.05f;
+    return change * px_per_inverse_depth_ < (set_.parabola ? kSameInTheEnd : kSame);
   }
 
   // Sources that agree with several candidates see this pixel; those that agree with none are hidden from it.
@@ -325,11 +345,26 @@ class Sweeper {
     pixel_ = AtPixel(chosen_.to, x_, y_);
   }
 
-  float MatrixCost(int h, std::uint16_t sources) const {
-    float sum = 0;
-    for (int k = 0; k < count_; ++k)
-      if (sources >> k & 1) sum += matrix_[h][k];
-    return sum / static_cast<float>(std::popcount(sources)) + PriorCost(candidate_[h]);
+  // A candidate whose windows in all sources are known.
+  void JudgeRow(int h, PlaneHypothesis* plane, float* cost) {
+    const float scale = 1.0f / static_cast<float>(chosen_.count), extra = PriorCost(candidate_[h]);
+    float sum = extra, pair = extra;
+    for (int k = 0; k < chosen_.count; ++k) {
+      sum += matrix_[h][chosen_.ids[k]] * scale;
+      if (k < 2) pair = sum;
+    }
+    if (sum < *cost) *plane = candidate_[h], *cost = sum, pair_ = pair, extra_ = extra;
+  }
+
+  // The present plane's windows are known from the pass before; what other views say of it may be new.
+  void Recall(std::size_t index, const PlaneHypothesis& plane, float* cost) {
+    extra_ = PriorCost(plane);
+    if (geometric_) {
+      const Lanes geometric = GeometricCosts(chosen_, WarpsOf(chosen_.to, pixel_, plane));
+      for (int k = 0; k < chosen_.count; ++k) extra_ += geometric[k] / static_cast<float>(chosen_.count);
+    }
+    const PlaneMap::Match match = map_.MatchOf(index);
+    *cost = match.all + extra_, pair_ = match.pair + extra_;
   }
 
   void Visit(int x, int y) {
@@ -338,19 +373,19 @@ class Sweeper {
     present_ = map_.Plane(index);
     CollectCandidates(x, y);
     PlaneHypothesis plane = present_;
-    float cost = map_.Cost(index);
-    pair_ = kInfinite;
+    float cost = kInfinite;
+    pair_ = kInfinite, extra_ = 0;
     if (set_.select_sources) {
       SelectSources(index);
-      cost = MatrixCost(candidates_, map_.Sources(index));
-      for (int h = 0; h < candidates_; ++h) Accept(candidate_[h], MatrixCost(h, map_.Sources(index)), &plane, &cost);
       Choose(map_.Sources(index));
+      for (int h = candidates_; h >= 0; --h) JudgeRow(h, &plane, &cost);
     } else {
       Choose(map_.Sources(index));
       if (set_.refresh) {
-        cost = kInfinite;
         trials_[0].plane = plane;
         Contest(1, &plane, &cost);
+      } else {
+        Recall(index, plane, &cost);
       }
       int trials = 0;
       for (int h = 0; h < candidates_; ++h) trials_[trials++].plane = candidate_[h];
@@ -358,7 +393,10 @@ class Sweeper {
     }
     Refine(x, y, &plane, &cost);
     map_.SetPlane(index, plane), map_.SetCost(index, cost);
-    if (set_.parabola) map_.SetExpectedError(index, ExpectedError(plane));
+    if (set_.parabola)
+      map_.SetExpectedError(index, ExpectedError(plane));
+    else
+      map_.SetMatch(index, {cost - extra_, pair_ - extra_});
   }
 
   static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane, float* cost) {
@@ -408,16 +446,16 @@ class Sweeper {
     for (int h = 0; h < 2; ++h)
       if (Legal(trials_[h].plane)) Accept(trials_[h].plane, trials_[h].sum, plane, cost);
     if (!(bend > 1e-4f)) return;
-    trials_[0].plane = center;
-    trials_[0].plane.inverse_depth += step * std::clamp(0.5f * (farther - nearer) / bend, -1.0f, 1.0f);
-    if (Legal(trials_[0].plane)) Contest(1, plane, cost);
+    PlaneHypothesis lowest = center;
+    lowest.inverse_depth += step * std::clamp(0.5f * (farther - nearer) / bend, -1.0f, 1.0f);
+    if (Legal(lowest)) *plane = lowest;  // its windows would only say what the parabola has said
   }
 
   // Two windows of variance V that differ by noise of variance r cost r / (2 V) at the best shift and u^2 g / (2 V) more at u pixels beside
   // it, where g is the mean squared gradient; least squares over n samples find the shift to r / (n g). So cost over bend is the squared
   // error, whatever the noise is: the sensor's, or a highlight's. [pixels of this view on the surface]
   float ExpectedError(const PlaneHypothesis& plane) const {
-    constexpr float kStep = 0.25f, kSamples = 16;  // half of the window's samples: weights differ, and noise is not white
+    constexpr float kStep = 0.25f, kSamples = 16;                    // half of the window's samples: weights differ, and noise is not white
     if (patch_.variance < 4 * in_.noise_variance) return kInfinite;  // nothing but noise to go by
     const float px = kStep * std::sqrt(2 * std::max(window_cost_, 1e-3f) / (kSamples * std::max(window_bend_, 1e-6f)));
     return px / px_per_inverse_depth_ * static_cast<float>(camera_.fx) / plane.inverse_depth;

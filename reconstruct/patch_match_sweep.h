@@ -30,7 +30,7 @@ struct SweepInputs {
 
 struct SweepSettings {
   bool select_sources = false;  ///< judge all sources with all candidates and choose anew; else use each pixel's choice
-  bool refresh = false;         ///< stored costs are of other conditions: compute them again
+  bool refresh = false;         ///< nothing is known of the planes' costs: compute them
   bool far_areas = false;       ///< also look for planes up to 23 pixels away
   int refinements = 3;
   bool parabola = false;       ///< settle each depth in the minimum of a parabola, after the random changes

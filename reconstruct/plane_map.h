@@ -16,7 +16,7 @@ struct PlaneHypothesis {
   float inverse_depth = 0, gx = 0, gy = 0;
 };
 
-/// A plane, its cost and its source views for each pixel, row-major, in 11 bytes a pixel (12 when there are more than eight sources).
+/// A plane, its costs and its source views for each pixel, row-major, in 15 bytes a pixel (16 when there are more than eight sources).
 /// Pixels without a plane have inverse depth 0 and infinite cost. Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to
 /// 1/16384.
 class PlaneMap {
@@ -26,7 +26,7 @@ class PlaneMap {
   PlaneMap(const Pinhole& camera, int source_count)
       : width(camera.width), height(camera.height), unit_(static_cast<float>(1 / (kTiltSteps * camera.fx))), inverse_unit_(1 / unit_) {
     const std::size_t count = static_cast<std::size_t>(width) * height;
-    planes_.assign(count, {}), costs_.assign(count, kNoCost);
+    planes_.assign(count, {}), costs_.assign(count, kNoCost), match_.assign(count, {});
     first_sources_.assign(count, 0), more_sources_.assign(source_count > 8 ? count : 0, 0);
   }
 
@@ -48,6 +48,17 @@ class PlaneMap {
   void SetCost(std::size_t pixel, float cost) {
     costs_[pixel] = static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, kNoCost - 1.0f));
   }
+  /// What of the cost the windows in all used sources make, and in the first two of them: it stays while plane and sources do.
+  struct Match {
+    float all = 0, pair = 0;
+  };
+  Match MatchOf(std::size_t pixel) const { return {match_[pixel].all * (1.0f / kCostSteps), match_[pixel].pair * (1.0f / kCostSteps)}; }
+  void SetMatch(std::size_t pixel, const Match& match) {
+    auto steps = [](float cost) { return static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, 65535.0f)); };
+    match_[pixel] = {steps(match.all), steps(match.pair)};
+  }
+  /// Frees what only further passes would need.
+  void DropMatches() { std::vector<PackedMatch>().swap(match_); }
   /// Bit k: the k-th source view is used here.
   std::uint16_t Sources(std::size_t pixel) const {
     return static_cast<std::uint16_t>(first_sources_[pixel] | (more_sources_.empty() ? 0 : more_sources_[pixel] << 8));
@@ -73,6 +84,9 @@ class PlaneMap {
     float inverse_depth = 0;
     std::int16_t gx = 0, gy = 0;
   };
+  struct PackedMatch {
+    std::uint16_t all = 0, pair = 0;
+  };
   static std::int16_t Tilt(float steps) {
     return static_cast<std::int16_t>(std::clamp(steps + (steps < 0 ? -0.5f : 0.5f), -32767.0f, 32767.0f));
   }
@@ -80,6 +94,7 @@ class PlaneMap {
   float unit_ = 0, inverse_unit_ = 0;
   std::vector<Packed> planes_;
   std::vector<std::uint16_t> costs_;
+  std::vector<PackedMatch> match_;
   std::vector<std::uint8_t> first_sources_, more_sources_;
 };
 

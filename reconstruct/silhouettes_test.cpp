@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parallel.h"
 #include "core/render.h"
-#include "reconstruct/silhouette_fit.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -40,19 +38,6 @@ VisualHull Carved(const std::vector<DenseView>& views, int votes = 1) {
   options.resolution = 96;
   options.outside_votes = votes;
   return CarveVisualHull(views, options);
-}
-
-// Even points on a sphere around the origin, with outward normals.
-PointCloud Sphere(int count, double radius) {
-  PointCloud cloud;
-  cloud.points.resize(count, 3), cloud.normals.resize(count, 3), cloud.colors = ColorsX3::Zero(count, 3);
-  cloud.confidence = Eigen::VectorXf::Ones(count);
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2.0 * i + 1) / count, ring = std::sqrt(1 - z * z), turn = i * M_PI * (3 - std::sqrt(5.0));
-    cloud.normals.row(i) << ring * std::cos(turn), ring * std::sin(turn), z;
-  }
-  cloud.points = radius * cloud.normals;
-  return cloud;
 }
 
 TEST(Silhouettes, SliceOfARingIsThePolygonOfItsOutlines) {
@@ -119,51 +104,6 @@ TEST(CheckAgainstHull, NamesTheViewWhosePrincipalPointIsWrong) {
     if (i == 5) continue;
     EXPECT_GT(bad.iou[i], bad.iou[5] + 0.03) << views[i].name;
   }
-}
-
-TEST(FitToSilhouettes, BallThatIsTooSmallGrowsToItsOutlines) {
-  const Silhouettes silhouettes(BallRing(24, 25), 1);
-  const SilhouetteFit fit = FitToSilhouettes(Sphere(60000, 0.96), silhouettes, {});
-  EXPECT_NEAR(fit.gap_before_px, 3, 0.7);
-  EXPECT_NEAR(fit.gap_after_px, 0, 0.4);
-  double error = 0;
-  int outlined = 0;
-  for (int i = 0; i < fit.cloud.points.rows(); ++i) {
-    if (std::abs(fit.cloud.normals(i, 2)) > 0.85) continue;  // no view's outline passes over the poles
-    error += std::abs(fit.cloud.points.row(i).norm() - 1);
-    ++outlined;
-  }
-  EXPECT_LT(error / outlined, 0.01) << "a quarter of what it was";
-}
-
-TEST(FitToSilhouettes, RightBallStaysAndDentsAreNotFilled) {
-  const Silhouettes silhouettes(BallRing(24, 25), 1);
-  PointCloud cloud = Sphere(60000, 1);
-  const Eigen::RowVector3d middle = Eigen::RowVector3d(0.6, -0.5, 0.4).normalized();
-  std::vector<int> dent;
-  for (int i = 0; i < cloud.points.rows(); ++i) {
-    const double reach = (cloud.normals.row(i) - middle).norm() / 0.06;
-    cloud.points.row(i) *= 1 - 0.05 * std::exp(-reach * reach);
-    if (reach < 0.4) dent.push_back(i);
-  }
-  const SilhouetteFit fit = FitToSilhouettes(cloud, silhouettes, {});
-  EXPECT_LT((fit.cloud.points - cloud.points).rowwise().norm().mean() * kPixels, 0.4) << "pixels";
-  ASSERT_GT(dent.size(), 4u);
-  double depth = 0;
-  for (const int i : dent) depth += (1 - fit.cloud.points.row(i).norm()) / static_cast<double>(dent.size());
-  EXPECT_NEAR(depth, 0.046, 0.006);
-}
-
-TEST(FitToSilhouettes, SameBitsForAnyThreadCount) {
-  const Silhouettes silhouettes(BallRing(9, 25), 1);
-  const PointCloud cloud = Sphere(20000, 0.97);
-  SetThreadCount(1);
-  const SilhouetteFit one = FitToSilhouettes(cloud, silhouettes, {});
-  SetThreadCount(3);
-  const SilhouetteFit three = FitToSilhouettes(cloud, silhouettes, {});
-  SetThreadCount(0);
-  EXPECT_EQ(one.cloud.points, three.cloud.points);
-  EXPECT_GT((one.cloud.points - cloud.points).cwiseAbs().maxCoeff(), 0);
 }
 
 }  // namespace
