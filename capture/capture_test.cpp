@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "capture/capture_test_images.h"
@@ -103,6 +104,23 @@ TEST(RefinedMask, FollowsTheEdgeAtFullResolution) {
   const Image8 mask = RefinedMask(large.image, masks[0]);
   ASSERT_EQ(mask.width, 720);
   EXPECT_GT(Iou(mask, large.truth), 0.97);
+}
+
+/// The image in the middle of one of twice the size.
+Image8 Framed(const Image8& image, std::uint8_t value) {
+  Image8 framed(2 * image.width, 2 * image.height, image.channels, value);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, framed.at(x + image.width / 2, y + image.height / 2));
+  return framed;
+}
+
+TEST(RefinedMask, WhatLiesFarFromTheFigureDoesNotMatter) {
+  const TestPhoto photo = MakeTestPhoto(3, 720, 480, TestWall::kDark);
+  const Image8 coarse = WorkingImage(photo.truth, 240);
+  const Image8 mask = RefinedMask(photo.image, coarse), framed = RefinedMask(Framed(photo.image, 90), Framed(coarse, 0));
+  EXPECT_GT(Iou(mask, photo.truth), 0.97);
+  EXPECT_EQ(framed.data, Framed(mask, 0).data);
+  EXPECT_EQ(MaskFraction(RefinedMask(photo.image, Image8(240, 160, 1, 0))), 0);
 }
 
 TEST(MeasureQuality, CrispnessFallsWithBlurAndHardlyWithContrast) {

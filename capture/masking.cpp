@@ -97,7 +97,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
   // Rounds but the last at half the size: they only teach.
   std::vector<Image8> small;
   for (const Image8& image : images) small.push_back(WorkingImage(image, std::max(image.width, image.height) / 2));
-  Round coarse{small, {}, {}, {}, nullptr};
+  Round coarse{small, {}, {}, {}, nullptr, {}};
   for (const Image8& image : small) {
     coarse.lab.push_back(LabOf(image));
     coarse.zones.push_back(FirstZones(image.width, image.height, options.border_share));
@@ -112,7 +112,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
     for (std::size_t i = 0; i < masks.size(); ++i) coarse.zones[i] = ZonesOf(masks[i]);
   }
   Step(progress, static_cast<double>(options.rounds - 1) / options.rounds, "masks");
-  Round fine{images, {}, {}, coarse.takes, nullptr};
+  Round fine{images, {}, {}, coarse.takes, nullptr, {}};
   for (std::size_t i = 0; i < images.size(); ++i) {
     fine.lab.push_back(LabOf(images[i]));
     fine.zones.push_back(Enlarged(coarse.zones[i], images[i].width, images[i].height));
@@ -136,8 +136,16 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
   cv::Mat large, guided;
   cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
-  cv::ximgproc::guidedFilter(MatOf(image), large, guided, radius, 25.0);
-  return BestRegion(ImageOf(guided > 127));
+  // The filter asks for some thirty planes of floats. Two radii beyond the mask it gives zero whatever the picture, so it sees no more
+  // than its surroundings.
+  const int margin = 4 * radius;
+  cv::Rect box = cv::boundingRect(large);
+  if (box.empty()) return BestRegion(ImageOf(large));
+  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) & cv::Rect({0, 0}, large.size());
+  cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius, 25.0);
+  cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
+  mask(box).setTo(255, guided > 127);
+  return BestRegion(ImageOf(mask));
 }
 
 Image8 Grey(const Image8& image) {

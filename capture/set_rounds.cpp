@@ -177,7 +177,7 @@ std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardO
       const float shadow = shadow_odds[kinds[i].data[p]];
       if (shadow < kShadow) odds.data[p] = std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
     }
-    for (std::size_t p = 0; round.leaning && p < features.size(); ++p) odds.data[p] += (*round.leaning)[i].data[p];
+    for (std::size_t p = 0; round.told && p < features.size(); ++p) odds.data[p] += round.odds_told[(*round.told)[i].data[p]];
     AddBoard(odds, boards[i], options.odds_limit);
     masks[i] = CutRegion(round.images[i], odds, options.smoothness, kHole);
   });

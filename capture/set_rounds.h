@@ -15,7 +15,8 @@ struct Round {
   std::vector<Image8> lab;            ///< of the same
   std::vector<Image8> zones;          ///< what is believed of their pixels
   std::vector<Take> takes;
-  const std::vector<ImageF>* leaning = nullptr;  ///< log odds known from elsewhere, one for each image, added to what is learned
+  const std::vector<Image8>* told = nullptr;  ///< what is known of each image's pixels from elsewhere, as kinds
+  std::vector<float> odds_told;               ///< log odds of each of these kinds, added to what is learned
 
   const Take& TakeOf(std::size_t i) const {
     for (const Take& take : takes)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "capture/set_rounds.h"
 #include "core/errors.h"
@@ -218,13 +219,10 @@ std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vec
   std::vector<float> leaning_of = OddsOfDenials(masks, denials, options.most_denials);
   const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
-  std::vector<ImageF> leaning;
-  Round round{images, {}, {}, FindTakes(images, masking.border_share), &leaning};
+  Round round{images, {}, {}, FindTakes(images, masking.border_share), &denials, std::move(leaning_of)};
   for (std::size_t i = 0; i < images.size(); ++i) {
     round.lab.push_back(LabOf(images[i]));
     round.zones.push_back(ZonesOf(masks[i]));
-    leaning.emplace_back(images[i].width, images[i].height, 1);
-    for (std::size_t p = 0; p < denials[i].data.size(); ++p) leaning[i].data[p] = leaning_of[denials[i].data[p]];
   }
   return SegmentByForest(round, boards, masking);
 }
