@@ -26,9 +26,9 @@ using Edge = SurfaceMesh::Edge_index;
 using Face = SurfaceMesh::Face_index;
 using Halfedge = SurfaceMesh::Halfedge_index;
 
-constexpr double kLong = 4.0 / 3, kShort = 4.0 / 5;  // of the wanted length: neither undoes the other
-constexpr double kTurn = 0.3;                        // cosine beyond which a face may not turn in one step
-constexpr int kRounds = 6, kFits = 4;
+constexpr double kLong = 4.0 / 3, kShort = 4.0 / 5;      // of the wanted length: neither undoes the other
+constexpr int kRounds = 6, kFits = 14, kLastFlips = 10;  // fits after which the edges stay
+constexpr double kTurn = 0.3;                            // cosine beyond which a face may not turn in one step
 
 double MinAngle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const auto angle = [](const Vector3d& u, const Vector3d& v) { return std::atan2(u.cross(v).norm(), u.dot(v)); };
@@ -48,6 +48,7 @@ class Editor {
   Vertex Split(Edge e);
   bool Collapse(Edge e, double longest);
   bool Flip(Edge e);
+  bool FlipTo(Edge e, double least_angle);
   bool Move(Vertex v, const Vector3d& to);
   Vector3d Cross(Face f) const;
   Vector3d Normal(Vertex v) const;
@@ -170,6 +171,20 @@ bool Editor::Flip(Edge e) {
   return true;
 }
 
+// When the other diagonal can be: no angle below the least, no face turned.
+bool Editor::FlipTo(Edge e, double least_angle) {
+  const Halfedge h = mesh.halfedge(e), o = mesh.opposite(h);
+  const Vertex a = mesh.source(h), b = mesh.target(h), c = mesh.target(mesh.next(h)), d = mesh.target(mesh.next(o));
+  if (c == d || mesh.degree(a) <= 4 || mesh.degree(b) <= 4 || mesh.halfedge(c, d) != SurfaceMesh::null_halfedge()) return false;
+  const Vector3d &pa = mesh.point(a), &pb = mesh.point(b), &pc = mesh.point(c), &pd = mesh.point(d);
+  if (std::min(MinAngle(pc, pd, pb), MinAngle(pd, pc, pa)) < least_angle) return false;
+  const Vector3d mean = (pb - pa).cross(pc - pa) + (pa - pb).cross(pd - pb);
+  const Vector3d m0 = (pd - pc).cross(pb - pc), m1 = (pc - pd).cross(pa - pd);
+  if (m0.dot(mean) < 0.7 * m0.norm() * mean.norm() || m1.dot(mean) < 0.7 * m1.norm() * mean.norm()) return false;
+  CGAL::Euler::flip_edge(h, mesh);
+  return true;
+}
+
 bool Editor::Move(Vertex v, const Vector3d& to) {
   if (!StarHolds(v, to, SurfaceMesh::null_vertex())) return false;
   mesh.point(v) = to;
@@ -187,7 +202,7 @@ class Remesher {
         normals_(FaceNormals(surface.points, surface.faces)),
         wanted_(sizes) {}
 
-  Mesh Run(int faces, bool fit);
+  Mesh Run(int faces);
 
  private:
   void SplitLong();
@@ -197,6 +212,7 @@ class Remesher {
   void TakeSizes();
   void Fit();
   void FixCount(int faces);
+  void FlipForShape();
   void MoveAll(const std::vector<Vertex>& vertices, const std::vector<Vector3d>& to);
   std::vector<Vertex> Vertices() const { return {mesh_.vertices().begin(), mesh_.vertices().end()}; }
   std::array<Vertex, 3> Corners(Face f) const {
@@ -286,7 +302,7 @@ struct Miss {
 // Corners on a sphere leave every face inside of it, and corners beside an edge cut it off. Each corner moves to where the points of its
 // faces are nearest to the planes of the surface below them, least squares with a pull to stay; neighbours move as well, hence the damping.
 void Remesher::Fit() {
-  constexpr double kPull = 0.1, kDamping = 0.5, kMostOverSize = 0.25;
+  constexpr double kPull = 0.02, kDamping = 0.5, kMostOverSize = 0.25;
   const double shares[4][3] = {{1. / 3, 1. / 3, 1. / 3}, {2. / 3, 1. / 6, 1. / 6}, {1. / 6, 2. / 3, 1. / 6}, {1. / 6, 1. / 6, 2. / 3}};
   const std::vector<Face> faces(mesh_.faces().begin(), mesh_.faces().end());
   std::vector<std::array<Miss, 4>> misses(mesh_.num_faces());
@@ -327,6 +343,30 @@ void Remesher::Fit() {
     to.push_back(mesh_.point(v) + move);
   }
   MoveAll(vertices, to);
+}
+
+// Edges that run across a ridge are turned along it: where the other diagonal's middle is much nearer to the surface.
+void Remesher::FlipForShape() {
+  constexpr double kGain = 0.5, kLeastAngle = 20 * EIGEN_PI / 180;
+  const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
+  std::vector<std::array<double, 2>> misses(edges.size());
+  const auto other = [&](Halfedge h) { return mesh_.target(mesh_.next(h)); };
+  ParallelFor(
+      static_cast<std::int64_t>(edges.size()),
+      [&](std::int64_t i) {
+        const Halfedge h = mesh_.halfedge(edges[i]);
+        const Vector3d now = 0.5 * (mesh_.point(mesh_.source(h)) + mesh_.point(mesh_.target(h)));
+        const Vector3d then = 0.5 * (mesh_.point(other(h)) + mesh_.point(other(mesh_.opposite(h))));
+        misses[i] = {scene_.ClosestPoint(now).squared_distance, scene_.ClosestPoint(then).squared_distance};
+      },
+      128);
+  std::vector<char> touched(mesh_.num_faces(), 0);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Halfedge h = mesh_.halfedge(edges[i]);
+    const Face f = mesh_.face(h), g = mesh_.face(mesh_.opposite(h));
+    if (!(misses[i][1] < kGain * misses[i][0]) || touched[f] || touched[g]) continue;
+    if (editor_.FlipTo(edges[i], kLeastAngle)) touched[f] = touched[g] = 1;
+  }
 }
 
 struct Candidate {
@@ -386,7 +426,7 @@ void MendThinFaces(Editor& editor, double least_deg, int rounds) {
   }
 }
 
-Mesh Remesher::Run(int faces, bool fit) {
+Mesh Remesher::Run(int faces) {
   TakeSizes();
   for (int round = 0; round < kRounds; ++round) {
     SplitLong();
@@ -410,7 +450,10 @@ Mesh Remesher::Run(int faces, bool fit) {
   }
   FixCount(faces);
   MendThinFaces(editor_, 10, 6);
-  for (int round = 0; fit && round < kFits; ++round) Fit();
+  for (int round = 0; round < kFits; ++round) {
+    if (round % 2 == 1 && round < kLastFlips) FlipForShape();
+    Fit();
+  }
   MendThinFaces(editor_, 5, 6);
   mesh_.collect_garbage();
   return FromSurfaceMesh(mesh_);
@@ -418,8 +461,8 @@ Mesh Remesher::Run(int faces, bool fit) {
 
 }  // namespace
 
-Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces, bool fit) {
-  return Remesher(start, surface, sizes).Run(faces, fit);
+Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces) {
+  return Remesher(start, surface, sizes).Run(faces);
 }
 
 Mesh WithoutThinAngles(const Mesh& closed, double least_deg) {

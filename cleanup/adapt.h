@@ -13,11 +13,11 @@ namespace keypose::cleanup {
 /// @param surface  closed oriented 2-manifold; what the vertices are put on
 /// @param sizes    wanted edge length at each vertex of `surface`; only their ratios count
 /// @param faces    how many there will be, to the next even number where edges allow
-/// @param fit      true: at last the vertices leave the surface a little, so that the faces are nearest to it and the volume stays
 /// @return closed oriented 2-manifold of the start's topology; may intersect itself where walls are nearer than edges are long: check it
 /// Source: Botsch & Kobbelt, SGP 2004; Dunyach et al., Eurographics 2013 (sizes). Departs: collapses go to the end or the middle that
-/// lies nearest to the planes around, edges are flipped for angles and not for valence, and the count is steered.
-Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces, bool fit);
+/// lies nearest to the planes around, edges are flipped for angles and not for valence, and the count is steered. While the vertices are
+/// fitted, edges that run across a ridge are turned along it.
+Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces);
 
 /// Flips, collapses and shifts until no angle is below `least_deg`, where that is possible without turning a face. The number of faces
 /// may fall by a few. Vertices away from slivers do not move.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "cleanup/damage.h"
 #include "cleanup/handles.h"
 #include "cleanup/intersections.h"
 #include "cleanup/ladder.h"
@@ -85,6 +86,8 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
   result.mesh = ladder.Climb();
   Step(progress, 0.9, "measuring");
   MeasureDistances(result.mesh, normalized, ladder.kept(), result);
+  const double edge = std::sqrt(4 / std::sqrt(3.0) * SurfaceArea(result.mesh.points, result.mesh.faces) / result.mesh.face_count());
+  MeasureUndamaged(result.mesh, ladder.kept(), ladder.Changed(), edge, result);
   result.mesh.points = (result.mesh.points * frame.diagonal).rowwise() + frame.center;
   if (surface.colors.rows() == surface.points.rows()) result.mesh.colors = ColorsFrom(surface, result.mesh.points);
   Measure(result.mesh, frame.diagonal, result);

@@ -47,6 +47,8 @@ struct CleanupResult {
   double mean_min_angle_deg = 0;
   SurfaceDistance to_input;    ///< from the result to the input
   SurfaceDistance from_input;  ///< from the kept part of the input to the result
+  double undamaged_share = 1;  ///< of the kept input's area, that lies farther than an edge of the result from whatever was repaired
+  SurfaceDistance undamaged_to_input, undamaged_from_input;  ///< the same distances on that part: what the new size costs
 };
 
 /// Repairs by the least destructive means that pass the test: closed, oriented, one fan a vertex, positive volume, no face without

@@ -46,6 +46,10 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("mean_min_angle_deg", result.mean_min_angle_deg);
   ReportDistance(stage, "distance_to_input", result.to_input);
   ReportDistance(stage, "distance_from_input", result.from_input);
+  stage.Report("undamaged_share", result.undamaged_share);
+  ReportDistance(stage, "undamaged_to_input", result.undamaged_to_input);
+  ReportDistance(stage, "undamaged_from_input", result.undamaged_from_input);
+  stage.Report("diagonal", keypose::BoundingDiagonal(surface.points));
   stage.Report("hausdorff_over_diag", std::max(result.to_input.max, result.from_input.max));
   keypose::WriteMesh(stage.Output("clean"), result.mesh);
 }

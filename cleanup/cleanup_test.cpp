@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cleanup/components.h"
+#include "cleanup/damage.h"
 #include "cleanup/intersections.h"
 #include "cleanup/soup.h"
 #include "cleanup/testing_damage.h"
@@ -127,6 +128,34 @@ TEST(MakeClosedManifold, OpenBowlGetsAFlatLid) {
   // Sphere above z = -0.2: pi h^2 (3 - h) / 3 with h = 1.2.
   EXPECT_NEAR(result.volume, EIGEN_PI * 1.44 * 1.8 / 3, 0.06);
   EXPECT_GT(result.mesh.points.col(2).minCoeff(), -0.3);
+}
+
+TEST(MakeClosedManifold, WhatWasNotRepairedIsMeasuredByItself) {
+  const Mesh bowl = Above(MakeIcosphere(5), -0.2);
+  const CleanupResult result = MakeClosedManifold(bowl, Faces(3000));
+  ExpectClosed(result.mesh);
+  // The lid is far from all of the input; the round part is not, and only a rim of an edge's width (0.07 of a height of 1.2) is left out.
+  EXPECT_GT(result.to_input.p99, 0.1);
+  EXPECT_LT(result.undamaged_to_input.max, 0.002);
+  EXPECT_LT(result.undamaged_from_input.max, 0.002);
+  EXPECT_GT(result.undamaged_from_input.p99, 1e-5);
+  EXPECT_NEAR(result.undamaged_share, 1 - 0.07 / 1.2, 0.03);
+  const CleanupResult whole = MakeClosedManifold(MakeIcosphere(5), Faces(3000));
+  EXPECT_EQ(whole.undamaged_share, 1);
+  EXPECT_EQ(whole.undamaged_from_input.max, whole.from_input.max);
+}
+
+TEST(ChangedFaces, AreThoseThatOnlyOneHas) {
+  const Mesh sphere = MakeIcosphere(2);
+  Mesh other = sphere;
+  for (int f = 0; f < other.face_count(); ++f) other.faces.row(f) << sphere.faces(f, 1), sphere.faces(f, 2), sphere.faces(f, 0);
+  EXPECT_EQ(ChangedFaces(sphere, other).face_count(), 0);
+  other.points(sphere.faces(0, 0), 0) += 0.01;
+  int fan = 0;
+  for (int f = 0; f < sphere.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) fan += sphere.faces(f, k) == sphere.faces(0, 0);
+  EXPECT_EQ(ChangedFaces(sphere, other).face_count(), 2 * fan);
+  EXPECT_EQ(ChangedFaces(sphere, Mesh()).face_count(), sphere.face_count());
 }
 
 TEST(MakeClosedManifold, FlippedFacesAreTurned) {

@@ -7,6 +7,7 @@
 
 #include "cleanup/adapt.h"
 #include "cleanup/components.h"
+#include "cleanup/damage.h"
 #include "cleanup/decimate.h"
 #include "cleanup/handles.h"
 #include "cleanup/holes.h"
@@ -144,7 +145,7 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   std::optional<Mesh> with_slivers;
   for (int attempt = 0; attempt < kRemeshings; ++attempt) {
     Step(progress_, 0.7 + 0.05 * attempt, "remeshing");
-    const Mesh mesh = Remeshed(start, base, sizes, rules.faces, true);
+    const Mesh mesh = Remeshed(start, base, sizes, rules.faces);
     if (!GoodSize(mesh.face_count())) break;
     if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
       Mesh better = WithBetterAngles(*mended);
@@ -162,9 +163,9 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
 }
 
 std::optional<Mesh> Ladder::Finish(const Mesh& base) {
-  const Mesh kept = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
-  if (MayStay(kept.face_count())) return WithBetterAngles(kept);
-  const std::optional<Mesh> mesh = AtWantedSize(kept);
+  repaired_ = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
+  if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_);
+  const std::optional<Mesh> mesh = AtWantedSize(repaired_);
   // Even triangles can make room for a cut that slivers had no room for.
   if (!mesh || options_.genus < 0 || Genus(*mesh) <= options_.genus) return mesh;
   const Mesh cut = WithGenus(*mesh);
@@ -186,6 +187,7 @@ std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
     Step(progress_, 0.6, "wrapping coarsely");
     const Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, alpha / 2), options_.keep_components, &result_.components_removed);
     if (!Acceptable(wrap)) continue;
+    repaired_ = wrap;
     const Mesh mesh = WithGenus(wrap);
     if (mesh.face_count() > (1 + kCountTolerance) * options_.faces) continue;
     return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces));
@@ -236,6 +238,8 @@ std::optional<Mesh> Ladder::MendedWhole() {
   }
   return Finish(*mended);
 }
+
+Mesh Ladder::Changed() const { return ChangedFaces(working_, repaired_); }
 
 Mesh Ladder::Climb() {
   Step(progress_, 0.02, "checking");

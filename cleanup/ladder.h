@@ -22,6 +22,8 @@ class Ladder {
   Mesh Climb();
   /// What the result is to be compared with: the input without dropped pieces and stand.
   const Mesh& kept() const { return kept_; }
+  /// Faces that only one has, the kept input or what was made of it before it was brought to its size.
+  Mesh Changed() const;
 
  private:
   std::optional<Mesh> Try(const char* rung, const std::function<std::optional<Mesh>()>& step);
@@ -47,9 +49,10 @@ class Ladder {
   const CleanupOptions& options_;
   Progress* progress_;
   CleanupResult& result_;
-  Mesh kept_;     // welded, without bits and stand; all of its detail
-  Mesh working_;  // the same with at most a few times the wanted faces
-  Mesh filled_;   // that without holes
+  Mesh kept_;      // welded, without bits and stand; all of its detail
+  Mesh working_;   // the same with at most a few times the wanted faces
+  Mesh filled_;    // that without holes
+  Mesh repaired_;  // what the last rung brought to the wanted size
   std::string last_fault_;
 };
 
