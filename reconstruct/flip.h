@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "reconstruct/colmap_database.h"
+#include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {
 
@@ -25,7 +26,8 @@ struct Join {
   bool found = false;
   Similarity3 first_from_second;
   int pairs = 0, agreeing = 0;
-  double rms = 0;  ///< of the agreeing pairs, in the first model's units
+  double rms = 0;                         ///< of the agreeing pairs, in the first model's units
+  double miss_px = 0, rival_miss_px = 0;  ///< by outlines: MissedOutlines of the join, and of the best other turn
 };
 
 /// Pairs (point of the first model, point of the second) that matches join, most votes first; each point in one pair at most. The matches
@@ -52,5 +54,35 @@ struct ShapeJoinOptions {
 /// turns all round, judged by points that agree in place and colour. `pairs` counts the second model's points.
 /// Source: Chetverikov et al., "The trimmed iterative closest point algorithm", ICPR 2002. Same bits for any thread count.
 Join JoinByShape(const Scene& first, const Scene& second, const ShapeJoinOptions& options);
+
+/// Outlines of both halves, each in its own model's frame.
+struct HalfOutlines {
+  const Silhouettes& first;
+  const Silhouettes& second;
+};
+
+/// By how much the points of each half lie outside of the other half's masks [px of the masks], the mean over both, each point 12 at most.
+/// What one half's cameras see of the figure must lie within all masks of the other. Points of a half that is too large fall outside of
+/// the other's masks, and of one that is too small the other's outside of its own: so this tells the scale too.
+/// @param points  of each half, at most
+double MissedOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines, const Similarity3& first_from_second,
+                      int points);
+
+struct OutlineJoinOptions {
+  int rotations = 400;  ///< starts, spread evenly over all turns
+  int coarse_points = 50, fine_points = 400;
+  double max_miss_px = 0.5;    ///< beyond what the points miss their own half's outlines by
+  double least_rival_px = 1;   ///< any other turn misses by so much more than the best
+  double max_distance = 0.02;  ///< of pairs that agree in place and colour, as in ShapeJoinOptions
+  double max_color = 0.06;
+  double min_share = 0.25;  ///< of the points that must agree: lower, since sparse points of two mappers lie farther apart
+};
+
+/// The similarity under which each half's points lie within the other half's outlines, for models of which neither is metric: simplex
+/// searches from turns all round, then point-to-plane steps over the points that agree in place and colour.
+/// @return not found unless the outlines agree nearly as well as each half's do with its own points, no other turn comes near to that, and
+/// enough points agree in place and colour
+/// Cost: some 50,000 evaluations of 100 points in all masks; same bits for any thread count.
+Join JoinByOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines, const OutlineJoinOptions& options);
 
 }  // namespace keypose::reconstruct

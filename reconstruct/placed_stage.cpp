@@ -15,6 +15,8 @@
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/known_poses.h"
 #include "reconstruct/leveling.h"
+#include "reconstruct/sfm_hull_check_stage.h"
+#include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;
@@ -136,8 +138,13 @@ void MatchAcross(StageContext& stage, const ImageSet& set, const SfmFiles& files
 void ReportJoin(StageContext& stage, const std::string& name, const Join& join) {
   stage.Note("sfm: " + name + ": " + std::to_string(join.agreeing) + " of " + std::to_string(join.pairs) + " pairs of points agree" +
              (join.found ? "" : ", too few to join the models"));
-  stage.ReportJson("join_" + name,
-                   json{{"pairs", join.pairs}, {"agreeing", join.agreeing}, {"rms", join.rms}, {"found", join.found}}.dump());
+  stage.ReportJson("join_" + name, json{{"pairs", join.pairs},
+                                        {"agreeing", join.agreeing},
+                                        {"rms", join.rms},
+                                        {"miss_px", join.miss_px},
+                                        {"rival_miss_px", join.rival_miss_px},
+                                        {"found", join.found}}
+                                       .dump());
 }
 
 }  // namespace
@@ -234,6 +241,33 @@ Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files, con
   return half;
 }
 
+/// A mapper's model with its wrong points gone.
+Scene AdjustedModel(StageContext& stage, const ImageSet& set, const SeenInSet& seen, const fs::path& model, const SfmOptions& options) {
+  const Scene scene = ReadColmapModel(model);
+  BundleOptions bundle = BundleOf(options, false, false);
+  bundle.keep_aspect = true;
+  return AdjustBundle(scene, ReadObservations(model, set, scene, seen.features), bundle, stage.progress()).scene;
+}
+
+/// The placement that most of a scene's photographs are of.
+std::string PlacementOf(const ImageSet& set, const Scene& scene) {
+  std::map<std::string, int> count;
+  for (const View& view : scene.views) ++count[set.images[static_cast<std::size_t>(set.Find(view.name))].group];
+  return std::max_element(count.begin(), count.end(), [](const auto& a, const auto& b) { return a.second < b.second; })->first;
+}
+
+/// Models of two placements of which neither is metric, by outlines, shape and colour: of a figure that was turned over, the light that
+/// stays where it is changes every feature.
+Join JoinPlacements(StageContext& stage, const ImageSet& set, const std::string& name, const Scene& first, const Scene& second) {
+  const std::vector<DenseView> first_views = MaskViews(set, first), second_views = MaskViews(set, second);
+  if (first_views.size() < 3 || second_views.size() < 3) return {};
+  const Silhouettes first_masks(first_views, 1), second_masks(second_views, 1);
+  const HalfOutlines outlines{first_masks, second_masks};
+  const Join join = JoinByOutlines(first, second, outlines, OutlineJoinOptions{});
+  ReportJoin(stage, name + "_by_outlines", join);
+  return join;
+}
+
 /// By matches, else by shape and colour.
 Join JoinHalves(StageContext& stage, const std::string& name, const Half& first, const Half& second, const SeenInSet& seen,
                 bool& by_shape) {
@@ -291,24 +325,47 @@ std::optional<PlacedModel> ModelFromBoards(StageContext& stage, const ImageSet& 
   return model;
 }
 
+namespace {
+
+/// Views of the mapper's largest model and of all that join it.
+std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
+                              const std::vector<fs::path>& models, const Loaded& first, const SfmOptions& options) {
+  std::vector<View> views = first.scene.views;
+  if (views.size() == set.images.size()) return views;
+  std::set<std::string> placements{PlacementOf(set, first.scene)};
+  for (std::size_t m = 1; m < models.size(); ++m) {
+    const std::string name = "model" + std::to_string(m);
+    const Loaded other = Load(models[m]);
+    Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), JoinOptions{});
+    ReportJoin(stage, name, join);
+    const std::string placement = PlacementOf(set, other.scene);
+    if (join.found) {
+      const Scene moved = Transformed(join.first_from_second, other.scene);
+      MatchAcross(stage, set, files, seen.features, views, moved.views, options);
+      Append(views, moved);
+    } else if (!placements.contains(placement)) {
+      const Scene first_half = AdjustedModel(stage, set, seen, models[0], options),
+                  other_half = AdjustedModel(stage, set, seen, models[m], options);
+      join = JoinPlacements(stage, set, name, first_half, other_half);
+      if (!join.found) continue;
+      // Both as adjusted, since the join is between these.
+      if (views.size() == first.scene.views.size()) views = first_half.views;
+      Append(views, Transformed(join.first_from_second, other_half));
+    }
+    if (join.found) placements.insert(placement);
+  }
+  return views;
+}
+
+}  // namespace
+
 PlacedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SeenInSet& seen,
                             const std::vector<fs::path>& models, const SetBoards& boards, const SfmOptions& options) {
   PlacedModel model;
   model.scale_source = "none";
   if (models.empty()) return model;
   const Loaded first = Load(models[0]);
-  std::vector<View> views = first.scene.views;
-  if (models.size() > 1 && views.size() < set.images.size()) {
-    for (std::size_t m = 1; m < models.size(); ++m) {
-      const Loaded other = Load(models[m]);
-      const Join join = JoinModels(first.scene, other.scene, MatchPoints(first.tracks, other.tracks, seen.matches), JoinOptions{});
-      ReportJoin(stage, "model" + std::to_string(m), join);
-      if (!join.found) continue;
-      const Scene moved = Transformed(join.first_from_second, other.scene);
-      MatchAcross(stage, set, files, seen.features, views, moved.views, options);
-      Append(views, moved);
-    }
-  }
+  std::vector<View> views = JoinedViews(stage, set, files, seen, models, first, options);
   if (views.size() > first.scene.views.size()) {
     ShareCamera(views, first.scene.views[0].camera);
     model = Triangulated(stage, set, files, seen.features, views, "joined", options);

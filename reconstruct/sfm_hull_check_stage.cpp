@@ -11,7 +11,6 @@
 #include "reconstruct/visual_hull.h"
 
 namespace keypose::reconstruct {
-namespace {
 
 std::vector<DenseView> MaskViews(const ImageSet& set, const Scene& scene) {
   constexpr double kSide_px = 500;
@@ -29,8 +28,6 @@ std::vector<DenseView> MaskViews(const ImageSet& set, const Scene& scene) {
   std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
   return views;
 }
-
-}  // namespace
 
 void ReportHullAgreement(StageContext& stage, const ImageSet& set, const Scene& scene) {
   const std::vector<DenseView> views = MaskViews(set, scene);

@@ -1,6 +1,8 @@
 // keypose-sfm: images and masks to cameras and sparse points, in an upright frame.
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string>
 
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
@@ -67,8 +69,19 @@ void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene, c
                                  .dump());
 }
 
-Scene Leveled(StageContext& stage, const Scene& scene) {
-  const Leveling leveling = LevelScene(scene);
+/// The views that tell which way is up: of a figure that was also shot lying, those that show it upright (else of the first placement).
+Scene UprightViews(const ImageSet& set, const Scene& scene) {
+  const auto group = [&](const View& view) { return set.images[static_cast<std::size_t>(set.Find(view.name))].group; };
+  std::set<std::string> groups;
+  for (const View& view : scene.views) groups.insert(group(view));
+  Scene upright = scene;
+  const std::string wanted = groups.contains("upright") ? "upright" : *groups.begin();
+  std::erase_if(upright.views, [&](const View& view) { return group(view) != wanted; });
+  return upright.views.size() < 3 ? scene : upright;
+}
+
+Scene Leveled(StageContext& stage, const ImageSet& set, const Scene& scene) {
+  const Leveling leveling = LevelScene(UprightViews(set, scene));
   stage.Report("rings", leveling.rings);
   stage.Report("centered_on_axis", leveling.centered_on_axis);
   stage.Report("ring_plane_rms", leveling.plane_rms);
@@ -97,7 +110,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   stage.Report("scale_source", placed.model.scale_source);
   Scene scene = RefineByPatches(stage, set, placed.model, focal_known, options);
   watch.Lap(stage, "patches");
-  if (options.level && placed.model.scale_source == "none") scene = Leveled(stage, scene);
+  if (options.level && placed.model.scale_source == "none") scene = Leveled(stage, set, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   if (const fs::path picture = stage.Output("picture"); !picture.empty()) WriteImage(picture, Picture(scene));
