@@ -50,6 +50,43 @@ std::vector<std::vector<int>> AllOthers(int count) {
   return sources;
 }
 
+TEST(PlaneMap, UnpacksToWhatWasPacked) {
+  for (const int source_count : {8, 12}) {
+    PlaneMap map(ViewsOfThePlane(1)[0].camera(), source_count);
+    for (std::size_t i = 0; i < map.size(); i += 3) {
+      map.SetPlane(i, {0.2f + 1e-5f * static_cast<float>(i), 1e-4f, -2e-4f});
+      map.SetCost(i, 0.001f * static_cast<float>(i % 900)), map.SetMatch(i, {0.002f * static_cast<float>(i % 500), 0.01f});
+      map.SetSources(i, static_cast<std::uint16_t>(source_count > 8 ? i % 4096 : i % 256));
+    }
+    const PlaneMap before = map;
+    map.Pack();
+    std::size_t planes = 0;
+    map.ForEachPlane([&](std::size_t pixel, float inverse_depth) {
+      EXPECT_EQ(inverse_depth, before.InverseDepth(pixel));
+      ++planes;
+    });
+    EXPECT_EQ(planes, (before.size() + 2) / 3);
+    map.Unpack();
+    ASSERT_EQ(map.size(), before.size());
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      ASSERT_EQ(map.InverseDepth(i), before.InverseDepth(i));
+      ASSERT_EQ(map.Plane(i).gx, before.Plane(i).gx);
+      ASSERT_EQ(map.PackedCost(i), before.PackedCost(i));
+      ASSERT_EQ(map.MatchOf(i).all, before.MatchOf(i).all);
+      ASSERT_EQ(map.MatchOf(i).pair, before.MatchOf(i).pair);
+      ASSERT_EQ(map.Sources(i), before.Sources(i));
+    }
+  }
+}
+
+TEST(PlaneMap, WithoutAnyPlanePacksAndUnpacksToNone) {
+  PlaneMap map(ViewsOfThePlane(1)[0].camera(), 8);
+  map.Pack(), map.Unpack();
+  ASSERT_EQ(map.size(), static_cast<std::size_t>(kSize) * kSize);
+  EXPECT_EQ(map.InverseDepth(kSize), 0);
+  EXPECT_EQ(map.PackedCost(kSize), PlaneMap::kNoCost);
+}
+
 TEST(FuseDepthMaps, ExactMapsOfAPlaneGiveThePlane) {
   const std::vector<DenseView> views = ViewsOfThePlane(4);
   std::vector<PlaneMap> maps;

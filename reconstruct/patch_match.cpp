@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -18,6 +20,45 @@ std::uint64_t Mixed(std::uint64_t z) {
 }
 float Unit(std::uint64_t hash) { return static_cast<float>(hash >> 40) * (1.0f / (1 << 24)); }
 
+// The images to sample of the views that were asked for last: neighbours in the order of the files share most of their sources, and all
+// views' images together would be a sixth of the memory.
+class SampleCache {
+ public:
+  SampleCache(const std::vector<DenseView>& views, int level) : views_(views), level_(level), entries_(views.size()) {}
+
+  std::shared_ptr<const SampleImage> Get(int view) {
+    const std::scoped_lock lock(mutex_);
+    Entry& entry = entries_[view];
+    entry.asked = ++clock_;
+    if (entry.image) return entry.image;
+    entry.image = std::make_shared<const SampleImage>(MakeSampleImage(views_[view].levels[level_].grey));
+    std::shared_ptr<const SampleImage> image = entry.image;
+    if (++kept_ > kKept) Forget();
+    return image;
+  }
+
+ private:
+  static constexpr int kKept = 24;
+  struct Entry {
+    std::shared_ptr<const SampleImage> image;
+    std::int64_t asked = 0;
+  };
+  void Forget() {
+    Entry* oldest = nullptr;
+    for (Entry& entry : entries_)
+      if (entry.image && (!oldest || entry.asked < oldest->asked)) oldest = &entry;
+    oldest->image.reset();
+    --kept_;
+  }
+
+  const std::vector<DenseView>& views_;
+  const int level_;
+  std::mutex mutex_;
+  std::vector<Entry> entries_;
+  std::int64_t clock_ = 0;
+  int kept_ = 0;
+};
+
 class Estimator {
  public:
   Estimator(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, const std::vector<DepthBounds>& bounds,
@@ -31,7 +72,6 @@ class Estimator {
         maps_(views.size()),
         inverse_depths_(views.size()),
         priors_(views.size()),
-        samples_(views.size()),
         evaluations_(views.size(), 0) {
     levels_ = views.empty() ? 0 : static_cast<int>(views[0].levels.size());
     // Work of a pass grows fourfold with each level.
@@ -40,14 +80,16 @@ class Estimator {
 
   PatchMatchResult Run() {
     for (int level = levels_ - 1; level >= 0; --level) {
-      ForViews([&](int i) { level == levels_ - 1 ? Start(i, level) : Descend(i, level); });
-      ParallelFor(static_cast<std::int64_t>(views_.size()),
-                  [&](std::int64_t i) { samples_[i] = MakeSampleImage(views_[i].levels[level].grey); });
+      ForViews([&](int i) {
+        level == levels_ - 1 ? Start(i, level) : Descend(i, level);
+        maps_[i].Pack();
+      });
+      samples_ = std::make_unique<SampleCache>(views_, level);
       RunLevel(level);
     }
     PatchMatchResult result;
     result.maps = std::move(maps_);
-    for (PlaneMap& map : result.maps) map.DropMatches();
+    for (PlaneMap& map : result.maps) map.Unpack(), map.DropMatches();
     result.evaluations = std::accumulate(evaluations_.begin(), evaluations_.end(), std::int64_t{0});
     return result;
   }
@@ -69,7 +111,7 @@ class Estimator {
   SweepInputs Inputs(int i, int level) const {
     SweepInputs inputs;
     inputs.reference = &views_[i];
-    for (const int s : sources_[i]) inputs.sources.push_back(&views_[s]), inputs.samples.push_back(&samples_[s]);
+    for (const int s : sources_[i]) inputs.sources.push_back(&views_[s]);
     inputs.level = level;
     inputs.bounds = &bounds_[i];
     // Halving averages four pixels, which halves independent noise.
@@ -98,9 +140,13 @@ class Estimator {
       if (geometric) Freeze(level);
       ForViews([&](int i) {
         SweepInputs inputs = Inputs(i, level);
+        std::vector<std::shared_ptr<const SampleImage>> samples;
+        for (const int s : sources_[i]) samples.push_back(samples_->Get(s)), inputs.samples.push_back(samples.back().get());
         if (geometric)
           for (const int s : sources_[i]) inputs.source_inverse_depths.push_back(&inverse_depths_[s]);
+        maps_[i].Unpack();
         evaluations_[i] += Sweep(inputs, settings, &maps_[i]);
+        maps_[i].Pack();
       });
       depth_step *= first_geometric ? 1.0f : 0.5f;
       slope_step *= 0.6f;
@@ -115,7 +161,7 @@ class Estimator {
       const Pinhole& camera = views_[i].camera(level);
       if (inverse_depths_[i].width != camera.width || inverse_depths_[i].height != camera.height)
         inverse_depths_[i] = NoDepths(static_cast<int>(i), level);
-      for (std::size_t k = 0; k < maps_[i].size(); ++k) inverse_depths_[i].Set(k, maps_[i].InverseDepth(k));
+      maps_[i].ForEachPlane([&](std::size_t k, float inverse_depth) { inverse_depths_[i].Set(k, inverse_depth); });
     });
   }
 
@@ -179,7 +225,8 @@ class Estimator {
   void Descend(int i, int level) {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
-    const PlaneMap coarse = std::move(maps_[i]);
+    PlaneMap coarse = std::move(maps_[i]);
+    coarse.Unpack();
     PlaneMap fine(camera, static_cast<int>(sources_[i].size()));
     DepthImage prior = NoDepths(i, level + 1);
     for (std::size_t k = 0; k < coarse.size(); ++k) prior.Set(k, coarse.InverseDepth(k));
@@ -224,7 +271,7 @@ class Estimator {
   double work_ = 0, total_work_ = 0;
   std::vector<PlaneMap> maps_;
   std::vector<DepthImage> inverse_depths_, priors_;
-  std::vector<SampleImage> samples_;
+  std::unique_ptr<SampleCache> samples_;
   std::vector<std::int64_t> evaluations_;
 };
 

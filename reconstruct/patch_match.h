@@ -28,7 +28,8 @@ struct PatchMatchResult {
 /// @param bounds   for each view
 /// @param seeds    world points that are known to lie on the surface, for each view; may be empty
 /// Views run side by side; a geometric pass reads all views' depths as the pass before left them, so thread count changes nothing.
-/// Memory: 22 bytes a pixel of every view at the finest level: 15 of its map (11 in the end), a depth, and the image to sample.
+/// Memory at the finest level: 15 bytes a masked pixel of every view and 2.5 bytes a pixel of its crop, and 19 bytes a pixel of the few views
+/// at hand; in the end 11 a pixel.
 /// Source: Schoenberger et al., ECCV 2016 (geometric consistency); Xu & Tao, CVPR 2019 (multi-scale).
 PatchMatchResult EstimatePlanes(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
                                 const std::vector<DepthBounds>& bounds, const std::vector<std::vector<Eigen::Vector3d>>& seeds,

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "reconstruct/dense_view.h"
@@ -28,6 +30,7 @@ class PlaneMap {
     const std::size_t count = static_cast<std::size_t>(width) * height;
     planes_.assign(count, {}), costs_.assign(count, kNoCost), match_.assign(count, {});
     first_sources_.assign(count, 0), more_sources_.assign(source_count > 8 ? count : 0, 0);
+    many_sources_ = source_count > 8;
   }
 
   bool empty() const { return planes_.empty(); }
@@ -59,6 +62,27 @@ class PlaneMap {
   }
   /// Frees what only further passes would need.
   void DropMatches() { std::vector<PackedMatch>().swap(match_); }
+
+  /// Keeps only the pixels that have a plane: half of a picture that is cropped to its mask. Until Unpack nothing but ForEachPlane may be
+  /// asked.
+  void Pack() {
+    present_.assign((planes_.size() + 63) / 64, 0);
+    for (std::size_t pixel = 0; pixel < planes_.size(); ++pixel)
+      if (planes_[pixel].inverse_depth > 0) present_[pixel / 64] |= std::uint64_t{1} << (pixel % 64);
+    Kept(&planes_), Kept(&costs_), Kept(&match_), Kept(&first_sources_);
+    if (!more_sources_.empty()) Kept(&more_sources_);
+  }
+  void Unpack() {
+    Spread({}, &planes_), Spread(kNoCost, &costs_), Spread({}, &match_), Spread({}, &first_sources_);
+    if (many_sources_) Spread({}, &more_sources_);
+    present_.clear();
+  }
+  /// body(pixel, inverse depth) of a packed map.
+  template <class Body>
+  void ForEachPlane(const Body& body) const {
+    std::size_t n = 0;
+    ForEachPresent([&](std::size_t pixel) { body(pixel, planes_[n++].inverse_depth); });
+  }
   /// Bit k: the k-th source view is used here.
   std::uint16_t Sources(std::size_t pixel) const {
     return static_cast<std::uint16_t>(first_sources_[pixel] | (more_sources_.empty() ? 0 : more_sources_[pixel] << 8));
@@ -87,11 +111,34 @@ class PlaneMap {
   struct PackedMatch {
     std::uint16_t all = 0, pair = 0;
   };
+  template <class Body>
+  void ForEachPresent(const Body& body) const {
+    for (std::size_t word = 0; word < present_.size(); ++word)
+      for (std::uint64_t bits = present_[word]; bits; bits &= bits - 1) body(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+  }
+  template <class T>
+  void Kept(std::vector<T>* values) const {
+    std::vector<T> kept;
+    std::size_t count = 0;
+    ForEachPresent([&](std::size_t) { ++count; });
+    kept.reserve(count);
+    ForEachPresent([&](std::size_t pixel) { kept.push_back((*values)[pixel]); });
+    values->swap(kept);
+  }
+  template <class T>
+  void Spread(const std::type_identity_t<T>& none, std::vector<T>* values) const {
+    std::vector<T> spread(static_cast<std::size_t>(width) * height, none);
+    std::size_t n = 0;
+    ForEachPresent([&](std::size_t pixel) { spread[pixel] = (*values)[n++]; });
+    values->swap(spread);
+  }
   static std::int16_t Tilt(float steps) {
     return static_cast<std::int16_t>(std::clamp(steps + (steps < 0 ? -0.5f : 0.5f), -32767.0f, 32767.0f));
   }
 
   float unit_ = 0, inverse_unit_ = 0;
+  bool many_sources_ = false;
+  std::vector<std::uint64_t> present_;  // of a packed map: a bit a pixel
   std::vector<Packed> planes_;
   std::vector<std::uint16_t> costs_;
   std::vector<PackedMatch> match_;
