@@ -66,13 +66,14 @@ double Mean(const std::vector<double>& values) {
   return sum;
 }
 
-void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined, double low_overlap) {
+void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined,
+                     const SpaceOptions& options) {
   nlohmann::json each = nlohmann::json::object(), low = nlohmann::json::array();
   for (std::size_t i = 0; i < refined.agreement.size(); ++i) {
     const std::string& name = set.images[placed.index[i]].name;
     each[name] = {refined.agreement_before[i], refined.agreement[i]};
-    if (refined.agreement[i] < low_overlap) low.push_back(name);
   }
+  for (const std::size_t i : Disagreeing(refined.agreement, options)) low.push_back(set.images[placed.index[i]].name);
   stage.Report("agreement_before", Mean(refined.agreement_before));
   stage.Report("agreement", Mean(refined.agreement));
   stage.Report("least_agreement", *std::min_element(refined.agreement.begin(), refined.agreement.end()));
@@ -106,7 +107,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   SubProgress progress(stage.progress(), 0.2, 0.7);
   const RefinedMasks refined =
       RefineInSpace(placed.images, placed.masks, placed.views, placed.boards, options.Masking(), options.Space(), &progress);
-  ReportAgreement(stage, set, placed, refined, options.Space().overlap_low);
+  ReportAgreement(stage, set, placed, refined, options.Space());
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);
