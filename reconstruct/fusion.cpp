@@ -47,8 +47,9 @@ struct Group {
 float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options) {
   std::vector<float> errors;
   for (const PlaneMap& map : maps) {
-    for (std::size_t pixel = 0; pixel < map.size(); pixel += 16)
-      if (map.InverseDepth(pixel) > 0 && map.Cost(pixel) <= options.largest_cost) errors.push_back(map.ExpectedError(pixel));
+    map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
+      if (pixel % 16 == 0 && map.Cost(place) <= options.largest_cost) errors.push_back(map.ExpectedError(place));
+    });
   }
   if (errors.empty()) return static_cast<float>(options.largest_error);
   const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
@@ -96,17 +97,18 @@ class Fuser {
   }
 
  private:
-  bool Usable(int view, std::size_t pixel) const {
-    return maps_[view].InverseDepth(pixel) > 0 && maps_[view].Cost(pixel) <= options_.largest_cost &&
-           maps_[view].ExpectedError(pixel) <= error_limit_;
+  // Of a plane by its place in the map.
+  bool Usable(const PlaneMap& map, std::size_t place) const {
+    return map.Cost(place) <= options_.largest_cost && map.ExpectedError(place) <= error_limit_;
   }
   Eigen::Vector3d World(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);
-    return rotations_[view].transpose() * (views_[view].camera().Ray(x, y) / maps_[view].InverseDepth(pixel)) + centers_[view];
+    return rotations_[view].transpose() * (views_[view].camera().Ray(x, y) / maps_[view].InverseDepth(maps_[view].Find(pixel))) +
+           centers_[view];
   }
   Eigen::Vector3d Normal(int view, std::size_t pixel) const {
     const int x = static_cast<int>(pixel % maps_[view].width), y = static_cast<int>(pixel / maps_[view].width);
-    return rotations_[view].transpose() * PlaneNormal(views_[view].camera(), x, y, maps_[view].Plane(pixel));
+    return rotations_[view].transpose() * PlaneNormal(views_[view].camera(), x, y, maps_[view].Plane(maps_[view].Find(pixel)));
   }
 
   // In the camera's frame, of any length, towards the camera.
@@ -121,8 +123,9 @@ class Fuser {
     Group group;
     group.members[group.count++] = {view, pixel};
     const PlaneMap& own = maps_[view];
-    const double x = static_cast<double>(pixel % own.width), y = static_cast<double>(pixel / own.width), w = own.InverseDepth(pixel);
-    const Eigen::Vector3d normal = PlainNormal(view, x, y, own.Plane(pixel));
+    const PlaneHypothesis own_plane = own.Plane(own.Find(pixel));
+    const double x = static_cast<double>(pixel % own.width), y = static_cast<double>(pixel / own.width), w = own_plane.inverse_depth;
+    const Eigen::Vector3d normal = PlainNormal(view, x, y, own_plane);
     const double least_dot2 = least_cosine_ * least_cosine_ * normal.squaredNorm();
     for (std::size_t k = 0; k < sources_[view].size(); ++k) {
       const int s = sources_[view][k];
@@ -135,8 +138,9 @@ class Fuser {
       if (!(px > -0.5 && py > -0.5 && px < map.width - 0.5 && py < map.height - 0.5)) continue;
       const int ox = static_cast<int>(px + 0.5), oy = static_cast<int>(py + 0.5);
       const std::size_t other = static_cast<std::size_t>(oy) * map.width + ox;
-      if (!Usable(s, other)) continue;
-      const PlaneHypothesis plane = map.Plane(other);
+      const std::size_t place = map.Find(other);
+      if (place == PlaneMap::kNone || !Usable(map, place)) continue;
+      const PlaneHypothesis plane = map.Plane(place);
       if (std::abs(w - there.z() * plane.inverse_depth) > options_.depth_tolerance * w) continue;
       const Eigen::Vector3d back = passage.back * Eigen::Vector3d(ox, oy, 1) + passage.back_depth * plane.inverse_depth;
       const double miss_x = back.x() - x * back.z(), miss_y = back.y() - y * back.z(), reach = options_.reprojection_px * back.z();
@@ -152,10 +156,10 @@ class Fuser {
 
   void Confirm(int view) {
     const PlaneMap& map = maps_[view];
-    state_[view].assign(map.size(), 0);
-    for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-      if (Usable(view, pixel) && Agreeing(view, pixel, options_.least_views).count >= options_.least_views)
-        state_[view][pixel] = kConfirmed;
+    state_[view].assign(static_cast<std::size_t>(map.width) * map.height, 0);
+    map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
+      if (Usable(map, place) && Agreeing(view, pixel, options_.least_views).count >= options_.least_views) state_[view][pixel] = kConfirmed;
+    });
   }
 
   void Emit(int view) {
@@ -182,7 +186,7 @@ class Fuser {
       const std::uint8_t* rgb = views_[view].color.data.data() + pixel * 3;
       point += weight * x, normal += weight * n;
       color += weight * Eigen::Vector3d(rgb[0], rgb[1], rgb[2]);
-      match += weight * std::max(0.0, 1.0 - maps_[view].Cost(pixel));
+      match += weight * std::max(0.0, 1.0 - maps_[view].Cost(maps_[view].Find(pixel)));
       total += weight;
     }
     const double views = std::min(1.0, (group.count - 1) / 4.0);
@@ -229,6 +233,8 @@ class Fuser {
 
 FusionResult FuseDepthMaps(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources, std::vector<PlaneMap> maps,
                            const FusionOptions& options) {
+  for (PlaneMap& map : maps)
+    if (!map.packed()) map.Pack();
   return Fuser(views, sources, std::move(maps), options).Run();
 }
 

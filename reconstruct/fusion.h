@@ -27,7 +27,7 @@ struct FusionResult {
   std::vector<double> completeness;          ///< for each view, the share of masked pixels that were confirmed; 0 for views without map
 };
 
-/// @param maps  freed as soon as they are read
+/// @param maps  packed or not; freed as soon as they are read
 /// A pixel is kept when enough of its sources' maps put a surface at the same place with the same normal; those pixels are merged with it
 /// and not used again, and a pixel whose neighbours in two views are used already adds nothing. Views are taken in order, pixels row by
 /// row: the same bits for any thread count. Source: Merrell et al., ICCV 2007, in the form of Schoenberger et al., ECCV 2016.

@@ -61,11 +61,15 @@ TEST(PlaneMap, UnpacksToWhatWasPacked) {
     const PlaneMap before = map;
     map.Pack();
     std::size_t planes = 0;
-    map.ForEachPlane([&](std::size_t pixel, float inverse_depth) {
-      EXPECT_EQ(inverse_depth, before.InverseDepth(pixel));
+    map.ForEachPlane([&](std::size_t pixel, std::size_t place) {
+      EXPECT_EQ(map.Find(pixel), place);
+      EXPECT_EQ(map.InverseDepth(place), before.InverseDepth(pixel));
       ++planes;
     });
     EXPECT_EQ(planes, (before.size() + 2) / 3);
+    EXPECT_EQ(map.Find(1), PlaneMap::kNone);
+    EXPECT_EQ(before.Find(1), PlaneMap::kNone);
+    EXPECT_EQ(before.Find(3), 3u);
     map.Unpack();
     ASSERT_EQ(map.size(), before.size());
     for (std::size_t i = 0; i < map.size(); ++i) {

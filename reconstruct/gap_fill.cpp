@@ -30,7 +30,7 @@ float CellDepth(const DenseView& view, const PlaneMap& map, const std::vector<ch
       const std::size_t pixel = static_cast<std::size_t>(y) * map.width + x;
       masked += InMask(grey.data[pixel]);
       if (!confirmed[pixel]) continue;
-      const PlaneHypothesis plane = map.Plane(pixel);
+      const PlaneHypothesis plane = map.Plane(map.Find(pixel));
       sum += plane.inverse_depth + plane.gx * (MiddleOf(cx) - x) + plane.gy * (MiddleOf(cy) - y);
       ++count;
     }

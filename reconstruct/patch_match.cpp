@@ -89,7 +89,7 @@ class Estimator {
     }
     PatchMatchResult result;
     result.maps = std::move(maps_);
-    for (PlaneMap& map : result.maps) map.Unpack(), map.DropMatches();
+    for (PlaneMap& map : result.maps) map.DropMatches();
     result.evaluations = std::accumulate(evaluations_.begin(), evaluations_.end(), std::int64_t{0});
     return result;
   }
@@ -161,7 +161,7 @@ class Estimator {
       const Pinhole& camera = views_[i].camera(level);
       if (inverse_depths_[i].width != camera.width || inverse_depths_[i].height != camera.height)
         inverse_depths_[i] = NoDepths(static_cast<int>(i), level);
-      maps_[i].ForEachPlane([&](std::size_t k, float inverse_depth) { inverse_depths_[i].Set(k, inverse_depth); });
+      maps_[i].ForEachPlane([&](std::size_t pixel, std::size_t place) { inverse_depths_[i].Set(pixel, maps_[i].InverseDepth(place)); });
     });
   }
 

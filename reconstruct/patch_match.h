@@ -19,7 +19,7 @@ struct PatchMatchOptions {
 };
 
 struct PatchMatchResult {
-  std::vector<PlaneMap> maps;    ///< one a view, at level 0; empty for views without sources
+  std::vector<PlaneMap> maps;    ///< one a view, at level 0, packed; empty for views without sources
   std::int64_t evaluations = 0;  ///< windows correlated
 };
 
@@ -28,9 +28,8 @@ struct PatchMatchResult {
 /// @param bounds   for each view
 /// @param seeds    world points that are known to lie on the surface, for each view; may be empty
 /// Views run side by side; a geometric pass reads all views' depths as the pass before left them, so thread count changes nothing.
-/// Memory at the finest level: 15 bytes a masked pixel of every view and 2.5 bytes a pixel of its crop, and 19 bytes a pixel of the few views
-/// at hand; in the end 11 a pixel.
-/// Source: Schoenberger et al., ECCV 2016 (geometric consistency); Xu & Tao, CVPR 2019 (multi-scale).
+/// Memory at the finest level: 15 bytes a masked pixel of every view and 2.5 bytes a pixel of its crop, and 19 bytes a pixel of the few
+/// views at hand. Source: Schoenberger et al., ECCV 2016 (geometric consistency); Xu & Tao, CVPR 2019 (multi-scale).
 PatchMatchResult EstimatePlanes(const std::vector<DenseView>& views, const std::vector<std::vector<int>>& sources,
                                 const std::vector<DepthBounds>& bounds, const std::vector<std::vector<Eigen::Vector3d>>& seeds,
                                 const PatchMatchOptions& options, Progress* progress = nullptr);

@@ -90,7 +90,7 @@ TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
   for (int y = 12; y < kSize - 12; ++y)
     for (int x = 12; x < kSize - 12; ++x) {
       if (std::abs(y - kSize / 2) < 8) continue;  // windows that see both halves
-      const std::size_t pixel = static_cast<std::size_t>(y) * map.width + x;
+      const std::size_t pixel = map.Find(static_cast<std::size_t>(y) * map.width + x);
       const double depth = plane.Depth({0, 0, 0}, views[0].camera().Ray(x, y));
       errors[y > kSize / 2].push_back(std::abs(1 / map.InverseDepth(pixel) / depth - 1) * views[0].camera().fx);
       expected[y > kSize / 2].push_back(map.ExpectedError(pixel));
@@ -115,7 +115,7 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
     std::vector<double> depth_errors, angles;
     for (int y = kSize / 2 - 10; y < kSize / 2 + 10; ++y)
       for (int x = kSize / 2 - 10; x < kSize / 2 + 10; ++x) {
-        const PlaneHypothesis found = result.maps[0].Plane(static_cast<std::size_t>(y) * result.maps[0].width + x);
+        const PlaneHypothesis found = result.maps[0].Plane(result.maps[0].Find(static_cast<std::size_t>(y) * result.maps[0].width + x));
         const double depth = plane.Depth({0, 0, 0}, views[0].camera().Ray(x, y));
         depth_errors.push_back(std::abs(1 / found.inverse_depth / depth - 1));
         const double cosine = PlaneNormal(views[0].camera(), x, y, found).dot(plane.normal);

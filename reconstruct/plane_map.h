@@ -60,28 +60,43 @@ class PlaneMap {
     auto steps = [](float cost) { return static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, 65535.0f)); };
     match_[pixel] = {steps(match.all), steps(match.pair)};
   }
-  /// Frees what only further passes would need.
+  /// Frees what only further passes would need; none may follow.
   void DropMatches() { std::vector<PackedMatch>().swap(match_); }
 
-  /// Keeps only the pixels that have a plane: half of a picture that is cropped to its mask. Until Unpack nothing but ForEachPlane may be
-  /// asked.
+  /// Keeps only the pixels that have a plane: half of a picture that is cropped to its mask. Until Unpack everything is asked by the place
+  /// that Find tells, not by the pixel.
   void Pack() {
     present_.assign((planes_.size() + 63) / 64, 0);
     for (std::size_t pixel = 0; pixel < planes_.size(); ++pixel)
       if (planes_[pixel].inverse_depth > 0) present_[pixel / 64] |= std::uint64_t{1} << (pixel % 64);
-    Kept(&planes_), Kept(&costs_), Kept(&match_), Kept(&first_sources_);
-    if (!more_sources_.empty()) Kept(&more_sources_);
+    before_.clear();
+    std::uint32_t count = 0;
+    for (const std::uint64_t bits : present_) before_.push_back(count), count += static_cast<std::uint32_t>(std::popcount(bits));
+    Keep(count, &planes_), Keep(count, &costs_), Keep(count, &first_sources_);
+    if (!match_.empty()) Keep(count, &match_);
+    if (many_sources_) Keep(count, &more_sources_);
   }
   void Unpack() {
-    Spread({}, &planes_), Spread(kNoCost, &costs_), Spread({}, &match_), Spread({}, &first_sources_);
+    Spread({}, &planes_), Spread(kNoCost, &costs_), Spread({}, &first_sources_);
+    if (!match_.empty()) Spread({}, &match_);
     if (many_sources_) Spread({}, &more_sources_);
-    present_.clear();
+    present_.clear(), before_.clear();
   }
-  /// body(pixel, inverse depth) of a packed map.
+  bool packed() const { return !present_.empty(); }
+  /// Where a pixel's plane is kept, whether packed or not; kNone when it has none.
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::size_t Find(std::size_t pixel) const {
+    if (!packed()) return planes_[pixel].inverse_depth > 0 ? pixel : kNone;
+    const std::uint64_t bits = present_[pixel / 64], bit = std::uint64_t{1} << (pixel % 64);
+    return bits & bit ? before_[pixel / 64] + static_cast<std::size_t>(std::popcount(bits & (bit - 1))) : kNone;
+  }
+  /// body(pixel, place) of all planes of a packed map, in the order of pixels.
   template <class Body>
   void ForEachPlane(const Body& body) const {
-    std::size_t n = 0;
-    ForEachPresent([&](std::size_t pixel) { body(pixel, planes_[n++].inverse_depth); });
+    std::size_t place = 0;
+    for (std::size_t word = 0; word < present_.size(); ++word)
+      for (std::uint64_t bits = present_[word]; bits; bits &= bits - 1)
+        body(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)), place++);
   }
   /// Bit k: the k-th source view is used here.
   std::uint16_t Sources(std::size_t pixel) const {
@@ -111,25 +126,17 @@ class PlaneMap {
   struct PackedMatch {
     std::uint16_t all = 0, pair = 0;
   };
-  template <class Body>
-  void ForEachPresent(const Body& body) const {
-    for (std::size_t word = 0; word < present_.size(); ++word)
-      for (std::uint64_t bits = present_[word]; bits; bits &= bits - 1) body(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
-  }
   template <class T>
-  void Kept(std::vector<T>* values) const {
+  void Keep(std::size_t count, std::vector<T>* values) const {
     std::vector<T> kept;
-    std::size_t count = 0;
-    ForEachPresent([&](std::size_t) { ++count; });
     kept.reserve(count);
-    ForEachPresent([&](std::size_t pixel) { kept.push_back((*values)[pixel]); });
+    ForEachPlane([&](std::size_t pixel, std::size_t) { kept.push_back((*values)[pixel]); });
     values->swap(kept);
   }
   template <class T>
   void Spread(const std::type_identity_t<T>& none, std::vector<T>* values) const {
     std::vector<T> spread(static_cast<std::size_t>(width) * height, none);
-    std::size_t n = 0;
-    ForEachPresent([&](std::size_t pixel) { spread[pixel] = (*values)[n++]; });
+    ForEachPlane([&](std::size_t pixel, std::size_t place) { spread[pixel] = (*values)[place]; });
     values->swap(spread);
   }
   static std::int16_t Tilt(float steps) {
@@ -139,6 +146,7 @@ class PlaneMap {
   float unit_ = 0, inverse_unit_ = 0;
   bool many_sources_ = false;
   std::vector<std::uint64_t> present_;  // of a packed map: a bit a pixel
+  std::vector<std::uint32_t> before_;   // planes before each 64 pixels
   std::vector<Packed> planes_;
   std::vector<std::uint16_t> costs_;
   std::vector<PackedMatch> match_;
