@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "reconstruct/refine_outlines.h"
 #include "reconstruct/refine_profile.h"
+#include "reconstruct/refine_rims.h"
 #include "reconstruct/refine_shading.h"
 #include "reconstruct/refine_solve.h"
 #include "reconstruct/refine_views.h"
@@ -28,6 +29,7 @@ constexpr int kRelax = 2;           // rounds of tangential smoothing before eac
 constexpr int kSmoothNormals = 2;
 constexpr int kUnfoldings = 5;
 constexpr double kLeastEvidence = 0.02;
+constexpr int kHullResolution = 200;  // it only bounds rays
 constexpr int kGrain = 1024;
 
 double Quantile(Values values, double share) {
@@ -74,6 +76,7 @@ class Refiner {
       : views_(views), options_(options), silhouettes_(views, OutsideVotes(views.size())) {
     result_.mesh = surface;
     result_.mesh.normals.resize(0, 3);
+    FindRims();
     neighbors_ = MakeNeighbors(surface.points, surface.faces);
     border_ = BoundaryVertices(surface.vertex_count(), surface.faces);
   }
@@ -90,7 +93,7 @@ class Refiner {
       }
     Look(false);
     result_.cost_after = MeanCost();
-    result_.outline_gap_px = OutlineTargets(result_.mesh, silhouettes_).gap_spread_px;
+    result_.outline_gap_px = OutlineTargets(result_.mesh, silhouettes_, rims_).gap_spread_px;
     Values moved(start.rows());
     for (Eigen::Index v = 0; v < start.rows(); ++v)
       moved[v] = static_cast<float>((result_.mesh.points.row(v) - start.row(v)).norm() / result_.footprint);
@@ -99,6 +102,12 @@ class Refiner {
   }
 
  private:
+  void FindRims() {
+    VisualHullOptions hull;
+    hull.resolution = kHullResolution, hull.outside_votes = silhouettes_.outside_votes();
+    rims_ = FindRimPoints(CarveVisualHull(views_, hull), silhouettes_, views_);
+  }
+
   PointsX3 SmoothNormals() const {
     const PointsX3 own = VertexNormals(result_.mesh.points, result_.mesh.faces);
     Values values(own.size());
@@ -150,7 +159,7 @@ class Refiner {
     std::vector<char> known(chosen_.size());
     for (std::size_t v = 0; v < known.size(); ++v) known[v] = *std::min_element(profiles.Row(v), profiles.Row(v) + profiles.count()) < 1;
     Diffuse(neighbors_, profiles.count(), options_.aggregate, known, &profiles.cost);
-    if (round == 0) outlines_ = OutlineTargets(result_.mesh, silhouettes_);
+    outlines_ = OutlineTargets(result_.mesh, silhouettes_, rims_, {.cut_weight = options_.cuts});
     if (round == 0 && level == options_.levels - 1) result_.outline_gap_before_px = outlines_.gap_spread_px;
     shading_ = {};
     if (level == 0 && options_.shading > 0) {
@@ -290,6 +299,7 @@ class Refiner {
   std::vector<VertexViews> chosen_;
   RefineResult result_;
   SurfaceTargets outlines_;
+  std::vector<RimPoint> rims_;
   std::vector<std::vector<float>> sights_;
   ShadingNormals shading_;
 };
@@ -306,6 +316,8 @@ void RefineOptions::Describe(OptionVisitor& visit) {
   visit("aggregate", aggregate, {"rounds in which neighbours share what photographs say of each offset", "", 0, 50});
   visit("outlines", outlines,
         {"how much a view in which a vertex lies on the surface's outline counts; 1 is as much as good texture", "", 0, 1000});
+  visit("cuts", cuts,
+        {"how much a mask counts that shows the background where the surface is, beside `outlines`; 0 does not ask", "", 0, 1});
   visit("shading", shading, {"how much normals that the shading tells count for fine detail; 0 leaves them out", "", 0, 1000});
   visit("shading_smooth", shading_smooth, {"detail coarser than this many rounds of neighbours is not taken from shading", "", 1, 10000});
   visit("outside_px", outside_px, {"how far outside of the masks a vertex may be moved", "px", 0, 100});

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "reconstruct/refine_rims.h"
 #include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {
@@ -11,6 +12,7 @@ namespace keypose::reconstruct {
 struct OutlineTargetOptions {
   double reach_px = 10;      ///< outlines farther than this from the surface's own are not believed
   double smoothing_px = 20;  ///< claims within some of these lengths say together what is usual here
+  double cut_weight = 0.03;  ///< of cuts beside folds and rims
   double errors = 3;         ///< a claim that misses the usual by more than this many typical deviations is not heard
 };
 
@@ -22,14 +24,14 @@ struct SurfaceTargets {
   double gap_spread_px = 0;  ///< mean absolute gap
 };
 
-/// In each view the surface's outline is its edges between faces that look at the camera and faces that do not, where nothing of the
-/// surface lies beyond them in the picture. How far such an edge lies from the mask's outline, across it, is a claim on the edge's ends.
-/// Claims that leave the hull of all masks are dropped; views whose claims contradict their surroundings are trusted less, claims far from
-/// what is usual around them are not heard: a hole in a mask, a bad mask or a bad camera does not pull.
+/// What folds, rims and cuts (refine_claims.h) want together. Views whose claims contradict their surroundings are trusted less, claims far
+/// from what is usual of their kind around them are not heard: a hole in a mask, a bad mask or a bad camera does not pull.
 ///
+/// @param rims  of the same masks; empty: none are heard
 /// @param mesh  triangles, outwards; may be open. Edges without exactly two faces make no outline
 /// Claims are right to first order: after vertices have moved by several pixels, ask again.
 /// Cost: a picture of the mesh for each view, and some ten thousand questions of nearest claims. Same bits for any thread count.
-SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes, const OutlineTargetOptions& options = {});
+SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes, const std::vector<RimPoint>& rims = {},
+                              const OutlineTargetOptions& options = {});
 
 }  // namespace keypose::reconstruct

@@ -129,6 +129,78 @@ TEST(OutlineTargets, WrongMasksDoNotPull) {
   EXPECT_LT(miss.p95_px, 0.8);
 }
 
+// The mesh with a smooth dent (negative: a bump) of so many pixels round the direction, `width` of the radius wide.
+Mesh Dented(Mesh mesh, const Eigen::Vector3d& direction, double width, double pixels) {
+  const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const double away = (Eigen::Vector3d(mesh.points.row(v)).normalized() - direction).norm() / width;
+    mesh.points.row(v) -= pixels * kPixel * std::exp(-0.5 * away * away) * normals.row(v);
+  }
+  return mesh;
+}
+
+std::vector<RimPoint> RimsOf(const std::vector<DenseView>& views, const Silhouettes& silhouettes) {
+  return FindRimPoints(CarveVisualHull(views, {.resolution = 100, .outside_votes = 1}), silhouettes, views,
+                       {.sure_length = 0.1, .longest_length = 0.3});
+}
+
+TEST(FindRimPoints, LieOnTheSurface) {
+  const Mesh truth = Ball(5, 1, 0.08);
+  const std::vector<DenseView> views = Views(truth);
+  const Silhouettes silhouettes(views, 1);
+  const std::vector<RimPoint> rims = RimsOf(views, silhouettes);
+  ASSERT_GT(rims.size(), 2000u);
+  const RayScene scene(truth.points, truth.faces);
+  std::vector<double> misses;
+  for (const RimPoint& rim : rims) {
+    misses.push_back(std::sqrt(scene.ClosestPoint(rim.point).squared_distance) / kPixel);
+    EXPECT_GT(rim.normal.dot(rim.point.normalized()), 0.6);
+    EXPECT_NEAR(rim.footprint, kPixel, 0.2 * kPixel);
+  }
+  std::sort(misses.begin(), misses.end());
+  EXPECT_LT(misses[misses.size() / 2], 0.5) << "pieces are long between views 30 degrees apart";
+  EXPECT_LT(misses[misses.size() * 95 / 100], 1.5);
+}
+
+TEST(OutlineTargets, RimsBringBackWhatHasFallenIn) {
+  const Mesh truth = Ball(5, 1, 0);
+  const std::vector<DenseView> views = Views(truth);
+  const Silhouettes silhouettes(views, 1);
+  const std::vector<RimPoint> rims = RimsOf(views, silhouettes);
+  ASSERT_GT(rims.size(), 2000u);
+  const Mesh dented = Dented(truth, rims[rims.size() / 2].point.normalized(), 0.15, 6);
+  const SurfaceTargets with = OutlineTargets(dented, silhouettes, rims), without = OutlineTargets(dented, silhouettes);
+  int deep = 0, asked = 0, asked_without = 0;
+  for (int v = 0; v < dented.vertex_count(); ++v) {
+    const double depth = (truth.points.row(v) - dented.points.row(v)).norm() / kPixel;
+    if (depth < 4) continue;
+    ++deep;
+    asked += with.weight[v] > 0.03f && std::abs(with.offset[v] / kPixel - depth) < 1.5;
+    asked_without += without.weight[v] > 0 && std::abs(without.offset[v] / kPixel - depth) < 1.5;
+  }
+  ASSERT_GT(deep, 30);
+  EXPECT_GT(asked, 8);
+  EXPECT_EQ(asked_without, 0) << "the bottom of a dent is on no outline of the surface's own";
+}
+
+TEST(OutlineTargets, WhatStandsOutOfMasksIsCut) {
+  const Mesh truth = Ball(5, 1, 0);
+  const Silhouettes silhouettes(Views(truth), 1);
+  const Mesh bumpy = Dented(truth, Eigen::Vector3d(1, 0, 0.2).normalized(), 0.1, -5);
+  const SurfaceTargets with = OutlineTargets(bumpy, silhouettes), without = OutlineTargets(bumpy, silhouettes, {}, {.cut_weight = 0});
+  int outside = 0, in = 0, in_without = 0;
+  for (int v = 0; v < bumpy.vertex_count(); ++v) {
+    const Eigen::Vector3d x = bumpy.points.row(v);
+    if (silhouettes.Within(x, 2)) continue;
+    ++outside;
+    in += with.offset[v] < -0.5 * kPixel;
+    in_without += without.offset[v] < -0.5 * kPixel;
+  }
+  ASSERT_GT(outside, 30);
+  EXPECT_GT(in, 0.9 * outside);
+  EXPECT_LT(in_without, in);
+}
+
 TEST(OutlineTargets, WhatNoViewSeesOnTheOutlineHasNoWeight) {
   // A small ball that stands before the large one in every view never makes the outline.
   const Mesh truth = Ball(4, 1, 0);
