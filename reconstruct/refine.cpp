@@ -26,7 +26,7 @@ constexpr int kSearches = 4;        // searches and solutions of one set of prof
 constexpr float kFaint = 0.01f;     // weights below this are believed less than in proportion
 constexpr float kContrast = 0.05f;  // a minimum this much below its profile's mean is half believed
 constexpr int kRelax = 2;           // rounds of tangential smoothing before each search
-constexpr int kSmoothNormals = 2;
+constexpr int kSmoothNormals = 2, kMostSmoothNormals = 60;
 constexpr int kUnfoldings = 5;
 constexpr double kLeastEvidence = 0.02;
 constexpr int kHullResolution = 200;  // it only bounds rays
@@ -112,7 +112,7 @@ class Refiner {
     const PointsX3 own = VertexNormals(result_.mesh.points, result_.mesh.faces);
     Values values(own.size());
     for (Eigen::Index i = 0; i < own.size(); ++i) values[i] = static_cast<float>(own.data()[i]);
-    Diffuse(neighbors_, 3, kSmoothNormals, std::vector<char>(own.rows(), 1), &values);
+    Diffuse(neighbors_, 3, normal_rounds_, std::vector<char>(own.rows(), 1), &values);
     PointsX3 out(own.rows(), 3);
     for (Eigen::Index v = 0; v < own.rows(); ++v) {
       out.row(v) << values[3 * v], values[3 * v + 1], values[3 * v + 2];
@@ -151,16 +151,24 @@ class Refiner {
     return count ? sum / static_cast<double>(count) : 1;
   }
 
+  // A rough surface that is moved far along its own normals folds in its creases and swells on its bumps: before it moves far, its normals
+  // are made even. Each round of diffusion adds half a squared edge to their variance.
+  void EvenNormals() {
+    result_.outline_gap_before_px = outlines_.gap_spread_px;
+    const double reach = options_.normal_reach * outlines_.gap_spread_px * result_.footprint / neighbors_.mean_edge;
+    normal_rounds_ = kSmoothNormals + static_cast<int>(std::min<double>(kMostSmoothNormals - kSmoothNormals, 2 * reach * reach));
+  }
+
   void Round(int level, int round) {
     Relax();
+    outlines_ = OutlineTargets(result_.mesh, silhouettes_, rims_, {.cut_weight = options_.cuts});
+    if (round == 0 && level == options_.levels - 1) EvenNormals();
     Look(false);
     const double step = (level == 0 ? kFineStep : kStep) * (1 << level);  // footprints
     Profiles profiles = CostProfiles(result_.mesh.points, normals_, chosen_, views_, level, kSteps, step * result_.footprint);
     std::vector<char> known(chosen_.size());
     for (std::size_t v = 0; v < known.size(); ++v) known[v] = *std::min_element(profiles.Row(v), profiles.Row(v) + profiles.count()) < 1;
     Diffuse(neighbors_, profiles.count(), options_.aggregate, known, &profiles.cost);
-    outlines_ = OutlineTargets(result_.mesh, silhouettes_, rims_, {.cut_weight = options_.cuts});
-    if (round == 0 && level == options_.levels - 1) result_.outline_gap_before_px = outlines_.gap_spread_px;
     shading_ = {};
     if (level == 0 && options_.shading > 0) {
       shading_ = NormalsFromShading(result_.mesh, normals_, neighbors_, views_, sights_, options_.shading_smooth);
@@ -294,6 +302,7 @@ class Refiner {
   const RefineOptions& options_;
   Silhouettes silhouettes_;
   Neighbors neighbors_;
+  int normal_rounds_ = kSmoothNormals;
   std::vector<char> border_;
   PointsX3 normals_;
   std::vector<VertexViews> chosen_;
@@ -321,6 +330,11 @@ void RefineOptions::Describe(OptionVisitor& visit) {
   visit("shading", shading, {"how much normals that the shading tells count for fine detail; 0 leaves them out", "", 0, 1000});
   visit("shading_smooth", shading_smooth, {"detail coarser than this many rounds of neighbours is not taken from shading", "", 1, 10000});
   visit("outside_px", outside_px, {"how far outside of the masks a vertex may be moved", "px", 0, 100});
+  visit("normal_reach", normal_reach,
+        {"normals are made even over this many times the mean gap to the outlines, so that a rough surface far inside of them comes out "
+         "without "
+         "folds; 0 leaves them as they are",
+         "gaps", 0, 10});
 }
 
 RefineResult RefineSurface(const Mesh& surface, const std::vector<DenseView>& views, const RefineOptions& options, Progress* progress) {

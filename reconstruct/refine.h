@@ -23,6 +23,7 @@ struct RefineOptions {
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;
+  double normal_reach = 0;
   void Describe(OptionVisitor& visit);
 };
 

@@ -85,6 +85,29 @@ TEST(RefineSurface, TextureBringsAWavySurfaceBack) {
   EXPECT_GT(result.evidence, 0.6);
 }
 
+TEST(RefineSurface, ARoughSurfaceFarInsideOfTheOutlinesComesOutWithoutFolds) {
+  const RenderedScene plain = RenderRing({.views = 9, .contrast = 0});
+  Mesh start = Wavy(plain, 0);
+  const PointsX3 normals = VertexNormals(start.points, start.faces);
+  for (Eigen::Index v = 0; v < start.points.rows(); ++v) {
+    const Eigen::RowVector3d x = start.points.row(v);
+    const double bump = std::sin(32 * x.x()) * std::sin(32 * x.y()) * std::sin(32 * x.z());
+    start.points.row(v) -= plain.footprint * (5 + 3 * bump) * normals.row(v);
+  }
+  RefineOptions options = Options();
+  options.normal_reach = 3;
+  const RefineResult result = RefineSurface(start, Views(plain), options);
+  EXPECT_GT(result.outline_gap_before_px, 2);
+  EXPECT_LT(result.outline_gap_px, 0.5 * result.outline_gap_before_px);
+  const PointsX3 truth = FaceNormals(Wavy(plain, 0).points, start.faces), is = FaceNormals(result.mesh.points, start.faces);
+  std::vector<double> turns;
+  for (Eigen::Index f = 0; f < is.rows(); ++f) turns.push_back(std::acos(std::clamp(truth.row(f).dot(is.row(f)), -1.0, 1.0)) * 180 / M_PI);
+  std::sort(turns.begin(), turns.end());
+  EXPECT_LT(At(turns, 0.95), 20) << "along normals of its own bumps it is 89";
+  EXPECT_LT(At(Errors(plain, result.mesh), 0.9), 2);
+  EXPECT_LT(result.unfolded, 200) << "12,000 else";
+}
+
 TEST(RefineSurface, FacesAndColoursStay) {
   Mesh start = Wavy(Painted(), 0.5);
   start.colors = ColorsX3::Constant(start.vertex_count(), 3, 90);
