@@ -156,7 +156,7 @@ class Refiner {
   void EvenNormals() {
     result_.outline_gap_before_px = outlines_.gap_spread_px;
     const double reach = options_.normal_reach * outlines_.gap_spread_px * result_.footprint / neighbors_.mean_edge;
-    normal_rounds_ = kSmoothNormals + static_cast<int>(std::min<double>(kMostSmoothNormals - kSmoothNormals, 2 * reach * reach));
+    normal_rounds_ = static_cast<int>(std::clamp<double>(2 * reach * reach, kSmoothNormals, kMostSmoothNormals));
   }
 
   void Round(int level, int round) {
