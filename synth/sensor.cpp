@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/srgb.h"
-
 #include "synth/noise.h"
 
 namespace keypose::synth {
