@@ -331,10 +331,8 @@ void RefineOptions::Describe(OptionVisitor& visit) {
   visit("shading_smooth", shading_smooth, {"detail coarser than this many rounds of neighbours is not taken from shading", "", 1, 10000});
   visit("outside_px", outside_px, {"how far outside of the masks a vertex may be moved", "px", 0, 100});
   visit("normal_reach", normal_reach,
-        {"normals are made even over this many times the mean gap to the outlines, so that a rough surface far inside of them comes out "
-         "without "
-         "folds; 0 leaves them as they are",
-         "gaps", 0, 10});
+        {"normals are made even over this many times the mean gap to the outlines before a rough surface moves; 0 leaves them", "gaps", 0,
+         10});
 }
 
 RefineResult RefineSurface(const Mesh& surface, const std::vector<DenseView>& views, const RefineOptions& options, Progress* progress) {

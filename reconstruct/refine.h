@@ -23,7 +23,7 @@ struct RefineOptions {
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;
-  double normal_reach = 0;
+  double normal_reach = 2;
   void Describe(OptionVisitor& visit);
 };
 
