@@ -173,4 +173,12 @@ Accuracy Measure(const RenderedScene& rendered, const PointCloud& cloud, int cou
   return accuracy;
 }
 
+std::vector<std::vector<int>> AllOthers(int count) {
+  std::vector<std::vector<int>> sources(count);
+  for (int i = 0; i < count; ++i)
+    for (int k = 0; k < count; ++k)
+      if (k != i) sources[i].push_back(k);
+  return sources;
+}
+
 }  // namespace keypose::reconstruct::testing

@@ -38,4 +38,7 @@ struct Accuracy {
 /// Of the first `count` points of the cloud.
 Accuracy Measure(const RenderedScene& rendered, const PointCloud& cloud, int count);
 
+/// For each of so many views, all the others.
+std::vector<std::vector<int>> AllOthers(int count);
+
 }  // namespace keypose::reconstruct::testing

@@ -6,9 +6,12 @@
 #include <cmath>
 
 #include "core/render.h"
+#include "reconstruct/dense_test_scene.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+using testing::AllOthers;
 
 constexpr int kSize = 40;
 
@@ -40,14 +43,6 @@ PlaneMap MapOf(const DenseView& view, double height) {
       map.SetCost(i, 0.1f);
     }
   return map;
-}
-
-std::vector<std::vector<int>> AllOthers(int count) {
-  std::vector<std::vector<int>> sources(count);
-  for (int i = 0; i < count; ++i)
-    for (int k = 0; k < count; ++k)
-      if (k != i) sources[i].push_back(k);
-  return sources;
 }
 
 TEST(PlaneMap, UnpacksToWhatWasPacked) {

@@ -7,9 +7,12 @@
 
 #include "core/parallel.h"
 #include "core/render.h"
+#include "reconstruct/dense_test_scene.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+using testing::AllOthers;
 
 constexpr int kSize = 120;
 constexpr double kFocal = 300, kDistance = 4;
@@ -56,14 +59,6 @@ std::vector<SurfaceCells> Cells(const std::vector<DenseView>& views, const Surfa
     all.push_back(cells);
   }
   return all;
-}
-
-std::vector<std::vector<int>> AllOthers(int count) {
-  std::vector<std::vector<int>> sources(count);
-  for (int i = 0; i < count; ++i)
-    for (int k = 0; k < count; ++k)
-      if (k != i) sources[i].push_back(k);
-  return sources;
 }
 
 TEST(FillGaps, HoleInAPlaneGetsThePlaneOnce) {
