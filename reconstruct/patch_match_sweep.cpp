@@ -6,9 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
+#include "reconstruct/patch_match_areas.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -39,46 +37,6 @@ class Random {
   }
   std::uint64_t state_;
 };
-
-struct Offset {
-  int dx, dy;
-};
-
-// Pixels of the other colour, up; the other directions are turns of these.
-constexpr std::array<Offset, 7> kNear = {{{0, -1}, {-1, -2}, {1, -2}, {-2, -3}, {2, -3}, {-3, -4}, {3, -4}}};
-constexpr std::array<Offset, 11> kFar = {
-    {{0, -3}, {0, -5}, {0, -7}, {0, -9}, {0, -11}, {0, -13}, {0, -15}, {0, -17}, {0, -19}, {0, -21}, {0, -23}}};
-
-constexpr int kNearReach = 4, kFarReach = 23;
-
-// An area in a view of a given width: offsets, and the same as distance in memory.
-struct Area {
-  std::vector<Offset> offsets;
-  std::vector<std::ptrdiff_t> steps;
-};
-
-template <std::size_t n>
-Area Turned(const std::array<Offset, n>& up, int quarter, int width) {
-  Area area;
-  for (Offset o : up) {
-    for (int i = 0; i < quarter; ++i) o = {-o.dy, o.dx};
-    area.offsets.push_back(o);
-    area.steps.push_back(static_cast<std::ptrdiff_t>(o.dy) * width + o.dx);
-  }
-  return area;
-}
-
-using LaneInts = std::int32_t __attribute__((vector_size(sizeof(std::int32_t) * kLanes)));
-
-Lanes SquareRoots(const Lanes& x) {
-#if defined(__SSE__)
-  return _mm_sqrt_ps(x);
-#else
-  Lanes roots;
-  for (int lane = 0; lane < kLanes; ++lane) roots[lane] = std::sqrt(x[lane]);
-  return roots;
-#endif
-}
 
 // Up to four of the sources, ready to be matched side by side.
 struct SourceLanes {

@@ -1,7 +1,13 @@
 // How planes of a reference view map to source views: four sources at a time, one a lane.
 #pragma once
 
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
 #include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
 
 #include "reconstruct/dense_view.h"
 #include "reconstruct/patch_match_cost.h"
@@ -18,6 +24,17 @@ Transfer MakeTransfer(const DenseView& from, const DenseView& to, int level);
 
 /// Four numbers that one instruction works on (GCC's and Clang's vector extension, on any processor).
 using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
+using LaneInts = std::int32_t __attribute__((vector_size(sizeof(std::int32_t) * kLanes)));
+
+inline Lanes SquareRoots(const Lanes& x) {
+#if defined(__SSE__)
+  return _mm_sqrt_ps(x);
+#else
+  Lanes roots;
+  for (int lane = 0; lane < kLanes; ++lane) roots[lane] = std::sqrt(x[lane]);
+  return roots;
+#endif
+}
 
 /// Up to four transfers from one reference; and the same at one pixel: homogeneous source pixel of the pixel's ray at infinity.
 struct TransferLanes {
