@@ -93,7 +93,7 @@ class Refiner {
       }
     Look(false);
     result_.cost_after = MeanCost();
-    result_.outline_gap_px = OutlineTargets(result_.mesh, silhouettes_, rims_).gap_spread_px;
+    result_.outline_gap_px = OutlineTargets(result_.mesh, silhouettes_, {}, {.cut_weight = 0}).gap_spread_px;  // of folds
     Values moved(start.rows());
     for (Eigen::Index v = 0; v < start.rows(); ++v)
       moved[v] = static_cast<float>((result_.mesh.points.row(v) - start.row(v)).norm() / result_.footprint);
