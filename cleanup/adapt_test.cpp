@@ -94,7 +94,7 @@ TEST(Remeshed, CurvedPlacesGetSmallerTriangles) {
     if (x > 3.8) tip += areas[f], ++tips;
     if (x < 1) middle += areas[f], ++middles;
   }
-  EXPECT_LT(tip / tips, 0.5 * middle / middles);
+  EXPECT_LT(tip / tips, 0.6 * middle / middles);  // areas go with curvature^(-2/3): 0.4 at the very tip
 }
 
 TEST(Remeshed, FacesDoNotCutOffSharpEdges) {

@@ -13,12 +13,12 @@ namespace keypose::cleanup {
 template <class SurfaceMesh>
 SurfaceMesh ToSurfaceMesh(const Mesh& mesh) {
   using Point = typename SurfaceMesh::Point;
-  using Vertex = typename SurfaceMesh::Vertex_index;
+  using VertexIndex = typename SurfaceMesh::Vertex_index;
   SurfaceMesh out;
   out.reserve(static_cast<unsigned>(mesh.points.rows()), static_cast<unsigned>(mesh.faces.rows() * 3 / 2 + 16),
               static_cast<unsigned>(mesh.faces.rows()));
   for (int v = 0; v < mesh.vertex_count(); ++v) out.add_vertex(Point(mesh.points(v, 0), mesh.points(v, 1), mesh.points(v, 2)));
-  const auto at = [](int i) { return Vertex(static_cast<unsigned>(i)); };
+  const auto at = [](int i) { return VertexIndex(static_cast<unsigned>(i)); };
   for (int f = 0; f < mesh.face_count(); ++f) out.add_face(at(mesh.faces(f, 0)), at(mesh.faces(f, 1)), at(mesh.faces(f, 2)));
   return out;
 }

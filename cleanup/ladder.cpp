@@ -35,6 +35,7 @@ constexpr int kTangleFaces = 300;    // that many are always tried
 constexpr double kLostShare = 0.01;  // of the surface, that may end up farther than kLostDistance from a local repair
 constexpr double kLostDistance = 0.02;
 constexpr double kLeastAngleDeg = 2;
+constexpr double kGoodAngleDeg = 12;  // asked of remeshed surfaces
 
 PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
   PointsX3 centers(static_cast<Eigen::Index>(faces.size()), 3);
@@ -127,11 +128,13 @@ Mesh Ladder::WithGenus(const Mesh& mesh) {
 }
 
 // Slivers of the input or of a filled hole go where nothing has to cross for it.
-Mesh Ladder::WithBetterAngles(const Mesh& mesh) {
-  if (LeastAngleDeg(mesh) >= kLeastAngleDeg) return mesh;
-  for (const double wanted_deg : {2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
+Mesh Ladder::WithBetterAngles(const Mesh& mesh, double enough_deg) {
+  const double least_deg = LeastAngleDeg(mesh);
+  if (least_deg >= enough_deg) return mesh;
+  for (const double wanted_deg : {kGoodAngleDeg, 4 * kLeastAngleDeg, 2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
+    if (wanted_deg > 2 * enough_deg || wanted_deg <= least_deg) continue;
     const Mesh better = WithoutThinAngles(mesh, wanted_deg);
-    if (LeastAngleDeg(better) > LeastAngleDeg(mesh) && MayStay(better.face_count()) && Acceptable(better)) return better;
+    if (LeastAngleDeg(better) > least_deg && MayStay(better.face_count()) && Acceptable(better)) return better;
   }
   return mesh;
 }
@@ -148,7 +151,7 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
     const Mesh mesh = Remeshed(start, base, sizes, rules.faces);
     if (!GoodSize(mesh.face_count())) break;
     if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
-      Mesh better = WithBetterAngles(*mended);
+      Mesh better = WithBetterAngles(*mended, kGoodAngleDeg);
       if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
       if (!with_slivers) with_slivers = std::move(better);
     }
@@ -159,12 +162,12 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   Mesh thinned = base.face_count() > rules.faces ? Thinned(base, rules.faces) : SplitTo(base, rules.faces);
   const std::optional<Mesh> mended = Mended(thinned);
   if (!mended || mended->face_count() > (1 + kCountTolerance) * rules.faces) return std::nullopt;
-  return WithBetterAngles(GoodSize(mended->face_count()) ? *mended : SplitTo(*mended, rules.faces));
+  return WithBetterAngles(GoodSize(mended->face_count()) ? *mended : SplitTo(*mended, rules.faces), kLeastAngleDeg);
 }
 
 std::optional<Mesh> Ladder::Finish(const Mesh& base) {
   repaired_ = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
-  if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_);
+  if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_, kLeastAngleDeg);
   const std::optional<Mesh> mesh = AtWantedSize(repaired_);
   // Even triangles can make room for a cut that slivers had no room for.
   if (!mesh || options_.genus < 0 || Genus(*mesh) <= options_.genus) return mesh;
@@ -190,7 +193,7 @@ std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
     repaired_ = wrap;
     const Mesh mesh = WithGenus(wrap);
     if (mesh.face_count() > (1 + kCountTolerance) * options_.faces) continue;
-    return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces));
+    return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces), kLeastAngleDeg);
   }
   return std::nullopt;
 }

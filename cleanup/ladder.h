@@ -39,7 +39,7 @@ class Ladder {
   std::optional<Mesh> AtWantedSize(const Mesh& base);
   std::optional<Mesh> Mended(const Mesh& mesh);
   Mesh WithGenus(const Mesh& mesh);
-  Mesh WithBetterAngles(const Mesh& mesh);
+  Mesh WithBetterAngles(const Mesh& mesh, double enough_deg);
   bool GoodSize(int faces) const;
   bool MustHitCount() const { return options_.refine || kept_.face_count() > options_.faces; }
   bool MayStay(int faces) const;

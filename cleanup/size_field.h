@@ -14,10 +14,10 @@ struct SizeRules {
   double smallest = 0.3;         ///< over the size of equal triangles, where the surface bends
   double largest = 2;            ///< the same, where it is flat
   double limb_smallest = 0.15;   ///< the same, on limbs thinner than the triangles
-  double growth = 0.4;           ///< change of size per length along the surface, at most
+  double growth = 0.6;           ///< change of size per length along the surface, at most
 };
 
-/// Larger principal curvature at each vertex, by size. Scale: about two edges of the mesh.
+/// Larger principal curvature at each vertex, by size. Scale: about an edge of the mesh.
 ///
 /// @return V x [1/units]
 /// Source: Rusinkiewicz, 3DPVT 2004 (differences of normals over faces). Departs: no frames, and root mean square over the fan.
@@ -26,8 +26,8 @@ Eigen::VectorXd MaxCurvature(const Mesh& surface);
 /// How thick the body is below each vertex: the way inwards to the other side; infinite where none is met. V x [units]
 Eigen::VectorXd Thickness(const Mesh& surface);
 
-/// Wanted edge length at each vertex of a closed surface: sqrt(6 eps / curvature), the length at which a chord stays within eps of the arc,
-/// between bounds; eps makes the count right. Round limbs get at least eight faces round them: no edge above 0.36 of the thickness.
+/// Wanted edge length at each vertex of a closed surface: in proportion to curvature^(-1/3), for which the mean squared distance is
+/// least, between bounds and for the wanted count. Round limbs get at least eight faces round them: no edge above 0.36 of the thickness.
 ///
 /// @return V x [units]
 Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules);
