@@ -1,9 +1,10 @@
-// Every file of the collection of broken meshes comes out closed, or is refused with a reason.
+// Every file of the collection of broken meshes comes out closed, or is refused with a reason; and the same in any unit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -48,6 +49,38 @@ TEST(BadMeshes, EachComesOutClosedOrIsRefused) {
     }
   }
   EXPECT_EQ(refused, std::set<std::string>{"tm_empty.obj"});
+}
+
+// What comes of a file in another unit; nothing when it is refused.
+std::optional<Mesh> CleanedAt(const Mesh& surface, double scale, const CleanupOptions& options) {
+  Mesh scaled = surface;
+  scaled.points *= scale;
+  try {
+    return MakeClosedManifold(scaled, options).mesh;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+TEST(BadMeshes, AnotherUnitGivesTheSameFacesAndPlaces) {
+  const std::vector<fs::path> files = BadMeshes();
+  if (files.empty()) GTEST_SKIP() << "no bad_meshes; set KEYPOSE_DATA to the data folder";
+  CleanupOptions options;
+  options.faces = KEYPOSE_BAD_MESH_FACES;
+  for (std::size_t i = 0; i < files.size(); i += KEYPOSE_BAD_MESH_UNIT_STEP) {
+    SCOPED_TRACE(files[i].filename().string());
+    const Mesh surface = ReadMesh(files[i]);
+    const std::optional<Mesh> one = CleanedAt(surface, 1, options);
+    for (const double scale : {0.001, 1000.0}) {
+      SCOPED_TRACE(scale);
+      const std::optional<Mesh> other = CleanedAt(surface, scale, options);
+      ASSERT_EQ(one.has_value(), other.has_value());
+      if (!one) continue;
+      EXPECT_EQ(one->faces, other->faces);
+      if (one->points.rows() != other->points.rows()) continue;
+      EXPECT_LT((other->points / scale - one->points).rowwise().norm().maxCoeff(), 1e-6 * BoundingDiagonal(one->points));
+    }
+  }
 }
 
 }  // namespace
