@@ -12,6 +12,7 @@
 #include "synth/dense_score.h"
 #include "synth/pick.h"
 #include "synth/score.h"
+#include "synth/texel_score.h"
 #include "synth/true_hull.h"
 #include "synth/truth_files.h"
 
@@ -76,6 +77,15 @@ Json CorrespondenceJson(const Subject& a, const Subject& b, const PointsX3& regi
   const Similarity3& from_b = refined ? b.refined : b.cameras.truth_from_model;
   const CorrespondenceScore s = ScoreCorrespondence(a.truth.surface, b.truth.surface, a.InTruth(from_a), Transformed(from_b, registered));
   return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}};
+}
+
+Json TexelsJson(const Subject& a, const Subject& b, const PointsX3& registered, const ScoreCommand& command) {
+  const TexelScore s = ScoreTexels(a.truth.surface, b.truth.surface, a.InTruth(a.refined), Transformed(b.refined, registered),
+                                   ReadImage(command.template_texture, 3), ReadImage(command.texture, 3));
+  return {{"texels", s.texels},   {"mean", s.mean},
+          {"p95", s.p95},         {"max", s.max},
+          {"texel", s.texel},     {"mean_difference", s.mean_difference},
+          {"psnr_db", s.psnr_db}, {"psnr_gain_db", s.psnr_gain_db}};
 }
 
 Json PointsJson(const Mesh& truth, const std::vector<View>& views, const PointsX3& points, double reach_m) {
@@ -149,6 +159,7 @@ std::string RunScore(const ScoreCommand& command) {
     json["correspondence"] = CorrespondenceJson(source, subject, registered.points, false);
     json["correspondence_refined"] = CorrespondenceJson(source, subject, registered.points, true);
     json["registered_closed"] = ClosedJson(registered);
+    if (!command.texture.empty()) json["texels"] = TexelsJson(source, subject, registered.points, command);
   }
   return json.dump(1) + "\n";
 }

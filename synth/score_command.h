@@ -18,9 +18,11 @@ struct ScoreCommand {
   std::filesystem::path truth, model, mesh;  ///< one pose
   std::filesystem::path cloud, hull;         ///< in the model's and in the truth's frame; empty: not scored
   std::filesystem::path template_truth, template_model, template_mesh, registered;  ///< correspondence; empty: not scored
+  std::filesystem::path texture{}, template_texture{};  ///< of the registered template and of the template; empty: not scored
 };
 /// @return JSON: cameras, surface (after the cameras' alignment), surface_refined (after ICP), closed, detail where prints move the
-/// surface, points (of the cloud), hull (against the visual hull), correspondence, correspondence_refined
+/// surface, points (of the cloud), hull (against the visual hull), correspondence, correspondence_refined,
+/// texels (one layout in both poses)
 std::string RunScore(const ScoreCommand& command);
 
 struct HullCommand {

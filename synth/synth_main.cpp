@@ -108,6 +108,8 @@ void AddScore(CLI::App& app, ScoreFlags& flags) {
     registered->needs(option);
     option->needs(registered);
   }
+  CLI::Option* texture = score->add_option("--texture", c.texture, "the registered template's texture, of this pose")->needs(registered);
+  texture->needs(score->add_option("--template-texture", c.template_texture, "the template's own texture")->needs(texture));
   score->add_option("--json", flags.json, "also write it here");
   score->callback([&flags] {
     const std::string json = RunScore(flags.command);

@@ -92,7 +92,8 @@ class Demo:
                    self.result(pose, "clean.ply"), "--json", os.path.join(folder, pose + ".json")]
         if pose != TEMPLATE:
             command += ["--registered", self.result(pose, "mesh.obj"), "--template-truth", self.truth(TEMPLATE), "--template-model",
-                        self.result(TEMPLATE, "model"), "--template-mesh", self.result(TEMPLATE, "mesh.obj")]
+                        self.result(TEMPLATE, "model"), "--template-mesh", self.result(TEMPLATE, "mesh.obj"), "--texture",
+                        self.result(pose, "texture.png"), "--template-texture", self.result(TEMPLATE, "texture.png")]
         return json.loads(self.run(command, quiet=True))
 
     def step_seconds(self):
@@ -136,6 +137,10 @@ def print_scores(scores):
             line("correspondence of the registration, mean, of the diagonal", percent(c["mean"]))
             line("  95th percentile / max", f"{percent(c['p95'])} / {percent(c['max'])}")
             line("  mean after alignment by the surfaces themselves", percent(r["mean"]))
+            t = score["texels"]
+            line("what a texel shows in both poses: apart on the clay, mean", percent(t["mean"]), f"{t['mean'] / t['texel']:.1f} texels")
+            line("  95th percentile / max", f"{percent(t['p95'])} / {percent(t['max'])}")
+            line("  its two colours: PSNR / after one gain a channel", f"{t['psnr_db']:.1f} / {t['psnr_gain_db']:.1f} dB")
             closed = score["registered_closed"]["closed"]
             line("registered template closed", "yes" if closed else "no", "goal yes", closed)
     return missed
