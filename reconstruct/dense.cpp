@@ -78,6 +78,15 @@ void DenseOptions::Describe(OptionVisitor& visit) {
         {"pixels whose depth is expected to be off by more than this and than half of all are, by how sharply the match falls off beside "
          "it, are dropped",
          "px of the picture on the surface", 0.05, 100});
+  visit("narrow_texture", narrow_texture,
+        {"at the finest level windows are half as wide where the deviation of their grey is at least this many times the noise's: detail "
+         "comes out sharper and edges cleaner, weak texture needs the wider ones",
+         "", 0, 1000});
+  visit("window_variance", window_variance,
+        {"depths are taken to be means over windows of this variance along an axis, and are corrected by the curvature of the surface for "
+         "it; "
+         "0 leaves bumps flattened and creases filled",
+         "px2", 0, 40});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
   visit("gap_fill", gap_fill,
@@ -101,6 +110,7 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   RequireSources(views, &sources, &result);
   PatchMatchOptions match_options;
   match_options.geometric_passes = options.geometric_passes;
+  match_options.narrow_texture = options.narrow_texture;
   const double cpu_before = CpuSeconds();
   PatchMatchResult matched = EstimatePlanes(views, sources, bounds, Seeds(views, scene), match_options, progress);
   result.matching_cpu_seconds = CpuSeconds() - cpu_before;
@@ -113,6 +123,7 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   fusion.normal_tolerance_deg = options.normal_tolerance_deg;
   fusion.largest_cost = options.largest_cost;
   fusion.largest_error = options.largest_error;
+  fusion.window_variance = options.window_variance;
   FusionResult fused = FuseDepthMaps(views, sources, std::move(matched.maps), fusion);
   result.completeness = std::move(fused.completeness);
   Step(progress, 0.94, "outlines");

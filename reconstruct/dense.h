@@ -26,6 +26,8 @@ struct DenseOptions {
   double normal_tolerance_deg = 30;
   double largest_cost = 1.0;
   double largest_error = 1.0;
+  double narrow_texture = 4;
+  double window_variance = 16;
   int hull_resolution = 160;
   double outline_px = 1.5;
   bool gap_fill = true;

@@ -37,6 +37,35 @@ TEST(ReconstructDense, TexturedBallIsAccurateAndComplete) {
   }
 }
 
+// Flat windows on a ball settle inside of it. The ball of the scene is lumpy, and convex nearly everywhere.
+TEST(ReconstructDense, NarrowWindowsAndTheCorrectionForCurvatureBringPointsNearerToACurvedSurface) {
+  const RenderedScene scene = RenderRing({.views = 9, .size = 150});
+  DenseOptions plain;
+  plain.narrow_texture = 1000, plain.window_variance = 0;
+  const std::vector<DenseView> views = Prepared(scene, plain);
+  const DenseResult before = ReconstructDense(views, scene.scene, plain), after = ReconstructDense(views, scene.scene, {});
+  const Accuracy wide = Measure(scene, before.cloud, before.stereo_points), narrow = Measure(scene, after.cloud, after.stereo_points);
+  EXPECT_LT(narrow.footprints_90, 0.85 * wide.footprints_90) << wide.footprints_90;
+  EXPECT_LE(narrow.outliers, wide.outliers + 1e-3);
+  EXPECT_GT(narrow.completeness, wide.completeness - 0.005);
+}
+
+TEST(ReconstructDense, NoisyWeakTextureIsStillMatchedByWideWindows) {
+  const RenderedScene scene = RenderRing({.views = 9, .size = 150, .contrast = 20, .noise = 4});
+  DenseOptions wide, narrow;
+  wide.narrow_texture = 1000, narrow.narrow_texture = 0;
+  const std::vector<DenseView> views = Prepared(scene, {});
+  auto measured = [&](const DenseOptions& options) {
+    const DenseResult result = ReconstructDense(views, scene.scene, options);
+    return Measure(scene, result.cloud, result.stereo_points);
+  };
+  const Accuracy adapted = measured({}), all_wide = measured(wide), all_narrow = measured(narrow);
+  EXPECT_GT(adapted.completeness, all_narrow.completeness + 0.02) << "narrow windows hear too little";
+  EXPECT_GT(adapted.completeness, all_wide.completeness - 0.005);
+  EXPECT_LT(adapted.footprints_90, 1.02 * all_wide.footprints_90);
+  EXPECT_LT(adapted.outliers, 0.002);
+}
+
 TEST(ReconstructDense, BallWithoutTextureGivesTheHullAndNoRandomDepths) {
   const RenderedScene scene = RenderRing({.views = 8, .size = 110, .contrast = 0});
   const DenseResult result = ReconstructDense(Prepared(scene, {}), scene.scene, {});

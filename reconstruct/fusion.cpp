@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "reconstruct/window_bias.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -75,6 +76,8 @@ class Fuser {
       centers_.push_back(views[i].Center());
       for (const int s : sources[i]) passages_[i].push_back(PassageOf(views[i], views[s]));
     }
+    const WindowBiasOptions bias{options.window_variance, options.largest_cost, error_limit_};
+    ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) { CorrectWindowBias(views[i].camera(), bias, &maps_[i]); });
   }
 
   FusionResult Run() {

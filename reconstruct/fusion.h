@@ -18,6 +18,7 @@ struct FusionOptions {
   double normal_tolerance_deg = 30;
   double largest_cost = 1.0;   ///< pixels that match worse do not take part
   double largest_error = 1.0;  ///< nor those whose depth is expected to be off by more, pixels on the surface; or than the median's
+  double window_variance = 0;  ///< of the windows that depths are means over, see WindowBiasOptions; 0: depths are taken as they are
 };
 
 struct FusionResult {

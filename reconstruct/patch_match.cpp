@@ -117,6 +117,8 @@ class Estimator {
     // Halving averages four pixels, which halves independent noise.
     const double noise = std::max(options_.noise, std::min(views_[i].noise, 4 * options_.noise)) * std::pow(0.5, level);
     inputs.noise_variance = static_cast<float>(noise * noise);
+    if (level == 0 && levels_ > 1)
+      inputs.narrow_variance = static_cast<float>(options_.narrow_texture * options_.narrow_texture * noise * noise);
     inputs.seed = Mixed(options_.seed * 1000003 + i);
     inputs.prior = priors_[i].empty() ? nullptr : &priors_[i];
     return inputs;

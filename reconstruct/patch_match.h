@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/progress.h"
@@ -15,6 +16,8 @@ struct PatchMatchOptions {
   int fine_passes = 1;       ///< at each finer level, before the geometric ones
   int geometric_passes = 2;  ///< at the finest level; one at the others
   double noise = 0.6;        ///< least standard deviation of noise to reckon with, grey levels
+  /// At the finest of several levels windows are narrow where their deviation is this many times the noise's.
+  double narrow_texture = std::numeric_limits<double>::infinity();
   std::uint64_t seed = 1;
 };
 

@@ -30,16 +30,19 @@ struct SampleTable {
   std::array<int, kPatchSamples> dx, dy;
   std::array<float, kPatchSamples> weight;
 };
-const SampleTable& WholeOffsets() {
-  static const SampleTable table = [] {
-    SampleTable t;
-    for (int k = 0; k < kPatchSamples; ++k) {
-      t.dx[k] = static_cast<int>(WindowOffsets().dx[k]), t.dy[k] = static_cast<int>(WindowOffsets().dy[k]);
-      t.weight[k] = std::exp(-std::hypot(WindowOffsets().dx[k], WindowOffsets().dy[k]) / (2.0f * kPatchRadius * kPatchRadius));
-    }
-    return t;
-  }();
-  return table;
+SampleTable MakeTable(Window window) {
+  SampleTable t;
+  for (int k = 0; k < kPatchSamples; ++k) {
+    const float x = WindowOffsets().dx[k], y = WindowOffsets().dy[k];
+    t.dx[k] = static_cast<int>(std::lround(x * WindowScale(window) + WindowMiddle(window)));
+    t.dy[k] = static_cast<int>(std::lround(y * WindowScale(window) + WindowMiddle(window)));
+    t.weight[k] = std::exp(-std::hypot(x, y) / (2.0f * kPatchRadius * kPatchRadius));
+  }
+  return t;
+}
+const SampleTable& TableOf(Window window) {
+  static const SampleTable wide = MakeTable(Window::kWide), narrow = MakeTable(Window::kNarrow);
+  return window == Window::kNarrow ? narrow : wide;
 }
 
 using Four = float __attribute__((vector_size(4 * sizeof(float))));
@@ -114,10 +117,10 @@ BilateralTable::BilateralTable(float color_scale) {
     similarity[i] = std::exp(-(static_cast<float>((i << kTableShift) + (1 << (kTableShift - 1))) * (255.0f / 32767.0f)) / color_scale);
 }
 
-void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch) {
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch, Window window) {
   alignas(16) std::array<std::uint16_t, kPatchSamples> pixels;
   alignas(16) std::array<float, kPatchSamples> similarity;
-  const SampleTable& samples = WholeOffsets();
+  const SampleTable& samples = TableOf(window);
   const int *dx = samples.dx.data(), *dy = samples.dy.data();
   const float* spatial = samples.weight.data();
   if (x >= kPatchRadius && y >= kPatchRadius && x + kPatchRadius < image.width && y + kPatchRadius < image.height) {

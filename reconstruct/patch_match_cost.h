@@ -9,7 +9,12 @@
 
 namespace keypose::reconstruct {
 
-/// Window: 11 x 11 with step 2 and without its corners, so that 32 samples fill four AVX2 or two AVX-512 registers.
+/// Window: 11 x 11 with step 2 and without its corners, so that 32 samples fill four AVX2 or two AVX-512 registers. The narrow one has the
+/// same samples side by side, 6 x 6 pixels whose middle lies half a pixel right of and below the pixel that it belongs to: in units of half
+/// a pixel about that middle its offsets are those of the wide one, so kernels need not know.
+enum class Window { kWide, kNarrow };
+constexpr float WindowScale(Window window) { return window == Window::kNarrow ? 0.5f : 1.0f; }   ///< pixels in an offset's unit
+constexpr float WindowMiddle(Window window) { return window == Window::kNarrow ? 0.5f : 0.0f; }  ///< from the pixel, x and y
 constexpr int kPatchSamples = 32;
 constexpr int kPatchRadius = 5;
 struct PatchOffsets {
@@ -36,7 +41,8 @@ struct BilateralTable {
   explicit BilateralTable(float color_scale);
 };
 
-void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch);
+void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table, float noise_variance, RefPatch* patch,
+                  Window window = Window::kWide);
 
 /// A source image laid out for sampling: one 64-bit read at a pixel brings it and its three neighbours to the right and below.
 ///

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "reconstruct/patch_match_areas.h"
+#include "reconstruct/patch_match_random.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -20,23 +21,6 @@ constexpr float kSame = 0.1f, kSameInTheEnd = 0.15f;  // pixels
 constexpr int kStripWidth = 64;        // pixels visited side by side: what their windows read of all sources stays in the nearest cache
 constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-
-// Small, fast, and a pure function of its seed.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  float Signed() { return static_cast<float>(static_cast<std::int64_t>(Next() >> 40) - (1 << 23)) * (1.0f / (1 << 23)); }
-  float Unit() { return static_cast<float>(Next() >> 40) * (1.0f / (1 << 24)); }
-
- private:
-  std::uint64_t Next() {  // splitmix64
-    std::uint64_t z = (state_ += 0x9E3779B97F4A7C15ull);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBull;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_;
-};
 
 // Up to four of the sources, ready to be matched side by side.
 struct SourceLanes {
@@ -130,9 +114,26 @@ class Sweeper {
     return plane.inverse_depth * plane.inverse_depth >= kLeastCosine * kLeastCosine * ray_length2_ * (nx * nx + ny * ny + nz * nz);
   }
 
+  // A narrow window averages the depth of a curved surface over less of it, and reaches over fewer edges; a wide one hears more texture.
+  // The choice is the reference picture's alone, so it is the same in all passes of a level.
+  void ChooseWindow(int x, int y) {
+    window_ = Window::kNarrow;
+    if (in_.narrow_variance < kInfinite) {
+      FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_, window_);
+      if (patch_.variance >= in_.narrow_variance) return;
+    }
+    window_ = Window::kWide;
+    FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_, window_);
+  }
+
+  WarpLanes Warps(const TransferLanes& to, const PixelLanes& middle, PlaneHypothesis plane) const {
+    plane.inverse_depth += WindowMiddle(window_) * (plane.gx + plane.gy);
+    return WarpsOf(to, middle, plane, WindowScale(window_));
+  }
+
   void Prepare(int x, int y) {
-    FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_);
-    x_ = static_cast<float>(x), y_ = static_cast<float>(y);
+    ChooseWindow(x, y);
+    x_ = static_cast<float>(x) + WindowMiddle(window_), y_ = static_cast<float>(y) + WindowMiddle(window_);
     ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx), ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
     ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
     bounds_ = BoundsAt(x, y);
@@ -182,7 +183,7 @@ class Sweeper {
     const int pair = std::min(2, chosen_.count);
     const float scale = 1.0f / static_cast<float>(chosen_.count);
     float costs[kLanes];
-    for (int h = 0; h < count; ++h) trials_[h].warps = WarpsOf(chosen_.to, pixel_, trials_[h].plane);
+    for (int h = 0; h < count; ++h) trials_[h].warps = Warps(chosen_.to, pixel_, trials_[h].plane);
     int kept = 0;
     for (int h = 0; h < count; ++h) {
       Trial& trial = trials_[h];
@@ -291,7 +292,7 @@ class Sweeper {
   void FillRow(const PlaneHypothesis& plane, float* row) {
     for (const SourceLanes& lanes : all_) {
       float costs[kLanes];
-      cost_(patch_, lanes.images, WarpsOf(lanes.to, AtPixel(lanes.to, x_, y_), plane), 0, lanes.count, costs);
+      cost_(patch_, lanes.images, Warps(lanes.to, AtPixel(lanes.to, x_, y_), plane), 0, lanes.count, costs);
       evaluations_ += lanes.count;
       for (int k = 0; k < lanes.count; ++k) row[lanes.ids[k]] = std::min(costs[k], kCostCap);
     }
@@ -318,7 +319,7 @@ class Sweeper {
   void Recall(std::size_t index, const PlaneHypothesis& plane, float* cost) {
     extra_ = PriorCost(plane);
     if (geometric_) {
-      const Lanes geometric = GeometricCosts(chosen_, WarpsOf(chosen_.to, pixel_, plane));
+      const Lanes geometric = GeometricCosts(chosen_, Warps(chosen_.to, pixel_, plane));
       for (int k = 0; k < chosen_.count; ++k) extra_ += geometric[k] / static_cast<float>(chosen_.count);
     }
     const PlaneMap::Match match = map_.MatchOf(index);
@@ -436,7 +437,9 @@ class Sweeper {
 
   // Of the pixel that is visited.
   RefPatch patch_;
-  float x_ = 0, y_ = 0, ray_x_ = 0, ray_y_ = 0, ray_length2_ = 1, prior_ = 0, prior_weight_ = 0;
+  Window window_ = Window::kWide;
+  float x_ = 0, y_ = 0;  // the window's middle
+  float ray_x_ = 0, ray_y_ = 0, ray_length2_ = 1, prior_ = 0, prior_weight_ = 0;
   Bounds bounds_{};
   unsigned chosen_bits_ = 0;
   SourceLanes chosen_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "reconstruct/dense_view.h"
@@ -25,6 +26,7 @@ struct SweepInputs {
   std::vector<const DepthImage*> source_inverse_depths;  ///< of each source at this level, for geometric passes; else empty
   const DepthImage* prior = nullptr;  ///< of the coarser level: inverse depth expected where texture is weak; may be null
   float noise_variance = 0;
+  float narrow_variance = std::numeric_limits<float>::infinity();  ///< windows are narrow where these vary that much, grey levels^2
   std::uint64_t seed = 0;
 };
 

@@ -39,7 +39,7 @@ struct Warp {
 Warp Shift(float x, float y) { return {{x, y, 1}, {1, 0, 0}, {0, 1, 0}}; }
 
 // In the first lane; the others are shifted by their number, so that lanes that are mixed up show.
-WarpLanes Lanes(const Warp& warp) {
+WarpLanes Lanes(const Warp& warp, Window window = Window::kWide) {
   TransferLanes transfers;
   for (int lane = 0; lane < kLanes; ++lane) {
     Transfer transfer;
@@ -48,14 +48,14 @@ WarpLanes Lanes(const Warp& warp) {
     transfer.b.setZero();
     transfers.Set(lane, transfer);
   }
-  return WarpsOf(transfers, AtPixel(transfers, 0, 0), {});
+  return WarpsOf(transfers, AtPixel(transfers, WindowMiddle(window), WindowMiddle(window)), {}, WindowScale(window));
 }
 
-float Cost(const PatchCostKernel& kernel, const RefPatch& patch, const GreyMask& source, const Warp& warp) {
+float Cost(const PatchCostKernel& kernel, const RefPatch& patch, const GreyMask& source, const Warp& warp, Window window = Window::kWide) {
   const SampleImage samples = MakeSampleImage(source);
   const SampleImage* sources[kLanes] = {&samples, &samples, &samples, &samples};
   float costs[kLanes];
-  kernel.cost(patch, sources, Lanes(warp), 0, 1, costs);
+  kernel.cost(patch, sources, Lanes(warp, window), 0, 1, costs);
   return costs[0];
 }
 
@@ -65,9 +65,31 @@ TEST(PatchCost, ExactTranslationCostsNothing) {
   for (int y = 3; y < 64; ++y)
     for (int x = 0; x < 57; ++x) *moved.at(x, y) = *image.at(x + 7, y - 3);
   RefPatch patch;
-  FillRefPatch(image, 30, 30, BilateralTable(18), 0, &patch);
-  for (const PatchCostKernel& kernel : AvailablePatchCostKernels())
-    EXPECT_LT(Cost(kernel, patch, moved, Shift(23, 33)), 1e-6f) << kernel.name;
+  for (const Window window : {Window::kWide, Window::kNarrow}) {
+    FillRefPatch(image, 30, 30, BilateralTable(18), 0, &patch, window);
+    for (const PatchCostKernel& kernel : AvailablePatchCostKernels())
+      EXPECT_LT(Cost(kernel, patch, moved, Shift(23, 33), window), 1e-6f) << kernel.name;
+  }
+}
+
+// Six by six pixels without their corners, from two to the left and above to three to the right and below.
+TEST(PatchCost, NarrowWindowHearsItsOwnPixelsAndNoOthers) {
+  const GreyMask image = NoiseImage(64, 64, 9);
+  RefPatch before, after;
+  FillRefPatch(image, 30, 30, BilateralTable(1000), 0, &before, Window::kNarrow);
+  int heard = 0;
+  for (int y = 22; y < 40; ++y)
+    for (int x = 22; x < 40; ++x) {
+      GreyMask changed = image;
+      *changed.at(x, y) ^= 0x4000;
+      FillRefPatch(changed, 30, 30, BilateralTable(1000), 0, &after, Window::kNarrow);
+      const int dx = x - 30, dy = y - 30;
+      const bool inside = dx >= -2 && dx <= 3 && dy >= -2 && dy <= 3, corner = (dx == -2 || dx == 3) && (dy == -2 || dy == 3);
+      // The pixel itself is what others are weighed against.
+      ASSERT_EQ(before.variance != after.variance, inside && !corner) << dx << ' ' << dy;
+      heard += before.variance != after.variance;
+    }
+  EXPECT_EQ(heard, kPatchSamples);
 }
 
 TEST(PatchCost, GainAndOffsetOfTheSourceDoNotMatter) {
@@ -114,20 +136,21 @@ TEST(PatchCost, KernelsAgreeOnRandomWarpsToOneInTenThousand) {
   int partial = 0;
   const BilateralTable table(60);
   for (int trial = 0; trial < 8000; ++trial) {
-    FillRefPatch(image, static_cast<int>(random() % 96), static_cast<int>(random() % 80), table, 0.5f, &patch);
+    const Window window = trial % 3 ? Window::kWide : Window::kNarrow;
+    FillRefPatch(image, static_cast<int>(random() % 96), static_cast<int>(random() % 80), table, 0.5f, &patch, window);
     Warp warp{{48 + 60 * unit(random), 40 + 50 * unit(random), 1},
               {1 + 0.5f * unit(random), 0.5f * unit(random), 0.01f * unit(random)},
               {0.5f * unit(random), 1 + 0.5f * unit(random), 0.01f * unit(random)}};
     if (trial % 50 == 0) warp.h0[2] = trial % 100 ? -1.0f : 0.0f;  // behind the camera, and in its plane
     const int first = trial % 2, count = 1 + trial % (kLanes - 1);
     float reference[kLanes], costs[kLanes];
-    kernels[0].cost(patch, sources, Lanes(warp), first, count, reference);
+    kernels[0].cost(patch, sources, Lanes(warp, window), first, count, reference);
     for (int k = first; k < first + count; ++k) {
       ASSERT_TRUE(reference[k] >= 0 && reference[k] <= kWorstCost);
       partial += reference[k] < kWorstCost;
     }
     for (const PatchCostKernel& kernel : kernels) {
-      kernel.cost(patch, sources, Lanes(warp), first, count, costs);
+      kernel.cost(patch, sources, Lanes(warp, window), first, count, costs);
       for (int k = first; k < first + count; ++k) ASSERT_NEAR(costs[k], reference[k], 1e-4f) << kernel.name << " trial " << trial;
     }
   }
@@ -205,15 +228,17 @@ TEST(PlaneHypothesis, LanesFollowTheCamerasAllOverTheWindow) {
     const double px = 320 + 200 * unit(random), py = 240 + 150 * unit(random);
     const PlaneHypothesis plane{static_cast<float>(0.25 + 0.05 * unit(random)), static_cast<float>(1e-3 * unit(random)),
                                 static_cast<float>(1e-3 * unit(random))};
-    const WarpLanes warps = WarpsOf(transfers, AtPixel(transfers, static_cast<float>(px), static_cast<float>(py)), plane);
-    for (int k = 0; k < kPatchSamples; ++k) {
-      const double dx = WindowOffsets().dx[k], dy = WindowOffsets().dy[k];
-      const Eigen::Vector3d ray = reference.camera().Ray(static_cast<float>(px) + dx, static_cast<float>(py) + dy);
-      const Eigen::Vector2d expected =
-          source.camera().Project(source.camera_from_world * (ray / (plane.inverse_depth + dx * plane.gx + dy * plane.gy)));
-      const double r = 1 / (1 + dx * warps.ex[1] + dy * warps.ey[1]);
-      EXPECT_NEAR(warps.x[1] + (dx * warps.ax[1] + dy * warps.bx[1]) * r - 1, expected.x(), 2e-3);
-      EXPECT_NEAR(warps.y[1] + (dx * warps.ay[1] + dy * warps.by[1]) * r - 1, expected.y(), 2e-3);
+    for (const float scale : {1.0f, 0.5f}) {
+      const WarpLanes warps = WarpsOf(transfers, AtPixel(transfers, static_cast<float>(px), static_cast<float>(py)), plane, scale);
+      for (int k = 0; k < kPatchSamples; ++k) {
+        const double ox = WindowOffsets().dx[k], oy = WindowOffsets().dy[k], dx = scale * ox, dy = scale * oy;
+        const Eigen::Vector3d ray = reference.camera().Ray(static_cast<float>(px) + dx, static_cast<float>(py) + dy);
+        const Eigen::Vector2d expected =
+            source.camera().Project(source.camera_from_world * (ray / (plane.inverse_depth + dx * plane.gx + dy * plane.gy)));
+        const double r = 1 / (1 + ox * warps.ex[1] + oy * warps.ey[1]);
+        EXPECT_NEAR(warps.x[1] + (ox * warps.ax[1] + oy * warps.bx[1]) * r - 1, expected.x(), 2e-3);
+        EXPECT_NEAR(warps.y[1] + (ox * warps.ay[1] + oy * warps.by[1]) * r - 1, expected.y(), 2e-3);
+      }
     }
   }
 }

@@ -22,12 +22,12 @@ void TransferLanes::Set(int lane, const Transfer& transfer) {
   }
 }
 
-WarpLanes WarpsOf(const TransferLanes& t, const PixelLanes& pixel, const PlaneHypothesis& plane) {
+WarpLanes WarpsOf(const TransferLanes& t, const PixelLanes& pixel, const PlaneHypothesis& plane, float scale) {
   Lanes h[3], hx[3], hy[3];
   for (int i = 0; i < 3; ++i) {
     h[i] = pixel.base[i] + t.depth[i] * plane.inverse_depth;
-    hx[i] = t.x[i] + t.depth[i] * plane.gx;
-    hy[i] = t.y[i] + t.depth[i] * plane.gy;
+    hx[i] = scale * (t.x[i] + t.depth[i] * plane.gx);
+    hy[i] = scale * (t.y[i] + t.depth[i] * plane.gy);
   }
   const Lanes inverse = 1.0f / h[2], x = h[0] * inverse, y = h[1] * inverse, ex = hx[2] * inverse, ey = hy[2] * inverse;
   const Lanes ex_size = ex < 0.0f ? -ex : ex, ey_size = ey < 0.0f ? -ey : ey;

@@ -50,6 +50,7 @@ inline PixelLanes AtPixel(const TransferLanes& t, float px, float py) {
 
 /// The plane that the pixel sees, in each lane's source: homography H = K_s (R - t n^T / d) K_r^-1 in the centre's form of WarpLanes.
 /// Windows that reach the source camera's plane are sent far outside.
-WarpLanes WarpsOf(const TransferLanes& transfers, const PixelLanes& pixel, const PlaneHypothesis& plane);
+/// @param pixel, plane  at the window's middle @param scale  pixels in a unit of the window's offsets
+WarpLanes WarpsOf(const TransferLanes& transfers, const PixelLanes& pixel, const PlaneHypothesis& plane, float scale = 1);
 
 }  // namespace keypose::reconstruct
