@@ -143,6 +143,8 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   SizeRules rules;
   rules.faces = options_.faces;
   rules.follow_curvature = options_.remesh == "adaptive";
+  // The rims of a wrapped sheet shrink under triangles that are not much smaller there.
+  if (wrapped_) rules.exponent = 0.5, rules.growth = 0.4;
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces ? Thinned(base, static_cast<int>(kStartFaces * rules.faces)) : base;
   std::optional<Mesh> with_slivers;
@@ -201,6 +203,7 @@ std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
 // Thin sheets get walls that lie closer together than an edge is long, and remeshing such walls makes them cross; then thicker ones are
 // tried.
 std::optional<Mesh> Ladder::WrapRungs() {
+  wrapped_ = true;
   const double area = SurfaceArea(filled_.points, filled_.faces);
   const double automatic = std::clamp(std::sqrt(2 * area / options_.faces), 1.0 / 250, 1.0 / 30);
   const double alpha = options_.wrap_alpha > 0 ? options_.wrap_alpha : automatic;

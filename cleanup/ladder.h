@@ -53,6 +53,7 @@ class Ladder {
   Mesh working_;   // the same with at most a few times the wanted faces
   Mesh filled_;    // that without holes
   Mesh repaired_;  // what the last rung brought to the wanted size
+  bool wrapped_ = false;
   std::string last_fault_;
 };
 

@@ -132,10 +132,9 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
   const auto sizes_for = [&](double scale) {
     Eigen::VectorXd sizes(surface.vertex_count());
     for (int v = 0; v < surface.vertex_count(); ++v) {
-      // The distance of a chord is curvature * size^2 and the count of faces 1 / size^2: at curvature^(-1/3) the mean of the squared
-      // distances is least for the count. Equal distances, at curvature^(-1/2), spend too much on creases that no size follows.
-      const double bent = std::clamp(1 / std::cbrt(std::max(curvature[v] * even, 1e-9)) * scale, rules.smallest, rules.largest);
-      sizes[v] = std::min(even * (rules.follow_curvature ? bent : scale), limb[v]);
+      // The distance of a chord is curvature * size^2 and the count of faces 1 / size^2: hence the thirds and halves.
+      const double bent = std::pow(std::max(curvature[v] * even, 1e-9), -rules.exponent) * scale;
+      sizes[v] = std::min(even * (rules.follow_curvature ? std::clamp(bent, rules.smallest, rules.largest) : scale), limb[v]);
     }
     LimitGrowth(surface, near, rules.growth, sizes);
     return sizes;

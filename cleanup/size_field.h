@@ -11,6 +11,7 @@ namespace keypose::cleanup {
 struct SizeRules {
   int faces = 20000;             ///< triangles of these sizes that cover the surface
   bool follow_curvature = true;  ///< false: equal sizes, save on thin limbs
+  double exponent = 1.0 / 3;     ///< of the curvature that sizes go with the inverse of
   double smallest = 0.3;         ///< over the size of equal triangles, where the surface bends
   double largest = 2;            ///< the same, where it is flat
   double limb_smallest = 0.15;   ///< the same, on limbs thinner than the triangles
@@ -26,8 +27,9 @@ Eigen::VectorXd MaxCurvature(const Mesh& surface);
 /// How thick the body is below each vertex: the way inwards to the other side; infinite where none is met. V x [units]
 Eigen::VectorXd Thickness(const Mesh& surface);
 
-/// Wanted edge length at each vertex of a closed surface: in proportion to curvature^(-1/3), for which the mean squared distance is
-/// least, between bounds and for the wanted count. Round limbs get at least eight faces round them: no edge above 0.36 of the thickness.
+/// Wanted edge length at each vertex of a closed surface: in proportion to curvature^-exponent, between bounds and for the wanted count.
+/// At 1/3 the mean squared distance of the triangles is least, at 1/2 they are all equally far. Round limbs get at least eight faces round
+/// them: no edge above 0.36 of the thickness.
 ///
 /// @return V x [units]
 Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules);
