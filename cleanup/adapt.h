@@ -15,8 +15,8 @@ namespace keypose::cleanup {
 /// @param faces    how many there will be, to the next even number where edges allow
 /// @return closed oriented 2-manifold of the start's topology; may intersect itself where walls are nearer than edges are long: check it
 /// Source: Botsch & Kobbelt, SGP 2004; Dunyach et al., Eurographics 2013 (sizes). Departs: collapses go to the end or the middle that
-/// lies nearest to the planes around, edges are flipped for angles and not for valence, and the count is steered. While the vertices are
-/// fitted, edges that run across a ridge are turned along it.
+/// lies nearest to the planes around, edges are flipped for angles and not for valence, and the count is steered. At last the
+/// vertices are fitted, edges that run across a ridge are turned along it, and thin faces slide to where they are thicker.
 Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces);
 
 /// Flips, collapses and shifts until no angle is below `least_deg`, where that is possible without turning a face. The number of faces
