@@ -9,6 +9,7 @@
 
 #include "capture/cv_image.h"
 #include "capture/empty_set.h"
+#include "capture/mask_edge.h"
 #include "capture/region_cut.h"
 #include "capture/set_rounds.h"
 #include "capture/zone_odds.h"
@@ -132,7 +133,11 @@ Image8 WorkingImage(const Image8& image, int working_px) {
 }
 
 Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
-  if (small_mask.width == image.width && small_mask.height == image.height) return small_mask;
+  if (small_mask.width == image.width && small_mask.height == image.height) {
+    Image8 settled = small_mask;
+    SettleEdge(image, settled);
+    return BestRegion(settled);
+  }
   cv::Mat large, guided;
   cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
@@ -145,7 +150,9 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
   cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius, 25.0);
   cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
   mask(box).setTo(255, guided > 127);
-  return BestRegion(ImageOf(mask));
+  Image8 settled = ImageOf(mask);
+  SettleEdge(image, settled);
+  return BestRegion(settled);
 }
 
 Image8 Grey(const Image8& image) {

@@ -67,7 +67,9 @@ cv::Mat HeaviestRegion(const cv::Mat& labels) {
   return best == 0 ? cv::Mat(cv::Mat::zeros(labels.size(), CV_8U)) : cv::Mat(components == best);
 }
 
-/// Fills holes unless they are plainly background seen through the object.
+/// Fills holes unless they are plainly background seen through the object: small ones have to be the plainer.
+constexpr double kLeastHole = 2.5e-4;  // of the picture: what is smaller is judged as if it were that large
+
 void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
   cv::Mat components;
   const cv::Mat outside = mask == 0;
@@ -84,7 +86,7 @@ void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x) {
       const auto c = static_cast<std::size_t>(components.at<int>(y, x));
-      const bool see_through = area[c] > 5e-4 * static_cast<double>(mask.total()) && sum[c] < -sure * area[c];
+      const bool see_through = sum[c] < -sure * std::max(area[c], kLeastHole * static_cast<double>(mask.total()));
       if (c != 0 && !open[c] && !see_through) mask.at<std::uint8_t>(y, x) = 255;
     }
 }

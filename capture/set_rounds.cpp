@@ -1,7 +1,9 @@
 #include "capture/set_rounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "capture/cv_image.h"
@@ -25,7 +27,8 @@ void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
 
 constexpr double kDepth = 0.33;                 // of the deepest place of a mask, from which on a pixel lies well inside
 constexpr double kHole = 1;                     // mean odds against the figure at which a hole stays open
-constexpr float kShadow = -1;                   // odds below which a pixel counts as shadow
+constexpr float kShadow = -1;                   // odds below which a pixel counts as shadow, or as seen past the figure
+constexpr double kSeenPast = 0.8;               // of the limit: what other photographs uphold in space still weighs nearly as much
 constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
 
 /// Pixels of an image that zones give a kind, evenly spread.
@@ -72,6 +75,62 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
     odds[k] =
         static_cast<float>(2 * std::log((inside[k] / std::max(all_inside, 1.0) + kNothing) / (rim[k] / std::max(all_rim, 1.0) + kNothing)));
   return odds;
+}
+
+/// Pixels that show the empty set as nearly as the background does: seen past the figure, or clay of the background's colour.
+struct SeenPast {
+  std::vector<std::vector<char>> pixels;  ///< of each image; empty where nothing is known of its empty set
+  float odds = 0;                         ///< of the figure at such a pixel
+
+  float At(std::size_t image, std::size_t pixel) const { return pixels[image].empty() || !pixels[image][pixel] ? 0 : odds; }
+};
+
+/// How far, channel by channel, most of an image's background is from its empty set.
+std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty, const Image8& zones) {
+  constexpr double kUsual = 0.95;
+  constexpr int kSlack = 1;
+  std::array<int, 3> usual{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<std::size_t, 256> count{};
+    std::size_t all = 0;
+    for (std::size_t p = 0; p < zones.data.size(); ++p)
+      if (zones.data[p] == kBackground) ++count[static_cast<std::size_t>(std::abs(lab.data[3 * p + c] - empty.data[3 * p + c]))], ++all;
+    std::size_t below = count[0];
+    while (usual[c] < 255 && static_cast<double>(below) < kUsual * static_cast<double>(all))
+      below += count[static_cast<std::size_t>(++usual[c])];
+    usual[c] += kSlack;
+  }
+  return usual;
+}
+
+/// Shares of the figure's zone that look like the empty set: up to the first these are gaps, from the second on the figure has such
+/// colours.
+constexpr double kFewAlike = 7e-4, kManyAlike = 1.5e-3;
+
+/// Masks that have filled a gap teach their forest that background is figure, and the hull of such masks says so too; the empty set, where
+/// other photographs of the take show it, knows better.
+SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties, const std::vector<char>& foretold, double limit) {
+  SeenPast past{std::vector<std::vector<char>>(round.lab.size()), 0};
+  std::vector<double> figure(round.lab.size(), 0), like(figure);
+  ParallelFor(static_cast<std::int64_t>(round.lab.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (!foretold[i]) return;
+    const std::vector<std::uint8_t>&pixels = round.lab[i].data, &empty = empties[i].data, &zones = round.zones[i].data;
+    const std::array<int, 3> usual = UsualDifference(round.lab[i], empties[i], round.zones[i]);
+    past.pixels[i].resize(zones.size());
+    for (std::size_t p = 0; p < zones.size(); ++p) {
+      bool near = true;
+      for (std::size_t c = 0; c < 3; ++c) near = near && std::abs(pixels[3 * p + c] - empty[3 * p + c]) <= usual[c];
+      past.pixels[i][p] = near;
+      figure[i] += zones[p] == kObject, like[i] += near && zones[p] == kObject;
+    }
+  });
+  const auto sum = [](const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); };
+  // Clay of the background's colours (bone in the dark before a black cloth, a white chin in shade before white paper) looks so as well.
+  const double share = (sum(like) + 1) / (sum(figure) + 1);
+  const double chance = std::clamp(std::log(kManyAlike / share) / std::log(kManyAlike / kFewAlike), 0.0, 1.0);
+  past.odds = static_cast<float>(chance * std::max(std::log(share), -limit));
+  return past;
 }
 
 /// Which photographs a forest that judges photograph i may not have learned from: a quarter of the set in its order, so that an error
@@ -156,11 +215,12 @@ std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardO
     kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i]) : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
   });
   const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
+  const SeenPast past = FindSeenPast(round, empties, foretold, kSeenPast * options.odds_limit);
   ParallelFor(each, [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     Image8 zones = round.zones[i];
     for (std::size_t p = 0; p < zones.data.size(); ++p)
-      if (shadow_odds[kinds[i].data[p]] < kShadow && zones.data[p] == kObject) zones.data[p] = kNeither;
+      if (zones.data[p] == kObject && (shadow_odds[kinds[i].data[p]] < kShadow || past.At(i, p) < kShadow)) zones.data[p] = kNeither;
     plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), zones);
     if (foretold[i]) related[i] = plain[i];
     plain[i].features = WithoutEmptySet(std::move(plain[i].features));
@@ -174,7 +234,7 @@ std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardO
     ImageF odds(round.images[i].width, round.images[i].height, 1);
     for (std::size_t p = 0; p < features.size(); ++p) {
       odds.data[p] = forest.Odds(features[p], static_cast<float>(options.odds_limit));
-      const float shadow = shadow_odds[kinds[i].data[p]];
+      const float shadow = std::min(shadow_odds[kinds[i].data[p]], past.At(i, p));
       if (shadow < kShadow) odds.data[p] = std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
     }
     for (std::size_t p = 0; round.told && p < features.size(); ++p) odds.data[p] += round.odds_told[(*round.told)[i].data[p]];

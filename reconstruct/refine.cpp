@@ -326,7 +326,10 @@ void RefineOptions::Describe(OptionVisitor& visit) {
   visit("outlines", outlines,
         {"how much a view in which a vertex lies on the surface's outline counts; 1 is as much as good texture", "", 0, 1000});
   visit("cuts", cuts,
-        {"how much a mask counts that shows the background where the surface is, beside `outlines`; 0 does not ask", "", 0, 1});
+        {"how much a mask counts that shows the background where the surface is, beside `outlines`, once the surface's outlines meet the "
+         "masks'; 0 "
+         "does not ask",
+         "", 0, 1});
   visit("shading", shading, {"how much normals that the shading tells count for fine detail; 0 leaves them out", "", 0, 1000});
   visit("shading_smooth", shading_smooth, {"detail coarser than this many rounds of neighbours is not taken from shading", "", 1, 10000});
   visit("outside_px", outside_px, {"how far outside of the masks a vertex may be moved", "px", 0, 100});

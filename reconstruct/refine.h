@@ -19,7 +19,7 @@ struct RefineOptions {
   double bending = 200;
   int aggregate = 2;
   double outlines = 3;
-  double cuts = 0.03;
+  double cuts = 1;
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;

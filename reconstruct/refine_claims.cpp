@@ -25,6 +25,7 @@ constexpr double kHullSlack = 1;         // pixels that a claim may leave the hu
 constexpr double kCutFrom = 0.5;         // pixels outside of a mask, at least
 constexpr double kCutErrors = 3;         // and so many times what masks usually err
 constexpr double kLeastCutFacing = 0.4;  // as kLeastFacing, for cuts
+constexpr double kExactMiss = 0.15;      // pixels that folds miss exact masks by, on average: there a cut counts fully
 constexpr int kRimNeighbors = 32;
 constexpr double kRimReach = 6;  // pixels that a vertex may lie beside a rim point
 constexpr int kGrain = 256;
@@ -332,8 +333,12 @@ OutlineClaims FindOutlineClaims(const Mesh& mesh, const PointsX3& normals, const
     const std::vector<Claim> all = RimClaims(surface, rims, reach_px);
     std::set_difference(all.begin(), all.end(), claims.folds.begin(), claims.folds.end(), std::back_inserter(claims.rims), Before);
   }
-  if (cut_weight > 0)
-    claims.cuts = CutClaims(surface, silhouettes, cut_weight, std::max(kCutFrom, kCutErrors * UsualMiss(claims.folds)), reach_px);
+  if (cut_weight > 0) {
+    const double miss = UsualMiss(claims.folds);
+    // One mask's word against all photographs is worth what masks are worth here: loose ones bite into the object somewhere.
+    const double trust = std::pow(std::min(1.0, kExactMiss / std::max(miss, 1e-6)), 4);
+    claims.cuts = CutClaims(surface, silhouettes, cut_weight * trust, std::max(kCutFrom, kCutErrors * miss), reach_px);
+  }
   return claims;
 }
 

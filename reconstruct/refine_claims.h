@@ -32,7 +32,8 @@ struct OutlineClaims {
 };
 
 /// @param rims        of the same masks, or empty
-/// @param cut_weight  of a cut, in [0, 1]; 0 makes none
+/// @param cut_weight  of a cut, in [0, 1], where folds miss the outlines by 0.15 pixels on average or less; falls with the fourth power of
+///                    what they miss more; 0 makes none
 /// @param reach_px    claims of more than this are not made
 /// Cost: a picture of the mesh, and every vertex once, for each view. Same bits for any thread count.
 OutlineClaims FindOutlineClaims(const Mesh& mesh, const PointsX3& normals, const Silhouettes& silhouettes,

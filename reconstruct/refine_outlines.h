@@ -12,7 +12,7 @@ namespace keypose::reconstruct {
 struct OutlineTargetOptions {
   double reach_px = 10;      ///< outlines farther than this from the surface's own are not believed
   double smoothing_px = 20;  ///< claims within some of these lengths say together what is usual here
-  double cut_weight = 0.03;  ///< of cuts beside folds and rims
+  double cut_weight = 1;     ///< of cuts beside folds and rims, where folds meet the outlines exactly
   double errors = 3;         ///< a claim that misses the usual by more than this many typical deviations is not heard
 };
 
