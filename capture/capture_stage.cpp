@@ -327,7 +327,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "3",
+    .version = "4",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",

@@ -56,7 +56,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "3",
+    .version = "4",
     .summary = "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the wanted size.",
     .inputs = {{.name = "surface", .kind = "file", .help = "triangles of any quality (.ply, .obj, .off, .stl)", .file = ""}},
     .outputs = {{.name = "clean", .kind = "file", .help = "the closed mesh", .file = "clean.ply"}},

@@ -104,7 +104,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};

@@ -48,7 +48,7 @@ void Run(StageContext& stage, const RefineOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "refine";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Moves the surface along its normals to where the photographs agree on it best.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"},
