@@ -1,5 +1,7 @@
 #include "cleanup/adapt.h"
 
+#include <CGAL/Surface_mesh.h>
+
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "cleanup/mesh_editor.h"
 
+#include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/Euler_operations.h>
 
 #include <Eigen/Geometry>
@@ -24,7 +25,14 @@ double MinAngle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return std::min({angle(b - a, c - a), angle(a - b, c - b), angle(a - c, b - c)});
 }
 
-Editor::Editor(const Mesh& closed) : mesh(ToSurfaceMesh<SurfaceMesh>(closed)), sizes(mesh.number_of_vertices(), 1.0) {}
+Editor::Editor(const Mesh& closed)
+    : owned_(std::make_unique<SurfaceMesh>(ToSurfaceMesh<SurfaceMesh>(closed))), mesh(*owned_), sizes(mesh.number_of_vertices(), 1.0) {}
+
+Editor::~Editor() = default;
+
+double Editor::Length(Edge e) const { return (mesh.point(mesh.vertex(e, 0)) - mesh.point(mesh.vertex(e, 1))).norm(); }
+
+double Editor::Relative(Edge e) const { return Length(e) / (0.5 * (sizes[mesh.vertex(e, 0)] + sizes[mesh.vertex(e, 1)])); }
 
 Vector3d Editor::Cross(Face f) const {
   const Halfedge h = mesh.halfedge(f);

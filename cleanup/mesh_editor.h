@@ -1,20 +1,28 @@
 // A closed triangle mesh that is edited: splits, collapses, flips and moves that keep it closed and turn no face over.
 #pragma once
 
-#include <CGAL/Surface_mesh.h>
-
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "core/mesh.h"
 
+namespace CGAL {
+template <typename P>
+class Surface_mesh;
+class SM_Vertex_index;
+class SM_Edge_index;
+class SM_Face_index;
+class SM_Halfedge_index;
+}  // namespace CGAL
+
 namespace keypose::cleanup {
 
 using SurfaceMesh = CGAL::Surface_mesh<Eigen::Vector3d>;
-using Vertex = SurfaceMesh::Vertex_index;
-using Edge = SurfaceMesh::Edge_index;
-using Face = SurfaceMesh::Face_index;
-using Halfedge = SurfaceMesh::Halfedge_index;
+using Vertex = CGAL::SM_Vertex_index;
+using Edge = CGAL::SM_Edge_index;
+using Face = CGAL::SM_Face_index;
+using Halfedge = CGAL::SM_Halfedge_index;
 
 /// Smallest angle of a triangle. [rad]
 double MinAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
@@ -23,12 +31,19 @@ double MinAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
 class Editor {
  public:
   explicit Editor(const Mesh& closed);
+  ~Editor();
+  Editor(const Editor&) = delete;
+  Editor& operator=(const Editor&) = delete;
 
-  SurfaceMesh mesh;
+ private:
+  std::unique_ptr<SurfaceMesh> owned_;
+
+ public:
+  SurfaceMesh& mesh;
   std::vector<double> sizes;  ///< by vertex index
 
-  double Length(Edge e) const { return (mesh.point(mesh.vertex(e, 0)) - mesh.point(mesh.vertex(e, 1))).norm(); }
-  double Relative(Edge e) const { return Length(e) / (0.5 * (sizes[mesh.vertex(e, 0)] + sizes[mesh.vertex(e, 1)])); }
+  double Length(Edge e) const;
+  double Relative(Edge e) const;  ///< over the wanted length there
   /// In the middle; returns the new vertex.
   Vertex Split(Edge e);
   /// To the end or the middle that lies nearest to the planes around; no edge gets longer than `longest` of its size.

@@ -9,10 +9,10 @@ target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virt
 target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)
 # Libraries that a program does not call are not loaded: a mesh stage starts in a tenth of the time without the image libraries.
 target_link_options(keypose_flags INTERFACE -Wl,--as-needed)
-find_program(KEYPOSE_MOLD mold)
-if(KEYPOSE_MOLD)
-  # mold 1.10 sometimes starts the read-only segment in an unmapped page, and the program then fails to load: without that segment it cannot.
-  target_link_options(keypose_flags INTERFACE -fuse-ld=mold -Wl,-z,norelro)
+find_program(KEYPOSE_GOLD ld.gold)
+if(KEYPOSE_GOLD)
+  # A quarter of bfd's time. mold 1.10 is as fast but cannot be trusted: programs that fail to load with relro, links that never end without.
+  target_link_options(keypose_flags INTERFACE -fuse-ld=gold)
 endif()
 find_program(KEYPOSE_CCACHE ccache)
 if(KEYPOSE_CCACHE)

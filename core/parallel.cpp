@@ -13,9 +13,8 @@ namespace keypose {
 namespace {
 
 std::atomic<int> g_override{0};
-// A loop within a loop runs on the thread that meets it. Aligned for the linker: mold 1.10 lets the read-only-after-relocation range begin
-// at the thread-local section, and where that ends one page and the data begin the next, the program does not start (seen).
-alignas(64) thread_local bool t_inside_loop = false;
+// A loop within a loop runs on the thread that meets it.
+thread_local bool t_inside_loop = false;
 
 int DefaultThreads() {
   if (const char* text = std::getenv("KEYPOSE_THREADS")) {
