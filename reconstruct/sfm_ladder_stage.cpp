@@ -186,6 +186,14 @@ void PlaceByTurntable(StageContext& stage, const ImageSet& set, const SfmFiles& 
   }
 }
 
+/// Whether cameras hang on so few points that a wrong camera can explain them: 57 a view bent a ring of 20 by 2 % and made its pixels
+/// twice as high as wide. Photographs with texture give some hundreds.
+bool Thin(const Placed& placed) {
+  constexpr double kLeastObservations = 100;  // of a view, on average
+  return placed.method == "features" && placed.views() > 0 &&
+         static_cast<double>(placed.model.observations.size()) < kLeastObservations * static_cast<double>(placed.views());
+}
+
 SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
   return {scratch, set.folder, scratch / (fine ? "fine.db" : "coarse.db")};
 }
@@ -202,9 +210,10 @@ Placed Place(StageContext& stage, const ImageSet& set, const fs::path& scratch, 
   if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
   const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
   Placed best = PlaceByMatches(stage, set, files, options, seen, boards, watch);
-  if (!fine && options.detail == "auto" && best.views() < set.images.size() && options.method != "silhouettes") {
+  const bool thin = Thin(best);
+  if (!fine && options.detail == "auto" && (best.views() < set.images.size() || thin) && options.method != "silhouettes") {
     stage.Note("sfm: features at the photographs' own size place " + std::to_string(best.views()) + " of " +
-               std::to_string(set.images.size()) + "; looking for finer ones");
+               std::to_string(set.images.size()) + (thin ? ", by few points" : "") + "; looking for finer ones");
     fine = true;
     files = FilesOf(set, scratch, fine);
     seen = BuildDatabase(stage, set, files, options, fine, watch);
