@@ -1,6 +1,7 @@
 #include "capture/empty_set.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -201,6 +202,23 @@ double Misfit(const Image8& lab, const Image8& empty_lab, const Image8& zones) {
       count += 1;
     }
   return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab, const Image8& zones) {
+  constexpr double kUsual = 0.95;
+  constexpr int kSlack = 1;
+  std::array<int, 3> usual{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::array<std::size_t, 256> count{};
+    std::size_t all = 0;
+    for (std::size_t p = 0; p < zones.data.size(); ++p)
+      if (zones.data[p] == kBackground) ++count[static_cast<std::size_t>(std::abs(lab.data[3 * p + c] - empty_lab.data[3 * p + c]))], ++all;
+    std::size_t below = count[0];
+    while (usual[c] < 255 && static_cast<double>(below) < kUsual * static_cast<double>(all))
+      below += count[static_cast<std::size_t>(++usual[c])];
+    usual[c] += kSlack;
+  }
+  return usual;
 }
 
 Image8 ShadowKinds(const Image8& lab, const Image8& empty_lab) {

@@ -1,6 +1,7 @@
 // What a photograph would show without the figure, and how its pixels differ from that.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "capture/pixel_forest.h"
@@ -13,6 +14,13 @@ namespace keypose::capture {
 struct Take {
   std::size_t begin = 0, end = 0;
 };
+
+/// The take of photograph i.
+inline const Take& TakeOf(const std::vector<Take>& takes, std::size_t i) {
+  for (const Take& take : takes)
+    if (i < take.end) return take;
+  return takes.back();
+}
 
 /// Splits the set, in its order, where what lies along the borders changes. A background without any structure never tells.
 std::vector<Take> FindTakes(const std::vector<Image8>& images, double border_share);
@@ -29,6 +37,9 @@ std::vector<PixelFeatures> FeaturesOf(const Image8& lab, const Image8& empty_lab
 
 /// How far the background zone of an image is from its empty set: root mean square of lightness, 8 bit Lab.
 double Misfit(const Image8& lab, const Image8& empty_lab, const Image8& zones);
+
+/// How far, channel by channel, most of an image's background is from its empty set.
+std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab, const Image8& zones);
 
 /// The same pixels without what refers to the empty set.
 std::vector<PixelFeatures> WithoutEmptySet(std::vector<PixelFeatures> features);

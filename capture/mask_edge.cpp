@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/cv_image.h"
+#include "core/srgb.h"
 
 namespace keypose::capture {
 namespace {
@@ -21,13 +22,9 @@ constexpr double kSigma = 1.5;                 // of the window's weights, pixel
 constexpr double kLeastContrast = 15.0 / 255;  // of linear light
 constexpr double kLeastRatio = 4;              // squared contrast over what both sides vary by
 
-/// sRGB to linear light (IEC 61966-2-1).
 std::array<float, 256> LinearLight() {
   std::array<float, 256> table{};
-  for (int i = 0; i < 256; ++i) {
-    const double value = i / 255.0;
-    table[static_cast<std::size_t>(i)] = static_cast<float>(value > 0.04045 ? std::pow((value + 0.055) / 1.055, 2.4) : value / 12.92);
-  }
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(LinearFromSrgb(static_cast<double>(i) / 255));
   return table;
 }
 

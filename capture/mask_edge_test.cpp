@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/srgb.h"
+
 namespace keypose::capture {
 namespace {
 
@@ -21,10 +23,7 @@ double Cover(int x, int y, double radius) {
   return static_cast<double>(inside) / (kParts * kParts);
 }
 
-std::uint8_t Encoded(double linear) {
-  const double value = linear > 0.0031308 ? 1.055 * std::pow(linear, 1 / 2.4) - 0.055 : 12.92 * linear;
-  return static_cast<std::uint8_t>(std::lround(255 * value));
-}
+std::uint8_t Encoded(double linear) { return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(linear))); }
 
 /// A disc of one light before a background of another, in linear light, as a lens without blur would show it.
 Image8 DiscPhoto(double object, double background, double radius) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "capture/cv_image.h"
+#include "capture/gaps.h"
 #include "capture/empty_set.h"
 #include "capture/mask_edge.h"
 #include "capture/region_cut.h"
@@ -132,9 +133,10 @@ Image8 WorkingImage(const Image8& image, int working_px) {
   return ImageOf(small);
 }
 
-Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
+Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop* backdrop) {
   if (small_mask.width == image.width && small_mask.height == image.height) {
     Image8 settled = small_mask;
+    if (backdrop) OpenGaps(image, *backdrop, settled);
     SettleEdge(image, settled);
     return BestRegion(settled);
   }
@@ -151,6 +153,7 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask) {
   cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
   mask(box).setTo(255, guided > 127);
   Image8 settled = ImageOf(mask);
+  if (backdrop) OpenGaps(image, *backdrop, settled);
   SettleEdge(image, settled);
   return BestRegion(settled);
 }

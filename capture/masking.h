@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "capture/board_detection.h"
+#include "capture/gaps.h"
 #include "core/image.h"
 #include "core/progress.h"
 
@@ -37,8 +38,8 @@ struct MaskOptions {
 std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& plate, const std::vector<BoardOdds>& boards,
                                const MaskOptions& options, Progress* progress = nullptr);
 
-/// A small mask carried to the size of `image`, its border moved to the image's edges.
-Image8 RefinedMask(const Image8& image, const Image8& small_mask);
+/// A small mask carried to the size of `image`, its border moved to the image's edges; with a backdrop, its narrow gaps open.
+Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop* backdrop = nullptr);
 
 /// The image shrunk so that its longer side is `working_px` (never enlarged).
 Image8 WorkingImage(const Image8& image, int working_px);

@@ -88,11 +88,11 @@ void Copy(const fs::path& from, const fs::path& to) {
 }
 
 /// Writes one photograph and its mask, the old one where there is no better. @return cell of the contact sheet
-Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const fs::path& folder, CapturedImage& entry) {
+Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop, const fs::path& folder, CapturedImage& entry) {
   Copy(set.ImagePath(static_cast<int>(i)), folder / entry.name);
   const Image8 image = ReadImage(set.ImagePath(static_cast<int>(i)), 3);
   Image8 mask = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
-  if (refined && !entry.mask_given) mask = RefinedMask(image, *refined);
+  if (refined && !entry.mask_given) mask = RefinedMask(image, *refined, backdrop);
   entry.mask = "masks/" + entry.name + ".png";
   entry.mask_fraction = MaskFraction(mask);
   WriteImage(folder / entry.mask, mask);
@@ -111,12 +111,14 @@ void Run(StageContext& stage, const MasksOptions& options) {
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);
-  for (std::size_t i = 0; i < refined.masks.size(); ++i) mask_of[placed.index[i]] = &refined.masks[i];
+  std::vector<const Backdrop*> backdrop_of(set.images.size(), nullptr);
+  for (std::size_t i = 0; i < refined.masks.size(); ++i)
+    mask_of[placed.index[i]] = &refined.masks[i], backdrop_of[placed.index[i]] = &refined.backdrops[i];
   std::vector<Image8> cells(set.images.size());
   Step(stage.progress(), 0.7, "writing images and masks");
   ParallelFor(static_cast<std::int64_t>(cells.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    cells[i] = WriteOne(set, i, mask_of[i], folder, set.images[i]);
+    cells[i] = WriteOne(set, i, mask_of[i], backdrop_of[i], folder, set.images[i]);
   });
   set.folder = folder;
   WriteImageSet(set);
@@ -125,7 +127,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "3",
+    .version = "4",
     .summary = "Segments the photographs again, with what all views together know of the figure's place in space.",
     .inputs = {{.name = "images", .kind = "folder", .help = "photographs and masks, as capture makes them", .file = ""},
                {.name = "model", .kind = "folder", .help = "COLMAP model of the cameras, as sfm makes it", .file = ""}},

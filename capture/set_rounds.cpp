@@ -85,24 +85,6 @@ struct SeenPast {
   float At(std::size_t image, std::size_t pixel) const { return pixels[image].empty() || !pixels[image][pixel] ? 0 : odds; }
 };
 
-/// How far, channel by channel, most of an image's background is from its empty set.
-std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty, const Image8& zones) {
-  constexpr double kUsual = 0.95;
-  constexpr int kSlack = 1;
-  std::array<int, 3> usual{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    std::array<std::size_t, 256> count{};
-    std::size_t all = 0;
-    for (std::size_t p = 0; p < zones.data.size(); ++p)
-      if (zones.data[p] == kBackground) ++count[static_cast<std::size_t>(std::abs(lab.data[3 * p + c] - empty.data[3 * p + c]))], ++all;
-    std::size_t below = count[0];
-    while (usual[c] < 255 && static_cast<double>(below) < kUsual * static_cast<double>(all))
-      below += count[static_cast<std::size_t>(++usual[c])];
-    usual[c] += kSlack;
-  }
-  return usual;
-}
-
 /// Shares of the figure's zone that look like the empty set: up to the first these are gaps, from the second on the figure has such
 /// colours.
 constexpr double kFewAlike = 7e-4, kManyAlike = 1.5e-3;
@@ -210,7 +192,7 @@ std::vector<Image8> SegmentByForest(const Round& round, const std::vector<BoardO
   const auto each = static_cast<std::int64_t>(count);
   ParallelFor(each, [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    empties[i] = EmptySet(round.lab, round.zones, round.TakeOf(i), i);
+    empties[i] = EmptySet(round.lab, round.zones, TakeOf(round.takes, i), i);
     foretold[i] = Misfit(round.lab[i], empties[i], round.zones[i]) < options.largest_misfit;
     kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i]) : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
   });

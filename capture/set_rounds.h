@@ -17,12 +17,6 @@ struct Round {
   std::vector<Take> takes;
   const std::vector<Image8>* told = nullptr;  ///< what is known of each image's pixels from elsewhere, as kinds
   std::vector<float> odds_told;               ///< log odds of each of these kinds, added to what is learned
-
-  const Take& TakeOf(std::size_t i) const {
-    for (const Take& take : takes)
-      if (i < take.end) return take;
-    return takes.back();
-  }
 };
 
 /// The last round's mask as zones; the pixels at its border, which mix both, belong to neither.

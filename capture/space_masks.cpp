@@ -227,6 +227,40 @@ std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vec
   return SegmentByForest(round, boards, masking);
 }
 
+/// The longest side of the places that nobody denies, in voxels.
+int LongestSide(const Grid& grid) {
+  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
+  for (int z = 0; z < grid.size.z(); ++z)
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        if (grid.denials[grid.At(x, y, z)] != 0) continue;
+        low = low.cwiseMin(Eigen::Vector3i(x, y, z)), high = high.cwiseMax(Eigen::Vector3i(x, y, z));
+      }
+  return std::max(1, (high - low).maxCoeff() + 1);
+}
+
+/// How much of each pixel's ray, within the mask, nobody denies: per cent of `longest`, in voxels.
+Image8 Thickness(const Witness& witness, const Image8& mask, const Grid& grid, int longest) {
+  Image8 thickness(mask.width, mask.height, 1, 0);
+  const View& view = *witness.view;
+  const Eigen::Vector3d from = (view.Center() - grid.low) / grid.cell;
+  const Eigen::Vector3d middle = 0.5 * grid.size.cast<double>();
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (*mask.at(x, y) <= 127) continue;
+      const Eigen::Vector3d ray = (view.camera_from_world.rotation.conjugate() * view.camera.Unproject({x + 0.5, y + 0.5})).normalized();
+      const double nearest = ray.dot(middle - from), reach = grid.size.cast<double>().norm() / 2;
+      int count = 0;
+      for (double t = nearest - reach; t < nearest + reach; t += 1) {
+        const Eigen::Vector3i at = (from + t * ray).array().floor().cast<int>();
+        if ((at.array() < 0).any() || (at.array() >= grid.size.array()).any()) continue;
+        count += grid.denials[grid.At(at.x(), at.y(), at.z())] == 0;
+      }
+      *thickness.at(x, y) = static_cast<std::uint8_t>(std::min(255, 100 * count / longest));
+    }
+  return thickness;
+}
+
 Image8 Binary(Image8 mask) {
   for (std::uint8_t& m : mask.data) m = m > 127 ? 255 : 0;
   return mask;
@@ -252,6 +286,18 @@ std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::v
   std::vector<Image8> pictures(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
     pictures[static_cast<std::size_t>(i)] = Picture(witnesses[static_cast<std::size_t>(i)], places, grid.cell, options.most_denials);
+  });
+  return pictures;
+}
+
+std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options) {
+  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
+  const Grid grid = SharedSpace(views, masks, witnesses, options);
+  const int longest = LongestSide(grid);
+  std::vector<Image8> pictures(views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    pictures[i] = Thickness(witnesses[i], masks[i], grid, longest);
   });
   return pictures;
 }
@@ -315,6 +361,11 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   std::vector<Image8> large;
   for (std::size_t i = 0; i < images.size(); ++i) large.push_back(ResizedMask(small_masks[i], images[i].width, images[i].height));
   refined.masks = SpaceRound(images, large, DenialsByOthers(views, large, options), known, masking, options, options.weight);
+  std::vector<Image8> lab, zones;
+  for (std::size_t i = 0; i < images.size(); ++i) lab.push_back(LabOf(images[i])), zones.push_back(ZonesOf(refined.masks[i]));
+  refined.backdrops = BackdropsOf(lab, zones, FindTakes(images, masking.border_share), masking.largest_misfit);
+  std::vector<Image8> thickness = ThicknessOfHull(views, refined.masks, options);
+  for (std::size_t i = 0; i < images.size(); ++i) refined.backdrops[i].thickness = std::move(thickness[i]);
   return refined;
 }
 

@@ -26,8 +26,12 @@ struct SpaceOptions {
 /// Same bits for any thread count.
 std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
 
+/// For each pixel of a mask how much of its ray lies in the hull of all masks: per cent of the hull's longest side.
+std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
+
 struct RefinedMasks {
   std::vector<Image8> masks;
+  std::vector<Backdrop> backdrops;                  ///< to open narrow gaps by at full size
   std::vector<double> agreement_before, agreement;  ///< of each, see AgreementInSpace; at half the size
 };
 

@@ -95,6 +95,16 @@ TEST(DenialsByOthers, CountsTheOthersAndNeverTheViewItself) {
   EXPECT_GE(*denials[3].at(kWidth / 2 + 62, kHeight / 2), 3);
 }
 
+TEST(ThicknessOfHull, IsTheBallsChord) {
+  Ring ring = MakeRing();
+  const std::vector<Image8> thickness = ThicknessOfHull(ring.views, ring.truths, kCoarse);
+  // The space is the ball and a voxel's margin; the hull of 18 views is a little larger than the ball.
+  EXPECT_NEAR(*thickness[0].at(kWidth / 2, kHeight / 2), 97, 6);
+  const double sine = 30 / std::hypot(30, kFocal) * kDistance / kRadius;  // of the ray that meets the image 30 pixels beside the middle
+  EXPECT_NEAR(*thickness[0].at(kWidth / 2 + 30, kHeight / 2), 97 * std::sqrt(1 - sine * sine), 10);
+  EXPECT_EQ(*thickness[0].at(3, 3), 0);
+}
+
 // Voxels of one pixel and a hull that two denials carve make the ball a pixel larger all round: 5 %; the hull of 18 views, some more.
 TEST(AgreementInSpace, IsNearOneWhereMasksAreRightAndLowWhereOneIsNot) {
   Ring ring = MakeRing();

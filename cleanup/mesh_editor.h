@@ -29,16 +29,14 @@ double MinAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen:
 
 /// Positions are the mesh's points; sizes, the wanted edge lengths, ride along. Each edit says whether it was done.
 class Editor {
+  std::unique_ptr<SurfaceMesh> owned_;  // before `mesh`, which refers to it
+
  public:
   explicit Editor(const Mesh& closed);
   ~Editor();
   Editor(const Editor&) = delete;
   Editor& operator=(const Editor&) = delete;
 
- private:
-  std::unique_ptr<SurfaceMesh> owned_;
-
- public:
   SurfaceMesh& mesh;
   std::vector<double> sizes;  ///< by vertex index
 

@@ -1,0 +1,156 @@
+#include "capture/gaps.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/cv_image.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr double kMostAlike = 1.5e-3;   // of the figure, that may look like the empty set
+constexpr double kShade = 0.88;         // of the empty set's lightness, that the figure's shade leaves at least
+constexpr int kNoise = 4;               // of single pixels' lightness, beside the background's usual difference; half of it in colour
+constexpr int kLeastArea = 16;          // pixels
+constexpr double kLeastDepth = 1.4;     // pixels from a gap's middle to its side
+constexpr double kLargestShare = 0.01;  // of the mask: larger gaps are seen at working size
+constexpr double kSetOff = 22;          // 8 bit Lab, median distance of the figure beside a gap: shade that ends smoothly has less
+constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
+constexpr int kThin = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
+constexpr int kMargin = 5;              // pixels round a gap that are looked at
+
+using Lab = const std::uint8_t*;
+
+bool Like(Lab pixel, Lab empty, const std::array<int, 3>& usual, int noise) {
+  const int light = usual[0] + noise, darkest = static_cast<int>(kShade * empty[0]) - light;
+  return pixel[0] <= empty[0] + light && pixel[0] >= darkest && std::abs(pixel[1] - empty[1]) <= usual[1] + noise / 2 &&
+         std::abs(pixel[2] - empty[2]) <= usual[2] + noise / 2;
+}
+
+template <typename T>
+T Median(std::vector<T>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// One region of pixels that look like the backdrop, within the mask.
+class Gap {
+ public:
+  Gap(const cv::Mat& lab, const cv::Mat& mask, const cv::Mat& labels, int label, const cv::Rect& region)
+      : around_(cv::Rect(region.x - kMargin, region.y - kMargin, region.width + 2 * kMargin, region.height + 2 * kMargin) &
+                cv::Rect({0, 0}, mask.size())),
+        lab_(lab(around_)),
+        mask_(mask(around_)),
+        pixels_(labels(around_) == label) {}
+
+  bool Wide() const {
+    cv::Mat padded, depth;
+    cv::copyMakeBorder(pixels_, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+    cv::distanceTransform(padded, depth, cv::DIST_L2, 5);
+    double deepest = 0;
+    cv::minMaxLoc(depth, nullptr, &deepest);
+    return deepest >= kLeastDepth;
+  }
+
+  /// Whether the figure a few pixels beside it has other colours, and lies on most sides.
+  bool SetOff() const {
+    cv::Mat near, far;
+    cv::dilate(pixels_, near, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
+    cv::dilate(pixels_, far, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
+    const cv::Scalar mean = cv::mean(lab_, pixels_);
+    std::vector<double> distances;
+    double round = 0;
+    for (int y = 0; y < far.rows; ++y)
+      for (int x = 0; x < far.cols; ++x) {
+        if (!far.at<std::uint8_t>(y, x) || near.at<std::uint8_t>(y, x)) continue;
+        round += 1;
+        const cv::Vec3b& c = lab_.at<cv::Vec3b>(y, x);
+        if (mask_.at<std::uint8_t>(y, x)) distances.push_back(Eigen::Vector3d(c[0] - mean[0], c[1] - mean[1], c[2] - mean[2]).norm());
+      }
+    return !distances.empty() && static_cast<double>(distances.size()) >= kEnclosed * round && Median(distances) >= kSetOff;
+  }
+
+  /// @param corner  of the mask's part that this was made from, in the image @param scale  of the thickness's pixels over the image's
+  bool Thin(const Image8& thickness, const cv::Point& corner, double scale) const {
+    if (thickness.empty()) return true;
+    std::vector<int> values;
+    for (int y = 0; y < pixels_.rows; ++y)
+      for (int x = 0; x < pixels_.cols; ++x) {
+        if (!pixels_.at<std::uint8_t>(y, x)) continue;
+        const cv::Point at = corner + around_.tl() + cv::Point(x, y);
+        values.push_back(*thickness.at(std::min(static_cast<int>((at.x + 0.5) * scale), thickness.width - 1),
+                                       std::min(static_cast<int>((at.y + 0.5) * scale), thickness.height - 1)));
+      }
+    return Median(values) <= kThin;
+  }
+
+  /// Its rim, which mixes gap and figure, goes as well: where the border runs is settled afterwards.
+  void Open(cv::Mat mask) const {
+    cv::Mat open;
+    cv::dilate(pixels_, open, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
+    mask(around_).setTo(0, open);
+  }
+
+ private:
+  cv::Rect around_;
+  cv::Mat lab_, mask_, pixels_;
+};
+
+cv::Mat Candidates(const cv::Mat& lab, const cv::Mat& empty, const cv::Mat& mask, const std::array<int, 3>& usual) {
+  cv::Mat candidates(mask.size(), CV_8U, cv::Scalar(0));
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
+      if (mask.at<std::uint8_t>(y, x) && Like(&lab.at<cv::Vec3b>(y, x)[0], &empty.at<cv::Vec3b>(y, x)[0], usual, kNoise))
+        candidates.at<std::uint8_t>(y, x) = 255;
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
+                                  double largest_misfit) {
+  std::vector<Backdrop> backdrops(lab.size());
+  std::vector<double> figure(lab.size(), 0), like(figure);
+  ParallelFor(static_cast<std::int64_t>(lab.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    Image8 empty = EmptySet(lab, zones, TakeOf(takes, i), i);
+    if (Misfit(lab[i], empty, zones[i]) >= largest_misfit) return;
+    backdrops[i].usual = UsualDifference(lab[i], empty, zones[i]);
+    for (std::size_t p = 0; p < zones[i].data.size(); ++p)
+      if (zones[i].data[p] == kObject) figure[i] += 1, like[i] += Like(&lab[i].data[3 * p], &empty.data[3 * p], backdrops[i].usual, 0);
+    backdrops[i].empty = std::move(empty);
+  });
+  double all = 0, alike = 0;
+  for (std::size_t i = 0; i < lab.size(); ++i) all += figure[i], alike += like[i];
+  if (alike > kMostAlike * all)
+    for (Backdrop& backdrop : backdrops) backdrop.empty = {};
+  return backdrops;
+}
+
+void OpenGaps(const Image8& image, const Backdrop& backdrop, Image8& mask) {
+  if (backdrop.empty.empty()) return;
+  cv::Mat whole = MatOf(mask).clone(), lab, empty;
+  const cv::Rect box = cv::boundingRect(whole);
+  if (box.empty()) return;
+  cv::cvtColor(MatOf(image)(box), lab, cv::COLOR_RGB2Lab);
+  cv::resize(MatOf(backdrop.empty), empty, whole.size(), 0, 0, cv::INTER_LINEAR);
+  const cv::Mat before = whole(box).clone();
+  cv::Mat labels, stats, middles;
+  const int count =
+      cv::connectedComponentsWithStats(Candidates(lab, empty(box), before, backdrop.usual), labels, stats, middles, 4, CV_32S);
+  const double largest = kLargestShare * cv::countNonZero(before), scale = static_cast<double>(backdrop.empty.width) / image.width;
+  for (int k = 1; k < count; ++k) {
+    const int* of = stats.ptr<int>(k);
+    if (of[cv::CC_STAT_AREA] < kLeastArea || of[cv::CC_STAT_AREA] > largest) continue;
+    const Gap gap(lab, before, labels, k, {of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH], of[cv::CC_STAT_HEIGHT]});
+    if (gap.Wide() && gap.Thin(backdrop.thickness, box.tl(), scale) && gap.SetOff()) gap.Open(whole(box));
+  }
+  mask = ImageOf(whole);
+}
+
+}  // namespace keypose::capture

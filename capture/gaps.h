@@ -1,0 +1,34 @@
+// Narrow gaps through which a photograph shows the empty set, opened at full resolution.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "capture/empty_set.h"
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// What tells the gaps of an image from its figure. All at working size.
+struct Backdrop {
+  Image8 empty;                ///< the empty set in CIE Lab; without pixels where it tells nothing
+  std::array<int, 3> usual{};  ///< how far, channel by channel, most of the background is from it
+  Image8 thickness;            ///< how much of each pixel's ray lies in the hull, see ThicknessOfHull; without pixels: not known
+};
+
+/// The empty set behind each image of a set. None of them has pixels where the figure itself has the empty set's colours, in light or in
+/// shade, on more than 0.15 % of its area (bone in the dark before a black cloth, a white chin before white paper).
+/// @param lab             CIE Lab at working size
+/// @param zones           of the same size, what is known of their pixels
+/// @param largest_misfit  see MaskOptions
+std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
+                                  double largest_misfit);
+
+/// Takes out of a mask what shows the empty set, in light or in the figure's shade: the inner ends of notches and small holes, which a
+/// smooth border at working size closes. What has the backdrop's colours but is the figure's stays, as far as that can be told: the figure
+/// is set off sharply from a gap all round, and where one sees past the figure the hull is thin.
+/// @param image  RGB
+/// @param mask   of the same size, 255 or 0
+void OpenGaps(const Image8& image, const Backdrop& backdrop, Image8& mask);
+
+}  // namespace keypose::capture

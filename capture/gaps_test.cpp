@@ -1,0 +1,116 @@
+// Narrow gaps on a flat figure before a grey backdrop, where every pixel's truth is known.
+#include "capture/gaps.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "capture/zone_odds.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr int kWidth = 240, kHeight = 180;
+constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 178}, kTeal{40, 130, 120};
+
+bool OnFigure(int x, int y) { return x >= 60 && x < 180 && y >= 30 && y < 150; }
+/// A notch that narrows from seven pixels at the figure's side to its tip 30 pixels inside.
+bool InNotch(int x, int y) { return x >= 60 && x < 90 && std::abs(y - 90) <= 3.5 * (90 - x) / 30; }
+bool InHole(int x, int y) { return std::hypot(x - 150, y - 60) < 4; }
+
+struct Photo {
+  Image8 image, mask;  // the mask is filled
+  Backdrop backdrop;
+};
+
+Photo MakePhoto(const std::function<bool(int, int)>& gap, double light = 1, int thickness = 2) {
+  Photo photo{Image8(kWidth, kHeight, 3), Image8(kWidth, kHeight, 1, 0), {}};
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool open = OnFigure(x, y) && gap(x, y);
+      for (std::size_t c = 0; c < 3; ++c)
+        photo.image.at(x, y)[c] = OnFigure(x, y) && !open ? kTeal[c] : static_cast<std::uint8_t>((open ? light : 1) * kGrey[c]);
+      *photo.mask.at(x, y) = OnFigure(x, y) ? 255 : 0;
+    }
+  Image8 empty(kWidth / 2, kHeight / 2, 3);
+  for (std::size_t i = 0; i < empty.data.size(); ++i) empty.data[i] = kGrey[i % 3];
+  photo.backdrop = {LabOf(empty), {2, 2, 2}, Image8(kWidth / 2, kHeight / 2, 1, static_cast<std::uint8_t>(thickness))};
+  return photo;
+}
+
+struct Opened {
+  int right = 0, wrong = 0, gap = 0;  // pixels
+};
+
+Opened Open(const Photo& photo, const std::function<bool(int, int)>& gap) {
+  Image8 mask = photo.mask;
+  OpenGaps(photo.image, photo.backdrop, mask);
+  Opened opened;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (!OnFigure(x, y)) continue;
+      const bool open = *mask.at(x, y) == 0;
+      opened.gap += gap(x, y), opened.right += open && gap(x, y), opened.wrong += open && !gap(x, y);
+    }
+  return opened;
+}
+
+TEST(OpenGaps, OpensNotchesAndHolesToTheirRims) {
+  for (const auto& gap : {InNotch, InHole}) {
+    const Opened opened = Open(MakePhoto(gap), gap);
+    EXPECT_GT(opened.right, 0.95 * opened.gap);
+    EXPECT_LT(opened.wrong, 140);  // a pixel all round
+  }
+}
+
+TEST(OpenGaps, OpensGapsInTheFiguresShadeButNotDarkOnes) {
+  const Opened shaded = Open(MakePhoto(InHole, 0.93), InHole);
+  EXPECT_EQ(shaded.right, shaded.gap);
+  EXPECT_EQ(Open(MakePhoto(InHole, 0.6), InHole).right, 0);
+}
+
+TEST(OpenGaps, LeavesWhatLiesBeforeAThickHull) { EXPECT_EQ(Open(MakePhoto(InHole, 1, 25), InHole).right, 0); }
+
+TEST(OpenGaps, LeavesWhatIsTooLargeOrNothingIsKnownOf) {
+  const auto large = [](int x, int y) { return std::hypot(x - 120, y - 90) < 20; };
+  EXPECT_EQ(Open(MakePhoto(large), large).right, 0);
+  Photo photo = MakePhoto(InHole);
+  photo.backdrop.empty = {};
+  EXPECT_EQ(Open(photo, InHole).right, 0);
+}
+
+// A white ball that its own shade makes as grey as the backdrop on one side.
+TEST(OpenGaps, LeavesShadeThatEndsSmoothly) {
+  Photo photo = MakePhoto([](int, int) { return false; });
+  const auto ball = [](int x, int y) { return std::hypot(x - 120, y - 90) < 25; };
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      if (ball(x, y))
+        for (std::size_t c = 0; c < 3; ++c)
+          photo.image.at(x, y)[c] = static_cast<std::uint8_t>(std::min(250.0, kGrey[c] + 1.5 * std::max(0, x - 105)));
+  // The shade touches the figure's teal on its outer side only: mask that away, as at an outline.
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      if (x < 120 && !ball(x, y)) *photo.mask.at(x, y) = 0;
+  EXPECT_EQ(Open(photo, ball).right, 0);
+}
+
+TEST(BackdropsOf, TellNothingOfAFigureOfTheirOwnColours) {
+  for (const bool grey_figure : {false, true}) {
+    std::vector<Image8> lab, zones;
+    for (int i = 0; i < 6; ++i) {
+      const Photo photo = MakePhoto([&](int x, int y) { return grey_figure && x > 100 && x < 140 && y > 60 && y < 100 + i; });
+      lab.push_back(LabOf(photo.image));
+      Image8 zone(kWidth, kHeight, 1, kBackground);
+      for (std::size_t p = 0; p < zone.data.size(); ++p)
+        if (photo.mask.data[p]) zone.data[p] = kObject;
+      zones.push_back(zone);
+    }
+    for (const Backdrop& backdrop : BackdropsOf(lab, zones, {{0, 6}}, 6)) EXPECT_EQ(backdrop.empty.empty(), grey_figure);
+  }
+}
+
+}  // namespace
+}  // namespace keypose::capture
