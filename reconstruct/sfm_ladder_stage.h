@@ -17,7 +17,7 @@ struct Placed {
 };
 
 /// Down the ladder until a rung holds all photographs; else the rung that holds most. Coarse features come first, and fine ones where those
-/// leave photographs out.
+/// leave photographs out or hang on few points.
 /// @param focal_known  set: whether the photographs told the focal length
 Placed Place(StageContext& stage, const ImageSet& set, const std::filesystem::path& scratch, const SfmOptions& options, Stopwatch& watch,
              bool& focal_known);
