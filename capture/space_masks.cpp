@@ -364,6 +364,7 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   std::vector<Image8> lab, zones;
   for (std::size_t i = 0; i < images.size(); ++i) lab.push_back(LabOf(images[i])), zones.push_back(ZonesOf(refined.masks[i]));
   refined.backdrops = BackdropsOf(lab, zones, FindTakes(images, masking.border_share), masking.largest_misfit);
+  if (std::all_of(refined.backdrops.begin(), refined.backdrops.end(), [](const Backdrop& b) { return b.empty.empty(); })) return refined;
   std::vector<Image8> thickness = ThicknessOfHull(views, refined.masks, options);
   for (std::size_t i = 0; i < images.size(); ++i) refined.backdrops[i].thickness = std::move(thickness[i]);
   return refined;
