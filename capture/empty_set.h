@@ -41,6 +41,9 @@ double Misfit(const Image8& lab, const Image8& empty_lab, const Image8& zones);
 /// How far, channel by channel, most of an image's background is from its empty set.
 std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab, const Image8& zones);
 
+/// Share of a figure that looks like the empty set, from which on the figure itself is taken to have such colours.
+inline constexpr double kManyAlike = 1.5e-3;
+
 /// The same pixels without what refers to the empty set.
 std::vector<PixelFeatures> WithoutEmptySet(std::vector<PixelFeatures> features);
 

@@ -12,7 +12,6 @@
 namespace keypose::capture {
 namespace {
 
-constexpr double kMostAlike = 1.5e-3;   // of the figure, that may look like the empty set
 constexpr double kShade = 0.88;         // of the empty set's lightness, that the figure's shade leaves at least
 constexpr int kNoise = 4;               // of single pixels' lightness, beside the background's usual difference; half of it in colour
 constexpr int kLeastArea = 16;          // pixels
@@ -38,15 +37,15 @@ T Median(std::vector<T>& values) {
   return *middle;
 }
 
+cv::Rect Around(const cv::Rect& region, const cv::Size& size) {
+  return cv::Rect(region.x - kMargin, region.y - kMargin, region.width + 2 * kMargin, region.height + 2 * kMargin) & cv::Rect({0, 0}, size);
+}
+
 /// One region of pixels that look like the backdrop, within the mask.
 class Gap {
  public:
   Gap(const cv::Mat& lab, const cv::Mat& mask, const cv::Mat& labels, int label, const cv::Rect& region)
-      : around_(cv::Rect(region.x - kMargin, region.y - kMargin, region.width + 2 * kMargin, region.height + 2 * kMargin) &
-                cv::Rect({0, 0}, mask.size())),
-        lab_(lab(around_)),
-        mask_(mask(around_)),
-        pixels_(labels(around_) == label) {}
+      : around_(Around(region, mask.size())), lab_(lab(around_)), mask_(mask(around_)), pixels_(labels(around_) == label) {}
 
   bool Wide() const {
     cv::Mat padded, depth;
@@ -127,7 +126,7 @@ std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vec
   });
   double all = 0, alike = 0;
   for (std::size_t i = 0; i < lab.size(); ++i) all += figure[i], alike += like[i];
-  if (alike > kMostAlike * all)
+  if (alike > kManyAlike * all)
     for (Backdrop& backdrop : backdrops) backdrop.empty = {};
   return backdrops;
 }
@@ -135,8 +134,9 @@ std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vec
 void OpenGaps(const Image8& image, const Backdrop& backdrop, Image8& mask) {
   if (backdrop.empty.empty()) return;
   cv::Mat whole = MatOf(mask).clone(), lab, empty;
-  const cv::Rect box = cv::boundingRect(whole);
+  cv::Rect box = cv::boundingRect(whole);
   if (box.empty()) return;
+  box = Around(box, whole.size());  // what lies beyond the outline is looked at as well
   cv::cvtColor(MatOf(image)(box), lab, cv::COLOR_RGB2Lab);
   cv::resize(MatOf(backdrop.empty), empty, whole.size(), 0, 0, cv::INTER_LINEAR);
   const cv::Mat before = whole(box).clone();

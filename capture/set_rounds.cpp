@@ -85,9 +85,8 @@ struct SeenPast {
   float At(std::size_t image, std::size_t pixel) const { return pixels[image].empty() || !pixels[image][pixel] ? 0 : odds; }
 };
 
-/// Shares of the figure's zone that look like the empty set: up to the first these are gaps, from the second on the figure has such
-/// colours.
-constexpr double kFewAlike = 7e-4, kManyAlike = 1.5e-3;
+/// Share of the figure's zone that looks like the empty set, up to which these are gaps; from kManyAlike on the figure has such colours.
+constexpr double kFewAlike = 7e-4;
 
 /// Masks that have filled a gap teach their forest that background is figure, and the hull of such masks says so too; the empty set, where
 /// other photographs of the take show it, knows better.

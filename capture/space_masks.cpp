@@ -114,6 +114,19 @@ void Count(const std::vector<Witness>& witnesses, int most, Grid& grid) {
   });
 }
 
+/// Lowest and highest voxels with fewer denials; the highest is -1 where there are none.
+std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials) {
+  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
+  for (int z = 0; z < grid.size.z(); ++z)
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        if (grid.denials[grid.At(x, y, z)] >= denials) continue;
+        low = low.cwiseMin(Eigen::Vector3i(x, y, z));
+        high = high.cwiseMax(Eigen::Vector3i(x, y, z));
+      }
+  return {low, high};
+}
+
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
                  const SpaceOptions& options) {
   const Ball ball = FigureBall(views, masks);
@@ -122,14 +135,7 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
       "the masks have no common space: they or the cameras are wrong; look at the masks and at the picture of the cameras";
   if (!(ball.radius > 0) || !std::isfinite(ball.radius) || !ball.center.allFinite()) throw InputError(std::string("masks: ") + nothing);
   Count(witnesses, options.most_denials, grid);
-  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
-  for (int z = 0; z < grid.size.z(); ++z)
-    for (int y = 0; y < grid.size.y(); ++y)
-      for (int x = 0; x < grid.size.x(); ++x) {
-        if (grid.denials[grid.At(x, y, z)] >= options.most_denials) continue;
-        low = low.cwiseMin(Eigen::Vector3i(x, y, z));
-        high = high.cwiseMax(Eigen::Vector3i(x, y, z));
-      }
+  const auto [low, high] = BoundsOf(grid, options.most_denials);
   if (high.x() < 0) throw InputError(std::string("masks: ") + nothing);
   const Eigen::Vector3d extent = grid.cell * (high - low + Eigen::Vector3i::Constant(3)).cast<double>();
   Grid fine;
@@ -227,18 +233,6 @@ std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vec
   return SegmentByForest(round, boards, masking);
 }
 
-/// The longest side of the places that nobody denies, in voxels.
-int LongestSide(const Grid& grid) {
-  Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
-  for (int z = 0; z < grid.size.z(); ++z)
-    for (int y = 0; y < grid.size.y(); ++y)
-      for (int x = 0; x < grid.size.x(); ++x) {
-        if (grid.denials[grid.At(x, y, z)] != 0) continue;
-        low = low.cwiseMin(Eigen::Vector3i(x, y, z)), high = high.cwiseMax(Eigen::Vector3i(x, y, z));
-      }
-  return std::max(1, (high - low).maxCoeff() + 1);
-}
-
 /// How much of each pixel's ray, within the mask, nobody denies: per cent of `longest`, in voxels.
 Image8 Thickness(const Witness& witness, const Image8& mask, const Grid& grid, int longest) {
   Image8 thickness(mask.width, mask.height, 1, 0);
@@ -293,7 +287,8 @@ std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::v
 std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options) {
   const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
   const Grid grid = SharedSpace(views, masks, witnesses, options);
-  const int longest = LongestSide(grid);
+  const auto [low, high] = BoundsOf(grid, 1);
+  const int longest = std::max(1, (high - low).maxCoeff() + 1);
   std::vector<Image8> pictures(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);

@@ -27,6 +27,8 @@ struct SpaceOptions {
 std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
 
 /// For each pixel of a mask how much of its ray lies in the hull of all masks: per cent of the hull's longest side.
+/// @throws InputError  the masks have no common space
+/// Same bits for any thread count.
 std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
 
 struct RefinedMasks {
