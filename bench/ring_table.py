@@ -84,10 +84,10 @@ def score_rows(s):
     rows = {
         'cameras placed': f'{cameras["placed"]} of {cameras["total"]}',
         'camera centres, of their distance: mean, largest': f'{percent(cameras["mean_over_distance"], 3)}, {percent(cameras["max_over_distance"], 3)}',
-        'points of stereo': f'{points["points"]:,}',
+        'points of stereo and rims': f'{points["points"]:,}',
         'within one pixel footprint': percent(points['within_one_footprint']),
         'distance in footprints: median, 90 %, 99 %': f'{points["median_footprints"]:.2f}, {points["p90_footprints"]:.2f}, {points["p99_footprints"]:.1f}',
-        'seen surface with a point within 1 % of the height: all points, stereo alone':
+        'seen surface with a point within 1 % of the height: all points, without hull and bridges':
             f'{percent(s["points"]["all"]["completeness_seen"])}, {percent(points["completeness_seen"])}',
         'mesh, mean distance both ways, of the diagonal': percent(surface['mean_over_diag'], 3),
         'mean error beside the exact hull\'s, on seen surface': f'{1000 * hull["mean_m"]:.3f} mm, {1000 * hull["hull_mean_m"]:.3f} mm, ratio {hull["ratio"]:.2f}',

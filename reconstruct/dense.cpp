@@ -13,6 +13,7 @@
 #include "reconstruct/gap_fill.h"
 #include "reconstruct/hull_fill.h"
 #include "reconstruct/patch_match.h"
+#include "reconstruct/rim_cloud.h"
 #include "reconstruct/view_selection.h"
 #include "reconstruct/visual_hull.h"
 
@@ -89,6 +90,8 @@ void DenseOptions::Describe(OptionVisitor& visit) {
          "px2", 0, 40});
   visit("hull_resolution", hull_resolution, {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px, {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
+  visit("rim_points", rim_points,
+        {"put points where the masks' rims touch the surface, and drop points beside them that lie above or below"});
   visit("gap_fill", gap_fill,
         {"add points of smooth surface, at low confidence, over gaps without texture that confirmed depths surround"});
   visit("hull_fill", hull_fill, {"add points of the visual hull, at low confidence, where no view found a depth"});
@@ -131,14 +134,20 @@ DenseResult ReconstructDense(const std::vector<DenseView>& views, const Scene& s
   result.hull_check = CheckAgainstHull(views, hull, silhouettes);
   result.cloud = std::move(fused.cloud);
   result.outside_points = KeepWithinOutlines(silhouettes, options.outline_px, &result.cloud);
+  const std::vector<RimPoint> rims = options.rim_points ? FindRimPoints(hull, silhouettes, views) : std::vector<RimPoint>{};
+  result.contradicted_points = DropWhatRimsContradict(rims, {}, &result.cloud);
   result.stereo_points = static_cast<int>(result.cloud.points.rows());
   if (options.gap_fill) {
     PointCloud bridges = FillGaps(views, sources, fused.cells, {.least_views = options.least_views});
     KeepWithinOutlines(silhouettes, options.outline_px, &bridges);
+    result.contradicted_points += DropWhatRimsContradict(rims, {}, &bridges);
     result.gap_points = static_cast<int>(bridges.points.rows());
     Append(bridges, &result.cloud);
   }
   if (options.hull_fill) Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud), &result.cloud);
+  // After the hull's points: those beside rims hold the surface where rims end.
+  result.rim_points = static_cast<int>(rims.size());
+  Append(RimCloud(rims, views), &result.cloud);
   if (result.cloud.points.rows() == 0)
     throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) + " views from " + views.front().name +
                      " to " + views.back().name +

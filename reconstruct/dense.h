@@ -30,6 +30,7 @@ struct DenseOptions {
   double window_variance = 16;
   int hull_resolution = 160;
   double outline_px = 1.5;
+  bool rim_points = true;
   bool gap_fill = true;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);
@@ -38,7 +39,9 @@ struct DenseOptions {
 struct DenseResult {
   PointCloud cloud;                  ///< world frame; normals towards the cameras, colour, confidence
   int stereo_points = 0;             ///< the first ones of the cloud
-  int gap_points = 0;                ///< the next ones, bridging gaps; the others are the hull's
+  int gap_points = 0;                ///< the next ones, bridging gaps; after them come the hull's
+  int rim_points = 0;                ///< the last ones, where masks' rims touch the surface
+  int contradicted_points = 0;       ///< dropped because rims contradict them
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
   HullCheck hull_check;          ///< each mask against what all masks allow

@@ -57,7 +57,9 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   }
   stage.Report("stereo_points", result.stereo_points);
   stage.Report("gap_points", result.gap_points);
-  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.gap_points);
+  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.gap_points - result.rim_points);
+  stage.Report("rim_points", result.rim_points);
+  stage.Report("points_against_rims", result.contradicted_points);
   stage.Report("ncc_evaluations", result.evaluations);
   stage.Report("ncc_per_cpu_second",
                result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
@@ -104,7 +106,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};

@@ -72,7 +72,7 @@ TEST(ReconstructDense, BallWithoutTextureGivesTheHullAndNoRandomDepths) {
   EXPECT_LT(result.stereo_points, 30);
   const int count = static_cast<int>(result.cloud.points.rows());
   ASSERT_GT(count, 3000);
-  for (int i = result.stereo_points + result.gap_points; i < count; ++i) ASSERT_LE(result.cloud.confidence[i], 0.1f);
+  for (int i = result.stereo_points + result.gap_points; i < count - result.rim_points; ++i) ASSERT_LE(result.cloud.confidence[i], 0.1f);
   const Accuracy accuracy = Measure(scene, result.cloud, count);
   EXPECT_LT(accuracy.footprints_90, 6) << "the hull of 16 views is near the ball except in its dent";
   EXPECT_GT(accuracy.completeness, 0.6);

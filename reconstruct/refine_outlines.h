@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/mesh.h"
-#include "reconstruct/refine_rims.h"
+#include "reconstruct/rim_points.h"
 #include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {

@@ -1,4 +1,4 @@
-#include "reconstruct/refine_rims.h"
+#include "reconstruct/rim_points.h"
 
 #include <algorithm>
 #include <cmath>
