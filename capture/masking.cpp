@@ -8,8 +8,8 @@
 #include <string>
 
 #include "capture/cv_image.h"
-#include "capture/gaps.h"
 #include "capture/empty_set.h"
+#include "capture/gaps.h"
 #include "capture/mask_edge.h"
 #include "capture/region_cut.h"
 #include "capture/set_rounds.h"

@@ -88,7 +88,8 @@ void Copy(const fs::path& from, const fs::path& to) {
 }
 
 /// Writes one photograph and its mask, the old one where there is no better. @return cell of the contact sheet
-Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop, const fs::path& folder, CapturedImage& entry) {
+Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop, const fs::path& folder,
+                CapturedImage& entry) {
   Copy(set.ImagePath(static_cast<int>(i)), folder / entry.name);
   const Image8 image = ReadImage(set.ImagePath(static_cast<int>(i)), 3);
   Image8 mask = ReadImage(set.MaskPath(static_cast<int>(i)), 1);

@@ -8,10 +8,10 @@
 #include "core/parallel.h"
 #include "reconstruct/refine_outlines.h"
 #include "reconstruct/refine_profile.h"
-#include "reconstruct/rim_points.h"
 #include "reconstruct/refine_shading.h"
 #include "reconstruct/refine_solve.h"
 #include "reconstruct/refine_views.h"
+#include "reconstruct/rim_points.h"
 #include "reconstruct/silhouettes.h"
 
 namespace keypose::reconstruct {
