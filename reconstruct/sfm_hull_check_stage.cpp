@@ -38,7 +38,7 @@ void ReportHullAgreement(StageContext& stage, const ImageSet& set, const Scene& 
   try {
     check = CheckAgainstHull(views, CarveVisualHull(views, options), Silhouettes(views, options.outside_votes));
   } catch (const InputError& error) {
-    stage.Note(std::string("warning: the masks and the cameras do not fit: ") + error.what());
+    stage.Warn(std::string("the masks and the cameras do not fit: ") + error.what());
     stage.Report("hull_iou_mean", 0);
     return;
   }
@@ -48,7 +48,7 @@ void ReportHullAgreement(StageContext& stage, const ImageSet& set, const Scene& 
   if (check.disagreeing.empty()) return;
   std::string names;
   for (const std::string& name : check.disagreeing) names += (names.empty() ? "" : ", ") + name;
-  stage.Note("warning: the outlines of these photographs do not fit the other ones: " + names +
+  stage.Warn("the outlines of these photographs do not fit the other ones: " + names +
              "; look at their masks (contact_sheet.jpg), and whether they were cropped, turned, or shot with another zoom");
 }
 

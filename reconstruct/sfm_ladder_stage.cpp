@@ -91,7 +91,7 @@ std::optional<RingLayout> SortedLayout(StageContext& stage, const ImageSet& set,
     rings.push_back(std::move(in_order));
   }
   stage.ReportJson("order_found", rings.dump());
-  stage.Note("warning: the names of the photographs do not tell in which order they were shot; sorted " + std::to_string(order->sorted) +
+  stage.Warn("the names of the photographs do not tell in which order they were shot; sorted " + std::to_string(order->sorted) +
              " of " + std::to_string(names.size()) + " by what they show: " + order->layout.reason);
   return order->layout;
 }

@@ -137,7 +137,7 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
   seen.matches = MatchPairs(features, pairs, longer_side_px, options, static_matches, stage.progress());
   stage.Report("static_matches_rejected", static_matches);
   if (static_matches > 0)
-    stage.Note("warning: " + std::to_string(static_matches) +
+    stage.Warn(std::to_string(static_matches) +
                " matches lie on a background that stands still while the object turns; they are left out (better masks would spare them)");
   watch.Lap(stage, "matching");
   Step(stage.progress(), 0.6, "verifying matches");

@@ -150,7 +150,7 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   stage.Report("mean_confidence", suggestion.confidence.size() > 0 ? suggestion.confidence.mean() : 0.0);
   stage.Report("explanation", suggestion.explanation);
   stage.Note(suggestion.explanation);
-  for (const std::string& warning : known.warnings) stage.Note("warning: " + warning);
+  for (const std::string& warning : known.warnings) stage.Warn(warning);
 }
 
 /// The mesh with its texture's colours at its vertices, where a texture is given.

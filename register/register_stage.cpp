@@ -92,10 +92,10 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
   if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
-    stage.Note("warning: " + std::to_string(suggested) +
+    stage.Warn(std::to_string(suggested) +
                " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
-  for (const std::string& warning : checked.warnings) stage.Note("warning: " + warning);
-  if (checked.coplanar) stage.Note("warning: the landmarks lie nearly in one plane, which flattens the result; add some off that plane");
+  for (const std::string& warning : checked.warnings) stage.Warn(warning);
+  if (checked.coplanar) stage.Warn("the landmarks lie nearly in one plane, which flattens the result; add some off that plane");
   return checked;
 }
 
@@ -123,7 +123,7 @@ void ReportRun(StageContext& stage, const NricpResult& result) {
   stage.Report("seconds_search", result.seconds_search);
   stage.Report("seconds_solve", result.seconds_solve);
   if (result.loose_components > 0)
-    stage.Note("warning: " + std::to_string(result.loose_components) +
+    stage.Warn(std::to_string(result.loose_components) +
                " parts of the template had too few correspondences to hold them; they stayed near their place");
 }
 

@@ -81,6 +81,15 @@ void RunningStage::Note(const std::string& line) {
   std::fflush(stderr);
 }
 
+void RunningStage::Warn(const std::string& sentence) {
+  Note("warning: " + sentence);
+  warnings_.push_back(sentence);
+}
+
+void RunningStage::Verdict(const std::string& about, const std::string& grade, const std::string& why) {
+  verdicts_.push_back({{"about", about}, {"grade", grade}, {"why", why}});
+}
+
 void RunningStage::Commit() {
   for (const Pending& pending : pending_)
     if (!fs::exists(pending.temporary))

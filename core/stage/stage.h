@@ -57,6 +57,13 @@ class StageContext {
   virtual void ReportJson(std::string_view name, const std::string& json) = 0;
   /// A line for a person, to the log.
   virtual void Note(const std::string& line) = 0;
+  /// What a person should know before they trust the result: one sentence that says what, where, and what to do. It goes to the log and to
+  /// `warnings` of the report; `keypose run` repeats it at its end, also when the step is taken from the cache.
+  virtual void Warn(const std::string& sentence) = 0;
+  /// The judgement of a pose, or of another thing that a person asks about. It goes to `verdicts` of the report; `keypose run` ends with it.
+  /// @param about  e.g. the pose's name  @param grade  "good", "look" (usable, but worth a glance) or "wrong"
+  /// @param why    what decided, and the cure where it is not good
+  virtual void Verdict(const std::string& about, const std::string& grade, const std::string& why) = 0;
 };
 
 /// Runs an external program found on PATH (or by KEYPOSE_<NAME>, upper case, when that is set), its output to the log.

@@ -29,10 +29,14 @@ class RunningStage final : public StageContext {
   void Report(std::string_view name, const std::string& value) override { measurements_[std::string(name)] = value; }
   void ReportJson(std::string_view name, const std::string& json) override;
   void Note(const std::string& line) override;
+  void Warn(const std::string& sentence) override;
+  void Verdict(const std::string& about, const std::string& grade, const std::string& why) override;
 
   /// Moves all outputs to their final paths. @throws InputError a promised output was not written @throws DiskError
   void Commit();
   const nlohmann::json& measurements() const { return measurements_; }
+  const nlohmann::json& warnings() const { return warnings_; }
+  const nlohmann::json& verdicts() const { return verdicts_; }
 
  private:
   struct Pending {
@@ -45,6 +49,7 @@ class RunningStage final : public StageContext {
   std::vector<Pending> pending_;
   std::filesystem::path scratch_;
   nlohmann::json measurements_ = nlohmann::json::object();
+  nlohmann::json warnings_ = nlohmann::json::array(), verdicts_ = nlohmann::json::array();
 };
 
 }  // namespace keypose::internal

@@ -262,11 +262,18 @@ std::int64_t PeakBytes() {
   return std::int64_t{1024} * std::max(own.ru_maxrss, children.ru_maxrss);
 }
 
-void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::path& path, double seconds, const json& measurements) {
+void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::path& path, double seconds, const RunningStage& stage) {
   ValuesVisitor values;
   options.visit(values);
-  const json report = {{"schema", 1},        {"stage", spec.name},        {"version", spec.version},     {"options", values.values},
-                       {"seconds", seconds}, {"peak_bytes", PeakBytes()}, {"measurements", measurements}};
+  const json report = {{"schema", 1},
+                       {"stage", spec.name},
+                       {"version", spec.version},
+                       {"options", values.values},
+                       {"seconds", seconds},
+                       {"peak_bytes", PeakBytes()},
+                       {"measurements", stage.measurements()},
+                       {"warnings", stage.warnings()},
+                       {"verdicts", stage.verdicts()}};
   WriteFileAtomically(path, report.dump(1) + "\n");
 }
 
@@ -287,7 +294,7 @@ int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& option
   if (g_interrupted) throw Cancelled();
   stage.Commit();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (!arguments.report.empty()) WriteReport(spec, options, arguments.report, seconds.count(), stage.measurements());
+  if (!arguments.report.empty()) WriteReport(spec, options, arguments.report, seconds.count(), stage);
   return 0;
 }
 

@@ -35,6 +35,8 @@ void CopyStage(StageContext& stage, const TestOptions& options) {
   for (int i = 0; i < options.copies; ++i) out += ReadFile(stage.Input("text"));
   WriteFile(stage.Output("copy"), out);
   stage.Report("copies", options.copies);
+  if (options.copies > 2) stage.Warn("'clay' is copied " + std::to_string(options.copies) + " times");
+  stage.Verdict("clay", options.copies > 2 ? "look" : "good", "counted");
   if (options.mode == "fail") throw InputError("told to fail");
   if (options.mode == "bug") throw std::logic_error("a bug");
 }
@@ -77,6 +79,9 @@ TEST_F(StageTest, WritesItsOutputAndReport) {
   EXPECT_EQ(report["options"]["scale"], 0.5);
   EXPECT_EQ(report["measurements"]["copies"], 3);
   EXPECT_GT(report["peak_bytes"], 0);
+  EXPECT_EQ(report["warnings"], json::array({"'clay' is copied 3 times"}));
+  EXPECT_EQ(report["verdicts"][0]["grade"], "look");
+  EXPECT_NE(error_.find("warning: 'clay' is copied 3 times"), std::string::npos);
 }
 
 TEST_F(StageTest, FailureLeavesNoOutputAndNoLitter) {
