@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.141592653589793;
-constexpr double kElevation = 52 * kPi / 180;
 constexpr int kTurns = 24;  // lamp azimuths that are computed; others are mixed, which also softens the lamp
 constexpr int kSkyRays = 32;
 constexpr double kSkyReach = 0.09;  // [m] farther clay no longer darkens
@@ -51,9 +50,9 @@ double SkyAt(const RayScene& scene, const Vector3d& origin, const Vector3d& norm
 
 }  // namespace
 
-Vector3d LampDirection(double azimuth_rad) { return Towards(azimuth_rad, kElevation); }
+Vector3d LampDirection(double azimuth_rad, double elevation_rad) { return Towards(azimuth_rad, elevation_rad); }
 
-LightField::LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene)
+LightField::LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene, double elevation_rad)
     : vertices_(surface.points.rows()), lamp_(static_cast<std::size_t>(kTurns * vertices_)), sky_(static_cast<std::size_t>(vertices_)) {
   const auto sky_directions = SkyDirections();
   const auto bake = [&](std::int64_t v) {
@@ -63,7 +62,7 @@ LightField::LightField(const Mesh& surface, const PointsX3& normals, const RaySc
     for (int turn = 0; turn < kTurns; ++turn) {
       int seen = 0;
       for (const double side : {-1.0, 1.0}) {
-        const Vector3d d = Towards(2 * kPi * turn / kTurns + 0.07 * side, kElevation + 0.09 * side);
+        const Vector3d d = Towards(2 * kPi * turn / kTurns + 0.07 * side, elevation_rad + 0.09 * side);
         if (normal.dot(d) > 0 && !scene.Occluded(origin, d, 0, kFar)) ++seen;
       }
       lamp_[static_cast<std::size_t>(turn * vertices_ + v)] = static_cast<std::uint8_t>(seen == 2 ? 255 : 128 * seen);
@@ -95,7 +94,7 @@ TableLight::TableLight(const RayScene& scene, double half_width) : scene_(&scene
   ParallelFor(kGrid * kGrid, bake, 256);
 }
 
-std::vector<float> TableLight::Lamp(double azimuth_rad) const {
+std::vector<float> TableLight::Lamp(double azimuth_rad, double elevation_rad) const {
   constexpr int kRays = 20;
   std::vector<float> grid(kGrid * kGrid);
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -103,7 +102,7 @@ std::vector<float> TableLight::Lamp(double azimuth_rad) const {
     int seen = 0;
     for (int k = 0; k < kRays; ++k) {
       const double r = std::sqrt((k + 0.5) / kRays), angle = 2.399963229728653 * k + static_cast<double>(Hash(i) & 1023) * 0.006;
-      const Vector3d d = Towards(azimuth_rad + 0.20 * r * std::cos(angle), kElevation + 0.13 * r * std::sin(angle));
+      const Vector3d d = Towards(azimuth_rad + 0.20 * r * std::cos(angle), elevation_rad + 0.13 * r * std::sin(angle));
       seen += !scene_->Occluded({x, y, 1e-5}, d, 0, kFar);
     }
     grid[i] = static_cast<float>(seen) / kRays;

@@ -10,15 +10,16 @@
 
 namespace keypose::synth {
 
-/// Unit direction from the character to the lamp when the lamp stands at an azimuth [rad] about z.
-Eigen::Vector3d LampDirection(double azimuth_rad);
+/// Unit direction from the character to the lamp when the lamp stands at an azimuth about z and an elevation above the table.
+Eigen::Vector3d LampDirection(double azimuth_rad, double elevation_rad);
 
 /// How much of the lamp and of the room each vertex sees, computed once for all turns of the table.
 /// Same bits for any thread count.
 class LightField {
  public:
   /// @param normals  V x 3 unit
-  LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene);
+  /// @param elevation_rad  of the lamp
+  LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene, double elevation_rad);
   /// Share of the lamp that each vertex sees, V in [0,1].
   std::vector<float> Lamp(double azimuth_rad) const;
   /// Share of the room that each vertex sees, V in [0,1].
@@ -36,7 +37,7 @@ class TableLight {
   /// Contact darkness, the same for all turns. @param half_width  of the grid [m]
   TableLight(const RayScene& scene, double half_width);
   /// Share of the lamp over the grid for one turn.
-  std::vector<float> Lamp(double azimuth_rad) const;
+  std::vector<float> Lamp(double azimuth_rad, double elevation_rad) const;
   /// Bilinear value of a grid at a point of the table; 1 outside.
   double At(const std::vector<float>& grid, double x, double y) const;
   const std::vector<float>& sky() const { return sky_; }

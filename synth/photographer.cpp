@@ -11,6 +11,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "synth/hand.h"
 #include "synth/light.h"
 #include "synth/plate.h"
 #include "synth/sensor.h"
@@ -22,7 +23,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLampAside_rad = -0.85;  // the lamp stands to the left of the camera
+constexpr double kPi = 3.141592653589793;
 constexpr double kTableHalfWidth = 0.24;  // [m]
 const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
 constexpr double kGlossPower = 22;
@@ -84,27 +85,48 @@ std::vector<std::string> PhotographerOptions::Problems() const {
   require(supersampling >= 1 && supersampling <= 8, "supersampling must be in [1, 8]");
   require(table_shadow >= 0 && table_shadow <= 1, "table_shadow must be in [0, 1]");
   require(ambient >= 0 && lamp >= 0 && gloss >= 0, "ambient, lamp and gloss must be >= 0");
+  for (const std::string& problem : mishaps.Problems(views)) problems.push_back(problem);
   return problems;
 }
 
+namespace {
+
+/// Where the lamp stands, seen from the camera.
+struct LampStand {
+  double aside_rad, elevation_rad;
+};
+
+LampStand UprightLamp(const PhotographerOptions& options) {
+  return {options.lamp_aside_rad, options.lamp_elevation_deg * kPi / 180};
+}
+
+LampStand FallenLamp(const PhotographerOptions& options) {
+  return {options.mishaps.fallen_aside_rad, options.mishaps.fallen_elevation_deg * kPi / 180};
+}
+
+}  // namespace
+
 struct Photographer::Impl {
-  Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options)
+  Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options, const std::vector<RingView>* stands)
       : world(the_world),
         options(the_options),
         surface(TruthSurface(world, pose)),
         scene(surface.points, surface.faces),
         normals(VertexNormals(pose(world.smooth.rows() ? world.smooth : world.rest.points),
                               surface.faces)),  // the prints' own tilt is added point by point
-        views(PlaceCameras(surface.points, options)),
+        views(stands ? *stands : PlaceCameras(surface.points, options)),
         rays(views.front().view.camera),
         backdrop(Backdrop(options)),
-        light(surface, normals, scene),
+        light(surface, normals, scene, UprightLamp(options).elevation_rad),
         table(scene, kTableHalfWidth),
         lumps(surface.points.rows()) {
     ParallelFor(
         world.rest.points.rows(), [&](std::int64_t i) { lumps[i] = world.clay.LumpAt(world.rest.points.row(i)); }, 512);
     if (options.plate.charuco) plate = MakePlate(options.plate);
+    if (options.mishaps.lamp_falls_after < 1) fallen_light.emplace(surface, normals, scene, FallenLamp(options).elevation_rad);
+    hands = HandViews(options.mishaps, static_cast<int>(views.size()));
   }
+  bool LampLies(int i) const { return i >= FirstAfter(options.mishaps.lamp_falls_after, static_cast<int>(views.size())); }
 
   World world;
   PhotographerOptions options;
@@ -115,9 +137,11 @@ struct Photographer::Impl {
   RayTable rays;
   ImageF backdrop;
   LightField light;
+  std::optional<LightField> fallen_light;  // after the lamp fell
   TableLight table;
   std::vector<int> lumps;  // of each vertex
   std::optional<Plate> plate;
+  std::vector<int> hands;  // photographs with a hand in them
 };
 
 namespace {
@@ -126,7 +150,7 @@ namespace {
 class Exposure {
  public:
   template <class Impl>
-  Exposure(const Impl& set, const RingView& ring_view)
+  Exposure(const Impl& set, const RingView& ring_view, const LightField& field, const LampStand& stand)
       : world_(set.world),
         options_(set.options),
         surface_(set.surface),
@@ -135,18 +159,20 @@ class Exposure {
         view_(ring_view.view),
         rays_(set.rays),
         backdrop_(set.backdrop),
-        sky_(set.light.sky()),
+        sky_(field.sky()),
         table_(set.table),
         lumps_(set.lumps),
         plate_(set.plate ? &*set.plate : nullptr),
-        lamp_direction_(LampDirection(ring_view.azimuth_rad + kLampAside_rad)),
+        lamp_direction_(LampDirection(ring_view.azimuth_rad + stand.aside_rad, stand.elevation_rad)),
+        upright_height_(std::sin(UprightLamp(set.options).elevation_rad)),
+        table_from_world_(ring_view.table_from_world),
         world_from_camera_(ring_view.view.camera_from_world.Inverse()),
         turn_(world_from_camera_.rotation.toRotationMatrix()),
         window_(WindowOf(view_, surface_.points)) {
-    const double lamp_azimuth = ring_view.azimuth_rad + kLampAside_rad;
+    const double lamp_azimuth = ring_view.azimuth_rad + stand.aside_rad;
     if (options_.shadows) {
-      lamp_ = set.light.Lamp(lamp_azimuth);
-      table_lamp_ = table_.Lamp(lamp_azimuth);
+      lamp_ = field.Lamp(lamp_azimuth);
+      table_lamp_ = table_.Lamp(lamp_azimuth, stand.elevation_rad);
     } else {
       lamp_.assign(lumps_.size(), 1.0f);
     }
@@ -209,7 +235,7 @@ class Exposure {
   /// The set behind the character: backdrop, shadow on the table, plate.
   Vector3d Behind(int x, int y) const {
     const float* back = backdrop_.at(x, y);
-    Vector3d color(back[0], back[1], back[2]);
+    Vector3d color = BackdropLight() * Vector3d(back[0], back[1], back[2]);
     const Vector3d direction = turn_ * rays_.At(x, y, 0.5, 0.5), eye = world_from_camera_.translation;
     if (direction[2] >= 0) return color;
     const Vector3d p = eye + direction * (eye[2] / -direction[2]);
@@ -220,8 +246,19 @@ class Exposure {
       const double darkened = (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
       share = 1 - options_.table_shadow * (1 - darkened);
     }
-    if (plate_ && std::abs(p[0]) < plate_->width_m / 2 && std::abs(p[1]) < plate_->height_m / 2) color = open * PlateAt(x, y);
+    if (plate_ && OnPlate(p)) color = open * PlateAt(x, y);
     return share * color;
+  }
+
+  /// A lamp that lies low lights the set less.
+  double BackdropLight() const {
+    const double now = options_.ambient + options_.lamp * lamp_direction_[2];
+    return now / (options_.ambient + options_.lamp * upright_height_);
+  }
+
+  bool OnPlate(const Vector3d& x_in_world) const {
+    const Vector3d p = table_from_world_ * x_in_world;
+    return std::abs(p[0]) < plate_->width_m / 2 && std::abs(p[1]) < plate_->height_m / 2;
   }
 
   /// Paper and ink of the plate in one pixel.
@@ -232,7 +269,7 @@ class Exposure {
     for (int j = 0; j < kSamples; ++j)
       for (int i = 0; i < kSamples; ++i) {
         const Vector3d d = turn_ * rays_.At(x, y, (i + 0.5) / kSamples, (j + 0.5) / kSamples);
-        const Vector3d p = eye + d * (eye[2] / -d[2]);
+        const Vector3d p = table_from_world_ * (eye + d * (eye[2] / -d[2]));
         const int px = static_cast<int>((p[0] / plate_->width_m + 0.5) * plate_->picture.width);
         const int py = static_cast<int>((0.5 - p[1] / plate_->height_m) * plate_->picture.height);
         const bool on = px >= 0 && py >= 0 && px < plate_->picture.width && py < plate_->picture.height;
@@ -254,6 +291,8 @@ class Exposure {
   const std::vector<int>& lumps_;
   const Plate* plate_;
   Vector3d lamp_direction_;
+  double upright_height_;  // of a unit vector to the lamp while it stands
+  Rigid3 table_from_world_;
   Rigid3 world_from_camera_;
   Eigen::Matrix3d turn_;
   Window window_;
@@ -272,8 +311,8 @@ const PhotographerOptions& Checked(const PhotographerOptions& options) {
 
 }  // namespace
 
-Photographer::Photographer(const World& world, const Pose& pose, const PhotographerOptions& options)
-    : impl_(std::make_unique<Impl>(world, pose, Checked(options))) {}
+Photographer::Photographer(const World& world, const Pose& pose, const PhotographerOptions& options, const Photographer* rig)
+    : impl_(std::make_unique<Impl>(world, pose, Checked(options), rig ? &rig->impl_->views : nullptr)) {}
 Photographer::~Photographer() = default;
 Photographer::Photographer(Photographer&&) noexcept = default;
 
@@ -283,7 +322,9 @@ const Mesh& Photographer::surface() const { return impl_->surface; }
 
 SyntheticView Photographer::Take(int i) const {
   const RingView& ring_view = impl_->views[i];
-  const Exposure exposure(*impl_, ring_view);
+  const bool lies = impl_->LampLies(i);
+  const Exposure exposure(*impl_, ring_view, lies ? *impl_->fallen_light : impl_->light,
+                          lies ? FallenLamp(impl_->options) : UprightLamp(impl_->options));
   const int width = impl_->options.width, height = impl_->options.height;
   SyntheticView photograph{ring_view.view, {}, Image8(width, height, 1)};
   ImageF linear(width, height, 3);
@@ -296,6 +337,8 @@ SyntheticView Photographer::Take(int i) const {
     }
   };
   ParallelFor(height, row, 16);
+  if (std::binary_search(impl_->hands.begin(), impl_->hands.end(), i))
+    HoldHand(linear, photograph.mask, impl_->options.seed * 977 + static_cast<std::uint64_t>(i));
   photograph.image = Develop(std::move(linear), SensorFor(impl_->options, static_cast<std::uint64_t>(i) + 1));
   return photograph;
 }

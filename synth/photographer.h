@@ -10,6 +10,7 @@
 #include "core/image.h"
 #include "core/plate.h"
 #include "core/progress.h"
+#include "synth/mishaps.h"
 #include "synth/world.h"
 
 namespace keypose::synth {
@@ -36,6 +37,8 @@ struct PhotographerOptions {
   bool shadows = true;
   double table_shadow = 0.25;          ///< darkness of the shadow on the table: 1 is one lamp in a dark room, 0.25 a light tent
   double ambient = 0.42, lamp = 0.75;  ///< light on white clay, linear
+  double lamp_aside_rad = -0.85;       ///< of the lamp from the camera, about z: it stands to the left
+  double lamp_elevation_deg = 52;      ///< of the lamp above the table
   double gloss = 0.035;                ///< height of the wet highlight, linear
   double noise = 1;                    ///< sensor noise, times that of an ordinary camera
   double blur_px = 0.55;               ///< standard deviation of the lens blur
@@ -43,6 +46,7 @@ struct PhotographerOptions {
   int supersampling = 2;               ///< rays per pixel along each axis
   std::uint64_t seed = 1;
   PlateOptions plate;
+  Mishaps mishaps;  ///< Take() knows of moves on the table, of hands and of lamps; what shows another figure takes another Photographer
   /// One sentence per fault; empty when valid.
   std::vector<std::string> Problems() const;
 };
@@ -56,8 +60,9 @@ struct SyntheticView {
 /// Takes photographs one by one. Construction prepares light and rays; Take is const and safe from many threads.
 class Photographer {
  public:
+  /// @param rig  stands where that photographer stands, instead of where the figure fills the picture; null: on its own
   /// @throws UsageError  bad options
-  Photographer(const World& world, const Pose& pose, const PhotographerOptions& options);
+  Photographer(const World& world, const Pose& pose, const PhotographerOptions& options, const Photographer* rig = nullptr);
   ~Photographer();
   Photographer(Photographer&&) noexcept;
 

@@ -1,5 +1,6 @@
 #include "synth/photos_command.h"
 
+#include <memory>
 #include <utility>
 
 #include "core/errors.h"
@@ -30,22 +31,51 @@ struct PoseFolders {
   std::filesystem::path photos, truth;
 };
 
-/// Takes and writes one set of photographs. @return their views, without pixels
-std::vector<SyntheticView> TakeAll(const Photographer& photographer, const PhotosCommand& command, const std::string& prefix,
-                                   const PoseFolders& folders, Progress* progress) {
+/// What stands on the table for each photograph: the character as it should, or what a mishap puts there.
+struct Cast {
+  std::unique_ptr<Photographer> other, bumped;  ///< another character; the character in another pose; null without that mishap
+  std::vector<const Photographer*> of_view;
+};
+
+Cast CastOf(const Photographer& photographer, const World& world, const PhotosCommand& command, const std::string& pose) {
+  const Mishaps& mishaps = command.photographer.mishaps;
+  const int views = photographer.view_count();
+  Cast cast{nullptr, nullptr, std::vector<const Photographer*>(static_cast<std::size_t>(views), &photographer)};
+  if (!mishaps.moved_pose.empty()) {
+    cast.bumped = std::make_unique<Photographer>(world, world.PoseNamed(mishaps.moved_pose), command.photographer, &photographer);
+    for (int i = FirstAfter(mishaps.moved_from, views); i < views; ++i) cast.of_view[static_cast<std::size_t>(i)] = cast.bumped.get();
+  }
+  if (mishaps.strays > 0) {
+    WorldOptions options = command.world;
+    options.seed = StraySeed(mishaps, options.seed);
+    const World stranger = MakeWorld(options);
+    cast.other = std::make_unique<Photographer>(stranger, stranger.PoseNamed(pose), command.photographer, &photographer);
+    for (const int i : StrayViews(mishaps, views)) cast.of_view[static_cast<std::size_t>(i)] = cast.other.get();
+  }
+  return cast;
+}
+
+/// Takes and writes one set of photographs. @return the views that show the character, without pixels
+std::vector<SyntheticView> TakeAll(const Photographer& photographer, const Cast& cast, const PhotosCommand& command,
+                                   const std::string& prefix, const PoseFolders& folders, Progress* progress) {
   const ExifToWrite exif = ExifOf(command.photographer);
   std::vector<SyntheticView> views(photographer.view_count());
   // One photograph a thread: encoding JPEG uses one core only.
   const auto take = [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
-    SyntheticView view = photographer.Take(static_cast<int>(i));
+    const Photographer& taker = *cast.of_view[static_cast<std::size_t>(i)];
+    SyntheticView view = taker.Take(static_cast<int>(i));
+    if (&taker == cast.other.get()) view.mask = Image8(view.mask.width, view.mask.height, 1, 0);
     view.view.name = prefix + view.view.name.substr(view.view.name.find('_'));
     WriteImage(folders.photos / view.view.name, view.image, command.jpeg_quality, &exif);
     WriteImage(folders.truth / "masks" / (view.view.name + ".png"), view.mask);
     views[i].view = std::move(view.view);
   };
   ParallelFor(photographer.view_count(), take);
-  return views;
+  std::vector<SyntheticView> of_character;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (cast.of_view[i] != cast.other.get() || !cast.other) of_character.push_back(std::move(views[i]));
+  return of_character;
 }
 
 std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const PointsX3& standing, const PhotosCommand& command,
@@ -53,7 +83,10 @@ std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const
   const Lying lying = LayDown(pose, standing);
   PhotographerOptions options = command.photographer;
   options.seed += 1;
-  std::vector<SyntheticView> views = TakeAll(Photographer(world, lying.pose, options), command, "LYING", folders, progress);
+  options.mishaps = {};  // they happen to the figure that stands
+  const Photographer photographer(world, lying.pose, options);
+  const Cast alone{nullptr, nullptr, std::vector<const Photographer*>(static_cast<std::size_t>(photographer.view_count()), &photographer)};
+  std::vector<SyntheticView> views = TakeAll(photographer, alone, command, "LYING", folders, progress);
   for (SyntheticView& view : views) view.view.camera_from_world = Compose(view.view.camera_from_world, lying.table_from_character);
   return views;
 }
@@ -64,7 +97,9 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
   MakeFolder(folders.truth / "masks");
   const Photographer photographer(world, pose, command.photographer);
   const ExifToWrite exif = ExifOf(command.photographer);
-  std::vector<SyntheticView> views = TakeAll(photographer, command, "IMG", folders, progress);
+  const Cast cast = CastOf(photographer, world, command, pose.name);
+  std::vector<SyntheticView> views = TakeAll(photographer, cast, command, "IMG", folders, progress);
+  const int strays = photographer.view_count() - static_cast<int>(views.size());
   if (command.flip)
     for (SyntheticView& view : TakeLying(world, pose, photographer.surface().points, command, folders, progress))
       views.push_back(std::move(view));
@@ -74,12 +109,14 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
     MakeFolder(command.output / "background");
     WriteImage(command.output / "background" / (pose.name + ".jpg"), photographer.BackgroundPlate(), command.jpeg_quality, &exif);
   }
-  return static_cast<int>(views.size());
+  return static_cast<int>(views.size()) + strays;
 }
 
 }  // namespace
 
 int RunPhotos(const PhotosCommand& command, Progress* progress) {
+  const std::vector<std::string> problems = command.photographer.Problems();
+  if (!problems.empty()) throw UsageError("synth: " + problems.front());
   Step(progress, 0, "sculpting");
   const World world = MakeWorld(command.world);
   int written = 0;

@@ -23,6 +23,17 @@ class ConsoleProgress final : public Progress {
   }
 };
 
+void AddMishaps(CLI::App& photos, Mishaps& m) {
+  photos.add_option("--stray", m.strays, "photographs that show another character instead")->capture_default_str();
+  photos.add_option("--stray-seed", m.stray_seed, "that character; 0: the next one")->capture_default_str();
+  photos.add_option("--hand", m.hands, "photographs with a hand that covers part of the figure")->capture_default_str();
+  photos.add_option_function<std::string>(
+      "--moved", [&m](const std::string& text) { ReadMove(text, &m); },
+      "SHARE:MOVE: after that share of the photographs the figure is bumped; 0.5:5mm,7deg, or into another pose: 0.5:bow");
+  photos.add_option("--lamp-fall", m.lamp_falls_after, "after that share of the photographs the lamp lies on the other side; 1: never")
+      ->capture_default_str();
+}
+
 void AddPhotos(CLI::App& app, PhotosCommand& c) {
   CLI::App* photos = app.add_subcommand("photos", "render turntable photographs of a clay character, with exact truth beside them");
   photos->add_option("--output", c.output, "folder to write photos/ and truth/ into")->required();
@@ -48,6 +59,7 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
   photos->add_flag("--charuco", c.photographer.plate.charuco, "a ChArUco plate under the character");
   photos->add_flag("--flip", c.flip, "as many photographs again of the character on its back");
   photos->add_flag("--background-plate", c.background_plate, "also photograph the empty set");
+  AddMishaps(*photos, c.photographer.mishaps);
   photos->add_option("--photographer-seed", c.photographer.seed, "of jitter and noise")->capture_default_str();
   photos->callback([photos, &c] {
     if (photos->count("--width") && !photos->count("--height")) c.photographer.height = c.photographer.width * 3 / 4;

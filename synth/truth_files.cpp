@@ -1,5 +1,6 @@
 #include "synth/truth_files.h"
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -20,6 +21,40 @@ std::string LandmarksJson(const Truth& truth) {
     list.push_back({{"name", landmark.name}, {"vertex", landmark.vertex}, {"position", {p[0], p[1], p[2]}}});
   }
   return Json{{"schema", 1}, {"vertices", truth.surface.vertex_count()}, {"landmarks", list}}.dump(1) + "\n";
+}
+
+std::string PhotographName(int i) {
+  char name[32];
+  std::snprintf(name, sizeof name, "IMG_%04d.jpg", i + 1);
+  return name;
+}
+
+Json Names(const std::vector<int>& views) {
+  Json names = Json::array();
+  for (const int i : views) names.push_back(PhotographName(i));
+  return names;
+}
+
+Json NamesAfter(double share, int views) {
+  Json names = Json::array();
+  for (int i = FirstAfter(share, views); i < views; ++i) names.push_back(PhotographName(i));
+  return names;
+}
+
+Json MishapsJson(const PhotographerOptions& options, std::uint64_t world_seed) {
+  const Mishaps& m = options.mishaps;
+  constexpr double kDegPerRad = 180 / 3.141592653589793;
+  Json json = Json::object();
+  if (m.strays > 0) json["stray"] = {{"photographs", Names(StrayViews(m, options.views))}, {"seed", StraySeed(m, world_seed)}};
+  if (m.hands > 0) json["hand"] = {{"photographs", Names(HandViews(m, options.views))}};
+  if (m.lamp_falls_after < 1) json["lamp_fall"] = {{"photographs", NamesAfter(m.lamp_falls_after, options.views)}};
+  if (m.moved_from >= 1) return json;
+  json["moved"] = {{"photographs", NamesAfter(m.moved_from, options.views)}};
+  if (m.moved_pose.empty())
+    json["moved"].update({{"mm", 1000 * m.moved_m}, {"deg", kDegPerRad * m.moved_rad}});
+  else
+    json["moved"]["pose"] = m.moved_pose;
+  return json;
 }
 
 std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& world_options, const PhotographerOptions& options) {
@@ -44,6 +79,7 @@ std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& 
               {"table_shadow", options.table_shadow},
               {"vignetting", options.vignetting},
               {"seed", options.seed}}}};
+  if (options.mishaps.any()) json["mishaps"] = MishapsJson(options, world_options.seed);
   if (options.plate.charuco) {
     const Plate plate = MakePlate(options.plate);
     Json corners = Json::array();

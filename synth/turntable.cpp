@@ -55,6 +55,18 @@ double FitDistance(const PointsX3& points, const Camera& camera, double elevatio
   return distance;
 }
 
+/// Cameras of a figure that was moved on the table, in the figure's own frame, in which they seem to have moved.
+void Move(std::vector<RingView>& views, const Mishaps& mishaps) {
+  const Rigid3 table_from_world{Eigen::Quaterniond(Eigen::AngleAxisd(mishaps.moved_rad, Vector3d::UnitZ())),
+                                Vector3d(mishaps.moved_m, 0, 0)};
+  const int n = static_cast<int>(views.size());
+  for (int i = FirstAfter(mishaps.moved_from, n); i < n; ++i) {
+    views[i].view.camera_from_world = Compose(views[i].view.camera_from_world, table_from_world);
+    views[i].azimuth_rad -= mishaps.moved_rad;
+    views[i].table_from_world = table_from_world;
+  }
+}
+
 }  // namespace
 
 std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOptions& options) {
@@ -86,6 +98,7 @@ std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOpt
       placed.push_back(view);
     }
   }
+  Move(placed, options.mishaps);
   return placed;
 }
 

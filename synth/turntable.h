@@ -13,6 +13,7 @@ namespace keypose::synth {
 struct RingView {
   View view;
   double azimuth_rad = 0;  ///< of the camera about z; the lamp keeps its angle to it
+  Rigid3 table_from_world; ///< how the figure, in whose frame the camera is given, stands on the turntable
   int ring = 0;
 };
 
