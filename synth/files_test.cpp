@@ -14,6 +14,7 @@
 #include "core/io/mesh_io.h"
 #include "core/render.h"
 #include "synth/damage.h"
+#include "synth/outer_surface.h"
 #include "synth/photos_command.h"
 #include "synth/score_command.h"
 #include "synth/truth_files.h"
@@ -80,6 +81,25 @@ TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
   const std::string json = RunScore(command);
   EXPECT_NE(json.find("\"placed\": 6"), std::string::npos);
   EXPECT_NE(json.find("\"closed\": true"), std::string::npos);
+}
+
+TEST(SynthGenus, TruthSaysWhatOneSeesThrough) {
+  PhotosCommand command;
+  command.output = fs::path(::testing::TempDir()) / ("keypose_synth_hip_" + std::to_string(::getpid()));
+  command.poses = {"rest", "hip"};
+  command.world.spacing_m = 0.006;
+  command.photographer.views = 2;
+  command.photographer.width = 100, command.photographer.height = 75;
+  RunPhotos(command, nullptr);
+  const fs::path truth = command.output / "truth";
+  EXPECT_NE(ReadFile(truth / "rest/world.json").find("\"genus\": 0"), std::string::npos);
+  EXPECT_NE(ReadFile(truth / "hip/world.json").find("\"genus\": 1"), std::string::npos);
+  EXPECT_FALSE(fs::exists(truth / "rest/outer.ply"));
+  const Truth hip = ReadTruth(truth / "hip");
+  EXPECT_EQ(Genus(hip.outer), 1);
+  EXPECT_EQ(Genus(hip.surface), 0);
+  EXPECT_EQ(hip.surface.faces, ReadTruth(truth / "rest").surface.faces);
+  fs::remove_all(command.output);
 }
 
 TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
@@ -165,6 +185,7 @@ TEST(SynthProgram, ExitCodesNameTheFault) {
   EXPECT_EQ(run(""), 2);
   EXPECT_EQ(run("photos --output x --texture shiny"), 2);
   EXPECT_EQ(run("photos --output x --poses jump --spacing 0.01"), 2);
+  EXPECT_EQ(run("photos --output x --character horse"), 2);
   EXPECT_EQ(run("pair /dev/null/x --bend 400"), 2);
   EXPECT_EQ(run("pair /dev/null/x --bend 60 --vertices 300"), 4);
   EXPECT_EQ(run("pick --truth /nonexistent --model m --mesh x --output y"), 3);

@@ -103,7 +103,7 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
   if (command.flip)
     for (SyntheticView& view : TakeLying(world, pose, photographer.surface().points, command, folders, progress))
       views.push_back(std::move(view));
-  const Truth truth{TruthScene(world, pose, views), photographer.surface(), pose(world.smooth), world.landmarks};
+  const Truth truth{TruthScene(world, pose, views), photographer.surface(), SeenSurface(world, pose), pose(world.smooth), world.landmarks};
   WriteTruth(folders.truth, truth, world, pose, command.world, command.photographer);
   if (command.background_plate) {
     MakeFolder(command.output / "background");

@@ -10,10 +10,22 @@
 namespace keypose::synth {
 namespace {
 
+constexpr double kPi = 3.141592653589793;
+
 // C2 step from 0 to 1.
 double SmoothStep(double t) {
   t = std::clamp(t, 0.0, 1.0);
   return t * t * t * (t * (t * 6 - 15) + 10);
+}
+
+double DistanceTo(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& x) {
+  double nearest = (x - path.front()).norm();
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector3d along = path[i] - path[i - 1];
+    const double share = std::clamp((x - path[i - 1]).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (x - path[i - 1] - share * along).norm());
+  }
+  return nearest;
 }
 
 // Barr's bend along `axis`: constant curvature from begin to end, straight on both sides. Coordinates: s along the axis, y away from the
@@ -52,7 +64,8 @@ Eigen::Vector3d Squash(const Deformation& d, const Eigen::Vector3d& x, double we
 }  // namespace
 
 double Deformation::Weight(const Eigen::Vector3d& rest) const {
-  const double in_ball = radius <= 0 ? 1 : 1 - SmoothStep(((rest - center).norm() - radius) / falloff);
+  const double off = spine.empty() ? (rest - center).norm() : DistanceTo(spine, rest);
+  const double in_ball = radius <= 0 ? 1 : 1 - SmoothStep((off - radius) / falloff);
   if (reach <= 0) return in_ball;
   return in_ball * (1 - SmoothStep(((rest - origin).cross(axis).norm() - reach) / falloff));
 }
@@ -69,6 +82,39 @@ Eigen::Vector3d Deformation::Apply(const Eigen::Vector3d& x, const Eigen::Vector
       return Squash(*this, x, weight);
   }
   return x;
+}
+
+Deformation LimbBend(const Eigen::Vector3d& origin, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards, double begin, double end,
+                     double degrees, const Eigen::Vector3d& center, double radius) {
+  Deformation bend;
+  bend.kind = Deformation::Kind::kBend;
+  bend.origin = origin;
+  bend.axis = axis.normalized();
+  bend.hinge = bend.axis.cross(towards).normalized();
+  bend.begin = begin;
+  bend.end = end;
+  bend.angle = degrees * kPi / 180;
+  bend.center = center;
+  bend.radius = radius;
+  bend.falloff = 0.008;
+  return bend;
+}
+
+Deformation TrunkTwist(double begin, double end, double degrees) {
+  Deformation twist;
+  twist.kind = Deformation::Kind::kTwist;
+  twist.origin = Eigen::Vector3d(0.001, -0.001, 0);
+  twist.begin = begin;
+  twist.end = end;
+  twist.angle = degrees * kPi / 180;
+  return twist;
+}
+
+Deformation WholeSquash(double ratio) {
+  Deformation squash;
+  squash.kind = Deformation::Kind::kSquash;
+  squash.ratio = ratio;
+  return squash;
 }
 
 Eigen::Vector3d Pose::operator()(const Eigen::Vector3d& rest) const {

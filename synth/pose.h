@@ -26,6 +26,7 @@ struct Deformation {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [m] of the ball that the deformation is confined to, in the rest pose
   double radius = 0;                                 ///< [m] of that ball: full effect inside, none beyond radius + falloff; 0: everywhere
   double falloff = 0.01;                             ///< [m]
+  std::vector<Eigen::Vector3d> spine;                ///< the ball sweeps along these points, in the rest pose; empty: it stays at center
   double reach = 0;  ///< [m] of a tube round the axis, in the rest pose: full effect inside, none beyond reach + falloff; 0: everywhere
 
   Eigen::Vector3d Apply(const Eigen::Vector3d& x, const Eigen::Vector3d& rest) const;
@@ -33,10 +34,22 @@ struct Deformation {
   double Weight(const Eigen::Vector3d& rest) const;
 };
 
+/// Bends a limb that runs along `axis` from `origin`, between begin and end [m] along it, towards a side; the ball says what belongs to the
+/// limb (radius 0: everything).
+Deformation LimbBend(const Eigen::Vector3d& origin, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards, double begin, double end,
+                     double degrees, const Eigen::Vector3d& center = Eigen::Vector3d::Zero(), double radius = 0);
+/// Twists all above z = begin [m] about the character's upright axis, by the whole angle from z = end on.
+Deformation TrunkTwist(double begin, double end, double degrees);
+/// Presses the whole character down to `ratio` of its height, at the same volume.
+Deformation WholeSquash(double ratio);
+
 /// A named shape of the character: deformations one after the other. None: the rest pose.
 struct Pose {
   std::string name = "rest";
   std::vector<Deformation> steps;
+  /// Two parts are pressed into each other: the solid is the union of what the map gives, and what one sees of it (OuterSurface) has
+  /// another topology than the rest pose. The map itself is one to one on each part.
+  bool touches = false;
 
   Eigen::Vector3d operator()(const Eigen::Vector3d& rest) const;
   PointsX3 operator()(const PointsX3& rest) const;

@@ -10,6 +10,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "synth/dense_score.h"
+#include "synth/outer_surface.h"
 #include "synth/pick.h"
 #include "synth/score.h"
 #include "synth/texel_score.h"
@@ -40,7 +41,7 @@ Subject ReadSubject(const std::filesystem::path& truth, const std::filesystem::p
   RequireUsable(subject.mesh, mesh.string());
   const Eigen::Vector3d center = subject.truth.surface.points.colwise().mean();
   subject.cameras = ScoreCameras(subject.truth.cameras, ReadColmapModel(model), center);
-  subject.refined = RefineAlignment(subject.truth.surface, subject.mesh, subject.cameras.truth_from_model);
+  subject.refined = RefineAlignment(subject.truth.outer, subject.mesh, subject.cameras.truth_from_model);
   return subject;
 }
 
@@ -54,7 +55,7 @@ Json CamerasJson(const CameraScore& s) {
 }
 
 Json SurfaceJson(const Subject& subject, const Similarity3& truth_from_model) {
-  const SurfaceScore s = ScoreSurface(subject.truth.surface, subject.InTruth(truth_from_model));
+  const SurfaceScore s = ScoreSurface(subject.truth.outer, subject.InTruth(truth_from_model));
   return {{"mean_over_diag", s.mean()},
           {"to_truth", {{"mean", s.mean_to_truth}, {"p95", s.p95_to_truth}, {"max", s.max_to_truth}}},
           {"from_truth", {{"mean", s.mean_from_truth}, {"p95", s.p95_from_truth}, {"max", s.max_from_truth}}}};
@@ -62,14 +63,9 @@ Json SurfaceJson(const Subject& subject, const Similarity3& truth_from_model) {
 
 Json ClosedJson(const Mesh& mesh) {
   const ClosedReport c = CheckClosed(mesh);
-  return {{"closed", c.closed()},
-          {"faces", mesh.face_count()},
-          {"bad_edges", c.bad_edges},
-          {"bad_fans", c.bad_fans},
-          {"zero_area_faces", c.zero_area_faces},
-          {"components", c.components},
-          {"euler", c.euler},
-          {"volume", c.volume}};
+  return {{"closed", c.closed()},   {"faces", mesh.face_count()},           {"bad_edges", c.bad_edges},
+          {"bad_fans", c.bad_fans}, {"zero_area_faces", c.zero_area_faces}, {"components", c.components},
+          {"euler", c.euler},       {"genus", c.components - c.euler / 2},  {"volume", c.volume}};
 }
 
 Json CorrespondenceJson(const Subject& a, const Subject& b, const PointsX3& registered, bool refined) {
@@ -104,7 +100,7 @@ Json CloudJson(const Subject& subject, const std::filesystem::path& path) {
   constexpr float kSure = 0.3f;
   const PointCloud cloud = ReadPointCloud(path);
   const PointsX3 points = Transformed(subject.refined, cloud.points);
-  const Mesh& truth = subject.truth.surface;
+  const Mesh& truth = subject.truth.outer;
   const double height = truth.points.col(2).maxCoeff() - truth.points.col(2).minCoeff();
   Json json{{"all", PointsJson(truth, subject.truth.cameras.views, points, 0.01 * height)}};
   if (cloud.confidence.size() != points.rows()) return json;
@@ -117,7 +113,7 @@ Json CloudJson(const Subject& subject, const std::filesystem::path& path) {
 
 Json HullJson(const Subject& subject, const std::filesystem::path& path) {
   const HullComparison c =
-      CompareWithHull(subject.truth.surface, subject.truth.cameras.views, subject.InTruth(subject.refined), ReadMesh(path));
+      CompareWithHull(subject.truth.outer, subject.truth.cameras.views, subject.InTruth(subject.refined), ReadMesh(path));
   return {{"mean_m", c.mean_m},
           {"hull_mean_m", c.hull_mean_m},
           {"ratio", c.ratio()},
@@ -148,7 +144,8 @@ std::string RunScore(const ScoreCommand& command) {
             {"cameras", CamerasJson(subject.cameras)},
             {"surface", SurfaceJson(subject, subject.cameras.truth_from_model)},
             {"surface_refined", SurfaceJson(subject, subject.refined)},
-            {"closed", ClosedJson(subject.mesh)}};
+            {"closed", ClosedJson(subject.mesh)},
+            {"true_genus", Genus(subject.truth.outer)}};
   const DetailScore detail = ScoreDetail(subject.truth.surface, subject.truth.smooth, subject.InTruth(subject.refined));
   if (detail.places > 0) json["detail"] = {{"places", detail.places}, {"gain", detail.gain}, {"correlation", detail.correlation}};
   if (!command.cloud.empty()) json["points"] = CloudJson(subject, command.cloud);

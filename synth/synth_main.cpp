@@ -37,7 +37,11 @@ void AddMishaps(CLI::App& photos, Mishaps& m) {
 void AddPhotos(CLI::App& app, PhotosCommand& c) {
   CLI::App* photos = app.add_subcommand("photos", "render turntable photographs of a clay character, with exact truth beside them");
   photos->add_option("--output", c.output, "folder to write photos/ and truth/ into")->required();
-  photos->add_option("--poses", c.poses, "rest, bent, wave, bow, squash, twist")->delimiter(',')->capture_default_str();
+  photos->add_option("--poses", c.poses, "rest, bent, wave, bow, squash, twist, hip (hand on hip); columns: rest, bent, twist, squash")
+      ->delimiter(',')
+      ->capture_default_str();
+  photos->add_option("--character", c.world.character, "creature | columns (a torso on columns that one sees through)")
+      ->capture_default_str();
   photos->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
   photos->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
   photos->add_flag("--prints-move", c.world.prints_move,

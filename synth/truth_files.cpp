@@ -7,6 +7,7 @@
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "synth/outer_surface.h"
 #include "synth/plate.h"
 
 namespace keypose::synth {
@@ -57,9 +58,12 @@ Json MishapsJson(const PhotographerOptions& options, std::uint64_t world_seed) {
   return json;
 }
 
-std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& world_options, const PhotographerOptions& options) {
+std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer, const WorldOptions& world_options,
+                      const PhotographerOptions& options) {
   Json json{{"schema", 1},
             {"pose", pose.name},
+            {"character", world_options.character},
+            {"genus", Genus(outer)},
             {"seed", world_options.seed},
             {"spacing_m", world_options.spacing_m},
             {"texture", world_options.texture},
@@ -94,7 +98,8 @@ std::string WorldJson(const World& world, const Pose& pose, const WorldOptions& 
 }  // namespace
 
 Truth ReadTruth(const std::filesystem::path& folder) {
-  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}};
+  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}, {}};
+  truth.outer = std::filesystem::exists(folder / "outer.ply") ? ReadMesh(folder / "outer.ply") : truth.surface;
   truth.smooth = std::filesystem::exists(folder / "smooth.ply") ? ReadMesh(folder / "smooth.ply").points : truth.surface.points;
   if (truth.smooth.rows() != truth.surface.points.rows())
     throw InputError("synth: " + (folder / "smooth.ply").string() + " does not belong to surface.ply; render the world again");
@@ -120,13 +125,14 @@ void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const W
   if (error) throw DiskError("synth: cannot create the folder " + (folder / "cameras").string() + ": " + error.message());
   WriteColmapModel(folder / "cameras", truth.cameras);
   WriteMesh(folder / "surface.ply", truth.surface);
+  if (pose.touches) WriteMesh(folder / "outer.ply", truth.outer);
   if (truth.smooth != truth.surface.points) {
     Mesh smooth = truth.surface;
     smooth.points = truth.smooth;
     WriteMesh(folder / "smooth.ply", smooth);
   }
   WriteFile(folder / "landmarks.json", LandmarksJson(truth));
-  WriteFile(folder / "world.json", WorldJson(world, pose, world_options, options));
+  WriteFile(folder / "world.json", WorldJson(world, pose, truth.outer, world_options, options));
 }
 
 }  // namespace keypose::synth

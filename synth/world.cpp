@@ -3,13 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "synth/columns.h"
 #include "synth/noise.h"
+#include "synth/outer_surface.h"
 #include "synth/polygonize.h"
 
 namespace keypose::synth {
@@ -18,6 +21,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kPi = 3.141592653589793;
+constexpr double kFistRadius = 0.0140, kThumbRadius = 0.0050;  // [m] of the right hand
+const Vector3d kThumb(0.010, -0.010, 0.0090);                  // [m] from the middle of the fist
 
 /// Linear light from the 0..255 sRGB value that a painter would name.
 Vector3d Srgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
@@ -71,6 +76,8 @@ class Sculptor {
   }
   void Name(const char* name, const Vector3d& place) { places_.emplace_back(name, place); }
 
+  Pose HipPose(double turn_degrees, double bend_degrees) const;
+  Pose HandOnHip() const;
   void Body();
   void Head();
   void Ears();
@@ -83,16 +90,20 @@ class Sculptor {
   Palette palette_;
   Clay clay_;
   std::vector<std::pair<std::string, Vector3d>> places_;
-  Vector3d shoulder_, arm_axis_, elbow_, forearm_axis_;
+  Clay trunk_, thighs_;  // what the hand rests on, and what it keeps clear of
+  Vector3d shoulder_, arm_axis_, elbow_, forearm_axis_, right_shoulder_, fist_;
 };
 
 void Sculptor::Body() {
   const double girth = Vary(1, 0.12);
   Add({0, 0, 0.050}, 0.042 * girth, {0.003, 0.001, 0.088}, 0.032 * girth, palette_.body, 0.01);
   Add({-0.002, -0.017 * girth, 0.046}, 0.029 * girth, {0.001, -0.014 * girth, 0.072}, 0.022 * girth, palette_.belly, 0.004);
+  trunk_.lumps = clay_.lumps;
   const Vector3d left_toe = Vary(Vector3d(0.033, -0.040, 0.011), 0.004), right_toe = Vary(Vector3d(-0.044, -0.033, 0.012), 0.004);
   Add({0.027, -0.002, 0.015}, 0.018, left_toe, 0.0135, palette_.limb, 0.008);
   Add({-0.028, 0.001, 0.016}, 0.020, right_toe, 0.0155, palette_.limb, 0.008);
+  thighs_.lumps.assign(clay_.lumps.end() - 2, clay_.lumps.end());
+  for (Clay* part : {&trunk_, &thighs_}) part->dent_depth = 0, part->flat_base = false;
   Name("left_toe", left_toe + Vector3d(0.002, -0.0132, 0));
   Name("right_toe", right_toe + Vector3d(-0.006, -0.0142, 0));
   // Two buttons, the lower one off centre.
@@ -171,13 +182,15 @@ void Sculptor::Arms() {
   Name("left_finger", hand + Vector3d(0.021, -0.004, 0.0025));
   Name("left_elbow", shoulder_ + 0.5 * (hand - shoulder_) + Vector3d(0, -0.012, 0));
   const Vector3d right_shoulder(-0.026, -0.001, 0.096);
+  right_shoulder_ = right_shoulder;
   const Vector3d elbow = Vary(Vector3d(-0.064, -0.010, 0.080), 0.003), fist = elbow + Vary(Vector3d(-0.001, -0.036, -0.008), 0.004);
   elbow_ = elbow;
+  fist_ = fist;
   forearm_axis_ = (fist - elbow).normalized();
   Add(right_shoulder, 0.0145, elbow, 0.0112, palette_.limb, 0.008);
   Add(elbow, 0.0112, fist, 0.0098, palette_.limb, 0.004);
-  Ball(fist, 0.0140, palette_.hand, 0.003);
-  Add(fist, 0.008, fist + Vector3d(0.010, -0.010, 0.0090), 0.0050, palette_.hand, 0.003);
+  Ball(fist, kFistRadius, palette_.hand, 0.003);
+  Add(fist, 0.008, fist + kThumb, kThumbRadius, palette_.hand, 0.003);
   Name("right_elbow", elbow + Vector3d(-0.0095, 0.005, 0));
   Name("right_fist", fist + Vector3d(-0.003, -0.0135, 0));
 }
@@ -201,38 +214,42 @@ void Sculptor::Spots() {
     clay_.spots.push_back({Vary(place, 0.004), Vary(0.0075, 0.3) * (0.75 + 0.06 * static_cast<double>(clay_.spots.size())), palette_.spot});
 }
 
-/// Bends a limb that runs along `axis` from `origin`, between begin and end [m], towards a side; the ball says what belongs to the limb.
-Deformation LimbBend(const Vector3d& origin, const Vector3d& axis, const Vector3d& towards, double begin, double end, double degrees,
-                     const Vector3d& center = Vector3d::Zero(), double radius = 0) {
-  Deformation bend;
-  bend.kind = Deformation::Kind::kBend;
-  bend.origin = origin;
-  bend.axis = axis.normalized();
-  bend.hinge = bend.axis.cross(towards).normalized();
-  bend.begin = begin;
-  bend.end = end;
-  bend.angle = degrees * kPi / 180;
-  bend.center = center;
-  bend.radius = radius;
-  bend.falloff = 0.008;
-  return bend;
+// The upper arm turns about itself, which lets the forearm hang; then the forearm bends in until the fist is pressed into the hip.
+Pose Sculptor::HipPose(double turn_degrees, double bend_degrees) const {
+  Deformation turn;
+  turn.kind = Deformation::Kind::kTwist;
+  turn.origin = right_shoulder_, turn.axis = (elbow_ - right_shoulder_).normalized();
+  turn.begin = 0.014, turn.end = 0.040;
+  turn.angle = -turn_degrees * kPi / 180;
+  const Vector3d upper_arm = right_shoulder_ + 0.45 * (elbow_ - right_shoulder_), thumb = fist_ + Vector3d(0.008, -0.008, 0.007);
+  turn.spine = {upper_arm, elbow_, fist_, thumb}, turn.radius = 0.016, turn.falloff = 0.008;
+  const Vector3d hanging = Eigen::AngleAxisd(turn.angle, turn.axis) * forearm_axis_, inwards(0.9, 0.35, -0.25);
+  Deformation bend = LimbBend(elbow_, hanging, inwards, 0.006, 0.030, bend_degrees, elbow_, 0.016);
+  bend.spine = {elbow_, fist_, thumb};
+  return {"hip", {turn, bend}, true};
 }
 
-Deformation Twist(double begin, double end, double degrees) {
-  Deformation twist;
-  twist.kind = Deformation::Kind::kTwist;
-  twist.origin = Vector3d(0.001, -0.001, 0);
-  twist.begin = begin;
-  twist.end = end;
-  twist.angle = degrees * kPi / 180;
-  return twist;
-}
-
-Deformation Squash(double ratio) {
-  Deformation squash;
-  squash.kind = Deformation::Kind::kSquash;
-  squash.ratio = ratio;
-  return squash;
+Pose Sculptor::HandOnHip() const {
+  constexpr double kPressed = 0.0034, kClear = 0.004;  // [m] into the hip; between hand and thigh
+  const auto fist_gap = [&](const Clay& clay, const Pose& pose) { return clay.Distance(pose(fist_)) - kFistRadius; };
+  const Vector3d thumb = fist_ + kThumb;
+  const auto thumb_gap = [&](const Clay& clay, const Pose& pose) { return clay.Distance(pose(thumb)) - kThumbRadius; };
+  Pose best;
+  double least = std::numeric_limits<double>::infinity();
+  // Fist and thumb are to sink in alike, so that no pinhole stays between them, and the hand keeps clear of the thigh.
+  for (double turn = 90; turn > 30; turn -= 2) {
+    double low = 0, high = 80;
+    for (int round = 0; round < 40; ++round) {
+      const Pose pose = HipPose(turn, (low + high) / 2);
+      const bool pressed = std::min(fist_gap(trunk_, pose), thumb_gap(trunk_, pose)) < -kPressed;
+      (pressed ? high : low) = (low + high) / 2;
+    }
+    const Pose pose = HipPose(turn, low);
+    const double fist = fist_gap(trunk_, pose), uneven = std::abs(fist - thumb_gap(trunk_, pose));
+    const bool clear = std::min(fist_gap(thighs_, pose), thumb_gap(thighs_, pose)) > kClear;
+    if (clear && fist < 0 && uneven < least) least = uneven, best = pose;
+  }
+  return best;
 }
 
 std::vector<Pose> Sculptor::Poses() const {
@@ -248,14 +265,21 @@ std::vector<Pose> Sculptor::Poses() const {
   const auto lean = [](double degrees, const Vector3d& towards) {
     return LimbBend({0, 0, 0.03}, Vector3d::UnitZ(), towards, 0, 0.075, degrees);
   };
-  const auto head = [](double degrees) { return Twist(0.112, 0.142, degrees); };
+  const auto head = [](double degrees) { return TrunkTwist(0.112, 0.142, degrees); };
   const Vector3d forward = -Vector3d::UnitY(), left = Vector3d::UnitX();
   return {{"rest", {}},
-          {"bent", {head(24), left_arm(52), tail(34), lean(7, -left), Squash(0.96)}},
+          {"bent", {head(24), left_arm(52), tail(34), lean(7, -left), WholeSquash(0.96)}},
           {"wave", {left_arm(80), forearm(45), head(-15)}},
           {"bow", {left_arm(-25), head(10), lean(22, forward)}},
-          {"squash", {Squash(0.85)}},
-          {"twist", {Twist(0.03, 0.11, 35)}}};
+          {"squash", {WholeSquash(0.85)}},
+          {"twist", {TrunkTwist(0.03, 0.11, 35)}},
+          HandOnHip()};
+}
+
+Character SculptCreature(std::uint64_t seed) {
+  Sculptor sculptor(seed);
+  sculptor.Sculpt();
+  return {sculptor.clay(), sculptor.places(), sculptor.Poses()};
 }
 
 // The vertex nearest to each named place; places that fell on one vertex keep the first name.
@@ -267,6 +291,8 @@ std::vector<TruthLandmark> FindLandmarks(const Mesh& rest, const std::vector<std
 }
 
 void RequireValid(const WorldOptions& options) {
+  if (options.character != "creature" && options.character != "columns")
+    throw UsageError("synth: character is '" + options.character + "'; it can be creature or columns");
   if (options.texture != "rich" && options.texture != "weak" && options.texture != "none")
     throw UsageError("synth: texture is '" + options.texture + "'; it can be rich, weak or none");
   if (!(options.spacing_m > 0.0003 && options.spacing_m < 0.02)) throw InputError("synth: spacing_m must be in (0.0003, 0.02) metres");
@@ -300,21 +326,21 @@ const Pose& World::PoseNamed(const std::string& name) const {
 
 World MakeWorld(const WorldOptions& options) {
   RequireValid(options);
-  Sculptor sculptor(options.seed);
-  sculptor.Sculpt();
+  Character character = options.character == "columns" ? SculptColumns(options.seed) : SculptCreature(options.seed);
   World world;
-  world.clay = sculptor.clay();
+  world.clay = std::move(character.clay);
+  world.spacing_m = options.spacing_m;
   if (options.texture == "weak") world.clay.grain = 0.12;
   if (options.texture == "none") world.clay.grain = 0, world.clay.spots.clear();
   world.clay.ridge_height = options.print_height_m;
   world.clay.ridge_spacing = options.print_spacing_m;
-  world.poses = sculptor.Poses();
+  world.poses = std::move(character.poses);
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
   world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, options.spacing_m);
   world.smooth = world.rest.points;
   if (options.prints_move) PressPrints(world.clay, &world.rest.points);
-  world.landmarks = FindLandmarks(world.rest, sculptor.places());
+  world.landmarks = FindLandmarks(world.rest, character.places);
   return world;
 }
 
@@ -333,6 +359,11 @@ Mesh TruthSurface(const World& world, const Pose& pose, bool with_colors) {
   };
   ParallelFor(surface.points.rows(), paint, 512);
   return surface;
+}
+
+Mesh SeenSurface(const World& world, const Pose& pose) {
+  Mesh surface = TruthSurface(world, pose);
+  return pose.touches ? OuterSurface(surface, world.spacing_m) : surface;
 }
 
 PointsX3 LandmarkPositions(const World& world, const Pose& pose) {

@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <set>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/ray_scene.h"
+#include "core/testing_shapes.h"
+#include "synth/outer_surface.h"
 
 namespace keypose::synth {
 namespace {
@@ -110,8 +114,71 @@ TEST(MakeWorld, SameBitsAtOneAndManyThreads) {
   SetThreadCount(0);
 }
 
+TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
+  for (const std::uint64_t seed : {1, 4, 6}) {
+    const World world = MakeWorld(Coarse(seed));
+    const Pose& hip = world.PoseNamed("hip");
+    const Mesh seen = SeenSurface(world, hip);
+    EXPECT_TRUE(CheckClosed(seen).closed()) << "seed " << seed;
+    EXPECT_EQ(CheckClosed(seen).components, 1) << "seed " << seed;
+    EXPECT_EQ(Genus(seen), 1) << "seed " << seed;
+    EXPECT_EQ(Genus(TruthSurface(world, hip)), 0) << "seed " << seed;
+    EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), 0) << "seed " << seed;
+  }
+}
+
+TEST(MakeWorld, HandOnHipLeavesAWindowThatAPhotographShows) {
+  // A line of sight from the front through the arm's loop: nothing there in the hip pose, and the arm on three sides of it.
+  const World world = MakeWorld(Coarse(1));
+  const Mesh seen = SeenSurface(world, world.PoseNamed("hip"));
+  const RayScene scene(seen.points, seen.faces);
+  const auto blocked = [&](double x, double z) { return scene.Occluded({x, -1, z}, {0, 1, 0}, 0, 2); };
+  int open = 0, row = 0;
+  for (double x = -0.075; x < -0.030; x += 0.001) {
+    const bool sees = !blocked(x, 0.068);
+    row = sees ? row + 1 : 0;
+    if (blocked(x - row * 0.001, 0.068)) open = std::max(open, row);  // closed on the arm's side
+  }
+  EXPECT_GE(open, 6);  // [mm] wide: 11 pixels of a photograph of 640 x 480
+}
+
+TEST(MakeWorld, ColumnsHaveThreeHandlesInEveryPose) {
+  for (const std::uint64_t seed : {1, 2, 5}) {
+    WorldOptions options = Coarse(seed);
+    options.character = "columns";
+    const World world = MakeWorld(options);
+    EXPECT_TRUE(CheckClosed(world.rest).closed()) << "seed " << seed;
+    EXPECT_EQ(CheckClosed(world.rest).components, 1) << "seed " << seed;
+    for (const Pose& pose : world.poses) {
+      EXPECT_EQ(Genus(SeenSurface(world, pose)), 3) << "seed " << seed << " " << pose.name;
+      for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 7)
+        ASSERT_GT(pose.Jacobian(world.rest.points.row(i)).determinant(), 0.15) << "seed " << seed << " " << pose.name << " vertex " << i;
+    }
+  }
+}
+
+TEST(OuterSurface, OverlappingBallsBecomeTheirUnion) {
+  Mesh two = MakeIcosphere(4);
+  two.points *= 0.05;
+  const Mesh one = two;
+  two.points.resize(2 * one.points.rows(), 3);
+  two.faces.resize(2 * one.faces.rows(), 3);
+  two.points << one.points, one.points.rowwise() + Eigen::RowVector3d(0.06, 0, 0);
+  two.faces << one.faces, (one.faces.array() + static_cast<int>(one.points.rows())).matrix();
+  const Mesh outer = OuterSurface(two, 0.004);
+  EXPECT_TRUE(CheckClosed(outer).closed());
+  EXPECT_EQ(CheckClosed(outer).components, 1);
+  EXPECT_EQ(Genus(outer), 0);
+  const double r = 0.05, cap = r - 0.03, lens = 2 * 3.141592653589793 * cap * cap * (3 * r - cap) / 3;
+  const double whole = 2 * SignedVolume(one.points, one.faces) - lens;
+  EXPECT_NEAR(CheckClosed(outer).volume / whole, 1, 0.01);  // chords of 2 mm, and the seam's crevice of 4 mm closed
+}
+
 TEST(MakeWorld, BadOptionsThrow) {
   WorldOptions options;
+  options.character = "horse";
+  EXPECT_THROW(MakeWorld(options), UsageError);
+  options = {};
   options.texture = "shiny";
   EXPECT_THROW(MakeWorld(options), UsageError);
   options = {};
