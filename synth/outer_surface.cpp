@@ -3,13 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <memory>
-#include <vector>
 
 #include "core/geometry.h"
-#include "core/kd_tree.h"
-#include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "synth/polygonize.h"
 
@@ -42,62 +37,35 @@ bool Inside(const RayScene& scene, const PointsX3& normals, const Vector3d& x) {
   return first == second ? first : Winding(scene, normals, x, kDirections[2]) > 0;
 }
 
-using Field = std::function<double(const Vector3d&)>;
+/// Negative inside; the sign comes from rays, as the surface may cross itself.
+class SignedDistance {
+ public:
+  explicit SignedDistance(const Mesh& mesh) : scene_(mesh.points, mesh.faces), normals_(FaceNormals(mesh.points, mesh.faces)) {}
+  double operator()(const Vector3d& x) const {
+    const double distance = std::sqrt(scene_.ClosestPoint(x).squared_distance);
+    return Inside(scene_, normals_, x) ? -distance : distance;
+  }
 
-/// Vertices that lie within the solid, away from what one sees of it.
-PointsX3 Buried(const RayScene& scene, const Mesh& posed, const PointsX3& face_normals) {
-  constexpr double kOff = 1e-5;  // [m]
-  const PointsX3 normals = VertexNormals(posed.points, posed.faces);
-  std::vector<char> is_buried(posed.points.rows());
-  const auto look = [&](std::int64_t v) {
-    is_buried[v] = Inside(scene, face_normals, Vector3d(posed.points.row(v) + kOff * normals.row(v)));
-  };
-  ParallelFor(posed.points.rows(), look, 256);
-  std::vector<int> found;
-  for (std::size_t v = 0; v < is_buried.size(); ++v)
-    if (is_buried[v]) found.push_back(static_cast<int>(v));
-  return posed.points(found, Eigen::all);
-}
-
-struct Box {
-  Vector3d low, high;
-  Box(const PointsX3& points, double margin)
-      : low(points.colwise().minCoeff().transpose() - Vector3d::Constant(margin)),
-        high(points.colwise().maxCoeff().transpose() + Vector3d::Constant(margin)) {}
-  /// Negative inside; never more than the distance to the box's sides.
-  double Distance(const Vector3d& x) const { return (low - x).cwiseMax(x - high).maxCoeff(); }
+ private:
+  RayScene scene_;
+  PointsX3 normals_;
 };
 
-/// The field near `points` less crevices narrower than 2 * radius: the solid grown and shrunk again (a morphological closing).
-Field Closed(const Field& solid, const PointsX3& points, double reach, double radius, double spacing) {
-  const Box part(points, reach + 4 * spacing), around(points, reach + 6 * spacing);
-  const auto grown_part = [&](const Vector3d& x) { return std::max(solid(x) - radius, part.Distance(x)); };
-  const Mesh grown = Polygonize(grown_part, around.low, around.high, spacing, 1.0);
-  const auto scene = std::make_shared<RayScene>(grown.points, grown.faces);
-  return [solid, scene, radius](const Vector3d& x) {
-    const double open = solid(x);
-    return open >= radius ? open : radius - std::sqrt(scene->ClosestPoint(x).squared_distance);
-  };
+Mesh Offset(const Mesh& mesh, double by, double spacing) {
+  const SignedDistance distance(mesh);
+  const Vector3d margin = Vector3d::Constant(std::max(by, 0.0) + 2 * spacing);
+  const Vector3d low = mesh.points.colwise().minCoeff().transpose(), high = mesh.points.colwise().maxCoeff().transpose();
+  return Polygonize([&](const Vector3d& x) { return distance(x) - by; }, low - margin, high + margin, spacing, 1.0);
 }
 
 }  // namespace
 
 Mesh OuterSurface(const Mesh& posed, double spacing) {
-  const RayScene scene(posed.points, posed.faces);
-  const PointsX3 normals = FaceNormals(posed.points, posed.faces);
-  const Field solid = [&](const Vector3d& x) {
-    const double distance = std::sqrt(scene.ClosestPoint(x).squared_distance);
-    return Inside(scene, normals, x) ? -distance : distance;
-  };
-  const Box whole(posed.points, 2 * spacing);
-  const PointsX3 buried = Buried(scene, posed, normals);
-  if (buried.rows() == 0) return Polygonize(solid, whole.low, whole.high, spacing, 1.0);
-  // Where two walls meet at a flat angle, the lattice would leave pinholes between them.
-  const double crevice = spacing / 2, reach = 3 * spacing;
-  const Field closed = Closed(solid, buried, reach, crevice, spacing);
-  const KdTree seam(buried);
-  const Field field = [&](const Vector3d& x) { return std::sqrt(seam.Nearest(x).squared_distance) < reach ? closed(x) : solid(x); };
-  return Polygonize(field, whole.low, whole.high, spacing, 1.0);
+  // Where two walls meet at a flat angle, the lattice would leave pinholes between them, and clay that is pressed together leaves none.
+  // Grown and shrunk again (a morphological closing), the solid has none.
+  constexpr double kCrevice = 0.001;  // [m] radius of the ball that cannot enter
+  const double crevice = std::max(spacing / 2, kCrevice);
+  return Offset(Offset(posed, crevice, spacing), -crevice, spacing);
 }
 
 int Genus(const Mesh& closed) {
