@@ -11,6 +11,7 @@
 #include "report/distortion.h"
 #include "report/run_record.h"
 #include "report/surface_distance.h"
+#include "report/view_evidence.h"
 
 namespace keypose::report {
 
@@ -27,6 +28,8 @@ struct PosePart {
   std::optional<Picture> masks;    ///< contact sheet
   std::optional<Picture> cameras;  ///< where they were placed, as sfm drew it
   std::optional<Picture> texture;
+  PoseEvidence evidence;       ///< the textured mesh against the photographs; no views when there was nothing to compare
+  std::vector<Picture> worst;  ///< photograph beside render, of the worst views
   int faces = 0, vertices = 0;
 };
 
@@ -57,14 +60,32 @@ struct Contents {
   std::vector<std::string> troubles;  ///< what could not be shown, and why
 };
 
-enum class Grade { kGood, kLook, kBad, kInfo };
-struct Verdict {
+enum class Grade { kGood, kLook, kWrong, kNote };
+/// "good", "look", "wrong", "note".
+const char* WordOf(Grade grade);
+
+/// One thing that was judged.
+struct Finding {
   Grade grade;
-  std::string where;  ///< pose or step
-  std::string text;
+  std::string pose;   ///< empty: of the animation, or of the whole project
+  std::string where;  ///< step
+  std::string text;   ///< HTML
+  std::string cure;   ///< what to do, plain text; empty where nothing is to be done
 };
-/// What is good, and what to look at, from the measurements; worst first.
-std::vector<Verdict> Judge(const Contents& contents);
+/// All that is judged, worst first. The limits are in limits.h.
+std::vector<Finding> FindAll(const Contents& contents);
+
+/// Whether a pose (or "animation") is good enough.
+struct Verdict {
+  std::string about;
+  Grade grade;
+  std::string why;   ///< HTML: what decided
+  std::string cure;  ///< of what decided; empty when good
+};
+/// One a pose in the project's order, as bad as the worst finding on it; then one for the animation where it is not good.
+std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>& findings);
+/// Without its HTML.
+std::string Plain(const std::string& html);
 
 /// Turns a picture into a data URI.
 using Encoder = std::function<std::string(const Image8&)>;

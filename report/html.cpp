@@ -60,10 +60,18 @@ img{max-width:100%;height:auto;display:block;border-radius:6px}
 .shots{display:grid;grid-template-columns:repeat(auto-fit,minmax(190px,1fr));gap:10px;margin-top:12px}
 .shots figure{margin:0}
 .shots img{width:100%;border:1px solid var(--line);background:#f6f7f9}
+.wide{display:grid;grid-template-columns:repeat(auto-fit,minmax(320px,1fr));gap:16px;margin-top:12px}.wide figure{margin:0}.wide img{border:1px solid var(--line)}
 .two{display:grid;grid-template-columns:repeat(auto-fit,minmax(440px,1fr));gap:22px}
 @media(max-width:560px){.two{grid-template-columns:1fr}section{padding:18px 16px}}
 .chip{display:inline-block;border-radius:20px;padding:1px 10px;font-size:12px;font-weight:600;white-space:nowrap}
-.good{background:#e3f3ea;color:var(--good)}.look{background:#fdf1da;color:var(--look)}.bad{background:#fbe5e3;color:var(--bad)}.info{background:#e8eef5;color:var(--accent)}
+.good{background:#e3f3ea;color:var(--good)}.look{background:#fdf1da;color:var(--look)}.wrong,.bad{background:#fbe5e3;color:var(--bad)}.note,.info{background:#e8eef5;color:var(--accent)}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:14px;margin-top:14px}
+.card{display:flex;gap:18px;border:1px solid var(--line);border-left:5px solid;border-radius:8px;padding:14px 18px;background:#fff;color:inherit}
+.card.good{border-left-color:var(--good)}.card.look{border-left-color:#e0a030}.card.wrong{border-left-color:var(--bad)}.card.note{border-left-color:var(--accent)}
+.card.good,.card.look,.card.wrong,.card.note{background:#fff;color:var(--ink)}
+.card img{width:150px;height:auto;align-self:flex-start}
+.card h3{margin:2px 0 6px;font-size:18px}.card p{margin:6px 0 0}
+.cure{color:#4a5560}
 ul.verdicts{list-style:none;padding:0;margin:12px 0 0}
 ul.verdicts li{display:grid;grid-template-columns:84px 1fr;gap:12px;padding:7px 0;border-bottom:1px solid var(--line)}
 ul.verdicts li:last-child{border-bottom:0}

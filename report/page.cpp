@@ -1,5 +1,6 @@
 // The page as a whole, and report.json.
 #include <algorithm>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "report/contents.h"
@@ -10,20 +11,6 @@ namespace keypose::report {
 namespace {
 
 using nlohmann::json;
-
-const char* ClassOf(Grade grade) {
-  switch (grade) {
-    case Grade::kGood:
-      return "good";
-    case Grade::kLook:
-      return "look";
-    case Grade::kBad:
-      return "bad";
-    case Grade::kInfo:
-      break;
-  }
-  return "info";
-}
 
 std::string Tile(const std::string& value, const std::string& what) {
   return "<div class=tile><b>" + value + "</b><span>" + what + "</span></div>";
@@ -47,17 +34,21 @@ std::string Tiles(const Contents& contents) {
   return html + Tile(PrettyBytes(bytes), "largest memory of a step") + "</div>";
 }
 
+/// "2 poses: 1 good, 1 wrong".
+std::string InWords(const std::vector<Verdict>& verdicts) {
+  std::string words;
+  for (const Grade grade : {Grade::kWrong, Grade::kLook, Grade::kGood}) {
+    std::string names;
+    for (const Verdict& v : verdicts)
+      if (v.grade == grade) names += (names.empty() ? "" : ", ") + Escape(v.about);
+    if (!names.empty()) words += (words.empty() ? "" : " \u2014 ") + std::string(WordOf(grade)) + ": " + names;
+  }
+  return words;
+}
+
 std::string Header(const Contents& contents, const std::vector<Verdict>& verdicts) {
-  const auto count = [&](Grade grade) {
-    return std::count_if(verdicts.begin(), verdicts.end(), [&](const Verdict& v) { return v.grade == grade; });
-  };
-  const auto bad = count(Grade::kBad), look = count(Grade::kLook);
-  std::string summary = bad > 0 ? std::to_string(bad) + (bad == 1 ? " thing is" : " things are") + " wrong" : "All gates passed";
-  if (look > 0) summary += ", " + std::to_string(look) + " to look at";
-  const std::string poses = contents.run.poses.size() == 1 ? "a textured, closed mesh from photographs"
-                                                           : "photographs of key poses to a textured, closed animation";
   return "<header class=top><div class=wrap><div class=kicker>Keypose report</div><h1>" + Escape(contents.run.project) + "</h1><p>" +
-         summary + " \u2014 " + poses + ".</p>" + Tiles(contents) + "</div></header>\n";
+         InWords(verdicts) + "</p>" + Tiles(contents) + "</div></header>\n";
 }
 
 std::string Navigation(const Contents& contents) {
@@ -68,21 +59,44 @@ std::string Navigation(const Contents& contents) {
   return html + "<a href=\"#animation\">Animation</a><a href=\"#steps\">Steps</a></div></nav>\n";
 }
 
-std::string Summary(const Contents& contents, const std::vector<Verdict>& verdicts, const Encoder& encode) {
-  static const char* const kWords[] = {"good", "look", "wrong", "note"};
-  std::string html = "<section id=summary><h2>Summary</h2>";
-  // One picture of each pose at once, before anything is read.
-  std::vector<Picture> hero;
-  for (const PosePart& pose : contents.poses)
-    if (!pose.sides.empty()) hero.push_back({"pose " + pose.name, pose.sides.front().image});
-  if (contents.poses.size() == 1 && !contents.poses[0].sides.empty()) hero = contents.poses[0].sides;
-  html += Shots(hero, encode) + "<ul class=verdicts>";
-  for (const Verdict& v : verdicts)
-    html += std::string("<li><span class=\"chip ") + ClassOf(v.grade) + "\">" + kWords[static_cast<int>(v.grade)] + "</span><div><b>" +
-            Escape(v.where) + "</b> &ensp;" + v.text + "</div></li>";
-  if (verdicts.empty())
-    html += "<li><span class=\"chip info\">note</span><div>No step has told a measurement that could be judged.</div></li>";
-  return html + "</ul></section>\n";
+std::string Chip(Grade grade) {
+  const std::string word = WordOf(grade);
+  return "<span class=\"chip " + word + "\">" + word + "</span>";
+}
+
+/// Verdicts first: a card a pose with its picture, what decided, and the cure.
+std::string Cards(const Contents& contents, const std::vector<Verdict>& verdicts, const Encoder& encode) {
+  std::string html = "<div class=cards>";
+  for (const Verdict& v : verdicts) {
+    html += "<div class=\"card " + std::string(WordOf(v.grade)) + "\">";
+    for (const PosePart& pose : contents.poses)
+      if (pose.name == v.about && !pose.sides.empty()) html += Image(encode(pose.sides.front().image), "pose " + pose.name);
+    html += "<div><h3>" + Escape(v.about) + " &ensp;" + Chip(v.grade) + "</h3><p>" + v.why + "</p>";
+    if (!v.cure.empty()) html += "<p class=cure><b>What to do:</b> " + Escape(v.cure) + ".</p>";
+    html += "</div></div>";
+  }
+  return html + "</div>\n";
+}
+
+std::string FindingList(const std::vector<Finding>& findings, const std::function<bool(Grade)>& shown) {
+  std::string html;
+  for (const Finding& f : findings) {
+    if (!shown(f.grade)) continue;
+    html += "<li>" + Chip(f.grade) + "<div><b>" +
+            Escape(f.pose.empty() || f.where.ends_with("/" + f.pose) ? f.where : f.pose + ", " + f.where) + "</b> &ensp;" + f.text +
+            (f.cure.empty() ? "" : " <span class=cure>" + Escape(f.cure) + ".</span>") + "</div></li>";
+  }
+  return html.empty() ? "" : "<ul class=verdicts>" + html + "</ul>";
+}
+
+std::string Summary(const Contents& contents, const std::vector<Verdict>& verdicts, const std::vector<Finding>& findings,
+                    const Encoder& encode) {
+  std::string html = "<section id=summary><h2>Is it good enough?</h2>" + Cards(contents, verdicts, encode);
+  const auto open = [](Grade g) { return g == Grade::kWrong || g == Grade::kLook; };
+  html += FindingList(findings, open);
+  const std::string rest = FindingList(findings, [&](Grade g) { return !open(g); });
+  if (!rest.empty()) html += "<details><summary>What was found good, and notes</summary>" + rest + "</details>";
+  return html + "</section>\n";
 }
 
 json StepJson(const StepRecord& step) {
@@ -115,6 +129,14 @@ json WayJson(const OneWayDistance& way, double diagonal) {
           {"max_over_diag", way.max / diagonal}};
 }
 
+json EvidenceJson(const PoseEvidence& evidence) {
+  json views = json::array();
+  for (const ViewEvidence& view : evidence.views)
+    views.push_back(
+        {{"name", view.name}, {"iou", view.iou}, {"outline_off", view.outline_off}, {"structure", view.structure}, {"edges", view.edges}});
+  return {{"outline_off", evidence.outline_off}, {"structure", evidence.structure}, {"edges", evidence.edges}, {"views", views}};
+}
+
 json RowJson(const DistortionRow& row) {
   return {{"frames", row.frames},
           {"linear_mean", row.linear_mean},
@@ -141,8 +163,9 @@ json AnimationJson(const AnimationPart& animation) {
 }  // namespace
 
 std::string BuildPage(const Contents& contents, const Encoder& encode) {
-  const std::vector<Verdict> verdicts = Judge(contents);
-  std::string body = Header(contents, verdicts) + Navigation(contents) + "<div class=wrap>" + Summary(contents, verdicts, encode);
+  const std::vector<Finding> findings = FindAll(contents);
+  const std::vector<Verdict> verdicts = Judge(contents, findings);
+  std::string body = Header(contents, verdicts) + Navigation(contents) + "<div class=wrap>" + Summary(contents, verdicts, findings, encode);
   for (const PosePart& pose : contents.poses) body += PoseSection(contents, pose, encode);
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
   body += AnimationSection(contents, encode) + StepsSection(contents);
@@ -157,13 +180,17 @@ std::string BuildJson(const Contents& contents) {
   json document = {
       {"schema", 1}, {"project", contents.run.project}, {"template", contents.run.template_pose}, {"poses", contents.run.poses}};
   if (!contents.run.timeline.empty()) document["timeline"] = json::parse(contents.run.timeline);
+  const std::vector<Finding> findings = FindAll(contents);
   document["verdicts"] = json::array();
-  for (const Verdict& v : Judge(contents)) {
-    std::string plain = v.text;
-    for (const std::string tag : {"<b>", "</b>"})
-      for (std::size_t at; (at = plain.find(tag)) != std::string::npos;) plain.erase(at, tag.size());
-    document["verdicts"].push_back({{"grade", ClassOf(v.grade)}, {"where", v.where}, {"text", plain}});
-  }
+  for (const Verdict& v : Judge(contents, findings))
+    document["verdicts"].push_back({{"about", v.about}, {"grade", WordOf(v.grade)}, {"why", Plain(v.why)}, {"cure", v.cure}});
+  document["findings"] = json::array();
+  for (const Finding& f : findings)
+    document["findings"].push_back(
+        {{"grade", WordOf(f.grade)}, {"pose", f.pose}, {"where", f.where}, {"text", Plain(f.text)}, {"cure", f.cure}});
+  document["evidence"] = json::object();
+  for (const PosePart& pose : contents.poses)
+    if (!pose.evidence.views.empty()) document["evidence"][pose.name] = EvidenceJson(pose.evidence);
   document["steps"] = json::array();
   for (const StepRecord& step : contents.run.steps) document["steps"].push_back(StepJson(step));
   document["registrations"] = json::array();

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
@@ -22,11 +23,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kPairSide = 1024;  ///< longer side of a photograph before its figure is cut out [px]
+
 struct ReportOptions {
   int picture_width = 360;
   int film_frames = 10;
   int mask_tiles = 48;
   double color_scale_top = 0;
+  int compared_px = 640;
   std::string up = "z";
 
   void Describe(OptionVisitor& visit) {
@@ -35,6 +39,8 @@ struct ReportOptions {
     visit("mask_tiles", mask_tiles, {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
     visit("color_scale_top", color_scale_top,
           {"distance, as a share of the diagonal, of the colour scale's end; 0 chooses the 99 % quantile", "", 0, 1});
+    visit("compared_px", compared_px,
+          {"longer side to which photographs are shrunk before mesh and photograph are compared", "px", 64, 8192});
     visit("up", up, {"axis that points upwards in the pictures", "", 0, 0, {"x", "y", "z"}});
   }
 };
@@ -42,7 +48,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
@@ -97,6 +103,7 @@ class Gatherer {
                      *bake = run.Find("bake", name), *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
     if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
     if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, pose); });
+    if (bake && capture && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { Compare(*bake, *capture, pose); });
     if (dense && !dense->Output("cloud").empty())
       Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
     if (masks && !masks->Output("masked").empty())
@@ -131,6 +138,37 @@ class Gatherer {
     pose.sides = TexturedSides(mesh, &texture, sides_);
     const int side = options_.picture_width;
     pose.texture = Picture{fmt::format("Texture, {} x {}", texture.width, texture.height), Resized(texture, side, side)};
+  }
+
+  /// The textured mesh against the photographs and the masks that were first made of them, camera by camera.
+  void Compare(const StepRecord& bake, const StepRecord& capture, PosePart& pose) const {
+    const Mesh mesh = ReadMesh(bake.Input("mesh"));
+    RequireUsable(mesh, bake.Input("mesh").string());
+    const Image8 texture = ReadImage(bake.Output("texture"), 3);
+    const RayScene scene(mesh.points, mesh.faces);
+    const Scene cameras = ReadColmapModel(bake.Input("model"));
+    const ImageSet set = ReadImageSet(capture.Output("images"));
+    std::vector<std::pair<const View*, int>> placed;
+    for (const View& view : cameras.views)
+      if (const int i = set.Find(view.name); i >= 0 && !set.images[i].mask.empty()) placed.emplace_back(&view, i);
+    const auto shot = [&](std::size_t k, int longer_side) {
+      const auto& [view, i] = placed[k];
+      Shot whole{*view, ReadImage(set.ImagePath(i), 3), ReadImage(set.MaskPath(i), 1)};
+      const double factor = longer_side / static_cast<double>(std::max(whole.photograph.width, whole.photograph.height));
+      return Cropped(Shrunk(whole, factor), mesh.points);
+    };
+    std::vector<ViewEvidence> views(placed.size());
+    ParallelFor(static_cast<std::int64_t>(placed.size()), [&](std::int64_t i) {
+      const auto k = static_cast<std::size_t>(i);
+      views[k] = CompareView(mesh, scene, &texture, shot(k, options_.compared_px));
+    });
+    pose.evidence = Summarize(std::move(views));
+    for (const int k : pose.evidence.worst) {
+      const ViewEvidence& view = pose.evidence.views[static_cast<std::size_t>(k)];
+      pose.worst.push_back({fmt::format("{}: outlines {:.2f} % of the figure\u2019s size apart, details alike to {:.2f} of 1", view.name,
+                                        100 * view.outline_off, view.structure),
+                            SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
+    }
   }
 
   Picture MaskSheet(const ImageSet& set) const {
@@ -252,6 +290,11 @@ void ForgetMissing(RunRecord& run) {
     }
 }
 
+/// What decided, and the cure, for the console.
+std::string Sentence(const Verdict& verdict) {
+  return Plain(verdict.why) + (verdict.cure.empty() ? "" : " What to do: " + Plain(verdict.cure) + ".");
+}
+
 void Run(StageContext& stage, const ReportOptions& options) {
   const fs::path input = stage.Input("run"), file = fs::is_directory(input) ? input / "run.json" : input;
   RunRecord run = ParseRun(ReadFile(file), file.parent_path(), [](const fs::path& path) { return ReadFile(path); });
@@ -262,15 +305,16 @@ void Run(StageContext& stage, const ReportOptions& options) {
   const std::string page = BuildPage(contents, [&](const Image8& image) { return EncodeJpeg(scratch, image); });
   WriteFile(output / "index.html", page);
   WriteFile(output / "report.json", BuildJson(contents));
-  const std::vector<Verdict> verdicts = Judge(contents);
+  const std::vector<Finding> findings = FindAll(contents);
   const auto count = [&](Grade grade) {
-    return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(), [&](const Verdict& v) { return v.grade == grade; }));
+    return static_cast<int>(std::count_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.grade == grade; }));
   };
   stage.Report("poses", static_cast<int>(contents.poses.size()));
   stage.Report("steps", static_cast<int>(contents.run.steps.size()));
-  stage.Report("verdicts_good", count(Grade::kGood));
-  stage.Report("verdicts_look", count(Grade::kLook));
-  stage.Report("verdicts_bad", count(Grade::kBad));
+  stage.Report("findings_good", count(Grade::kGood));
+  stage.Report("findings_look", count(Grade::kLook));
+  stage.Report("findings_wrong", count(Grade::kWrong));
+  for (const Verdict& verdict : Judge(contents, findings)) stage.Verdict(verdict.about, WordOf(verdict.grade), Sentence(verdict));
   stage.Report("page_bytes", static_cast<std::int64_t>(page.size()));
 }
 

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
-#include <tuple>
 
 #include "core/errors.h"
 #include "report/contents.h"
@@ -191,124 +190,6 @@ TEST(Charts, AreWellFormedSvg) {
   EXPECT_THAT(LineChart({{"flat", "#000", {0, 1}, {0, 0}, false}}, {}), Not(HasSubstr("nan")));
 }
 
-TEST(Judge, NamesFailuresFirstAndPraisesLast) {
-  const std::vector<Verdict> verdicts = Judge(Minimal());
-  ASSERT_GE(verdicts.size(), 3u);
-  EXPECT_EQ(verdicts.front().grade, Grade::kBad);
-  EXPECT_EQ(verdicts.front().where, "cleanup/up");
-  EXPECT_THAT(verdicts.front().text, HasSubstr("failed"));
-  EXPECT_EQ(verdicts.back().grade, Grade::kGood);  // the reprojection error
-  bool few = false;
-  for (const Verdict& v : verdicts) few |= v.grade == Grade::kLook && v.text.find("20 of 36") != std::string::npos;
-  EXPECT_TRUE(few);
-}
-
-TEST(Judge, NamesViewsWhoseSilhouettesTheOthersContradict) {
-  Contents contents = Minimal();
-  StepRecord masks;
-  masks.id = masks.step = masks.stage = "masks";
-  masks.numbers["agreement"] = 0.97;
-  masks.lists["views_disagreeing"] = R"(["a.jpg", 3, "b<.jpg"])";
-  contents.run.steps.push_back(masks);
-  const auto said = [](const std::vector<Verdict>& verdicts) {
-    for (const Verdict& v : verdicts)
-      if (v.where == "masks") return v;
-    return Verdict{};
-  };
-  EXPECT_EQ(said(Judge(contents)).grade, Grade::kLook);
-  EXPECT_THAT(said(Judge(contents)).text, HasSubstr("a.jpg, b&lt;.jpg."));
-  contents.run.steps.back().lists["views_disagreeing"] = "[]";
-  EXPECT_EQ(said(Judge(contents)).grade, Grade::kGood);
-}
-
-/// What is said of a step, by what stands in the sentence.
-Verdict Said(const Contents& contents, const std::string& where, const std::string& part) {
-  for (const Verdict& v : Judge(contents))
-    if (v.where == where && v.text.find(part) != std::string::npos) return v;
-  return {Grade::kInfo, "", ""};
-}
-
-TEST(Judge, TellsHowWellPhotographsHoldTheRefinedSurface) {
-  Contents contents = Minimal();
-  StepRecord refine;
-  refine.id = "refine/rest";
-  refine.step = refine.stage = "refine";
-  refine.pose = "rest";
-  refine.numbers = {{"outline_gap_before_px", 4.05},
-                    {"outline_gap_px", 0.85},
-                    {"evidence", 0.26},
-                    {"shading_error_before", 0.08},
-                    {"shading_error_after", 0.043}};
-  contents.run.steps.push_back(refine);
-  const Verdict outline = Said(contents, "refine/rest", "outlines miss"), place = Said(contents, "refine/rest", "of the surface"),
-                light = Said(contents, "refine/rest", "brightness");
-  EXPECT_EQ(outline.grade, Grade::kGood);
-  EXPECT_THAT(outline.text, HasSubstr("<b>0.8500 px</b>"));
-  EXPECT_THAT(outline.text, HasSubstr("4.05"));
-  EXPECT_EQ(place.grade, Grade::kGood);
-  EXPECT_THAT(place.text, HasSubstr("26.0"));
-  EXPECT_EQ(light.grade, Grade::kGood);
-  EXPECT_THAT(light.text, HasSubstr("4.3"));
-  const std::string page = BuildPage(contents, NoPictures);
-  EXPECT_THAT(page, HasSubstr("outlines miss the masks by (px)"));
-  EXPECT_THAT(page, HasSubstr("Shape and lamps explain"));
-
-  contents.run.steps.back().numbers = {{"outline_gap_before_px", 4.05},
-                                       {"outline_gap_px", 2.5},
-                                       {"evidence", 0.1},
-                                       {"shading_error_before", 0.08},
-                                       {"shading_error_after", 0.09}};
-  EXPECT_EQ(Said(contents, "refine/rest", "outlines miss").grade, Grade::kLook);
-  EXPECT_EQ(Said(contents, "refine/rest", "of the surface").grade, Grade::kLook);
-  EXPECT_EQ(Said(contents, "refine/rest", "brightness").grade, Grade::kLook);
-  contents.run.steps.back().numbers["outline_gap_px"] = 6;
-  EXPECT_EQ(Said(contents, "refine/rest", "outlines miss").grade, Grade::kBad);
-  // Without outlines and without shading nothing is said of them.
-  contents.run.steps.back().numbers = {{"outline_gap_before_px", 0}, {"outline_gap_px", 0}, {"shading_error_before", 0}};
-  EXPECT_EQ(Said(contents, "refine/rest", "").where, "");
-}
-
-TEST(Judge, TellsInPixelsByWhatCleanUpMovedUndamagedSurface) {
-  Contents contents = Minimal();
-  StepRecord refine, cleanup;
-  refine.id = "refine/rest", cleanup.id = "cleanup/rest";
-  refine.stage = "refine", cleanup.stage = "cleanup";
-  refine.pose = cleanup.pose = "rest";
-  refine.numbers["footprint"] = 0.001;
-  cleanup.numbers = {{"undamaged_from_input_p99_over_diag", 0.0008}, {"diagonal", 0.5}, {"undamaged_share", 0.9}};
-  contents.run.steps.push_back(cleanup);
-  EXPECT_EQ(Said(contents, "cleanup/rest", "no repair").where, "");  // no footprint is known
-  contents.run.steps.push_back(refine);
-  EXPECT_EQ(Said(contents, "cleanup/rest", "no repair").grade, Grade::kGood);
-  EXPECT_THAT(Said(contents, "cleanup/rest", "no repair").text, HasSubstr("<b>0.4000</b>"));
-  for (const auto& [diagonal, grade] : {std::pair{1.0, Grade::kInfo}, {2.0, Grade::kLook}}) {
-    contents.run.steps[2].numbers["diagonal"] = diagonal;
-    EXPECT_EQ(Said(contents, "cleanup/rest", "no repair").grade, grade);
-  }
-}
-
-TEST(Judge, NamesTheRungThatPlacedTheCamerasAndThePhotographsThatItLeftOut) {
-  Contents contents = Minimal();
-  StepRecord& sfm = contents.run.steps.front();
-  sfm.lists["not_placed"] = R"(["x<.jpg", "y.jpg"])";
-  sfm.lists["views_disagreeing"] = R"(["turned.jpg"])";
-  EXPECT_THAT(Said(contents, "sfm/rest", "photographs placed").text, HasSubstr("all but x&lt;.jpg, y.jpg"));
-  EXPECT_THAT(Said(contents, "sfm/rest", "visual hull").text, HasSubstr("turned.jpg"));
-  EXPECT_EQ(Said(contents, "sfm/rest", "Cameras come from").where, "");
-  sfm.texts["method"] = "features";
-  EXPECT_EQ(Said(contents, "sfm/rest", "Cameras come from").where, "");
-  for (const auto& [method, grade, word] : {std::tuple{"ring", Grade::kInfo, "turntable"},
-                                            {"silhouettes", Grade::kLook, "outlines"},
-                                            {"plate", Grade::kInfo, "plate"},
-                                            {"poses", Grade::kInfo, "given"}}) {
-    sfm.texts["method"] = method;
-    const Verdict said = Said(contents, "sfm/rest", "Cameras come from");
-    EXPECT_EQ(said.where, "sfm/rest") << method;
-    EXPECT_EQ(said.grade, grade) << method;
-    EXPECT_THAT(said.text, HasSubstr(word));
-  }
-}
-
 TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
   const std::string page = BuildPage(Minimal(), NoPictures);
   EXPECT_THAT(page, HasSubstr("clay &lt;dog&gt;"));
@@ -346,7 +227,9 @@ TEST(BuildJson, HoldsEveryMeasurementAndParses) {
   EXPECT_EQ(document["steps"][0]["measurements"]["levelled"], true);
   EXPECT_EQ(document["steps"][0]["measurements"]["unplaced"][0], "x.jpg");
   EXPECT_EQ(document["steps"][1]["status"], "failed");
-  EXPECT_EQ(document["verdicts"][0]["grade"], "bad");
+  EXPECT_EQ(document["findings"][0]["grade"], "wrong");
+  EXPECT_EQ(document["verdicts"][1]["about"], "up");
+  EXPECT_EQ(document["verdicts"][1]["grade"], "wrong");
 }
 
 TEST(MaskTile, DarkensWhatTheMaskLeavesOut) {
@@ -386,7 +269,11 @@ TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
   page << std::ifstream(folder / "report/index.html").rdbuf();
   EXPECT_THAT(page.str(), HasSubstr("no longer there"));
   EXPECT_TRUE(std::filesystem::exists(folder / "report/report.json"));
-  EXPECT_TRUE(nlohmann::json::parse(std::ifstream(folder / "stage.json"))["measurements"].contains("verdicts_bad"));
+  const nlohmann::json said = nlohmann::json::parse(std::ifstream(folder / "stage.json"));
+  ASSERT_EQ(said["verdicts"].size(), 2u);
+  EXPECT_EQ(said["verdicts"][1]["about"], "up");
+  EXPECT_EQ(said["verdicts"][1]["grade"], "wrong");
+  EXPECT_THAT(std::string(said["verdicts"][1]["why"]), HasSubstr("keypose log cleanup/up"));
   std::filesystem::remove_all(folder);
 }
 

@@ -35,6 +35,7 @@ void ReadStageReport(const fs::path& path, const FileReader& read, StepRecord& s
     if (step.peak_bytes == 0) step.peak_bytes = report.value("peak_bytes", std::int64_t{0});
     const json options = report.value("options", json::object());
     for (const auto& [name, value] : options.items()) step.options[name] = value.dump();
+    step.warnings = report.value("warnings", std::vector<std::string>{});
     TakeMeasurements(report.value("measurements", json::object()), step);
   } catch (const std::exception& error) {
     step.trouble = "its report cannot be read: " + std::string(error.what());

@@ -24,7 +24,8 @@ struct StepRecord {
   std::map<std::string, std::string> options;            ///< as used, as JSON text
   std::map<std::string, std::filesystem::path> outputs;  ///< by port
   std::map<std::string, std::vector<std::filesystem::path>> inputs;
-  std::string trouble;  ///< why its report could not be read; empty when all is well
+  std::vector<std::string> warnings;  ///< sentences that the stage wants a person to know
+  std::string trouble;                ///< why its report could not be read; empty when all is well
 
   std::optional<double> Number(const std::string& name) const;
   std::filesystem::path Output(const std::string& port) const;  ///< empty when the step has no such output

@@ -130,6 +130,12 @@ std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode) {
   return html + "</div>\n";
 }
 
+std::string WidePictures(const std::vector<Picture>& pictures, const Encoder& encode) {
+  std::string html = "<div class=wide>";
+  for (const Picture& picture : pictures) html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
+  return html + "</div>\n";
+}
+
 std::string EverythingMeasured(const StepRecord& step) {
   Pairs facts;
   for (const auto& [name, number] : step.numbers) facts.emplace_back(Words(name), Value(step, name));
@@ -167,6 +173,11 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
                                   : "Its texture is baked on the registered template.") +
                      "</p>" + MissingStages(contents, pose) + Facts(PoseFacts(contents.run, pose.name));
   if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
+  if (!pose.worst.empty())
+    html += "<h3>Photograph and render from the same camera: the worst of " + Pretty(static_cast<double>(pose.evidence.views.size())) +
+            "</h3><p class=lead>Left the photograph, right the textured mesh; the orange line is the outline of the photograph\u2019s "
+            "first mask in both.</p>" +
+            WidePictures(pose.worst, encode);
   std::vector<Picture> made;
   if (pose.cloud) made.push_back({"Dense points: " + pose.cloud->caption, pose.cloud->image});
   made.insert(made.end(), pose.shape.begin(), pose.shape.end());

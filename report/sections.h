@@ -15,6 +15,8 @@ std::string AnimationSection(const Contents& contents, const Encoder& encode);
 /// All measurements of a step, folded away.
 std::string EverythingMeasured(const StepRecord& step);
 std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode);
+/// Pictures that need room, two or three a row.
+std::string WidePictures(const std::vector<Picture>& pictures, const Encoder& encode);
 /// "reprojection_error_px" -> "reprojection error (px)".
 std::string Words(const std::string& name);
 

@@ -1,212 +1,314 @@
-// The rules of Judge in contents.h.
+// The rules of FindAll and Judge in contents.h.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "report/contents.h"
 #include "report/html.h"
+#include "report/limits.h"
 
 namespace keypose::report {
 namespace {
 
-constexpr std::size_t kNamesShown = 8;
+constexpr std::size_t kNamesShown = 6;
 
 std::string Bold(const std::string& text) { return "<b>" + text + "</b>"; }
 
-/// Collects verdicts on one step after another.
-class Judges {
+/// "a.jpg, b.jpg and 3 more".
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  const std::size_t shown = std::min(names.size(), kNamesShown);
+  for (std::size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + Escape(names[i]);
+  if (names.size() > shown) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
+/// Names of a measurement that is a list of names, or of objects with a name.
+std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
+  std::vector<std::string> names;
+  const auto listed = s.lists.find(list);
+  if (listed == s.lists.end()) return names;
+  for (const auto& entry : nlohmann::json::parse(listed->second)) {
+    if (entry.is_string()) names.push_back(entry);
+    if (entry.is_object() && entry.contains("name")) names.push_back(entry.value("name", ""));
+  }
+  return names;
+}
+
+/// Collects findings on one step after another.
+class Findings {
  public:
-  explicit Judges(std::vector<Verdict>& out) : out_(out) {}
+  explicit Findings(std::vector<Finding>& out) : out_(out) {}
+
+  void Capture(const StepRecord& s) {
+    const auto sharp = s.Number("mean_sharpness");
+    if (sharp && *sharp < kSharpnessLook)
+      Add(Grade::kLook, s, "The photographs are soft: sharpness " + Bold(fmt::format("{:.2f}", *sharp)) + ", in focus it is 0.52 or more.",
+          "use a tripod, fixed focus and a smaller aperture, and shoot this pose again");
+    if (const auto blurred = NamesOf(s, "blurred"); !blurred.empty())
+      Add(Grade::kLook, s, Bold(std::to_string(blurred.size())) + " photographs are blurred: " + Joined(blurred) + ".",
+          "shoot them again, or take them out of the folder");
+  }
 
   void Sfm(const StepRecord& s) {
     const auto total = s.Number("images_total"), placed = s.Number("images_placed"), error = s.Number("reprojection_error_px");
     if (total && placed && *total > 0) {
-      const double share = *placed / *total;
-      const std::string names = Names(s, "not_placed");
-      Add(share > 0.899 ? Grade::kGood : Grade::kLook, s,
-          Bold(Pretty(*placed) + " of " + Pretty(*total)) + " photographs placed" + (names.empty() ? "" : ", all but " + names) +
-              (share > 0.899 ? "." : ": the others left gaps; the log of sfm says more."));
+      const bool enough = *placed / *total >= kPlacedGood;
+      const auto names = NamesOf(s, "not_placed");
+      Add(*placed == *total ? Grade::kGood
+          : enough          ? Grade::kNote
+                            : Grade::kLook,
+          s,
+          Bold(Pretty(*placed) + " of " + Pretty(*total)) + " photographs were placed" +
+              (names.empty() ? "." : ", all but " + Joined(names) + "."),
+          enough ? "" : "shoot the places between them again, at most 20 degrees apart and sharp");
     }
     if (error)
-      Add(*error < 1   ? Grade::kGood
-          : *error < 2 ? Grade::kLook
-                       : Grade::kBad,
-          s,
-          "Mean reprojection error " + Bold(Pretty(*error) + " px") +
-              (*error < 1 ? "." : ": cameras are vague; look for blur, zooming or a moving background."));
-    Rung(s);
-    // The masks of before `masks` made them agree: it makes them agree with wrong cameras as well.
-    if (const std::string names = Names(s, "views_disagreeing"); !names.empty())
-      Add(Grade::kInfo, s,
-          "As they were photographed, the silhouettes of these views miss the visual hull of the others, by their mask or their camera: " +
-              names + ".");
+      Add(*error < kReprojectionGood ? Grade::kGood : Grade::kLook, s, "Mean reprojection error " + Bold(Pretty(*error) + " px") + ".",
+          *error < kReprojectionGood ? "" : "look for blur, zooming between photographs, or a background that turns with the figure");
+    CamerasFrom(s);
   }
 
-  /// Which rung of the ladder placed the cameras, where it was not the first.
-  void Rung(const StepRecord& s) {
-    static const std::map<std::string, std::pair<Grade, const char*>> kRungs = {
-        {"ring", {Grade::kInfo, "a model of the turntable, since features alone left photographs out."}},
-        {"silhouettes", {Grade::kLook, "the outlines alone, since features were too few: check the picture of the cameras."}},
-        {"plate", {Grade::kInfo, "the printed plate."}},
-        {"poses", {Grade::kInfo, "the poses that were given."}}};
+  /// What placed the cameras, where features alone did not.
+  void CamerasFrom(const StepRecord& s) {
+    static const std::map<std::string, const char*> kMethods = {
+        {"ring", "a model of the turntable, since features alone left photographs out."},
+        {"silhouettes", "the outlines alone, since features were too few."},
+        {"plate", "the printed plate."},
+        {"poses", "the poses that were given."}};
     const auto method = s.texts.find("method");
-    if (method == s.texts.end()) return;
-    const auto rung = kRungs.find(method->second);
-    if (rung != kRungs.end()) Add(rung->second.first, s, "Cameras come from " + Bold(rung->second.second));
+    const auto known = method == s.texts.end() ? kMethods.end() : kMethods.find(method->second);
+    if (known == kMethods.end()) return;
+    const bool outlines = known->first == "silhouettes";
+    Add(outlines ? Grade::kLook : Grade::kNote, s, "Cameras come from " + Bold(known->second),
+        outlines ? "compare photographs and renders below; a newspaper or printed plate under the figure gives features" : "");
   }
 
-  /// Views whose silhouettes the others contradict: a wrong mask, a turned photograph or a wrong principal point.
+  /// Photographs that the others contradict.
   void Masks(const StepRecord& s) {
-    const auto agreement = s.Number("agreement");
-    if (!agreement || !s.lists.contains("views_disagreeing")) return;
-    const std::string names = Names(s, "views_disagreeing");
-    Add(names.empty() ? Grade::kGood : Grade::kLook, s,
-        "Silhouettes overlap the visual hull of the others by " + Bold(Percent(*agreement)) + " on average" +
-            (names.empty() ? "" : "; these disagree, by their mask or their camera: " + names) + ".");
+    if (const auto names = NamesOf(s, "distrusted"); !names.empty())
+      Add(Grade::kLook, s, "The other photographs contradict " + Bold(Joined(names)) + "; they had no say in the shape.",
+          "look at them: another object, a moved figure or a hand; take them out of the folder or shoot them again");
+    else if (const auto disagreeing = NamesOf(s, "views_disagreeing"); !disagreeing.empty())
+      Add(Grade::kLook, s, "The outlines of " + Bold(Joined(disagreeing)) + " do not fit those of the others.",
+          "look at their masks and give better ones as masks/POSE, or take them out of the folder");
+    if (const auto agreement = s.Number("agreement"))
+      Add(Grade::kNote, s, "Masks overlap the visual hull of the others by " + Bold(Percent(*agreement)) + " on average.");
   }
 
-  /// How well the refined surface is held by what the photographs show: outlines, what they agree on, and light.
   void Refine(const StepRecord& s) {
-    const auto gap = s.Number("outline_gap_px"), gap_before = s.Number("outline_gap_before_px"), evidence = s.Number("evidence");
-    if (gap && gap_before && std::max(*gap, *gap_before) > 0)
-      Add(*gap < 1   ? Grade::kGood
-          : *gap < 3 ? Grade::kLook
-                     : Grade::kBad,
-          s,
-          "The surface's outlines miss those of the masks by " + Bold(Pretty(*gap) + " px") + " on average (" + Pretty(*gap_before) +
-              " before the photographs moved it)" + (*gap < 1 ? "." : ": masks are ragged, or cameras and masks contradict each other."));
-    if (evidence)
-      Add(*evidence >= 0.2 ? Grade::kGood : Grade::kLook, s,
-          "Photographs or outlines tell the place of " + Bold(Percent(*evidence)) + " of the surface; the rest follows its surroundings" +
-              (*evidence >= 0.2 ? "." : ": speckles, or more photographs, would hold it better."));
-    const auto light = s.Number("shading_error_after"), light_before = s.Number("shading_error_before");
-    if (light && light_before && *light_before > 0)
-      Add(*light <= *light_before ? Grade::kGood : Grade::kLook, s,
-          "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) + " (" + Percent(*light_before) +
-              " before)" +
-              (*light <= *light_before ? "." : ": lamps that moved or a shiny surface mislead it; try --set refine.shading=0."));
+    if (const auto evidence = s.Number("evidence"))
+      Add(*evidence < kEvidenceLook ? Grade::kLook : Grade::kNote, s,
+          "Photographs or outlines tell the place of " + Bold(Percent(*evidence)) + " of the surface; the rest follows its surroundings.",
+          *evidence < kEvidenceLook ? "press small marks or speckles into plain clay, or shoot more and closer photographs" : "");
+    if (const auto light = s.Number("shading_error_after"))
+      Add(Grade::kNote, s, "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) + ".");
   }
 
   void Cleanup(const StepRecord& s, const StepRecord* refine) {
     const auto closed = s.Number("closed"), crossings = s.Number("self_intersections");
     if (closed)
-      Add(*closed > 0 ? Grade::kGood : Grade::kBad, s,
-          *closed > 0 ? "Mesh is a " + Bold("closed, oriented 2-manifold") + "." : "Mesh is " + Bold("not closed") + ".");
-    if (crossings && *crossings > 0) Add(Grade::kBad, s, Bold(Pretty(*crossings)) + " self-intersecting faces remain.");
-    const auto far = s.Number("distance_to_input_p99_over_diag");
-    if (far && *far > 0.02)
+      Add(*closed > 0 ? Grade::kGood : Grade::kWrong, s,
+          *closed > 0 ? "The mesh is a " + Bold("closed, oriented 2-manifold") + "." : "The mesh is " + Bold("not closed") + ".",
+          *closed > 0 ? "" : "keypose log cleanup says where; more photographs of that side close it");
+    if (crossings && *crossings > 0)
+      Add(Grade::kWrong, s, Bold(Pretty(*crossings)) + " faces still intersect others.",
+          "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts that touch");
+    if (const auto far = s.Number("distance_to_input_p99_over_diag"); far && *far > kClosedFarLook)
       Add(Grade::kLook, s,
-          "1 % of the cleaned surface is more than " + Bold(Percent(*far)) + " of the diagonal from the scan: large holes were closed.");
-    const auto moved = s.Number("undamaged_from_input_p99_over_diag"), diagonal = s.Number("diagonal"), share = s.Number("undamaged_share");
+          "Large holes were closed: 1 % of the surface is more than " + Bold(Percent(*far)) + " of the diagonal from the scan.",
+          "shoot the sides that no photograph shows");
+    const auto moved = s.Number("undamaged_from_input_p99_over_diag"), diagonal = s.Number("diagonal");
     const double footprint = refine ? refine->Number("footprint").value_or(0) : 0;
-    if (!moved || !diagonal || !share || !(footprint > 0) || *share < 0.01) return;
-    const double footprints = *moved * *diagonal / footprint;
-    Add(footprints <= 0.5 ? Grade::kGood
-        : footprints <= 1 ? Grade::kInfo
-                          : Grade::kLook,
-        s,
-        "99 % of the surface that needed no repair (" + Percent(*share) + ") moved by less than " + Bold(Pretty(footprints)) +
-            " of a photograph's pixel" + (footprints <= 1 ? "." : ": more faces keep more detail, e.g. --set cleanup.faces=40000."));
+    if (moved && diagonal && footprint > 0)
+      Add(Grade::kNote, s,
+          "Clean-up moved undamaged surface by less than " + Bold(Pretty(*moved * *diagonal / footprint)) +
+              " of a photograph\u2019s pixel (99 %); more faces keep more detail.");
   }
 
   void Unwrap(const StepRecord& s) {
-    const double flips = s.Number("flipped").value_or(0), overlaps = s.Number("overlaps").value_or(s.Number("overlapping").value_or(0));
+    const double flips = s.Number("flipped").value_or(0), overlaps = s.Number("overlapping").value_or(0);
     if (flips > 0 || overlaps > 0)
-      Add(Grade::kBad, s, Bold(Pretty(flips)) + " flipped and " + Bold(Pretty(overlaps)) + " overlapping triangles in the UV layout.");
+      Add(Grade::kWrong, s, Bold(Pretty(flips)) + " flipped and " + Bold(Pretty(overlaps)) + " overlapping triangles in the UV layout.",
+          "this is a fault of unwrap: please file it with the mesh");
   }
 
   void Bake(const StepRecord& s) {
     if (const auto unseen = s.Number("unseen_fraction"))
-      Add(*unseen < 0.06  ? Grade::kGood
-          : *unseen < 0.2 ? Grade::kLook
-                          : Grade::kBad,
-          s,
-          Bold(Percent(*unseen)) + " of the texture was in no photograph and is inpainted" +
-              (*unseen < 0.06 ? "." : ": photograph from below or between the limbs."));
-    const auto left_out = s.Number("held_out_psnr_gain_db"), left_out_ssim = s.Number("held_out_ssim");
-    if (left_out && left_out_ssim)
-      Add(*left_out > 24   ? Grade::kGood
-          : *left_out > 19 ? Grade::kLook
-                           : Grade::kBad,
-          s,
-          "A texture of the other photographs predicts those left out at " + Bold(Pretty(*left_out) + " dB") + " PSNR, SSIM " +
-              Bold(Pretty(*left_out_ssim)) + ".");
-    if (const auto psnr = s.Number("psnr_gain_db"))
-      Add(*psnr > 28   ? Grade::kGood
-          : *psnr > 22 ? Grade::kLook
-                       : Grade::kBad,
-          s, "The textured mesh repeats the photographs at " + Bold(Pretty(*psnr) + " dB") + " PSNR.");
+      Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
+          Bold(Percent(*unseen)) + " of the texture was in no photograph and is filled in from around.",
+          *unseen < kUnseenLook ? "" : "shoot a second ring from lower or higher, and between the limbs");
+    if (const auto psnr = s.Number("held_out_psnr_gain_db"))
+      Add(Grade::kNote, s, "A texture of the other photographs predicts those left out at " + Bold(Pretty(*psnr) + " dB") + " PSNR.");
   }
 
   void Register(const StepRecord& s) {
     const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"), landmark = s.Number("landmark_max_over_diag");
+    const std::string more = "add landmarks where the picture below marks them";
     if (flipped)
-      Add(*flipped == 0    ? Grade::kGood
-          : *flipped <= 20 ? Grade::kLook
-                           : Grade::kBad,
+      Add(*flipped == 0             ? Grade::kGood
+          : *flipped <= kFlipsWrong ? Grade::kLook
+                                    : Grade::kWrong,
           s,
-          *flipped == 0 ? Bold("No flipped") + " triangle in the registered template."
-                        : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.");
+          *flipped == 0 ? Bold("No") + " triangle of the registered template is flipped."
+                        : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.",
+          *flipped == 0 ? "" : more);
     if (rms)
-      Add(*rms < 0.004   ? Grade::kGood
-          : *rms < 0.015 ? Grade::kLook
-                         : Grade::kBad,
-          s, "Registered surface lies " + Bold(Percent(*rms)) + " of the diagonal from the scan (rms).");
-    if (landmark && *landmark > 0.03)
-      Add(Grade::kLook, s, "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal: check its pick.");
+      Add(*rms < kRegisteredGood    ? Grade::kGood
+          : *rms < kRegisteredWrong ? Grade::kLook
+                                    : Grade::kWrong,
+          s, "The registered surface lies " + Bold(Percent(*rms)) + " of the diagonal from the scan (rms).",
+          *rms < kRegisteredGood ? "" : more);
+    if (landmark && *landmark > kLandmarkLook)
+      Add(Grade::kLook, s, "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal.",
+          "check its pick; the residuals below name it");
+    if (const auto high = s.Number("stretch_high"), low = s.Number("stretch_low"); high && low && *low > 0)
+      if (*high > kStretchLook || *low < 1 / kStretchLook)
+        Add(Grade::kLook, s,
+            "Parts of the template are stretched to " + Bold(Pretty(*high)) + " or pressed to " + Bold(Pretty(*low)) + " of their length.",
+            more + "; where clay was added or taken away, that is right");
   }
+
+  /// What the report saw itself: the textured mesh against the photographs.
+  void Evidence(const PosePart& pose) {
+    const PoseEvidence& e = pose.evidence;
+    if (e.views.empty()) return;
+    Outlines(pose.name, e);
+    Details(pose.name, e);
+    if (e.edges < kEdgesGood)
+      Put({Grade::kLook, pose.name, "compared",
+           "Along " + Bold(Percent(1 - e.edges)) +
+               " of the mesh\u2019s outline the photographs show no change of colour: masks may cut into the figure, or clay and backdrop "
+               "are alike.",
+           "put the figure before a backdrop of another colour, or give masks of your own as masks/POSE"});
+  }
+
+  void Outlines(const std::string& pose, const PoseEvidence& e) {
+    const bool good = e.outline_off<kOutlineGood, wrong = e.outline_off> kOutlineWrong;
+    const std::string count = std::to_string(e.views.size());
+    Put({wrong  ? Grade::kWrong
+         : good ? Grade::kGood
+                : Grade::kLook,
+         pose, "compared",
+         "In the middle one of " + count + " photographs the mesh\u2019s outline is " + Bold(Percent(e.outline_off)) +
+             " of the figure\u2019s size from that of the photograph.",
+         good ? "" : "look at the pairs below: wrong cameras need photographs at most 20 degrees apart, wrong masks a plainer backdrop"});
+    std::vector<std::string> off;
+    for (const ViewEvidence& view : e.views)
+      if (view.outline_off > kViewOutlineLook) off.push_back(view.name);
+    if (off.empty() || wrong) return;
+    Put({Grade::kLook, pose, "compared", "The mesh\u2019s outline does not fit " + Bold(Joined(off)) + ".",
+         "look at these photographs and their masks: moved, another object, a hand, or a bad mask"});
+  }
+
+  void Details(const std::string& pose, const PoseEvidence& e) {
+    const bool good = e.structure >= kStructureGood, wrong = e.structure < kStructureWrong;
+    Put({wrong  ? Grade::kWrong
+         : good ? Grade::kGood
+                : Grade::kLook,
+         pose, "compared",
+         "Rendered from the same cameras, the textured mesh repeats the details of the photographs to " +
+             Bold(fmt::format("{:.2f}", e.structure)) + " of 1.",
+         good ? "" : "look at the pairs below; a figure that moved, blur and wrong cameras smear the texture"});
+  }
+
+  void Put(Finding finding) { out_.push_back(std::move(finding)); }
 
  private:
-  /// "a.jpg, b.jpg and 3 more" from a measurement that is a list; empty when there is none.
-  static std::string Names(const StepRecord& s, const char* list) {
-    const auto listed = s.lists.find(list);
-    if (listed == s.lists.end()) return "";
-    std::vector<std::string> names;
-    for (const auto& name : nlohmann::json::parse(listed->second))
-      if (name.is_string()) names.push_back(name);
-    std::string text;
-    for (std::size_t i = 0; i < std::min(names.size(), kNamesShown); ++i) text += (i ? ", " : "") + Escape(names[i]);
-    if (names.size() > kNamesShown) text += " and " + std::to_string(names.size() - kNamesShown) + " more";
-    return text;
+  void Add(Grade grade, const StepRecord& s, const std::string& text, const std::string& cure = "") {
+    Put({grade, s.pose, s.id.empty() ? s.stage : s.id, text, cure});
   }
-
-  void Add(Grade grade, const StepRecord& s, const std::string& text) { out_.push_back({grade, s.id.empty() ? s.stage : s.id, text}); }
-  std::vector<Verdict>& out_;
+  std::vector<Finding>& out_;
 };
 
-void JudgeAnimation(const AnimationPart& animation, std::vector<Verdict>& out) {
+void FindOnAnimation(const AnimationPart& animation, std::vector<Finding>& out) {
   const DistortionRow area = AreaRow(animation.frames), volume = VolumeRow(animation.frames);
   if (area.frames == 0) return;
-  const auto better = [](double ours, double linear) { return std::abs(ours) <= std::abs(linear) ? "less than" : "more than"; };
-  out.push_back({Grade::kInfo, "interpolate",
-                 "In-betweens depart from the first key by " + Bold(Percent(area.mean)) + " in area (" +
-                     better(area.mean, area.linear_mean) + " straight lines: " + Percent(area.linear_mean) + ") and " +
-                     Bold(Percent(volume.mean)) + " in volume (" + better(volume.mean, volume.linear_mean) +
-                     " straight lines: " + Percent(volume.linear_mean) + ")."});
+  out.push_back({Grade::kNote, "", "interpolate",
+                 "In-betweens depart from the first key by " + Bold(Percent(area.mean)) +
+                     " in area (straight lines: " + Percent(area.linear_mean) + ") and " + Bold(Percent(volume.mean)) +
+                     " in volume (straight lines: " + Percent(volume.linear_mean) + ").",
+                 ""});
+}
+
+void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Finding>& out) {
+  Findings findings(out);
+  const std::string where = step.id.empty() ? step.stage : step.id;
+  if (!step.done())
+    findings.Put({Grade::kWrong, step.pose, where, "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing.",
+                  "keypose log " + where + " says why"});
+  if (!step.trouble.empty()) findings.Put({Grade::kLook, step.pose, where, Escape(step.trouble) + ".", "keypose run makes it again"});
+  // What capture foresees is decided by what came of it; the other stages warn of their results.
+  for (const std::string& warning : step.warnings)
+    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where, Escape(warning), ""});
+  if (step.stage == "capture") findings.Capture(step);
+  if (step.stage == "sfm") findings.Sfm(step);
+  if (step.stage == "masks") findings.Masks(step);
+  if (step.stage == "refine") findings.Refine(step);
+  if (step.stage == "cleanup") findings.Cleanup(step, run.Find("refine", step.pose));
+  if (step.stage == "unwrap") findings.Unwrap(step);
+  if (step.stage == "bake") findings.Bake(step);
+  if (step.stage == "register") findings.Register(step);
+}
+
+int Badness(Grade grade) { return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3; }
+
+/// What decided: all that is as bad as the worst; of a good pose, what the photographs say.
+Verdict VerdictOn(const std::string& about, const std::string& pose, const std::vector<Finding>& findings) {
+  Verdict verdict{about, Grade::kNote, "", ""};
+  for (const Finding& f : findings)
+    if (f.pose == pose && Badness(f.grade) < Badness(verdict.grade)) verdict.grade = f.grade;
+  for (const Finding& f : findings) {
+    const bool decides = f.grade == verdict.grade && (f.grade != Grade::kGood || f.where == "compared");
+    if (f.pose != pose || !decides) continue;
+    verdict.why += (verdict.why.empty() ? "" : " ") + f.text;
+    if (!f.cure.empty() && verdict.cure.find(f.cure) == std::string::npos) verdict.cure += (verdict.cure.empty() ? "" : "; ") + f.cure;
+  }
+  return verdict;
 }
 
 }  // namespace
 
-std::vector<Verdict> Judge(const Contents& contents) {
+const char* WordOf(Grade grade) {
+  static const char* const kWords[] = {"good", "look", "wrong", "note"};
+  return kWords[static_cast<int>(grade)];
+}
+
+std::vector<Finding> FindAll(const Contents& contents) {
+  std::vector<Finding> all;
+  for (const PosePart& pose : contents.poses) Findings(all).Evidence(pose);
+  for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents.run, all);
+  if (contents.animation) FindOnAnimation(*contents.animation, all);
+  for (const std::string& trouble : contents.troubles) all.push_back({Grade::kLook, "", "report", Escape(trouble), ""});
+  std::stable_sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) { return Badness(a.grade) < Badness(b.grade); });
+  return all;
+}
+
+std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>& findings) {
   std::vector<Verdict> verdicts;
-  Judges judges(verdicts);
-  for (const StepRecord& step : contents.run.steps) {
-    if (!step.done())
-      verdicts.push_back({Grade::kBad, step.id, "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing below."});
-    if (!step.trouble.empty()) verdicts.push_back({Grade::kLook, step.id, Escape(step.trouble)});
-    if (step.stage == "sfm") judges.Sfm(step);
-    if (step.stage == "masks") judges.Masks(step);
-    if (step.stage == "refine") judges.Refine(step);
-    if (step.stage == "cleanup") judges.Cleanup(step, contents.run.Find("refine", step.pose));
-    if (step.stage == "unwrap") judges.Unwrap(step);
-    if (step.stage == "bake") judges.Bake(step);
-    if (step.stage == "register") judges.Register(step);
+  for (const std::string& name : contents.run.poses) {
+    verdicts.push_back(VerdictOn(name, name, findings));
+    Verdict& verdict = verdicts.back();
+    const auto part = std::find_if(contents.poses.begin(), contents.poses.end(), [&](const PosePart& p) { return p.name == name; });
+    const bool compared = part != contents.poses.end() && !part->evidence.views.empty();
+    if (compared || verdict.grade == Grade::kWrong) continue;
+    verdict.grade = Grade::kLook;
+    verdict.why = "There is no textured mesh to compare with the photographs. " + verdict.why;
+    verdict.cure += (verdict.cure.empty() ? "" : "; ") + std::string("run the project to its end: keypose run");
   }
-  if (contents.animation) JudgeAnimation(*contents.animation, verdicts);
-  for (const std::string& trouble : contents.troubles) verdicts.push_back({Grade::kLook, "report", Escape(trouble)});
-  const auto rank = [](Grade grade) { return grade == Grade::kBad ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3; };
-  std::stable_sort(verdicts.begin(), verdicts.end(), [&](const Verdict& a, const Verdict& b) { return rank(a.grade) < rank(b.grade); });
+  const Verdict animation = VerdictOn("animation", "", findings);
+  if (animation.grade == Grade::kLook || animation.grade == Grade::kWrong) verdicts.push_back(animation);
   return verdicts;
+}
+
+std::string Plain(const std::string& html) {
+  std::string plain = html;
+  for (const auto& [from, to] :
+       {std::pair<std::string, std::string>{"<b>", ""}, {"</b>", ""}, {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
+    for (std::size_t at = 0; (at = plain.find(from, at)) != std::string::npos; at += to.size()) plain.replace(at, from.size(), to);
+  return plain;
 }
 
 }  // namespace keypose::report

@@ -1,0 +1,190 @@
+// The verdicts against what real runs measured: ideal sets, and sets that were spoilt on purpose.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/contents.h"
+#include "report/html.h"
+
+namespace keypose::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+using Numbers = std::map<std::string, double>;
+
+StepRecord Step(const std::string& stage, const std::string& pose, const Numbers& numbers) {
+  StepRecord step;
+  step.id = stage + "/" + pose;
+  step.step = step.stage = stage;
+  step.pose = pose;
+  step.numbers = numbers;
+  return step;
+}
+
+ViewEvidence View(const std::string& name, double outline_off, double structure, double edges = 1) {
+  ViewEvidence view;
+  view.name = name;
+  view.iou = 0.99;
+  view.outline_off = outline_off;
+  view.structure = structure;
+  view.edges = edges;
+  return view;
+}
+
+/// A finished pose with the measurements of the demo's.
+Contents Ideal(double outline_off = 0.00045, double structure = 0.91, double edges = 1) {
+  Contents contents;
+  contents.run.poses = {"rest"};
+  contents.run.template_pose = "rest";
+  contents.run.steps = {Step("capture", "rest", {{"mean_sharpness", 0.68}}),
+                        Step("sfm", "rest", {{"images_total", 32}, {"images_placed", 32}, {"reprojection_error_px", 0.17}}),
+                        Step("masks", "rest", {{"agreement", 0.954}}),
+                        Step("refine", "rest", {{"evidence", 0.948}, {"footprint", 0.00054}, {"shading_error_after", 0.033}}),
+                        Step("cleanup", "rest", {{"closed", 1}, {"self_intersections", 0}, {"diagonal", 0.46}}),
+                        Step("bake", "rest", {{"unseen_fraction", 0.112}, {"held_out_psnr_gain_db", 24.2}})};
+  PosePart pose;
+  pose.name = "rest";
+  std::vector<ViewEvidence> views;
+  for (int i = 1; i <= 32; ++i) views.push_back(View("IMG_" + std::to_string(100 + i), outline_off, structure, edges));
+  pose.evidence = Summarize(std::move(views));
+  contents.poses.push_back(std::move(pose));
+  return contents;
+}
+
+StepRecord& StepOf(Contents& contents, const std::string& stage) {
+  for (StepRecord& step : contents.run.steps)
+    if (step.stage == stage) return step;
+  contents.run.steps.push_back(Step(stage, "rest", {}));
+  return contents.run.steps.back();
+}
+
+Verdict Judged(const Contents& contents) { return Judge(contents, FindAll(contents)).front(); }
+
+TEST(Judge, IdealSetsAreGoodWithNothingToLookAt) {
+  const Contents contents = Ideal();
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kGood);
+  EXPECT_EQ(verdict.cure, "");
+  EXPECT_THAT(verdict.why, HasSubstr("0.91"));  // what the photographs say, not how well a solver converged
+  for (const Finding& f : FindAll(contents)) EXPECT_TRUE(f.grade == Grade::kGood || f.grade == Grade::kNote) << f.text;
+}
+
+TEST(Judge, OutlinesThatMissThePhotographsAreWrongWhateverTheStagesSay) {
+  const Verdict verdict = Judged(Ideal(0.03, 0.7));
+  EXPECT_EQ(verdict.grade, Grade::kWrong);
+  EXPECT_THAT(verdict.why, HasSubstr("outline"));
+  EXPECT_THAT(verdict.cure, HasSubstr("20 degrees"));
+}
+
+TEST(Judge, ASmearedTextureIsNotGood) {
+  EXPECT_EQ(Judged(Ideal(0.0005, 0.4)).grade, Grade::kLook);
+  EXPECT_EQ(Judged(Ideal(0.0005, 0.1)).grade, Grade::kWrong);
+}
+
+TEST(Judge, MasksThatCutIntoTheFigureAreNotGood) {
+  const Verdict verdict = Judged(Ideal(0.0005, 0.9, 0.3));
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.cure, HasSubstr("masks"));
+}
+
+TEST(Judge, ASingleStrayPhotographIsNamed) {
+  Contents contents = Ideal();
+  std::vector<ViewEvidence> views = contents.poses[0].evidence.views;
+  views[7] = View("stray<.jpg", 0.2, 0.01);
+  contents.poses[0].evidence = Summarize(views);
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why, HasSubstr("stray&lt;.jpg"));
+  EXPECT_THAT(Plain(verdict.why), HasSubstr("stray<.jpg"));
+  EXPECT_EQ(contents.poses[0].evidence.worst.front(), 7);
+}
+
+TEST(Judge, DistrustedPhotographsAreNamedWithTheCure) {
+  Contents contents = Ideal();
+  StepOf(contents, "masks").lists["distrusted"] = R"([{"name": "IMG_0009.jpg", "why": "outline"}])";
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why, HasSubstr("IMG_0009.jpg"));
+  EXPECT_THAT(verdict.cure, HasSubstr("take them out"));
+}
+
+TEST(Judge, SoftPhotographsAreNotGood) {
+  Contents contents = Ideal();
+  StepOf(contents, "capture").numbers["mean_sharpness"] = 0.3;
+  EXPECT_EQ(Judged(contents).grade, Grade::kLook);
+  EXPECT_THAT(Judged(contents).cure, HasSubstr("tripod"));
+}
+
+TEST(Judge, WarningsOfAStepAreRepeatedButCapturesForesightDoesNotDecide) {
+  Contents contents = Ideal();
+  StepOf(contents, "capture").warnings = {"the ring is sparse"};
+  EXPECT_EQ(Judged(contents).grade, Grade::kGood);
+  StepOf(contents, "register").warnings = {"landmarks 'a' and 'b' look swapped"};
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why, HasSubstr("look swapped"));
+}
+
+TEST(Judge, RegistrationDecidesOnItsPose) {
+  for (const auto& [numbers, grade] : {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
+                                       {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
+                                       {Numbers{{"flipped", 1896}, {"surface_rms_over_diag", 0.0003}}, Grade::kWrong},
+                                       {Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.02}}, Grade::kWrong},
+                                       {Numbers{{"stretch_low", 0.2}, {"stretch_high", 1.2}}, Grade::kLook}}) {
+    Contents contents = Ideal();
+    contents.run.steps.push_back(Step("register", "rest", numbers));
+    EXPECT_EQ(Judged(contents).grade, grade);
+  }
+}
+
+TEST(Judge, APoseThatIsNotFinishedIsNeverGood) {
+  Contents contents = Ideal();
+  contents.poses[0].evidence = {};
+  EXPECT_EQ(Judged(contents).grade, Grade::kLook);
+  StepOf(contents, "cleanup").status = "failed";
+  EXPECT_EQ(Judged(contents).grade, Grade::kWrong);
+  EXPECT_THAT(Judged(contents).cure, HasSubstr("keypose log cleanup/rest"));
+}
+
+TEST(Judge, FewPlacedPhotographsAreNamed) {
+  Contents contents = Ideal();
+  StepOf(contents, "sfm").numbers["images_placed"] = 20;
+  StepOf(contents, "sfm").lists["not_placed"] = R"(["x<.jpg", "y.jpg"])";
+  const Verdict verdict = Judged(contents);
+  EXPECT_EQ(verdict.grade, Grade::kLook);
+  EXPECT_THAT(verdict.why, HasSubstr("20 of 32"));
+  EXPECT_THAT(verdict.why, HasSubstr("x&lt;.jpg, y.jpg"));
+}
+
+TEST(Judge, TheAnimationIsNamedOnlyWhereItFailed) {
+  Contents contents = Ideal();
+  EXPECT_EQ(Judge(contents, FindAll(contents)).size(), 1u);
+  StepRecord step = Step("interpolate", "", {});
+  step.id = "interpolate";
+  step.status = "failed";
+  contents.run.steps.push_back(step);
+  const std::vector<Verdict> verdicts = Judge(contents, FindAll(contents));
+  ASSERT_EQ(verdicts.size(), 2u);
+  EXPECT_EQ(verdicts[1].about, "animation");
+  EXPECT_EQ(verdicts[1].grade, Grade::kWrong);
+}
+
+TEST(FindAll, EverythingToLookAtHasACureOrIsTheStagesOwnSentence) {
+  Contents contents = Ideal(0.01, 0.4, 0.2);
+  StepOf(contents, "sfm").numbers = {{"images_total", 30}, {"images_placed", 9}, {"reprojection_error_px", 3}};
+  StepOf(contents, "cleanup").numbers = {{"closed", 0}, {"self_intersections", 5}, {"distance_to_input_p99_over_diag", 0.1}};
+  StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
+  contents.run.steps.push_back(
+      Step("register", "rest", {{"flipped", 99}, {"surface_rms_over_diag", 0.1}, {"landmark_max_over_diag", 0.1}}));
+  int open = 0;
+  for (const Finding& f : FindAll(contents)) {
+    if (f.grade != Grade::kLook && f.grade != Grade::kWrong) continue;
+    EXPECT_NE(f.cure, "") << f.text;
+    ++open;
+  }
+  EXPECT_GE(open, 11);
+}
+
+}  // namespace
+}  // namespace keypose::report
