@@ -32,21 +32,39 @@ function(keypose_room name)
   endif()
 endfunction()
 
+# All that a person runs, without tests and benchmarks: what ./dev demo and ./dev build make, and what is installed.
+add_custom_target(programs)
+
+# keypose_program(NAME): a program that a person or the runner starts.
+function(keypose_program name)
+  add_dependencies(programs ${name})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
 # keypose_stage(STAGE ROOM room SOURCES stage.cpp): the program bin/keypose-STAGE.
 function(keypose_stage stage)
   cmake_parse_arguments(ARG "" "ROOM" "SOURCES;LINK" ${ARGN})
   add_executable(keypose-${stage} ${ARG_SOURCES})
   target_link_libraries(keypose-${stage} PRIVATE keypose_${ARG_ROOM} ${ARG_LINK})
+  keypose_program(keypose-${stage})
 endfunction()
+
+# Whoever builds the programs alone needs neither GoogleTest nor Google Benchmark.
+option(KEYPOSE_TESTS "tests and benchmarks can be built too" ON)
+if(KEYPOSE_TESTS)
+  find_package(GTest REQUIRED)
+  find_package(benchmark REQUIRED)
+  set(KEYPOSE_GTEST GTest::gmock GTest::gtest_main)
+  set(KEYPOSE_BENCHMARK benchmark::benchmark_main)
+endif()
 
 # keypose_test(NAME SOURCES foo_test.cpp ... [LINK keypose_room ...] [LABELS full]): a GoogleTest program known to ctest, one ctest entry a program.
 # LABELS full: only `./dev test --full` runs it.
 function(keypose_test name)
   cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;LINK;LABELS;SYSTEM_INCLUDES" ${ARGN})
-  find_package(GTest REQUIRED)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gmock GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} ${KEYPOSE_GTEST})
   target_compile_definitions(${name} PRIVATE KEYPOSE_BIN_DIR="${CMAKE_BINARY_DIR}/bin" KEYPOSE_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   add_test(NAME ${name} COMMAND ${name})
   if(NOT ARG_TIMEOUT)
@@ -58,9 +76,8 @@ endfunction()
 # keypose_bench(NAME SOURCES foo_bench.cpp ... LINK keypose_room ...): a Google Benchmark program, run by ./dev bench.
 function(keypose_bench name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
-  find_package(benchmark REQUIRED)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} benchmark::benchmark_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} ${KEYPOSE_BENCHMARK})
   set_property(GLOBAL APPEND PROPERTY KEYPOSE_BENCHES ${name})
 endfunction()

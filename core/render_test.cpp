@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/cloud_picture.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 
@@ -157,6 +158,17 @@ TEST(MapColor, RunsFromEndToEndAndMarksNaN) {
   EXPECT_NE(MapColor(0), MapColor(1));
   EXPECT_EQ(MapColor(std::nan(""))[0], MapColor(std::nan(""))[2]);
   EXPECT_EQ(MapColor(0.5, ColorMap::kDiverging), (Eigen::Matrix<std::uint8_t, 3, 1>(242, 242, 242)));
+}
+
+TEST(RenderCloud, TheNearestPointIsInFrontInItsOwnColour) {
+  PointCloud cloud;
+  cloud.points.resize(2, 3);
+  cloud.points << 0, 0, 1, 0, 0, 0;  // the view is from above: the first is nearer
+  cloud.colors.resize(2, 3);
+  cloud.colors << 200, 10, 20, 1, 2, 3;
+  const Image8 picture = RenderCloud(cloud, FromAbove());
+  EXPECT_EQ(*picture.at(20, 20), 200);
+  EXPECT_EQ(*picture.at(5, 5), 247);
 }
 
 TEST(TileImages, PlacesImagesInRowsWithGaps) {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/cloud_picture.h"
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
 #include "core/io/mesh_io.h"
+#include "core/io/png_io.h"
 #include "core/stage/stage.h"
 #include "reconstruct/cpu_seconds.h"
 #include "reconstruct/dense.h"
@@ -17,6 +19,9 @@
 
 namespace keypose::reconstruct {
 namespace {
+namespace fs = std::filesystem;
+
+constexpr int kPictureWidth = 360, kPictureHeight = 400;  // of each of the four sides
 
 // COLMAP's cloud holds the background too: what lies outside of the visual hull is not the object.
 PointCloud WithinHull(const PointCloud& cloud, const VisualHull& hull) {
@@ -98,6 +103,8 @@ void Run(StageContext& stage, const DenseOptions& options) {
   stage.Report("masked_megapixels", masked);
   stage.Report("cpu_seconds_per_masked_megapixel", cpu / std::max(masked, 1e-6));
   WritePointCloud(stage.Output("cloud"), cloud);
+  if (const fs::path picture = stage.Output("picture"); !picture.empty())
+    WritePng(picture, RenderCloudSides(cloud, kPictureWidth, kPictureHeight));
 }
 
 }  // namespace
@@ -106,11 +113,12 @@ void Run(StageContext& stage, const DenseOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
-  spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"}};
+  spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"},
+                  {.name = "picture", .kind = "file", .help = "the cloud from four sides", .file = "cloud.png", .optional = true}};
   spec.tools = {};
   spec.memory_gib = 2;
   return keypose::RunStage<keypose::reconstruct::DenseOptions>(argc, argv, spec, keypose::reconstruct::Run);

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/cloud_picture.h"
 #include "core/geometry.h"
 #include "core/render.h"
 #include "report/html.h"
@@ -78,19 +78,7 @@ std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
 
 Picture CloudPicture(const PointCloud& cloud, const SidesOptions& options) {
   const View view = FitView(cloud.points, options.azimuths_deg.front(), options.elevation_deg, options.width, options.height, options.up);
-  Picture picture{Pretty(static_cast<double>(cloud.points.rows())) + " points", Image8(options.width, options.height, 3, 247)};
-  ImageF depth(options.width, options.height, 1, std::numeric_limits<float>::infinity());
-  for (Eigen::Index i = 0; i < cloud.points.rows(); ++i) {
-    const Eigen::Vector3d x = view.camera_from_world * cloud.points.row(i).transpose();
-    const Eigen::Vector2d p = view.camera.Project(x);
-    for (int k = 0; k < 4; ++k) {
-      const int px = static_cast<int>(std::floor(p.x() - 0.5)) + k % 2, py = static_cast<int>(std::floor(p.y() - 0.5)) + k / 2;
-      if (px < 0 || py < 0 || px >= options.width || py >= options.height || static_cast<float>(x.z()) >= *depth.at(px, py)) continue;
-      *depth.at(px, py) = static_cast<float>(x.z());
-      for (int c = 0; c < 3; ++c) picture.image.at(px, py)[c] = cloud.colors.rows() > 0 ? cloud.colors(i, c) : 120;
-    }
-  }
-  return picture;
+  return {Pretty(static_cast<double>(cloud.points.rows())) + " points", RenderCloud(cloud, view)};
 }
 
 Image8 MaskTile(const Image8& photograph, const Image8& mask) {

@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
 POSES = ["rest", "bent"]
@@ -107,6 +108,64 @@ class Demo:
         return seconds
 
 
+LOOK_PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>Keypose: the demo as it goes</title>
+<meta http-equiv="refresh" content="4">
+<style>body {{ font: 16px sans-serif; margin: 2em; color: #223 }} img {{ max-width: 100%; border: 1px solid #ccd }}
+figure {{ margin: 1em 0 2em }} .half img {{ max-width: 24%; margin-right: 0.5% }}</style>
+<h1>The demo as it goes</h1><p>{state}</p>
+{figures}</html>
+"""
+
+# What there is to see, in the order in which it is made; {pose} is filled in.
+LOOK_AT = [("masks.jpg", "the photographs with their masks"), ("cameras.png", "where each photograph was taken from"),
+           ("masks_agreed.jpg", "the masks after all views had their say"), ("cloud.png", "the points that photographs agree on"),
+           ("registered.png", "the template on the pose")]
+
+
+class LookPage(threading.Thread):
+    """Keeps a page up to date with the pictures that are there, and says on the console when a new one is."""
+
+    def __init__(self, demo):
+        super().__init__(daemon=True)
+        self.demo = demo
+        self.path = os.path.join(demo.world, "look.html")
+        self.end = threading.Event()
+        self.shown = []
+
+    def pictures(self):
+        found = []
+        for pose in POSES:
+            for name, caption in LOOK_AT:
+                path = self.demo.result(pose, name)
+                if os.path.exists(path):
+                    found.append((path, f"{pose}: {caption}"))
+        return found
+
+    def photographs(self):
+        shots = [sorted(glob.glob(os.path.join(self.demo.world, "photos", pose, "*.jpg")))[:4] for pose in POSES]
+        pictures = "".join(f'<img src="{os.path.relpath(path, self.demo.world)}">' for pose in shots for path in pose)
+        return f'<figure class="half">{pictures}<figcaption>photographs of both poses</figcaption></figure>'
+
+    def write(self, state):
+        self.shown = self.pictures()
+        figures = [self.photographs()]
+        for path, caption in self.shown:
+            figures.insert(0, f'<figure><img src="{os.path.relpath(path, self.demo.world)}"><figcaption>{caption}</figcaption></figure>')
+        with open(self.path + ".new", "w") as file:
+            file.write(LOOK_PAGE.format(state=state, figures="\n".join(figures)))
+        os.replace(self.path + ".new", self.path)
+
+    def run(self):
+        while not self.end.wait(1):
+            if self.pictures() != self.shown:
+                self.write("New pictures come in by themselves, newest of each pose first.")
+
+    def finish(self, state):
+        self.end.set()
+        self.join()
+        self.write(state)
+
+
 def percent(share):
     return f"{100 * share:.3f} %"
 
@@ -151,12 +210,17 @@ def main():
     demo = Demo(args)
     render_seconds = demo.photograph()
     start = time.monotonic()
+    look = LookPage(demo)
+    look.write("The photographs are there; masks come first, in a few seconds.")
+    look.start()
+    print(f"\nOpen {os.path.relpath(look.path)} in a browser: photographs, masks, cameras and points show there as soon as they exist.", flush=True)
     demo.pipeline("--until", "cleanup")
     demo.pipeline("--until", "unwrap")
     pick_seconds = demo.click_landmarks()
     demo.pipeline()
     run_seconds = time.monotonic() - start - pick_seconds
     total = time.monotonic() - demo.begin
+    look.finish('Done: <a href="project/out/report/index.html">the report</a>, with the animation to turn and play.')
     scores = {pose: demo.score(pose) for pose in POSES}
 
     print("\nseconds")
@@ -181,6 +245,7 @@ def main():
         print("demo: missed: " + "; ".join(missed), file=sys.stderr)
         return 6
     print(f"all goals reached in {total / 60:.1f} minutes")
+    print(f"Look at it: open {os.path.relpath(report)} in a browser, or import {os.path.relpath(glb[0])} into Blender (Shading: Smooth).")
     return 0
 
 
