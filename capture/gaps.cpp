@@ -17,7 +17,8 @@ constexpr int kNoise = 4;               // of single pixels' lightness, beside t
 constexpr int kLeastArea = 16;          // pixels
 constexpr double kLeastDepth = 1.4;     // pixels from a gap's middle to its side
 constexpr double kLargestShare = 0.01;  // of the mask: larger gaps are seen at working size
-constexpr double kSetOff = 22;          // 8 bit Lab, median distance of the figure beside a gap: shade that ends smoothly has less
+constexpr double kSetOff = 22;          // 8 bit Lab distance of the figure beside a gap: shade that ends smoothly has less
+constexpr double kSmoothSide = 0.2;     // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
 constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
 constexpr int kThin = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
 constexpr int kMargin = 5;              // pixels round a gap that are looked at
@@ -31,10 +32,10 @@ bool Like(Lab pixel, Lab empty, const std::array<int, 3>& usual, int noise) {
 }
 
 template <typename T>
-T Median(std::vector<T>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+T Quantile(std::vector<T>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
 cv::Rect Around(const cv::Rect& region, const cv::Size& size) {
@@ -56,7 +57,7 @@ class Gap {
     return deepest >= kLeastDepth;
   }
 
-  /// Whether the figure a few pixels beside it has other colours, and lies on most sides.
+  /// Whether the figure a few pixels beside it has other colours almost all round, and lies on most sides.
   bool SetOff() const {
     cv::Mat near, far;
     cv::dilate(pixels_, near, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
@@ -71,7 +72,8 @@ class Gap {
         const cv::Vec3b& c = lab_.at<cv::Vec3b>(y, x);
         if (mask_.at<std::uint8_t>(y, x)) distances.push_back(Eigen::Vector3d(c[0] - mean[0], c[1] - mean[1], c[2] - mean[2]).norm());
       }
-    return !distances.empty() && static_cast<double>(distances.size()) >= kEnclosed * round && Median(distances) >= kSetOff;
+    if (distances.empty() || static_cast<double>(distances.size()) < kEnclosed * round) return false;
+    return Quantile(distances, kSmoothSide) >= kSetOff;
   }
 
   /// @param corner  of the mask's part that this was made from, in the image @param scale  of the thickness's pixels over the image's
@@ -85,7 +87,7 @@ class Gap {
         values.push_back(*thickness.at(std::min(static_cast<int>((at.x + 0.5) * scale), thickness.width - 1),
                                        std::min(static_cast<int>((at.y + 0.5) * scale), thickness.height - 1)));
       }
-    return Median(values) <= kThin;
+    return Quantile(values, 0.5) <= kThin;
   }
 
   /// Its rim, which mixes gap and figure, goes as well: where the border runs is settled afterwards.

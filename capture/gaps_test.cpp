@@ -96,6 +96,24 @@ TEST(OpenGaps, LeavesShadeThatEndsSmoothly) {
   }
 }
 
+// White in its own shade beside a black pupil and a lid, as an eye seen from the side: sharply set off from these, but on its open side
+// it ends in light.
+TEST(OpenGaps, LeavesAnEyesShadeBesideItsPupil) {
+  const auto shade = [](int x, int y) { return x < 121 && y > 88 && std::hypot(x - 120, y - 90) < 8; };
+  for (const double step : {6.0, 40.0}) {
+    Photo photo = MakePhoto([](int, int) { return false; });
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (!OnFigure(x, y)) continue;
+        const bool dark = x >= 121 || y <= 88;
+        const double light = step * std::max(0.0, std::hypot(x - 120, y - 90) - 8);
+        for (std::size_t c = 0; c < 3; ++c)
+          photo.image.at(x, y)[c] = dark ? 20 : static_cast<std::uint8_t>(std::min(250.0, kGrey[c] + light));
+      }
+    EXPECT_EQ(Open(photo, shade).right > 0, step > 10) << step;
+  }
+}
+
 // A strip along the outline that the backdrop's colour has washed out is no gap: the figure lies on one side of it only.
 TEST(OpenGaps, LeavesStripsAlongTheOutline) {
   const auto strip = [](int x, int y) { return x < 64 && y > 70 && y < 100; };
