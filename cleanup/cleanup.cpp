@@ -1,6 +1,9 @@
 #include "cleanup/cleanup.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "cleanup/damage.h"
 #include "cleanup/handles.h"
@@ -31,7 +34,13 @@ Mesh Normalized(const Mesh& mesh, const Frame& frame) {
   return out;
 }
 
-bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& options) {
+std::vector<SightLine> Normalized(std::vector<SightLine> lines, const Frame& frame) {
+  for (SightLine& line : lines) line.origin = (line.origin - frame.center.transpose()) / frame.diagonal;
+  return lines;
+}
+
+// @param lines  in the frame where the diagonal is 1
+bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& options, const std::vector<SightLine>& lines) {
   if (surface.face_count() > (1 + kCountTolerance) * options.faces) return false;
   if (options.refine && surface.face_count() < (1 - kCountTolerance) * options.faces) return false;
   const ClosedReport report = CheckClosed(surface);
@@ -42,7 +51,16 @@ bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& opt
   if (SelfIntersects(scaled)) return false;
   if (options.stand == "auto" && FindStand(scaled)) return false;
   const int genus = report.components - report.euler / 2;
-  return options.genus < 0 || genus <= options.genus || WithoutHandles(scaled, options.genus).cut == 0;
+  if (genus == 0) return true;
+  const int wanted = WantedGenus(scaled, options, lines);
+  return genus <= wanted || WithoutHandles(scaled, wanted, lines).cut == 0;
+}
+
+void RequireHandles(const CleanupResult& result, const CleanupOptions& options) {
+  if (result.genus >= options.genus) return;
+  throw InputError("cleanup: genus is " + std::to_string(options.genus) + ", but the surface has " + std::to_string(result.genus) +
+                   " handles that can be kept (rung '" + result.rung +
+                   "'); ask for that many, or look whether an earlier step closed a window: more photographs through it keep it open");
 }
 
 }  // namespace
@@ -54,7 +72,11 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
   visit("remesh", remesh,
         {.help = "more triangles where the surface bends, or equal ones", .unit = "", .choices = {"adaptive", "uniform"}});
   visit("genus", genus,
-        {.help = "handles that the result may have; surplus ones are cut or filled; -1 keeps all", .unit = "", .min = -1, .max = 1000});
+        {.help = "handles that the result has; surplus ones are cut or filled, and fewer are an error; -1 keeps all; -2 keeps those that "
+                 "the photographs see through, none without photographs",
+         .unit = "",
+         .min = -2,
+         .max = 1000});
   visit("stand", stand,
         {.help = "auto cuts off a level turntable, plate or cloth that the figure stands on (z up); keep leaves it",
          .unit = "",
@@ -68,21 +90,31 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
         {.help = "alpha of the wrap over the diagonal; 0 chooses it from faces", .unit = "", .min = 0, .max = 0.2});
 }
 
-CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress) {
+int WantedGenus(const Mesh& closed, const CleanupOptions& options, const std::vector<SightLine>& lines) {
+  if (options.genus == -1) return std::numeric_limits<int>::max();
+  return options.genus >= 0 ? options.genus : HandlesSeenThrough(closed, lines);
+}
+
+CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress,
+                                 const std::vector<SightLine>& lines) {
   RequireUsable(surface, "surface");
   const Frame frame = {(surface.points.colwise().minCoeff() + surface.points.colwise().maxCoeff()) / 2, BoundingDiagonal(surface.points)};
   if (!(frame.diagonal > 0) || !std::isfinite(frame.diagonal)) {
     throw InputError("cleanup: the surface has no extent (all vertices coincide, or coordinates overflow); nothing can be closed");
   }
   CleanupResult result;
-  if (KeptAsIs(surface, frame, options)) {
+  const std::vector<SightLine> seen = Normalized(lines, frame);
+  if (KeptAsIs(surface, frame, options, seen)) {
     result.mesh = surface;
     result.rung = "as-is";
     Measure(surface, frame.diagonal, result);
+    result.genus_before = result.genus;
+    result.handles_seen_through = HandlesSeenThrough(surface, lines);
+    RequireHandles(result, options);
     return result;
   }
   const Mesh normalized = Normalized(surface, frame);
-  Ladder ladder(normalized, options, progress, result);
+  Ladder ladder(normalized, options, seen, progress, result);
   result.mesh = ladder.Climb();
   Step(progress, 0.9, "measuring");
   MeasureDistances(result.mesh, normalized, ladder.kept(), result);
@@ -91,6 +123,9 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
   result.mesh.points = (result.mesh.points * frame.diagonal).rowwise() + frame.center;
   if (surface.colors.rows() == surface.points.rows()) result.mesh.colors = ColorsFrom(surface, result.mesh.points);
   Measure(result.mesh, frame.diagonal, result);
+  result.genus_before = std::max(result.genus_before, result.genus);
+  result.handles_seen_through = HandlesSeenThrough(result.mesh, lines);
+  RequireHandles(result, options);
   return result;
 }
 

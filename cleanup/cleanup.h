@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "cleanup/see_through.h"
 #include "core/mesh.h"
 #include "core/options.h"
 #include "core/progress.h"
@@ -14,12 +15,12 @@ struct CleanupOptions {
   int faces = 20000;                ///< wanted number of faces; surfaces with more are remeshed to it
   bool refine = false;              ///< also remesh surfaces that have fewer faces than wanted
   std::string remesh = "adaptive";  ///< adaptive: smaller triangles where the surface bends; uniform: equal ones
-  int genus = 0;                    ///< handles of the result at most; surplus ones are cut or filled; -1 keeps all
-  std::string stand = "auto";       ///< auto: a level sheet that the figure stands on (z up) is cut off; keep: nothing is
-  int keep_components = 1;          ///< pieces of the result, largest first; 0 keeps all
-  double min_component = 0.02;      ///< pieces with less than this share of the largest one's area are dropped at once
-  bool wrap = true;                 ///< allow the last rung, an alpha wrap
-  double wrap_alpha = 0;            ///< its alpha over the diagonal; 0 chooses it from `faces`
+  int genus = -2;  ///< handles of the result; surplus ones are cut or filled; -1 keeps all; -2: as many as the photographs see through
+  std::string stand = "auto";   ///< auto: a level sheet that the figure stands on (z up) is cut off; keep: nothing is
+  int keep_components = 1;      ///< pieces of the result, largest first; 0 keeps all
+  double min_component = 0.02;  ///< pieces with less than this share of the largest one's area are dropped at once
+  bool wrap = true;             ///< allow the last rung, an alpha wrap
+  double wrap_alpha = 0;        ///< its alpha over the diagonal; 0 chooses it from `faces`
   void Describe(OptionVisitor& visit);
 };
 
@@ -41,8 +42,10 @@ struct CleanupResult {
   int components = 0;
   int genus_before = 0;  ///< handles of the closed surface before any was cut
   int handles_cut = 0;
-  int genus = 0;                ///< of all components together
-  double area = 0, volume = 0;  ///< [input units ^2, ^3]
+  double largest_handle_cut_over_diag = 0;  ///< length of the longest loop that one was cut along
+  int handles_seen_through = 0;             ///< of the result, by the lines of sight
+  int genus = 0;                            ///< of all components together
+  double area = 0, volume = 0;              ///< [input units ^2, ^3]
   double min_angle_deg = 0;
   double mean_min_angle_deg = 0;
   SurfaceDistance to_input;    ///< from the result to the input
@@ -55,11 +58,17 @@ struct CleanupResult {
 /// area, no two faces that intersect (exact predicates).
 ///
 /// @param surface  any triangles with finite vertices; colours optional
-/// @throws InputError    empty or not finite, says where; or nothing with a volume can be made of it
+/// @param lines    what photographs see through the figure (LinesThroughHoles), in the surface's frame; without them no handle is kept
+///                 unless options.genus says so
+/// @throws InputError    empty or not finite, says where; or nothing with a volume can be made of it; or fewer handles than options.genus
 /// @throws QualityError  every rung failed; says what the last one lacked
 /// A mesh that passes already, with `keep_components` pieces, the wanted genus and not more than `faces` faces, is returned bit for bit.
 /// Cost: about 5 s for 300,000 faces to 20,000, 18 s for 2 million. Same bits for any thread count.
 /// Source: the ladder is ours; each rung's source stands in its header.
-CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress = nullptr);
+CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress = nullptr,
+                                 const std::vector<SightLine>& lines = {});
+
+/// Handles that the options let a closed surface keep. @param lines  in its frame
+int WantedGenus(const Mesh& closed, const CleanupOptions& options, const std::vector<SightLine>& lines);
 
 }  // namespace keypose::cleanup

@@ -1,8 +1,15 @@
 // keypose-cleanup: a surface of any quality to a closed, oriented 2-manifold.
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "cleanup/cleanup.h"
+#include "cleanup/see_through.h"
+#include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
 
@@ -12,6 +19,7 @@ using keypose::StageContext;
 using keypose::StageSpec;
 using keypose::cleanup::CleanupOptions;
 using keypose::cleanup::CleanupResult;
+using keypose::cleanup::SightLine;
 using keypose::cleanup::SurfaceDistance;
 
 void ReportDistance(StageContext& stage, const std::string& name, const SurfaceDistance& distance) {
@@ -20,10 +28,59 @@ void ReportDistance(StageContext& stage, const std::string& name, const SurfaceD
   stage.Report(name + "_max_over_diag", distance.max);
 }
 
+/// What the photographs see through the figure; nothing without them.
+struct Sight {
+  std::vector<keypose::View> views;
+  std::vector<SightLine> lines;
+};
+
+Sight ReadSight(StageContext& stage) {
+  if (stage.Has("images") != stage.Has("model"))
+    throw keypose::UsageError("cleanup: images and model belong together; give both, or neither");
+  Sight sight;
+  if (!stage.Has("images")) return sight;
+  const keypose::ImageSet set = keypose::ReadImageSet(stage.Input("images"));
+  std::vector<keypose::Image8> masks;
+  for (const keypose::View& view : keypose::ReadColmapModel(stage.Input("model")).views) {
+    const int i = set.Find(view.name);
+    if (i < 0 || set.images[i].mask.empty()) continue;
+    sight.views.push_back(view);
+    masks.push_back(keypose::ReadImage(set.MaskPath(i), 1));
+  }
+  sight.lines = keypose::cleanup::LinesThroughHoles(sight.views, masks);
+  return sight;
+}
+
+void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options, const CleanupResult& result) {
+  constexpr double kSmall = 0.0314;  // of the diagonal: the loop of a tunnel that is 1 % of it wide; smaller ones are noise
+  if (options.genus != -2 || stage.Has("images") || result.handles_cut == 0 || result.largest_handle_cut_over_diag < kSmall) return;
+  stage.Warn("cleanup cut " + std::to_string(result.handles_cut) + " of " + std::to_string(result.genus_before) +
+             " handles, as no photographs say whether one sees through them; if the figure has such a window (a hand on the hip), keep it "
+             "with --genus " +
+             std::to_string(result.genus_before) + ", or give --images and --model");
+}
+
+void WarnOfClosedWindows(StageContext& stage, const Sight& sight, const keypose::Mesh& mesh) {
+  constexpr std::size_t kEnough = 3;  // one or two are mistaken masks
+  const std::vector<int> closed = keypose::cleanup::ViewsWithClosedWindow(mesh, sight.lines);
+  stage.Report("views_with_closed_window", static_cast<int>(closed.size()));
+  if (closed.size() < kEnough) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(closed.size(), kEnough); ++i) names += (i ? ", " : "") + sight.views[closed[i]].name;
+  stage.Warn(std::to_string(closed.size()) + " photographs show background inside of the figure's outline where the mesh is closed (" +
+             names + "); if the figure has a window there, photograph it from more sides or nearer; if not, mend these masks");
+}
+
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, stage.Input("surface").string());
-  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress());
+  const Sight sight = ReadSight(stage);
+  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines);
+  if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
+  WarnOfCutHandles(stage, options, result);
+  if (options.genus >= 0 && result.genus > options.genus)
+    stage.Warn("the mesh has " + std::to_string(result.genus) + " handles instead of " + std::to_string(options.genus) +
+               ": no cut without crossing was found for the others; try another number of --faces");
   stage.Report("input_faces", surface.face_count());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("vertices", result.mesh.vertex_count());
@@ -40,6 +97,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("genus", result.genus);
   stage.Report("genus_before", result.genus_before);
   stage.Report("handles_cut", result.handles_cut);
+  stage.Report("handles_seen_through", result.handles_seen_through);
   stage.Report("area", result.area);
   stage.Report("volume", result.volume);
   stage.Report("min_angle_deg", result.min_angle_deg);
@@ -56,9 +114,11 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "4",
+    .version = "5",
     .summary = "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the wanted size.",
-    .inputs = {{.name = "surface", .kind = "file", .help = "triangles of any quality (.ply, .obj, .off, .stl)", .file = ""}},
+    .inputs = {{.name = "surface", .kind = "file", .help = "triangles of any quality (.ply, .obj, .off, .stl)", .file = ""},
+               {.name = "images", .kind = "folder", .help = "photographs with masks: handles that they see through stay", .optional = true},
+               {.name = "model", .kind = "folder", .help = "COLMAP model of their cameras, in the surface's frame", .optional = true}},
     .outputs = {{.name = "clean", .kind = "file", .help = "the closed mesh", .file = "clean.ply"}},
     .tools = {},
     .cores = 1,

@@ -28,6 +28,8 @@ struct Link {
   int faces[2];
 };
 
+double LoopLength(const Mesh& mesh, const std::vector<int>& loop);
+
 // The mesh as a graph, built once.
 class Graph {
  public:
@@ -142,11 +144,13 @@ std::vector<std::vector<int>> Graph::Loops(int root) const {
   return loops;
 }
 
-double Graph::Length(const std::vector<int>& loop) const {
+double LoopLength(const Mesh& mesh, const std::vector<int>& loop) {
   double sum = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) sum += (mesh_.points.row(loop[i]) - mesh_.points.row(loop[(i + 1) % loop.size()])).norm();
+  for (std::size_t i = 0; i < loop.size(); ++i) sum += (mesh.points.row(loop[i]) - mesh.points.row(loop[(i + 1) % loop.size()])).norm();
   return sum;
 }
+
+double Graph::Length(const std::vector<int>& loop) const { return LoopLength(mesh_, loop); }
 
 // Takes out the faces within `rings` of the loop and closes the rims.
 Mesh CutAlong(const Mesh& closed, const std::vector<int>& loop, int rings) {
@@ -162,24 +166,31 @@ Mesh CutAlong(const Mesh& closed, const std::vector<int>& loop, int rings) {
   return mesh;
 }
 
-// The mesh with one handle less, or no faces.
-Mesh WithOneLess(const Mesh& closed) {
+// The mesh with one handle less, or no faces. At least `seen` handles stay that the lines see through.
+Mesh WithOneLess(const Mesh& closed, const std::vector<SightLine>& lines, int seen, double* length) {
   const int genus = Genus(closed);
   const int pieces = static_cast<int>(FindPieces(closed).list.size());
   const std::vector<std::vector<int>> loops = HandleLoops(closed);
-  for (int i = 0; i < std::min<int>(kTries, static_cast<int>(loops.size())); ++i)
+  const auto good = [&](const Mesh& mesh) {
+    return static_cast<int>(FindPieces(mesh).list.size()) <= pieces && Genus(mesh) < genus &&
+           (seen == 0 || HandlesSeenThrough(mesh, lines) >= seen);
+  };
+  // Each handle that must stay brings loops of its own.
+  const int tries = std::min<int>(kTries * (1 + seen), static_cast<int>(loops.size()));
+  for (int i = 0; i < tries; ++i)
     for (const int rings : {1, 2, 3}) {
       int dropped = 0;
       const Mesh mesh = CutAlong(closed, loops[i], rings);
       if (mesh.face_count() == 0) continue;
+      *length = LoopLength(closed, loops[i]);
       // Taking out a strip can cut off a crumb; a piece with substance stays and makes the count differ.
       const Mesh whole = WithoutBits(mesh, 0.01, &dropped);
-      if (static_cast<int>(FindPieces(whole).list.size()) > pieces || Genus(whole) >= genus) continue;
+      if (!good(whole)) continue;
       if (CheckClosed(whole).closed() && !SelfIntersects(whole)) return whole;
       Mesh mended = WithoutIntersections(whole, kMendingRounds);
       if (mended.face_count() == 0) continue;
       OrientOutward(mended);
-      if (static_cast<int>(FindPieces(mended).list.size()) > pieces || Genus(mended) >= genus) continue;
+      if (!good(mended)) continue;
       if (CheckClosed(mended).closed() && !SelfIntersects(mended)) return mended;
     }
   return {};
@@ -209,14 +220,22 @@ std::vector<std::vector<int>> HandleLoops(const Mesh& closed) {
   return seen;
 }
 
-HandlesResult WithoutHandles(const Mesh& closed, int genus) {
+std::vector<std::vector<int>> LoopBasis(const Mesh& closed) {
+  return Genus(closed) > 0 ? Graph(closed).Loops(0) : std::vector<std::vector<int>>();
+}
+
+HandlesResult WithoutHandles(const Mesh& closed, int genus, const std::vector<SightLine>& lines) {
   HandlesResult result;
   result.mesh = closed;
   const int before = Genus(closed);
+  if (before <= genus) return result;
+  const int seen = std::min(genus, HandlesSeenThrough(closed, lines));
   while (Genus(result.mesh) > genus) {
-    Mesh less = WithOneLess(result.mesh);
+    double length = 0;
+    Mesh less = WithOneLess(result.mesh, lines, seen, &length);
     if (less.face_count() == 0) break;
     result.mesh = std::move(less);
+    result.lengths.push_back(length);
   }
   result.cut = before - Genus(result.mesh);
   return result;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "cleanup/see_through.h"
 #include "core/mesh.h"
 
 namespace keypose::cleanup {
@@ -18,14 +19,19 @@ int Genus(const Mesh& closed);
 /// loops becomes the root once more, until none gets shorter.
 std::vector<std::vector<int>> HandleLoops(const Mesh& closed);
 
+/// Two loops for each handle that together tell all loops of the surface, in no order; as long as they come.
+std::vector<std::vector<int>> LoopBasis(const Mesh& closed);
+
 struct HandlesResult {
-  Mesh mesh;    ///< closed, without self-intersections if the input had none
-  int cut = 0;  ///< handles that went
+  Mesh mesh;                    ///< closed, without self-intersections if the input had none
+  int cut = 0;                  ///< handles that went
+  std::vector<double> lengths;  ///< of the loop that each was cut along
 };
 
 /// Removes handles until `genus` are left, the one with the shortest loop first. A strip along the loop is taken out and both rims get a
 /// membrane: a loop round a bridge cuts the bridge, a loop round a hole's rim fills the hole; whichever is shorter. Nothing else moves.
-/// Loops whose membranes would cross anything are passed over, so that more handles may stay: look at Genus of the result.
-HandlesResult WithoutHandles(const Mesh& closed, int genus);
+/// Loops whose membranes would cross anything are passed over, so that more handles may stay: look at Genus of the result. Handles that
+/// `lines` see through (HandlesSeenThrough) stay as long as others can go.
+HandlesResult WithoutHandles(const Mesh& closed, int genus, const std::vector<SightLine>& lines = {});
 
 }  // namespace keypose::cleanup

@@ -117,13 +117,15 @@ std::optional<Mesh> Ladder::Mended(const Mesh& mesh) {
 }
 
 Mesh Ladder::WithGenus(const Mesh& mesh) {
-  if (options_.genus < 0) return mesh;
   const int genus = Genus(mesh);
-  if (genus <= options_.genus) return mesh;
-  Step(progress_, 0.6, "cutting handles");
-  HandlesResult result = WithoutHandles(mesh, options_.genus);
+  if (genus == 0) return mesh;
+  const int wanted = WantedGenus(mesh, options_, lines_);
   result_.genus_before = std::max(result_.genus_before, genus);
+  if (genus <= wanted) return mesh;
+  Step(progress_, 0.6, "cutting handles");
+  HandlesResult result = WithoutHandles(mesh, wanted, lines_);
   result_.handles_cut += result.cut;
+  for (const double length : result.lengths) result_.largest_handle_cut_over_diag = std::max(result_.largest_handle_cut_over_diag, length);
   return std::move(result.mesh);
 }
 
@@ -172,7 +174,7 @@ std::optional<Mesh> Ladder::Finish(const Mesh& base) {
   if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_, kLeastAngleDeg);
   const std::optional<Mesh> mesh = AtWantedSize(repaired_);
   // Even triangles can make room for a cut that slivers had no room for.
-  if (!mesh || options_.genus < 0 || Genus(*mesh) <= options_.genus) return mesh;
+  if (!mesh || Genus(*mesh) <= WantedGenus(*mesh, options_, lines_)) return mesh;
   const Mesh cut = WithGenus(*mesh);
   return MayStay(cut.face_count()) ? cut : SplitTo(cut, options_.faces);
 }

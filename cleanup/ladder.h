@@ -15,8 +15,9 @@ bool Acceptable(const Mesh& mesh);
 /// One climb; everything happens in a frame where the diagonal is 1, so that no tolerance depends on the unit.
 class Ladder {
  public:
-  Ladder(const Mesh& surface, const CleanupOptions& options, Progress* progress, CleanupResult& result)
-      : input_(surface), options_(options), progress_(progress), result_(result) {}
+  /// @param lines  of sight through the figure, in the same frame
+  Ladder(const Mesh& surface, const CleanupOptions& options, const std::vector<SightLine>& lines, Progress* progress, CleanupResult& result)
+      : input_(surface), options_(options), lines_(lines), progress_(progress), result_(result) {}
 
   /// The finished mesh. @throws InputError @throws QualityError
   Mesh Climb();
@@ -47,6 +48,7 @@ class Ladder {
 
   const Mesh& input_;
   const CleanupOptions& options_;
+  const std::vector<SightLine>& lines_;
   Progress* progress_;
   CleanupResult& result_;
   Mesh kept_;      // welded, without bits and stand; all of its detail

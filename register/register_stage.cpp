@@ -17,6 +17,7 @@
 #include "register/picture.h"
 #include "register/quality.h"
 #include "register/stiffness_map.h"
+#include "register/topology.h"
 #include "register/welding.h"
 
 namespace keypose::registration {
@@ -28,6 +29,7 @@ struct RegisterOptions {
   NricpOptions nricp;
   double max_surface_rms = 1;    ///< over the diagonal; more is a quality fault
   double max_flipped_share = 1;  ///< of faces; more is a quality fault
+  bool allow_fused = false;      ///< write the result also where parts that touch in the template cannot come apart
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
@@ -55,6 +57,8 @@ struct RegisterOptions {
     visit("exact_solves", nricp.exact_solves, {"factor at every solve; about three times slower, same quality", "", 0, 1, {}});
     visit("max_surface_rms", max_surface_rms, {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
     visit("max_flipped_share", max_flipped_share, {"fail when a larger share of faces is flipped", "", 0, 1, {}});
+    visit("allow_fused", allow_fused,
+          {"write the result also where parts that touch in the template would have to come apart", "", 0, 1, {}});
   }
   std::vector<std::string> Problems() const {
     std::vector<std::string> problems = automatic.Problems();
@@ -67,7 +71,7 @@ struct RegisterOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
@@ -92,8 +96,7 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
   if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
-    stage.Warn(std::to_string(suggested) +
-               " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
+    stage.Warn(std::to_string(suggested) + " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
   for (const std::string& warning : checked.warnings) stage.Warn(warning);
   if (checked.coplanar) stage.Warn("the landmarks lie nearly in one plane, which flattens the result; add some off that plane");
   return checked;
@@ -250,6 +253,13 @@ void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& option
                        " faces are flipped, more than max_flipped_share allows; add landmarks where the pose differs most");
 }
 
+void RefuseFused(StageContext& stage, const Mesh& source, const Mesh& target, double off_pose, bool allow) {
+  const std::string problem = FusedTemplateProblem(source, target, off_pose);
+  if (problem.empty()) return;
+  if (!allow) throw InputError("register: " + problem + ", or write it as it is with --allow_fused true");
+  stage.Warn(problem);
+}
+
 /// Vertices keep their numbers. Judged with its seams, a mesh would meet itself at each, and no distance along it would cross one.
 Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
   const Seams seams = FindSeams(mesh);
@@ -287,6 +297,7 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target, surfaces);
   ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
   Gate(quality, source.face_count(), options);
+  RefuseFused(stage, source, target, quality.hausdorff_to_target, options.allow_fused);
   if (const auto path = stage.Output("correspondence"); !path.empty())
     WriteFile(path, CorrespondenceText(registered.points, source.faces, target));
   if (const auto path = stage.Output("transforms"); !path.empty())
