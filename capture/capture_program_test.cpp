@@ -101,6 +101,57 @@ TEST_F(CaptureProgram, ReadsPngAndTiffAndTurnsPortraits) {
   EXPECT_EQ(ReadImageInfo(images / "s.jpg").height, 120);
 }
 
+TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
+  ExifToWrite exif;
+  exif.focal_35mm = 26;
+  exif.make = "Apple";
+  exif.model = "iPhone 12";
+  for (int i = 0; i < 8; ++i)
+    WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"), MakeTestPhoto(i, 180, 120, TestWall::kDark).image, 95, &exif);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  const ImageSet set = ReadImageSet(images);
+  ASSERT_EQ(set.images.size(), 8U);
+  EXPECT_EQ(set.images[0].name, "IMG_0.jpg");
+  EXPECT_DOUBLE_EQ(set.images[0].focal_px, 26.0 / 36 * 180);
+  const ImageInfo info = ReadImageInfo(images / "IMG_0.jpg");
+  EXPECT_EQ(info.format, "jpeg");
+  EXPECT_DOUBLE_EQ(info.focal_35mm.value_or(0), 26);
+  EXPECT_TRUE(fs::exists(images / "masks/IMG_0.jpg.png"));
+}
+
+TEST_F(CaptureProgram, PhotographAsHeicAndAsJpegIsAnInputError) {
+  WritePhotos(8);
+  WriteImage(photos / "p12.heic", MakeTestPhoto(2, 180, 120, TestWall::kDark).image);
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("p12.jpg is there twice, as HEIC and as JPEG"));
+}
+
+TEST_F(CaptureProgram, FilesThatAreNoPhotographsAreNamedInAWarning) {
+  WritePhotos(8);
+  for (const char* name : {"p10.mov", "p11.mov", "p12.mov", "p10.AAE", "notes.txt", ".hidden", "Thumbs.db"}) WriteFile(photos / name, "x");
+  fs::create_directories(photos / "raw");
+  WriteFile(photos / "raw/p10.cr2", "x");
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), HasSubstr("files in photos that are no photographs were left out: 1 .aae (p10.AAE), 1 .cr2 (p10.cr2), "
+                                  "3 .mov (p10.mov, p11.mov ...), 1 .txt (notes.txt)"));
+}
+
+TEST_F(CaptureProgram, OrdinaryFolderGivesNoWarningOfFiles) {
+  WritePhotos(8);
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), testing::Not(HasSubstr("no photographs")));
+}
+
+TEST_F(CaptureProgram, FolderOfRawFilesSaysWhatCanBeRead) {
+  for (const char* name : {"a.NEF", "b.NEF"}) WriteFile(photos / name, "x");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr(".heic"));
+  EXPECT_THAT(outcome.output, HasSubstr("2 .nef (a.NEF, b.NEF); develop RAW files to JPEG"));
+}
+
 TEST_F(CaptureProgram, AppliesExifOrientationToPixels) {
   ExifToWrite exif;
   exif.orientation = 6;

@@ -15,6 +15,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/photograph_files.h"
 #include "core/parallel.h"
 #include "core/stage/stage.h"
 
@@ -83,6 +84,8 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   import.folder = stage.Input("photos");
   import.groups = ListPhotographs(import.folder);
   for (const PhotographGroup& group : import.groups) import.files.insert(import.files.end(), group.files.begin(), group.files.end());
+  if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
+    stage.Warn("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored));
   import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
   import.quarter_turns = QuarterTurns(import.photographs);
@@ -167,7 +170,7 @@ Image8 MaskOf(const Import& import, std::size_t i, const Image8& image) {
 
 void WritePhotograph(const Import& import, std::size_t i, const Image8& image, const fs::path& to, int quality) {
   const ImageInfo info = ReadImageInfo(import.files[i]);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1) {
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !IsHeicName(import.files[i])) {
     std::error_code error;
     fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
     if (error) throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " + error.message());
@@ -331,7 +334,7 @@ const StageSpec kSpec = {
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",
-                .help = "photographs of one pose: JPEG, PNG or TIFF; or subfolders, one for each placement (upright, lying)",
+                .help = "photographs of one pose: JPEG, PNG, TIFF or HEIC; or subfolders, one for each placement (upright, lying)",
                 .file = ""},
                {.name = "masks",
                 .kind = "folder",
@@ -346,7 +349,8 @@ const StageSpec kSpec = {
     .outputs = {{.name = "images", .kind = "folder", .help = "photographs, masks/, capture.json, contact_sheet.jpg", .file = "images"}},
     .tools = {},
     .cores = 0,
-    .memory_gib = 2};
+    .memory_gib = 2,
+    .common = {"max_size", "min_images", "min_sharpness", "board", "board_page"}};
 
 }  // namespace
 

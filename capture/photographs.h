@@ -16,15 +16,22 @@ struct PhotographGroup {
   std::vector<std::filesystem::path> files;  ///< sorted
 };
 
-/// Files of a folder that are JPEG, PNG or TIFF by name; a file background.* is not among them. Where the folder holds none, its subfolders
+/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among them. Where the folder holds none, its subfolders
 /// (but `masks`) are groups, by name. Where names begin with "lying" (any case), these are group "lying" and the others "upright".
 /// @throws InputError  none there, or some in the folder and some in subfolders
 std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 
+/// Files that lie among the photographs and are none, in the folder, its groups and its other subfolders; hidden ones do not count.
+std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder, const std::vector<PhotographGroup>& groups);
+
+/// The name that a photograph gets in the images folder: HEIC becomes .jpg, because nothing after capture reads HEIC.
+std::string WrittenName(const std::filesystem::path& file);
+
 /// The plate beside the photographs (background.jpg, .png, .tif), or empty.
 std::filesystem::path FindBackground(const std::filesystem::path& folder);
 
-/// Reads headers and digests, in parallel. @throws InputError  files that are no images; names all of them
+/// Reads headers and digests, in parallel.
+/// @throws InputError  files that are no images; names all of them. A photograph that is there as HEIC and as JPEG
 std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups);
 
 /// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when there is none.

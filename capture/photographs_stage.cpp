@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 #include "capture/photographs.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/photograph_files.h"
 #include "core/parallel.h"
 
 namespace keypose::capture {
@@ -17,11 +19,6 @@ std::string Lower(std::string text) {
   return text;
 }
 
-bool LooksLikeImage(const fs::path& path) {
-  const std::string extension = Lower(path.extension().string());
-  return extension == ".jpg" || extension == ".jpeg" || extension == ".png" || extension == ".tif" || extension == ".tiff";
-}
-
 std::uint64_t Fnv1a(const std::string& bytes) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
@@ -31,7 +28,7 @@ std::uint64_t Fnv1a(const std::string& bytes) {
 std::vector<fs::path> ImagesIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && LooksLikeImage(entry.path()) && entry.path().filename().string().front() != '.')
+    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path()))
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
@@ -41,7 +38,7 @@ Photograph Inspect(const fs::path& file) {
   const ImageInfo info = ReadImageInfo(file);
   const std::string bytes = ReadFile(file);
   Photograph photograph;
-  photograph.name = file.filename().string();
+  photograph.name = WrittenName(file);
   photograph.width = info.width;
   photograph.height = info.height;
   photograph.digest = Fnv1a(bytes);
@@ -78,13 +75,52 @@ std::vector<PhotographGroup> SplitByName(const fs::path& folder, const std::vect
   return {lying, upright};
 }
 
+/// Two photographs of one name after HEIC became JPEG: a phone or a program has written both.
+void RequireDifferentNames(const std::vector<Photograph>& photographs) {
+  std::set<std::string> names;
+  for (const Photograph& photograph : photographs) {
+    if (names.insert(photograph.name).second) continue;
+    throw InputError("capture: " + photograph.name + " is there twice, as HEIC and as JPEG; leave one of the two kinds out");
+  }
+}
+
+/// Files of the folder that are not among its photographs, masks and plate, and of those of its subfolders that hold no photographs.
+void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::path>* ignored) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
+    if (entry.is_regular_file() && !IsPhotographName(entry.path())) ignored->push_back(entry.path());
+    if (with_subfolders && entry.is_directory() && PhotographsIn(entry.path()).empty()) AddIgnored(entry.path(), true, ignored);
+  }
+}
+
+/// Why nothing was found, and what to do.
+[[noreturn]] void FailForWantOfPhotographs(const fs::path& folder) {
+  const std::vector<fs::path> others = IgnoredFiles(folder, {});
+  const std::string start = "capture: " + folder.string() + " has no photographs (" + kReadablePhotographs + ")";
+  if (others.empty()) throw InputError(start + "; check the folder's path");
+  const std::string cure = CureFor(others);
+  throw InputError(start + "; there are " + KindsOf(others) + "; " + (cure.empty() ? "check the folder's path" : cure));
+}
+
 }  // namespace
+
+std::string WrittenName(const fs::path& file) {
+  return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string();
+}
+
+std::vector<fs::path> IgnoredFiles(const fs::path& folder, const std::vector<PhotographGroup>& groups) {
+  std::vector<fs::path> ignored;
+  AddIgnored(folder, true, &ignored);
+  for (const PhotographGroup& group : groups)
+    if (group.folder != folder) AddIgnored(group.folder, false, &ignored);
+  std::sort(ignored.begin(), ignored.end());
+  return ignored;
+}
 
 std::vector<PhotographGroup> ListPhotographs(const fs::path& folder) {
   const std::vector<fs::path> files = PhotographsIn(folder);
   const std::vector<PhotographGroup> below = GroupsBelow(folder);
-  if (files.empty() && below.empty())
-    throw InputError("capture: " + folder.string() + " has no photographs (.jpg, .jpeg, .png, .tif, .tiff); check the folder's path");
+  if (files.empty() && below.empty()) FailForWantOfPhotographs(folder);
   if (!files.empty() && !below.empty())
     throw InputError("capture: " + folder.string() + " has photographs of its own (" + files.front().filename().string() +
                      ") and in its subfolder " + below.front().name +
@@ -121,6 +157,7 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
     throw InputError("capture: " + std::to_string(faults.size()) + " of " + std::to_string(files.size()) +
                      " photographs cannot be read (truncated, or not images): " + JoinNames(faults) +
                      "; copy them from the camera again, or leave them out");
+  RequireDifferentNames(photographs);
   return photographs;
 }
 

@@ -122,7 +122,8 @@ const StageSpec kSpec = {
     .outputs = {{.name = "clean", .kind = "file", .help = "the closed mesh", .file = "clean.ply"}},
     .tools = {},
     .cores = 1,
-    .memory_gib = 2};
+    .memory_gib = 2,
+    .common = {"faces", "genus", "stand", "keep_components"}};
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "pipeline/work_size.h"
+
 namespace keypose::pipeline {
 namespace {
 
@@ -73,10 +75,10 @@ RunResult Builder::Run(RunRecord record) {
   record_.begin = clock_.Now();
   // Whatever an earlier run left behind: the project is locked, so nobody else is at work here.
   workshop_.disk.Remove(workshop_.state() / "tmp");
-  observer_.Begin(ExpectedSeconds());
+  observer_.Begin(MakeForecast());
   try {
     Loop();
-    observer_.End();
+    EndRun();
     results_.Save();
     workshop_.hasher.Save();
     workshop_.disk.Remove(workshop_.state() / "tmp");
@@ -90,21 +92,43 @@ RunResult Builder::Run(RunRecord record) {
   return result_;
 }
 
-/// From the step's own last run, else from that of the same step on another pose.
-std::map<std::string, double> Builder::ExpectedSeconds() const {
+/// An interrupted run tells nothing but that.
+void Builder::EndRun() {
+  if (result_.code != ExitCode::kInterrupted) record_.ending = EndingOf(plan_, workshop_.disk, results_.out());
+  observer_.End(record_.ending);
+}
+
+/// From the step's own last run, else from that of the same step on another pose, else from what the pipeline file says of its cost.
+Forecast Builder::MakeForecast() const {
   const auto& steps = plan_.graph().steps;
-  std::map<std::string, double> of_rule, expected;
+  const auto may_run = [&](int i) { return plan_[i].wanted && plan_[i].state != StepPlan::State::kDone; };
+  std::map<std::string, double> of_rule;
+  std::map<std::string, int> side_by_side;
   const auto known = [&](int i) { return plan_[i].last && !plan_[i].last->fingerprint.empty(); };
   for (int i = 0; i < plan_.size(); ++i) {
-    if (known(i)) of_rule[steps[static_cast<std::size_t>(i)].rule] = plan_[i].last->seconds;
+    const std::string& rule = steps[static_cast<std::size_t>(i)].rule;
+    if (known(i)) of_rule[rule] = plan_[i].last->seconds;
+    side_by_side[rule] += may_run(i);
   }
+  Forecast forecast;
+  forecast.cores = limits_.cores;
+  WorkSize size(plan_.graph(), workshop_.disk, workshop_.project);
   for (int i = 0; i < plan_.size(); ++i) {
-    if (!plan_[i].wanted || plan_[i].state == StepPlan::State::kDone) continue;
+    if (!may_run(i)) continue;
     const Step& step = steps[static_cast<std::size_t>(i)];
+    Expected& expected = forecast.steps[step.id];
+    expected.threads = std::max(1, limits_.cores / side_by_side[step.rule]);
+    if (step.info.cores > 0) expected.threads = std::min(expected.threads, step.info.cores);
+    for (const int need : step.needs) expected.needs.push_back(steps[static_cast<std::size_t>(need)].id);
     const auto sibling = of_rule.find(step.rule);
-    expected[step.id] = known(i) ? plan_[i].last->seconds : sibling != of_rule.end() ? sibling->second : -1;
+    expected.measured = known(i) || sibling != of_rule.end();
+    if (expected.measured) {
+      expected.seconds = known(i) ? plan_[i].last->seconds : sibling->second;
+    } else if (const double work = size.CoreSeconds(i); work >= 0) {
+      expected.seconds = work / expected.threads;
+    }
   }
-  return expected;
+  return forecast;
 }
 
 void Builder::Loop() {
@@ -216,7 +240,7 @@ std::vector<fs::path> Builder::PathsOf(const Flow& flow, const PortFlows& port, 
   }
   if (flow.kind == Flow::Kind::kRun) {
     workshop_.disk.Write(inputs / "run.json", plan_.RunJson(step));
-    return {port.folder ? inputs : inputs / "run.json"};
+    return {port.kind == PortKind::kFolder ? inputs : inputs / "run.json"};
   }
   return {plan_.SourceOf(flow)};
 }

@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "pipeline/clock.h"
+#include "pipeline/ending.h"
 #include "pipeline/observer.h"
 #include "pipeline/plan.h"
 #include "pipeline/process.h"
@@ -45,7 +46,8 @@ class Builder {
   };
 
   void Loop();
-  std::map<std::string, double> ExpectedSeconds() const;
+  Forecast MakeForecast() const;
+  void EndRun();
   void ReportCached();
   void StartReady();
   bool MayStart(int step, std::int64_t memory) const;

@@ -62,7 +62,7 @@ void ContentHasher::Save() {
   for (const auto& [name, entry] : entries_) memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.hash};
   changed_ = false;
   try {
-    disk_.Write(memory_file_, memory.dump(0));
+    disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));
   } catch (const DiskError&) {
     // Only a memory: on a full or read-only disk the files are read again next time.
   }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "pipeline/terminal.h"
+#include "pipeline/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -23,26 +23,43 @@ std::string FinishedText(const std::string& step, const std::string& status, dou
 class Display : public RunObserver {
  public:
   explicit Display(const Clock& clock) : clock_(clock) {}
-  void Begin(const std::map<std::string, double>& expected_seconds) override { estimate_.Begin(expected_seconds); }
-  void Started(const std::string& step, const std::vector<std::string>&, int) override { estimate_.Started(step, clock_.Now()); }
+  void Begin(const Forecast& forecast) override { estimate_.Begin(forecast); }
+  void Started(const std::string& step, const std::vector<std::string>&, int threads) override {
+    estimate_.Started(step, clock_.Now(), threads);
+  }
   void Progressed(const std::string& step, double fraction, const std::string&) override { estimate_.Progressed(step, fraction); }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     up_to_date_ += status == "cached";
     made_ += status == "made";
+    failed_ += status == "failed";
     estimate_.Finished(step, status == "cached" ? 0 : seconds);
   }
 
  protected:
-  double Percent() const { return 100 * estimate_.Fraction(clock_.Now()); }
+  /// Never falls, though what is left may turn out to be more.
+  double Fraction() { return fraction_ = std::max(fraction_, estimate_.Fraction(clock_.Now())); }
+  /// Rounded down: 100 only when all is done.
+  int Percent() { return static_cast<int>(100 * Fraction()); }
   std::optional<double> SecondsLeft() const { return estimate_.SecondsLeft(clock_.Now()); }
   std::string Summary() const {
     const std::string up_to_date = fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s");
-    return made_ ? fmt::format("{} made, {}", made_, up_to_date) : up_to_date;
+    std::string text = made_ ? fmt::format("{} made, {}", made_, up_to_date) : up_to_date;
+    if (failed_) text += fmt::format(", {} failed", failed_);
+    return text;
+  }
+  /// All that a person shall read when a run ends.
+  std::string Closing(const Ending& ending) const {
+    const std::size_t columns = TerminalColumns();
+    std::string text = Summary() + "\n";
+    for (const std::string& part : {WarningsText(ending, columns), VerdictsText(ending, columns), ResultsText(ending)})
+      text += part.empty() ? "" : "\n" + part;
+    return text;
   }
 
   const Clock& clock_;
   Estimate estimate_;
-  int up_to_date_ = 0, made_ = 0;
+  int up_to_date_ = 0, made_ = 0, failed_ = 0;
+  double fraction_ = 0;
 };
 
 class Lines final : public Display {
@@ -58,23 +75,19 @@ class Lines final : public Display {
     Display::Progressed(step, fraction, what);
     if (clock_.Now() - last_line_[step] < kSecondsBetweenLines) return;
     last_line_[step] = clock_.Now();
-    Print(fmt::format("{} {:.0f} % {}", step, 100 * fraction, what));
+    Print(fmt::format("{} {} % {}", step, static_cast<int>(100 * estimate_.FractionOf(step)), what));
   }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     Display::Finished(step, status, seconds);
     if (status != "cached") Print(FinishedText(step, status, seconds));
   }
   void Note(const std::string& line) override { Print(line); }
-  void End() override { Print(Summary()); }
+  void End(const Ending& ending) override { Say(Closing(ending)); }
 
  private:
   void Print(const std::string& line) {
-    if (estimate_.total() == 0) {
-      std::puts(line.c_str());
-    } else {
-      fmt::print("[{:3.0f} %{}] {}\n", Percent(), Left(SecondsLeft()), line);
-    }
-    std::fflush(stdout);
+    if (estimate_.total() == 0) return Say(line + "\n");
+    Say(fmt::format("[{:3} %{}] {}\n", Percent(), Left(SecondsLeft()), line));
   }
   std::map<std::string, double> last_line_;
 };
@@ -98,49 +111,45 @@ class Bars final : public Display {
   }
   void Note(const std::string& line) override { Above(line); }
   void Tick() override { Draw(); }
-  void End() override {
+  void End(const Ending& ending) override {
     running_.clear();
-    Clear();
-    std::puts(Summary().c_str());
+    Say(Cleared() + Closing(ending));
   }
 
  private:
   void Above(const std::string& line) {
-    Clear();
-    std::puts(line.c_str());
+    Say(Cleared() + line + "\n");
     Draw();
   }
-  void Clear() {
-    if (drawn_ > 0) fmt::print("\x1b[{}A\x1b[J", drawn_);
+  /// What takes the bars off the screen.
+  std::string Cleared() {
+    const std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A\x1b[J", drawn_) : "";
     drawn_ = 0;
+    return text;
   }
   static std::string Bar(double fraction) {
     constexpr int kWidth = 24;
     const int full = static_cast<int>(fraction * kWidth + 0.5);
     return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
   }
-  static std::size_t Columns() {
-    winsize size{};
-    return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
-  }
+  /// As one write, so that the bars do not flicker.
   void Draw() {
-    Clear();
-    const std::size_t columns = Columns();
-    const auto print = [&](std::string line) {
-      if (line.size() >= columns) line.resize(columns - 1);
-      std::puts(line.c_str());
+    std::string text = Cleared();
+    const std::size_t columns = TerminalColumns() > 0 ? TerminalColumns() : 80;
+    const auto add = [&](const std::string& line) {
+      text += CutTo(line, columns - 1) + "\n";
       ++drawn_;
     };
     for (const auto& [step, state] : running_) {
       const double fraction = estimate_.FractionOf(step);
-      print(fmt::format("{} {:3.0f} % {:<20} {} {}", Bar(fraction), 100 * fraction, step, DurationText(clock_.Now() - state.first),
-                        state.second));
+      add(fmt::format("{} {:3} % {:<20} {} {}", Bar(fraction), static_cast<int>(100 * fraction), step,
+                      DurationText(clock_.Now() - state.first), state.second));
     }
     if (!running_.empty()) {
-      print(fmt::format("{} {:3.0f} % of all, {} of {} steps{}", Bar(Percent() / 100), Percent(), estimate_.finished(), estimate_.total(),
-                        Left(SecondsLeft())));
+      add(fmt::format("{} {:3} % of all, {} of {} steps{}", Bar(Fraction()), Percent(), estimate_.finished(), estimate_.total(),
+                      Left(SecondsLeft())));
     }
-    std::fflush(stdout);
+    Say(text);
   }
   std::map<std::string, std::pair<double, std::string>> running_;
   int drawn_ = 0;
@@ -149,9 +158,9 @@ class Bars final : public Display {
 class JsonLines final : public Display {
  public:
   using Display::Display;
-  void Begin(const std::map<std::string, double>& expected_seconds) override {
-    Display::Begin(expected_seconds);
-    Print({{"event", "begin"}, {"steps_to_run", expected_seconds.size()}});
+  void Begin(const Forecast& forecast) override {
+    Display::Begin(forecast);
+    Print({{"event", "begin"}, {"steps_to_run", forecast.steps.size()}});
   }
   void Started(const std::string& step, const std::vector<std::string>& reasons, int threads) override {
     Display::Started(step, reasons, threads);
@@ -166,14 +175,26 @@ class JsonLines final : public Display {
     Print({{"event", "finish"}, {"step", step}, {"status", status}, {"seconds", seconds}});
   }
   void Note(const std::string& line) override { Print({{"event", "note"}, {"text", line}}); }
-  void End() override { Print({{"event", "end"}}); }
+  void End(const Ending& ending) override {
+    PrintAll("warning", ending.warnings);
+    PrintAll("verdict", ending.verdicts);
+    PrintAll("result", ending.results);
+    Print({{"event", "end"}});
+  }
 
  private:
+  template <class Items>
+  void PrintAll(const std::string& event, const Items& items) {
+    for (const auto& item : items) {
+      nlohmann::json line = ToJson(item);
+      line["event"] = event;
+      Print(std::move(line));
+    }
+  }
   void Print(nlohmann::json line) {
-    line["overall"] = Percent() / 100;
+    line["overall"] = Fraction();
     if (const auto left = SecondsLeft()) line["seconds_left"] = *left;
-    std::puts(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
-    std::fflush(stdout);
+    Say(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
 };
 

@@ -8,7 +8,9 @@
 #include <set>
 
 #include "core/errors.h"
+#include "pipeline/project_paths.h"
 #include "pipeline/references.h"
+#include "pipeline/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -57,7 +59,7 @@ void CheckOptionSteps(const PipelineFile& file, const StepOptionSettings& option
 
 fs::path ProgramOf(const StepRule& rule, const Places& places, const Disk& disk) {
   if (rule.program) {
-    const fs::path program = (places.project / rule.program->text).lexically_normal();
+    const fs::path program = (places.project / WithHome(rule.program->text)).lexically_normal();
     const auto stat = disk.Stat(program);
     if (!stat || stat->folder) Fail(rule.program->where, fmt::format("step '{}': there is no program {}", rule.name, program.string()));
     return program;
@@ -88,6 +90,7 @@ class GraphBuilder {
     for (std::size_t i = 0; i < graph_.steps.size(); ++i) {
       SetOptions(*rule_of_[i], &graph_.steps[i]);
       SetResults(*rule_of_[i], &graph_.steps[i]);
+      SetShown(*rule_of_[i], &graph_.steps[i]);
     }
     SortByNeeds();
     CheckResults();
@@ -108,8 +111,19 @@ class GraphBuilder {
     graph_.timeline_json = file_.timeline_json;
     for (const TimelineKey& key : file_.timeline) graph_.keys.push_back(key.pose.text);
     if (graph_.keys.empty()) graph_.keys = graph_.poses;
+    CheckPhotographs();
     CheckOptionSteps(file_, file_.options);
     for (const PoseRule& pose : file_.poses) CheckOptionSteps(file_, pose.options);
+  }
+
+  void CheckPhotographs() const {
+    std::vector<PhotoFolder> folders;
+    for (const PoseRule& pose : file_.poses) {
+      const fs::path folder = places_.project / OnDisk(disk_, places_.project, PhotographsOf(pose));
+      folders.push_back({pose.name, folder.lexically_normal()});
+      if (!folders.back().folder.has_filename()) folders.back().folder = folders.back().folder.parent_path();
+      if (const std::string fault = SharedPhotographs(folders); !fault.empty()) Fail(pose.where, fault);
+    }
   }
 
   void LoadStages() {
@@ -128,6 +142,7 @@ class GraphBuilder {
     step.id = pose.empty() ? rule.name : rule.name + "/" + pose;
     step.program = program_of_.at(rule.name);
     step.info = catalog_.Get(step.program);
+    step.cost = rule.cost;
     step.where = rule.where;
     graph_.steps.push_back(std::move(step));
     rule_of_.push_back(&rule);
@@ -185,6 +200,26 @@ class GraphBuilder {
     }
   }
 
+  /// A path below out/ with the names of poses filled in.
+  std::string WithNames(std::string path, const Step& step) const {
+    for (const auto& [word, value] : {std::pair<std::string, std::string>{"{pose}", step.pose}, {"{template}", graph_.template_pose}}) {
+      for (std::size_t at; (at = path.find(word)) != std::string::npos;) path.replace(at, word.size(), value);
+    }
+    return path;
+  }
+
+  void SetShown(const StepRule& rule, Step* step) const {
+    for (const ShownSetting& shown : rule.show) {
+      const fs::path path = fs::path(WithNames(shown.path.text, *step)).lexically_normal();
+      const auto holds = [&](const NamedResult& result) {
+        return std::mismatch(result.path.begin(), result.path.end(), path.begin(), path.end()).first == result.path.end();
+      };
+      if (std::none_of(step->results.begin(), step->results.end(), holds))
+        Fail(shown.path.where, fmt::format("step '{}' shows {}, which is not among its results (`out`)", step->rule, path.string()));
+      step->shown.push_back({path, shown.label});
+    }
+  }
+
   void SetResults(const StepRule& rule, Step* step) const {
     for (const auto& [port_text, path_text] : rule.out) {
       const auto slash = port_text.find('/');
@@ -198,10 +233,7 @@ class GraphBuilder {
       if (!port)
         Fail(result.where, fmt::format("step '{}': stage '{}' has no output '{}'{}", step->rule, step->info.stage, result.port,
                                        Suggestion(result.port, known)));
-      std::string path = path_text.text;
-      for (const auto& [word, value] : {std::pair<std::string, std::string>{"{pose}", step->pose}, {"{template}", graph_.template_pose}}) {
-        for (std::size_t at; (at = path.find(word)) != std::string::npos;) path.replace(at, word.size(), value);
-      }
+      const std::string path = WithNames(path_text.text, *step);
       result.path = fs::path(path).lexically_normal();
       const bool inside_out = !path.empty() && !result.path.is_absolute() && *result.path.begin() != ".." && result.path != ".";
       if (!inside_out) Fail(result.where, fmt::format("step '{}': the result path '{}' must lie inside out/", step->rule, path_text.text));
@@ -283,7 +315,8 @@ class GraphBuilder {
 
 }  // namespace
 
-std::vector<int> Graph::Find(const std::string& selector) const {
+std::vector<int> Graph::Find(const std::string& text) const {
+  const std::string selector = Composed(text);
   std::vector<int> found;
   std::vector<std::string> known;
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -302,7 +335,7 @@ Override ParseOverride(const std::string& text) {
     throw UsageError(fmt::format("--set {}: write it as STEP.OPTION=VALUE or STEP/POSE.OPTION=VALUE", text));
   }
   Override result;
-  const std::string step = text.substr(0, dot);
+  const std::string step = Composed(text.substr(0, dot));
   const auto slash = step.find('/');
   result.step = step.substr(0, slash);
   if (slash != std::string::npos) result.pose = step.substr(slash + 1);

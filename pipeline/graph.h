@@ -24,12 +24,13 @@ struct Flow {
   std::string port;            ///< kOutput
   std::filesystem::path path;  ///< kSource: as the file has it, relative to the project
   std::string origin;          ///< for people: "photos/bent", "sfm/bent.model", "the timeline"
+  bool photographs = false;    ///< kSource: the photographs of a pose
   Where where;
 };
 
 struct PortFlows {
   std::string port;
-  bool folder = false;
+  PortKind kind = PortKind::kFile;
   std::vector<Flow> flows;  ///< at least one
 };
 
@@ -38,6 +39,12 @@ struct NamedResult {
   std::string port, inside;    ///< `inside`: one file of a folder port, or empty
   std::filesystem::path path;  ///< relative to out/
   Where where;
+};
+
+/// What a run's end tells of: a file or folder among the step's results.
+struct ShownResult {
+  std::filesystem::path path;  ///< relative to out/
+  std::string label;           ///< for people: "the animation"
 };
 
 struct Step {
@@ -50,6 +57,8 @@ struct Step {
   std::vector<PortFlows> inputs;               ///< in the stage's order of ports
   std::map<std::string, std::string> options;  ///< all of them, canonical
   std::vector<NamedResult> results;
+  std::vector<ShownResult> shown;
+  std::optional<Cost> cost;
   std::vector<int> needs;  ///< indices of the steps it takes from, ascending
   Where where;
 };
@@ -64,7 +73,7 @@ struct Graph {
   std::vector<Step> steps;         ///< each after all that it needs
 
   /// Steps that a person means by STEP or STEP/POSE, ascending. @throws UsageError  none, with the nearest
-  std::vector<int> Find(const std::string& selector) const;
+  std::vector<int> Find(const std::string& text) const;
 };
 
 /// --set STEP.OPTION=V or STEP/POSE.OPTION=V

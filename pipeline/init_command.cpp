@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 
+#include "core/io/photograph_files.h"
 #include "pipeline/commands.h"
 #include "pipeline/pipeline_file.h"
+#include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
+#include "pipeline/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -17,6 +19,8 @@ namespace fs = std::filesystem;
 struct NewPose {
   std::string name;
   fs::path photos;
+  std::vector<fs::path> files;    ///< to copy: photographs, and masks beside them; relative to `photos`
+  std::vector<fs::path> ignored;  ///< what is no photograph
 };
 
 NewPose ParsePose(const std::string& text) {
@@ -24,13 +28,40 @@ NewPose ParsePose(const std::string& text) {
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
     throw UsageError(fmt::format("--pose {}: write it as NAME=PHOTO_DIR, as in --pose rest=~/photos/rest", text));
   }
-  NewPose pose{text.substr(0, equals), text.substr(equals + 1)};
-  const bool fine = pose.name[0] != '-' && std::all_of(pose.name.begin(), pose.name.end(),
-                                                       [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
-  if (!fine) throw UsageError(fmt::format("--pose {}: a pose's name may have letters, digits, '-' and '_' only", text));
+  NewPose pose{Composed(text.substr(0, equals)), WithHome(text.substr(equals + 1)), {}, {}};
+  if (!IsName(pose.name)) throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
+  pose.photos = OnDisk(RealDisk(), "", pose.photos);
   if (!fs::is_directory(pose.photos))
     throw InputError(fmt::format("--pose {}: {} is not a folder; name the folder of this pose's photographs", text, pose.photos.string()));
   return pose;
+}
+
+bool IsMask(const fs::path& file) { return file.has_parent_path() && file.parent_path().filename() == "masks"; }
+
+/// What to copy and what not. @throws InputError  there is no photograph; with what is there instead, and the cure
+void Sort(const RealDisk& disk, NewPose* pose) {
+  bool any = false;
+  for (const fs::path file : disk.FilesBelow(pose->photos)) {
+    const bool litter = std::any_of(file.begin(), file.end(), [](const fs::path& part) { return IsLitterName(part); });
+    if (litter) continue;
+    if (!IsUtf8(file.string()))
+      throw InputError(
+          fmt::format("--pose {}: the name of the file {} is not UTF-8 text; rename it", pose->name, (pose->photos / file).string()));
+    (IsPhotographName(file) ? pose->files : pose->ignored).push_back(file);
+    any = any || (IsPhotographName(file) && !IsMask(file));
+  }
+  if (any) return;
+  const std::string start = fmt::format("--pose {}: {} ", pose->name, pose->photos.string());
+  if (pose->ignored.empty()) throw InputError(start + "has no photographs; name the folder that they are in");
+  const std::string cure = CureFor(pose->ignored);
+  throw InputError(fmt::format("{}has no photographs that can be read ({}); there are {}; {}", start, kReadablePhotographs,
+                               KindsOf(pose->ignored), cure.empty() ? "name the folder that has the photographs" : cure));
+}
+
+void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
+  std::vector<PhotoFolder> folders;
+  for (const NewPose& pose : poses) folders.push_back({pose.name, fs::canonical(pose.photos)});
+  if (const std::string fault = SharedPhotographs(folders); !fault.empty()) throw UsageError("--pose: " + fault);
 }
 
 /// The folder's name without what would need escapes in YAML.
@@ -56,7 +87,7 @@ std::string PipelineText(const std::string& name, const std::vector<NewPose>& po
 }  // namespace
 
 ExitCode InitCommand(const InitOptions& options) {
-  const fs::path folder = fs::absolute(options.folder).lexically_normal();
+  const fs::path folder = fs::absolute(WithHome(options.folder)).lexically_normal();
   if (options.poses.empty()) throw UsageError("init needs at least one --pose NAME=PHOTO_DIR");
   std::vector<NewPose> poses;
   for (const std::string& text : options.poses) {
@@ -65,7 +96,7 @@ ExitCode InitCommand(const InitOptions& options) {
       if (poses[i].name == poses.back().name) throw UsageError(fmt::format("--pose {}: there are two poses of that name", text));
     }
   }
-  const std::string template_pose = options.template_pose.empty() ? poses[0].name : options.template_pose;
+  const std::string template_pose = options.template_pose.empty() ? poses[0].name : Composed(options.template_pose);
   if (std::none_of(poses.begin(), poses.end(), [&](const NewPose& pose) { return pose.name == template_pose; })) {
     throw UsageError(fmt::format("--template {}: there is no pose of that name", template_pose));
   }
@@ -73,19 +104,18 @@ ExitCode InitCommand(const InitOptions& options) {
     throw UsageError(
         fmt::format("{} exists already and is not an empty folder; choose another name, or edit its pipeline.yaml", folder.string()));
   }
+  RequireFoldersOfTheirOwn(poses);
   RealDisk disk;
-  int count = 0;
+  for (NewPose& pose : poses) Sort(disk, &pose);
   for (const NewPose& pose : poses) {
-    for (const std::string& name : disk.FilesBelow(pose.photos)) {
-      disk.Copy(pose.photos / name, folder / "photos" / pose.name / name);
-      ++count;
-    }
-    disk.MakeFolder(folder / "photos" / pose.name);
+    for (const fs::path& file : pose.files) disk.Copy(pose.photos / file, folder / "photos" / pose.name / file);
+    fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(), pose.files.size() == 1 ? "" : "s",
+               (folder / "photos" / pose.name).string());
+    if (!pose.ignored.empty()) fmt::print("  not copied, because these are no photographs that can be read: {}\n", KindsOf(pose.ignored));
   }
   // Last, so that a folder with a pipeline.yaml is a whole project.
   disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
-  fmt::print("{}: {} file{} copied; the photographs you named stay as they are\nnext: keypose run -C {}\n", folder.string(), count,
-             count == 1 ? "" : "s", options.folder);
+  fmt::print("the photographs that you named stay as they are\nnext: keypose run -C {}\n", ShellWord(options.folder));
   return ExitCode::kOk;
 }
 

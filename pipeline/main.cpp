@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <system_error>
 
 #include "pipeline/commands.h"
 #include "pipeline/session.h"
@@ -172,17 +173,27 @@ class CommandLine {
   int keep_runs_ = 10;
 };
 
+void Complain(const std::string& line) { std::fputs(("keypose: " + line + "\n").c_str(), stderr); }
+
+int Bug(const std::exception& error) {
+  Complain(fmt::format("a bug: {}\nplease report it with the command that you gave", error.what()));
+  return static_cast<int>(ExitCode::kBug);
+}
+
 int Main(int argc, char** argv) {
   try {
     if (MeansStage(argc, argv)) BecomeStage(argv);
     return static_cast<int>(CommandLine(argc, argv).Run(argc, argv));
   } catch (const Error& error) {
     std::fflush(stdout);
-    fmt::print(stderr, "keypose: {}{}\n", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what());
+    Complain(fmt::format("{}{}", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what()));
     return static_cast<int>(error.code());
+  } catch (const std::system_error& error) {
+    // Whoever read our output has seen enough, as `head` has.
+    if (error.code() == std::errc::broken_pipe) return static_cast<int>(ExitCode::kOk);
+    return Bug(error);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "keypose: a bug: {}\nplease report it with the command that you gave\n", error.what());
-    return static_cast<int>(ExitCode::kBug);
+    return Bug(error);
   }
 }
 

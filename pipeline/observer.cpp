@@ -4,22 +4,57 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace keypose::pipeline {
+namespace {
 
-void Estimate::Begin(const std::map<std::string, double>& expected_seconds) {
+/// A stage at work is never shown as done: its results still have to be written and hashed.
+constexpr double kAlmost = 0.99;
+/// Progress from which a step's own pace counts.
+constexpr double kUnderWay = 0.02;
+
+}  // namespace
+
+void Estimate::Begin(const Forecast& forecast) {
   steps_.clear();
-  for (const auto& [step, seconds] : expected_seconds) steps_[step].expected = seconds;
+  cores_ = std::max(1, forecast.cores);
+  double sum = 0;
+  int known = 0;
+  for (const auto& [step, expected] : forecast.steps) {
+    steps_[step].expected = expected;
+    if (expected.seconds < 0) continue;
+    sum += expected.seconds;
+    ++known;
+  }
+  // A step of which nothing is known counts as an average one: better than no time for all the others.
+  for (auto& [step, item] : steps_) {
+    if (item.expected.seconds >= 0 || known == 0) continue;
+    item.expected.seconds = sum / known;
+    item.expected.measured = false;
+  }
 }
 
-void Estimate::Started(const std::string& step, double now) { steps_[step].begin = now; }
+void Estimate::Started(const std::string& step, double now, int threads) {
+  Item& item = steps_[step];
+  item.begin = now;
+  if (!item.expected.measured && item.expected.seconds >= 0)
+    item.expected.seconds *= static_cast<double>(item.expected.threads) / std::max(1, threads);
+  item.expected.threads = std::max(1, threads);
+}
+
 void Estimate::Progressed(const std::string& step, double fraction) { steps_[step].fraction = std::max(steps_[step].fraction, fraction); }
 
 void Estimate::Finished(const std::string& step, double seconds) {
   const auto it = steps_.find(step);
   if (it == steps_.end()) return;  // it was up to date from the start
-  it->second.finished = true;
-  it->second.expected = seconds;
+  Item& item = it->second;
+  if (!item.expected.measured && item.expected.seconds >= 0 && item.begin >= 0) {
+    guessed_ += item.expected.seconds;
+    took_ += seconds;
+  }
+  item.finished = true;
+  item.expected.seconds = seconds;
 }
 
 int Estimate::finished() const {
@@ -28,26 +63,33 @@ int Estimate::finished() const {
 
 double Estimate::FractionOf(const std::string& step) const {
   const auto it = steps_.find(step);
-  return it == steps_.end() ? 0 : it->second.fraction;
+  return it == steps_.end() ? 0 : std::min(kAlmost, it->second.fraction);
 }
-
-bool Estimate::Known(const Item& item) const { return item.finished || item.expected >= 0 || item.fraction > 0.02; }
 
 bool Estimate::AllKnown() const {
-  return std::all_of(steps_.begin(), steps_.end(), [&](const auto& step) { return Known(step.second); });
+  return std::all_of(steps_.begin(), steps_.end(), [](const auto& step) {
+    return step.second.finished || step.second.expected.seconds >= 0 || step.second.fraction > kUnderWay;
+  });
 }
 
-double Estimate::Duration(const Item& item, double now) const {
-  if (item.begin < 0 || item.finished) return item.expected;
+/// How much longer than guessed the finished steps took; cautious while these were short.
+double Estimate::Pace() const {
+  constexpr double kDoubt = 5;  // [s] that count as guessed rightly
+  return std::clamp((took_ + kDoubt) / (guessed_ + kDoubt), 0.1, 20.0);
+}
+
+double Estimate::Duration(const Item& item, double now, double pace) const {
+  const double guess = item.expected.measured || item.finished ? item.expected.seconds : item.expected.seconds * pace;
+  if (item.begin < 0 || item.finished) return guess;
   const double elapsed = now - item.begin;
   // The further a step is, the more its own pace counts.
-  const double pace = item.fraction > 0.02 ? elapsed / item.fraction : item.expected;
-  const double expected = item.expected >= 0 ? item.expected : pace;
-  return std::max(elapsed, (1 - item.fraction) * expected + item.fraction * pace);
+  const double own = item.fraction > kUnderWay ? elapsed / item.fraction : guess;
+  const double before = guess >= 0 ? guess : own;
+  return std::max(elapsed, (1 - item.fraction) * before + item.fraction * own);
 }
 
-double Estimate::Done(const Item& item, double now) const {
-  const double duration = Duration(item, now);
+double Estimate::Done(const Item& item, double now, double pace) const {
+  const double duration = Duration(item, now, pace);
   if (item.finished) return duration;
   if (item.begin < 0) return 0;
   if (item.fraction > 0) return item.fraction * duration;
@@ -55,24 +97,43 @@ double Estimate::Done(const Item& item, double now) const {
 }
 
 double Estimate::Fraction(double now) const {
-  double all = 0, done = 0;
   const bool in_seconds = AllKnown();
+  const double pace = Pace();
+  double all = 0, done = 0;
   for (const auto& [step, item] : steps_) {
-    all += in_seconds ? Duration(item, now) : 1;
-    done += in_seconds ? Done(item, now) : item.finished ? 1 : item.fraction;
+    const int threads = item.expected.threads;
+    all += in_seconds ? threads * Duration(item, now, pace) : 1;
+    done += in_seconds ? threads * Done(item, now, pace) : item.finished ? 1 : item.fraction;
   }
-  return all > 0 ? std::clamp(done / all, 0.0, 1.0) : 1;
+  if (finished() == total()) return 1;
+  return all > 0 ? std::clamp(done / all, 0.0, kAlmost) : 0;
+}
+
+/// Seconds of the unfinished steps that must run one after the other.
+double Estimate::LongestChain(double now, double pace) const {
+  std::map<std::string, double> chains;
+  const std::function<double(const std::string&)> chain = [&](const std::string& step) -> double {
+    const auto it = steps_.find(step);
+    if (it == steps_.end()) return 0;
+    if (const auto known = chains.find(step); known != chains.end()) return known->second;
+    double before = 0;
+    for (const std::string& need : it->second.expected.needs) before = std::max(before, chain(need));
+    return chains[step] = before + Duration(it->second, now, pace) - Done(it->second, now, pace);
+  };
+  double longest = 0;
+  for (const auto& [step, item] : steps_) longest = std::max(longest, chain(step));
+  return longest;
 }
 
 std::optional<double> Estimate::SecondsLeft(double now) const {
   if (!AllKnown()) return std::nullopt;
-  double left = 0;
-  int running = 0;
+  const double pace = Pace();
+  double work = 0;
   for (const auto& [step, item] : steps_) {
-    left += Duration(item, now) - Done(item, now);
-    running += item.begin >= 0 && !item.finished;
+    const double left = Duration(item, now, pace) - Done(item, now, pace);
+    work += left * std::min(item.expected.threads, cores_);
   }
-  return std::max(0.0, left / std::max(1, running));
+  return std::max({0.0, work / cores_, LongestChain(now, pace)});
 }
 
 std::string DurationText(double seconds) {

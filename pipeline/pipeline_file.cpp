@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/io/timeline.h"
 #include "pipeline/stage_info.h"
+#include "pipeline/text.h"
 #include "pipeline/timeline_yaml.h"
 
 namespace keypose::pipeline {
@@ -51,10 +52,8 @@ class Reader {
   }
 
   void CheckName(const YAML::Node& key, const std::string& what) const {
-    const std::string name = key.Scalar();
-    const bool fine = !name.empty() && name[0] != '-' &&
-                      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
-    if (!fine) Fail(key, fmt::format("{} '{}' may have letters, digits, '-' and '_' only, because folders are named by it", what, name));
+    if (IsName(key.Scalar())) return;
+    Fail(key, fmt::format("{} '{}' may have {}, because folders are named by it", what, key.Scalar(), kNameRule));
   }
 
   OptionSettings Options(const YAML::Node& node, const std::string& what) const {
@@ -91,10 +90,12 @@ class Reader {
         pose.background = Text(value, field);
       else if (field == "landmarks")
         pose.landmarks = Text(value, field);
+      else if (field == "cameras")
+        pose.cameras = Text(value, field);
       else if (field == "options")
         pose.options = StepOptions(value, what + ".options");
       else
-        Unknown(field_key, what, {"photos", "masks", "background", "landmarks", "options"});
+        Unknown(field_key, what, {"photos", "masks", "background", "landmarks", "cameras", "options"});
     });
     return pose;
   }
@@ -115,13 +116,20 @@ class Reader {
     return fps;
   }
 
+  /// The name of a pose in one spelling of its letters, as all names of poses are compared.
+  Setting PoseName(const YAML::Node& node, const std::string& what) const {
+    Setting setting = Text(node, what);
+    setting.text = Composed(setting.text);
+    return setting;
+  }
+
   /// Pose and time; the rest is for those who read the timeline, and checked by CheckTimeline.
   TimelineKey Key(const YAML::Node& node) const {
-    if (node.IsScalar()) return {Text(node, "timeline"), std::nullopt};
+    if (node.IsScalar()) return {PoseName(node, "timeline"), std::nullopt};
     TimelineKey key;
     Map(node, "a timeline key", [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
       if (field == "pose")
-        key.pose = Text(value, "timeline pose");
+        key.pose = PoseName(value, "timeline pose");
       else if (field == "at")
         key.at_s = Number(value, "timeline 'at'");
       else if (field == "time")
@@ -220,6 +228,27 @@ class Reader {
     return setting.text == "true";
   }
 
+  std::vector<ShownSetting> Shown(const YAML::Node& node, const std::string& what) const {
+    std::vector<ShownSetting> shown;
+    Map(node, what, [&](const std::string& path, const YAML::Node& key, const YAML::Node& value) {
+      shown.push_back({{path, At(key)}, Text(value, what + "." + path).text});
+    });
+    return shown;
+  }
+
+  Cost CostOf(const YAML::Node& node, const std::string& what) const {
+    Cost cost;
+    const std::map<std::string, double*> fields = {
+        {"fixed", &cost.fixed}, {"photograph", &cost.photograph}, {"megapixel", &cost.megapixel}};
+    Map(node, what, [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+      const auto it = fields.find(field);
+      if (it == fields.end()) Unknown(key, what, {"fixed", "photograph", "megapixel"});
+      *it->second = Number(value, what + "." + field);
+      if (*it->second < 0) Fail(value, fmt::format("{}.{} is {}, but it must not be negative", what, field, *it->second));
+    });
+    return cost;
+  }
+
   StepRule Step(const std::string& name, const YAML::Node& key, const YAML::Node& node) const {
     CheckName(key, "the step name");
     StepRule step;
@@ -243,8 +272,12 @@ class Reader {
         });
       else if (field == "out")
         step.out = Options(value, what + ".out");
+      else if (field == "show")
+        step.show = Shown(value, what + ".show");
+      else if (field == "cost")
+        step.cost = CostOf(value, what + ".cost");
       else
-        Unknown(field_key, what, {"stage", "program", "for", "enabled", "inputs", "options", "out"});
+        Unknown(field_key, what, {"stage", "program", "for", "enabled", "inputs", "options", "out", "show", "cost"});
     });
     return step;
   }
@@ -256,7 +289,7 @@ class Reader {
       if (field == "name")
         file.name = Text(value, field);
       else if (field == "template")
-        file.template_pose = Text(value, field);
+        file.template_pose = PoseName(value, field);
       else if (field == "timeline")
         file.timeline = Timeline(value), timeline.reset(value);
       else if (field == "fps")
@@ -265,7 +298,8 @@ class Reader {
         file.options = StepOptions(value, "options");
       else if (field == "poses")
         Map(value, "poses", [&](const std::string& name, const YAML::Node& pose_key, const YAML::Node& pose) {
-          file.poses.push_back(Pose(name, pose_key, pose));
+          file.poses.push_back(Pose(Composed(name), pose_key, pose));
+          if (file.FindPose(Composed(name)) != &file.poses.back()) Fail(pose_key, fmt::format("poses has the pose '{}' twice", name));
         });
       else if (field == "steps")
         Map(value, "steps", [&](const std::string& name, const YAML::Node& step_key, const YAML::Node& step) {
@@ -294,6 +328,8 @@ void OverlayStep(const StepRule& over, StepRule* step) {
   for (const auto& [port, rule] : over.inputs) step->inputs[port] = rule;
   for (const auto& [name, value] : over.options) step->options[name] = value;
   for (const auto& [port, path] : over.out) step->out[port] = path;
+  if (!over.show.empty()) step->show = over.show;
+  if (over.cost || over.stage || over.program) step->cost = over.cost;
 }
 
 }  // namespace

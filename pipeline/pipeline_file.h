@@ -46,6 +46,18 @@ struct InputRule {
   Where where;
 };
 
+/// What a step takes on a machine like that on which the figures were measured, by the photographs that it goes back to. Only for the time
+/// left on a first run: later ones go by the seconds of earlier ones.
+struct Cost {
+  double fixed = 0, photograph = 0, megapixel = 0;  ///< [s] of one core: at all; for each photograph; for each megapixel of them
+};
+
+/// A result that a person wants to know of when a run ends.
+struct ShownSetting {
+  Setting path;  ///< below out/
+  std::string label;
+};
+
 struct StepRule {
   std::string name;
   Where where;
@@ -56,12 +68,14 @@ struct StepRule {
   std::map<std::string, InputRule> inputs;
   OptionSettings options;
   std::map<std::string, Setting> out;  ///< output port, or PORT/FILE of a folder -> path below out/
+  std::vector<ShownSetting> show;      ///< in the order of the file
+  std::optional<Cost> cost;
 };
 
 struct PoseRule {
   std::string name;
   Where where;
-  std::optional<Setting> photos, masks, background, landmarks;
+  std::optional<Setting> photos, masks, background, landmarks, cameras;
   StepOptionSettings options;
 };
 

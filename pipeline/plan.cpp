@@ -74,10 +74,10 @@ void Plan::CheckSources() const {
         const std::string start = fmt::format("{}: step '{}' reads {}, ", flow.where.Text(), graph_.steps[i].id, flow.origin);
         if (!stat)
           throw InputError(start + fmt::format("which does not exist; put it at {}, or correct the line", SourceOf(flow).string()));
-        if (stat->folder != port.folder) {
-          throw InputError(start + fmt::format("which is a {}, but '{}' must be a {}", stat->folder ? "folder" : "file", port.port,
-                                               port.folder ? "folder" : "file"));
-        }
+        const bool wants_folder = port.kind == PortKind::kFolder;
+        if (port.kind == PortKind::kEither || stat->folder == wants_folder) continue;
+        throw InputError(start + fmt::format("which is a {}, but '{}' must be a {}", stat->folder ? "folder" : "file", port.port,
+                                             wants_folder ? "folder" : "file"));
       }
     }
   }

@@ -11,6 +11,8 @@
 #include "pipeline/observer.h"
 #include "pipeline/project_lock.h"
 #include "pipeline/session.h"
+#include "pipeline/terminal.h"
+#include "pipeline/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -65,12 +67,16 @@ ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>
   const Plan plan(session.graph(), session.workshop(), {});
   session.workshop().hasher.Save();
   std::size_t width = 0;
-  for (const Step& step : session.graph().steps) width = std::max(width, step.id.size());
+  for (const Step& step : session.graph().steps) width = std::max(width, WidthOf(step.id));
   for (int i = 0; i < plan.size(); ++i) {
-    std::string line = fmt::format("{:<{}}  {}", session.graph().steps[static_cast<std::size_t>(i)].id, width, StatusText(plan, i));
+    const std::string& id = session.graph().steps[static_cast<std::size_t>(i)].id;
+    std::string line = id + std::string(width - WidthOf(id), ' ') + "  " + StatusText(plan, i);
     line.erase(line.find_last_not_of(' ') + 1);
     fmt::print("{}\n", line);
   }
+  const Ending ending = EndingOf(plan, session.disk(), session.out());
+  if (!ending.verdicts.empty()) fmt::print("\n{}", VerdictsText(ending, TerminalColumns()));
+  if (!ending.warnings.empty()) fmt::print("\n{} of the steps that are up to date; `keypose run` ends with them\n", WarningCount(ending));
   return ExitCode::kOk;
 }
 

@@ -62,13 +62,21 @@ void Records::Save(const RunRecord& run) {
                      {"peak_bytes", step.peak_bytes},
                      {"reasons", step.reasons}});
   }
+  const auto list = [](const auto& items) {
+    json all = json::array();
+    for (const auto& item : items) all.push_back(ToJson(item));
+    return all;
+  };
   const json value = {{"schema", 1},
                       {"begin", TimeText(run.begin)},
                       {"seconds", run.end - run.begin},
                       {"command", run.command},
                       {"host", run.host},
                       {"exit_code", run.exit_code},
-                      {"steps", steps}};
+                      {"steps", steps},
+                      {"warnings", list(run.ending.warnings)},
+                      {"verdicts", list(run.ending.verdicts)},
+                      {"results", list(run.ending.results)}};
   disk_.Write(state_folder_ / "runs" / (run.name + ".json"), value.dump(1, ' ', false, json::error_handler_t::replace));
 }
 

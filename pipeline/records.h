@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/disk.h"
+#include "pipeline/ending.h"
 #include "pipeline/recipe.h"
 
 namespace keypose::pipeline {
@@ -43,6 +44,7 @@ struct RunRecord {
   std::string command, host;
   int exit_code = 0;
   std::vector<RunStep> steps;
+  Ending ending;
 };
 
 class Records {

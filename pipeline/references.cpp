@@ -5,24 +5,29 @@
 #include <algorithm>
 
 #include "core/errors.h"
+#include "pipeline/project_paths.h"
 
 namespace keypose::pipeline {
 namespace {
 
 [[noreturn]] void Fail(const Where& where, const std::string& message) { throw UsageError(fmt::format("{}: {}", where.Text(), message)); }
 
-Flow Source(const Setting& path) {
+bool IsPath(const std::string& text) {
+  return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") || text.starts_with("~");
+}
+
+}  // namespace
+
+std::string PhotographsOf(const PoseRule& pose) { return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name); }
+
+Flow References::Source(const Setting& path) const {
   Flow flow;
   flow.kind = Flow::Kind::kSource;
-  flow.path = std::filesystem::path(path.text).lexically_normal();
+  flow.path = OnDisk(disk_, project_, std::filesystem::path(WithHome(path.text)).lexically_normal());
   flow.origin = flow.path.generic_string();
   flow.where = path.where;
   return flow;
 }
-
-bool IsPath(const std::string& text) { return text.starts_with("./") || text.starts_with("../") || text.starts_with("/"); }
-
-}  // namespace
 
 References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk)
     : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {}
@@ -37,7 +42,7 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     }
   }
   for (const PortInfo& port : step->info.inputs) {
-    PortFlows result{port.name, port.kind == "folder", {}};
+    PortFlows result{port.name, port.Kind(), {}};
     const auto it = rule.inputs.find(port.name);
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
@@ -80,13 +85,13 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
 }
 
 void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
-  bool folder = port.folder;
+  const bool wants_folder = port.kind == PortKind::kFolder;
+  bool folder = wants_folder;
   if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info.FindOutput(flow.port)->kind == "folder";
   if (flow.kind == Flow::Kind::kTimeline) folder = false;
-  if (folder != port.folder) {
-    Fail(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
-                                 port.port, port.folder ? "folder" : "file"));
-  }
+  if (port.kind == PortKind::kEither || folder == wants_folder) return;
+  Fail(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
+                               port.port, wants_folder ? "folder" : "file"));
 }
 
 std::vector<Flow> References::Resolve(const Setting& reference, const Step& step) const {
@@ -111,14 +116,18 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     return {flow};
   }
   if (word == "$landmarks") return Landmarks(reference, step);
-  if (word != "$photos" && word != "$masks" && word != "$background") {
+  if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
     Fail(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                                      Suggestion(word, {"$photos", "$masks", "$background", "$landmarks", "$timeline", "$run"})));
+                                      Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
-  if (word == "$photos") return {Source(pose->photos.value_or(Setting{"photos/" + pose->name, pose->where}))};
-  const auto& setting = word == "$masks" ? pose->masks : pose->background;
+  if (word == "$photos") {
+    flow = Source({PhotographsOf(*pose), pose->photos ? pose->photos->where : pose->where});
+    flow.photographs = true;
+    return {flow};
+  }
+  const auto& setting = word == "$masks" ? pose->masks : word == "$cameras" ? pose->cameras : pose->background;
   return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
 }
 
@@ -128,7 +137,7 @@ std::vector<Flow> References::Landmarks(const Setting& reference, const Step& st
   if (step.pose != graph_.template_pose) poses.push_back(step.pose);
   for (const std::string& name : poses) {
     const auto& named = file_.FindPose(name)->landmarks;
-    if (!named || disk_.Stat(project_ / named->text)) continue;
+    if (!named || disk_.Stat(project_ / Source(*named).path)) continue;
     throw InputError(fmt::format("{}: the landmarks {} of pose '{}' do not exist; put them there, or correct the line", named->where.Text(),
                                  named->text, name));
   }
@@ -137,8 +146,9 @@ std::vector<Flow> References::Landmarks(const Setting& reference, const Step& st
     const PoseRule* pose = file_.FindPose(name);
     const Setting setting = pose->landmarks.value_or(Setting{"landmarks/" + name + ".json", pose->where});
     // A file that nobody named may be missing: then there are no landmarks for this pair yet.
-    if (!pose->landmarks && !disk_.Stat(project_ / setting.text)) return {};
-    flows.push_back(Source(setting));
+    Flow flow = Source(setting);
+    if (!pose->landmarks && !disk_.Stat(project_ / flow.path)) return {};
+    flows.push_back(std::move(flow));
   }
   return flows;
 }

@@ -5,6 +5,9 @@
 
 namespace keypose::pipeline {
 
+/// The folder of a pose's photographs, as its file has it.
+std::string PhotographsOf(const PoseRule& pose);
+
 class References {
  public:
   /// @param graph  has all step instances, not connected yet; kept by reference
@@ -21,6 +24,7 @@ class References {
   std::vector<Flow> ResolveOutput(const Setting& reference, const Step& step) const;
   std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out, const Step& step) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
+  Flow Source(const Setting& path) const;
   void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;
 
   const PipelineFile& file_;

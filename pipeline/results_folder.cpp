@@ -69,7 +69,7 @@ void ResultsFolder::Save() {
                     {"mtime_ns", entry.stat.mtime_ns},
                     {"inode", entry.stat.inode}};
   }
-  disk_.Write(memory_file_, memory.dump(0));
+  disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));
   changed_ = false;
 }
 

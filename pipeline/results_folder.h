@@ -24,6 +24,7 @@ class ResultsFolder {
   /// Removes results of steps that the graph no longer has. @return lines for a person
   std::vector<std::string> DropStepsOutside(const Graph& graph);
   void Save();
+  const std::filesystem::path& out() const { return out_; }
 
  private:
   struct Entry {

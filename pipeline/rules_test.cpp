@@ -468,6 +468,113 @@ TEST(Rules, EstimateOfTheNextRunComesFromTheLast) {
   EXPECT_DOUBLE_EQ(house.Look().Step("solve/rest").last->seconds, 42);
 }
 
+/// Makes a stage of the fake house say so in its report.
+void Say(FakeHouse* house, const std::string& stage, const nlohmann::json& report) {
+  auto& run = house->processes.stages["/bin/keypose-" + stage].run;
+  run = [good = run, report](const FakeCall& call, MemoryDisk& d) {
+    const int code = good(call, d);
+    d.Write(call.Flag("report"), report.dump());
+    return code;
+  };
+}
+
+TEST(Rules, EndGathersWhatStagesSaidOncePerSentence) {
+  FakeHouse house;
+  Say(&house, "shoot", {{"warnings", {"dark", "dark", "blurred"}}});
+  Say(&house, "match", {{"warnings", {"two landmarks look swapped"}}});
+  Say(&house, "blend", {{"warnings", {"one frame is folded"}}});
+  const auto verdict = [](const char* about, const char* grade) { return nlohmann::json{{"about", about}, {"grade", grade}, {"why", "w"}}; };
+  Say(&house, "tell", {{"verdicts", {verdict("bent", "wrong"), verdict("rest", "good")}}});
+  const Ending ending = house.Run().ending;
+  EXPECT_EQ(WarningsText(ending, 0),
+            "4 warnings\n  rest, bent\n    shoot: dark\n    shoot: blurred\n  bent\n    match: two landmarks look swapped\n"
+            "  all poses together\n    blend: one frame is folded\n");
+  EXPECT_EQ(VerdictsText(ending, 0), "verdicts\n  rest  good   w\n  bent  wrong  w\n");
+  EXPECT_EQ(WarningsText(house.Run().ending, 0), WarningsText(ending, 0)) << "the same when all comes from the cache";
+}
+
+TEST(Rules, LinesOfTheEndFitTheTerminalAndPathsStayWhole) {
+  Ending ending;
+  ending.warnings.push_back({{"shoot/rest"}, {"rest"}, "the seven photographs from the left are darker than the others"});
+  ending.results.push_back({"the animation", "/a/very/long/path/to/the/animation/of/a/character.glb", "blend"});
+  EXPECT_EQ(WarningsText(ending, 40),
+            "1 warning\n  rest\n    shoot: the seven photographs from\n           the left are darker than the\n           others\n");
+  EXPECT_EQ(ResultsText(ending), "results\n  the animation  /a/very/long/path/to/the/animation/of/a/character.glb\n");
+}
+
+TEST(Rules, ReportThatIsNoneTellsNothing) {
+  FakeHouse house;
+  for (const auto& report : {nlohmann::json(7), nlohmann::json{{"warnings", 7}, {"verdicts", {1, "a"}}}, nlohmann::json{{"warnings", {1}}}}) {
+    house.disk.Remove(house.project / ".keypose");
+    Say(&house, "shape", report);
+    EXPECT_TRUE(house.Run().ending.empty());
+  }
+}
+
+TEST(Rules, EndOfAPartialRunTellsOfItsStepsOnly) {
+  FakeHouse house;
+  Say(&house, "shoot", {{"warnings", {"dark"}}});
+  Say(&house, "match", {{"warnings", {"swapped"}}});
+  house.Run();
+  const Ending ending = house.Run({.from = {}, .until = {"shape/rest"}, .only = {}, .force = {}}).ending;
+  ASSERT_EQ(ending.warnings.size(), 1u);
+  EXPECT_EQ(ending.warnings[0].steps, (Names{"shoot/rest"}));
+}
+
+TEST(Rules, ResultsThatAPipelineShowsAreThoseThatExist) {
+  FakeHouse house;
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\n"
+      "steps: {blend: {show: {animation/frame_0: the first frame, animation/none: nothing}}, tell: {show: {report/index.html: the report}}}\n");
+  const Ending ending = house.Run().ending;
+  ASSERT_EQ(ending.results.size(), 2u);
+  EXPECT_EQ(ending.results[0].label, "the first frame");
+  EXPECT_EQ(ending.results[1].path, house.project / "out/report/index.html");
+  house.WriteProject("poses: {rest: photos/rest}\nsteps: {tell: {show: {elsewhere/index.html: the report}}}\n");
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(); }), HasSubstr("shows elsewhere/index.html, which is not among its results"));
+}
+
+TEST(Rules, FirstRunIsForecastFromThePhotographs) {
+  FakeHouse house;
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10, photograph: 2}}, blend: {cost: {photograph: 1}}}\n");
+  const Forecast first = house.Run({}, {}, 4).forecast;
+  EXPECT_EQ(first.cores, 4);
+  // Three photographs; two poses side by side have two cores each.
+  EXPECT_DOUBLE_EQ(first.steps.at("solve/rest").seconds, 16 / 2.0);
+  EXPECT_FALSE(first.steps.at("solve/rest").measured);
+  EXPECT_DOUBLE_EQ(first.steps.at("blend").seconds, 6 / 4.0) << "it goes back to the photographs of both poses";
+  EXPECT_LT(first.steps.at("shape/rest").seconds, 0) << "nothing is known of it";
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10}}}\noptions: {solve: {depth: 10}}\n");
+  EXPECT_TRUE(house.Run().forecast.steps.at("solve/rest").measured) << "an earlier run tells more than a guess";
+}
+
+TEST(Rules, PathPortTakesAFileOrAFolderOfTheProject) {
+  FakeHouse house;
+  auto& solve = house.processes.stages["/bin/keypose-solve"];
+  solve.describe["inputs"].push_back({{"name", "poses"}, {"kind", "path"}, {"optional", true}});
+  const auto given = [&] {
+    for (const FakeCall& call : house.processes.calls) {
+      if (call.program == "/bin/keypose-solve" && call.Flag("model").find("solve.rest") != std::string::npos) return call.Flag("poses");
+    }
+    return std::string("none");
+  };
+  house.default_pipeline.replace(house.default_pipeline.find("{images: shoot.images}"), 22, "{images: shoot.images, poses: $cameras}");
+  house.disk.Write(house.project / "cameras/rest/cameras.bin", "c");
+  house.disk.Write(house.project / "cameras/rest/images.bin", "i");
+  house.WriteProject("poses: {rest: {photos: photos/rest, cameras: cameras/rest}, bent: photos/bent}\n");
+  EXPECT_EQ(house.Run().result.code, ExitCode::kOk);
+  EXPECT_EQ(given(), (house.project / "cameras/rest").string());
+  house.disk.Write(house.project / "cameras/rest/images.bin", "other");
+  EXPECT_EQ(house.Look().Reasons("solve/rest"), "cameras/rest/images.bin changed\n");
+  house.disk.Write(house.project / "cameras/rest.json", "{}");
+  house.WriteProject("poses: {rest: {photos: photos/rest, cameras: cameras/rest.json}, bent: photos/bent}\n");
+  house.processes.calls.clear();
+  EXPECT_EQ(house.Run().result.code, ExitCode::kOk);
+  EXPECT_EQ(given(), (house.project / "cameras/rest.json").string());
+}
+
 TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
   FakeHouse house;
   for (auto& [program, stage] : house.processes.stages) stage.describe["resources"]["memory_bytes"] = 800;
@@ -479,7 +586,7 @@ TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
   Plan plan(*view.graph, workshop, {});
   ResultsFolder results(house.disk, house.project / "out", house.project / ".keypose/out.json");
   class Silent final : public RunObserver {
-    void Begin(const std::map<std::string, double>&) override {}
+    void Begin(const Forecast&) override {}
     void Started(const std::string&, const std::vector<std::string>&, int) override {}
     void Progressed(const std::string&, double, const std::string&) override {}
     void Finished(const std::string&, const std::string&, double) override {}

@@ -12,6 +12,7 @@
 #include "pipeline/display.h"
 #include "pipeline/project_lock.h"
 #include "pipeline/session.h"
+#include "pipeline/terminal.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -35,7 +36,7 @@ DisplayKind KindOf(const std::string& progress) {
   if (progress == "jsonl") return DisplayKind::kJsonLines;
   if (progress == "bars") return DisplayKind::kBars;
   if (progress == "lines") return DisplayKind::kLines;
-  return isatty(STDOUT_FILENO) ? DisplayKind::kBars : DisplayKind::kLines;
+  return OnTerminal() ? DisplayKind::kBars : DisplayKind::kLines;
 }
 
 void PrintPlan(const Plan& plan) {
@@ -95,8 +96,10 @@ ExitCode RunCommand(const RunOptions& options) {
   record.host = HostName();
   const RunResult result = builder.Run(std::move(record));
   session.disk().Remove(session.state() / "writing");
-  if (result.code != ExitCode::kOk)
-    fmt::print(stderr, "keypose: {}{}\n", result.code == ExitCode::kInterrupted ? "" : "error: ", result.message);
+  if (result.code != ExitCode::kOk) {
+    const std::string start = result.code == ExitCode::kInterrupted ? "keypose: " : "\nkeypose: error: ";
+    std::fputs((start + result.message + "\n").c_str(), stderr);
+  }
   return result.code;
 }
 

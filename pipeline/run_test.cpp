@@ -30,7 +30,7 @@ using Clock = std::chrono::steady_clock;
 const char kTestPipeline[] = R"(steps:
   gather: {stage: gather, for: pose, inputs: {photos: $photos}}
   join: {stage: join, for: pose, inputs: {images: gather.images}, out: {text: "{pose}/text.txt"}}
-  merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}}
+  merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}, show: {all: all texts, all/9.txt: the tenth}}
 )";
 
 double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -43,6 +43,11 @@ std::map<std::string, std::string> Snapshot(const fs::path& folder) {
     if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
   }
   return files;
+}
+
+/// What a run says that has nothing to do.
+std::string AllUpToDate(const fs::path& project) {
+  return "5 steps up to date\n\nresults\n  all texts  " + (project / "out/all").string() + "\n";
 }
 
 struct Ended {
@@ -75,7 +80,7 @@ class RunTest : public ::testing::Test {
     for (const std::string pose : {"rest", "bent"}) {
       fs::create_directories(project / "photos" / pose);
       for (int i = 0; i < 4; ++i)
-        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".txt"), pose + " picture " + std::to_string(i) + "\n");
+        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"), pose + " picture " + std::to_string(i) + "\n");
     }
     WriteFile(project / "pipeline.yaml", "poses: {rest: photos/rest, bent: photos/bent}\n");
   }
@@ -142,7 +147,7 @@ TEST_F(RunTest, MakesResultsThenDoesNothingInUnderASecond) {
   const Ended second = Run();
   EXPECT_LT(SecondsSince(start), 1.0);
   EXPECT_EQ(second.code, 0);
-  EXPECT_EQ(second.text, "5 steps up to date\n");
+  EXPECT_EQ(second.text, AllUpToDate(root_ / "hero"));
 }
 
 TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
@@ -155,14 +160,14 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
   int killed_at_work = 0;
   for (int i = 0; i < 20; ++i) {
     // Work for the run to be killed in: every second time the pictures change.
-    if (i % 2 == 0) WriteFile(root_ / "hero/photos/rest/IMG_2.txt", "retake " + std::to_string(i));
+    if (i % 2 == 0) WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", "retake " + std::to_string(i));
     const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, slow);
     SleepSeconds(std::uniform_real_distribution<double>(0, whole)(random));
     kill(pid, SIGKILL);
     killed_at_work += Finish(pid).code == 128 + SIGKILL;
   }
   EXPECT_GE(killed_at_work, 10);
-  WriteFile(root_ / "hero/photos/rest/IMG_2.txt", ReadFile(root_ / "reference/photos/rest/IMG_2.txt"));
+  WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", ReadFile(root_ / "reference/photos/rest/IMG_2.jpg"));
   const Ended last = Run();
   ASSERT_EQ(last.code, 0) << last.text;
   EXPECT_TRUE(NoStageAliveSoon());
@@ -177,7 +182,7 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
     for (const auto& [name, size] : manifest.at("sizes").items())
       EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), size.get<std::uintmax_t>());
   }
-  EXPECT_EQ(Run().text, "5 steps up to date\n");
+  EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
 
 TEST_F(RunTest, KilledRunnerTakesAllThatItsStagesStartedAlong) {
@@ -231,7 +236,7 @@ TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
     GTEST_SKIP() << "mounting a small tmpfs needs privileges that are not here";
   mounted_ = true;
   MakeProject(root_ / "small/hero");
-  for (int i = 0; i < 4; ++i) WriteFile(root_ / "small/hero/photos/rest" / ("IMG_" + std::to_string(i) + ".txt"), std::string(30000, 'a'));
+  for (int i = 0; i < 4; ++i) WriteFile(root_ / "small/hero/photos/rest" / ("IMG_" + std::to_string(i) + ".jpg"), std::string(30000, 'a'));
   const std::vector<std::string> run = {"run", "-C", (root_ / "small/hero").string()};
   const Ended full = Keypose(run);
   EXPECT_EQ(full.code, 4) << full.text;
@@ -245,24 +250,24 @@ TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
 TEST_F(RunTest, MovedAndCopiedProjectsRunNothing) {
   ASSERT_EQ(Run().code, 0);
   fs::rename(root_ / "hero", root_ / "moved");
-  EXPECT_EQ(Keypose({"run", "-C", (root_ / "moved").string()}).text, "5 steps up to date\n");
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "moved").string()}).text, AllUpToDate(root_ / "moved"));
   fs::copy(root_ / "moved", root_ / "copied", fs::copy_options::recursive);
-  EXPECT_EQ(Keypose({"run", "-C", (root_ / "copied").string()}).text, "5 steps up to date\n");
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "copied").string()}).text, AllUpToDate(root_ / "copied"));
 }
 
 TEST_F(RunTest, ExplainAndStatusSayWhatChanged) {
   EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text, HasSubstr("never ran"));
   ASSERT_EQ(Run().code, 0);
-  WriteFile(root_ / "hero/photos/bent/IMG_3.txt", "retake\n");
-  EXPECT_THAT(Keypose({"explain", "join/bent", "-C", (root_ / "hero").string()}).text, HasSubstr("photos/bent/IMG_3.txt changed"));
+  WriteFile(root_ / "hero/photos/bent/IMG_3.jpg", "retake\n");
+  EXPECT_THAT(Keypose({"explain", "join/bent", "-C", (root_ / "hero").string()}).text, HasSubstr("photos/bent/IMG_3.jpg changed"));
   EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text,
-              HasSubstr("gather/bent  would run    photos/bent/IMG_3.txt changed"));
+              HasSubstr("gather/bent  would run    photos/bent/IMG_3.jpg changed"));
   const Ended run = Run();
   EXPECT_THAT(run.text, HasSubstr("gather/bent starts"));
   EXPECT_THAT(run.text, Not(HasSubstr("gather/rest")));
   const std::string after = Keypose({"explain", "gather/bent", "-C", (root_ / "hero").string()}).text;
   EXPECT_THAT(after, HasSubstr("gather/bent is up to date\nit last ran at 20"));
-  EXPECT_THAT(after, HasSubstr("because\n  - photos/bent/IMG_3.txt changed\n"));
+  EXPECT_THAT(after, HasSubstr("because\n  - photos/bent/IMG_3.jpg changed\n"));
 }
 
 TEST_F(RunTest, FailureExitsWithTheStagesCodeAndKeepsItsLog) {
@@ -319,15 +324,158 @@ TEST_F(RunTest, JsonLinesParse) {
   EXPECT_EQ(events["end"], 1);
 }
 
+TEST_F(RunTest, EndRepeatsWarningsVerdictsAndResultsAlsoFromTheCache) {
+  const Ended first = Run({}, {{"TEXT_STAGE_WARNING", "two landmarks look swapped"}, {"TEXT_STAGE_GRADE", "look"}});
+  ASSERT_EQ(first.code, 0) << first.text;
+  const std::string end =
+      "\n1 warning\n  rest, bent\n    gather: two landmarks look swapped\n\nverdicts\n  rest  look  it was told so\n\nresults\n"
+      "  all texts  " +
+      (root_ / "hero/out/all").string() + "\n";
+  EXPECT_THAT(first.text, ::testing::EndsWith("5 made, 0 steps up to date\n" + end));
+  EXPECT_EQ(Run().text, "5 steps up to date\n" + end);
+  const std::string status = Keypose({"status", "-C", (root_ / "hero").string()}).text;
+  EXPECT_THAT(status, HasSubstr("verdicts\n  rest  look  it was told so\n"));
+  EXPECT_THAT(status, HasSubstr("1 warning of the steps that are up to date"));
+}
+
+TEST_F(RunTest, EndIsInJsonLinesAndInTheRunRecord) {
+  const Ended ended = Run({"--progress", "jsonl"}, {{"TEXT_STAGE_WARNING", "dark"}, {"TEXT_STAGE_GRADE", "good"}});
+  std::vector<nlohmann::json> last;
+  std::istringstream lines(ended.text);
+  for (std::string line; std::getline(lines, line);) last.push_back(nlohmann::json::parse(line));
+  ASSERT_GE(last.size(), 4u);
+  const std::vector<nlohmann::json> end(last.end() - 4, last.end());
+  EXPECT_EQ(end[0]["event"], "warning");
+  EXPECT_EQ(end[0]["text"], "dark");
+  EXPECT_EQ(end[0]["steps"], nlohmann::json::array({"gather/rest", "gather/bent"}));
+  EXPECT_EQ(end[1]["event"], "verdict");
+  EXPECT_EQ(end[1]["grade"], "good");
+  EXPECT_EQ(end[2]["event"], "result");
+  EXPECT_EQ(end[2]["path"], (root_ / "hero/out/all").string());
+  EXPECT_EQ(end[3]["event"], "end");
+  for (const nlohmann::json& line : last) {
+    if (line["event"] == "progress" || line["event"] == "start") EXPECT_LT(line["overall"].get<double>(), 1) << line;
+  }
+  const fs::path run = fs::directory_iterator(root_ / "hero/.keypose/runs")->path();
+  const auto record = nlohmann::json::parse(ReadFile(run));
+  EXPECT_EQ(record["warnings"][0]["text"], "dark");
+  EXPECT_EQ(record["verdicts"][0]["about"], "rest");
+  EXPECT_EQ(record["results"][0]["label"], "all texts");
+}
+
+TEST_F(RunTest, FailedRunTellsWarningsOfWhatWasMadeAndNoResult) {
+  const Ended ended = Run({"--set", "join.exit_code=3"}, {{"TEXT_STAGE_WARNING", "dark"}});
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_THAT(ended.text, HasSubstr("gather: dark"));
+  EXPECT_THAT(ended.text, HasSubstr(" failed\n"));
+  EXPECT_THAT(ended.text, Not(HasSubstr("results\n")));
+}
+
+TEST_F(RunTest, ReaderThatHasSeenEnoughIsNoFault) {
+  ASSERT_EQ(Run({}, {{"TEXT_STAGE_LOG_LINES", "20000"}}).code, 0);
+  const std::string keypose = (root_ / "bin/keypose").string(), hero = (root_ / "hero").string();
+  const auto shell = [&](const std::string& command) {
+    const fs::path said = root_ / "said.txt";
+    const int code = std::system(("( set -o pipefail; " + command + " ) > " + said.string() + " 2>&1").c_str());
+    return Ended{WEXITSTATUS(code), ReadFile(said)};
+  };
+  const Ended log = shell("bash -o pipefail -c '" + keypose + " log gather/rest -C " + hero + " | head -n 1 > /dev/null'");
+  EXPECT_EQ(log.text, "");
+  EXPECT_EQ(log.code, 0);
+  // A run goes on though nobody listens any more.
+  WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", "retake\n");
+  const Ended run = shell("bash -o pipefail -c 'TEXT_STAGE_DELAY_MS=50 " + keypose + " run -C " + hero + " | head -n 1 > /dev/null'");
+  EXPECT_EQ(run.text, "");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(ReadFile(root_ / "hero/out/rest/text.txt"), HasSubstr("RETAKE"));
+}
+
+TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
+  const std::string photos = (root_ / "hero/photos").string(), fresh = (root_ / "new").string();
+  const auto init = [&](const std::string& rest, const std::string& bent) {
+    return Keypose({"init", fresh, "--pose", "rest=" + rest, "--pose", "bent=" + bent});
+  };
+  const Ended same = init(photos + "/rest", photos + "/rest/");
+  EXPECT_EQ(same.code, 2);
+  EXPECT_THAT(same.text, HasSubstr("'rest' and 'bent' have the same photographs"));
+  const Ended parent = init(photos, photos + "/bent");
+  EXPECT_EQ(parent.code, 2);
+  EXPECT_THAT(parent.text, HasSubstr("lie inside the folder of pose 'rest'"));
+  fs::create_directories(root_ / "empty");
+  const Ended empty = init(photos + "/rest", (root_ / "empty").string());
+  EXPECT_EQ(empty.code, 3);
+  EXPECT_THAT(empty.text, HasSubstr("has no photographs; name the folder that they are in"));
+  WriteFile(root_ / "empty/a.CR2", "raw");
+  WriteFile(root_ / "empty/b.cr2", "raw");
+  const Ended raw = init(photos + "/rest", (root_ / "empty").string());
+  EXPECT_EQ(raw.code, 3);
+  EXPECT_THAT(raw.text, HasSubstr("2 .cr2 (a.CR2, b.cr2)"));
+  EXPECT_THAT(raw.text, HasSubstr(".heic"));
+  EXPECT_THAT(raw.text, HasSubstr("develop RAW files to JPEG"));
+  EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
+  // Equal mistakes in pipeline.yaml are met before anything runs.
+  WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: photos/rest}\n");
+  const Ended run = Run();
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.text, HasSubstr("pipeline.yaml:1: the poses 'rest' and 'bent' have the same photographs"));
+}
+
+TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
+  WriteFile(root_ / "hero/photos/rest/IMG_0.mov", "film");
+  WriteFile(root_ / "hero/photos/rest/.DS_Store", "x");
+  const Ended ended = Keypose({"init", (root_ / "a new one").string(), "--pose", "rest=" + (root_ / "hero/photos/rest").string()});
+  ASSERT_EQ(ended.code, 0) << ended.text;
+  EXPECT_THAT(ended.text, HasSubstr("rest: 4 files copied"));
+  EXPECT_THAT(ended.text, HasSubstr("no photographs that can be read: 1 .mov (IMG_0.mov)"));
+  EXPECT_THAT(ended.text, HasSubstr("next: keypose run -C '" + (root_ / "a new one").string() + "'"));
+  EXPECT_FALSE(fs::exists(root_ / "a new one/photos/rest/IMG_0.mov"));
+}
+
+TEST_F(RunTest, PosesAreNamedInAnyLanguageAndSpelling) {
+  // "mähen", its umlaut as one letter and as macOS writes it: a, then two dots.
+  const std::string composed = "m\u00e4hen", apart = "ma\u0308hen";
+  fs::rename(root_ / "hero/photos/bent", root_ / "hero/photos" / apart);
+  const Ended init = Keypose({"init", (root_ / "new").string(), "--pose", "rest=" + (root_ / "hero/photos/rest").string(), "--pose",
+                              composed + "=" + (root_ / "hero/photos" / composed).string(), "--template", apart});
+  ASSERT_EQ(init.code, 0) << init.text;
+  const std::string project = (root_ / "new").string();
+  fs::rename(root_ / "new/photos" / composed, root_ / "new/photos" / apart);  // as a Mac's archive would bring it
+  const Ended run = Keypose({"run", "-C", project, "--set", "join/" + apart + ".exit_code=0"});
+  ASSERT_EQ(run.code, 0) << run.text;
+  EXPECT_THAT(ReadFile(root_ / "new/out" / composed / "text.txt"), HasSubstr("BENT PICTURE"));
+  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT") << "the template, named in the other spelling, comes first";
+  for (const std::string& name : {composed, apart}) {
+    EXPECT_THAT(Keypose({"log", "join/" + name, "-C", project}).text, HasSubstr("join at work"));
+    EXPECT_THAT(Keypose({"explain", "join/" + name, "-C", project}).text, HasSubstr("join/" + composed + " is up to date"));
+  }
+  EXPECT_THAT(Keypose({"status", "-C", project}).text, HasSubstr("gather/" + composed + "  up to date"));
+  EXPECT_THAT(Keypose({"graph", "--dot", "-C", project}).text, HasSubstr("\"gather/" + composed + "\" -> \"join/" + composed + "\""));
+  const Ended twice = Keypose({"init", (root_ / "other").string(), "--pose", composed + "=" + project, "--pose", apart + "=" + project});
+  EXPECT_EQ(twice.code, 2) << "one name in two spellings is one name";
+  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "m\xe4hen=" + project}).code, 2) << "Latin-1 is no UTF-8";
+}
+
+TEST_F(RunTest, HomeIsWrittenAsATilde) {
+  fs::rename(root_ / "hero/photos/bent", root_ / "elsewhere");
+  WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: ~/elsewhere}\n");
+  const std::map<std::string, std::string> home = {{"HOME", root_.string()}};
+  const Ended ended = Run({}, home);
+  ASSERT_EQ(ended.code, 0) << ended.text;
+  EXPECT_THAT(ReadFile(root_ / "hero/out/bent/text.txt"), HasSubstr("BENT PICTURE"));
+  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", "bent=~/elsewhere"}, home).code, 0);
+  WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: ~ann/elsewhere}\n");
+  EXPECT_THAT(Run({}, home).text, HasSubstr("only your own home folder can be written as ~"));
+}
+
 TEST_F(RunTest, GcRemovesWhatNothingRefersTo) {
   ASSERT_EQ(Run().code, 0);
   ASSERT_EQ(Run({"--set", "gather.exit_code=0"}).code, 0);
-  WriteFile(root_ / "hero/photos/rest/IMG_0.txt", "other\n");
+  WriteFile(root_ / "hero/photos/rest/IMG_0.jpg", "other\n");
   ASSERT_EQ(Run().code, 0);
   EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1", "--dry-run"}).text,
               HasSubstr("would remove 3 artifacts"));
   EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1"}).text, HasSubstr("removed 3 artifacts"));
-  EXPECT_EQ(Run().text, "5 steps up to date\n");
+  EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
 
 TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {

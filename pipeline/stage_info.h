@@ -9,10 +9,13 @@
 
 namespace keypose::pipeline {
 
+enum class PortKind { kFile, kFolder, kEither };
+
 struct PortInfo {
-  std::string name, kind;  ///< kind is "file" or "folder"
+  std::string name, kind;  ///< kind is "file", "folder", or of an input "path": either
   std::string file;        ///< outputs: the name that the runner gives it
   bool optional = false, repeatable = false;
+  PortKind Kind() const { return kind == "folder" ? PortKind::kFolder : kind == "path" ? PortKind::kEither : PortKind::kFile; }
 };
 
 struct OptionInfo {

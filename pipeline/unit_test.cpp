@@ -2,10 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
 #include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
 #include "pipeline/observer.h"
 #include "pipeline/pipeline_file.h"
 #include "pipeline/real_disk.h"
@@ -15,6 +19,8 @@
 #include "pipeline/stage_info.h"
 #include "pipeline/testing/memory_disk.h"
 #include "pipeline/testing/message_of.h"
+#include "pipeline/text.h"
+#include "pipeline/work_size.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -132,14 +138,14 @@ TEST(Differences, ManyFilesAreSummedUp) {
 
 TEST(Estimate, CountsEarlierDurationsAndOwnPace) {
   Estimate estimate;
-  estimate.Begin({{"a", 10}, {"b", 30}});
+  estimate.Begin({{{"a", {.seconds = 10}}, {"b", {.seconds = 30, .needs = {"a"}}}}, 1});
   EXPECT_DOUBLE_EQ(estimate.Fraction(0), 0);
   EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 40);
-  estimate.Started("a", 0);
+  estimate.Started("a", 0, 1);
   EXPECT_NEAR(*estimate.SecondsLeft(5), 35, 1e-9);
   estimate.Finished("a", 10);
   EXPECT_NEAR(estimate.Fraction(10), 0.25, 1e-9);
-  estimate.Started("b", 10);
+  estimate.Started("b", 10, 1);
   estimate.Progressed("b", 0.5);
   // Half done after 30 s: at its own pace it takes 60 s, after the record 30 s; the mean of both.
   EXPECT_NEAR(*estimate.SecondsLeft(40), 22.5, 1e-9);
@@ -147,12 +153,75 @@ TEST(Estimate, CountsEarlierDurationsAndOwnPace) {
 
 TEST(Estimate, SaysNothingOfTimeWhenNothingIsKnown) {
   Estimate estimate;
-  estimate.Begin({{"a", -1}, {"b", -1}});
+  estimate.Begin({{{"a", {}}, {"b", {}}}, 1});
   EXPECT_FALSE(estimate.SecondsLeft(0));
   estimate.Finished("never announced", 3);
   EXPECT_EQ(estimate.total(), 2);
   estimate.Finished("a", 100);
   EXPECT_DOUBLE_EQ(estimate.Fraction(100), 0.5) << "counted in steps while a duration is unknown";
+}
+
+TEST(Estimate, IsNeverDoneWhileAStepRuns) {
+  Estimate estimate;
+  estimate.Begin({{{"a", {.seconds = 1}}}, 1});
+  estimate.Started("a", 0, 1);
+  estimate.Progressed("a", 1);
+  EXPECT_LT(estimate.Fraction(100), 1);
+  EXPECT_LT(estimate.FractionOf("a"), 1);
+  estimate.Finished("a", 100);
+  EXPECT_DOUBLE_EQ(estimate.Fraction(100), 1);
+}
+
+TEST(Estimate, GuessesAreScaledByHowLongTheFirstStepsTook) {
+  Estimate estimate;
+  const Expected guess{.seconds = 100, .measured = false, .threads = 1, .needs = {}};
+  estimate.Begin({{{"a", guess}, {"b", guess}}, 1});
+  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 200);
+  estimate.Started("a", 0, 1);
+  estimate.Finished("a", 300);
+  EXPECT_NEAR(*estimate.SecondsLeft(300), 300, 10) << "a machine that took three times as long will go on so";
+}
+
+TEST(Estimate, StepsSideBySideShareTheTime) {
+  Estimate estimate;
+  estimate.Begin({{{"a", {.seconds = 40}}, {"b", {.seconds = 40}}, {"c", {.seconds = 10, .threads = 2, .needs = {"a", "b"}}}}, 2});
+  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 50);
+  estimate.Begin({{{"a", {.seconds = 40}}, {"b", {.seconds = 40, .needs = {"a"}}}}, 2});
+  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 80) << "one after the other, whatever cores are free";
+}
+
+TEST(Estimate, AStepOfWhichNothingIsKnownCountsAsAnAverageOne) {
+  Estimate estimate;
+  estimate.Begin({{{"a", {.seconds = 10}}, {"b", {.seconds = 30}}, {"own", {}}}, 1});
+  EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 60);
+}
+
+TEST(Text, NamesAreOfAnyScript) {
+  for (const char* name : {"rest", "m\u00e4hen", "ma\u0308hen", "\u8df3\u8e8d", "a_b-2"}) EXPECT_TRUE(IsName(name)) << name;
+  for (const char* name : {"", "-a", "a b", "a/b", "a.b", "a\u00a0b", "a\u200bb", "\xe4", "a\nb", "@all"}) EXPECT_FALSE(IsName(name)) << name;
+  EXPECT_EQ(Composed("ma\u0308hen"), "m\u00e4hen");
+  EXPECT_EQ(Composed("\xe4"), "\xe4") << "what is no UTF-8 stays";
+}
+
+TEST(Text, IsCutAndWrappedByColumns) {
+  EXPECT_EQ(WidthOf("ma\u0308h"), 3u);
+  EXPECT_EQ(WidthOf("\u8df3\u8e8d"), 4u) << "these letters are two columns wide";
+  EXPECT_EQ(CutTo("m\u00e4hen", 2), "m\u00e4");
+  EXPECT_EQ(CutTo("\u8df3\u8e8d", 3), "\u8df3");
+  EXPECT_THAT(Wrapped("one two three", 7), ElementsAre("one two", "three"));
+  EXPECT_THAT(Wrapped("verylongword a", 4), ElementsAre("verylongword", "a"));
+  EXPECT_THAT(Wrapped("one two three", 0), ElementsAre("one two three"));
+  EXPECT_EQ(ShellWord("/a/b c"), "'/a/b c'");
+  EXPECT_EQ(ShellWord("it's"), "'it'\\''s'");
+}
+
+TEST(WorkSize, MegapixelsComeFromTheHeaderOrTheSize) {
+  const fs::path file = fs::temp_directory_path() / ("keypose_pixels_" + std::to_string(getpid()) + ".jpg");
+  WriteImage(file, Image8(300, 200, 3, 90));
+  EXPECT_DOUBLE_EQ(MegapixelsOf("a.jpg", ReadFile(file)), 0.06);
+  fs::remove(file);
+  EXPECT_NEAR(MegapixelsOf("a.heic", std::string(1800000, 'x')), 12, 1e-9) << "a phone's twelve megapixels";
+  EXPECT_NEAR(MegapixelsOf("broken.jpg", std::string(350000, 'x')), 1, 1e-9);
 }
 
 TEST(DurationText, Grows) {

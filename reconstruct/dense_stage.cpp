@@ -121,5 +121,6 @@ int main(int argc, char** argv) {
                   {.name = "picture", .kind = "file", .help = "the cloud from four sides", .file = "cloud.png", .optional = true}};
   spec.tools = {};
   spec.memory_gib = 2;
+  spec.common = {"max_size", "sources"};
   return keypose::RunStage<keypose::reconstruct::DenseOptions>(argc, argv, spec, keypose::reconstruct::Run);
 }

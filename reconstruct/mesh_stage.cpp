@@ -45,5 +45,6 @@ int main(int argc, char** argv) {
   spec.outputs = {{"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
   spec.cores = 1;
   spec.memory_gib = 4;
+  spec.common = {"depth", "trim"};
   return keypose::RunStage<MeshOptions>(argc, argv, spec, Run);
 }

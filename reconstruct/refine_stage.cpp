@@ -55,5 +55,6 @@ int main(int argc, char** argv) {
                  {"surface", "file", "triangle mesh, as mesh makes it"}};
   spec.outputs = {{"refined", "file", "the surface's faces and colours, moved", "refined.ply"}};
   spec.memory_gib = 2;
+  spec.common = {"max_size", "rounds", "shading"};
   return keypose::RunStage<keypose::reconstruct::RefineOptions>(argc, argv, spec, keypose::reconstruct::Run);
 }

@@ -137,7 +137,8 @@ const StageSpec kSpec = {
                  .optional = true}},
     .tools = {"colmap"},
     .cores = 0,
-    .memory_gib = 3};
+    .memory_gib = 3,
+    .common = {"method", "rings", "max_image_size", "min_placed", "level"}};
 
 }  // namespace
 

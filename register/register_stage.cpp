@@ -82,6 +82,7 @@ StageSpec Spec() {
                   {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt", true, false},
                   {"picture", "file", "checker carried over from the template, and distances (.png)", "registered.png", true, false}};
   spec.memory_gib = 2;
+  spec.common = {"method", "skeleton"};
   return spec;
 }
 

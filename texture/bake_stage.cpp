@@ -24,6 +24,7 @@ StageSpec Spec() {
                  {"model", "folder", "COLMAP model with the cameras", ""}};
   spec.outputs = {{"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"}};
   spec.memory_gib = 3;
+  spec.common = {"texture_size", "bits", "common_light"};
   return spec;
 }
 

@@ -40,7 +40,8 @@ const StageSpec kSpec = {.name = "unwrap",
                          .outputs = {{.name = "unwrapped", .kind = "file", .help = "the same mesh with UVs", .file = "unwrapped.obj"}},
                          .tools = {},
                          .cores = 0,
-                         .memory_gib = 1};
+                         .memory_gib = 1,
+                         .common = {"texture_size"}};
 
 }  // namespace
 

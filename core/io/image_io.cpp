@@ -33,7 +33,7 @@ std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
   auto input = ImageInput::open(path.string());
   if (!input)
-    throw InputError("cannot read image " + path.string() + ": " + OIIO::geterror() + "; it is truncated or not a JPEG, PNG or TIFF");
+    throw InputError("cannot read image " + path.string() + ": " + OIIO::geterror() + "; it is truncated or not a JPEG, PNG, TIFF or HEIC");
   return input;
 }
 

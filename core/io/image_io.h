@@ -1,4 +1,4 @@
-// Reads and writes images (JPEG, PNG, TIFF; OpenEXR is written) and the EXIF that matters here, by OpenImageIO.
+// Reads and writes images (JPEG, PNG, TIFF; HEIC is read; OpenEXR is written) and the EXIF that matters here, by OpenImageIO.
 #pragma once
 
 #include <filesystem>
@@ -12,13 +12,13 @@ namespace keypose {
 struct ImageInfo {
   int width = 0, height = 0;  ///< after EXIF orientation is applied
   int channels = 0;
-  int orientation = 1;  ///< EXIF orientation as stored
+  int orientation = 1;  ///< EXIF orientation as stored; 1 for HEIC, whose own turn (irot, imir) the decoder has applied
   std::optional<double> focal_mm;
   std::optional<double> focal_35mm;       ///< FocalLengthIn35mmFilm
   std::optional<double> sensor_width_mm;  ///< from FocalPlaneXResolution where given
   std::string camera_model;               ///< "make model", may be empty
   std::string date_time;
-  std::string format;  ///< "jpeg", "png", "tiff"
+  std::string format;  ///< "jpeg", "png", "tiff", "heif"
 };
 
 /// Header only. @throws DiskError cannot be opened @throws InputError not an image of a known kind

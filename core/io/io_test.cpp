@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <libheif/heif_cxx.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -39,6 +40,79 @@ Mesh ColoredSphereWithUvs() {
   mesh.uvs = (mesh.points.leftCols(2).array() * 0.5 + 0.5).matrix();
   mesh.uv_faces = mesh.faces;
   return mesh;
+}
+
+/// A HEIC photograph of 120 x 80, red in its upper left quarter as it was shot, that says how it is to be turned as a phone does: in the
+/// container (irot), which decoders apply, and again in EXIF.
+fs::path PutHeic(const fs::path& path, int orientation) {
+  Image8 image(120, 80, 3, 30);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x) image.at(x, y)[0] = 220;
+  ExifToWrite exif;
+  exif.focal_mm = 4.2;
+  exif.focal_35mm = 26;
+  exif.make = "Apple";
+  exif.model = "iPhone 12";
+  exif.orientation = orientation;
+  const fs::path plain = path.string() + ".plain.heic";
+  WriteImage(plain, image, 92, &exif);
+  heif::Context from, to;
+  from.read_from_file(plain.string());
+  const heif::ImageHandle handle = from.get_primary_image_handle();
+  heif::Encoder encoder(heif_compression_HEVC);
+  heif::Context::EncodingOptions options;
+  options.image_orientation = static_cast<heif_orientation>(orientation);
+  heif::ImageHandle turned =
+      to.encode_image(handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
+  for (const heif_item_id id : handle.get_list_of_metadata_block_IDs("Exif")) {
+    const std::vector<std::uint8_t> block = handle.get_metadata(id);
+    // The first four bytes say where the TIFF header is; the writer puts its own.
+    to.add_exif_metadata(turned, block.data() + 4, static_cast<int>(block.size()) - 4);
+  }
+  to.write_to_file(path.string());
+  return path;
+}
+
+/// Whether the pixel is of the red quarter; HEIC is lossy, so far from its edge.
+bool IsRed(const Image8& image, int x, int y) { return image.at(x, y)[0] > 150; }
+
+using ImageIo = IoTest;
+
+TEST_F(ImageIo, HeicIsTurnedOnceAndKeepsItsFocalLength) {
+  const fs::path path = PutHeic(folder_ / "portrait.heic", 6);  // shown a quarter turn clockwise
+  const ImageInfo info = ReadImageInfo(path);
+  EXPECT_EQ(info.format, "heif");
+  EXPECT_EQ(info.width, 80);
+  EXPECT_EQ(info.height, 120);
+  EXPECT_EQ(info.orientation, 1) << "the decoder has turned it: nobody may turn it again";
+  ASSERT_TRUE(info.focal_35mm);
+  EXPECT_DOUBLE_EQ(*info.focal_35mm, 26);
+  EXPECT_NEAR(info.focal_mm.value_or(0), 4.2, 1e-3);
+  EXPECT_EQ(info.camera_model, "Apple iPhone 12");
+  const Image8 image = ReadImage(path, 3);
+  ASSERT_EQ(image.width, 80);
+  ASSERT_EQ(image.height, 120);
+  EXPECT_TRUE(IsRed(image, 60, 20)) << "what was upper left is upper right after a turn to the right";
+  EXPECT_FALSE(IsRed(image, 20, 20));
+  EXPECT_FALSE(IsRed(image, 60, 100));
+}
+
+TEST_F(ImageIo, UprightHeicStaysAsItIs) {
+  const Image8 image = ReadImage(PutHeic(folder_ / "landscape.heic", 1), 3);
+  ASSERT_EQ(image.width, 120);
+  EXPECT_TRUE(IsRed(image, 20, 20));
+  EXPECT_FALSE(IsRed(image, 100, 20));
+}
+
+TEST_F(ImageIo, TruncatedHeicIsAnInputErrorThatNamesIt) {
+  const std::string bytes = ReadFile(PutHeic(folder_ / "whole.heic", 1));
+  const fs::path cut = Put("cut.heic", bytes.substr(0, bytes.size() / 2));
+  try {
+    ReadImage(cut, 3);
+    FAIL() << "half a file was read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("cut.heic"), std::string::npos) << error.what();
+  }
 }
 
 using MeshIo = IoTest;
@@ -96,6 +170,25 @@ TEST_F(MeshIo, DamagedFilesThrowInputErrorWithThePath) {
     }
   }
   EXPECT_THROW(ReadMesh(folder_ / "absent.ply"), DiskError);
+}
+
+TEST_F(MeshIo, ObjLinesContinuedWithABackslashAreRead) {
+  const std::string plain = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  const std::string folded = "v 0 \\\n0 0\nv 1 0 0\nv 1 1 \\\r\n 0\nv 0 1 0\nf 1 2 \\\n 3 \\\n 4\n";
+  const Mesh expected = ReadMesh(Put("plain.obj", plain)), read = ReadMesh(Put("folded.obj", folded));
+  EXPECT_EQ(read.points, expected.points);
+  EXPECT_EQ(read.faces, expected.faces);
+  EXPECT_EQ(read.faces.rows(), 2);
+}
+
+TEST_F(MeshIo, ObjVertexBelowAContinuedLineThrowsWithItsOwnLine) {
+  const fs::path path = Put("bad.obj", "v 0 \\\n0 0\nv 1 0 0\nv 1 nan 0\nf 1 2 3\n");
+  try {
+    ReadMesh(path);
+    FAIL() << "nan was read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("bad.obj:4:"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(MeshIo, ObjVertexThatIsNoNumberThrowsWithItsLine) {

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -149,6 +150,27 @@ const char* SkipNumber(const char* at, const char* end) {
   return stop == at || stop > end || !std::isfinite(value) ? nullptr : stop;
 }
 
+/// A backslash at the end of a line continues it on the next; the OBJ library does not know that. The line ends that go are put after the
+/// whole line, so that the lines below keep their numbers.
+std::string WithWholeLines(std::string text) {
+  if (text.find('\\') == std::string::npos) return text;
+  std::string whole;
+  whole.reserve(text.size());
+  std::size_t taken = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const std::size_t end = text[at] != '\\' ? at : text.compare(at + 1, 2, "\r\n") == 0 ? at + 2 : at + 1;
+    if (end > at && end < text.size() && text[end] == '\n') {
+      whole += ' ';
+      ++taken;
+      at = end;
+    } else {
+      whole += text[at];
+      if (text[at] == '\n') whole.append(std::exchange(taken, 0), '\n');
+    }
+  }
+  return whole;
+}
+
 /// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the positions' own text first.
 void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   int number = 0;
@@ -168,7 +190,7 @@ void RequireNumbersInObj(const fs::path& path, const std::string& text) {
 }
 
 Mesh ReadObjMesh(const fs::path& path) {
-  std::string text = ReadFile(path);
+  std::string text = WithWholeLines(ReadFile(path));
   RequireNumbersInObj(path, text);
   std::istringstream in(std::move(text));
   tinyobj::attrib_t attributes;

@@ -32,6 +32,7 @@ struct StageSpec {
   std::vector<std::string> tools = {};  ///< external programs it calls, e.g. "colmap"; their versions enter the fingerprint
   int cores = 0;                        ///< cores it can use; 0 means all
   double memory_gib = 1;                ///< what it needs at most, roughly
+  std::vector<std::string> common = {};  ///< options that most people will want; --help has them first, in the order of the struct
 };
 
 /// Files in, files out. Outputs appear at their final path only when the stage succeeded.

@@ -84,7 +84,7 @@ json DescribePorts(const std::vector<Port>& ports) {
 }
 
 json Describe(const StageSpec& spec, const BoundOptions& options) {
-  DescribeVisitor visitor;
+  DescribeVisitor visitor(spec.common);
   options.visit(visitor);
   json tools = json::array();
   for (const std::string& tool : spec.tools) tools.push_back({{"name", tool}, {"version", ToolVersion(tool)}});
@@ -99,26 +99,46 @@ json Describe(const StageSpec& spec, const BoundOptions& options) {
           {"resources", {{"cores", spec.cores}, {"memory_bytes", static_cast<std::int64_t>(spec.memory_gib * (1 << 30))}}}};
 }
 
-/// Adds one flag for each option; the parsed value lands in the options struct.
+std::string RangeText(double min, double max) {
+  if (std::isfinite(min) && std::isfinite(max)) return fmt::format(", {} to {}", min, max);
+  if (std::isfinite(min)) return fmt::format(", at least {}", min);
+  return std::isfinite(max) ? fmt::format(", at most {}", max) : "";
+}
+
+/// Adds one flag for each common option, or for each other one; the parsed value lands in the options struct.
 class FlagVisitor final : public OptionVisitor {
  public:
-  explicit FlagVisitor(CLI::App& app) : app_(app) {}
-  void operator()(const char* name, bool& value, const OptionDoc& doc) override { Add(name, value, doc); }
-  void operator()(const char* name, int& value, const OptionDoc& doc) override { Add(name, value, doc); }
-  void operator()(const char* name, double& value, const OptionDoc& doc) override { Add(name, value, doc); }
-  void operator()(const char* name, std::string& value, const OptionDoc& doc) override { Add(name, value, doc); }
+  FlagVisitor(CLI::App& app, const std::vector<std::string>& common, bool add_common)
+      : app_(app), common_(common), add_common_(add_common) {}
+  void operator()(const char* name, bool& value, const OptionDoc& doc) override {
+    if (CLI::Option* flag = Add(name, value, doc.help)) flag->type_name("true|false")->default_str(value ? "true" : "false");
+  }
+  void operator()(const char* name, int& value, const OptionDoc& doc) override { AddNumber(name, value, doc); }
+  void operator()(const char* name, double& value, const OptionDoc& doc) override { AddNumber(name, value, doc); }
+  void operator()(const char* name, std::string& value, const OptionDoc& doc) override {
+    CLI::Option* flag = Add(name, value, doc.help);
+    if (flag && !doc.choices.empty()) flag->type_name(fmt::format("{}", fmt::join(doc.choices, "|")));
+  }
+  int added() const { return added_; }
 
  private:
   template <class T>
-  void Add(const char* name, T& value, const OptionDoc& doc) {
-    std::string help = doc.help;
-    if (!doc.unit.empty()) help += " [" + doc.unit + "]";
-    if (!doc.choices.empty()) help += fmt::format(" ({})", fmt::join(doc.choices, ", "));
-    const auto text = [](double bound) { return std::isfinite(bound) ? fmt::format("{:g}", bound) : std::string("..."); };
-    if (std::isfinite(doc.min) || std::isfinite(doc.max)) help += " in " + text(doc.min) + " to " + text(doc.max);
-    app_.add_option(fmt::format("--{}", name), value, help)->capture_default_str()->group("Options");
+  void AddNumber(const char* name, T& value, const OptionDoc& doc) {
+    const std::string unit = doc.unit.empty() ? "" : " [" + doc.unit + "]";
+    Add(name, value, doc.help + unit + RangeText(doc.min, doc.max));
+  }
+  template <class T>
+  CLI::Option* Add(const char* name, T& value, const std::string& help) {
+    const bool is_common = std::find(common_.begin(), common_.end(), name) != common_.end();
+    if (is_common != add_common_) return nullptr;
+    ++added_;
+    const char* group = common_.empty() ? "Options" : is_common ? "Common options" : "Further options";
+    return app_.add_option(fmt::format("--{}", name), value, help)->capture_default_str()->group(group);
   }
   CLI::App& app_;
+  const std::vector<std::string>& common_;
+  bool add_common_;
+  int added_ = 0;
 };
 
 struct Arguments {
@@ -133,15 +153,18 @@ class CommandLine {
  public:
   CommandLine(const StageSpec& spec, const BoundOptions& options, const std::vector<BoundAction>& actions)
       : spec_(spec), options_(options), actions_(actions), app_(spec.summary, "keypose " + spec.name) {
-    app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version);
-    app_.add_flag("--describe", describe_, "print ports and options as JSON and stop");
-    if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group("Reports");
+    app_.set_help_flag();  // added anew below: groups are shown in the order in which they appear here
     AddPorts(spec.inputs, "Inputs");
     AddPorts(spec.outputs, "Outputs");
     for (const BoundAction& action : actions_)
       app_.add_option("--" + action.name, action_files_[action.name], action.help)->group("Instead of a run")->type_name("FILE");
-    FlagVisitor flags(app_);
-    options.visit(flags);
+    AddOptions();
+    const char* rest = "Report and help";
+    if (!HasReportPort())
+      app_.add_option("--report", report_, "write measurements to this JSON file")->group(rest)->type_name("FILE");
+    app_.set_help_flag("-h,--help", "print this help")->group(rest);
+    app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version, "print the stage's version")->group(rest);
+    app_.add_flag("--describe", describe_, "print ports and options as JSON")->group(rest);
   }
 
   std::optional<int> Parse(int argc, char** argv, Arguments& arguments) {
@@ -170,6 +193,14 @@ class CommandLine {
   }
 
  private:
+  void AddOptions() {
+    FlagVisitor common(app_, spec_.common, true), further(app_, spec_.common, false);
+    options_.visit(common);
+    options_.visit(further);
+    if (common.added() != static_cast<int>(spec_.common.size()))
+      throw std::logic_error(fmt::format("stage {} calls an option common that it does not have", spec_.name));
+  }
+
   void AddPorts(const std::vector<Port>& ports, const char* group) {
     for (const Port& port : ports) {
       auto* flag =

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,9 +14,10 @@ namespace keypose::internal {
 /// A bound as JSON: null when there is none.
 inline nlohmann::json Bound(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
-/// Lists options with their current values under `default_key`.
+/// Lists options with their current values as defaults.
 class DescribeVisitor final : public OptionVisitor {
  public:
+  explicit DescribeVisitor(const std::vector<std::string>& common) : common_(common) {}
   void operator()(const char* name, bool& value, const OptionDoc& doc) override { Add(name, "bool", value, doc); }
   void operator()(const char* name, int& value, const OptionDoc& doc) override { Add(name, "int", value, doc); }
   void operator()(const char* name, double& value, const OptionDoc& doc) override { Add(name, "double", value, doc); }
@@ -31,8 +34,10 @@ class DescribeVisitor final : public OptionVisitor {
                        {"min", Bound(doc.min)},
                        {"max", Bound(doc.max)},
                        {"choices", doc.choices},
+                       {"common", std::find(common_.begin(), common_.end(), name) != common_.end()},
                        {"help", doc.help}});
   }
+  const std::vector<std::string>& common_;
 };
 
 /// The values as used, by name.

@@ -126,6 +126,46 @@ TEST_F(StageTest, DescribesItself) {
   EXPECT_EQ(description["options"][1]["unit"], "m");
 }
 
+std::string HelpOf(const StageSpec& spec) {
+  std::string name = "keypose-test", flag = "--help";
+  char* argv[] = {name.data(), flag.data()};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(RunStage<TestOptions>(2, argv, spec, CopyStage), 0);
+  return testing::internal::GetCapturedStdout();
+}
+
+TEST_F(StageTest, HelpTellsRangesOfNumbersOnly) {
+  const std::string help = HelpOf(Spec());
+  EXPECT_NE(help.find("how often, 1 to 9"), std::string::npos) << help;
+  EXPECT_NE(help.find("a factor [m], 0 to 1"), std::string::npos) << help;
+  EXPECT_NE(help.find("--mode plain|fancy|fail|bug=plain"), std::string::npos) << help;
+  EXPECT_NE(help.find("--loud true|false=false"), std::string::npos) << help;
+  EXPECT_EQ(help.find("-inf"), std::string::npos) << help;
+  EXPECT_EQ(help.find("shout,"), std::string::npos) << help;
+}
+
+TEST_F(StageTest, HelpHasPortsThenCommonOptionsThenTheRest) {
+  StageSpec spec = Spec();
+  spec.common = {"mode"};
+  const std::string help = HelpOf(spec);
+  std::size_t before = 0;
+  for (const char* part : {"--text", "--copy", "Common options", "--mode", "Further options", "--copies", "--report", "--help"}) {
+    const std::size_t at = help.find(part, before);
+    ASSERT_NE(at, std::string::npos) << part << " is missing or too early in\n" << help;
+    before = at;
+  }
+}
+
+TEST_F(StageTest, CommonOptionThatIsNoneIsABug) {
+  StageSpec spec = Spec();
+  spec.common = {"colour"};
+  std::string name = "keypose-test", flag = "--help";
+  char* argv[] = {name.data(), flag.data()};
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(RunStage<TestOptions>(2, argv, spec, CopyStage), 1);
+  testing::internal::GetCapturedStderr();
+}
+
 TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
   const std::vector<StageAction<TestOptions>> actions = {
       {"card", "write a card and stop", [](const fs::path& file, const TestOptions& o) { WriteFile(file, o.mode); }}};

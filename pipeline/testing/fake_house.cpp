@@ -74,12 +74,15 @@ int Tell(const FakeCall& call, MemoryDisk& disk) {
 
 class Notes final : public RunObserver {
  public:
-  void Begin(const std::map<std::string, double>&) override {}
+  void Begin(const Forecast& all) override { forecast = all; }
   void Started(const std::string& step, const std::vector<std::string>&, int) override { ran.push_back(step); }
   void Progressed(const std::string&, double, const std::string&) override {}
   void Finished(const std::string&, const std::string&, double) override {}
   void Note(const std::string& line) override { lines.push_back(line); }
+  void End(const Ending& all) override { ending = all; }
   std::vector<std::string> ran, lines;
+  Forecast forecast;
+  Ending ending;
 };
 
 }  // namespace
@@ -183,6 +186,8 @@ FakeHouse::Outcome FakeHouse::Run(const Selection& selection, const std::vector<
   outcome.ran = notes.ran;
   std::sort(outcome.ran.begin(), outcome.ran.end());
   outcome.notes = notes.lines;
+  outcome.forecast = notes.forecast;
+  outcome.ending = notes.ending;
   clock.Advance(100);
   return outcome;
 }

@@ -25,6 +25,8 @@ class FakeHouse {
     RunResult result;
     std::vector<std::string> ran;  ///< step ids of the processes that were started, sorted
     std::vector<std::string> notes;
+    Forecast forecast;
+    Ending ending;
   };
   Outcome Run(const Selection& selection = {}, const std::vector<std::string>& set = {}, int cores = 4);
   /// The plan as `status` sees it.

@@ -3,7 +3,8 @@
 //   keypose-join    images (folder) -> text (file): all files one after the other
 //   keypose-merge   texts (files)   -> all (folder): one file for each
 // Each writes its output in small pieces. Environment: TEXT_STAGE_DELAY_MS is slept for each piece; TEXT_STAGE_SPAWN starts a long-lived
-// child in a session of its own, as a careless external tool would.
+// child in a session of its own, as a careless external tool would; TEXT_STAGE_WARNING is what gather warns of; TEXT_STAGE_GRADE is what
+// merge judges `rest` to be; TEXT_STAGE_LOG_LINES are so many more lines of log.
 #include <unistd.h>
 
 #include <algorithm>
@@ -101,9 +102,19 @@ void SpawnStray() {
   std::_Exit(0);
 }
 
+void WriteReport(const std::string& stage, const fs::path& path) {
+  json report = {{"schema", 1}, {"stage", stage}, {"warnings", json::array()}, {"verdicts", json::array()}};
+  if (const char* text = std::getenv("TEXT_STAGE_WARNING"); text && stage == "gather") report["warnings"].push_back(text);
+  if (const char* grade = std::getenv("TEXT_STAGE_GRADE"); grade && stage == "merge")
+    report["verdicts"].push_back({{"about", "rest"}, {"grade", grade}, {"why", "it was told so"}});
+  std::ofstream(path) << report;
+}
+
 int Run(const std::string& stage, std::map<std::string, std::vector<std::string>> flags) {
   SpawnStray();
   std::cout << stage << " at work" << std::endl;
+  const char* lines = std::getenv("TEXT_STAGE_LOG_LINES");
+  for (int i = 0; i < (lines ? std::atoi(lines) : 0); ++i) std::cout << "line " << i << " of a long log\n";
   if (stage == "gather") {
     const auto files = Sorted(flags["photos"][0]);
     Writer writer(files.size());
@@ -121,6 +132,7 @@ int Run(const std::string& stage, std::map<std::string, std::vector<std::string>
     for (std::size_t i = 0; i < flags["texts"].size(); ++i)
       writer.Write(fs::path(flags["all"][0]) / (std::to_string(i) + ".txt"), ReadAll(flags["texts"][i]));
   }
+  WriteReport(stage, flags["report"][0]);
   const int code = std::atoi(flags["exit_code"][0].c_str());
   if (code) std::cerr << "keypose " << stage << ": error: told to fail\n";
   if (code == 139) std::raise(SIGSEGV);
