@@ -13,6 +13,7 @@
 #include "pipeline/commands.h"
 #include "pipeline/session.h"
 #include "pipeline/stage_info.h"
+#include "pipeline/text.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -58,6 +59,16 @@ bool MeansStage(int argc, char** argv) {
   throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
 }
 
+/// For `keypose run puppet`.
+std::string FolderHint(int argc, char** argv) {
+  std::error_code ignored;
+  for (int i = 2; i < argc; ++i) {
+    if (!fs::is_regular_file(fs::path(argv[i]) / "pipeline.yaml", ignored)) continue;
+    return fmt::format("; a project's folder is named with -C, as in -C {}", ShellWord(argv[i]));
+  }
+  return "";
+}
+
 /// All commands with their flags; `chosen` becomes what was asked for.
 class CommandLine {
  public:
@@ -85,7 +96,7 @@ class CommandLine {
       fmt::print("{}", app_.help());
       return ExitCode::kOk;
     } catch (const CLI::ParseError& error) {
-      throw UsageError(fmt::format("{}; see `keypose --help` or `keypose COMMAND --help`", error.what()));
+      throw UsageError(fmt::format("{}{}; see `keypose --help` or `keypose COMMAND --help`", error.what(), FolderHint(argc, argv)));
     }
     if (version_) return VersionCommand();
     if (chosen_) return chosen_();

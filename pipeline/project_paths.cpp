@@ -47,8 +47,8 @@ std::string SharedPhotographs(const std::vector<PhotoFolder>& folders) {
       const PhotoFolder &a = folders[i], &b = folders[j];
       if (i == j || !inside(a.folder, b.folder)) continue;
       if (a.folder == b.folder) {
-        return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own", b.pose, a.pose,
-                           a.folder.string());
+        return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own",
+                           folders[std::min(i, j)].pose, folders[std::max(i, j)].pose, a.folder.string());
       }
       return fmt::format(
           "the photographs of pose '{}', {}, lie inside the folder of pose '{}', {}; name the folder that has only the "
