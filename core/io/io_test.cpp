@@ -58,7 +58,7 @@ fs::path PutHeic(const fs::path& path, int orientation) {
   WriteImage(plain, image, 92, &exif);
   heif::Context from, to;
   from.read_from_file(plain.string());
-  const heif::ImageHandle handle = from.get_primary_image_handle();
+  heif::ImageHandle handle = from.get_primary_image_handle();
   heif::Encoder encoder(heif_compression_HEVC);
   heif::Context::EncodingOptions options;
   options.image_orientation = static_cast<heif_orientation>(orientation);
