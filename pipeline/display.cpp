@@ -50,7 +50,8 @@ class Display : public RunObserver {
   /// All that a person shall read when a run ends.
   std::string Closing(const Ending& ending) const {
     const std::size_t columns = TerminalColumns();
-    std::string text = Summary() + "\n";
+    // An interrupted run that had nothing to show yet says only that it was interrupted.
+    std::string text = estimate_.total() > 0 && up_to_date_ + made_ + failed_ == 0 ? "" : Summary() + "\n";
     for (const std::string& part : {WarningsText(ending, columns), VerdictsText(ending, columns), ResultsText(ending)})
       text += part.empty() ? "" : "\n" + part;
     return text;

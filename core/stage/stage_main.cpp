@@ -171,7 +171,7 @@ class CommandLine {
     try {
       app_.parse(argc, argv);
     } catch (const CLI::CallForHelp&) {
-      std::cout << app_.help();
+      PrintHelp();
       return 0;
     } catch (const CLI::CallForVersion& version) {
       std::cout << version.what() << "\n";
@@ -197,8 +197,14 @@ class CommandLine {
     FlagVisitor common(app_, spec_.common, true), further(app_, spec_.common, false);
     options_.visit(common);
     options_.visit(further);
-    if (common.added() != static_cast<int>(spec_.common.size()))
+    common_added_ = common.added();
+  }
+
+  void PrintHelp() const {
+    // Here and not sooner: a wrong word in the help must not stop a run.
+    if (common_added_ != static_cast<int>(spec_.common.size()))
       throw std::logic_error(fmt::format("stage {} calls an option common that it does not have", spec_.name));
+    std::cout << app_.help();
   }
 
   void AddPorts(const std::vector<Port>& ports, const char* group) {
@@ -284,6 +290,7 @@ class CommandLine {
   std::map<std::string, std::string> action_files_;
   std::string report_;
   bool describe_ = false;
+  int common_added_ = 0;
 };
 
 std::int64_t PeakBytes() {
