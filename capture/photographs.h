@@ -16,8 +16,9 @@ struct PhotographGroup {
   std::vector<std::filesystem::path> files;  ///< sorted
 };
 
-/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among them. Where the folder holds none, its subfolders
-/// (but `masks`) are groups, by name. Where names begin with "lying" (any case), these are group "lying" and the others "upright".
+/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among them. Where the folder holds none, its
+/// subfolders (but `masks`) are groups, by name. Where names begin with "lying" (any case), these are group "lying" and the others
+/// "upright".
 /// @throws InputError  none there, or some in the folder and some in subfolders
 std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 

@@ -28,8 +28,7 @@ std::uint64_t Fnv1a(const std::string& bytes) {
 std::vector<fs::path> ImagesIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path()))
-      files.push_back(entry.path());
+    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -104,9 +103,7 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
 
 }  // namespace
 
-std::string WrittenName(const fs::path& file) {
-  return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string();
-}
+std::string WrittenName(const fs::path& file) { return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string(); }
 
 std::vector<fs::path> IgnoredFiles(const fs::path& folder, const std::vector<PhotographGroup>& groups) {
   std::vector<fs::path> ignored;

@@ -117,8 +117,9 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
   }
   if (word == "$landmarks") return Landmarks(reference, step);
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
-    Fail(reference.where, fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                                      Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$timeline", "$run"})));
+    Fail(reference.where,
+         fmt::format("step '{}': '{}' is not known{}", step.rule, word,
+                     Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));

@@ -483,7 +483,9 @@ TEST(Rules, EndGathersWhatStagesSaidOncePerSentence) {
   Say(&house, "shoot", {{"warnings", {"dark", "dark", "blurred"}}});
   Say(&house, "match", {{"warnings", {"two landmarks look swapped"}}});
   Say(&house, "blend", {{"warnings", {"one frame is folded"}}});
-  const auto verdict = [](const char* about, const char* grade) { return nlohmann::json{{"about", about}, {"grade", grade}, {"why", "w"}}; };
+  const auto verdict = [](const char* about, const char* grade) {
+    return nlohmann::json{{"about", about}, {"grade", grade}, {"why", "w"}};
+  };
   Say(&house, "tell", {{"verdicts", {verdict("bent", "wrong"), verdict("rest", "good")}}});
   const Ending ending = house.Run().ending;
   EXPECT_EQ(WarningsText(ending, 0),
@@ -504,7 +506,8 @@ TEST(Rules, LinesOfTheEndFitTheTerminalAndPathsStayWhole) {
 
 TEST(Rules, ReportThatIsNoneTellsNothing) {
   FakeHouse house;
-  for (const auto& report : {nlohmann::json(7), nlohmann::json{{"warnings", 7}, {"verdicts", {1, "a"}}}, nlohmann::json{{"warnings", {1}}}}) {
+  for (const auto& report :
+       {nlohmann::json(7), nlohmann::json{{"warnings", 7}, {"verdicts", {1, "a"}}}, nlohmann::json{{"warnings", {1}}}}) {
     house.disk.Remove(house.project / ".keypose");
     Say(&house, "shape", report);
     EXPECT_TRUE(house.Run().ending.empty());
@@ -525,7 +528,8 @@ TEST(Rules, ResultsThatAPipelineShowsAreThoseThatExist) {
   FakeHouse house;
   house.WriteProject(
       "poses: {rest: photos/rest, bent: photos/bent}\n"
-      "steps: {blend: {show: {animation/frame_0: the first frame, animation/none: nothing}}, tell: {show: {report/index.html: the report}}}\n");
+      "steps: {blend: {show: {animation/frame_0: the first frame, animation/none: nothing}}, tell: {show: {report/index.html: the "
+      "report}}}\n");
   const Ending ending = house.Run().ending;
   ASSERT_EQ(ending.results.size(), 2u);
   EXPECT_EQ(ending.results[0].label, "the first frame");
@@ -537,7 +541,8 @@ TEST(Rules, ResultsThatAPipelineShowsAreThoseThatExist) {
 TEST(Rules, FirstRunIsForecastFromThePhotographs) {
   FakeHouse house;
   house.WriteProject(
-      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10, photograph: 2}}, blend: {cost: {photograph: 1}}}\n");
+      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10, photograph: 2}}, blend: {cost: {photograph: "
+      "1}}}\n");
   const Forecast first = house.Run({}, {}, 4).forecast;
   EXPECT_EQ(first.cores, 4);
   // Three photographs; two poses side by side have two cores each.
@@ -545,8 +550,7 @@ TEST(Rules, FirstRunIsForecastFromThePhotographs) {
   EXPECT_FALSE(first.steps.at("solve/rest").measured);
   EXPECT_DOUBLE_EQ(first.steps.at("blend").seconds, 6 / 4.0) << "it goes back to the photographs of both poses";
   EXPECT_LT(first.steps.at("shape/rest").seconds, 0) << "nothing is known of it";
-  house.WriteProject(
-      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10}}}\noptions: {solve: {depth: 10}}\n");
+  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\nsteps: {solve: {cost: {fixed: 10}}}\noptions: {solve: {depth: 10}}\n");
   EXPECT_TRUE(house.Run().forecast.steps.at("solve/rest").measured) << "an earlier run tells more than a guess";
 }
 

@@ -31,7 +31,8 @@ PortInfo ParsePort(const json& value, bool output) {
   port.file = value.value("file", "");
   if (port.kind != "file" && port.kind != "folder" && port.kind != "path")
     throw std::runtime_error(fmt::format("port '{}' has kind '{}'", port.name, port.kind));
-  if (output && port.kind == "path") throw std::runtime_error(fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
+  if (output && port.kind == "path")
+    throw std::runtime_error(fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
   if (output && port.file.empty()) port.file = port.name;
   if (output && (port.file.find('/') != std::string::npos || port.file == ".."))
     throw std::runtime_error("an output's file is a plain name");

@@ -198,7 +198,8 @@ TEST(Estimate, AStepOfWhichNothingIsKnownCountsAsAnAverageOne) {
 
 TEST(Text, NamesAreOfAnyScript) {
   for (const char* name : {"rest", "m\u00e4hen", "ma\u0308hen", "\u8df3\u8e8d", "a_b-2"}) EXPECT_TRUE(IsName(name)) << name;
-  for (const char* name : {"", "-a", "a b", "a/b", "a.b", "a\u00a0b", "a\u200bb", "\xe4", "a\nb", "@all"}) EXPECT_FALSE(IsName(name)) << name;
+  for (const char* name : {"", "-a", "a b", "a/b", "a.b", "a\u00a0b", "a\u200bb", "\xe4", "a\nb", "@all"})
+    EXPECT_FALSE(IsName(name)) << name;
   EXPECT_EQ(Composed("ma\u0308hen"), "m\u00e4hen");
   EXPECT_EQ(Composed("\xe4"), "\xe4") << "what is no UTF-8 stays";
 }

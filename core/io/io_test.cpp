@@ -62,8 +62,7 @@ fs::path PutHeic(const fs::path& path, int orientation) {
   heif::Encoder encoder(heif_compression_HEVC);
   heif::Context::EncodingOptions options;
   options.image_orientation = static_cast<heif_orientation>(orientation);
-  heif::ImageHandle turned =
-      to.encode_image(handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
+  heif::ImageHandle turned = to.encode_image(handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
   for (const heif_item_id id : handle.get_list_of_metadata_block_IDs("Exif")) {
     const std::vector<std::uint8_t> block = handle.get_metadata(id);
     // The first four bytes say where the TIFF header is; the writer puts its own.

@@ -29,9 +29,9 @@ struct StageSpec {
   std::string version = {};  ///< changes whenever the same inputs and options would give other bits
   std::string summary = {};  ///< one sentence
   std::vector<Port> inputs = {}, outputs = {};
-  std::vector<std::string> tools = {};  ///< external programs it calls, e.g. "colmap"; their versions enter the fingerprint
-  int cores = 0;                        ///< cores it can use; 0 means all
-  double memory_gib = 1;                ///< what it needs at most, roughly
+  std::vector<std::string> tools = {};   ///< external programs it calls, e.g. "colmap"; their versions enter the fingerprint
+  int cores = 0;                         ///< cores it can use; 0 means all
+  double memory_gib = 1;                 ///< what it needs at most, roughly
   std::vector<std::string> common = {};  ///< options that most people will want; --help has them first, in the order of the struct
 };
 
@@ -61,7 +61,8 @@ class StageContext {
   /// What a person should know before they trust the result: one sentence that says what, where, and what to do. It goes to the log and to
   /// `warnings` of the report; `keypose run` repeats it at its end, also when the step is taken from the cache.
   virtual void Warn(const std::string& sentence) = 0;
-  /// The judgement of a pose, or of another thing that a person asks about. It goes to `verdicts` of the report; `keypose run` ends with it.
+  /// The judgement of a pose, or of another thing that a person asks about. It goes to `verdicts` of the report; `keypose run` ends with
+  /// it.
   /// @param about  e.g. the pose's name  @param grade  "good", "look" (usable, but worth a glance) or "wrong"
   /// @param why    what decided, and the cure where it is not good
   virtual void Verdict(const std::string& about, const std::string& grade, const std::string& why) = 0;

@@ -160,8 +160,7 @@ class CommandLine {
       app_.add_option("--" + action.name, action_files_[action.name], action.help)->group("Instead of a run")->type_name("FILE");
     AddOptions();
     const char* rest = "Report and help";
-    if (!HasReportPort())
-      app_.add_option("--report", report_, "write measurements to this JSON file")->group(rest)->type_name("FILE");
+    if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group(rest)->type_name("FILE");
     app_.set_help_flag("-h,--help", "print this help")->group(rest);
     app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version, "print the stage's version")->group(rest);
     app_.add_flag("--describe", describe_, "print ports and options as JSON")->group(rest);
