@@ -115,6 +115,13 @@ ColmapDatabase ColmapDatabase::Create(const fs::path& path, const Camera& camera
   return database;
 }
 
+void ColmapDatabase::SetFocal(const Camera& camera) const {
+  const double parameters[4] = {camera.fx, camera.cx, camera.cy, camera.k1};
+  Statement update(database_.get(), "UPDATE cameras SET params = ? WHERE camera_id = 1");
+  update.BindBlob(1, parameters, sizeof parameters);
+  update.RunOnce();
+}
+
 Features ColmapDatabase::ReadFeatures(int image) const {
   Features features;
   Statement keypoints(database_.get(), "SELECT rows, cols, data FROM keypoints WHERE image_id = ?");

@@ -50,6 +50,8 @@ class ColmapDatabase {
   ColmapDatabase(ColmapDatabase&&) noexcept;
   ColmapDatabase(const ColmapDatabase&) = delete;
 
+  /// Starts the one camera from another focal length.
+  void SetFocal(const Camera& camera) const;
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
   /// Copies the features that another database holds for the image of that name to image i (0-based), moved by (x, y) pixels.

@@ -130,6 +130,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
 
 std::vector<fs::path> MapImages(StageContext& stage, const SfmFiles& files, const SfmOptions& options) {
   const fs::path folder = files.scratch / (files.database.stem().string() + "_models");
+  fs::remove_all(folder);  // of an earlier start
   fs::create_directories(folder);
   try {
     Colmap(stage, {"mapper", "--database_path", files.database, "--image_path", files.images, "--output_path", folder,

@@ -3,51 +3,80 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
-#include "reconstruct/silhouettes.h"
-#include "reconstruct/visual_hull.h"
 
 namespace keypose::reconstruct {
+namespace {
 
-std::vector<DenseView> MaskViews(const ImageSet& set, const Scene& scene) {
-  constexpr double kSide_px = 500;
+constexpr double kSide_px = 500;
+
+double ShrinkFactor(int width, int height) { return std::min(1.0, kSide_px / std::max(width, height)); }
+
+std::vector<Image8> SmallMasks(const ImageSet& set) {
+  std::vector<Image8> masks(set.images.size());
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+    const CapturedImage& image = set.images[static_cast<std::size_t>(i)];
+    if (image.mask.empty()) return;
+    Camera size;
+    size.width = image.width, size.height = image.height;
+    size = size.Scaled(ShrinkFactor(image.width, image.height));
+    masks[static_cast<std::size_t>(i)] = Resized(ReadImage(set.MaskPath(static_cast<int>(i)), 1), size.width, size.height);
+  });
+  return masks;
+}
+
+std::vector<DenseView> ViewsOf(const ImageSet& set, const std::vector<Image8>& masks, const Scene& scene) {
   std::vector<DenseView> views(scene.views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
     View view = scene.views[static_cast<std::size_t>(v)];
     const int i = set.Find(view.name);
-    if (i < 0 || set.images[static_cast<std::size_t>(i)].mask.empty()) return;
-    view.camera = view.camera.Scaled(std::min(1.0, kSide_px / std::max(view.camera.width, view.camera.height)));
-    const Image8 mask = Resized(ReadImage(set.MaskPath(i), 1), view.camera.width, view.camera.height);
+    if (i < 0 || masks[static_cast<std::size_t>(i)].empty()) return;
+    view.camera = view.camera.Scaled(ShrinkFactor(view.camera.width, view.camera.height));
     // The hull asks for no colour.
     const Image8 grey(view.camera.width, view.camera.height, 3, 128);
-    views[static_cast<std::size_t>(v)] = PrepareDenseView(view, static_cast<int>(v), grey, mask, 1, 1);
+    views[static_cast<std::size_t>(v)] = PrepareDenseView(view, static_cast<int>(v), grey, masks[static_cast<std::size_t>(i)], 1, 1);
   });
   std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
   return views;
 }
 
-void ReportHullAgreement(StageContext& stage, const ImageSet& set, const Scene& scene) {
-  const std::vector<DenseView> views = MaskViews(set, scene);
-  if (views.size() < 3) return;
-  VisualHullOptions options;
-  options.resolution = 96;
-  HullCheck check;
-  try {
-    check = CheckAgainstHull(views, CarveVisualHull(views, options), Silhouettes(views, options.outside_votes));
-  } catch (const InputError& error) {
-    stage.Warn(std::string("the masks and the cameras do not fit: ") + error.what());
-    stage.Report("hull_iou_mean", 0);
-    return;
-  }
-  stage.Report("hull_iou_mean", check.mean);
-  stage.Report("hull_iou_least", *std::min_element(check.iou.begin(), check.iou.end()));
-  stage.ReportJson("views_disagreeing", nlohmann::json(check.disagreeing).dump());
-  if (check.disagreeing.empty()) return;
+}  // namespace
+
+std::vector<DenseView> MaskViews(const ImageSet& set, const Scene& scene) { return ViewsOf(set, SmallMasks(set), scene); }
+
+EvidenceJudge::EvidenceJudge(const ImageSet& set) : set_(set), masks_(SmallMasks(set)) {
+  with_mask_ = static_cast<int>(std::count_if(masks_.begin(), masks_.end(), [](const Image8& mask) { return !mask.empty(); }));
+}
+
+CameraEvidence EvidenceJudge::Judge(const Scene& scene, const std::vector<Features>& features,
+                                    const std::vector<PairMatches>& verified) const {
+  CameraEvidence evidence;
+  evidence.images = static_cast<int>(set_.images.size());
+  evidence.placed = static_cast<int>(scene.views.size());
+  if (evidence.placed < 3) return evidence;
+  const std::vector<DenseView> views = ViewsOf(set_, masks_, scene);
+  if (views.size() < 3) return evidence;
+  const auto hull = MeasureOutlines(views, evidence);
+  if (!hull) return evidence;
+  std::vector<int> view_of_image(set_.images.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (const int i = set_.Find(scene.views[v].name); i >= 0) view_of_image[static_cast<std::size_t>(i)] = static_cast<int>(v);
+  constexpr double kMaxError_px = 4;  // as of verification
+  CountAgreeingPairs(scene, view_of_image, features, verified, *hull, kMaxError_px, evidence);
+  return evidence;
+}
+
+void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {
+  stage.Report("hull_iou_mean", evidence.hull_iou);
+  stage.Report("hull_iou_least", evidence.hull_iou_least);
+  stage.ReportJson("views_disagreeing", nlohmann::json(evidence.disagreeing).dump());
+  stage.Report("pairs_tied", evidence.pairs);
+  stage.Report("pairs_agreeing", evidence.pairs_agree);
+  if (evidence.disagreeing.empty()) return;
   std::string names;
-  for (const std::string& name : check.disagreeing) names += (names.empty() ? "" : ", ") + name;
+  for (const std::string& name : evidence.disagreeing) names += (names.empty() ? "" : ", ") + name;
   stage.Warn("the outlines of these photographs do not fit the other ones: " + names +
              "; look at their masks (contact_sheet.jpg), and whether they were cropped, turned, or shot with another zoom");
 }

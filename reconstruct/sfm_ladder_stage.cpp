@@ -5,14 +5,10 @@
 #include <optional>
 
 #include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
 #include "core/io/image_set.h"
-#include "core/parallel.h"
-#include "reconstruct/ring_order.h"
-#include "reconstruct/ring_sfm.h"
-#include "reconstruct/ring_silhouettes.h"
-#include "reconstruct/sfm_refine_stage.h"
+#include "reconstruct/sfm_overlap_stage.h"
 #include "reconstruct/sfm_thin.h"
+#include "reconstruct/sfm_turntable_stage.h"
 
 namespace keypose::reconstruct {
 namespace fs = std::filesystem;
@@ -37,7 +33,7 @@ PlacedModel Refined(StageContext& stage, PlacedModel model, const SfmOptions& op
 
 Placed PlaceKnown(StageContext& stage, PlacedModel model, const std::string& method, const SfmOptions& options) {
   Step(stage.progress(), 0.85, "bundle adjustment");
-  return {Refined(stage, std::move(model), options), method};
+  return {Refined(stage, std::move(model), options), method, {}};
 }
 
 /// Without observations of its own.
@@ -47,143 +43,51 @@ PlacedModel ModelOf(Scene scene) {
   return model;
 }
 
-Placed PlaceByFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
-                       const SetBoards& boards) {
+Placed PlaceByFeatures(const Ladder& ladder, const SfmFiles& files, const Seen& seen, const SetBoards& boards) {
+  const auto& [stage, set, options, judge, watch] = ladder;
   Step(stage.progress(), 0.7, "mapping");
   const auto models = MapImages(stage, files, options);
-  Placed placed{{}, "features"};
+  Placed placed{{}, "features", {}};
   json sizes = json::array();
   for (const fs::path& model : models) sizes.push_back(ReadColmapModel(model).views.size());
   stage.ReportJson("model_sizes", sizes.dump());
   if (models.empty()) return placed;
   PlacedModel model = ModelFromMapper(stage, set, files, {seen.features, seen.matches}, models, boards, options);
-  if (model.scene.views.size() < 3) return {ModelOf(std::move(model.scene)), "features"};
-  return PlaceKnown(stage, std::move(model), "features", options);
+  if (model.scene.views.size() < 3) return {ModelOf(std::move(model.scene)), "features", {}};
+  return ladder.Judged(PlaceKnown(stage, std::move(model), "features", options), seen);
 }
 
-void ReportRing(StageContext& stage, const RingSfmResult& ring) {
-  stage.Report("ring_layout", ring.layout.reason);
-  stage.Report("ring_matches", ring.start.matches);
-  stage.Report("ring_inliers", ring.start.inliers);
-  stage.Report("ring_inlier_share", ring.start.inlier_share);
-  if (!ring.found) return;
-  stage.Report("ring_error_px", ring.ring_error_px);
-  stage.Report("ring_free_chi2_ratio", ring.chi2_ratio);
-  stage.Report("ring_freed", ring.freed);
-  stage.ReportJson("ring_slop_deg", json(ring.slop_deg).dump());
-  stage.ReportJson("placed_by_step_only", json(ring.by_step_only).dump());
-}
-
-/// The order in which the photographs stand on their rings, by what they show: where names do not tell it.
-std::optional<RingLayout> SortedLayout(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options,
-                                       const Seen& seen, const Scene& known) {
-  if (options.rings != "auto") return std::nullopt;
-  Scene part = known;
-  if (part.views.empty() && options.method == "ring")
-    if (const auto models = MapImages(stage, files, options); !models.empty()) part = ReadColmapModel(models[0]);
-  const std::vector<std::string> names = NamesOf(set);
-  const auto order = OrderOnRings(part, names, PointsOf(seen.matches, seen.features));
-  if (!order) return std::nullopt;
-  json rings = json::array();
-  for (const auto& ring : order->layout.rings) {
-    json in_order = json::array();
-    for (const RingLayout::Place& place : ring) in_order.push_back(names[static_cast<std::size_t>(place.image)]);
-    rings.push_back(std::move(in_order));
+/// Maps again from other focal lengths, where no photograph tells it and the first guess gave doubtful cameras: the mapper seldom finds its
+/// way from a guess that is a fifth off.
+Placed PlaceByFeaturesOfAnyFocal(const Ladder& ladder, const SfmFiles& files, const Seen& seen, const SetBoards& boards) {
+  Placed best = PlaceByFeatures(ladder, files, seen, boards);
+  if (ladder.IsSettled(best)) return best;
+  const std::vector<double> focals = FocalsToTry(seen);
+  for (std::size_t k = 1; k < focals.size(); ++k) {
+    ColmapDatabase(files.database).SetFocal(WithFocal(seen.camera, focals[k]));
+    Placed placed = PlaceByFeatures(ladder, files, seen, boards);
+    if (placed.views() > 0 && placed.evidence.Score() > best.evidence.Score()) best = std::move(placed);
   }
-  stage.ReportJson("order_found", rings.dump());
-  stage.Warn("the names of the photographs do not tell in which order they were shot; sorted " + std::to_string(order->sorted) +
-             " of " + std::to_string(names.size()) + " by what they show: " + order->layout.reason);
-  return order->layout;
-}
-
-Placed PlaceByRing(StageContext& stage, const ImageSet& set, const SfmOptions& options, const Seen& seen,
-                   const std::vector<RingLayout>& layouts) {
-  const std::vector<std::string> names = NamesOf(set);
-  RingSfmOptions ring;
-  ring.matching.max_ratio = options.max_ratio;
-  ring.bundle.refine_principal_point = options.refine_principal_point;
-  ring.bundle.refine_distortion = options.refine_distortion;
-  if (!seen.focal_known) ring.ring.focal_prior = 0.15;
-  SubProgress part(stage.progress(), 0.88, 0.97);
-  RingSfmResult result = ReconstructRing(seen.camera, names, seen.features, seen.matches, layouts, ring, &part);
-  ReportRing(stage, result);
-  if (!result.found) return {{}, "ring"};
-  ColorPoints(set, result.scene);
-  return {ModelOf(std::move(result.scene)), "ring"};
-}
-
-std::vector<Image8> ReadMasks(const ImageSet& set) {
-  std::vector<Image8> masks(set.images.size());
-  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
-    if (!set.images[static_cast<std::size_t>(i)].mask.empty())
-      masks[static_cast<std::size_t>(i)] = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
-  });
-  return masks;
-}
-
-/// The last rung: no feature counts, only outlines. Of the layouts the one whose outlines agree best.
-Placed PlaceBySilhouettes(StageContext& stage, const ImageSet& set, const Seen& seen, const std::vector<RingLayout>& layouts) {
-  const std::vector<std::string> names = NamesOf(set);
-  const std::vector<Image8> masks = ReadMasks(set);
-  RingSilhouettes best;
-  std::string reason;
-  for (std::size_t k = 0; k < layouts.size(); ++k) {
-    const double share = 0.09 / static_cast<double>(layouts.size());
-    SubProgress part(stage.progress(), 0.88 + share * static_cast<double>(k), 0.88 + share * static_cast<double>(k + 1));
-    RingSilhouettes fit = FitRingToSilhouettes(seen.camera, layouts[k], masks, {}, &part);
-    if (fit.view_error_px.empty() || (!best.view_error_px.empty() && fit.error_px >= 0.9 * best.error_px)) continue;
-    best = std::move(fit);
-    reason = layouts[k].reason;
-  }
-  if (best.view_error_px.empty()) return {{}, "silhouettes"};
-  stage.Report("silhouette_layout", reason);
-  stage.Report("silhouette_error_px", best.error_px);
-  if (!best.found) return {{}, "silhouettes"};
-  Placed placed{ModelOf(SceneOf(best.model, names, best.points)), "silhouettes"};
-  ColorPoints(set, placed.model.scene);
-  return placed;
+  if (focals.size() > 1) ColmapDatabase(files.database).SetFocal(seen.camera);
+  return best;
 }
 
 /// The rungs that need matched features: plate and mapper.
-Placed PlaceByMatches(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
-                      const SetBoards& boards, Stopwatch& watch) {
+Placed PlaceByMatches(const Ladder& ladder, const SfmFiles& files, const Seen& seen, const SetBoards& boards) {
+  const auto& [stage, set, options, judge, watch] = ladder;
   Placed best;
   if (options.method == "auto" || options.method == "board") {
     auto model = ModelFromBoards(stage, set, files, {seen.features, seen.matches}, boards, options);
-    if (model) best = PlaceKnown(stage, std::move(*model), "plate", options);
+    if (model) best = ladder.Judged(PlaceKnown(stage, std::move(*model), "plate", options), seen);
     watch.Lap(stage, "board");
     if (best.views() >= options.min_placed * static_cast<double>(set.images.size()) && best.views() > 0) return best;
   }
   if (options.method == "auto" || options.method == "features") {
-    Placed features = PlaceByFeatures(stage, set, files, options, seen, boards);
+    Placed features = PlaceByFeaturesOfAnyFocal(ladder, files, seen, boards);
     if (features.views() > best.views()) best = std::move(features);
     watch.Lap(stage, "mapping");
   }
   return best;
-}
-
-/// The rungs that believe in a turntable. `best` is what was found before.
-void PlaceByTurntable(StageContext& stage, const ImageSet& set, const SfmFiles& files, const SfmOptions& options, const Seen& seen,
-                      Placed& best, Stopwatch& watch) {
-  std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
-  if (best.views() < set.images.size() && (options.method == "auto" || options.method == "ring")) {
-    Placed ring = PlaceByRing(stage, set, options, seen, layouts);
-    watch.Lap(stage, "ring");
-    if (ring.views() == 0) {
-      if (auto sorted = SortedLayout(stage, set, files, options, seen, best.model.scene)) {
-        layouts.insert(layouts.begin(), std::move(*sorted));
-        ring = PlaceByRing(stage, set, options, seen, {layouts[0]});
-      }
-      watch.Lap(stage, "ring_order");
-    }
-    if (ring.views() > best.views()) best = std::move(ring);
-  }
-  const bool too_few = static_cast<double>(best.views()) < options.min_placed * static_cast<double>(set.images.size());
-  if (options.method == "silhouettes" || (options.method == "auto" && too_few)) {
-    Placed outlines = PlaceBySilhouettes(stage, set, seen, layouts);
-    watch.Lap(stage, "silhouettes");
-    if (outlines.views() > best.views()) best = std::move(outlines);
-  }
 }
 
 /// Whether cameras hang on so few points that a wrong camera can explain them: 57 a view bent a ring of 20 by 2 % and made its pixels
@@ -198,31 +102,57 @@ SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
   return {scratch, set.folder, scratch / (fine ? "fine.db" : "coarse.db")};
 }
 
+/// Every `step`-th view, for a quick judgement.
+Scene SomeViews(const Scene& scene, std::size_t most) {
+  if (scene.views.size() <= most) return scene;
+  Scene some;
+  for (std::size_t k = 0; k < most; ++k) some.views.push_back(scene.views[k * scene.views.size() / most]);
+  return some;
+}
+
 }  // namespace
 
-Placed Place(StageContext& stage, const ImageSet& set, const fs::path& scratch, const SfmOptions& options, Stopwatch& watch,
-             bool& focal_known) {
+Placed Ladder::Judged(Placed placed, const Seen& seen) const {
+  constexpr std::size_t kMostViews = 32;
+  placed.evidence = judge.Judge(SomeViews(placed.model.scene, kMostViews), seen.features, seen.verified);
+  placed.evidence.placed = static_cast<int>(placed.views());
+  return placed;
+}
+
+bool Ladder::IsSettled(const Placed& placed) const {
+  if (placed.views() < set.images.size()) return false;
+  return placed.model.scale_source != "none" || IsSure(placed.evidence);
+}
+
+Placed Place(const Ladder& ladder, const fs::path& scratch, Seen& seen) {
+  const auto& [stage, set, options, judge, watch] = ladder;
   // The ring model lives on what little there is: it gets the fine features at once.
   bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
   SfmFiles files = FilesOf(set, scratch, fine);
-  Seen seen = BuildDatabase(stage, set, files, options, fine, watch);
-  focal_known = seen.focal_known;
+  seen = BuildDatabase(stage, set, files, options, fine, watch);
   if (stage.Has("poses")) return PlaceKnown(stage, ModelFromPoses(stage, set, files, seen.features, options), "poses", options);
   const SetBoards boards = PlaceBoards(stage, set, seen.camera, seen.focal_known, options);
-  Placed best = PlaceByMatches(stage, set, files, options, seen, boards, watch);
-  const bool thin = Thin(best);
-  if (!fine && options.detail == "auto" && (best.views() < set.images.size() || thin) && options.method != "silhouettes") {
+  if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0) RequireOverlap(stage, set, seen);
+  seen.upside_down = FindUpsideDown(stage, set, judge, seen);
+  Placed best = PlaceByMatches(ladder, files, seen, boards);
+  const bool thin = Thin(best), settled = ladder.IsSettled(best);
+  if (!fine && options.detail == "auto" && (!settled || thin) && options.method != "silhouettes") {
     stage.Note("sfm: features at the photographs' own size place " + std::to_string(best.views()) + " of " +
-               std::to_string(set.images.size()) + (thin ? ", by few points" : "") + "; looking for finer ones");
+               std::to_string(set.images.size()) +
+               (thin      ? ", by few points"
+                : settled ? ""
+                          : ", not surely") +
+               "; looking for finer ones");
     fine = true;
     files = FilesOf(set, scratch, fine);
     seen = BuildDatabase(stage, set, files, options, fine, watch);
-    Placed finer = PlaceByMatches(stage, set, files, options, seen, boards, watch);
-    if (finer.views() >= best.views()) best = std::move(finer);
+    seen.upside_down = FindUpsideDown(stage, set, judge, seen);
+    Placed finer = PlaceByMatches(ladder, files, seen, boards);
+    if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);
   }
   stage.Report("fine_features", fine);
   // A figure that was turned over between two halves stands on no one turntable: what the other rungs would find for both is wrong.
-  if (boards.groups.size() <= 1) PlaceByTurntable(stage, set, files, options, seen, best, watch);
+  if (boards.groups.size() <= 1) PlaceByTurntable(ladder, files, seen, best);
   return best;
 }
 

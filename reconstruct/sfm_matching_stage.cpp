@@ -151,9 +151,9 @@ Seen BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& fil
     watch.Lap(stage, "guided_matching");
   }
   ReportMatches(stage, pairs.size(), enough.size(), verified);
-  std::vector<PairMatches> inliers;
-  for (Verified& pair : verified) inliers.push_back(std::move(pair.inliers));
-  ColmapDatabase(files.database).PutInliers(inliers);
+  for (Verified& pair : verified) seen.verified.push_back(std::move(pair.inliers));
+  ColmapDatabase(files.database).PutInliers(seen.verified);
+  seen.upside_down.assign(names.size(), 0);
   return seen;
 }
 

@@ -19,7 +19,9 @@ struct Seen {
   Camera camera;  ///< as assumed before any adjustment
   bool focal_known = false;
   std::vector<Features> features;
-  std::vector<PairMatches> matches;  ///< raw, however few a pair has
+  std::vector<PairMatches> matches;   ///< raw, however few a pair has
+  std::vector<PairMatches> verified;  ///< those of pairs that stand the geometric test
+  std::vector<char> upside_down;      ///< by image; see FindUpsideDown
 };
 
 std::vector<std::string> NamesOf(const ImageSet& set);

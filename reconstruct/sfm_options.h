@@ -6,6 +6,7 @@
 
 #include "core/options.h"
 #include "reconstruct/bundle_adjustment.h"
+#include "reconstruct/camera_evidence.h"
 #include "reconstruct/descriptor_matching.h"
 #include "reconstruct/pair_list.h"
 #include "reconstruct/ring_model.h"
@@ -34,6 +35,7 @@ struct SfmOptions {
   bool patches = true;         ///< points found again by grey values, and cameras adjusted to these
   int adjusted_points = 6000;  ///< in the bundle adjustments, spread over the object
   double min_placed = 0.6;
+  double min_hull_overlap = kLeastHullOverlap;  ///< of masks and their hull under the cameras found
   bool level = true;
   bool board = true;          ///< use the printed plate where photographs show it
   int min_board_corners = 8;  ///< of the plate that a photograph must show to be placed by it
@@ -93,6 +95,8 @@ struct SfmOptions {
     visit("patches", patches, {"find points again by grey values, far finer than features, and adjust cameras to these", "", 0, 1, {}});
     visit("adjusted_points", adjusted_points, {"points in the bundle adjustments, spread over the object", "", 500, 1000000, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
+    visit("min_hull_overlap", min_hull_overlap,
+          {"overlap of masks and their hull that cameras must reach; right ones always do, unless masks are bad. 0 accepts all", "", 0, 1, {}});
     visit("board", board, {"place photographs by the printed plate where they show it", "", 0, 1, {}});
     visit("min_board_corners", min_board_corners, {"corners of the plate that a photograph must show to be placed by it", "", 6, 1000, {}});
     visit("refine_poses", refine_poses, {"take --poses for a start and adjust them; else they stay as given", "", 0, 1, {}});

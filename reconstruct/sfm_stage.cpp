@@ -1,4 +1,5 @@
 // keypose-sfm: images and masks to cameras and sparse points, in an upright frame.
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -42,6 +43,27 @@ void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& op
       " could be placed in one model. Not placed: " + names +
       ". Take more photographs between these (15 degrees apart or less, rings 20 degrees apart), in focus and evenly lit, or give the "
       "surface more texture (speckles, fingerprints); masks that miss parts of the object also cause this (see contact_sheet.jpg)");
+}
+
+/// How many photographs, and how far apart, whatever the figure.
+const char* kWhatToShoot =
+    "Shoot more photographs, closer together (15 degrees or less from one to the next, rings 20 degrees apart), with one zoom, in the order "
+    "of the turn; give the surface more texture (speckles, fingerprints), or put the printed plate under the figure (keypose capture "
+    "--print-board)";
+
+/// Whether the cameras can be right. Cameras that a plate or the user gave stand by themselves: then it is the masks.
+void RequireRight(StageContext& stage, const Placed& placed, const CameraEvidence& evidence, const SfmOptions& options) {
+  if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;
+  char overlap[64];
+  std::snprintf(overlap, sizeof overlap, "%.2f, where %.2f is asked", evidence.hull_iou, options.min_hull_overlap);
+  if (placed.model.scale_source != "none") {
+    stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " + std::string(overlap) +
+               "); the cameras come from the " + placed.model.scale_source + ", so look at the masks (contact_sheet.jpg)");
+    return;
+  }
+  throw InputError("sfm: no cameras fit these photographs: under the best that were found (" + placed.method +
+                   ") the outlines make no one figure (overlap of masks and their hull " + overlap + "). " + kWhatToShoot +
+                   ". Masks that hold much else or miss parts cause this too: look at contact_sheet.jpg");
 }
 
 void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene, const fs::path& model) {
@@ -103,25 +125,28 @@ void Run(StageContext& stage, const SfmOptions& options) {
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) + " photographs; at least 3 are needed");
   options.Layouts(NamesOf(set));  // a wrong option is told before the work
   Step(stage.progress(), 0, "features");
-  bool focal_known = false;
-  const Placed placed = Place(stage, set, stage.Scratch(), options, watch, focal_known);
+  const EvidenceJudge judge(set);
+  Seen seen;
+  const Placed placed = Place({stage, set, options, judge, watch}, stage.Scratch(), seen);
   RequirePlaced(set, placed.model.scene, options);
   stage.Report("method", placed.method);
   stage.Report("scale_source", placed.model.scale_source);
-  Scene scene = RefineByPatches(stage, set, placed.model, focal_known, options);
+  Scene scene = RefineByPatches(stage, set, placed.model, seen.focal_known, options);
   watch.Lap(stage, "patches");
+  const CameraEvidence evidence = judge.Judge(scene, seen.features, seen.verified);
+  ReportEvidence(stage, evidence);
+  watch.Lap(stage, "hull_check");
+  RequireRight(stage, placed, evidence, options);
   if (options.level && placed.model.scale_source == "none") scene = Leveled(stage, set, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
   if (const fs::path picture = stage.Output("picture"); !picture.empty()) WriteImage(picture, Picture(scene));
   ReportModel(stage, set, scene, output);
-  ReportHullAgreement(stage, set, scene);
-  watch.Lap(stage, "hull_check");
 }
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "6",
+    .version = "7",
     .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
                {.name = "poses",

@@ -15,10 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::pair<const char*, DamageKind> kWords[] = {
-    {"truncate", DamageKind::kTruncate}, {"empty", DamageKind::kEmpty},   {"no-image", DamageKind::kNoImage},
-    {"blur", DamageKind::kBlur},         {"dark", DamageKind::kDark},     {"drop", DamageKind::kDrop},
-    {"rotate", DamageKind::kRotate},     {"resize", DamageKind::kResize}, {"strip-exif", DamageKind::kStripExif}};
+const std::pair<const char*, DamageKind> kWords[] = {{"truncate", DamageKind::kTruncate}, {"empty", DamageKind::kEmpty},
+                                                     {"no-image", DamageKind::kNoImage},  {"blur", DamageKind::kBlur},
+                                                     {"dark", DamageKind::kDark},         {"drop", DamageKind::kDrop},
+                                                     {"rotate", DamageKind::kRotate},     {"upside-down", DamageKind::kUpsideDown},
+                                                     {"resize", DamageKind::kResize},     {"strip-exif", DamageKind::kStripExif}};
 
 ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
   ExifToWrite exif;
@@ -41,6 +42,13 @@ Image8 TurnedLeft(const Image8& image) {
   Image8 turned(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(y, image.width - 1 - x));
+  return turned;
+}
+
+Image8 TurnedOver(const Image8& image) {
+  Image8 turned(image.width, image.height, image.channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(image.width - 1 - x, image.height - 1 - y));
   return turned;
 }
 
@@ -76,6 +84,9 @@ void Spoil(const fs::path& path, DamageKind kind) {
       return;
     case DamageKind::kRotate:
       WriteImage(path, TurnedLeft(image), kQuality, &turned);
+      return;
+    case DamageKind::kUpsideDown:
+      WriteImage(path, TurnedOver(image), kQuality, &upright);
       return;
     case DamageKind::kResize:
       WriteImage(path, Resized(image, image.width * 4 / 5, image.height * 4 / 5), kQuality, &upright);

@@ -8,15 +8,16 @@
 namespace keypose::synth {
 
 enum class DamageKind {
-  kTruncate,   ///< the file's second half is lost
-  kEmpty,      ///< no bytes
-  kNoImage,    ///< a text under an image's name
-  kBlur,       ///< out of focus, 6 px
-  kDark,       ///< nothing but the sensor's black
-  kDrop,       ///< the file is gone
-  kRotate,     ///< stored on its side, with the EXIF orientation that stands it up again
-  kResize,     ///< 80 % of the size
-  kStripExif,  ///< no camera, no focal length
+  kTruncate,    ///< the file's second half is lost
+  kEmpty,       ///< no bytes
+  kNoImage,     ///< a text under an image's name
+  kBlur,        ///< out of focus, 6 px
+  kDark,        ///< nothing but the sensor's black
+  kDrop,        ///< the file is gone
+  kRotate,      ///< stored on its side, with the EXIF orientation that stands it up again
+  kUpsideDown,  ///< turned by 180 degrees, and no EXIF orientation that tells
+  kResize,      ///< 80 % of the size
+  kStripExif,   ///< no camera, no focal length
 };
 
 /// @throws UsageError  unknown word; lists those there are

@@ -151,7 +151,7 @@ void AddDamage(CLI::App& app, DamageFlags& c) {
   CLI::App* damage = app.add_subcommand("damage", "copy a folder of photographs and spoil some of the copies");
   damage->add_option("--photos", c.photos, "folder to copy")->required();
   damage->add_option("--output", c.output, "folder of the copies")->required();
-  damage->add_option("--kind", c.kind, "truncate, empty, no-image, blur, dark, drop, rotate, resize, strip-exif")->required();
+  damage->add_option("--kind", c.kind, "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif")->required();
   damage->add_option("--names", c.names, "file names to spoil; all when none is given")->delimiter(',');
   damage->callback([&c] { DamagePhotos(c.photos, c.output, DamageKindNamed(c.kind), c.names); });
 }
