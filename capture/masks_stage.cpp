@@ -1,5 +1,6 @@
 // keypose-masks: masks made to agree with each other in space, once the cameras are known.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -81,6 +82,57 @@ void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& pla
   stage.ReportJson("agreement_of_views", each.dump());
 }
 
+std::string Percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
+
+/// What is wrong with a view that contradicts the others, for a person.
+std::string WhyNot(const OutlineFit& fit, const ColorFit& color, const ColorOptions& options) {
+  if (color.places >= options.least_places && color.contrary > options.most_contrary)
+    return Percent(color.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
+  const double missing = *std::max_element(std::begin(fit.missing), std::end(fit.missing));
+  return "its outline leaves out " + Percent(missing) + " of the figure that the other photographs agree on" +
+         (fit.excess > 0.02 ? ", and " + Percent(fit.excess) + " lies where they see past it" : "");
+}
+
+/// Takes the say from photographs that contradict the others, and says so.
+/// @throws InputError  there are so many that nobody can tell who is right
+void ReportStanding(StageContext& stage, const Placed& placed, const Standing& standing, ImageSet* set) {
+  nlohmann::json distrusted = nlohmann::json::array(), fits = nlohmann::json::object();
+  std::string names;
+  for (std::size_t i = 0; i < standing.say.size(); ++i) {
+    CapturedImage& image = set->images[placed.index[i]];
+    const OutlineFit& fit = standing.fits[i];
+    fits[image.name] = {{"missing", fit.missing}, {"excess", fit.excess}, {"other_colors", standing.colors[i].contrary}};
+    if (standing.say[i]) continue;
+    image.trusted = false;
+    image.why = WhyNot(fit, standing.colors[i], {});
+    distrusted.push_back({{"name", image.name}, {"why", image.why}});
+    names += (names.empty() ? "" : ", ") + image.name;
+    stage.Warn(image.name + " contradicts the other photographs: " + image.why +
+               "; it was left out of shape and texture. It shows something else, a moved figure or a hand, or its camera is wrong: shoot it again, "
+               "or delete it");
+  }
+  stage.ReportJson("outline_fits", fits.dump());
+  stage.ReportJson("distrusted", distrusted.dump());
+  if (standing.undecided)
+    throw InputError("masks: the photographs contradict each other in outline, and too many do to tell which are right (among them " + names +
+                     "): the figure or a part of it was moved between them, or cameras are wrong; keep the photographs from before the "
+                     "move or those from after it, and shoot the rest again");
+}
+
+/// Names the photographs in which a hand or the like touches the figure.
+void ReportTouched(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined) {
+  nlohmann::json touched = nlohmann::json::array();
+  for (const std::size_t i : Touched(refined.standing_before, {})) {
+    const std::string& name = set.images[placed.index[i]].name;
+    const double excess = refined.standing_before.fits[i].excess;
+    touched.push_back({{"name", name}, {"share", excess}});
+    if (!refined.standing.say[i]) continue;
+    stage.Warn("something touches the figure in " + name + " that the other photographs see past (a hand, a tool, a stand), as large as " +
+               Percent(excess) + " of the figure; it was cut off. Shoot it again without, or delete it");
+  }
+  stage.ReportJson("touched", touched.dump());
+}
+
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
@@ -109,6 +161,8 @@ void Run(StageContext& stage, const MasksOptions& options) {
   const RefinedMasks refined =
       RefineInSpace(placed.images, placed.masks, placed.views, placed.boards, options.Masking(), options.Space(), &progress);
   ReportAgreement(stage, set, placed, refined, options.Space());
+  ReportStanding(stage, placed, refined.standing, &set);
+  ReportTouched(stage, set, placed, refined);
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);

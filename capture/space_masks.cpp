@@ -21,7 +21,8 @@ cv::Mat View8(const Image8& image) {
 /// What one mask says of places in space.
 struct Witness {
   const View* view = nullptr;
-  Image8 denied;  ///< 1 where a place that is seen there is outside
+  bool heard = true;  ///< its denials count
+  Image8 denied;      ///< 1 where a place that is seen there is outside
 
   enum Word : std::uint8_t { kUnseen, kDenied, kUpheld };
   Word Of(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const {
@@ -45,13 +46,15 @@ struct Grid {
   Eigen::Vector3d Center(int x, int y, int z) const { return low + cell * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5); }
 };
 
-std::vector<Witness> WitnessesOf(const std::vector<View>& views, const std::vector<Image8>& masks, double margin_px) {
+std::vector<Witness> WitnessesOf(const std::vector<View>& views, const std::vector<Image8>& masks, double margin_px,
+                                 const std::vector<char>& say = {}) {
   std::vector<Witness> witnesses(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     cv::Mat distance;
     cv::distanceTransform(View8(masks[i]) == 0, distance, cv::DIST_L2, 3);
     witnesses[i].view = &views[i];
+    witnesses[i].heard = say.empty() || say[i];
     witnesses[i].denied = Image8(masks[i].width, masks[i].height, 1, 0);
     for (int y = 0; y < distance.rows; ++y)
       for (int x = 0; x < distance.cols; ++x) *witnesses[i].denied.at(x, y) = distance.at<float>(y, x) > margin_px;
@@ -65,11 +68,12 @@ struct Ball {
   double radius = 0;
 };
 
-Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks) {
+Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-12;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   std::vector<double> reach(views.size(), 0);
   for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!witnesses[i].heard) continue;
     const cv::Moments moments = cv::moments(View8(masks[i]), true);
     if (moments.m00 <= 0) continue;
     const Eigen::Vector2d middle(moments.m10 / moments.m00 + 0.5, moments.m01 / moments.m00 + 0.5);
@@ -90,7 +94,10 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
 }
 
 /// Counts denials in every voxel; views far apart are asked first, as they settle most voxels soonest.
-void Count(const std::vector<Witness>& witnesses, int most, Grid& grid) {
+void Count(const std::vector<Witness>& all, int most, Grid& grid) {
+  std::vector<const Witness*> witnesses;
+  for (const Witness& witness : all)
+    if (witness.heard) witnesses.push_back(&witness);
   const std::size_t n = witnesses.size(), least_seen = std::max<std::size_t>(2, n / 3);
   std::size_t step = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(0.382 * static_cast<double>(n))));
   while (std::gcd(step, n) != 1) ++step;
@@ -104,7 +111,7 @@ void Count(const std::vector<Witness>& witnesses, int most, Grid& grid) {
         std::size_t seen = 0;
         int denials = 0;
         for (std::size_t k = 0; k < n && denials <= most; ++k) {
-          const Witness::Word word = witnesses[k * step % n].Of(center, &pixel);
+          const Witness::Word word = witnesses[k * step % n]->Of(center, &pixel);
           seen += word != Witness::kUnseen;
           denials += word == Witness::kDenied;
         }
@@ -129,7 +136,7 @@ std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denia
 
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
                  const SpaceOptions& options) {
-  const Ball ball = FigureBall(views, masks);
+  const Ball ball = FigureBall(views, masks, witnesses);
   Grid grid{ball.center - Eigen::Vector3d::Constant(ball.radius), 2 * ball.radius / 48, Eigen::Vector3i::Constant(48), {}};
   const char* nothing =
       "the masks have no common space: they or the cameras are wrong; look at the masks and at the picture of the cameras";
@@ -177,7 +184,7 @@ Image8 Picture(const Witness& witness, const std::vector<Place>& places, double 
     Eigen::Vector3d pixel;
     const Witness::Word word = witness.Of(place.center, &pixel);
     if (word == Witness::kUnseen) continue;
-    const auto denials = static_cast<std::uint8_t>(std::min(most, place.denials - (word == Witness::kDenied)));
+    const auto denials = static_cast<std::uint8_t>(std::min(most, place.denials - (witness.heard && word == Witness::kDenied)));
     // A voxel seen from anywhere is about as wide as this.
     const double half = 0.5 * cell * witness.view->camera.fx / pixel.z();
     const int x0 = std::max(0, static_cast<int>(std::lround(pixel.x() - half))),
@@ -191,10 +198,12 @@ Image8 Picture(const Witness& witness, const std::vector<Place>& places, double 
 }
 
 /// Log odds of the figure for each number of denials, from how often masks have it inside and just outside.
-std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::vector<Image8>& denials, int most) {
+std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::vector<Image8>& denials, const std::vector<char>& say,
+                                 int most) {
   std::vector<double> inside(static_cast<std::size_t>(most) + 1, 0), outside(inside);
   double all_inside = 0, all_outside = 0;
   for (std::size_t i = 0; i < masks.size(); ++i) {
+    if (!say[i]) continue;
     cv::Mat near;
     const int reach = 1 + 2 * (masks[i].width / 24);
     cv::dilate(View8(masks[i]), near, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
@@ -218,14 +227,20 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::ve
 
 /// One round at one size: what the others deny, weighed, leans the forest's odds.
 std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<Image8>& denials,
-                               const std::vector<BoardOdds>& boards, const MaskOptions& masking, const SpaceOptions& options,
-                               double weight) {
+                               const std::vector<char>& say, const std::vector<BoardOdds>& boards, const MaskOptions& masking,
+                               const SpaceOptions& options, double weight) {
   constexpr double kManyViews = 48;
   // A hull is larger than its figure, the more so the fewer the views: that nobody denies a place says less than that some do.
-  std::vector<float> leaning_of = OddsOfDenials(masks, denials, options.most_denials);
+  std::vector<float> leaning_of = OddsOfDenials(masks, denials, say, options.most_denials);
   const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
-  Round round{images, {}, {}, FindTakes(images, masking.border_share), &denials, std::move(leaning_of)};
+  // Views that are not heard are told nothing either: a last kind of pixel, of which nothing is known.
+  const auto untold = static_cast<std::uint8_t>(leaning_of.size());
+  leaning_of.push_back(0);
+  std::vector<Image8> told = denials;
+  for (std::size_t i = 0; i < told.size(); ++i)
+    if (!say[i]) std::fill(told[i].data.begin(), told[i].data.end(), untold);
+  Round round{images, {}, {}, FindTakes(images, masking.border_share), &told, std::move(leaning_of)};
   for (std::size_t i = 0; i < images.size(); ++i) {
     round.lab.push_back(LabOf(images[i]));
     round.zones.push_back(ZonesOf(masks[i]));
@@ -269,12 +284,18 @@ Image8 ResizedMask(const Image8& mask, int width, int height) {
 
 }  // namespace
 
-std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& asked) {
+int DenialsToldApart(std::size_t views, const SpaceOptions& options) {
+  return std::clamp(static_cast<int>(views) / 6, std::min(3, options.most_denials), options.most_denials);
+}
+
+std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& asked,
+                                    const std::vector<char>& say) {
   SpaceOptions options = asked;
-  options.most_denials = std::clamp(static_cast<int>(views.size()) / 6, std::min(3, asked.most_denials), asked.most_denials);
+  const auto heard = say.empty() ? views.size() : static_cast<std::size_t>(std::count(say.begin(), say.end(), 1));
+  options.most_denials = DenialsToldApart(heard, asked);
   if (std::count_if(masks.begin(), masks.end(), [](const Image8& mask) { return MaskFraction(mask) > 0; }) < 3)
     throw InputError("masks: fewer than 3 photographs have a mask with anything in it; look at capture's contact sheet");
-  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
+  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px, say);
   const Grid grid = SharedSpace(views, masks, witnesses, options);
   const std::vector<Place> places = PlacesOf(grid, options.most_denials);
   std::vector<Image8> pictures(views.size());
@@ -284,8 +305,9 @@ std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::v
   return pictures;
 }
 
-std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options) {
-  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px);
+std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
+                                    const std::vector<char>& say) {
+  const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px, say);
   const Grid grid = SharedSpace(views, masks, witnesses, options);
   const auto [low, high] = BoundsOf(grid, 1);
   const int longest = std::max(1, (high - low).maxCoeff() + 1);
@@ -295,6 +317,40 @@ std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::v
     pictures[i] = Thickness(witnesses[i], masks[i], grid, longest);
   });
   return pictures;
+}
+
+SpaceSurface SurfaceOfSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
+                            const std::vector<char>& say) {
+  const Grid grid = SharedSpace(views, masks, WitnessesOf(views, masks, options.margin_px, say), options);
+  const auto inside = [&](int x, int y, int z) {
+    return x >= 0 && y >= 0 && z >= 0 && x < grid.size.x() && y < grid.size.y() && z < grid.size.z() && grid.denials[grid.At(x, y, z)] == 0;
+  };
+  std::vector<Eigen::Vector3d> points, normals;
+  for (int z = 0; z < grid.size.z(); ++z)
+    for (int y = 0; y < grid.size.y(); ++y)
+      for (int x = 0; x < grid.size.x(); ++x) {
+        if (!inside(x, y, z)) continue;
+        if (inside(x + 1, y, z) && inside(x - 1, y, z) && inside(x, y + 1, z) && inside(x, y - 1, z) && inside(x, y, z + 1) &&
+            inside(x, y, z - 1))
+          continue;
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+        for (int dz = -2; dz <= 2; ++dz)
+          for (int dy = -2; dy <= 2; ++dy)
+            for (int dx = -2; dx <= 2; ++dx)
+              if (inside(x + dx, y + dy, z + dz)) normal -= Eigen::Vector3d(dx, dy, dz);
+        if (normal.norm() < 1e-9) continue;
+        points.push_back(grid.Center(x, y, z));
+        normals.push_back(normal.normalized());
+      }
+  SpaceSurface surface;
+  surface.cell = grid.cell;
+  surface.points.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  surface.points.normals.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    surface.points.points.row(static_cast<Eigen::Index>(i)) = points[i];
+    surface.points.normals.row(static_cast<Eigen::Index>(i)) = normals[i];
+  }
+  return surface;
 }
 
 std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std::vector<Image8>& denials) {
@@ -343,24 +399,44 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   coarse.resolution = std::max(16, options.resolution * 3 / 4);
   coarse.margin_px = 0.7 * options.margin_px;
   RefinedMasks refined;
-  std::vector<Image8> denials = DenialsByOthers(small_views, small_masks, coarse);
-  refined.agreement_before = AgreementInSpace(small_masks, denials);
+  const auto denials_by = [&](const std::vector<char>& say) {
+    const auto heard = say.empty() ? views.size() : static_cast<std::size_t>(std::count(say.begin(), say.end(), 1));
+    return Denials{DenialsByOthers(small_views, small_masks, coarse, say), DenialsToldApart(heard, coarse)};
+  };
+  Denials denials = denials_by({});
+  refined.agreement_before = AgreementInSpace(small_masks, denials.pictures);
+  const auto judge = [&] {
+    Standing standing = JudgeOutlines(small_masks, denials, denials_by, options.standing);
+    const SpaceSurface surface = SurfaceOfSpace(small_views, small_masks, coarse, standing.say);
+    standing.colors = FitsOfColors(small, small_masks, small_views, surface.points, surface.cell, standing.say, options.colors);
+    const std::vector<char> by_outline = standing.say;
+    JudgeColors(standing.colors, options.colors, standing.say);
+    if (standing.say != by_outline) denials = denials_by(standing.say);
+    const auto silent = static_cast<double>(std::count(standing.say.begin(), standing.say.end(), 0));
+    standing.undecided |= silent > options.standing.most_doubtful * static_cast<double>(views.size());
+    return standing;
+  };
+  refined.standing_before = judge();
+  std::vector<char> say = refined.standing_before.say;
   // At first the others' word is only as good as masks that are partly wrong.
   for (const double weight : {1.0, options.weight, options.weight}) {
     Step(progress, 0.15 * weight, "masks in space");
-    small_masks = SpaceRound(small, small_masks, denials, small_boards, masking, coarse, weight);
-    denials = DenialsByOthers(small_views, small_masks, coarse);
+    small_masks = SpaceRound(small, small_masks, denials.pictures, say, small_boards, masking, coarse, weight);
+    denials = denials_by(say);
   }
-  refined.agreement = AgreementInSpace(small_masks, denials);
+  refined.agreement = AgreementInSpace(small_masks, denials.pictures);
+  denials = denials_by({});
+  refined.standing = judge();
+  say = refined.standing.say;
   Step(progress, 0.6, "masks in space");
   std::vector<Image8> large;
   for (std::size_t i = 0; i < images.size(); ++i) large.push_back(ResizedMask(small_masks[i], images[i].width, images[i].height));
-  refined.masks = SpaceRound(images, large, DenialsByOthers(views, large, options), known, masking, options, options.weight);
+  refined.masks = SpaceRound(images, large, DenialsByOthers(views, large, options, say), say, known, masking, options, options.weight);
   std::vector<Image8> lab, zones;
   for (std::size_t i = 0; i < images.size(); ++i) lab.push_back(LabOf(images[i])), zones.push_back(ZonesOf(refined.masks[i]));
   refined.backdrops = BackdropsOf(lab, zones, FindTakes(images, masking.border_share), masking.largest_misfit);
   if (std::all_of(refined.backdrops.begin(), refined.backdrops.end(), [](const Backdrop& b) { return b.empty.empty(); })) return refined;
-  std::vector<Image8> thickness = ThicknessOfHull(views, refined.masks, options);
+  std::vector<Image8> thickness = ThicknessOfHull(views, refined.masks, options, say);
   for (std::size_t i = 0; i < images.size(); ++i) refined.backdrops[i].thickness = std::move(thickness[i]);
   return refined;
 }

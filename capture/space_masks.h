@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "capture/masking.h"
+#include "capture/view_standing.h"
 #include "core/camera.h"
 #include "core/image.h"
 #include "core/progress.h"
@@ -17,24 +18,44 @@ struct SpaceOptions {
   double weight = 2;          ///< of what the others say against what the photograph shows
   double overlap_low = 0.96;  ///< views that agree less with the hull, and 0.02 less than the set's median, are named
   double overlap_bad = 0.90;  ///< and all that agree less than this
+  StandingOptions standing{};
+  ColorOptions colors{};
 };
 
 /// For each mask a picture of how many of the other masks deny all places along a pixel's ray: the least number over the places. Pixels
 /// that look past the space of the figure have the most that is told apart. A place that less than a third of the views see is outside.
 /// @param views  with cameras of the masks' size
+/// @param say    one a view: the masks of those with 0 deny nothing; empty: all are heard
 /// @throws InputError  fewer than 3 masks with anything in them, or they have no common space
 /// Same bits for any thread count.
-std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
+std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
+                                    const std::vector<char>& say = {});
+
+/// How many denials are told apart in a set of so many views that are heard.
+int DenialsToldApart(std::size_t views, const SpaceOptions& options);
 
 /// For each pixel of a mask how much of its ray lies in the hull of all masks: per cent of the hull's longest side.
+/// @param say  as above
 /// @throws InputError  the masks have no common space
 /// Same bits for any thread count.
-std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options);
+std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
+                                    const std::vector<char>& say = {});
+
+/// The surface of what no view that is heard denies: points with outward normals, one near each voxel.
+struct SpaceSurface {
+  PointCloud points;
+  double cell = 0;  ///< side of a voxel
+};
+
+/// @throws InputError  as DenialsByOthers
+SpaceSurface SurfaceOfSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
+                            const std::vector<char>& say);
 
 struct RefinedMasks {
   std::vector<Image8> masks;
   std::vector<Backdrop> backdrops;                  ///< to open narrow gaps by at full size
   std::vector<double> agreement_before, agreement;  ///< of each, see AgreementInSpace; at half the size
+  Standing standing_before, standing;               ///< of the views: which contradict the others, by the first masks and by the last
 };
 
 /// IoU of each mask with the silhouette of the visual hull of the others: places that fewer than two deny.
@@ -47,6 +68,9 @@ std::vector<std::size_t> Disagreeing(const std::vector<double>& agreement, const
 /// Segments the set again with what the other views say of each pixel's ray as a further witness: how much its say weighs is measured from
 /// how it goes with the masks. A part of the set that only some views took for the figure is denied by those that see past it; a part of
 /// the figure that one view missed is upheld by all others.
+///
+/// A view whose first mask, or whose colours, contradict the others is not heard, and nobody leans its own: its next masks are what its photograph shows by
+/// itself, with what the others taught of colours. If these contradict too, it has no say in the end; if not, it is heard again.
 /// @param images  RGB at working size
 /// @param masks   of the same size
 /// @param views   with cameras of that size

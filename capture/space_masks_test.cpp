@@ -145,6 +145,43 @@ TEST(DenialsByOthers, BlackMasksAndMasksWithoutCommonSpaceThrow) {
   EXPECT_THROW(DenialsByOthers(ring.views, ring.masks, kCoarse), InputError);
 }
 
+/// Draws the ring's view i as if the ball stood elsewhere or were of another size [px].
+void Redraw(Ring& ring, std::size_t i, double dx, double dy, double radius) {
+  Image8& image = ring.images[i];
+  const Image8 wall = MakeTestWall(kWidth, kHeight, TestWall::kDark);
+  const Image8 clay = MakeTestPhoto(0, 3 * kWidth, 3 * kHeight, TestWall::kDark).image;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool on = std::hypot(x + 0.5 - kWidth / 2.0 - dx, y + 0.5 - kHeight / 2.0 - dy) < radius;
+      std::copy_n(on ? clay.at(kWidth + x % 90 + 50, kHeight + y % 70 + 40) : wall.at(x, y), 3, image.at(x, y));
+      *ring.masks[i].at(x, y) = *ring.truths[i].at(x, y) = on ? 255 : 0;
+    }
+}
+
+TEST(JudgeOutlines, ViewThatDeniesWhatAllOthersUpholdLosesItsSayAndGivesTheirSpaceBack) {
+  Ring ring = MakeRing();
+  const std::vector<Image8> before = DenialsByOthers(ring.views, ring.truths, kCoarse);
+  Redraw(ring, 7, 14, -9, 30);
+  const auto by = [&](const std::vector<char>& say) { return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, say), 3}; };
+  Denials denials = by({});
+  EXPECT_NE(denials.pictures[0].data, before[0].data);  // it has carved
+  const Standing standing = JudgeOutlines(ring.truths, denials, by, {});
+  EXPECT_FALSE(standing.undecided);
+  for (std::size_t i = 0; i < ring.views.size(); ++i) EXPECT_EQ(standing.say[i], i != 7) << i;
+  EXPECT_GT(standing.fits[7].missing[0], 0.2);
+  EXPECT_LT(standing.fits[0].missing[0], 0.01);
+}
+
+TEST(JudgeOutlines, TwoThatContradictInTheSameWayAreBothFound) {
+  Ring ring = MakeRing();
+  Redraw(ring, 7, 14, -9, 30);
+  Redraw(ring, 8, 14, -9, 30);
+  const auto by = [&](const std::vector<char>& say) { return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, say), 3}; };
+  Denials denials = by({});
+  const Standing standing = JudgeOutlines(ring.truths, denials, by, {});
+  for (std::size_t i = 0; i < ring.views.size(); ++i) EXPECT_EQ(standing.say[i], i != 7 && i != 8) << i;
+}
+
 class MasksProgram : public testing::Test {
  protected:
   void SetUp() override {
@@ -192,6 +229,54 @@ TEST_F(MasksProgram, WritesAnImagesFolderAndLeavesTheUsersMasks) {
   EXPECT_EQ(ReadImage(masked.MaskPath(kViews - 1), 1).data, ring.masks[kViews - 1].data);
   EXPECT_EQ(ReadFile(masked.ImagePath(3)), ReadFile(set.ImagePath(3)));
   EXPECT_THAT(ReadFile(root / "report.json"), testing::HasSubstr("\"agreement_before\""));
+}
+
+TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndLosesItsSay) {
+  Redraw(ring, 7, 14, -9, 30);
+  WriteImage(set.ImagePath(7), ring.images[7]);
+  WriteImage(set.MaskPath(7), ring.masks[7]);
+  ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
+  const ImageSet masked = ReadImageSet(root / "masked");
+  for (int i = 0; i < kViews; ++i) {
+    EXPECT_EQ(masked.images[i].trusted, i != 7) << i;
+    if (i == 7) continue;
+    EXPECT_GT(Iou(ReadImage(masked.MaskPath(i), 1), ring.truths[static_cast<std::size_t>(i)]), 0.97) << i;
+  }
+  EXPECT_THAT(masked.images[7].why, testing::HasSubstr("of the figure that the other photographs agree on"));
+  const std::string report = ReadFile(root / "report.json");
+  EXPECT_THAT(report, testing::HasSubstr("\"distrusted\""));
+  EXPECT_THAT(report, testing::HasSubstr(ring.views[7].name + " contradicts the other photographs"));
+}
+
+TEST_F(MasksProgram, PhotographOfAFigureOfTheSameOutlineAndOtherColoursIsNamed) {
+  for (std::size_t p = 0; p < ring.images[7].data.size(); p += 3)
+    if (ring.masks[7].data[p / 3]) ring.images[7].data[p] /= 6;  // hardly any red is left
+  WriteImage(set.ImagePath(7), ring.images[7]);
+  ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
+  const ImageSet masked = ReadImageSet(root / "masked");
+  for (int i = 0; i < kViews; ++i) EXPECT_EQ(masked.images[static_cast<std::size_t>(i)].trusted, i != 7) << i;
+  EXPECT_THAT(masked.images[7].why, testing::HasSubstr("other colours"));
+}
+
+TEST(Touched, AreTheFewViewsThatHoldWhatTheOthersSeePast) {
+  Standing standing;
+  standing.say.assign(18, 1);
+  standing.fits.resize(18);
+  standing.fits[5].excess = 0.3;
+  EXPECT_EQ(Touched(standing, {}), std::vector<std::size_t>{5});
+  for (std::size_t i = 0; i < 9; ++i) standing.fits[i].excess = 0.3;  // a stand that half of them show
+  EXPECT_TRUE(Touched(standing, {}).empty());
+}
+
+TEST_F(MasksProgram, FigureThatWasMovedHalfWayRoundIsAnInputErrorThatSaysWhatToDo) {
+  for (std::size_t i = kViews / 2; i < kViews; ++i) {
+    Redraw(ring, i, 25, 0, 39);
+    WriteImage(set.ImagePath(static_cast<int>(i)), ring.images[i]);
+    WriteImage(set.MaskPath(static_cast<int>(i)), ring.masks[i]);
+  }
+  EXPECT_EQ(Run(), 3);
+  EXPECT_THAT(ReadFile(root / "log.txt"), testing::HasSubstr("shoot the rest again"));
+  EXPECT_FALSE(fs::exists(root / "masked"));
 }
 
 TEST_F(MasksProgram, ModelOfOtherPhotographsIsAnInputError) {

@@ -1,6 +1,7 @@
 #include "reconstruct/prepared_views_stage.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/io/image_io.h"
@@ -40,17 +41,26 @@ std::vector<DenseView> LoadPreparedViews(StageContext& stage, const std::string&
   const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
   std::vector<DenseView> views(scene.views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    if (!set.images[image_of[i]].trusted) return;
     const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3), mask = ReadImage(set.MaskPath(image_of[i]), 1);
     views[i] = PrepareDenseView(scene.views[i], static_cast<int>(i), image, mask, scale, levels);
   });
-  std::vector<std::string> empty;
-  for (const DenseView& view : views)
-    if (view.masked_pixels == 0) empty.push_back(view.name);
+  std::vector<std::string> empty, doubted;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const CapturedImage& image = set.images[image_of[i]];
+    if (!image.trusted)
+      doubted.push_back(image.name);
+    else if (views[i].masked_pixels == 0)
+      empty.push_back(image.name);
+  }
   std::erase_if(views, [](const DenseView& view) { return view.masked_pixels == 0; });
   if (!empty.empty()) stage.Note(stage_name + ": left out, because the mask is empty or the image too small: " + NameList(empty));
+  if (!doubted.empty()) stage.Note(stage_name + ": left out, because they contradict the other photographs: " + NameList(doubted));
+  stage.ReportJson("views_distrusted", nlohmann::json(doubted).dump());
   if (views.size() < 3)
     throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " + std::to_string(scene.views.size()) +
-                     " images have a mask with anything in it (empty: " + NameList(empty) + "); look at the masks of capture");
+                     " images have a mask with anything in it (empty: " + NameList(empty) + ") and agree with the others (contrary: " +
+                     NameList(doubted) + "); look at the masks of capture");
   return views;
 }
 

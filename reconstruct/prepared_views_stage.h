@@ -10,7 +10,8 @@
 
 namespace keypose::reconstruct {
 
-/// The photographs of the stage's port `images` that the scene names, made ready. Views whose mask is empty are left out with a note.
+/// The photographs of the stage's port `images` that the scene names, made ready. Views whose mask is empty, and photographs
+/// that contradict the others (`trusted` in capture.json), are left out with a note.
 ///
 /// @param stage_name  begins the messages
 /// @param max_size    longer side of the largest prepared picture [px]

@@ -89,6 +89,22 @@ Baked BakeFrom(const Studio& studio, const Atlas& atlas, const std::vector<char>
   return baked;
 }
 
+/// Takes their say from photographs, or parts of them, whose colours contradict the others.
+/// @return one a view; empty where nothing was asked
+std::vector<ViewColors> Consent(const Mesh& mesh, const BakeOptions& options, std::vector<char>& used, std::vector<BakeView>& views) {
+  if (!options.consensus) return std::vector<ViewColors>(views.size());
+  const std::vector<Vector3f> gains =
+      options.harmonize ? HarmonizeGains(mesh, views, used) : std::vector<Vector3f>(views.size(), Vector3f::Ones());
+  const ConsensusOptions consensus;
+  std::vector<ViewColors> colors = JudgeColors(mesh, views, gains, used, consensus);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (colors[v].distrusted) used[v] = 0;
+    if (colors[v].other_light) views[v].Weigh(static_cast<float>(consensus.other_light_say));
+    if (!colors[v].hidden.empty()) views[v].Hide(colors[v].hidden, colors[v].block_px);
+  }
+  return colors;
+}
+
 std::vector<Comparison> Compare(const Studio& studio, const Image8& texture, const std::vector<char>& which) {
   const TextureLevels levels(texture);
   std::vector<Comparison> comparisons(studio.views.size());
@@ -99,12 +115,13 @@ std::vector<Comparison> Compare(const Studio& studio, const Image8& texture, con
 }
 
 /// 1 for the photographs that are predicted by the others; none when there are too few.
-std::vector<char> HeldOut(const std::vector<BakeView>& views, int period) {
+std::vector<char> HeldOut(const std::vector<BakeView>& views, const std::vector<char>& trusted, int period) {
   std::vector<char> held_out(views.size(), 0);
   int seeing = 0;
   for (const BakeView& view : views) seeing += !view.sees_nothing();
   if (period < 2 || seeing < kLeastForHoldOut) return held_out;
-  for (std::size_t v = 0; v < views.size(); ++v) held_out[v] = static_cast<int>(v) % period == period / 2 && !views[v].sees_nothing();
+  for (std::size_t v = 0; v < views.size(); ++v)
+    held_out[v] = static_cast<int>(v) % period == period / 2 && !views[v].sees_nothing() && trusted[v];
   return held_out;
 }
 
@@ -119,10 +136,10 @@ void SetHeldOut(const std::vector<Comparison>& comparisons, const std::vector<ch
   }
 }
 
-void MeasurePrediction(const Studio& studio, const Atlas& atlas, const std::vector<char>& held_out, BakeResult& result,
-                       Progress* progress) {
+void MeasurePrediction(const Studio& studio, const Atlas& atlas, const std::vector<char>& trusted, const std::vector<char>& held_out,
+                       BakeResult& result, Progress* progress) {
   std::vector<char> rest(held_out.size());
-  for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = !held_out[v];
+  for (std::size_t v = 0; v < rest.size(); ++v) rest[v] = trusted[v] && !held_out[v];
   std::optional<Atlas> small;
   if (atlas.size > kMeasureSize) small.emplace(RasterizeAtlas(studio.mesh, kMeasureSize));
   const Baked baked = BakeFrom(studio, small ? *small : atlas, rest, progress);
@@ -174,11 +191,13 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views, const std::fu
   const Atlas atlas = RasterizeAtlas(mesh, options.texture_size > 0 ? options.texture_size : result.advised_size);
   result.texels = atlas.texels;
   SubProgress loading(progress, 0.02, 0.4), painting(progress, 0.4, 0.8), measuring(progress, 0.85, 1);
-  const std::vector<BakeView> loaded = LoadViews(mesh, views, load, options, atlas.texels, &loading);
+  std::vector<BakeView> loaded = LoadViews(mesh, views, load, options, atlas.texels, &loading);
+  std::vector<char> trusted(views.size(), 1);
+  result.colors = Consent(mesh, options, trusted, loaded);
   const Studio studio{mesh, loaded, options};
-  const std::vector<char> held_out = HeldOut(loaded, options.hold_out), all(views.size(), 1);
-  std::vector<char> used = all;
-  for (std::size_t v = 0; v < used.size(); ++v) used[v] = !(options.leave_out && held_out[v]);
+  const std::vector<char> held_out = HeldOut(loaded, trusted, options.hold_out);
+  std::vector<char> used = trusted;
+  for (std::size_t v = 0; v < used.size(); ++v) used[v] = trusted[v] && !(options.leave_out && held_out[v]);
   Baked baked = BakeFrom(studio, atlas, used, &painting);
   result.seen_texels = baked.paint.seen_texels;
   if (result.seen_texels == 0)
@@ -186,7 +205,7 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views, const std::fu
                      " views sees any of the mesh; mesh and model are not in the same frame, " +
                      "the masks are black, or the faces point inwards: pass the mesh and the model of one pose");
   Step(progress, 0.8, "comparison with the photographs");
-  const std::vector<Comparison> comparisons = Compare(studio, baked.texture, all);
+  const std::vector<Comparison> comparisons = Compare(studio, baked.texture, trusted);
   for (std::size_t v = 0; v < views.size(); ++v) {
     ViewQuality& quality = result.quality[v];
     quality.used = baked.paint.used[v];
@@ -198,7 +217,7 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views, const std::fu
   if (options.leave_out)
     SetHeldOut(comparisons, held_out, result);
   else if (std::count(held_out.begin(), held_out.end(), 1) > 0)
-    MeasurePrediction(studio, atlas, held_out, result, &measuring);
+    MeasurePrediction(studio, atlas, trusted, held_out, result, &measuring);
   result.mean_views_per_texel = baked.paint.mean_views;
   result.gains = std::move(baked.gains);
   result.linear = std::move(baked.linear);

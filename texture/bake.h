@@ -11,6 +11,7 @@
 #include "core/mesh.h"
 #include "core/options.h"
 #include "core/progress.h"
+#include "texture/bake_consensus.h"
 #include "texture/bake_view.h"
 
 namespace keypose::texture {
@@ -27,6 +28,7 @@ struct BakeOptions {
   double detail_step = 0.03;
   double strictness = 3;
   bool harmonize = true;
+  bool consensus = true;
   int hold_out = 6;
   bool leave_out = false;
 
@@ -52,6 +54,7 @@ struct BakeOptions {
     visit("strictness", strictness,
           {"how fast a colour loses weight that few other views support (lamps, wrong masks); 0 trusts all", "", 0, 20});
     visit("harmonize", harmonize, {"estimate one gain a view and channel, so that exposure and white balance agree", ""});
+    visit("consensus", consensus, {"leave out photographs, or parts of them, whose colours contradict the others (a hand, something else)", ""});
     visit("hold_out", hold_out,
           {"report how well every n-th photograph is predicted by a texture of the others (of 12 or more); 0: do not", "photographs", 0,
            1000});
@@ -80,6 +83,7 @@ struct BakeResult {
   double mean_views_per_texel = 0;     ///< that see it, over the seen texels
   std::vector<Eigen::Vector3f> gains;  ///< one a view: what its linear colours were multiplied by
   std::vector<ViewQuality> quality;    ///< one a view
+  std::vector<ViewColors> colors;      ///< one a view: how it goes with the others
 
   std::int64_t unseen_texels() const { return texels - seen_texels; }
 };
@@ -91,6 +95,7 @@ struct BakeResult {
 /// match the views where they meet and bring the large-scale colour (wider than a ring of faces) to the robust mean of all views, in which
 /// colours that the others contradict (a lamp's highlight, background behind a wrong mask) lose their weight. Faces larger than some pixels
 /// are split for this. What no photograph shows is inpainted over the surface and counted.
+/// Before that, photographs or parts of them that contradict the others are left out, and those under another lamp weigh little (bake_consensus.h).
 /// How well photographs are predicted is measured by a second, smaller texture of the others.
 ///
 /// @param mesh   with UVs in [0,1]; faces counter-clockwise from outside

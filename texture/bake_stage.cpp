@@ -1,5 +1,6 @@
 // keypose-bake: photographs into the texture of a mesh.
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -17,7 +18,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Paints a pose's photographs into the texture of its mesh.";
   spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
                  {"images", "folder", "photographs and masks, as capture makes them", ""},
@@ -45,6 +46,8 @@ Photograph Load(const ImageSet& images, int index) {
   photograph.image = ReadImage(images.ImagePath(index), 3);
   if (!images.images[index].mask.empty()) photograph.mask = ReadImage(images.MaskPath(index), 1);
   photograph.sharpness = images.images[index].sharpness;
+  // A photograph that contradicts the others shows nothing of the figure that could be painted.
+  if (!images.images[index].trusted) photograph.mask = Image8(photograph.image.width, photograph.image.height, 1, 0);
   return photograph;
 }
 
@@ -94,6 +97,45 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
   stage.ReportJson("views", views.dump());
 }
 
+std::string Percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
+
+std::string Names(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+/// What contradicts the other photographs in colour, for a person.
+void ReportColors(StageContext& stage, const Scene& scene, const std::vector<ViewColors>& colors) {
+  nlohmann::json distrusted = nlohmann::json::array(), hidden = nlohmann::json::array(), views = nlohmann::json::object();
+  std::vector<std::string> other_light;
+  for (std::size_t v = 0; v < colors.size(); ++v) {
+    const ViewColors& c = colors[v];
+    const std::string& name = scene.views[v].name;
+    views[name] = {{"contrary", c.contrary}, {"hidden", c.hidden_share}, {"light", {c.light.x(), c.light.y()}}};
+    if (c.other_light) other_light.push_back(name);
+    if (c.distrusted) {
+      const std::string why = Percent(c.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
+      distrusted.push_back({{"name", name}, {"why", why}});
+      stage.Warn(name + " contradicts the other photographs: " + why +
+                 "; it was left out of the texture. It shows something else, or its camera is wrong: shoot it again, or delete it");
+    } else if (!c.hidden.empty()) {
+      hidden.push_back({{"name", name}, {"share", c.hidden_share}});
+      stage.Warn("something lies before the figure in " + name + " (a hand, a tool, a lamp's mirror image): " + Percent(c.hidden_share) +
+                 " of what it shows has other colours than the other photographs show there, and was left out of the texture; "
+                 "look at it, and shoot it again without");
+    }
+  }
+  if (!other_light.empty())
+    stage.Warn("the lamp stood elsewhere for " + Names(other_light) +
+               " than for the other photographs; they were painted from only where no others see the surface. Shoot them again in the same "
+               "light, if the texture shows patches");
+  stage.ReportJson("distrusted", distrusted.dump());
+  stage.ReportJson("hidden_parts", hidden.dump());
+  stage.ReportJson("other_light", nlohmann::json(other_light).dump());
+  stage.ReportJson("color_fits", views.dump());
+}
+
 void WriteTexture(const std::filesystem::path& path, const BakeResult& result, int bits) {
   // The 8-bit picture is the one that was measured; deeper ones are not rounded to it first.
   std::string extension = path.extension().string();
@@ -120,6 +162,7 @@ void Run(StageContext& stage, const BakeOptions& options) {
   stage.Report("unseen_texels", result.unseen_texels());
   stage.Report("unseen_fraction", static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
   ReportQuality(stage, scene, result, options.leave_out);
+  ReportColors(stage, scene, result.colors);
   WriteTexture(path, result, options.bits);
 }
 

@@ -182,6 +182,16 @@ void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& op
   }
 }
 
+void BakeView::Hide(const Image8& squares, double side_px) {
+  for (int y = 0; y < trust_.height; ++y)
+    for (int x = 0; x < trust_.width; ++x) {
+      const Vector2d pixel = RayPixel(x, y);
+      const int sx = std::clamp(static_cast<int>(pixel.x() / side_px), 0, squares.width - 1),
+                sy = std::clamp(static_cast<int>(pixel.y() / side_px), 0, squares.height - 1);
+      if (*squares.at(sx, sy)) *trust_.at(x, y) = 0;
+    }
+}
+
 Sighting BakeView::See(const Vector3d& x_in_world) const {
   Sighting sighting;
   const Vector3d x = rotation_ * x_in_world + view_.camera_from_world.translation;

@@ -44,7 +44,7 @@ struct Sighting {
   float trust = 0;        ///< in [0,1]; 0 means hidden, outside the mask, or on an edge
 };
 
-/// Immutable once built; all queries are safe from many threads.
+/// All queries are safe from many threads; Hide and Weigh come before them.
 class BakeView {
  public:
   /// @throws InputError  the photograph or its mask is not of the camera's size
@@ -54,6 +54,12 @@ class BakeView {
   const Eigen::Vector3d& center() const { return center_; }
   double sharpness() const { return sharpness_; }
   bool sees_nothing() const { return box_.empty(); }
+
+  /// Nothing is seen any more where a picture of squares has 255; each is `side_px` of the photograph wide.
+  void Hide(const Image8& squares, double side_px);
+  /// What this view's word weighs beside that of others; 1 at first.
+  void Weigh(float say) { say_ = say; }
+  float say() const { return say_; }
 
   /// Whether and where the camera sees a point of the mesh: by the depth map, the mask, and the distance to their edges.
   Sighting See(const Eigen::Vector3d& x_in_world) const;
@@ -97,6 +103,7 @@ class BakeView {
   Eigen::Matrix3d rotation_;
   Eigen::Vector3d center_;
   double sharpness_ = 0;
+  float say_ = 1;
   PixelBox box_;                ///< of the photograph: what is stored
   int base_level_ = 0;          ///< levels dropped at the fine end
   std::vector<Image8> levels_;  ///< 4 channels: sRGB and alpha; level i is of 2^(base_level + i) pixels

@@ -163,8 +163,8 @@ void Witnesses::AddVote(int view, const Sighting& sighting, double pixels, doubl
   vote.fine = fine.color.cwiseProduct(gains_[view]);
   vote.root = vote.fine.cwiseSqrt();
   vote.low_root = low.color.cwiseProduct(gains_[view]).cwiseSqrt();
-  vote.weight = static_cast<float>(sighting.trust * pixels * sharpness_[view]);
-  vote.say = static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
+  vote.weight = from.say() * static_cast<float>(sighting.trust * pixels * sharpness_[view]);
+  vote.say = from.say() * static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
   // A clipped pixel tells only that the surface was at least this bright: a highlight, or an overexposed photograph.
   if (fine.color.minCoeff() > 0.9f) vote.weight *= 0.1f, vote.say *= 0.3f;
   vote.quality = static_cast<float>(vote.weight * cosine * cosine);

@@ -61,6 +61,8 @@ ImageSet ReadImageSet(const fs::path& folder) {
       image.focal_px = entry.value("focal_px", 0.0);
       image.mask = entry.value("mask", "");
       image.mask_given = entry.value("mask_given", false);
+      image.trusted = entry.value("trusted", true);
+      image.why = entry.value("why", "");
       image.sharpness = entry.value("sharpness", 0.0);
       image.exposure = entry.value("exposure", 0.0);
       image.mask_fraction = entry.value("mask_fraction", 0.0);
@@ -96,6 +98,7 @@ void WriteImageSet(const ImageSet& set) {
         {"name", image.name}, {"width", image.width},         {"height", image.height},     {"focal_px", image.focal_px},
         {"mask", image.mask}, {"sharpness", image.sharpness}, {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
     if (image.mask_given) entry["mask_given"] = true;
+    if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
     if (!image.group.empty()) entry["group"] = image.group;
     if (!image.plate_corners.empty()) entry["plate_corners"] = CornersJson(image.plate_corners);
     root["images"].push_back(std::move(entry));

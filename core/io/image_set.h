@@ -18,6 +18,8 @@ struct CapturedImage {
   double focal_px = 0;                     ///< from EXIF, 0 when unknown
   std::string mask;                        ///< path relative to the folder, "masks/IMG_0001.jpg.png"
   bool mask_given = false;                 ///< the mask is the user's own, not to be touched
+  bool trusted = true;                     ///< false: it contradicts the others, and has no say in shape and colour
+  std::string why;                         ///< it is not trusted: what contradicts, in words
   double sharpness = 0;                    ///< variance of the Laplacian inside the mask, grey levels^2
   double exposure = 0;                     ///< mean luma inside the mask, 0..255
   double mask_fraction = 0;                ///< share of the image that the mask covers
