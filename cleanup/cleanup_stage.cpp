@@ -43,7 +43,7 @@ Sight ReadSight(StageContext& stage) {
   std::vector<keypose::Image8> masks;
   for (const keypose::View& view : keypose::ReadColmapModel(stage.Input("model")).views) {
     const int i = set.Find(view.name);
-    if (i < 0 || set.images[i].mask.empty()) continue;
+    if (i < 0 || set.images[i].mask.empty() || !set.images[i].trusted) continue;
     sight.views.push_back(view);
     masks.push_back(keypose::ReadImage(set.MaskPath(i), 1));
   }

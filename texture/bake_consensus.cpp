@@ -164,13 +164,23 @@ void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view, c
   out->hidden_share = held / static_cast<double>(of_view.size());
 }
 
-/// The views whose lamp stands elsewhere than that of the median view.
+/// The middle of the half of the values that lie closest together: the majority's, where a minority lies all to one side.
+double MiddleOfHalf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2 + 1;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + half <= values.size(); ++i)
+    if (values[i + half - 1] - values[i] < values[best + half - 1] - values[best]) best = i;
+  return values[best + half / 2];
+}
+
+/// The views whose lamp stands elsewhere than most views' does.
 void FindOtherLights(const ConsensusOptions& options, std::vector<ViewColors>& colors) {
   std::vector<double> x, y, away;
   for (const ViewColors& c : colors)
     if (c.places >= kLeastForLight) x.push_back(c.light.x()), y.push_back(c.light.y());
   if (x.size() < kLeastViews) return;
-  const Vector2d usual(MedianOf(x), MedianOf(y));
+  const Vector2d usual(MiddleOfHalf(x), MiddleOfHalf(y));
   for (const ViewColors& c : colors)
     if (c.places >= kLeastForLight) away.push_back((c.light - usual).norm());
   const double limit = std::max(options.light, options.spread * MedianOf(away));

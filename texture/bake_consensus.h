@@ -18,7 +18,7 @@ struct ConsensusOptions {
   double contrary_block = 0.6; ///< share of a square's places that contradict the others, from which on it shows something else
   double least_hidden = 0.012; ///< share of a view's places that hidden squares must hold to be believed
   double most_contrary = 0.4;  ///< share of contrary places, from which on a view is not believed at all
-  double light = 0.2;          ///< change of log brightness over a unit of the normal's turn, by which a view's lamp stands elsewhere
+  double light = 0.3;          ///< change of log brightness over a unit of the normal's turn, by which a view's lamp stands elsewhere
   double other_light_say = 0.15;  ///< what views under another lamp weigh
 };
 
