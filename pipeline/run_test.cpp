@@ -383,12 +383,11 @@ TEST_F(RunTest, ReaderThatHasSeenEnoughIsNoFault) {
   const Ended log = shell("bash -o pipefail -c '" + keypose + " log gather/rest -C " + hero + " | head -n 1 > /dev/null'");
   EXPECT_EQ(log.text, "");
   EXPECT_EQ(log.code, 0);
-  // A run goes on though nobody listens any more.
   WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", "retake\n");
   const Ended run = shell("bash -o pipefail -c 'TEXT_STAGE_DELAY_MS=50 " + keypose + " run -C " + hero + " | head -n 1 > /dev/null'");
   EXPECT_EQ(run.text, "");
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(ReadFile(root_ / "hero/out/rest/text.txt"), HasSubstr("RETAKE"));
+  EXPECT_THAT(ReadFile(root_ / "hero/out/rest/text.txt"), HasSubstr("RETAKE")) << "a run goes on though nobody listens";
 }
 
 TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
@@ -414,7 +413,6 @@ TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
   EXPECT_THAT(raw.text, HasSubstr(".heic"));
   EXPECT_THAT(raw.text, HasSubstr("develop RAW files to JPEG"));
   EXPECT_FALSE(fs::exists(fresh)) << "a refused project must leave nothing behind";
-  // Equal mistakes in pipeline.yaml are met before anything runs.
   WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: photos/rest}\n");
   const Ended run = Run();
   EXPECT_EQ(run.code, 2);
