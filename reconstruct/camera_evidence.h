@@ -26,9 +26,9 @@ struct CameraEvidence {
 };
 
 /// Below this overlap no camera was ever right, and above it none was far from right: docs/decisions/one-evidence-for-all-cameras.md.
-constexpr double kLeastHullOverlap = 0.86;
+constexpr double kLeastHullOverlap = 0.88;
 /// From here on other strategies need not be asked.
-constexpr double kSureHullOverlap = 0.87;
+constexpr double kSureHullOverlap = 0.89;
 /// Of pairs tied by matches, that must agree for cameras to be sure. Pairs are few on weak texture; fewer than this many say nothing.
 constexpr double kSurePairShare = 0.7;
 constexpr int kFewestPairs = 8;
