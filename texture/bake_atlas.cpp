@@ -191,9 +191,19 @@ VertexColors ReadVertices(const Mesh& mesh, const Atlas& atlas, const Painting& 
   return read;
 }
 
-/// Colours that are not sure become the mean of their neighbours (a harmonic function on the edges of the mesh), drawn to what they were as
-/// far as that was sure.
-void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, VertexColors& colors) {
+/// How freely colour flows along an edge of the mesh: hardly between hues that differ, so that two paints that meet at the border of the
+/// unseen part do not run into a grey within it. Light and shade flow as they like.
+double Flow(const Vector3f& a, const Vector3f& b) {
+  constexpr float kSameHue = 0.02f;  // square root of linear light
+  const Vector3f root = a.cwiseMax(0.0f).cwiseSqrt() - b.cwiseMax(0.0f).cwiseSqrt();
+  const float apart = (root.array() - root.mean()).matrix().squaredNorm();
+  return kSameHue * kSameHue / (kSameHue * kSameHue + apart);
+}
+
+/// Colours that are not sure become the mean of their neighbours, each as far as colour flows from it (a harmonic function on the edges of
+/// the mesh), drawn to what they were as far as that was sure.
+void SpreadOverSurface(const Mesh& mesh, const std::vector<std::pair<int, int>>& edges, const std::vector<double>& flows,
+                       const Vector3f& fallback, VertexColors& colors) {
   // Surer than this is kept; a grain of the fallback keeps parts that touch nothing known from being singular.
   constexpr float kKept = 0.9f;
   constexpr double kGrain = 1e-6, kPull = 0.2;
@@ -211,12 +221,13 @@ void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, VertexColors&
     right.row(row[v]) += pull * colors.color[v].cast<double>().transpose();
   }
   std::vector<Eigen::Triplet<double>> entries;
-  for (const auto& [a, b] : UndirectedEdges(mesh.faces)) {
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto& [a, b] = edges[e];
     for (const auto& [i, j] : {std::pair(a, b), std::pair(b, a)}) {
       if (row[i] < 0) continue;
-      diagonal[row[i]] += 1;
-      if (row[j] < 0) right.row(row[i]) += colors.color[j].cast<double>().transpose();
-      if (row[j] >= 0 && row[i] > row[j]) entries.emplace_back(row[i], row[j], -1.0);
+      diagonal[row[i]] += flows[e];
+      if (row[j] < 0) right.row(row[i]) += flows[e] * colors.color[j].cast<double>().transpose();
+      if (row[j] >= 0 && row[i] > row[j]) entries.emplace_back(row[i], row[j], -flows[e]);
     }
   }
   for (int i = 0; i < unknowns; ++i) entries.emplace_back(i, i, diagonal[i]);
@@ -225,6 +236,20 @@ void SpreadOverSurface(const Mesh& mesh, const Vector3f& fallback, VertexColors&
   const Eigen::MatrixXd solved = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(right);
   for (int v = 0; v < mesh.vertex_count(); ++v)
     if (row[v] >= 0) colors.color[v] = solved.row(row[v]).cast<float>().transpose();
+}
+
+/// The vertices' colours, spread into what is not sure of them. Rounds, since which hues differ shows only when all have a colour.
+VertexColors SpreadVertices(const Mesh& mesh, const VertexColors& read, const Vector3f& fallback) {
+  constexpr int kRounds = 4;
+  const std::vector<std::pair<int, int>> edges = UndirectedEdges(mesh.faces);
+  std::vector<double> flows(edges.size(), 1);
+  VertexColors spread = read;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t e = 0; round > 0 && e < edges.size(); ++e) flows[e] = Flow(spread.color[edges[e].first], spread.color[edges[e].second]);
+    spread = read;
+    SpreadOverSurface(mesh, edges, flows, fallback, spread);
+  }
+  return spread;
 }
 
 Vector3f MeanPainted(const Painting& painting) {
@@ -314,29 +339,37 @@ Atlas RasterizeAtlas(const Mesh& mesh, int size) {
 TexelBox TexelsAround(const Atlas& atlas, int face) { return BoxOf(atlas.triangles[face], atlas.size, 1); }
 
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
-  VertexColors vertices = ReadVertices(mesh, atlas, painting);
-  SpreadOverSurface(mesh, MeanPainted(painting), vertices);
+  const VertexColors vertices = SpreadVertices(mesh, ReadVertices(mesh, atlas, painting), MeanPainted(painting));
   const auto smooth = [&](std::size_t texel) {
     const Vector3f w = atlas.Weights(texel);
     const auto f = mesh.faces.row(atlas.face[texel]);
     return (w[0] * vertices.color[f[0]] + w[1] * vertices.color[f[1]] + w[2] * vertices.color[f[2]]).eval();
   };
-  const auto count = static_cast<std::int64_t>(atlas.face.size());
+  // What photographs show beside their edges only may be the backdrop. Farther from the edges hardly anything is, and detail would be lost.
+  constexpr float kKeptOfSure = 8;
+  const auto kept = [&](std::size_t texel) { return std::min(1.0f, kKeptOfSure * static_cast<float>(painting.sure[texel]) / 255); };
   // What a painted texel has beyond the smooth colour is carried a little way into the unseen part, so that no edge shows there. Until the
   // end unseen texels hold this grain only.
   std::vector<char> done(painting.sure.size());
-  for (std::size_t texel = 0; texel < done.size(); ++texel) done[texel] = painting.sure[texel] > 0;
+  std::vector<std::pair<std::size_t, Vector3f>> unsure;
+  for (std::size_t texel = 0; texel < done.size(); ++texel) {
+    done[texel] = kept(texel) >= 1;
+    if (done[texel] || !painting.sure[texel]) continue;
+    unsure.emplace_back(texel, painting.At(texel));
+    painting.At(texel).setZero();
+  }
   const auto grain = [&](int texel) -> Vector3f {
-    return painting.sure[texel] ? (painting.At(texel) - smooth(texel)).eval() : Vector3f(painting.At(texel));
+    return kept(texel) >= 1 ? (painting.At(texel) - smooth(texel)).eval() : Vector3f(painting.At(texel));
   };
   Grow(
       atlas.size, painting, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; }, grain);
   ParallelFor(
-      count,
+      static_cast<std::int64_t>(atlas.face.size()),
       [&](std::int64_t texel) {
-        if (atlas.face[texel] >= 0 && !painting.sure[texel]) painting.At(texel) = (smooth(texel) + painting.At(texel)).cwiseMax(0.0f);
+        if (atlas.face[texel] >= 0 && kept(texel) < 1) painting.At(texel) = (smooth(texel) + painting.At(texel)).cwiseMax(0.0f);
       },
       1 << 16);
+  for (const auto& [texel, color] : unsure) painting.At(texel) += kept(texel) * (color - painting.At(texel));
 }
 
 ImageF FinishTexture(const Atlas& atlas, Painting&& given, int gutter) {

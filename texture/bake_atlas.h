@@ -56,7 +56,8 @@ struct Painting {
 };
 
 /// Paints surface texels that no photograph reached: colours that are sure spread over the surface (not over the atlas) as heat does,
-/// through the seams of charts, and what the border of the seen part has beyond them fades out over a few texels. Painted texels stay.
+/// through the seams of charts but hardly from hue to hue, and what the border of the seen part has beyond them fades out over a few
+/// texels. Painted texels stay; what is hardly sure is drawn to the colours around.
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting);
 
 /// The picture in linear light, RGB: `gutter` texels around each chart continue its colours, all else is the mean colour.

@@ -171,7 +171,7 @@ class Painter {
     AskForAgreement(face, work);
     for (std::size_t i = 0; i < work.views.size(); ++i) AddView(face, static_cast<int>(i), work, used);
     for (PointWork& point : work.points) {
-      point.seen = point.mean_sum > 0 || Rest({face, point.weights}, point.color, used, work.votes);
+      point.seen = point.mean_sum > 0 || Rest({face, point.weights}, point, used, work.votes);
       if (point.mean_sum > 0)
         point.color = Mixed(point.mean / point.mean_sum, point.detail, point.detail_sum,
                             kMeanWeight * work.share.dot(point.weights) * work.doubt.dot(point.weights));
@@ -280,17 +280,18 @@ class Painter {
   }
 
   /// A texel that is seen only by views that see none of the points at which its face was judged.
-  bool Rest(const SurfacePoint& point, Vector3f& color, std::vector<char>& used, std::vector<Vote>& votes) const {
-    witnesses_.CollectVotes(point, 1, votes);
+  bool Rest(const SurfacePoint& place, PointWork& point, std::vector<char>& used, std::vector<Vote>& votes) const {
+    witnesses_.CollectVotes(place, 1, votes);
     float sum = 0;
     Vector3f mean = Vector3f::Zero();
     for (const Vote& vote : votes) {
       mean += vote.weight * vote.agreement * vote.fine;
       sum += vote.weight * vote.agreement;
+      point.trust = std::max(point.trust, vote.trust);
       used[vote.view] = 1;
     }
     if (!(sum > 0)) return false;
-    color = mean / sum;
+    point.color = mean / sum;
     return true;
   }
 
