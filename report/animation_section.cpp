@@ -48,13 +48,14 @@ std::string Curve(const AnimationPart& animation, const std::string& method, con
   }
   std::vector<Series> series = {straight, chosen};
   if (!wanted.x.empty()) series.push_back(wanted);
-  return LineChart(series, {title, "time", "", true});
+  return LineChart(series, {title, "time [s]", "", true});
 }
 
 std::string Curves(const AnimationPart& animation, const std::string& method) {
   return "<h3>Area and volume over time, relative to the first key</h3><div class=two>" +
-         Curve(animation, method, "surface area", &FrameDistortion::linear_area, &FrameDistortion::area, &FrameDistortion::area_path) +
-         Curve(animation, method, "enclosed volume", &FrameDistortion::linear_volume, &FrameDistortion::volume,
+         Curve(animation, method, "surface area, change from the first key", &FrameDistortion::linear_area, &FrameDistortion::area,
+               &FrameDistortion::area_path) +
+         Curve(animation, method, "enclosed volume, change from the first key", &FrameDistortion::linear_volume, &FrameDistortion::volume,
                &FrameDistortion::volume_path) +
          "</div>";
 }
@@ -112,6 +113,7 @@ std::string AnimationSection(const Contents& contents, const Encoder& encode) {
   std::string html = "<section id=animation><h2>Animation</h2><p class=lead>" + Pretty(static_cast<double>(animation.frames.size())) +
                      " frames between " + Pretty(animation.keys) + " keys, " + Pretty(animation.face_count) + " faces.</p>" +
                      Shots(animation.film, encode) + Curves(animation, method);
+  html += "<details><summary>The paper\u2019s tables and its Figure 6</summary>";
   html += PaperTable(contents, "Mean relative area distortion of the in-betweens (the paper\u2019s Table 1)", method,
                      AreaRow(animation.frames), &PaperRow::area);
   html += PaperTable(contents, "Mean relative volume distortion of the in-betweens (the paper\u2019s Table 2)", method,
@@ -121,7 +123,7 @@ std::string AnimationSection(const Contents& contents, const Encoder& encode) {
       "between keys of unlike "
       "size no interpolation can reach zero. The paper\u2019s characters are other meshes: its rows show the order of size, they are no "
       "target.</p>";
-  html += FigureSix(animation, method);
+  html += FigureSix(animation, method) + "</details>\n";
   if (step) html += EverythingMeasured(*step);
   if (const StepRecord* exported = contents.run.Find("export")) html += EverythingMeasured(*exported);
   return html + "</section>\n";

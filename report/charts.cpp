@@ -9,7 +9,8 @@
 namespace keypose::report {
 namespace {
 
-constexpr double kWidth = 540, kHeight = 270, kLeft = 66, kRight = 14, kTop = 50, kBottom = 40;
+constexpr double kHeight = 270, kLeft = 66, kRight = 14, kTop = 50, kBottom = 40;
+constexpr double kNarrow = 540, kWide = 1100;  // half of the page, and all of it
 
 /// Axis with round ticks that covers [low, high].
 struct Axis {
@@ -37,7 +38,8 @@ struct Axis {
 
 struct Frame {
   Axis x, y;
-  double X(double v) const { return kLeft + (v - x.low) / (x.high - x.low) * (kWidth - kLeft - kRight); }
+  double width = kNarrow;
+  double X(double v) const { return kLeft + (v - x.low) / (x.high - x.low) * (width - kLeft - kRight); }
   double Y(double v) const { return kHeight - kBottom - (v - y.low) / (y.high - y.low) * (kHeight - kTop - kBottom); }
 };
 
@@ -49,11 +51,12 @@ std::string Tick(double value, double step, bool percent) {
 }
 
 std::string Grid(const Frame& frame, const ChartLabels& labels) {
+  const double width = frame.width;
   std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" width=\"100%\" role=\"img\"><text class=\"title\" x=\"{}\" y=\"16\">{}</text>",
-                                kWidth, kHeight, 4, labels.title);
+                                width, kHeight, 4, labels.title);
   for (const double v : frame.y.Ticks()) {
     const double y = frame.Y(v);
-    svg += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>", kLeft, kWidth - kRight, y, y,
+    svg += fmt::format("<line x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>", kLeft, width - kRight, y, y,
                        std::abs(v) < 1e-12 ? "#9aa5b1" : "#e7eaee");
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>", kLeft - 7, y + 4,
                        Tick(v, frame.y.step, labels.percent));
@@ -62,7 +65,7 @@ std::string Grid(const Frame& frame, const ChartLabels& labels) {
     svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", frame.X(v), kHeight - kBottom + 17,
                        Tick(v, frame.x.step, false));
   svg +=
-      fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", (kLeft + kWidth - kRight) / 2, kHeight - 4, labels.x);
+      fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>", (kLeft + width - kRight) / 2, kHeight - 4, labels.x);
   return svg;
 }
 
@@ -119,6 +122,25 @@ std::string HistogramChart(const std::vector<HistogramSeries>& series, double lo
     path += fmt::format("L{:.1f} {:.1f}Z", frame.X(high), frame.Y(0));
     svg += fmt::format("<path d=\"{}\" fill=\"{}\" fill-opacity=\".32\" stroke=\"{}\" stroke-width=\"1.3\"/>", path, s.color, s.color);
     svg += LegendItem(legend, s.name, s.color, false);
+  }
+  return svg + "</svg>";
+}
+
+std::string DotChart(const std::vector<ChartMark>& marks, const ChartLabels& labels) {
+  if (marks.empty()) return "";
+  const auto [low, high] =
+      std::minmax_element(marks.begin(), marks.end(), [](const ChartMark& a, const ChartMark& b) { return a.y < b.y; });
+  // Room above for the names.
+  const double reach = std::max(high->y - low->y, 20.0);
+  Frame frame{Axis(0, 360, 12), Axis(low->y - 0.1 * reach, high->y + 0.6 * reach, 6), kWide};
+  frame.x.step = 30;
+  frame.y.Round();
+  std::string svg = Grid(frame, labels);
+  for (const ChartMark& mark : marks) {
+    const double x = frame.X(mark.x), y = frame.Y(mark.y);
+    svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", x, y, mark.color);
+    svg +=
+        fmt::format("<text class=\"small\" transform=\"translate({:.1f} {:.1f}) rotate(-58)\">{}</text>", x + 5, y - 5, Escape(mark.name));
   }
   return svg + "</svg>";
 }

@@ -20,6 +20,13 @@ struct Picture {
   Image8 image;
 };
 
+/// Where a photograph was taken from.
+struct CameraPlace {
+  std::string name;
+  double azimuth_deg = 0, height_deg = 0;  ///< around the figure, and above its middle
+  double outline_off = 0;                  ///< of its view, see ViewEvidence
+};
+
 struct PosePart {
   std::string name;
   std::vector<Picture> sides;      ///< textured, from all round; clay when there is no texture
@@ -27,6 +34,7 @@ struct PosePart {
   std::optional<Picture> cloud;    ///< the dense points
   std::optional<Picture> masks;    ///< contact sheet
   std::optional<Picture> cameras;  ///< where they were placed, as sfm drew it
+  std::vector<CameraPlace> places;
   std::optional<Picture> texture;
   PoseEvidence evidence;       ///< the textured mesh against the photographs; no views when there was nothing to compare
   std::vector<Picture> worst;  ///< photograph beside render, of the worst views
@@ -40,6 +48,7 @@ struct PairPart {
   OneWayDistance to_target, from_target;
   double scale_top = 0;                     ///< the colour scale's upper end, over the diagonal
   std::vector<Picture> registered, target;  ///< coloured by distance
+  std::vector<Picture> advice;              ///< where one more landmark would help, marked on the template and on the pose
   std::vector<Picture> carried;             ///< the checker carried over from the template, as register drew it
 };
 
@@ -52,11 +61,21 @@ struct AnimationPart {
   int keys = 0;
 };
 
+/// The player of the animation, or of the template alone.
+struct PlayerPart {
+  std::string json;  ///< what report/player/data.js unpacks; empty when it would be too large
+  int pictures = 1, keys = 1;
+  int stored = 1, distinct = 1;  ///< frames that it holds, of all that differ
+  bool textured = false;
+  std::optional<Picture> poster;
+};
+
 struct Contents {
   RunRecord run;
   std::vector<PosePart> poses;
   std::vector<PairPart> pairs;
   std::optional<AnimationPart> animation;
+  std::optional<PlayerPart> player;
   std::vector<std::string> troubles;  ///< what could not be shown, and why
 };
 

@@ -90,7 +90,10 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
       frame.area_path = OrElse(entry, "area_path", NAN);
       frame.volume_path = OrElse(entry, "volume_path", NAN);
       const double same_as = OrElse(entry, "same_as", -1);
-      if (same_as >= 0 && same_as < static_cast<double>(i)) frame.stands = frames[static_cast<std::size_t>(same_as)].key;
+      if (same_as >= 0 && same_as < static_cast<double>(i)) {
+        frame.same_as = static_cast<int>(same_as);
+        frame.stands = frames[static_cast<std::size_t>(frame.same_as)].key;
+      }
       frames.push_back(frame);
     }
   } catch (const json::exception& error) {

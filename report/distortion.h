@@ -16,6 +16,7 @@ struct FrameDistortion {
   double linear_area = 0, linear_volume = 0;  ///< of straight lines between the keys
   bool key = false;
   bool stands = false;                        ///< shows a key again: held, or on twos
+  int same_as = -1;                           ///< the earlier frame that it shows again; -1 where it is one of its own
   double time_s = 0;                          ///< on the timeline; t where distortion.json has none
   double area_path = NAN, volume_path = NAN;  ///< what they should be on the way between the keys; NaN where that is not said
 };

@@ -65,6 +65,13 @@ img{max-width:100%;height:auto;display:block;border-radius:6px}
 @media(max-width:560px){.two{grid-template-columns:1fr}section{padding:18px 16px}}
 .chip{display:inline-block;border-radius:20px;padding:1px 10px;font-size:12px;font-weight:600;white-space:nowrap}
 .good{background:#e3f3ea;color:var(--good)}.look{background:#fdf1da;color:var(--look)}.wrong,.bad{background:#fbe5e3;color:var(--bad)}.note,.info{background:#e8eef5;color:var(--accent)}
+#player .stage{position:relative;height:min(64vh,620px);background:radial-gradient(circle at 50% 40%,#fff,#e9edf2);border:1px solid var(--line);border-radius:8px;overflow:hidden;margin-top:12px;display:flex;justify-content:center}
+#player .stage img{height:100%;width:auto;border-radius:0}#player .stage.live img{display:none}
+#player canvas{width:100%;height:100%;display:block;touch-action:none;cursor:grab}
+#player .controls{display:flex;flex-wrap:wrap;align-items:center;gap:8px 16px;margin:12px 0 6px;font-size:14px}#player .controls[hidden]{display:none}
+#player .controls input[type=range]{flex:1 1 260px}#player .time{color:var(--soft);min-width:12.5em;font-variant-numeric:tabular-nums}
+#player button{min-width:5em;padding:5px 14px;border:1px solid var(--accent);border-radius:6px;background:var(--accent);color:#fff;font:inherit;cursor:pointer}
+#player select{font:inherit;padding:3px}#player label{white-space:nowrap}
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(420px,1fr));gap:14px;margin-top:14px}
 .card{display:flex;gap:18px;border:1px solid var(--line);border-left:5px solid;border-radius:8px;padding:14px 18px;background:#fff;color:inherit}
 .card.good{border-left-color:var(--good)}.card.look{border-left-color:#e0a030}.card.wrong{border-left-color:var(--bad)}.card.note{border-left-color:var(--accent)}
@@ -84,6 +91,7 @@ summary{cursor:pointer;color:var(--accent);font-weight:600;font-size:14px}
 .scale i{display:block;width:240px;height:12px;border-radius:3px}
 svg text{font:12px system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif;fill:#5c6672}
 svg .title{font-weight:600;fill:#1d232b;font-size:13.5px}
+svg .small{font-size:9.5px}
 code{font:13px ui-monospace,Menlo,Consolas,monospace;background:var(--wash);padding:1px 5px;border-radius:4px}
 footer{color:var(--soft);font-size:13px;padding:4px 0 40px}
 @media print{nav{display:none}section{break-inside:avoid}body{background:#fff}}
@@ -187,7 +195,8 @@ std::string ColorScale(const std::vector<std::string>& stops, const std::string&
 }
 
 std::string Page(const std::string& title, const std::string& body) {
-  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta name=viewport "
+  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta http-equiv=Content-Security-Policy content=\"default-src 'none'; "
+         "img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><meta name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
          Escape(title) + "</title><style>" + kStyle + "</style></head><body>\n" + body + "</body></html>\n";
 }

@@ -60,6 +60,13 @@ struct HistogramSeries {
 };
 std::string HistogramChart(const std::vector<HistogramSeries>& series, double low, double high, const ChartLabels& labels);
 
+struct ChartMark {
+  std::string name, color;
+  double x, y;
+};
+/// Named dots; names are written aslant so that close ones stay apart.
+std::string DotChart(const std::vector<ChartMark>& marks, const ChartLabels& labels);
+
 /// A horizontal colour scale from 0 to `highest`; `stops` are CSS colours.
 std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest, const std::string& highest);
 

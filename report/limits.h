@@ -4,17 +4,17 @@
 namespace keypose::report {
 
 // Outlines: mean distance of the mesh's from the first mask's, over the figure's size in the picture; the middle one of all views.
-constexpr double kOutlineGood = 0.006, kOutlineWrong = 0.015;
+constexpr double kOutlineGood = 0.0025, kOutlineWrong = 0.010;
 // Of a single view: beyond this it is named.
-constexpr double kViewOutlineLook = 0.012;
+constexpr double kViewOutlineLook = 0.008;
 // Details: correlation of render and photograph; the middle one of all views.
-constexpr double kStructureGood = 0.5, kStructureWrong = 0.2;
+constexpr double kStructureGood = 0.6, kStructureWrong = 0.2;
 constexpr double kViewStructureLook = 0.3;
 // Share of the outline across which the photograph changes its colour.
 constexpr double kEdgesGood = 0.5;
 
 // Of the stages' own measurements.
-constexpr double kSharpnessLook = 0.40;  // capture: photographs in focus have 0.52 to 0.75
+constexpr double kSharpnessLook = 0.40;                              // capture: photographs in focus have 0.52 to 0.75
 constexpr double kPlacedGood = 0.9;                                  // sfm: share of the photographs
 constexpr double kReprojectionGood = 1.0;                            // sfm [px]
 constexpr double kEvidenceLook = 0.08;                               // refine: share of the surface that photographs tell

@@ -165,14 +165,16 @@ json AnimationJson(const AnimationPart& animation) {
 std::string BuildPage(const Contents& contents, const Encoder& encode) {
   const std::vector<Finding> findings = FindAll(contents);
   const std::vector<Verdict> verdicts = Judge(contents, findings);
-  std::string body = Header(contents, verdicts) + Navigation(contents) + "<div class=wrap>" + Summary(contents, verdicts, findings, encode);
+  std::string body = Header(contents, verdicts) + Navigation(contents) + "<div class=wrap>" +
+                     Summary(contents, verdicts, findings, encode) + PlayerSection(contents, encode);
   for (const PosePart& pose : contents.poses) body += PoseSection(contents, pose, encode);
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
   body += AnimationSection(contents, encode) + StepsSection(contents);
   body +=
       "<footer>All lengths are shares of the bounding-box diagonal unless a unit is named. Everything on this page, and every measurement "
       "it leaves out, is in "
-      "<code>report.json</code> beside it.</footer></div>";
+      "<code>report.json</code> beside it.</footer></div>" +
+      PlayerProgram(contents);
   return Page(contents.run.project + " \u2013 Keypose report", body);
 }
 

@@ -18,12 +18,52 @@ std::vector<Picture> Sides(const Mesh& mesh, const RenderOptions& look, const Si
   std::vector<Picture> pictures;
   for (const double azimuth : options.azimuths_deg) {
     const View view = FitView(mesh.points, azimuth, options.elevation_deg, options.width, options.height, options.up);
-    pictures.push_back({fmt::format("from {:.0f}\u00b0", azimuth), Render(mesh, scene, view, look)});
+    pictures.push_back({fmt::format("seen from {:.0f}\u00b0", azimuth), Render(mesh, scene, view, look)});
   }
   return pictures;
 }
 
+/// A red ring with a white rim, and a dot in its middle.
+void DrawRing(Image8& image, const Eigen::Vector2d& center, double radius) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const double r = (Eigen::Vector2d(x + 0.5, y + 0.5) - center).norm(), off = std::abs(r - radius);
+      if (off < 2.0 || r < 2.5)
+        image.at(x, y)[0] = 214, image.at(x, y)[1] = 30, image.at(x, y)[2] = 30;
+      else if (off < 3.5)
+        std::fill_n(image.at(x, y), 3, std::uint8_t{255});
+    }
+}
+
+/// Of views from all round, the one that looks most straight at the vertex and sees it.
+View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const SidesOptions& size) {
+  const Eigen::Vector3d place = mesh.points.row(vertex), normal = VertexNormals(mesh.points, mesh.faces).row(vertex);
+  const double diagonal = BoundingDiagonal(mesh.points);
+  View best = FitView(mesh.points, 20, 14, size.width, size.height, size.up);
+  double best_score = -2;
+  for (const double elevation : {10.0, -25.0, 45.0, 75.0})
+    for (int k = 0; k < 16; ++k) {
+      const View view = FitView(mesh.points, 22.5 * k, elevation, size.width, size.height, size.up);
+      const Eigen::Vector3d to_eye = view.Center() - place;
+      const bool hidden = scene.Occluded(place + 1e-3 * diagonal * normal, to_eye, 0, 1);
+      // An unusual height is harder to read than a slanting look.
+      const double score = normal.dot(to_eye.normalized()) - (hidden ? 1 : 0) - 0.002 * std::abs(elevation - 10);
+      if (score > best_score) best_score = score, best = view;
+    }
+  return best;
+}
+
 }  // namespace
+
+Image8 MarkedVertex(const Mesh& mesh, int vertex, const SidesOptions& size) {
+  const RayScene scene(mesh.points, mesh.faces);
+  const View view = FacingView(mesh, scene, vertex, size);
+  RenderOptions look;
+  look.plain = true;
+  Image8 image = Render(mesh, scene, view, look);
+  DrawRing(image, view.Project(mesh.points.row(vertex)), size.width / 22.0);
+  return image;
+}
 
 std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture, const SidesOptions& options) {
   RenderOptions look;

@@ -30,6 +30,10 @@ std::vector<std::string> HeatStops();
 std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames, const std::vector<std::string>& captions,
                           const Image8* texture, const SidesOptions& options);
 
+/// The mesh in clay with a ring around a vertex, seen from the side from which the vertex shows best.
+/// @param size  of the figure's picture; the ring's size goes with it
+Image8 MarkedVertex(const Mesh& mesh, int vertex, const SidesOptions& size);
+
 /// Points as squares of a few pixels, nearest in front.
 Picture CloudPicture(const PointCloud& cloud, const SidesOptions& options);
 

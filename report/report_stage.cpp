@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -17,6 +18,7 @@
 #include "report/contents.h"
 #include "report/html.h"
 #include "report/pictures.h"
+#include "report/player_gathering_stage.h"
 
 namespace keypose::report {
 namespace {
@@ -56,10 +58,20 @@ StageSpec Spec() {
   return spec;
 }
 
+/// Around the figure's middle; the azimuth as in the pictures from all round.
+CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen::Vector3d& up, double outline_off) {
+  const Eigen::Vector3d away = view.Center() - middle;
+  const Eigen::Vector3d front(0, std::abs(up.y()) > 0.5 ? 0 : -1, std::abs(up.y()) > 0.5 ? 1 : 0), side = up.cross(front);
+  const double degrees = 180 / M_PI, turn = std::atan2(away.dot(side), away.dot(front)) * degrees;
+  const double height = std::atan2(away.dot(up), (away - away.dot(up) * up).norm()) * degrees;
+  return {view.name, turn < 0 ? turn + 360 : turn, height, outline_off};
+}
+
 /// Reads what the record names, part by part; what fails becomes a line on the page instead of ending the report.
 class Gatherer {
  public:
-  Gatherer(const ReportOptions& options, Progress* progress) : options_(options), progress_(progress) {
+  Gatherer(const ReportOptions& options, Encoder encode, Progress* progress)
+      : options_(options), encode_(std::move(encode)), progress_(progress) {
     sides_.width = options.picture_width;
     sides_.height = options.picture_width * 10 / 9;
     sides_.up = options.up == "x" ? Eigen::Vector3d::UnitX() : options.up == "y" ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
@@ -80,6 +92,8 @@ class Gatherer {
     }
     Step(progress_, (parts - 1) / parts, "animation");
     Try(contents, "interpolate", [&] { GatherAnimation(contents); });
+    Step(progress_, 0.95, "player");
+    Try(contents, "player", [&] { contents.player = GatherPlayer(contents, encode_, sides_); });
     return contents;
   }
 
@@ -102,7 +116,7 @@ class Gatherer {
     const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name), *cleanup = run.Find("cleanup", name),
                      *bake = run.Find("bake", name), *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
     if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
-    if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, pose); });
+    if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, run.TextureOf(name), pose); });
     if (bake && capture && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { Compare(*bake, *capture, pose); });
     if (dense && !dense->Output("cloud").empty())
       Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
@@ -131,10 +145,10 @@ class Gatherer {
     if (pose.sides.empty() && mesh.colors.rows() > 0) pose.sides = TexturedSides(mesh, nullptr, sides_);
   }
 
-  void ShowTextured(const StepRecord& bake, PosePart& pose) const {
+  void ShowTextured(const StepRecord& bake, const fs::path& path, PosePart& pose) const {
     const Mesh mesh = ReadMesh(bake.Input("mesh"));
     RequireUsable(mesh, bake.Input("mesh").string());
-    const Image8 texture = ReadImage(bake.Output("texture"), 3);
+    const Image8 texture = ReadImage(path, 3);
     pose.sides = TexturedSides(mesh, &texture, sides_);
     const int side = options_.picture_width;
     pose.texture = Picture{fmt::format("Texture, {} x {}", texture.width, texture.height), Resized(texture, side, side)};
@@ -162,6 +176,8 @@ class Gatherer {
       const auto k = static_cast<std::size_t>(i);
       views[k] = CompareView(mesh, scene, &texture, shot(k, options_.compared_px));
     });
+    for (std::size_t k = 0; k < placed.size(); ++k)
+      pose.places.push_back(PlaceOf(*placed[k].first, mesh.points.colwise().mean().transpose(), sides_.up, views[k].outline_off));
     pose.evidence = Summarize(std::move(views));
     for (const int k : pose.evidence.worst) {
       const ViewEvidence& view = pose.evidence.views[static_cast<std::size_t>(k)];
@@ -169,6 +185,23 @@ class Gatherer {
                                         100 * view.outline_off, view.structure),
                             SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
     }
+  }
+
+  /// Where one more landmark would help, on the template and where that place lies now in the pose.
+  std::vector<Picture> MarkAdvice(const StepRecord& step, const Mesh& registered) const {
+    const auto list = step.lists.find("landmark_advice");
+    if (list == step.lists.end() || step.Input("source").empty()) return {};
+    const Mesh source = ReadMesh(step.Input("source"));
+    std::vector<Picture> pictures;
+    for (const nlohmann::json& place : nlohmann::json::parse(list->second)) {
+      const int vertex = place.value("vertex", -1);
+      if (vertex < 0 || vertex >= source.vertex_count() || registered.vertex_count() != source.vertex_count()) continue;
+      const Image8 both[2] = {MarkedVertex(source, vertex, sides_), MarkedVertex(registered, vertex, sides_)};
+      pictures.push_back({fmt::format("{}. On the template (left), and where it lies now in the pose (right): {}", pictures.size() + 1,
+                                      place.value("reason", "")),
+                          TileImages({both[0], both[1]}, 2, 6)});
+    }
+    return pictures;
   }
 
   Picture MaskSheet(const ImageSet& set) const {
@@ -205,6 +238,7 @@ class Gatherer {
       sides.azimuths_deg = {20, 200};
       pair.registered = HeatSides(registered, pair.to_target.at_vertex, pair.scale_top * pair.diagonal, sides);
       pair.target = HeatSides(target, pair.from_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+      pair.advice = MarkAdvice(step, registered);
       if (!step.Output("picture").empty()) pair.carried.push_back({"", ReadImage(step.Output("picture"), 3)});
     });
     return pair;
@@ -231,7 +265,7 @@ class Gatherer {
       const int index = strip == 1 ? 0 : static_cast<int>(std::lround(static_cast<double>(i) * (count - 1) / (strip - 1)));
       shown.push_back(frame(index).points);
       if (shown.back().rows() != mesh.points.rows()) throw InputError("frames have unlike vertex counts");
-      captions.push_back(fmt::format("t = {:.3g}{}", part.frames[index].t, part.frames[index].key ? ", key" : ""));
+      captions.push_back(fmt::format("at {:.2f} s{}", part.frames[index].time_s, part.frames[index].key ? ", key" : ""));
     }
     SidesOptions sides = sides_;
     sides.width = sides_.width * 2 / 3;
@@ -254,18 +288,13 @@ class Gatherer {
     part.faces = PerFace(first.points, frame(middle).points, frame(next).points, first.faces, share);
   }
 
-  /// The template's texture, and its UVs onto the frames' mesh, when the frames do not carry them themselves.
   static Image8 TakeTexture(const RunRecord& run, Mesh& mesh) {
-    const StepRecord* bake = run.Find("bake", run.template_pose);
-    if (!bake || bake->Output("texture").empty() || bake->Input("mesh").empty()) return {};
-    const Mesh baked = ReadMesh(bake->Input("mesh"));
-    if (baked.faces.rows() != mesh.faces.rows() || baked.faces != mesh.faces) return {};
-    mesh.uvs = baked.uvs;
-    mesh.uv_faces = baked.uv_faces;
-    return ReadImage(bake->Output("texture"), 3);
+    const std::vector<Image8> textures = TexturesOf(run, {run.template_pose}, mesh);
+    return textures.empty() ? Image8{} : textures[0];
   }
 
   const ReportOptions& options_;
+  Encoder encode_;
   Progress* progress_;
   SidesOptions sides_;
 };
@@ -300,9 +329,10 @@ void Run(StageContext& stage, const ReportOptions& options) {
   RunRecord run = ParseRun(ReadFile(file), file.parent_path(), [](const fs::path& path) { return ReadFile(path); });
   ForgetMissing(run);
   SubProgress gathering(stage.progress(), 0, 0.9);
-  const Contents contents = Gatherer(options, &gathering).Gather(std::move(run));
   const fs::path scratch = stage.Scratch(), output = stage.Output("report");
-  const std::string page = BuildPage(contents, [&](const Image8& image) { return EncodeJpeg(scratch, image); });
+  const Encoder encode = [&](const Image8& image) { return EncodeJpeg(scratch, image); };
+  const Contents contents = Gatherer(options, encode, &gathering).Gather(std::move(run));
+  const std::string page = BuildPage(contents, encode);
   WriteFile(output / "index.html", page);
   WriteFile(output / "report.json", BuildJson(contents));
   const std::vector<Finding> findings = FindAll(contents);

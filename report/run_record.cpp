@@ -87,6 +87,12 @@ const StepRecord* RunRecord::Find(const std::string& stage, const std::string& p
   return nullptr;
 }
 
+fs::path RunRecord::TextureOf(const std::string& pose) const {
+  const StepRecord *complete = Find("complete", pose), *bake = Find("bake", pose);
+  if (complete && !complete->Output("completed").empty()) return complete->Output("completed");
+  return bake ? bake->Output("texture") : fs::path();
+}
+
 std::vector<const StepRecord*> RunRecord::All(const std::string& stage) const {
   std::vector<const StepRecord*> found;
   for (const StepRecord& step : steps)

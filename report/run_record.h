@@ -41,6 +41,8 @@ struct RunRecord {
 
   /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or animation.
   const StepRecord* Find(const std::string& stage, const std::string& pose = "") const;
+  /// The finished texture of a pose: with what other poses gave it, else as it was baked; empty when there is none.
+  std::filesystem::path TextureOf(const std::string& pose) const;
   std::vector<const StepRecord*> All(const std::string& stage) const;
 };
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "report/html.h"
+#include "report/limits.h"
 #include "report/pictures.h"
 
 namespace keypose::report {
@@ -98,6 +99,28 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   return facts;
 }
 
+/// Where the photographs were taken, by name; orange where the outline does not fit.
+std::string CameraChart(const PosePart& pose) {
+  if (pose.places.empty()) return pose.cameras ? "<h3>Cameras</h3>" : "";
+  std::vector<ChartMark> marks;
+  for (const CameraPlace& place : pose.places) {
+    const std::string stem = place.name.substr(0, place.name.rfind('.'));
+    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "#d97706" : "#2f5d8a", place.azimuth_deg, place.height_deg});
+  }
+  return "<h3>Cameras</h3>" + Figure(DotChart(marks, {"Where the photographs were taken: height above the figure\u2019s middle [\u00b0]",
+                                                      "angle around the figure [\u00b0]", "", false}),
+                                     "One dot a photograph, with its name; orange where the mesh\u2019s outline does not fit it.");
+}
+
+std::string ViewTable(const PoseEvidence& evidence) {
+  Table table({"photograph", "overlap with the mask (IoU)", "outlines apart, of the figure\u2019s size", "details repeated (of 1)",
+               "outline with a change of colour"});
+  for (const ViewEvidence& v : evidence.views)
+    table.Add({Escape(v.name), fmt::format("{:.3f}", v.iou), Percent(v.outline_off), fmt::format("{:.2f}", v.structure), Percent(v.edges)});
+  return "<details><summary>All " + Pretty(static_cast<double>(evidence.views.size())) + " photographs</summary>" + table.Html() +
+         "</details>\n";
+}
+
 std::string LandmarkResiduals(const StepRecord& step) {
   const auto found = step.lists.find("landmark_residuals");
   if (found == step.lists.end()) return "";
@@ -171,22 +194,23 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   std::string html = "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) + "\u2019</h2><p class=lead>" +
                      (is_template ? "The template: the other poses take its connectivity and texture layout."
                                   : "Its texture is baked on the registered template.") +
-                     "</p>" + MissingStages(contents, pose) + Facts(PoseFacts(contents.run, pose.name));
+                     "</p>" + MissingStages(contents, pose);
   if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
   if (!pose.worst.empty())
     html += "<h3>Photograph and render from the same camera: the worst of " + Pretty(static_cast<double>(pose.evidence.views.size())) +
             "</h3><p class=lead>Left the photograph, right the textured mesh; the orange line is the outline of the photograph\u2019s "
             "first mask in both.</p>" +
-            WidePictures(pose.worst, encode);
+            WidePictures(pose.worst, encode) + ViewTable(pose.evidence);
   std::vector<Picture> made;
   if (pose.cloud) made.push_back({"Dense points: " + pose.cloud->caption, pose.cloud->image});
   made.insert(made.end(), pose.shape.begin(), pose.shape.end());
   if (pose.texture) made.push_back(*pose.texture);
   if (!made.empty()) html += "<h3>How it was made</h3>" + Shots(made, encode);
-  if (pose.cameras)
-    html += "<h3>Cameras</h3>" + Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
+  html += CameraChart(pose);
+  if (pose.cameras) html += Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
   if (pose.masks)
     html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"), Escape(pose.masks->caption));
+  html += "<details><summary>The numbers that matter</summary>" + Facts(PoseFacts(contents.run, pose.name)) + "</details>";
   for (const StepRecord& step : contents.run.steps)
     if (step.pose == pose.name && step.stage != "register") html += EverythingMeasured(step);
   return html + "</section>\n";
@@ -211,18 +235,6 @@ std::string StartsTable(const StepRecord& step) {
   return table.Html();
 }
 
-/// Where one more landmark would help most.
-std::string Advice(const StepRecord& step) {
-  const auto list = step.lists.find("landmark_advice");
-  if (list == step.lists.end()) return {};
-  const nlohmann::json advice = nlohmann::json::parse(list->second, nullptr, false);
-  if (!advice.is_array() || advice.empty()) return {};
-  std::string html = "<p>One more landmark would help most at:</p><ul>";
-  for (const nlohmann::json& place : advice)
-    html += "<li>template vertex " + std::to_string(place.value("vertex", -1)) + ": " + Escape(place.value("reason", "")) + "</li>";
-  return html + "</ul>";
-}
-
 }  // namespace
 
 std::string PairSection(const PairPart& pair, const Encoder& encode) {
@@ -244,7 +256,8 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
             {"stretch, 1 %", "stretch_low"},
             {"stretch, 99 %", "stretch_high"}},
            facts);
-  html += Facts(facts) + StartsTable(step) + Advice(step);
+  html += Facts(facts) + StartsTable(step);
+  if (!pair.advice.empty()) html += "<h3>Where one more landmark would help most</h3>" + WidePictures(pair.advice, encode);
   if (!pair.carried.empty())
     html +=
         "<h3>Correspondence: template, registered, target with the template\u2019s pattern, distance</h3>" + Shots(pair.carried, encode);
@@ -258,7 +271,7 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
     html += table.Html() + "<p class=lead>Two-sided Hausdorff distance: <b>" +
             Percent(std::max(pair.to_target.max, pair.from_target.max) / d) + "</b> of the diagonal (" +
             Pretty(std::max(pair.to_target.max, pair.from_target.max)) + " in the target's units).</p>";
-    const std::string scale = ColorScale(HeatStops(), "0", Percent(pair.scale_top) + " of the diagonal or more");
+    const std::string scale = ColorScale(HeatStops(), "distance: 0", Percent(pair.scale_top) + " of the diagonal or more");
     html += "<h3>Registered template, coloured by its distance to the target</h3>" + Shots(pair.registered, encode);
     html += "<h3>Target, coloured by its distance to the registered template</h3>" + Shots(pair.target, encode) + scale;
   }

@@ -12,6 +12,11 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
 std::string PairSection(const PairPart& pair, const Encoder& encode);
 std::string AnimationSection(const Contents& contents, const Encoder& encode);
 
+/// Poster and controls of the player; empty without one.
+std::string PlayerSection(const Contents& contents, const Encoder& encode);
+/// Its data and program, for the page's end.
+std::string PlayerProgram(const Contents& contents);
+
 /// All measurements of a step, folded away.
 std::string EverythingMeasured(const StepRecord& step);
 std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode);

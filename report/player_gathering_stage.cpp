@@ -1,0 +1,152 @@
+#include "report/player_gathering_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "report/player_data.h"
+
+namespace keypose::report {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// The page stays below 8 MB: the program has half a megabyte, other pictures one or two, and base64 adds a third.
+constexpr std::size_t kPositionBytes = 2'200'000, kMeshBytes = 3'600'000;
+constexpr int kTextureSide = 1024, kManyTextures = 4;
+
+/// The pose of each key, as an index into the project's poses.
+std::vector<int> PosesOfKeys(const RunRecord& run) {
+  std::vector<int> poses;
+  if (run.timeline.empty()) return poses;
+  const json timeline = json::parse(run.timeline);
+  for (const json& key : timeline.value("keys", json::array())) {
+    const auto found = std::find(run.poses.begin(), run.poses.end(), key.value("pose", ""));
+    if (found == run.poses.end()) return {};
+    poses.push_back(static_cast<int>(found - run.poses.begin()));
+  }
+  return poses;
+}
+
+double FpsOf(const RunRecord& run, const std::vector<FrameDistortion>& frames) {
+  if (const StepRecord* exported = run.Find("export"))
+    if (const auto fps = exported->options.find("fps"); fps != exported->options.end()) {
+      const json value = json::parse(fps->second, nullptr, false);
+      if (value.is_number() && value.get<double>() > 0) return value;
+    }
+  const double seconds = frames.back().time_s - frames.front().time_s;
+  return seconds > 0 ? static_cast<double>(frames.size() - 1) / seconds : 24;
+}
+
+/// What the textures become for the page.
+std::vector<Image8> Shrunken(std::vector<Image8> textures) {
+  const int most = static_cast<int>(textures.size()) > kManyTextures ? kTextureSide / 2 : kTextureSide;
+  for (Image8& texture : textures) {
+    const double factor = static_cast<double>(most) / std::max(texture.width, texture.height);
+    if (factor < 1) texture = Resized(texture, static_cast<int>(texture.width * factor), static_cast<int>(texture.height * factor));
+  }
+  return textures;
+}
+
+std::size_t MeshBytes(const Mesh& mesh) {
+  // Seams add a tenth of the vertices or so; indices have four bytes from 65,536 drawn vertices on.
+  const auto drawn = static_cast<std::size_t>(std::max(mesh.uvs.rows(), mesh.points.rows()));
+  const std::size_t index = drawn > 65535 ? 4 : 2;
+  return 3 * index * static_cast<std::size_t>(mesh.face_count()) + (index + 4) * drawn;
+}
+
+std::optional<Picture> PosterOf(const Contents& contents) {
+  for (const PosePart& pose : contents.poses)
+    if (pose.name == contents.run.template_pose && !pose.sides.empty()) return pose.sides.front();
+  return std::nullopt;
+}
+
+void Finish(PlayerData& data, PlayerPart& part, const Encoder& encode) {
+  part.pictures = static_cast<int>(data.moments.size());
+  part.keys = static_cast<int>(data.keys.size());
+  part.stored = static_cast<int>(data.frames.size());
+  part.textured = !data.textures.empty();
+  part.json = PlayerJson(data, encode);
+}
+
+PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const Encoder& encode, const SidesOptions& sides) {
+  const std::vector<FrameDistortion>& frames = contents.animation->frames;
+  const auto read = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
+  PlayerData data;
+  data.mesh = read(0);
+  data.up = sides.up;
+  data.fps = FpsOf(contents.run, frames);
+  data.textures = Shrunken(TexturesOf(contents.run, contents.run.poses, data.mesh));
+  std::vector<int> repeats;
+  std::vector<char> keys;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const int own = static_cast<int>(i), same = frames[i].same_as;
+    repeats.push_back(same >= 0 && same < own ? repeats[static_cast<std::size_t>(same)] : own);
+    keys.push_back(frames[i].key);
+  }
+  PlayerPart part;
+  part.poster = PosterOf(contents);
+  for (std::size_t i = 0; i < repeats.size(); ++i) part.distinct += i > 0 && repeats[i] == static_cast<int>(i);
+  const std::size_t frame_bytes = 6 * static_cast<std::size_t>(data.mesh.vertex_count());
+  const std::vector<int> stored = FramesToStore(repeats, keys, kPositionBytes / frame_bytes);
+  if (MeshBytes(data.mesh) + frame_bytes * stored.size() > kMeshBytes) return part;
+  for (std::size_t k = 0; k < stored.size(); ++k) {
+    data.frames.push_back(read(stored[k]).points);
+    if (data.frames.back().rows() != data.mesh.points.rows()) throw InputError("frames have unlike vertex counts");
+    if (keys[static_cast<std::size_t>(stored[k])]) data.keys.push_back(static_cast<int>(k));
+  }
+  data.moments = MomentsOf(repeats, stored);
+  const std::vector<int> pose_of_key = PosesOfKeys(contents.run);
+  for (std::size_t i = 0; i < frames.size(); ++i) data.moments[i].weights = TextureWeights(frames[i].t, pose_of_key, data.textures.size());
+  Finish(data, part, encode);
+  return part;
+}
+
+PlayerPart OfPose(const Contents& contents, const StepRecord& bake, const Encoder& encode, const SidesOptions& sides) {
+  PlayerData data;
+  data.mesh = ReadMesh(bake.Input("mesh"));
+  RequireUsable(data.mesh, bake.Input("mesh").string());
+  data.up = sides.up;
+  data.textures = Shrunken(TexturesOf(contents.run, {bake.pose}, data.mesh));
+  data.frames = {data.mesh.points};
+  data.moments = {{0, 0, 0, TextureWeights(0, {0}, data.textures.size())}};
+  data.keys = {0};
+  PlayerPart part;
+  part.poster = PosterOf(contents);
+  if (MeshBytes(data.mesh) + 6 * static_cast<std::size_t>(data.mesh.vertex_count()) <= kMeshBytes) Finish(data, part, encode);
+  return part;
+}
+
+}  // namespace
+
+std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses, Mesh& mesh) {
+  const StepRecord* first = run.Find("bake", run.template_pose);
+  if (!first || first->Input("mesh").empty()) return {};
+  const Mesh baked = ReadMesh(first->Input("mesh"));
+  if (baked.faces.rows() != mesh.faces.rows() || baked.faces != mesh.faces) return {};
+  mesh.uvs = baked.uvs;
+  mesh.uv_faces = baked.uv_faces;
+  std::vector<Image8> textures;
+  for (const std::string& pose : poses) {
+    const fs::path texture = run.TextureOf(pose);
+    if (texture.empty()) return {};
+    textures.push_back(ReadImage(texture, 3));
+  }
+  return textures;
+}
+
+std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode, const SidesOptions& sides) {
+  const StepRecord *frames = contents.run.Find("interpolate"), *bake = contents.run.Find("bake", contents.run.template_pose);
+  if (contents.animation && frames) return OfAnimation(contents, frames->Output("frames"), encode, sides);
+  if (bake && !bake->Output("texture").empty() && !bake->Input("mesh").empty()) return OfPose(contents, *bake, encode, sides);
+  return std::nullopt;
+}
+
+}  // namespace keypose::report

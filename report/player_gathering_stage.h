@@ -1,0 +1,19 @@
+// Reads what the page's player shows: the animation's frames and textures, or the template's mesh.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "report/contents.h"
+#include "report/pictures.h"
+
+namespace keypose::report {
+
+/// Textures of the poses in the layout of `mesh`, which takes its UVs from the template where it has none; empty when one is missing.
+std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses, Mesh& mesh);
+
+/// The animation, else the template in its pose; nothing when there is neither.
+/// @throws InputError, DiskError  as the readers of meshes and pictures
+std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode, const SidesOptions& sides);
+
+}  // namespace keypose::report
