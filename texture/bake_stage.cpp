@@ -18,7 +18,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Paints a pose's photographs into the texture of its mesh.";
   spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
                  {"images", "folder", "photographs and masks, as capture makes them", ""},
