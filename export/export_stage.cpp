@@ -5,23 +5,36 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <sstream>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
+#include "export/film.h"
 #include "export/gltf.h"
+#include "export/mp4.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using keypose::InputError;
 using keypose::Mesh;
+using keypose::exporting::Clip;
 using keypose::exporting::EncodedImage;
+using keypose::exporting::FilmOptions;
+using keypose::exporting::FilmScene;
+using keypose::exporting::GlbTextures;
+using keypose::exporting::TextureMoment;
 
 struct ExportOptions {
   keypose::exporting::PlaybackOptions playback;
   std::string up = "z";  // axis that points up in the frames
+  std::string poses;
+  std::string pose_textures = "jpeg";
+  bool video = true;
+  int video_width = 960, video_height = 720;
+  double video_azimuth = -1;
   bool obj = true;
   bool ply = true;
 
@@ -30,8 +43,23 @@ struct ExportOptions {
     visit("hold", playback.hold, {"extra frames for which the first and the last frame stay", "frames", 0, 10000, {}});
     visit("loop", playback.loop, {"pingpong plays forwards and then back", "", -INFINITY, INFINITY, {"none", "pingpong"}});
     visit("up", up, {"axis that points up in the frames; the GLB's own is y", "", -INFINITY, INFINITY, {"z", "y"}});
+    visit("poses", poses, {"names of the keys' poses in order, parted by commas, one for each of `textures`", ""});
+    visit("pose_textures", pose_textures,
+          {.help = "how the GLB carries the textures beyond the first, between which a viewer that knows how blends; none: leaves them out",
+           .unit = "",
+           .choices = {"jpeg", "png", "none"}});
+    visit("video", video, {"also write a film of the animation, character.mp4", ""});
+    visit("video_width", video_width, {"of the film; even", "px", 64, 7680, {}});
+    visit("video_height", video_height, {"of the film; even", "px", 64, 4320, {}});
+    visit("video_azimuth", video_azimuth,
+          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of the motion is seen", "deg", -1, 360, {}});
     visit("obj", obj, {"also write numbered OBJ files", ""});
     visit("ply", ply, {"also write numbered PLY files", ""});
+  }
+  std::vector<std::string> Problems() const {
+    if (video_width % 2 == 0 && video_height % 2 == 0) return {};
+    return {"video_width and video_height are " + std::to_string(video_width) + " and " + std::to_string(video_height) +
+            ", but must be even: the film's colours have half its resolution"};
   }
 };
 
@@ -86,6 +114,50 @@ EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
   return out;
 }
 
+/// The keys' textures, each content once.
+struct PoseTextures {
+  std::vector<EncodedImage> images;
+  std::vector<std::string> poses;       // whose each image is
+  std::vector<keypose::Image8> pixels;  // of each image
+  std::vector<int> of_key;              // of each given texture, its image
+};
+
+std::vector<std::string> SplitNames(const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) names.push_back(name);
+  return names;
+}
+
+PoseTextures ReadTextures(keypose::StageContext& stage, const std::string& pose_list) {
+  PoseTextures textures;
+  const std::vector<fs::path> paths = stage.Inputs("textures");
+  const std::vector<std::string> names = SplitNames(pose_list);
+  if (!names.empty() && paths.size() > 1 && names.size() != paths.size())
+    throw keypose::UsageError("export: `poses` names " + std::to_string(names.size()) + " keys, but there are " +
+                              std::to_string(paths.size()) + " textures; give one name for each");
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    EncodedImage image = ReadTexture(paths[i], stage.Scratch());
+    const auto same =
+        std::find_if(textures.images.begin(), textures.images.end(), [&](const EncodedImage& other) { return other.bytes == image.bytes; });
+    textures.of_key.push_back(static_cast<int>(same - textures.images.begin()));
+    if (same != textures.images.end()) continue;
+    textures.poses.push_back(i < names.size() ? names[i] : "key-" + std::to_string(i));
+    textures.images.push_back(std::move(image));
+    textures.pixels.push_back(keypose::ReadImage(paths[i], 3));
+  }
+  return textures;
+}
+
+/// JPEG in place of the image's own kind.
+EncodedImage AsJpeg(const EncodedImage& image, const fs::path& scratch) {
+  if (image.mime_type == "image/jpeg") return image;
+  const fs::path from = scratch / "pose.png", to = scratch / "pose.jpg";
+  keypose::WriteFile(from, image.bytes);
+  keypose::WriteImage(to, keypose::ReadImage(from));
+  return {keypose::ReadFile(to), "image/jpeg", image.name};
+}
+
 // Textures of several poses may have the same file name: the number keeps them apart. @return names in the folder
 std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures, const fs::path& folder) {
   std::vector<std::string> names;
@@ -95,6 +167,37 @@ std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures
     keypose::WriteFile(folder / names[i], textures[i].bytes);
   }
   return names;
+}
+
+/// What `interpolate` says of its frames; lists are empty when it says nothing.
+struct Told {
+  nlohmann::json frames = nlohmann::json::array();
+  std::vector<char> stands;  // one a frame; empty from versions that did not say
+  std::vector<double> t;     // one a frame
+  bool loop = false;
+  std::size_t keys = 0;
+};
+
+Told ReadDistortion(const fs::path& folder, std::size_t frame_count) {
+  Told told;
+  const fs::path path = folder / "distortion.json";
+  if (!fs::exists(path)) return told;
+  const auto json = nlohmann::json::parse(keypose::ReadFile(path), nullptr, false);
+  if (json.is_discarded() || !json.contains("frames") || !json["frames"].is_array())
+    throw InputError("export: " + path.string() + " is not JSON with a list `frames`; run `interpolate` again");
+  told.frames = json["frames"];
+  if (told.frames.size() != frame_count) return told;
+  told.loop = json.contains("loop") && json["loop"] == true;
+  if (json.contains("key_frames")) told.keys = json["key_frames"].size();
+  bool says_what_stands = false;
+  for (const auto& frame : told.frames) {
+    if (frame.is_object() && frame.contains("t") && frame["t"].is_number()) told.t.push_back(frame["t"].get<double>());
+    says_what_stands |= frame.is_object() && frame.contains("stands");
+    told.stands.push_back(frame.is_object() && frame.value("stands", false));
+  }
+  if (told.t.size() != frame_count) told.t.clear();
+  if (!says_what_stands) told.stands.clear();
+  return told;
 }
 
 void WriteSequence(const Frames& frames, const fs::path& folder, const std::string& extension, const std::string& texture,
@@ -109,27 +212,76 @@ void WriteSequence(const Frames& frames, const fs::path& folder, const std::stri
   }
 }
 
-// The moments at which the animation shows each frame, and what `interpolate` measured of it.
-nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const fs::path& frames_folder,
-                       const std::vector<std::string>& textures) {
-  nlohmann::json measured = nlohmann::json::array();
-  const fs::path distortion = frames_folder / "distortion.json";
-  if (fs::exists(distortion)) {
-    const auto json = nlohmann::json::parse(keypose::ReadFile(distortion), nullptr, false);
-    if (json.is_discarded() || !json.contains("frames") || !json["frames"].is_array())
-      throw InputError("export: " + distortion.string() + " is not JSON with a list `frames`; run `interpolate` again");
-    measured = json["frames"];
+/// When each texture shows; empty when there is but one, or when the textures are not those of the keys.
+std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTextures& textures, const Told& told, const Clip& clip,
+                                 const keypose::exporting::PlaybackOptions& playback) {
+  if (textures.images.size() < 2) return {};
+  if (told.t.empty() || told.keys != textures.of_key.size()) {
+    stage.Warn("the animation shows the first texture only: there are " + std::to_string(textures.of_key.size()) + " textures, and " +
+               (told.t.empty() ? "the frames have no distortion.json with a `t` for each"
+                               : "the frames were made from " + std::to_string(told.keys) + " keys") +
+               "; pass one texture for each key, in the keys' order");
+    return {};
   }
+  const auto keyframes = LinearKeyframes(PlaybackMoments(clip, playback), clip, playback.fps);
+  return TextureMoments(keyframes, told.t, textures.of_key, static_cast<int>(textures.images.size()));
+}
+
+GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMoment> moments, const std::string& kind,
+                          const fs::path& scratch) {
+  GlbTextures glb;
+  const bool blends = !moments.empty() && kind != "none";
+  for (std::size_t i = 0; i < textures.images.size() && (i == 0 || blends); ++i) {
+    glb.images.push_back(i > 0 && kind == "jpeg" ? AsJpeg(textures.images[i], scratch) : textures.images[i]);
+    glb.poses.push_back(textures.poses[i]);
+  }
+  if (blends) glb.moments = std::move(moments);
+  return glb;
+}
+
+/// The animation from one side, as a film.
+void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTextures& textures, const Told& told, const Clip& clip,
+               bool blends, const ExportOptions& options, keypose::Progress* progress) {
+  if (!options.video || frames.meshes.size() < 2) return;
+  if (!keypose::exporting::CanWriteMp4()) {
+    stage.Warn("no film was written: libavcodec has no x264 here; install Debian's libavcodec59, or set `video: false`");
+    return;
+  }
+  FilmScene scene{frames.meshes, textures.pixels, {}};
+  const int count = static_cast<int>(textures.images.size());
+  for (std::size_t i = 0; blends && i < told.t.size(); ++i)
+    scene.blend.push_back(keypose::exporting::TextureWeights(told.t[i], textures.of_key, count));
+  const auto moments = PlaybackMoments(clip, options.playback);
+  std::vector<int> order = keypose::exporting::FilmFrames(moments, options.playback.fps);
+  // Played again and again, the last picture is the first one of the next round.
+  if ((clip.loop || options.playback.loop == "pingpong") && order.size() > 1) order.pop_back();
+  const FilmOptions film{options.video_width, options.video_height, options.video_azimuth, options.up == "z"};
+  keypose::exporting::Mp4Writer writer(stage.Output("animation") / "character.mp4", film.width, film.height, options.playback.fps);
+  RenderFilm(
+      scene, order, film, [&](const keypose::Image8& picture) { writer.Add(picture); }, progress);
+  writer.Finish();
+  stage.Report("film_frames", static_cast<std::int64_t>(order.size()));
+}
+
+// The moments at which the animation shows each frame and each texture, and what `interpolate` measured of it.
+nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const Told& told, const Clip& clip,
+                       const std::vector<std::string>& texture_names, const PoseTextures& textures,
+                       const std::vector<TextureMoment>& blend) {
   nlohmann::json out = {{"schema", 1}, {"glb", "character.glb"}, {"fps", options.playback.fps}, {"loop", options.playback.loop}};
   out["vertices"] = frames.meshes[0].vertex_count();
   out["faces"] = frames.meshes[0].face_count();
-  out["textures"] = textures;
-  const auto moments = keypose::exporting::PlaybackMoments(static_cast<int>(frames.names.size()), options.playback);
+  out["textures"] = texture_names;
+  out["poses"] = textures.poses;
+  const auto moments = PlaybackMoments(clip, options.playback);
   out["seconds"] = moments.back().seconds;
-  for (const auto& moment : moments) out["moments"].push_back({{"seconds", moment.seconds}, {"frame", moment.frame}});
+  for (const auto& moment : moments) {
+    out["moments"].push_back({{"seconds", moment.seconds}, {"frame", moment.frame}, {"stands", moment.stands}});
+  }
+  out["texture_moments"] = nlohmann::json::array();
+  for (const auto& moment : blend) out["texture_moments"].push_back({{"seconds", moment.seconds}, {"weights", moment.weights}});
   for (std::size_t i = 0; i < frames.names.size(); ++i) {
-    nlohmann::json frame = {{"name", frames.names[i]}};
-    if (i < measured.size() && measured[i].is_object() && measured[i].contains("t")) frame["t"] = measured[i]["t"];
+    nlohmann::json frame = {{"name", frames.names[i]}, {"picture", frames.names[clip.picture[i]]}};
+    if (i < told.t.size()) frame["t"] = told.t[i];
     out["frames"].push_back(frame);
   }
   return out;
@@ -138,29 +290,35 @@ nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const fs::path folder = stage.Input("frames");
   const Frames frames = ReadFrames(folder, stage.progress());
-  std::vector<EncodedImage> textures;
-  for (const auto& path : stage.Inputs("textures")) textures.push_back(ReadTexture(path, stage.Scratch()));
+  const Told told = ReadDistortion(folder, frames.names.size());
+  const PoseTextures textures = ReadTextures(stage, options.poses);
   const auto mesh = keypose::exporting::MakeAnimatedMesh(frames.meshes, frames.names);
+  const Clip clip = keypose::exporting::MakeClip(mesh.points, told.stands, told.loop);
+  const std::vector<TextureMoment> blend = Blend(stage, textures, told, clip, options.playback);
 
   keypose::Step(stage.progress(), 0.4, "writing the GLB");
   const keypose::exporting::GlbOptions glb{options.playback, options.up == "z", "character"};
-  const std::string bytes = MakeGlb(mesh, frames.names, textures.empty() ? EncodedImage{} : textures[0], glb);
+  const std::string bytes = MakeGlb(mesh, clip, frames.names, TexturesOfGlb(textures, blend, options.pose_textures, stage.Scratch()), glb);
   const fs::path out = stage.Output("animation");
   keypose::WriteFile(out / "character.glb", bytes);
-  const auto texture_names = WriteTextures(textures, out / "textures");
+  const auto texture_names = WriteTextures(textures.images, out / "textures");
   const std::string map = texture_names.empty() ? "" : "../textures/" + texture_names[0];
-  keypose::SubProgress obj_progress(stage.progress(), 0.5, 0.8), ply_progress(stage.progress(), 0.8, 1);
+  keypose::SubProgress film_progress(stage.progress(), 0.5, 0.8), obj_progress(stage.progress(), 0.8, 0.9),
+      ply_progress(stage.progress(), 0.9, 1);
+  WriteFilm(stage, frames, textures, told, clip, !blend.empty(), options, &film_progress);
   if (options.obj) WriteSequence(frames, out / "obj", "obj", map, &obj_progress);
   if (options.ply) WriteSequence(frames, out / "ply", "ply", "", &ply_progress);
-  const auto summary = Summary(frames, options, folder, texture_names);
+  const auto summary = Summary(frames, options, told, clip, texture_names, textures, blend);
   keypose::WriteFile(out / "animation.json", summary.dump(1) + "\n");
 
+  std::int64_t pictures = 0;
+  for (int i = 0; i < clip.frame_count(); ++i) pictures += clip.picture[i] == i;
   stage.Report("frames", static_cast<std::int64_t>(frames.names.size()));
-  stage.Report("morph_targets", static_cast<std::int64_t>(frames.names.size()) - 1);
+  stage.Report("morph_targets", pictures - 1);
   stage.Report("vertices", frames.meshes[0].vertex_count());
   stage.Report("split_vertices", static_cast<std::int64_t>(mesh.source_vertex.size()));
   stage.Report("faces", frames.meshes[0].face_count());
-  stage.Report("textures", static_cast<std::int64_t>(textures.size()));
+  stage.Report("textures", static_cast<std::int64_t>(textures.images.size()));
   stage.Report("animation_seconds", summary["seconds"].get<double>());
   stage.Report("glb_bytes", static_cast<std::int64_t>(bytes.size()));
 }
@@ -170,11 +328,12 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "1";
-  spec.summary = "Writes the animation as one GLB with morph targets, and as numbered OBJ and PLY files.";
+  spec.version = "2";
+  spec.summary = "Writes the animation as one GLB with morph targets, as a film, and as numbered OBJ and PLY files.";
   spec.inputs = {{"frames", "folder", "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
-                 {"textures", "file", "images in the frames' UV layout; the first goes into the GLB, all go beside it", "", true, true}};
-  spec.outputs = {{"animation", "folder", "character.glb, obj/, ply/, textures/, animation.json", "animation", false, false}};
+                 {"textures", "file", "of each key on the timeline, in order, in the frames' UV layout; or one for all", "", true, true}};
+  spec.outputs = {
+      {"animation", "folder", "character.glb, character.mp4, obj/, ply/, textures/, animation.json", "animation", false, false}};
   spec.cores = 0;
   spec.memory_gib = 2;
   return keypose::RunStage<ExportOptions>(argc, argv, spec, Run);

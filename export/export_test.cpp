@@ -77,8 +77,11 @@ struct Glb {
   }
 };
 
+GlbTextures OneTexture(const EncodedImage& image) { return {{image}, {"rest"}, {}}; }
+
 Glb Written(const std::vector<Mesh>& frames, const EncodedImage& texture = kTexture, const GlbOptions& options = {}) {
-  return Glb(MakeGlb(MakeAnimatedMesh(frames, Names(frames.size())), Names(frames.size()), texture, options));
+  const AnimatedMesh mesh = MakeAnimatedMesh(frames, Names(frames.size()));
+  return Glb(MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(frames.size()), OneTexture(texture), options));
 }
 
 TEST(MakeAnimatedMesh, EveryCornerKeepsItsPositionAndTextureCoordinate) {
@@ -236,23 +239,160 @@ TEST(MakeGlb, OneFrameHasNeitherTargetsNorAnimation) {
 
 TEST(MakeGlb, TextureWithoutCoordinatesThrowsInputError) {
   const AnimatedMesh mesh = MakeAnimatedMesh({MakeIcosphere(1)}, Names(1));
-  EXPECT_THROW(MakeGlb(mesh, Names(1), kTexture, {}), InputError);
-  EXPECT_NO_THROW(MakeGlb(mesh, Names(1), {}, {}));
+  const Clip clip = MakeClip(mesh.points, {}, false);
+  EXPECT_THROW(MakeGlb(mesh, clip, Names(1), OneTexture(kTexture), {}), InputError);
+  EXPECT_NO_THROW(MakeGlb(mesh, clip, Names(1), {}, {}));
+}
+
+std::string BytesOf(int count) {
+  const AnimatedMesh mesh = MakeAnimatedMesh(StretchingBox(count), Names(count));
+  return MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(count), OneTexture(kTexture), {});
 }
 
 TEST(MakeGlb, SameBytesForAnyThreadCount) {
   SetThreadCount(1);
-  const auto one = MakeGlb(MakeAnimatedMesh(StretchingBox(5), Names(5)), Names(5), kTexture, {});
+  const auto one = BytesOf(5);
   SetThreadCount(4);
-  const auto four = MakeGlb(MakeAnimatedMesh(StretchingBox(5), Names(5)), Names(5), kTexture, {});
+  const auto four = BytesOf(5);
   SetThreadCount(0);
   EXPECT_EQ(one, four);
 }
 
+// What a player shows: the weights of the targets at a time, by the rules of glTF 2.0, appendix C.
+std::vector<double> WeightsAt(const Glb& glb, double seconds) {
+  const auto& sampler = glb.json["animations"][0]["samplers"][0];
+  const Eigen::MatrixXf times = glb.Read(sampler["input"]), flat = glb.Read(sampler["output"]);
+  const Eigen::Index count = flat.rows() / times.rows();
+  Eigen::Index i = 0;
+  while (i + 1 < times.rows() && times(i + 1, 0) <= seconds) ++i;
+  const Eigen::Index next = std::min(i + 1, times.rows() - 1);
+  const bool steps = sampler["interpolation"] == "STEP" || next == i || seconds < times(0, 0);
+  const double share = steps ? 0 : (seconds - times(i, 0)) / (times(next, 0) - times(i, 0));
+  std::vector<double> weights;
+  for (Eigen::Index k = 0; k < count; ++k) weights.push_back((1 - share) * flat(i * count + k, 0) + share * flat(next * count + k, 0));
+  return weights;
+}
+
+/// Frames of a box by their height: equal numbers are equal pictures.
+AnimatedMesh Boxes(const std::vector<int>& heights) {
+  std::vector<Mesh> frames(heights.size(), UnwrappedBox());
+  for (std::size_t i = 0; i < heights.size(); ++i) frames[i].points.col(2) *= 1 + 0.25 * heights[i];
+  return MakeAnimatedMesh(frames, Names(frames.size()));
+}
+
+// The frame's height at any time, as the weights of the targets make it.
+double HeightAt(const Glb& glb, const std::vector<double>& height_of_target, double seconds) {
+  const std::vector<double> weights = WeightsAt(glb, seconds);
+  double height = 0;
+  for (std::size_t k = 0; k < weights.size(); ++k) height += weights[k] * height_of_target[k];
+  return height;
+}
+
+TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
+  // Twos from key 0 over five frames to key 5, which repeats the first picture: 0 0 2 2 4 0.
+  const AnimatedMesh mesh = Boxes({0, 0, 2, 2, 4, 0});
+  const Clip clip = MakeClip(mesh.points, {1, 1, 1, 1, 1, 0}, false);
+  GlbOptions options;
+  options.playback.fps = 10;
+  const Glb glb(MakeGlb(mesh, clip, Names(6), {}, options));
+  EXPECT_EQ(glb.json["meshes"][0]["extras"]["targetNames"], nlohmann::json({"frame_0002", "frame_0004"})) << "no picture twice";
+  EXPECT_EQ(glb.json["animations"][0]["samplers"][0]["interpolation"], "STEP");
+  const std::vector<double> expected{0, 0, 2, 2, 4, 0};
+  for (int i = 0; i < 595; ++i) {
+    const double seconds = (i + 0.5) / 1000;
+    EXPECT_EQ(HeightAt(glb, {2, 4}, seconds), expected[static_cast<int>(seconds * 10)]) << seconds << " s";
+  }
+}
+
+TEST(MakeGlb, GlidesAndStepsInOneClipPlayAsEach) {
+  // A hold of the first picture, a glide to 3, then two pictures on twos, and a glide from the last of them.
+  const AnimatedMesh mesh = Boxes({0, 0, 0, 1, 2, 3, 3, 5, 5, 6, 7});
+  const std::vector<char> stands{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0};
+  const Clip clip = MakeClip(mesh.points, stands, false);
+  GlbOptions options;
+  options.playback.fps = 10;
+  const Glb glb(MakeGlb(mesh, clip, Names(11), {}, options));
+  EXPECT_EQ(glb.json["meshes"][0]["primitives"][0]["targets"].size(), 6u);
+  const auto& sampler = glb.json["animations"][0]["samplers"][0];
+  EXPECT_EQ(sampler["interpolation"], "LINEAR");
+  const Eigen::MatrixXf times = glb.Read(sampler["input"]);
+  for (Eigen::Index i = 1; i < times.rows(); ++i) EXPECT_GT(times(i, 0), times(i - 1, 0)) << "times must rise strictly";
+  const std::vector<double> height{0, 0, 0, 1, 2, 3, 3, 5, 5, 6, 7};
+  for (int i = 0; i < 1000; ++i) {
+    const double frame = (i + 0.5) / 100;
+    const int before = static_cast<int>(frame);
+    if (stands[before] && frame - before > 0.998) continue;  // the step itself
+    const double expected = stands[before] ? height[before] : height[before] + (frame - before) * (height[before + 1] - height[before]);
+    EXPECT_NEAR(HeightAt(glb, {1, 2, 3, 5, 6, 7}, frame / 10), expected, 1e-4) << "frame " << frame;
+  }
+}
+
+TEST(LinearKeyframes, StepsKeepTheirOrderInSinglePrecisionLateInALongAnimation) {
+  Clip clip;
+  for (int i = 0; i < 30000; ++i) clip.picture.push_back(i), clip.stands.push_back(i % 2);
+  const auto keyframes = LinearKeyframes(PlaybackMoments(clip, {24, 0, "none"}), clip, 24);
+  for (std::size_t i = 1; i < keyframes.size(); ++i)
+    ASSERT_GT(static_cast<float>(keyframes[i].seconds), static_cast<float>(keyframes[i - 1].seconds)) << i;
+}
+
+TEST(MakeClip, WithoutAWordOfStepsRepeatedPicturesStandToTheirEnd) {
+  const Clip clip = MakeClip(Boxes({0, 0, 1, 2, 2, 2, 0}).points, {}, false);
+  EXPECT_EQ(clip.picture, (std::vector<int>{0, 0, 2, 3, 3, 3, 0}));
+  EXPECT_EQ(clip.stands, (std::vector<char>{1, 1, 0, 1, 1, 1, 0}));
+}
+
+TEST(PlaybackMoments, BackwardsPicturesStandWhereTheyDoForwards) {
+  const Clip clip = MakeClip(Boxes({0, 0, 1, 2}).points, {1, 1, 0, 0}, false);
+  const auto moments = PlaybackMoments(clip, {10, 0, "pingpong"});
+  std::vector<int> frames, stands;
+  for (const Moment& moment : moments) frames.push_back(moment.frame), stands.push_back(moment.stands);
+  EXPECT_EQ(frames, (std::vector<int>{0, 1, 2, 3, 2, 1, 0}));
+  EXPECT_EQ(stands, (std::vector<int>{1, 1, 0, 0, 1, 1, 0}));
+}
+
+TEST(TextureMoments, GoOverFromKeyToKeyWithTheShapeAndStandWhereItStands) {
+  // Keys: pose 1, pose 0, pose 1; a hold of one frame at the middle key, then a step to the last.
+  Clip clip{{0, 1, 2, 2, 0}, {0, 0, 1, 1, 0}, true};
+  const std::vector<double> t{0, 0.25, 1, 1, 2};
+  const auto keyframes = LinearKeyframes(PlaybackMoments(clip, {10, 0, "none"}), clip, 10);
+  const auto moments = TextureMoments(keyframes, t, {1, 0, 1}, 2);
+  ASSERT_EQ(moments.size(), 5u);
+  const std::vector<double> seconds{0, 0.1, 0.2, 0.4, 0.4}, second_weight{1, 0.75, 0, 0, 1};
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(moments[i].seconds, seconds[i], 2e-4);
+    EXPECT_NEAR(moments[i].weights[1], second_weight[i], 1e-12);
+    EXPECT_NEAR(moments[i].weights[0] + moments[i].weights[1], 1, 1e-12);
+  }
+}
+
+TEST(MakeGlb, TexturesOfAllPosesAreNamedInTheMaterialAndTheFirstIsTheBaseColour) {
+  const AnimatedMesh mesh = Boxes({0, 1});
+  GlbTextures textures{{kTexture, {"other bytes", "image/jpeg", "bent"}}, {"rest", "bent"}, {{0, {1, 0}}, {0.5, {0, 1}}}};
+  const Glb glb(MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(2), textures, {}));
+  const auto& material = glb.json["materials"][0];
+  EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"].value("index", 0), 0);
+  const auto& blend = material["extras"]["keypose"];
+  EXPECT_EQ(blend["poses"], nlohmann::json({"rest", "bent"}));
+  EXPECT_EQ(blend["textures"], nlohmann::json({0, 1}));
+  EXPECT_EQ(blend["moments"][1]["seconds"], 0.5);
+  EXPECT_EQ(blend["moments"][1]["weights"], nlohmann::json({0.0, 1.0}));
+  const auto& view = glb.json["bufferViews"][glb.json["images"][1]["bufferView"].get<int>()];
+  EXPECT_EQ(glb.binary.substr(view["byteOffset"], view["byteLength"]), "other bytes");
+}
+
 TEST(PlaybackMoments, LastFrameComesAtFramesMinusOneOverFps) {
-  const auto moments = PlaybackMoments(25, {24, 0, "none"});
+  const Clip clip =
+      MakeClip(Boxes({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24}).points, {}, false);
+  const auto moments = PlaybackMoments(clip, {24, 0, "none"});
   ASSERT_EQ(moments.size(), 25u);
   EXPECT_DOUBLE_EQ(moments.back().seconds, 1.0);
+}
+
+TEST(PlaybackMoments, LastPictureThatComesAsAStepStandsForAFrame) {
+  const auto moments = PlaybackMoments(MakeClip(Boxes({0, 0, 1}).points, {1, 1, 0}, false), {10, 0, "none"});
+  ASSERT_EQ(moments.size(), 4u);
+  EXPECT_DOUBLE_EQ(moments.back().seconds, 0.3);
+  EXPECT_EQ(PlaybackMoments(MakeClip(Boxes({0, 0, 0}).points, {1, 1, 0}, true), {10, 0, "none"}).size(), 3u) << "a loop goes on at once";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <sstream>
@@ -16,7 +17,9 @@ constexpr double kLargestGlb = std::numeric_limits<std::uint32_t>::max();
 
 class GlbBuilder {
  public:
-  GlbBuilder(const AnimatedMesh& mesh, const GlbOptions& options) : mesh_(mesh), options_(options) {
+  GlbBuilder(const AnimatedMesh& mesh, const Clip& clip, const GlbOptions& options) : mesh_(mesh), clip_(clip), options_(options) {
+    for (int i = 1; i < clip.frame_count(); ++i)
+      if (clip.picture[i] == i) targets_.push_back(i);
     model_.asset.version = "2.0";
     model_.asset.generator = "Keypose";
     model_.buffers.resize(1);
@@ -37,7 +40,7 @@ class GlbBuilder {
     primitive.indices = AddIndices();
     tinygltf::Mesh out;
     tinygltf::Value::Array target_names;
-    for (std::size_t i = 1; i < mesh_.points.size(); ++i) {
+    for (const int i : targets_) {
       primitive.targets.push_back({{"POSITION", AddAttribute(InGltf(mesh_.points[i]) - base_points, TINYGLTF_TYPE_VEC3, true)},
                                    {"NORMAL", AddAttribute(InGltf(mesh_.normals[i]) - base_normals, TINYGLTF_TYPE_VEC3, false)}});
       target_names.emplace_back(frame_names[i]);
@@ -51,27 +54,15 @@ class GlbBuilder {
     model_.meshes.push_back(out);
   }
 
-  void AddMaterial(const EncodedImage& texture) {
+  void AddMaterial(const GlbTextures& textures) {
     tinygltf::Material material;
     material.name = "clay";
     material.pbrMetallicRoughness.metallicFactor = 0;
     material.pbrMetallicRoughness.roughnessFactor = 0.9;
-    if (!texture.bytes.empty()) {
-      tinygltf::Image image;
-      image.name = texture.name;
-      image.mimeType = texture.mime_type;
-      image.bufferView = AddView(texture.bytes.data(), texture.bytes.size(), 0);
-      model_.images.push_back(image);
-      tinygltf::Sampler sampler;
-      sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
-      sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
-      sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
-      model_.samplers.push_back(sampler);
-      tinygltf::Texture out;
-      out.sampler = 0;
-      out.source = 0;
-      model_.textures.push_back(out);
+    if (!textures.images.empty()) {
+      AddTextures(textures.images);
       material.pbrMetallicRoughness.baseColorTexture.index = 0;
+      if (textures.images.size() > 1) material.extras = BlendExtras(textures);
     }
     model_.materials.push_back(material);
   }
@@ -88,20 +79,16 @@ class GlbBuilder {
   }
 
   void AddAnimation() {
-    const int targets = static_cast<int>(mesh_.points.size()) - 1;
-    if (targets == 0) return;
-    const auto moments = PlaybackMoments(targets + 1, options_.playback);
-    FloatRows times(moments.size(), 1), weights = FloatRows::Zero(static_cast<Eigen::Index>(moments.size()) * targets, 1);
-    for (std::size_t i = 0; i < moments.size(); ++i) {
-      times(i, 0) = static_cast<float>(moments[i].seconds);
-      if (moments[i].frame > 0) weights(static_cast<Eigen::Index>(i) * targets + moments[i].frame - 1, 0) = 1;
-    }
+    if (targets_.empty()) return;
+    const auto moments = PlaybackMoments(clip_, options_.playback);
+    std::vector<Keyframe> keyframes = StepKeyframes(moments, clip_);
+    const bool steps = !keyframes.empty();
+    if (!steps) keyframes = LinearKeyframes(moments, clip_, options_.playback.fps);
     tinygltf::Animation animation;
     animation.name = options_.name;
     tinygltf::AnimationSampler sampler;
-    sampler.interpolation = "LINEAR";
-    sampler.input = AddScalars(times, true);
-    sampler.output = AddScalars(weights, false);
+    sampler.interpolation = steps ? "STEP" : "LINEAR";
+    AddSamples(keyframes, sampler);
     animation.samplers.push_back(sampler);
     tinygltf::AnimationChannel channel;
     channel.sampler = 0;
@@ -113,7 +100,7 @@ class GlbBuilder {
 
   std::string Bytes() {
     if (static_cast<double>(model_.buffers[0].data.size()) > kLargestGlb - (1 << 20)) {
-      throw InputError("export: " + std::to_string(mesh_.points.size()) + " frames of " + std::to_string(mesh_.source_vertex.size()) +
+      throw InputError("export: " + std::to_string(targets_.size() + 1) + " pictures of " + std::to_string(mesh_.source_vertex.size()) +
                        " vertices need more than the 4 GiB that a GLB can hold; take fewer in-betweens, or use the OBJ or PLY sequence");
     }
     tinygltf::TinyGLTF writer;
@@ -123,6 +110,56 @@ class GlbBuilder {
   }
 
  private:
+  void AddTextures(const std::vector<EncodedImage>& images) {
+    tinygltf::Sampler sampler;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR_MIPMAP_LINEAR;
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    model_.samplers.push_back(sampler);
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      tinygltf::Image image;
+      image.name = images[i].name;
+      image.mimeType = images[i].mime_type;
+      image.bufferView = AddView(images[i].bytes.data(), images[i].bytes.size(), 0);
+      model_.images.push_back(image);
+      tinygltf::Texture texture;
+      texture.sampler = 0;
+      texture.source = static_cast<int>(i);
+      model_.textures.push_back(texture);
+    }
+  }
+
+  /// `extras`: viewers that do not know them show the base colour.
+  static tinygltf::Value BlendExtras(const GlbTextures& textures) {
+    tinygltf::Value::Array indices, poses, moments;
+    for (std::size_t i = 0; i < textures.images.size(); ++i) {
+      indices.emplace_back(static_cast<int>(i));
+      poses.emplace_back(textures.poses[i]);
+    }
+    for (const TextureMoment& moment : textures.moments) {
+      tinygltf::Value::Array weights;
+      for (const double weight : moment.weights) weights.emplace_back(weight);
+      moments.emplace_back(tinygltf::Value::Object{{"seconds", tinygltf::Value(moment.seconds)}, {"weights", tinygltf::Value(weights)}});
+    }
+    tinygltf::Value::Object blend{
+        {"textures", tinygltf::Value(indices)}, {"poses", tinygltf::Value(poses)}, {"moments", tinygltf::Value(moments)}};
+    return tinygltf::Value(tinygltf::Value::Object{{"keypose", tinygltf::Value(blend)}});
+  }
+
+  /// At a keyframe the weight of its picture's target is 1, all others are 0; the first picture is the mesh itself.
+  void AddSamples(const std::vector<Keyframe>& keyframes, tinygltf::AnimationSampler& sampler) {
+    const auto count = static_cast<Eigen::Index>(targets_.size());
+    FloatRows times(keyframes.size(), 1), weights = FloatRows::Zero(static_cast<Eigen::Index>(keyframes.size()) * count, 1);
+    for (std::size_t i = 0; i < keyframes.size(); ++i) {
+      times(i, 0) = static_cast<float>(keyframes[i].seconds);
+      const int picture = clip_.picture[keyframes[i].frame];
+      const auto target = std::lower_bound(targets_.begin(), targets_.end(), picture) - targets_.begin();
+      if (picture > 0) weights(static_cast<Eigen::Index>(i) * count + target, 0) = 1;
+    }
+    sampler.input = AddScalars(times, true);
+    sampler.output = AddScalars(weights, false);
+  }
+
   // The only place where the world's axes change.
   FloatRows InGltf(const PointsX3& rows) const {
     FloatRows out = rows.cast<float>();
@@ -177,21 +214,23 @@ class GlbBuilder {
   }
 
   const AnimatedMesh& mesh_;
+  const Clip& clip_;
   const GlbOptions& options_;
+  std::vector<int> targets_;  ///< pictures but the first, rising
   tinygltf::Model model_;
 };
 
 }  // namespace
 
-std::string MakeGlb(const AnimatedMesh& mesh, const std::vector<std::string>& frame_names, const EncodedImage& texture,
+std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip, const std::vector<std::string>& frame_names, const GlbTextures& textures,
                     const GlbOptions& options) {
-  if (!texture.bytes.empty() && mesh.uvs.rows() == 0) {
-    throw InputError("export: the texture " + texture.name +
+  if (!textures.images.empty() && mesh.uvs.rows() == 0) {
+    throw InputError("export: the texture " + textures.images[0].name +
                      " cannot be used, as the first frame has no texture coordinates; unwrap the template before it is registered");
   }
-  GlbBuilder builder(mesh, options);
+  GlbBuilder builder(mesh, clip, options);
   builder.AddMesh(frame_names);
-  builder.AddMaterial(texture);
+  builder.AddMaterial(textures);
   builder.AddScene();
   builder.AddAnimation();
   return builder.Bytes();

@@ -1,22 +1,109 @@
 #include "export/playback.h"
 
-namespace keypose::exporting {
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <utility>
 
-std::vector<Moment> PlaybackMoments(int frame_count, const PlaybackOptions& options) {
+namespace keypose::exporting {
+namespace {
+
+bool SameBits(const PointsX3& a, const PointsX3& b) {
+  return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+std::vector<int> FirstWithSamePoints(const std::vector<PointsX3>& points) {
+  std::vector<int> first;
+  std::map<double, std::vector<int>> by_sum;  // only what has the same sum can be the same
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    std::vector<int>& rivals = by_sum[points[i].sum()];
+    const auto same = std::find_if(rivals.begin(), rivals.end(), [&](int j) { return SameBits(points[j], points[i]); });
+    first.push_back(same == rivals.end() ? i : *same);
+    if (same == rivals.end()) rivals.push_back(i);
+  }
+  return first;
+}
+
+/// Pictures that show for several frames in a row stand to their end.
+std::vector<char> RepeatedStand(const std::vector<int>& picture) {
+  std::vector<char> stands(picture.size(), 0);
+  for (std::size_t i = 1; i < picture.size(); ++i)
+    if (picture[i] == picture[i - 1]) stands[i] = stands[i - 1] = 1;
+  return stands;
+}
+
+bool Changes(const std::vector<Moment>& moments, std::size_t i, const Clip& clip) {
+  return clip.picture[moments[i].frame] != clip.picture[moments[i + 1].frame];
+}
+
+/// So far before a step that a sampler in single precision sees two times.
+double GapBefore(double seconds, double fps) {
+  const auto time = static_cast<float>(seconds);
+  const double grain = time - std::nextafter(time, -std::numeric_limits<float>::infinity());
+  return std::max(1e-3 / fps, 4 * grain);
+}
+
+}  // namespace
+
+Clip MakeClip(const std::vector<PointsX3>& points, std::vector<char> stands, bool loop) {
+  Clip clip;
+  clip.picture = FirstWithSamePoints(points);
+  clip.stands = stands.size() == points.size() ? std::move(stands) : RepeatedStand(clip.picture);
+  clip.loop = loop;
+  return clip;
+}
+
+std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& options) {
   std::vector<Moment> moments;
   int tick = 0;
-  const auto show = [&](int frame, int held) {
-    moments.push_back({tick / options.fps, frame});
-    if (held > 0) moments.push_back({(tick + held) / options.fps, frame});
+  const auto show = [&](int frame, int held, bool stands) {
+    moments.push_back({tick / options.fps, frame, stands});
+    if (held > 0) moments.push_back({(tick + held) / options.fps, frame, stands});
     tick += held + 1;
   };
-  const int last = frame_count - 1;
-  for (int i = 0; i <= last; ++i) show(i, i == 0 || i == last ? options.hold : 0);
+  const int last = clip.frame_count() - 1;
+  for (int i = 0; i <= last; ++i) show(i, i == 0 || i == last ? options.hold : 0, i < last && clip.stands[i]);
   // The last moment back at the first frame is the first moment of the next round, so it is not held again.
   if (options.loop == "pingpong") {
-    for (int i = last - 1; i >= 0; --i) show(i, 0);
+    if (last > 0) moments.back().stands = clip.stands[last - 1];
+    for (int i = last - 1; i >= 0; --i) show(i, 0, i > 0 && clip.stands[i - 1]);
+  } else if (last > 0 && clip.stands[last - 1] && options.hold == 0 && !clip.loop) {
+    moments.back().stands = true;
+    show(last, 0, false);
   }
   return moments;
+}
+
+std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip, double fps) {
+  std::vector<Keyframe> keyframes;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    keyframes.push_back({moments[i].seconds, moments[i].frame});
+    if (i + 1 == moments.size() || !moments[i].stands || !Changes(moments, i, clip)) continue;
+    const double next = moments[i + 1].seconds;
+    keyframes.push_back({next - GapBefore(next, fps), moments[i].frame});
+  }
+  // In the midst of a picture that stands nothing has to be said.
+  std::vector<Keyframe> needed;
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const auto picture = [&](std::size_t k) { return clip.picture[keyframes[k].frame]; };
+    const bool inside = i > 0 && i + 1 < keyframes.size() && picture(i - 1) == picture(i) && picture(i) == picture(i + 1);
+    if (!inside) needed.push_back(keyframes[i]);
+  }
+  return needed;
+}
+
+std::vector<Keyframe> StepKeyframes(const std::vector<Moment>& moments, const Clip& clip) {
+  std::vector<Keyframe> keyframes{{moments[0].seconds, moments[0].frame}};
+  bool changes = false;
+  for (std::size_t i = 0; i + 1 < moments.size(); ++i) {
+    const bool change = Changes(moments, i, clip);
+    if (change && !moments[i].stands) return {};
+    changes |= change;
+    if (change || i + 2 == moments.size()) keyframes.push_back({moments[i + 1].seconds, moments[i + 1].frame});
+  }
+  return changes ? keyframes : std::vector<Keyframe>();
 }
 
 }  // namespace keypose::exporting

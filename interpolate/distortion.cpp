@@ -76,6 +76,7 @@ Json FrameJson(const FrameDistortion& f) {
                {"volume_move_over_diag", f.volume_move}};
   if (f.on_table > 0) json["on_table"] = f.on_table;
   if (f.same_as >= 0) json["same_as"] = f.same_as;
+  json["stands"] = f.stands;
   return json;
 }
 
@@ -129,6 +130,7 @@ void DistortionMeter::Add(const FrameView& frame) {
   d.t = plan.span + plan.way;
   d.time_s = plan.time_s;
   d.same_as = plan.same_as;
+  d.stands = plan.stands;
   frames_.push_back(std::move(d));
 }
 

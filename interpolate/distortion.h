@@ -38,6 +38,7 @@ struct FrameDistortion {
   double volume_move = 0;                                           ///< largest way of a vertex by the volume correction / diagonal
   int on_table = 0;                                                 ///< vertices that touch the table
   int same_as = -1;                                                 ///< the earlier frame that it repeats
+  bool stands = false;                                              ///< its picture stands until the next frame comes
   FaceHistogram faces, linear_faces;
 };
 

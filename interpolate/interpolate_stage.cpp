@@ -43,7 +43,7 @@ struct InterpolateOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "3";
+  spec.version = "4";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},

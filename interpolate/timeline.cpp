@@ -44,7 +44,7 @@ class Planner {
 
   void Key(int span, double way, int key) {
     schedule_.key_frames.push_back(Next());
-    Add({span, way, key, -1, 0});
+    Add({span, way, key});
   }
   void Repeat(int frame, int count) {
     for (int j = 0; j < count; ++j) {
@@ -64,8 +64,12 @@ class Planner {
         continue;
       }
       standing = Next();
-      Add({index, EaseAt(span.ease, static_cast<double>(j) / span.frames), -1, -1, 0});
+      Add({index, EaseAt(span.ease, static_cast<double>(j) / span.frames)});
     }
+  }
+  /// Nothing moves between the frames from `first` on and what comes next.
+  void Stand(int first) {
+    for (int f = first; f < Next(); ++f) schedule_.frames[f].stands = true;
   }
   int Next() const { return static_cast<int>(schedule_.frames.size()); }
 
@@ -102,7 +106,9 @@ Schedule MakeSchedule(const Timeline& timeline, int key_count, int steps, const 
     plan.Key(k, 0, k);
     // When the key stands until the next one comes, the hold ends a frame before it.
     plan.Repeat(key_frame, span.frames == 0 ? span.hold - 1 : span.hold);
+    const int leaves = plan.Next() - 1;
     plan.Way(k, span, key.step, key_frame);
+    if (span.travel == Travel::kStepped || key.step > 1) plan.Stand(leaves);
     schedule.spans.push_back(span);
   }
   const int last = plan.Next();

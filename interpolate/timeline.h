@@ -24,6 +24,7 @@ struct PlannedFrame {
   int key = -1;       ///< the key whose bits the frame has, or -1
   int same_as = -1;   ///< an earlier frame with the same bits, or -1
   double time_s = 0;  ///< on the timeline's clock
+  bool stands = false;  ///< its picture stands until the next frame comes (steps, 'on twos'); else motion goes on between the two
 };
 
 struct Schedule {

@@ -111,6 +111,20 @@ TEST(MakeSchedule, EveryKeyShowsAtItsOwnFrameOnTwosToo) {
   for (std::size_t f = 0; f < shown.size(); ++f) EXPECT_EQ(s.frames[f].same_as, shown[f]) << f;
 }
 
+TEST(MakeSchedule, SaysWhichPicturesStandUntilTheNext) {
+  const auto stands = [](const Schedule& s) {
+    std::string text;
+    for (const PlannedFrame& frame : s.frames) text += frame.stands ? '1' : '0';
+    return text;
+  };
+  // A hold and then a way on ones moves on from the hold's end; on twos and stepped every picture stands.
+  EXPECT_EQ(stands(FromText(R"({"fps":10,"keys":[{"time":0,"hold":0.2},{"time":0.5}]})", 2)), "000000");
+  EXPECT_EQ(stands(FromText(R"({"fps":10,"keys":[{"time":0,"hold":0.2,"step":2},{"time":0.5},{"time":0.7}]})", 3)), "00111000");
+  EXPECT_EQ(stands(FromText(R"({"fps":10,"keys":[{"time":0,"interpolation":"stepped"},{"time":0.3},{"time":0.5}]})", 3)), "111000");
+  EXPECT_EQ(stands(FromText(R"({"fps":10,"keys":[{"time":0,"hold":0.3},{"time":0.3},{"time":0.5}]})", 3)), "111000")
+      << "held to the next key";
+}
+
 TEST(MakeSchedule, EasesMoveOnlyTheWay) {
   const Schedule s = FromText(R"({"fps":10,"ease":"in","keys":[{"time":0},{"time":1}]})", 2);
   EXPECT_NEAR(s.frames[5].way, EaseAt(EaseNamed("in").value(), 0.5), 1e-15);

@@ -172,9 +172,15 @@ class GraphBuilder {
     }
   }
 
+  /// What a word that begins with $ stands for in an option's place.
+  std::string OptionText(const std::string& text) const {
+    if (text == "$fps") return fmt::format("{}", file_.fps);
+    return text == "$keys" ? fmt::format("{}", fmt::join(graph_.keys, ",")) : text;
+  }
+
   void SetOption(Step* step, const std::string& name, const std::string& text, const Where& where) const {
     try {
-      step->options[name] = CanonicalOption(OptionOf(step->info, name), text == "$fps" ? fmt::format("{}", file_.fps) : text);
+      step->options[name] = CanonicalOption(OptionOf(step->info, name), OptionText(text));
     } catch (const UsageError& error) {
       Fail(where, fmt::format("step '{}': {}", step->rule, error.what()));
     }

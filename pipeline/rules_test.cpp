@@ -426,6 +426,14 @@ TEST(Rules, FramesPerSecondReachAnOptionThatNamesThem) {
   EXPECT_EQ(house.Out("rest/mesh.txt"), "12(model 9rrr)");
 }
 
+TEST(Rules, PosesOfTheKeysReachAnOptionThatNamesThem) {
+  FakeHouse house;
+  house.Run();
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [rest, bent, rest]\nsteps: {shoot: {options: {tone: $keys}}}\n");
+  EXPECT_THAT(house.Look().Reasons("shoot/rest"), HasSubstr("rest,bent,rest"));
+}
+
 TEST(Rules, TemplateChangeRunsThePairTheOtherWayRound) {
   FakeHouse house;
   house.Run();

@@ -1,8 +1,9 @@
 """Imports a GLB into Blender and checks what an animator would find there.
 
-    blender -b --factory-startup --python-exit-code 1 --python tests/check_blender.py -- FILE.glb SHAPE_KEYS [VERTICES] [TEXTURE_WIDTH]
+    blender -b --factory-startup --python-exit-code 1 --python tests/check_blender.py -- FILE.glb SHAPE_KEYS [VERTICES] [TEXTURE_WIDTH] [STEPS]
 
 SHAPE_KEYS counts the morph targets, without the basis. TEXTURE_WIDTH 0 means that there must be no texture.
+STEPS has a character for each frame at 24 a second: 1 where the picture stands until the next frame, 0 where it need not.
 """
 import sys
 
@@ -17,6 +18,7 @@ arguments = sys.argv[sys.argv.index("--") + 1:]
 path, expected_keys = arguments[0], int(arguments[1])
 expected_vertices = int(arguments[2]) if len(arguments) > 2 else None
 expected_width = int(arguments[3]) if len(arguments) > 3 else None
+expected_steps = arguments[4] if len(arguments) > 4 else ""
 
 
 def require(condition, message):
@@ -47,8 +49,13 @@ if expected_keys > 0:
     for i, curve in enumerate(action.fcurves):
         top = max(point.co[1] for point in curve.keyframe_points)
         require(abs(top - 1) < 1e-6, f"curve {i} never reaches 1 (its top is {top})")
+    # The importer puts time 0 on frame 0.
+    for frame, stands in enumerate(expected_steps):
+        for curve in action.fcurves:
+            here, later = curve.evaluate(frame + 0.002), curve.evaluate(frame + 0.9)
+            require(stands == "0" or abs(here - later) < 1e-3, f"{curve.array_index}: glides from {here} to {later} after frame {frame}")
     names = [block.name for block in keys.key_blocks][1:]
-    require(names[0] == "frame_0001", f"the first shape key is called {names[0]}")
+    require(names[0].startswith("frame_000"), f"the first shape key is called {names[0]}")
     moved = max((a.co - b.co).length for a, b in zip(keys.key_blocks[0].data, keys.key_blocks[-1].data))
     require(moved > 0, "the last shape key moves nothing")
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/testing_shapes.h"
@@ -64,6 +65,28 @@ class ExportedGlb : public ::testing::Test {
   int vertices_ = 0;
 };
 
+class ExportedGlbOnTwos : public ExportedGlb {
+ protected:
+  void SetUp() override {
+    ExportedGlb::SetUp();
+    // 0 0 2 2 4 0: on twos from one key to the next, which is the first picture again.
+    for (const auto& [frame, as] : {std::pair(1, 0), std::pair(3, 2), std::pair(5, 0)})
+      fs::copy_file(frames_ / ("frame_000" + std::to_string(as) + ".ply"), frames_ / ("frame_000" + std::to_string(frame) + ".ply"),
+                    fs::copy_options::overwrite_existing);
+    WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, true, true, true, false});
+    Image8 other(64, 32, 3);
+    WriteImage(other_texture_, other);
+  }
+  void WriteDistortion(const std::vector<double>& t, const std::vector<bool>& stands) {
+    std::string text;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      text += std::string(i ? ", " : "") + R"({"t": )" + std::to_string(t[i]) + R"(, "stands": )" + (stands[i] ? "true" : "false") + "}";
+    WriteFile(frames_ / "distortion.json", R"({"schema": 2, "loop": false, "key_frames": [0, 5], "frames": [)" + text + "]}");
+  }
+  std::vector<std::string> BothTextures() const { return {"--textures", texture_, "--textures", other_texture_, "--poses", "rest,bent"}; }
+  fs::path other_texture_ = folder_.path() / "bent.png";
+};
+
 bool HasValidator() { return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator"); }
 
 TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
@@ -93,6 +116,54 @@ TEST_F(ExportedGlb, BlenderFindsShapeKeysActionAndTexture) {
   EXPECT_EQ(imported.exit_code, 0) << imported.output;
   const RunResult wrong = ImportInBlender(kFrames, vertices_, 64);
   EXPECT_EQ(wrong.exit_code, 1) << "the check must fail on another number of shape keys\n" << wrong.output;
+}
+
+TEST_F(ExportedGlbOnTwos, StepsAndTexturesOfTwoPosesPassTheKhronosValidator) {
+  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  for (const bool all_steps : {true, false}) {
+    if (!all_steps) WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
+    const RunResult exported = Export(BothTextures());
+    ASSERT_EQ(exported.exit_code, 0) << exported.output;
+    const RunResult validated = Validate();
+    EXPECT_NE(validated.output.find("0 errors, 0 warnings"), std::string::npos) << validated.output;
+    fs::remove_all(animation_);
+  }
+}
+
+TEST_F(ExportedGlbOnTwos, BlenderStepsToo) {
+  if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
+  const auto steps_in_blender = [&](const std::string& expected) {
+    return RunProgram({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
+                       KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), "2", std::to_string(vertices_), "64", expected},
+                      folder_.path());
+  };
+  ASSERT_EQ(Export(BothTextures()).exit_code, 0);
+  const RunResult twos = steps_in_blender("11111");
+  EXPECT_EQ(twos.exit_code, 0) << twos.output;
+  fs::remove_all(animation_);
+  WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
+  ASSERT_EQ(Export(BothTextures()).exit_code, 0);
+  const RunResult mixed = steps_in_blender("11100");
+  EXPECT_EQ(mixed.exit_code, 0) << mixed.output;
+  EXPECT_EQ(steps_in_blender("11111").exit_code, 1) << "the check must fail on a glide";
+}
+
+TEST_F(ExportedGlbOnTwos, TexturesThatAreNotOfTheKeysAreSaidAndTheFirstShows) {
+  fs::remove(frames_ / "distortion.json");
+  const RunResult exported = Export(BothTextures());
+  EXPECT_EQ(exported.exit_code, 0) << exported.output;
+  EXPECT_NE(exported.output.find("shows the first texture only"), std::string::npos) << exported.output;
+}
+
+TEST_F(ExportedGlbOnTwos, FilmLiesBesideTheGlb) {
+  ASSERT_EQ(Export().exit_code, 0);
+  EXPECT_GT(fs::file_size(animation_ / "character.mp4"), 1000u);
+  fs::remove_all(animation_);
+  ASSERT_EQ(Export({"--video", "false"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(animation_ / "character.mp4"));
+  fs::remove_all(animation_);
+  const RunResult odd = Export({"--video_width", "321"});
+  EXPECT_EQ(odd.exit_code, 2) << odd.output;
 }
 
 TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {

@@ -1,0 +1,140 @@
+// Films as another program reads them back.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "core/render.h"
+#include "core/testing_shapes.h"
+#include "export/film.h"
+#include "export/mp4.h"
+
+namespace keypose::exporting {
+namespace {
+
+namespace fs = std::filesystem;
+using Rgb = Eigen::Matrix<std::uint8_t, 3, 1>;
+
+class Film : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!CanWriteMp4()) GTEST_SKIP() << "libavcodec has no x264: run ./dev setup";
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_ = fs::temp_directory_path() / ("keypose_film_" + std::to_string(getpid()));
+};
+
+Image8 Plain(int width, int height, const Rgb& color) {
+  Image8 image(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = color[c];
+  return image;
+}
+
+std::string BytesOf(const fs::path& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+TEST_F(Film, AnotherProgramReadsEveryPictureInOrderWithItsColour) {
+  const std::vector<Rgb> colors{{200, 60, 40}, {200, 60, 40}, {40, 160, 60}, {128, 128, 128}, {30, 60, 200}};
+  Mp4Writer writer(folder_ / "film.mp4", 96, 64, 12);
+  for (const Rgb& color : colors) writer.Add(Plain(96, 64, color));
+  writer.Finish();
+  cv::VideoCapture film((folder_ / "film.mp4").string(), cv::CAP_FFMPEG);
+  ASSERT_TRUE(film.isOpened());
+  EXPECT_DOUBLE_EQ(film.get(cv::CAP_PROP_FPS), 12);
+  EXPECT_EQ(film.get(cv::CAP_PROP_FRAME_COUNT), 5);
+  const int kind = static_cast<int>(film.get(cv::CAP_PROP_FOURCC));
+  EXPECT_EQ(std::string(reinterpret_cast<const char*>(&kind), 4), "avc1");
+  cv::Mat picture;
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    ASSERT_TRUE(film.read(picture)) << i;
+    ASSERT_EQ(picture.cols, 96);
+    // OpenCV 4.6 reads every film by the colours of BT.601, whatever the film says: greens and reds differ by up to some 20 steps.
+    const cv::Vec3b bgr = picture.at<cv::Vec3b>(32, 48);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(bgr[2 - c], colors[i][c], 30) << "picture " << i << " channel " << c;
+  }
+  EXPECT_FALSE(film.read(picture));
+  EXPECT_LT(BytesOf(folder_ / "film.mp4").find("moov"), 64u) << "the index must come first, or browsers wait for the whole file";
+}
+
+TEST_F(Film, PictureOfAnotherSizeThrowsInputError) {
+  Mp4Writer writer(folder_ / "film.mp4", 96, 64, 12);
+  EXPECT_THROW(writer.Add(Plain(64, 64, {1, 2, 3})), InputError);
+}
+
+TEST_F(Film, FileThatCannotBeWrittenThrowsDiskError) {
+  EXPECT_THROW(Mp4Writer(folder_ / "no such folder" / "film.mp4", 96, 64, 12), DiskError);
+}
+
+/// A box whose upper end moves along x from frame to frame.
+std::vector<Mesh> SwayingBox(int count) {
+  std::vector<Mesh> frames(count, MakeBox(1, 1, 2));
+  for (int i = 0; i < count; ++i)
+    for (int v = 0; v < frames[i].vertex_count(); ++v)
+      if (frames[i].points(v, 2) > 0) frames[i].points(v, 0) += 0.1 * i;
+  return frames;
+}
+
+TEST_F(Film, SameBytesForAnyThreadCount) {
+  const std::vector<Mesh> frames = SwayingBox(4);
+  const std::vector<Image8> none;
+  const auto bytes = [&](int threads, const std::string& name) {
+    SetThreadCount(threads);
+    Mp4Writer writer(folder_ / name, 128, 96, 24);
+    RenderFilm(
+        {frames, none, {}}, {0, 1, 2, 3}, {128, 96, -1, true}, [&](const Image8& picture) { writer.Add(picture); }, nullptr);
+    writer.Finish();
+    SetThreadCount(0);
+    return BytesOf(folder_ / name);
+  };
+  const std::string one = bytes(1, "one.mp4");
+  EXPECT_GT(one.size(), 1000u);
+  EXPECT_TRUE(one == bytes(4, "four.mp4"));
+}
+
+TEST(FilmFrames, HeldPicturesRepeatAndTheLastShowsForOneFrame) {
+  const std::vector<Moment> glide{{0, 0, false}, {0.3, 0, false}, {0.4, 1, false}, {0.5, 2, false}};
+  EXPECT_EQ(FilmFrames(glide, 10), (std::vector<int>{0, 0, 0, 0, 1, 2}));
+  const std::vector<Moment> twos{{0, 0, true}, {0.1, 1, true}, {0.2, 2, true}, {0.3, 2, false}};
+  EXPECT_EQ(FilmFrames(twos, 10), (std::vector<int>{0, 1, 2}));
+}
+
+TEST(AzimuthOfMotion, LooksAcrossTheMotion) {
+  const double azimuth = AzimuthOfMotion(SwayingBox(3), {});
+  const double from_y = std::abs(std::cos(azimuth * M_PI / 180));  // 1: along y, so that x lies across the picture
+  EXPECT_GT(from_y, 0.85) << azimuth;
+}
+
+TEST(RenderFilm, BlendsTheTexturesByTheFramesWeights) {
+  std::vector<Mesh> frames = SwayingBox(2);
+  frames[0].uv_faces = FacesX3::Zero(frames[0].face_count(), 3);
+  frames[0].uvs = UvsX2::Constant(1, 2, 0.5);
+  const std::vector<Image8> textures{Plain(4, 4, {200, 0, 0}), Plain(4, 4, {0, 0, 200})};
+  std::vector<Rgb> middle;
+  RenderFilm(
+      {frames, textures, {{1, 0}, {0.5, 0.5}}}, {0, 1}, {64, 48, 0, true},
+      [&](const Image8& picture) {
+        middle.push_back({picture.at(32, 24)[0], picture.at(32, 24)[1], picture.at(32, 24)[2]});
+      },
+      nullptr);
+  ASSERT_EQ(middle.size(), 2u);
+  EXPECT_EQ(middle[0][2], 0);
+  EXPECT_GT(middle[0][0], 100);
+  EXPECT_NEAR(middle[1][0], middle[1][2], 1) << "both textures by halves";
+  EXPECT_GT(middle[1][0], 50);
+}
+
+}  // namespace
+}  // namespace keypose::exporting
