@@ -61,7 +61,7 @@ struct Studio {
 
 struct Baked {
   ImageF linear;
-  Image8 texture;
+  Image8 texture, confidence;
   std::vector<Vector3f> gains;
   PaintResult paint;
 };
@@ -83,6 +83,8 @@ Baked BakeFrom(const Studio& studio, const Atlas& atlas, const std::vector<char>
   baked.paint = PaintTexels(witnesses, atlas, paint, &painting);
   if (baked.paint.seen_texels == 0) return baked;
   Step(progress, 0.8, "unseen texels and gutters");
+  baked.confidence = Image8(atlas.size, atlas.size, 1);
+  baked.confidence.data = baked.paint.painting.sure;
   InpaintUnseen(studio.mesh, atlas, baked.paint.painting);
   baked.linear = FinishTexture(atlas, std::move(baked.paint.painting), studio.options.gutter);
   baked.texture = SrgbImage(baked.linear);
@@ -222,6 +224,7 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views, const std::fu
   result.gains = std::move(baked.gains);
   result.linear = std::move(baked.linear);
   result.texture = std::move(baked.texture);
+  result.confidence = std::move(baked.confidence);
   return result;
 }
 

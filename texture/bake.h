@@ -77,6 +77,7 @@ struct ViewQuality {
 struct BakeResult {
   ImageF linear;                       ///< RGB in linear light, 1 is the photographs' white; texture_size square
   Image8 texture;                      ///< the same as 8-bit sRGB
+  Image8 confidence;                   ///< 1 channel: how far each texel is what photographs show; 0: inpainted, or no surface
   int advised_size = 0;                ///< what texture_size 0 gives
   std::int64_t texels = 0;             ///< of the surface
   std::int64_t seen_texels = 0;        ///< painted from photographs; the rest is inpainted

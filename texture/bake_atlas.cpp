@@ -169,28 +169,6 @@ CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
   return sums;
 }
 
-/// Colours of the vertices, as far as they are known.
-struct VertexColors {
-  std::vector<Vector3f> color;
-  std::vector<float> sure;  ///< in [0, 1]
-};
-
-VertexColors ReadVertices(const Mesh& mesh, const Atlas& atlas, const Painting& painting) {
-  std::vector<CornerSums> corners(mesh.face_count());
-  ParallelFor(
-      mesh.face_count(), [&](std::int64_t f) { corners[f] = SumCorners(atlas, painting, static_cast<int>(f)); }, 64);
-  std::vector<Eigen::Matrix<float, 5, 1>> sums(mesh.vertex_count(), Eigen::Matrix<float, 5, 1>::Zero());
-  for (int f = 0; f < mesh.face_count(); ++f)
-    for (int k = 0; k < 3; ++k) sums[mesh.faces(f, k)] += corners[f].col(k);
-  VertexColors read;
-  for (const auto& sum : sums) {
-    const bool known = sum[3] > 1e-6f;
-    read.color.push_back(known ? (sum.head<3>() / sum[3]).eval() : Vector3f::Zero());
-    read.sure.push_back(known ? sum[3] / sum[4] : 0);
-  }
-  return read;
-}
-
 /// How freely colour flows along an edge of the mesh: hardly between hues that differ, so that two paints that meet at the border of the
 /// unseen part do not run into a grey within it. Light and shade flow as they like.
 double Flow(const Vector3f& a, const Vector3f& b) {
@@ -245,7 +223,8 @@ VertexColors SpreadVertices(const Mesh& mesh, const VertexColors& read, const Ve
   std::vector<double> flows(edges.size(), 1);
   VertexColors spread = read;
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t e = 0; round > 0 && e < edges.size(); ++e) flows[e] = Flow(spread.color[edges[e].first], spread.color[edges[e].second]);
+    for (std::size_t e = 0; round > 0 && e < edges.size(); ++e)
+      flows[e] = Flow(spread.color[edges[e].first], spread.color[edges[e].second]);
     spread = read;
     SpreadOverSurface(mesh, edges, flows, fallback, spread);
   }
@@ -337,6 +316,22 @@ Atlas RasterizeAtlas(const Mesh& mesh, int size) {
 }
 
 TexelBox TexelsAround(const Atlas& atlas, int face) { return BoxOf(atlas.triangles[face], atlas.size, 1); }
+
+VertexColors ReadVertices(const Mesh& mesh, const Atlas& atlas, const Painting& painting) {
+  std::vector<CornerSums> corners(mesh.face_count());
+  ParallelFor(
+      mesh.face_count(), [&](std::int64_t f) { corners[f] = SumCorners(atlas, painting, static_cast<int>(f)); }, 64);
+  std::vector<Eigen::Matrix<float, 5, 1>> sums(mesh.vertex_count(), Eigen::Matrix<float, 5, 1>::Zero());
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) sums[mesh.faces(f, k)] += corners[f].col(k);
+  VertexColors read;
+  for (const auto& sum : sums) {
+    const bool known = sum[3] > 1e-6f;
+    read.color.push_back(known ? (sum.head<3>() / sum[3]).eval() : Vector3f::Zero());
+    read.sure.push_back(known ? sum[3] / sum[4] : 0);
+  }
+  return read;
+}
 
 void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
   const VertexColors vertices = SpreadVertices(mesh, ReadVertices(mesh, atlas, painting), MeanPainted(painting));

@@ -55,6 +55,14 @@ struct Painting {
   Eigen::Map<const Eigen::Vector3f> At(std::size_t texel) const { return Eigen::Map<const Eigen::Vector3f>(color.data.data() + 3 * texel); }
 };
 
+/// Colours of the mesh's vertices in linear light, as far as they are known.
+struct VertexColors {
+  std::vector<Eigen::Vector3f> color;
+  std::vector<float> sure;  ///< in [0, 1]
+};
+/// Means over the painted texels around each vertex, across the seams of charts.
+VertexColors ReadVertices(const Mesh& mesh, const Atlas& atlas, const Painting& painting);
+
 /// Paints surface texels that no photograph reached: colours that are sure spread over the surface (not over the atlas) as heat does,
 /// through the seams of charts but hardly from hue to hue, and what the border of the seen part has beyond them fades out over a few
 /// texels. Painted texels stay; what is hardly sure is drawn to the colours around.

@@ -18,12 +18,14 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "6";
+  spec.version = "7";
   spec.summary = "Paints a pose's photographs into the texture of its mesh.";
   spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
                  {"images", "folder", "photographs and masks, as capture makes them", ""},
                  {"model", "folder", "COLMAP model with the cameras", ""}};
-  spec.outputs = {{"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"}};
+  spec.outputs = {
+      {"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"},
+      {"confidence", "file", "how far each texel is what photographs show: 255 well, 0 inpainted (.png)", "confidence.png", true, false}};
   spec.memory_gib = 3;
   spec.common = {"texture_size", "bits", "common_light"};
   return spec;
@@ -115,7 +117,8 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
     views[name] = {{"contrary", c.contrary}, {"hidden", c.hidden_share}, {"light", {c.light.x(), c.light.y()}}};
     if (c.other_light) other_light.push_back(name);
     if (c.distrusted) {
-      const std::string why = Percent(c.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
+      const std::string why =
+          Percent(c.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
       distrusted.push_back({{"name", name}, {"why", why}});
       stage.Warn(name + " contradicts the other photographs: " + why +
                  "; it was left out of the texture. It shows something else, or its camera is wrong: shoot it again, or delete it");
@@ -164,6 +167,7 @@ void Run(StageContext& stage, const BakeOptions& options) {
   ReportQuality(stage, scene, result, options.leave_out);
   ReportColors(stage, scene, result.colors);
   WriteTexture(path, result, options.bits);
+  if (const auto confidence = stage.Output("confidence"); !confidence.empty()) WriteImage(confidence, result.confidence);
 }
 
 }  // namespace
