@@ -8,6 +8,7 @@
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/regions_io.h"
 #include "core/io/timeline.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
@@ -47,7 +48,8 @@ StageSpec Spec() {
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
-      {"timeline", "file", "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume", "", true, false}};
+      {"timeline", "file", "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume", "", true, false},
+      {"regions", "file", "the timeline's regions, bound to a mesh (keypose landmarks bind)", "", true, false}};
   spec.outputs = {{"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
   spec.memory_gib = 2;
   return spec;
@@ -85,7 +87,7 @@ struct Plan {
   Rules rules;
 };
 
-Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std::vector<PointsX3>& keys, const FacesX3& faces) {
+Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std::vector<PointsX3>& keys, const Mesh& first) {
   const int count = static_cast<int>(keys.size());
   if (!stage.Has("timeline")) {
     Plan plan{MakeSchedule(std::vector<int>(count - 1, options.steps)), {}};
@@ -94,9 +96,13 @@ Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std:
   }
   const std::filesystem::path path = stage.Input("timeline");
   const std::string name = path.filename().string();
-  const Timeline timeline = ParseTimeline(ReadFile(path), name);
+  Timeline timeline = ParseTimeline(ReadFile(path), name);
+  CarryLog log;
+  FollowRegions(stage.Has("regions") ? stage.Input("regions") : std::filesystem::path(), first, timeline, &log);
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
   Plan plan{MakeSchedule(timeline, count, options.steps, name), {}};
-  plan.rules = RulesFrom(timeline, plan.schedule, keys[0], faces, options.volume, name);
+  plan.rules = RulesFrom(timeline, plan.schedule, keys[0], first.faces, options.volume, name);
   const bool asks = !timeline.pins.empty() || !timeline.trajectories.empty() || timeline.table_height || !timeline.volume.empty();
   if (asks && options.method != "arap")
     throw UsageError("interpolate: " + name + " asks for pins, trajectories, a table or volumes, which only --method arap keeps");
@@ -151,7 +157,7 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   for (Mesh& mesh : meshes) keys.push_back(std::move(mesh.points));
   meshes.clear();
   keys = AlignedKeys(keys, AlignOf(options.align));
-  const Plan plan = MakePlan(stage, options, keys, first.faces);
+  const Plan plan = MakePlan(stage, options, keys, first);
   const std::unique_ptr<FrameSource> source = MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);
 
   const std::filesystem::path folder = stage.Output("frames");

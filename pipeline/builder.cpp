@@ -133,6 +133,10 @@ Forecast Builder::MakeForecast() const {
 
 void Builder::Loop() {
   for (const std::string& note : results_.DropStepsOutside(plan_.graph())) observer_.Note(note);
+  for (int i = 0; i < plan_.size(); ++i) {
+    if (!plan_[i].wanted) continue;
+    for (const std::string& warning : plan_.graph().steps[static_cast<std::size_t>(i)].warnings) observer_.Note("warning: " + warning);
+  }
   for (;;) {
     if (processes_.interrupted()) return Interrupt();
     ReportCached();

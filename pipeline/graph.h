@@ -59,6 +59,7 @@ struct Step {
   std::vector<NamedResult> results;
   std::vector<ShownResult> shown;
   std::optional<Cost> cost;
+  std::vector<std::string> warnings;  ///< of its inputs: what a person should know before it runs, with the cure
   std::vector<int> needs;  ///< indices of the steps it takes from, ascending
   Where where;
 };

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
-#include "pipeline/sha256.h"
+#include "core/sha256.h"
 
 namespace keypose::pipeline {
 namespace {

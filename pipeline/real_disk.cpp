@@ -12,7 +12,7 @@
 #include <cstring>
 
 #include "core/errors.h"
-#include "pipeline/sha256.h"
+#include "core/sha256.h"
 
 namespace keypose::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/sha256.h"
+#include "core/sha256.h"
 
 namespace keypose::pipeline {
 namespace {

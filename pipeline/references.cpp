@@ -16,6 +16,11 @@ bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") || text.starts_with("~");
 }
 
+bool TakesLandmarks(const InputRule& rule) {
+  const auto is_word = [](const Setting& reference) { return reference.text == "$landmarks"; };
+  return std::any_of(rule.for_others.begin(), rule.for_others.end(), is_word);
+}
+
 }  // namespace
 
 std::string PhotographsOf(const PoseRule& pose) { return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name); }
@@ -45,6 +50,7 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     PortFlows result{port.name, port.Kind(), {}};
     const auto it = rule.inputs.find(port.name);
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
+    if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty()) step->warnings = LandmarkWarnings(*step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
       Fail(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
@@ -116,10 +122,14 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     return {flow};
   }
   if (word == "$landmarks") return Landmarks(reference, step);
+  if (word == "$regions") {
+    flow = Source({"regions.json", reference.where});
+    return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
+  }
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
     Fail(reference.where,
          fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                     Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$timeline", "$run"})));
+                     Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$regions", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
@@ -134,8 +144,7 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
 
 std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
   if (step.pose.empty()) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
-  std::vector<std::string> poses = {graph_.template_pose};
-  if (step.pose != graph_.template_pose) poses.push_back(step.pose);
+  const std::vector<std::string> poses = PosesOfPair(step);
   for (const std::string& name : poses) {
     const auto& named = file_.FindPose(name)->landmarks;
     if (!named || disk_.Stat(project_ / Source(*named).path)) continue;
@@ -144,14 +153,49 @@ std::vector<Flow> References::Landmarks(const Setting& reference, const Step& st
   }
   std::vector<Flow> flows;
   for (const std::string& name : poses) {
-    const PoseRule* pose = file_.FindPose(name);
-    const Setting setting = pose->landmarks.value_or(Setting{"landmarks/" + name + ".json", pose->where});
+    const std::optional<Setting> file = LandmarkFile(name);
     // A file that nobody named may be missing: then there are no landmarks for this pair yet.
-    Flow flow = Source(setting);
-    if (!pose->landmarks && !disk_.Stat(project_ / flow.path)) return {};
-    flows.push_back(std::move(flow));
+    if (!file) return {};
+    flows.push_back(Source(*file));
   }
   return flows;
+}
+
+std::vector<std::string> References::PosesOfPair(const Step& step) const {
+  std::vector<std::string> poses = {graph_.template_pose};
+  if (step.pose != graph_.template_pose) poses.push_back(step.pose);
+  return poses;
+}
+
+/// The file that the project names, else landmarks/POSE.json or what MeshLab writes, when one of them is there.
+std::optional<Setting> References::LandmarkFile(const std::string& pose_name) const {
+  const PoseRule* pose = file_.FindPose(pose_name);
+  if (pose->landmarks) return pose->landmarks;
+  for (const char* ending : {".json", ".pp"}) {
+    const Setting file{"landmarks/" + pose_name + ending, pose->where};
+    if (disk_.Stat(project_ / Source(file).path)) return file;
+  }
+  return std::nullopt;
+}
+
+/// A file that was put there and does nothing.
+std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
+  std::vector<std::string> warnings;
+  const std::vector<std::string> poses = PosesOfPair(step);
+  for (const std::string& name : poses) {
+    const std::optional<Setting> file = LandmarkFile(name);
+    if (!file) continue;
+    const std::string picked_points = "landmarks/" + name + ".pp";
+    if (file->text != picked_points && disk_.Stat(project_ / picked_points))
+      warnings.push_back(fmt::format("{} is not used, because {} is there too; delete the one that is not meant", picked_points, file->text));
+    for (const std::string& other : poses) {
+      if (LandmarkFile(other)) continue;
+      warnings.push_back(fmt::format("{} is not used: pose '{}' has no landmarks to pair them with; pick the same spots on it, with the "
+                                     "same names, and save them as landmarks/{}.json or .pp",
+                                     file->text, other, other));
+    }
+  }
+  return warnings;
 }
 
 std::vector<std::string> References::SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out,

@@ -1,6 +1,8 @@
 // Resolves what pipeline.yaml writes at an input port: `sfm.model`, `register.registered@others`, `$photos`, `./a/path`.
 #pragma once
 
+#include <optional>
+
 #include "pipeline/graph.h"
 
 namespace keypose::pipeline {
@@ -25,6 +27,9 @@ class References {
   std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out, const Step& step) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
+  std::vector<std::string> LandmarkWarnings(const Step& step) const;
+  std::vector<std::string> PosesOfPair(const Step& step) const;
+  std::optional<Setting> LandmarkFile(const std::string& pose_name) const;
   void CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const;
 
   const PipelineFile& file_;

@@ -9,6 +9,7 @@
 namespace keypose::pipeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -362,11 +363,24 @@ TEST(Rules, LandmarksOfBothPosesAreTakenUpWhenTheyAppear) {
   FakeHouse house;
   house.Run();
   house.disk.Write(house.project / "landmarks/rest.json", "rest picks");
-  EXPECT_THAT(house.Run().ran, IsEmpty()) << "one file alone makes no pairs";
+  const auto alone = house.Run();
+  EXPECT_THAT(alone.ran, IsEmpty()) << "one file alone makes no pairs";
+  EXPECT_THAT(alone.notes, ElementsAre(AllOf(HasSubstr("landmarks/rest.json is not used"), HasSubstr("landmarks/bent.json or .pp"))));
   house.disk.Write(house.project / "landmarks/bent.json", "bent picks");
   EXPECT_THAT(house.Look().Reasons("match/bent"), HasSubstr("input landmarks now also gets landmarks/rest.json"));
   EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "tell"}));
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest picks bent picks)"));
+}
+
+TEST(Rules, PickedPointsOfMeshLabAreTakenUpWhereNoJsonIs) {
+  FakeHouse house;
+  house.disk.Write(house.project / "landmarks/rest.pp", "rest points");
+  house.disk.Write(house.project / "landmarks/bent.pp", "bent points");
+  EXPECT_THAT(house.Run().notes, IsEmpty());
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest points bent points)"));
+  house.disk.Write(house.project / "landmarks/bent.json", "bent picks");
+  EXPECT_THAT(house.Run().notes, ElementsAre(HasSubstr("landmarks/bent.pp is not used, because landmarks/bent.json is there too")));
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest points bent picks)"));
 }
 
 TEST(Rules, TimelineOrdersAndRepeatsTheKeysAndIsHandedOn) {

@@ -1,8 +1,8 @@
 #include "register/landmark_picture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -18,53 +18,41 @@ using Color = Eigen::Matrix<std::uint8_t, 3, 1>;
 
 constexpr double kVisibleWithin = 0.01;  // of the diagonal behind what the view sees at the landmark's pixel
 
-/// Digits 0 to 9, three columns by five rows, a row an octal digit.
-constexpr std::array<std::array<int, 5>, 10> kDigits = {{{7, 5, 5, 5, 7},
-                                                         {2, 6, 2, 2, 7},
-                                                         {7, 1, 7, 4, 7},
-                                                         {7, 1, 7, 1, 7},
-                                                         {5, 5, 7, 1, 1},
-                                                         {7, 4, 7, 1, 7},
-                                                         {7, 4, 7, 5, 7},
-                                                         {7, 1, 1, 1, 1},
-                                                         {7, 5, 7, 5, 7},
-                                                         {7, 5, 7, 1, 7}}};
-
 void Set(Image8& image, int x, int y, const Color& color) {
   if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
   std::copy(color.data(), color.data() + 3, image.at(x, y));
 }
 
-void Fill(Image8& image, int x0, int y0, int width, int height, const Color& color) {
-  for (int y = y0; y < y0 + height; ++y)
-    for (int x = x0; x < x0 + width; ++x) Set(image, x, y, color);
+/// Text on a white plate, its upper left corner at (x, y).
+void DrawText(Image8& image, int x, int y, const std::string& text, double scale) {
+  cv::Mat canvas(image.height, image.width, CV_8UC3, image.data.data());
+  const int thick = scale > 0.5 ? 2 : 1;
+  int below = 0;
+  const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, thick, &below);
+  const int pad = 2 + size.height / 4;
+  const cv::Rect plate(x, y, size.width + 2 * pad, size.height + below / 2 + 2 * pad);
+  cv::rectangle(canvas, plate, cv::Scalar(255, 255, 255), cv::FILLED);
+  cv::putText(canvas, text, {x + pad, y + pad + size.height}, cv::FONT_HERSHEY_SIMPLEX, scale, cv::Scalar(20, 20, 20), thick, cv::LINE_AA);
 }
 
-void DrawNumber(Image8& image, int x, int y, int number, int size, const Color& color) {
-  for (const char c : std::to_string(number)) {
-    const auto& rows = kDigits[static_cast<std::size_t>(c - '0')];
-    for (int r = 0; r < 5; ++r)
-      for (int k = 0; k < 3; ++k)
-        if (rows[static_cast<std::size_t>(r)] & (4 >> k)) Fill(image, x + k * size, y + r * size, size, size, color);
-    x += 4 * size;
-  }
-}
+double TextScale(const Image8& image) { return std::max(0.35, image.width / 800.0); }
 
-void DrawMark(Image8& image, const Eigen::Vector2d& at, int number, bool square, const Color& color) {
-  const int radius = std::max(3, image.width / 70), size = std::max(1, image.width / 180);
+/// @param seen  false: only a ring, since the place lies behind what this view shows
+void DrawMark(Image8& image, const Eigen::Vector2d& at, int number, bool square, bool seen, const Color& color) {
+  const int radius = std::max(3, image.width / 70);
   const auto cx = static_cast<int>(at.x()), cy = static_cast<int>(at.y());
   for (int y = -radius - 1; y <= radius + 1; ++y)
     for (int x = -radius - 1; x <= radius + 1; ++x) {
       const double r = square ? std::max(std::abs(x), std::abs(y)) : std::hypot(x, y);
-      if (r <= radius)
+      if (r <= radius && (seen || r > radius - 2))
         Set(image, cx + x, cy + y, color);
-      else if (r <= radius + 1.5)
+      else if (r > radius && r <= radius + 1.5)
         Set(image, cx + x, cy + y, {255, 255, 255});
     }
-  const int width = 4 * size * static_cast<int>(std::to_string(number).size()) + size;
-  const int x = std::min(cx + radius + 2, image.width - width), y = std::max(0, cy - radius - 3 * size);
-  Fill(image, x, y, width, 7 * size, {255, 255, 255});
-  DrawNumber(image, x + size, y + size, number, size, {20, 20, 20});
+  const std::string text = std::to_string(number);
+  const double scale = TextScale(image);
+  const int width = static_cast<int>(26 * scale * static_cast<double>(text.size()) + 10);
+  DrawText(image, std::clamp(cx + radius + 2, 0, image.width - width), std::clamp(cy - radius - 8, 0, image.height - radius - 20), text, scale);
 }
 
 /// Colours far apart for neighbouring numbers.
@@ -101,30 +89,88 @@ ColorsX3 CarriedTints(const ColorsX3& tints, const PointsX3& target, const std::
   return carried;
 }
 
-std::vector<Image8> DrawRow(const Mesh& mesh, const std::vector<Eigen::Vector3d>& marks, const std::vector<DrawnPair>& pairs,
-                            const ColorsX3& tints, const LandmarkPictureOptions& options) {
-  const RayScene scene(mesh.points, mesh.faces);
-  const double tolerance = kVisibleWithin * BoundingDiagonal(mesh.points);
-  std::vector<Image8> views;
-  for (const double azimuth : options.azimuths_deg) {
-    const View view = FitView(mesh.points, azimuth, 10, options.panel, options.panel, options.up);
-    RenderOptions render;
-    render.vertex_colors = tints;
-    render.plain = tints.rows() == 0;
-    Image8 image = Render(mesh, scene, view, render);
-    const Raster raster = Rasterize(mesh, scene, view);
-    for (std::size_t k = 0; k < marks.size(); ++k) {
-      const double depth = (view.camera_from_world * marks[k]).z();
-      const Eigen::Vector2d pixel = view.Project(marks[k]);
-      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
-                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
-      const float seen = *raster.depth.at(x, y);  // infinite beside the outline, where the ends of limbs fall
-      if (std::isfinite(seen) && depth > seen + tolerance) continue;
-      DrawMark(image, pixel, static_cast<int>(k) + 1, pairs[k].confirmed, MarkColor(k));
-    }
-    views.push_back(std::move(image));
+/// One mesh with its marks, seen from any side.
+class Subject {
+ public:
+  Subject(const Mesh& mesh, std::vector<Eigen::Vector3d> marks, ColorsX3 colors, bool plain, const LandmarkPictureOptions& options)
+      : mesh_(mesh),
+        scene_(mesh.points, mesh.faces),
+        normals_(VertexNormals(mesh.points, mesh.faces)),
+        marks_(std::move(marks)),
+        colors_(std::move(colors)),
+        plain_(plain),
+        options_(options),
+        diagonal_(BoundingDiagonal(mesh.points)) {}
+
+  View ViewFrom(double azimuth_deg, double elevation_deg) const {
+    return FitView(mesh_.points, azimuth_deg, elevation_deg, options_.panel, options_.panel, options_.up);
   }
-  return views;
+
+  /// Nothing of the mesh lies before the mark, but what is within a hundredth of its size.
+  bool Sees(const View& view, std::size_t mark) const {
+    const Eigen::Vector3d way = marks_[mark] - view.Center();
+    const RayScene::Hit hit = scene_.Cast(view.Center(), way.normalized());
+    return hit.face < 0 || hit.distance > way.norm() - kVisibleWithin * diagonal_;
+  }
+
+  /// The view that looks at the mark most squarely, of those that see it where any does.
+  View Squarest(std::size_t mark) const {
+    const RayScene::Foot foot = scene_.ClosestPoint(marks_[mark]);
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) normal += foot.barycentric[k] * normals_.row(mesh_.faces(foot.face, k)).transpose();
+    View best;
+    double best_score = -10;
+    for (double elevation = -70; elevation <= 70; elevation += 20)
+      for (double azimuth = 0; azimuth < 360; azimuth += 15) {
+        const View view = ViewFrom(azimuth, elevation);
+        const double score = normal.dot((view.Center() - marks_[mark]).normalized()) + (Sees(view, mark) ? 2 : 0);
+        if (score > best_score) best_score = score, best = view;
+      }
+    return best;
+  }
+
+  /// @param own  the pair that the view was made for: drawn even where nothing sees it; -1: none
+  Image8 Draw(const View& view, const std::vector<DrawnPair>& pairs, int own) const {
+    RenderOptions render;
+    render.vertex_colors = colors_;
+    render.plain = plain_;
+    Image8 image = Render(mesh_, scene_, view, render);
+    for (std::size_t k = 0; k < marks_.size(); ++k) {
+      const bool seen = Sees(view, k);
+      if (!seen && static_cast<int>(k) != own) continue;
+      DrawMark(image, view.Project(marks_[k]), static_cast<int>(k) + 1, pairs[k].confirmed, seen, MarkColor(k));
+    }
+    return image;
+  }
+
+ private:
+  const Mesh& mesh_;
+  RayScene scene_;
+  PointsX3 normals_;
+  std::vector<Eigen::Vector3d> marks_;
+  ColorsX3 colors_;
+  bool plain_;
+  LandmarkPictureOptions options_;
+  double diagonal_;
+};
+
+/// One column of the picture: both meshes from a side.
+struct Column {
+  View source, target;
+  int own = -1;  // the pair that no other column shows in both rows
+};
+
+/// The sides asked for, then a column for each pair that these do not show in both rows.
+std::vector<Column> Columns(const Subject& source, const Subject& target, std::size_t pairs, const LandmarkPictureOptions& options) {
+  std::vector<Column> columns;
+  for (const double azimuth : options.azimuths_deg) columns.push_back({source.ViewFrom(azimuth, 10), target.ViewFrom(azimuth, 10), -1});
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const auto in_source = [&](const Column& column) { return source.Sees(column.source, k); };
+    const auto in_target = [&](const Column& column) { return target.Sees(column.target, k); };
+    if (std::any_of(columns.begin(), columns.end(), in_source) && std::any_of(columns.begin(), columns.end(), in_target)) continue;
+    columns.push_back({source.Squarest(k), target.Squarest(k), static_cast<int>(k)});
+  }
+  return columns;
 }
 
 }  // namespace
@@ -136,13 +182,30 @@ Image8 DrawLandmarks(const Mesh& source, const Mesh& target, const std::vector<D
   if (options.panel < 64 || options.azimuths_deg.empty()) throw InputError("landmark picture: needs views of 64 pixels or more");
   if (!dense.empty() && dense.size() != static_cast<std::size_t>(source.vertex_count()))
     throw InputError("landmark picture: the dense map must have one entry for each source vertex");
-  const ColorsX3 tints = dense.empty() ? ColorsX3() : Tints(source.points);
   std::vector<Eigen::Vector3d> on_source, on_target;
   for (const DrawnPair& pair : pairs) on_source.push_back(pair.source), on_target.push_back(pair.target);
-  std::vector<Image8> panels = DrawRow(source, on_source, pairs, tints, options);
-  for (Image8& panel : DrawRow(target, on_target, pairs, dense.empty() ? ColorsX3() : CarriedTints(tints, target.points, dense), options))
-    panels.push_back(std::move(panel));
-  return TileImages(panels, static_cast<int>(options.azimuths_deg.size()));
+  // Clay that has colours is known by them; bare shapes get tints by place.
+  const bool colored = source.colors.rows() > 0 || target.colors.rows() > 0, tinted = !colored && !dense.empty();
+  const ColorsX3 tints = tinted ? Tints(source.points) : source.colors;
+  const Subject from(source, on_source, tints, tints.rows() == 0, options);
+  const ColorsX3 carried = tinted ? CarriedTints(tints, target.points, dense) : target.colors;
+  const Subject to(target, on_target, carried, carried.rows() == 0, options);
+  const std::vector<Column> columns = Columns(from, to, pairs.size(), options);
+  const std::size_t wide = options.azimuths_deg.size();
+  std::vector<Image8> panels;
+  for (std::size_t first = 0; first < columns.size(); first += wide) {
+    for (const bool is_source : {true, false}) {
+      for (std::size_t c = first; c < first + wide; ++c) {
+        Image8 panel(options.panel, options.panel, 3);
+        std::fill(panel.data.begin(), panel.data.end(), std::uint8_t{255});
+        if (c < columns.size())
+          panel = is_source ? from.Draw(columns[c].source, pairs, columns[c].own) : to.Draw(columns[c].target, pairs, columns[c].own);
+        if (c == first) DrawText(panel, 0, 0, is_source ? options.source_name : options.target_name, TextScale(panel));
+        panels.push_back(std::move(panel));
+      }
+    }
+  }
+  return TileImages(panels, static_cast<int>(wide));
 }
 
 }  // namespace keypose::registration

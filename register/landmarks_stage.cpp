@@ -1,5 +1,4 @@
-// keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to confirm.
-#include <cstring>
+// keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to confirm; `bind` ties picks to their mesh.
 #include <sstream>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "core/render.h"
 #include "core/stage/stage.h"
 #include "register/landmark_picture.h"
+#include "register/landmarks_bind_stage.h"
 #include "register/landmarks.h"
 #include "register/suggest.h"
 
@@ -41,8 +41,8 @@ struct ProgramOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "landmarks suggest";
-  spec.version = "2";
-  spec.summary = "Suggests pairs of landmarks between two poses; a person confirms them.";
+  spec.version = "3";
+  spec.summary = "Suggests pairs of landmarks between two poses; a person confirms them. (keypose landmarks bind --help: ties picks to their mesh.)";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
                  {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},
@@ -65,8 +65,8 @@ LandmarkPair PairOf(const SuggestedPair& suggested, const std::string& name) {
   const PickedPair& pick = suggested.pick;
   LandmarkPair pair;
   pair.name = name;
-  pair.source = {name, pick.source_face, pick.source_barycentric, ""};
-  pair.target = {name, pick.target_face, pick.target_barycentric, ""};
+  pair.source = {name, pick.source_face, pick.source_barycentric};
+  pair.target = {name, pick.target_face, pick.target_barycentric};
   pair.confirmed = false;
   pair.confidence = suggested.confidence;
   pair.origin = suggested.origin;
@@ -78,7 +78,11 @@ std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
   std::vector<LandmarkPair> known;
   if (!stage.Has("landmarks")) return known;
   int dropped = 0;
-  for (LandmarkPair& pair : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target)) {
+  CarryLog log;
+  std::vector<LandmarkPair> read = ReadLandmarkPairs(stage.Inputs("landmarks"), source, target, &log);
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
+  for (LandmarkPair& pair : read) {
     if (pair.confirmed)
       known.push_back(std::move(pair));
     else
@@ -128,6 +132,12 @@ std::string FreeName(const std::vector<LandmarkPair>& pairs, std::size_t& number
   }
 }
 
+/// A project's meshes of all poses have one name; the folder tells the pose.
+std::string ShortName(const std::filesystem::path& path) {
+  const std::filesystem::path full = std::filesystem::absolute(path).lexically_normal();
+  return full.parent_path().filename().string() + "/" + full.filename().string();
+}
+
 void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh& source, const Mesh& target,
                   const std::vector<LandmarkPair>& pairs, const Suggestion& suggestion) {
   const std::filesystem::path path = stage.Output("picture");
@@ -137,6 +147,8 @@ void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh
     drawn.push_back({keypose::PositionOf(pair.source, source), keypose::PositionOf(pair.target, target), pair.confirmed});
   LandmarkPictureOptions picture;
   picture.panel = options.panel;
+  picture.source_name = "source: " + ShortName(stage.Input("source"));
+  picture.target_name = "target: " + ShortName(stage.Input("target"));
   picture.up = Eigen::Vector3d::Unit(options.up == "x" ? 0 : options.up == "y" ? 1 : 2);
   WriteImage(path, DrawLandmarks(source, target, drawn, suggestion.dense, picture));
 }
@@ -192,11 +204,13 @@ void Run(StageContext& stage, const ProgramOptions& options) {
 }  // namespace keypose::registration
 
 int main(int argc, char** argv) {
-  // `keypose landmarks suggest ...` arrives as `keypose-landmarks suggest ...`; suggesting is all that this program does so far.
-  if (argc > 1 && std::strcmp(argv[1], "suggest") == 0) {
+  // `keypose landmarks suggest ...` arrives as `keypose-landmarks suggest ...`.
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word == "suggest" || word == "bind") {
     argv[1] = argv[0];
     --argc;
     ++argv;
   }
+  if (word == "bind") return keypose::registration::BindMain(argc, argv);
   return keypose::RunStage<keypose::registration::ProgramOptions>(argc, argv, keypose::registration::Spec(), keypose::registration::Run);
 }

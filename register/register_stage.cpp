@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
@@ -11,12 +12,12 @@
 #include "core/io/png_io.h"
 #include "core/stage/stage.h"
 #include "register/auto_registration.h"
+#include "register/bound_stiffness.h"
 #include "register/correspondence.h"
 #include "register/landmarks.h"
 #include "register/nricp.h"
 #include "register/picture.h"
 #include "register/quality.h"
-#include "register/stiffness_map.h"
 #include "register/topology.h"
 #include "register/welding.h"
 
@@ -71,12 +72,12 @@ struct RegisterOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
   spec.inputs = {{"source", "file", "template mesh", "", false, false},
                  {"target", "file", "clean mesh of the pose", "", false, false},
                  {"landmarks", "file", "pairs, or picks of source and target", "", true, true},
-                 {"stiffness", "file", "a number for each vertex, or a mesh with painted greys", "", true, false}};
+                 {"stiffness", "file", "the source with painted greys (.ply), or a number for each vertex", "", true, false}};
   spec.outputs = {{"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false, false},
                   {"correspondence", "file", "for each vertex the target face and place it lies on", "correspondence.txt", true, false},
                   {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt", true, false},
@@ -86,15 +87,26 @@ StageSpec Spec() {
   return spec;
 }
 
+void Tell(StageContext& stage, const CarryLog& log) {
+  for (const std::string& note : log.notes) stage.Note(note);
+  for (const std::string& warning : log.warnings) stage.Warn(warning);
+}
+
 CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target) {
   if (!stage.Has("landmarks")) return {};
   std::vector<PickedPair> picked;
   int suggested = 0;
-  for (const LandmarkPair& p : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target)) {
+  CarryLog log;
+  for (const LandmarkPair& p : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target, &log)) {
     suggested += !p.confirmed;
     picked.push_back({p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
   }
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
+  // What nobody can check is not believed against what the surfaces say.
+  if (log.unbound && !checked.warnings.empty())
+    throw InputError("register: the landmarks do not say on which mesh they were picked, and they contradict the surfaces: " +
+                     checked.warnings[0] + ". Pick them again; or, if they lie where they should, bind them: keypose landmarks bind --help");
+  Tell(stage, log);
   if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
     stage.Warn(std::to_string(suggested) + " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
@@ -103,12 +115,15 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
   return checked;
 }
 
-Eigen::VectorXd LoadStiffness(StageContext& stage, int vertex_count) {
+Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& source) {
   if (!stage.Has("stiffness")) return {};
   const std::filesystem::path path = stage.Input("stiffness");
   const std::string text = ReadFile(path);
-  if (text.starts_with("ply")) return StiffnessFromColors(ReadMesh(path), vertex_count, path.filename().string());
-  return ParseStiffness(text, vertex_count, path.filename().string());
+  const Mesh painted = text.starts_with("ply") ? ReadMesh(path) : Mesh();
+  CarryLog log;
+  const Eigen::VectorXd stiffness = StiffnessOn(source, text, painted, path.filename().string(), &log);
+  Tell(stage, log);
+  return stiffness;
 }
 
 void ReportRun(StageContext& stage, const NricpResult& result) {
@@ -277,7 +292,7 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   RequireUsable(target, stage.Input("target").string());
   CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
   const Mesh whole = WithoutSeams(source, landmarks.goals);
-  const Eigen::VectorXd stiffness = LoadStiffness(stage, source.vertex_count());
+  const Eigen::VectorXd stiffness = LoadStiffness(stage, source);
   SubProgress bending(stage.progress(), 0.0, 0.9);
   Mesh registered = source;
   registered.normals.resize(0, 3);

@@ -227,15 +227,20 @@ TEST_F(BadInput, EmptyMesh) {
 }
 
 TEST_F(BadInput, LandmarksPickedOnAnotherMesh) {
-  const Mesh mesh = MakeIcosphere(2), larger = MakeIcosphere(3);
+  const Mesh mesh = MakeIcosphere(2), other = MakeBox(1, 1, 4);
   const fs::path source = MeshFile("source.ply", mesh), target = MeshFile("target.ply", mesh);
-  Landmark landmark{"left-eye", larger.face_count() - 1, {0.2, 0.3, 0.5}, ""};
-  WriteLandmarks(here() / "source.json", larger, {landmark});
+  Landmark landmark{"left-eye", other.face_count() - 1, {0.2, 0.3, 0.5}};
+  WriteLandmarks(here() / "source.json", other, {landmark});
   landmark.face = 5;
   WriteLandmarks(here() / "target.json", mesh, {landmark});
   ExpectFault({"register", "--source", source, "--target", target, "--landmarks", "source.json", "--landmarks", "target.json",
                "--registered", "out.ply"},
-              kInput, {"source.json", "1280 faces", "320 faces", "pick them again"}, "out.ply");
+              kInput, {"source.json", "could not follow: 'left-eye'", "another shape", "pick them again"}, "out.ply");
+  WriteText(here() / "source.json",
+            R"({"schema":1,"mesh":{"vertices":642,"faces":1280},"landmarks":[{"name":"left-eye","face":5,"barycentric":[1,0,0]}]})");
+  ExpectFault({"register", "--source", source, "--target", target, "--landmarks", "source.json", "--landmarks", "target.json",
+               "--registered", "out.ply"},
+              kInput, {"source.json", "1280 faces", "320 faces", "pick them again", "landmarks bind"}, "out.ply");
   WriteText(here() / "pairs.txt", "3 4\n162 5\n");
   ExpectFault({"register", "--source", source, "--target", target, "--landmarks", "pairs.txt", "--registered", "out.ply"}, kInput,
               {"pairs.txt:2", "162", "another mesh"}, "out.ply");

@@ -338,11 +338,47 @@ using LandmarksIo = IoTest;
 
 TEST_F(LandmarksIo, PicksComeBackAndKnowTheirMesh) {
   const Mesh mesh = MakeIcosphere(1);
-  WriteLandmarks(folder_ / "l.json", mesh, {{"nose", 3, {0.2, 0.3, 0.5}, ""}});
+  WriteLandmarks(folder_ / "l.json", mesh, {{"nose", 3, {0.2, 0.3, 0.5}}});
   const auto read = ReadLandmarks(folder_ / "l.json", mesh);
   ASSERT_EQ(read.size(), 1u);
   EXPECT_EQ(read[0].name, "nose");
-  EXPECT_THROW(ReadLandmarks(folder_ / "l.json", MakeIcosphere(2)), InputError);
+  EXPECT_EQ(read[0].face, 3);
+  EXPECT_THROW(ReadLandmarks(folder_ / "l.json", MakeBox(1, 1, 1)), InputError);
+}
+
+/// What stands in the text of a schema 1 file, as older programs wrote it.
+std::string OldPicks(const Mesh& mesh) {
+  return R"({"schema":1,"mesh":{"vertices":)" + std::to_string(mesh.vertex_count()) + R"(,"faces":)" + std::to_string(mesh.face_count()) +
+         R"(},"landmarks":[{"name":"nose","face":3,"barycentric":[0.2,0.3,0.5]}]})";
+}
+
+TEST_F(LandmarksIo, OlderFilesAreBelievedWithAWarningWhereTheCountsAreTheSame) {
+  const Mesh mesh = MakeIcosphere(1);
+  CarryLog log;
+  EXPECT_EQ(ReadLandmarks(Put("old.json", OldPicks(mesh)), mesh, &log)[0].face, 3);
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_NE(log.warnings[0].find("landmarks bind"), std::string::npos) << log.warnings[0];
+  EXPECT_TRUE(log.unbound);
+  EXPECT_THROW(ReadLandmarks(folder_ / "old.json", MakeIcosphere(2)), InputError);
+}
+
+TEST_F(LandmarksIo, PointsThatHangBesideTheMeshWerePickedOnAnother) {
+  const Mesh mesh = MakeIcosphere(4);
+  const auto put = [&](double radius) {
+    std::string text = "<PickedPoints>\n";
+    for (const char* axis : {"x", "y", "z"})
+      for (const double side : {-radius, radius})
+        text += "<point " + std::string(axis == std::string("x") ? "" : "x=\"0\" ") + (axis == std::string("y") ? "" : "y=\"0\" ") +
+                (axis == std::string("z") ? "" : "z=\"0\" ") + axis + "=\"" + std::to_string(side) + "\" name=\"" + axis +
+                std::to_string(side) + "\"/>\n";
+    return Put("p.pp", text + "</PickedPoints>\n");
+  };
+  CarryLog log;
+  EXPECT_EQ(ReadPicks(put(1.0), mesh, &log).size(), 6u);
+  EXPECT_TRUE(log.warnings.empty()) << log.warnings[0];
+  EXPECT_EQ(ReadPicks(put(1.01), mesh, &log).size(), 6u);  // 0.3 % of the diagonal
+  EXPECT_EQ(log.warnings.size(), 1u);
+  EXPECT_THROW(ReadPicks(put(1.03), mesh, &log), InputError);  // 0.9 %
 }
 
 TEST_F(LandmarksIo, FaceBeyondTheMeshIsNamed) {
@@ -368,7 +404,7 @@ TEST_F(LandmarksIo, TextPairsGiveTheVertices) {
 
 TEST_F(LandmarksIo, PairsComeBackWithWhatAPersonSaidOfThem) {
   const Mesh source = MakeIcosphere(1), target = MakeIcosphere(2);
-  LandmarkPair pair{"ear", {"ear", 3, {0.25, 0.25, 0.5}, ""}, {"ear", 300, {1, 0, 0}, ""}, false, 0.5, "tip"};
+  LandmarkPair pair{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 300, {1, 0, 0}}, false, 0.5, "tip"};
   WriteLandmarkPairs(folder_ / "pairs.json", source, target, {pair});
   const auto read = ReadLandmarkPairs({folder_ / "pairs.json"}, source, target);
   ASSERT_EQ(read.size(), 1u);
@@ -378,7 +414,7 @@ TEST_F(LandmarksIo, PairsComeBackWithWhatAPersonSaidOfThem) {
   EXPECT_FALSE(read[0].confirmed);
   EXPECT_EQ(read[0].confidence, 0.5);
   EXPECT_EQ(read[0].origin, "tip");
-  EXPECT_THROW(ReadLandmarkPairs({folder_ / "pairs.json"}, target, source), InputError);  // picked on other meshes
+  EXPECT_THROW(ReadLandmarkPairs({folder_ / "pairs.json"}, MakeBox(1, 1, 3), target), InputError);  // of another shape
   EXPECT_THROW(ReadLandmarkPairs({Put("one.json", R"({"schema":1,"landmarks":[]})")}, source, target), InputError);
   EXPECT_THROW(ReadLandmarkPairs({Put("cut.json", R"({"schema":1,"pairs":[{"name":)")}, source, target), InputError);
   const std::string place = R"({"face":1,"barycentric":[1,0,0]})";

@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/binding_io.h"
 #include "core/io/files.h"
 #include "core/ray_scene.h"
 
@@ -20,7 +21,9 @@ using nlohmann::json;
 
 namespace {
 
-std::string SignatureOf(const Mesh& mesh) { return fmt::format("{} vertices, {} faces", mesh.vertex_count(), mesh.face_count()); }
+constexpr double kClickedOn = 1e-4;     // of the diagonal: rounding of numbers in the file
+constexpr double kMostSnap = 0.005;     // the median of points that were clicked on this mesh, made a little anew
+constexpr double kFurthestSnap = 0.02;  // any point
 
 void RequireUniqueNames(const std::vector<Landmark>& landmarks, const fs::path& path) {
   std::set<std::string> names;
@@ -89,51 +92,76 @@ std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& sour
   return pairs;
 }
 
-json PlaceOf(const Landmark& landmark) {
-  return {{"face", landmark.face}, {"barycentric", {landmark.barycentric(0), landmark.barycentric(1), landmark.barycentric(2)}}};
+json PickJson(const Landmark& landmark, const SurfacePlaces& places) {
+  const Eigen::Vector3d& b = landmark.barycentric;
+  json pick = {{"face", landmark.face}, {"barycentric", {b[0], b[1], b[2]}}};
+  AddPlace(places.At(landmark.face, b), pick);
+  return pick;
 }
 
-Landmark PlaceFrom(const json& place, const std::string& name, const Mesh& mesh, const fs::path& path) {
+/// @return no landmark: it was lost and is not needed, or FollowPicks::Finish will name it
+std::optional<Landmark> PickFrom(const json& pick, const std::string& name, const Mesh& mesh, const fs::path& path, FollowPicks& follow,
+                                 bool needed = true) {
   Landmark landmark;
   landmark.name = name;
-  landmark.face = place.at("face");
-  for (int k = 0; k < 3; ++k) landmark.barycentric(k) = place.at("barycentric").at(static_cast<std::size_t>(k));
-  landmark.mesh_id = SignatureOf(mesh);
-  RequireOnMesh(landmark, mesh, path);
+  if (follow.AsWritten()) {
+    landmark.face = pick.at("face");
+    for (int k = 0; k < 3; ++k) landmark.barycentric(k) = pick.at("barycentric").at(static_cast<std::size_t>(k));
+    RequireOnMesh(landmark, mesh, path);
+    return landmark;
+  }
+  const CarriedPlace carried = follow.Carry(name, PlaceFrom(pick), needed);
+  if (carried.grade == CarriedPlace::Grade::kLost) return std::nullopt;
+  landmark.face = carried.face;
+  landmark.barycentric = carried.barycentric;
   return landmark;
 }
 
-void RequirePickedOn(const json& root, const char* side, const Mesh& mesh, const fs::path& path) {
-  if (!root.contains(side)) return;
-  const long vertices = root[side].value("vertices", -1L), faces = root[side].value("faces", -1L);
-  if (vertices != mesh.vertex_count() || faces != mesh.face_count())
-    throw InputError(
-        fmt::format("{}: the pairs were picked on a {} with {} vertices and {} faces, but this one has {}; pick them again, or pass that "
-                    "mesh",
-                    path.string(), side, vertices, faces, SignatureOf(mesh)));
+MeshBinding BindingIn(const json& root, const char* side, const fs::path& path) {
+  return BindingFrom(root.contains(side) ? root[side] : json::object(), path);
 }
 
-std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text, const Mesh& source, const Mesh& target) {
+std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, const Mesh& source, const Mesh& target, CarryLog* log) {
+  FollowPicks on_source(BindingIn(root, "source", path), source, path.string(), "source");
+  FollowPicks on_target(BindingIn(root, "target", path), target, path.string(), "target");
+  std::vector<LandmarkPair> pairs;
+  std::set<std::string> names;
+  int dropped = 0;
+  for (const json& entry : root.at("pairs")) {
+    LandmarkPair pair;
+    pair.name = entry.at("name");
+    if (!names.insert(pair.name).second)
+      throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one", path.string(), pair.name));
+    pair.confirmed = entry.value("confirmed", true);
+    pair.confidence = entry.value("confidence", 1.0);
+    pair.origin = entry.value("origin", "");
+    const auto from = PickFrom(entry.at("source"), pair.name, source, path, on_source, pair.confirmed);
+    const auto to = PickFrom(entry.at("target"), pair.name, target, path, on_target, pair.confirmed);
+    if (!from || !to) {
+      dropped += !pair.confirmed;
+      continue;
+    }
+    pair.source = *from;
+    pair.target = *to;
+    pairs.push_back(std::move(pair));
+  }
+  on_source.Finish(log);
+  on_target.Finish(log);
+  if (dropped > 0 && log)
+    log->warnings.push_back(fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that was made anew, and are "
+                                        "left out",
+                                        path.string(), dropped));
+  return pairs;
+}
+
+std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text, const Mesh& source, const Mesh& target,
+                                        CarryLog* log) {
   std::vector<LandmarkPair> pairs;
   try {
     const json root = json::parse(text);
     if (!root.contains("pairs") && root.contains("landmarks"))
       throw InputError(path.string() + " holds the picks of one mesh; give the other mesh's picks as a second file");
-    RequirePickedOn(root, "source", source, path);
-    RequirePickedOn(root, "target", target, path);
-    std::set<std::string> names;
-    for (const json& entry : root.at("pairs")) {
-      LandmarkPair pair;
-      pair.name = entry.at("name");
-      if (!names.insert(pair.name).second)
-        throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one", path.string(), pair.name));
-      pair.source = PlaceFrom(entry.at("source"), pair.name, source, path);
-      pair.target = PlaceFrom(entry.at("target"), pair.name, target, path);
-      pair.confirmed = entry.value("confirmed", true);
-      pair.confidence = entry.value("confidence", 1.0);
-      pair.origin = entry.value("origin", "");
-      pairs.push_back(std::move(pair));
-    }
+    pairs = PairsFrom(root, path, source, target, log);
   } catch (const json::exception& error) {
     throw InputError(path.string() + " is not a file of landmark pairs: " + error.what());
   }
@@ -141,7 +169,24 @@ std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string&
   return pairs;
 }
 
-std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh) {
+/// Clicked points lie on the mesh that was clicked on; points that hang beside it were clicked on another.
+void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string& side, CarryLog* log) {
+  if (off.empty()) return;
+  std::sort(off.begin(), off.end());
+  const double median = off[off.size() / 2], furthest = off.back();
+  if (furthest < kClickedOn) return;
+  const std::string how = fmt::format("{}: its points do not lie on the {}: half of them are {:.2f} % of its diagonal or more away, one {:.2f} %",
+                                      path.string(), side, 100 * median, 100 * furthest);
+  if (median > kMostSnap)
+    throw InputError(how + fmt::format("; they were picked on another mesh: pick them again. Or, while you still have that mesh: keypose "
+                                       "landmarks bind --mesh THAT_MESH --picks {} --bound FILE.json",
+                                       path.string()));
+  if (log)
+    log->warnings.push_back(how + fmt::format("; the nearest places are taken. If the {} was made anew since, look at them, or pick again",
+                                              side));
+}
+
+std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
   boost::property_tree::ptree tree;
   std::istringstream in(ReadFile(path));
   try {
@@ -150,7 +195,8 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh) {
     throw InputError(fmt::format("{}:{}: not a MeshLab picked-points file: {}", path.string(), error.line(), error.message()));
   }
   const RayScene scene(mesh.points, mesh.faces);
-  const double limit = 0.02 * BoundingDiagonal(mesh.points);
+  const double diagonal = BoundingDiagonal(mesh.points);
+  std::vector<double> off;
   std::vector<Landmark> landmarks;
   for (const auto& [tag, node] : tree.get_child("PickedPoints", {})) {
     if (tag != "point" || node.get<int>("<xmlattr>.active", 1) == 0) continue;
@@ -160,7 +206,8 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh) {
                                    node.get<double>("<xmlattr>.z", NAN));
     if (!position.allFinite()) throw InputError(fmt::format("{}: point '{}' has no x, y, z", path.string(), landmark.name));
     const RayScene::Foot foot = scene.ClosestPoint(position);
-    if (std::sqrt(foot.squared_distance) > limit)
+    off.push_back(std::sqrt(foot.squared_distance) / diagonal);
+    if (off.back() > kFurthestSnap)
       throw InputError(fmt::format(
           "{}: landmark '{}' is {:.3g} away from the mesh, more than 2 % of its diagonal; it was picked on another mesh: pick it again",
           path.string(), landmark.name, std::sqrt(foot.squared_distance)));
@@ -169,39 +216,27 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh) {
     landmarks.push_back(landmark);
   }
   RequireUniqueNames(landmarks, path);
+  JudgeSnaps(std::move(off), path, side, log);
   return landmarks;
-}
-
-std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh) {
-  const std::string text = ReadFile(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && text[first] == '<') return ReadPickedPoints(path, mesh);
-  return ReadLandmarks(path, mesh);
 }
 
 }  // namespace
 
-std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh) {
+std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
+  const std::string text = ReadFile(path);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string::npos && text[first] == '<') return ReadPickedPoints(path, mesh, log, side);
+  return ReadLandmarks(path, mesh, log, side);
+}
+
+std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
   std::vector<Landmark> landmarks;
   try {
     const json root = json::parse(ReadFile(path));
-    if (root.contains("mesh")) {
-      const long vertices = root["mesh"].value("vertices", -1L), faces = root["mesh"].value("faces", -1L);
-      if (vertices != mesh.vertex_count() || faces != mesh.face_count())
-        throw InputError(
-            fmt::format("{}: the landmarks were picked on a mesh with {} vertices and {} faces, but this one has {}; pick them again, or "
-                        "pass that mesh",
-                        path.string(), vertices, faces, SignatureOf(mesh)));
-    }
-    for (const json& entry : root.at("landmarks")) {
-      Landmark landmark;
-      landmark.name = entry.at("name");
-      landmark.face = entry.at("face");
-      for (int k = 0; k < 3; ++k) landmark.barycentric(k) = entry.at("barycentric").at(static_cast<std::size_t>(k));
-      landmark.mesh_id = SignatureOf(mesh);
-      RequireOnMesh(landmark, mesh, path);
-      landmarks.push_back(std::move(landmark));
-    }
+    FollowPicks follow(BindingIn(root, "mesh", path), mesh, path.string(), side);
+    for (const json& entry : root.at("landmarks"))
+      if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow)) landmarks.push_back(std::move(*landmark));
+    follow.Finish(log);
   } catch (const json::exception& error) {
     throw InputError(path.string() + " is not a landmarks file: " + error.what());
   }
@@ -210,45 +245,55 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh) {
 }
 
 void WriteLandmarks(const fs::path& path, const Mesh& mesh, const std::vector<Landmark>& landmarks) {
+  const SurfacePlaces places(mesh);
   json root;
-  root["schema"] = 1;
-  root["mesh"] = {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}};
+  root["schema"] = 2;
+  root["mesh"] = ToJson(BindTo(mesh));
   root["landmarks"] = json::array();
-  for (const Landmark& landmark : landmarks)
-    root["landmarks"].push_back({{"name", landmark.name},
-                                 {"face", landmark.face},
-                                 {"barycentric", {landmark.barycentric(0), landmark.barycentric(1), landmark.barycentric(2)}}});
+  for (const Landmark& landmark : landmarks) {
+    json pick = PickJson(landmark, places);
+    pick["name"] = landmark.name;
+    root["landmarks"].push_back(std::move(pick));
+  }
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
 void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& target, const std::vector<LandmarkPair>& pairs) {
+  const SurfacePlaces on_source(source), on_target(target);
   json root;
-  root["schema"] = 1;
-  root["source"] = {{"vertices", source.vertex_count()}, {"faces", source.face_count()}};
-  root["target"] = {{"vertices", target.vertex_count()}, {"faces", target.face_count()}};
+  root["schema"] = 2;
+  root["source"] = ToJson(BindTo(source));
+  root["target"] = ToJson(BindTo(target));
   root["pairs"] = json::array();
   for (const LandmarkPair& pair : pairs)
     root["pairs"].push_back({{"name", pair.name},
-                             {"source", PlaceOf(pair.source)},
-                             {"target", PlaceOf(pair.target)},
+                             {"source", PickJson(pair.source, on_source)},
+                             {"target", PickJson(pair.target, on_target)},
                              {"confidence", pair.confidence},
                              {"origin", pair.origin},
                              {"confirmed", pair.confirmed}});
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
-std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target) {
+std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target,
+                                            CarryLog* log) {
   if (paths.empty()) return {};
   if (paths.size() == 1) {
     const std::string text = ReadFile(paths[0]);
     const std::size_t first = text.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && text[first] == '{') return ReadJsonPairs(paths[0], text, source, target);
+    if (first != std::string::npos && text[first] == '{') return ReadJsonPairs(paths[0], text, source, target, log);
+    if (log) {
+      log->unbound = true;
+      log->warnings.push_back(paths[0].string() +
+                              " does not say on which meshes it was picked; its vertex numbers are taken as they are, which is wrong if "
+                              "one of the two was made anew since. Bind it to them: keypose landmarks bind --help");
+    }
     return ReadVertexPairs(paths[0], source, target);
   }
   if (paths.size() > 2)
     throw InputError("landmarks: give one file of pairs, or the source's picks and the target's; not " + std::to_string(paths.size()) +
                      " files");
-  const auto on_source = ReadPicks(paths[0], source), on_target = ReadPicks(paths[1], target);
+  const auto on_source = ReadPicks(paths[0], source, log, "source"), on_target = ReadPicks(paths[1], target, log, "target");
   std::map<std::string, Landmark> by_name;
   for (const Landmark& landmark : on_target) by_name[landmark.name] = landmark;
   std::vector<LandmarkPair> pairs;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/errors.h"
-#include "pipeline/sha256.h"
+#include "core/sha256.h"
 
 namespace keypose::pipeline {
 namespace {

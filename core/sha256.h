@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace keypose::pipeline {
+namespace keypose {
 
 class Sha256 {
  public:
@@ -22,4 +22,4 @@ class Sha256 {
 
 std::string Sha256Of(std::string_view bytes);
 
-}  // namespace keypose::pipeline
+}  // namespace keypose

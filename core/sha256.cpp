@@ -1,11 +1,11 @@
-#include "pipeline/sha256.h"
+#include "core/sha256.h"
 
 #include <openssl/evp.h>
 
 #include <array>
 #include <stdexcept>
 
-namespace keypose::pipeline {
+namespace keypose {
 
 struct Sha256::Impl {
   EVP_MD_CTX* context = EVP_MD_CTX_new();
@@ -40,4 +40,4 @@ std::string Sha256Of(std::string_view bytes) {
   return hash.Hex();
 }
 
-}  // namespace keypose::pipeline
+}  // namespace keypose
