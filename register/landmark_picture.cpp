@@ -92,6 +92,7 @@ ColorsX3 CarriedTints(const ColorsX3& tints, const PointsX3& target, const std::
 /// One mesh with its marks, seen from any side.
 class Subject {
  public:
+  /// @param colors  in place of the mesh's own; empty: those
   Subject(const Mesh& mesh, std::vector<Eigen::Vector3d> marks, ColorsX3 colors, bool plain, const LandmarkPictureOptions& options)
       : mesh_(mesh),
         scene_(mesh.points, mesh.faces),
@@ -186,10 +187,13 @@ Image8 DrawLandmarks(const Mesh& source, const Mesh& target, const std::vector<D
   for (const DrawnPair& pair : pairs) on_source.push_back(pair.source), on_target.push_back(pair.target);
   // Clay that has colours is known by them; bare shapes get tints by place.
   const bool colored = source.colors.rows() > 0 || target.colors.rows() > 0, tinted = !colored && !dense.empty();
-  const ColorsX3 tints = tinted ? Tints(source.points) : source.colors;
-  const Subject from(source, on_source, tints, tints.rows() == 0, options);
-  const ColorsX3 carried = tinted ? CarriedTints(tints, target.points, dense) : target.colors;
-  const Subject to(target, on_target, carried, carried.rows() == 0, options);
+  ColorsX3 tints, carried;
+  if (tinted) {
+    tints = Tints(source.points);
+    carried = CarriedTints(tints, target.points, dense);
+  }
+  const Subject from(source, on_source, tints, !tinted && source.colors.rows() == 0, options);
+  const Subject to(target, on_target, carried, !tinted && target.colors.rows() == 0, options);
   const std::vector<Column> columns = Columns(from, to, pairs.size(), options);
   const std::size_t wide = options.azimuths_deg.size();
   std::vector<Image8> panels;
