@@ -98,6 +98,7 @@ Ending EndingOf(const Plan& plan, const Disk& disk, const fs::path& out) {
     if (!plan[i].wanted || plan[i].state != StepPlan::State::kDone) continue;
     const Step& step = plan.graph().steps[static_cast<std::size_t>(i)];
     const json report = ReportOf(*plan[i].artifact, disk);
+    AddWarnings({{"warnings", step.warnings}}, step, &ending.warnings);
     AddWarnings(report, step, &ending.warnings);
     AddVerdicts(report, step, &ending.verdicts);
     for (const ShownResult& shown : step.shown) {

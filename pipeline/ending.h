@@ -37,7 +37,7 @@ struct Ending {
   bool empty() const { return warnings.empty() && verdicts.empty() && results.empty(); }
 };
 
-/// From the reports beside the artifacts of all wanted steps that are made, by this run or an earlier one; and of what they `show`, that
+/// From what the steps' inputs warn of, and the reports beside the artifacts of all wanted steps that are made, by this run or an earlier one; and of what they `show`, that
 /// which exists. A report that is no JSON, or has no such fields, tells nothing.
 /// @param out  the project's out/
 Ending EndingOf(const Plan& plan, const Disk& disk, const std::filesystem::path& out);
