@@ -1,5 +1,6 @@
 #include "core/mesh_binding.h"
 
+#include <Eigen/Geometry>
 #include <string_view>
 
 #include "core/errors.h"
