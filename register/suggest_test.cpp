@@ -460,8 +460,8 @@ TEST(DrawLandmarks, APairThatNoSideShowsGetsAColumnOfItsOwnInBothRows) {
   LandmarkPictureOptions options;
   options.panel = 120;
   const Image8 plain = DrawLandmarks(ball, ball, {}, {}, options);
-  // On the source in sight of the first view; on the target on top, where no view from the side sees it.
-  const Image8 image = DrawLandmarks(ball, ball, {{{0, -1, 0}, {0, 0, 1}, false}}, {}, options);
+  // On the source in sight of the first view; on the target below, where no view from above the horizon sees it.
+  const Image8 image = DrawLandmarks(ball, ball, {{{0, -1, 0}, {0, 0, -1}, false}}, {}, options);
   ASSERT_GT(image.height, plain.height + 200);
   EXPECT_GT(MarkPixels(image, 0, 120), 20);
   EXPECT_EQ(MarkPixels(image, 124, plain.height), 0);
