@@ -11,6 +11,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
+#include "core/kd_tree.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
