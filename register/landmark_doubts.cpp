@@ -18,7 +18,6 @@ constexpr double kSwapGain = 0.45;     // stress after the exchange over stress 
 constexpr double kSwapLeast = 0.12;    // least stress (mean |log ratio|) of the two landmarks that is worth a word
 constexpr double kMisplacedLog = 0.6;  // a landmark whose distances change by a factor of 1.8 more than the rest
 constexpr double kRestLog = 0.25;      // while the others agree within 1.3
-constexpr double kUnrelatedLog = 0.4;  // half of all distances change by a factor of 1.5 or more
 constexpr double kMirrorGain = 0.4;    // residual after reflection over residual before
 constexpr double kMirrorLeast = 0.08;  // residual before, over the spread of the landmarks
 
@@ -107,9 +106,6 @@ void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
                    std::vector<std::string>& doubts) {
   std::vector<double> changes;
   for (Eigen::Index a = 0; a < stress.count(); ++a) changes.push_back(stress.OfOne(a));
-  if (Median(changes) > kUnrelatedLog)
-    doubts.push_back("the landmarks' distances along the two surfaces have little to do with each other: most of them were picked elsewhere, "
-                     "or on other meshes; check them all");
   if (Median(changes) > kRestLog) return;  // nothing fits: another shape rather than one bad landmark
   for (std::size_t a = 0; a < changes.size(); ++a) {
     if (named[a] || changes[a] < kMisplacedLog) continue;

@@ -90,15 +90,6 @@ TEST(CheckLandmarks, LeftAndRightExchangedThroughoutIsAMirrorImage) {
   EXPECT_THAT(warnings[0], HasSubstr("mirror image"));
 }
 
-TEST(CheckLandmarks, TargetsThatHaveNothingToDoWithTheSourcesAreDoubtedTogether) {
-  const Mesh tube = FineTube();
-  std::vector<PickedPair> picks;
-  const std::vector<std::size_t> elsewhere = {4, 2, 6, 0, 5, 1, 3};
-  for (std::size_t k = 0; k < kPlaces.size(); ++k)
-    picks.push_back(PickAt("p" + std::to_string(k), tube, kPlaces[k], tube, kPlaces[elsewhere[k]]));
-  EXPECT_FALSE(CheckLandmarks(picks, tube, tube).warnings.empty());
-}
-
 TEST(CheckLandmarks, CoplanarAndRepeatedPairsAreTold) {
   const Mesh tube = FineTube();
   std::vector<PickedPair> picks;
