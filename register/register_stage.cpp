@@ -92,7 +92,8 @@ void Tell(StageContext& stage, const CarryLog& log) {
   for (const std::string& warning : log.warnings) stage.Warn(warning);
 }
 
-CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target) {
+/// @param unbound  whether they do not say on which mesh they were picked
+CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target, bool* unbound) {
   if (!stage.Has("landmarks")) return {};
   std::vector<PickedPair> picked;
   int suggested = 0;
@@ -102,11 +103,8 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
     picked.push_back({p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
   }
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
-  // What nobody can check is not believed against what the surfaces say.
-  if (log.unbound && !checked.warnings.empty())
-    throw InputError("register: the landmarks do not say on which mesh they were picked, and they contradict the surfaces: " +
-                     checked.warnings[0] + ". Pick them again; or, if they lie where they should, bind them: keypose landmarks bind --help");
   Tell(stage, log);
+  *unbound = log.unbound;
   if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
     stage.Warn(std::to_string(suggested) + " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
@@ -146,7 +144,10 @@ void ReportRun(StageContext& stage, const NricpResult& result) {
                " parts of the template had too few correspondences to hold them; they stayed near their place");
 }
 
-void ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, const PointsX3& registered, double diagonal) {
+constexpr double kOffItsMark = 0.15;  // of the diagonal; landmarks of real pairs end within a few percent
+
+/// @return the largest residual over the diagonal
+double ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, const PointsX3& registered, double diagonal) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   double sum = 0, worst = 0;
   for (const LandmarkGoal& goal : landmarks.goals) {
@@ -159,10 +160,11 @@ void ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, con
   stage.Report("landmarks", static_cast<std::int64_t>(count));
   stage.Report("landmarks_dropped", landmarks.duplicates);
   stage.Report("landmarks_coplanar", landmarks.coplanar);
-  if (count == 0) return;
+  if (count == 0) return 0;
   stage.Report("landmark_mean_over_diag", sum / static_cast<double>(count));
   stage.Report("landmark_max_over_diag", worst);
   stage.ReportJson("landmark_residuals", list.dump());
+  return worst;
 }
 
 RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
@@ -290,7 +292,8 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(source, stage.Input("source").string());
   RequireUsable(target, stage.Input("target").string());
-  CheckedLandmarks landmarks = LoadLandmarks(stage, source, target);
+  bool unbound = false;
+  CheckedLandmarks landmarks = LoadLandmarks(stage, source, target, &unbound);
   const Mesh whole = WithoutSeams(source, landmarks.goals);
   const Eigen::VectorXd stiffness = LoadStiffness(stage, source);
   SubProgress bending(stage.progress(), 0.0, 0.9);
@@ -308,7 +311,13 @@ void Run(StageContext& stage, const RegisterOptions& options) {
     registered.points = std::move(result.points);
     transforms = std::move(result.transforms);
   }
-  ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
+  const double worst = ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
+  // What nobody can check is not believed against what the surfaces say.
+  if (unbound && worst > kOffItsMark)
+    throw InputError("register: the landmarks do not say on which mesh they were picked, and they contradict the surfaces: one ends " +
+                     std::to_string(static_cast<int>(100 * worst)) +
+                     " % of the diagonal from its mark. Pick them again; or, if they lie where they should, bind them: keypose landmarks "
+                     "bind --help");
   const ResultSurfaces surfaces = MakeResultSurfaces(whole, registered.points, target);
   const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target, surfaces);
   ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
