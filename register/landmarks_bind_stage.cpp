@@ -11,7 +11,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
 #include "core/stage/stage.h"
-#include "register/bound_stiffness.h"
+#include "core/io/stiffness_io.h"
 
 namespace keypose::registration {
 namespace {

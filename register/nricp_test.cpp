@@ -13,7 +13,7 @@
 #include "register/alignment.h"
 #include "register/landmarks.h"
 #include "register/quality.h"
-#include "register/stiffness_map.h"
+#include "core/io/stiffness_map.h"
 #include "register/testing_scenes.h"
 
 namespace keypose::registration {

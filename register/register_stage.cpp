@@ -12,7 +12,7 @@
 #include "core/io/png_io.h"
 #include "core/stage/stage.h"
 #include "register/auto_registration.h"
-#include "register/bound_stiffness.h"
+#include "core/io/stiffness_io.h"
 #include "register/correspondence.h"
 #include "register/landmarks.h"
 #include "register/nricp.h"

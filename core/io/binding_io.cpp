@@ -57,13 +57,15 @@ void ShapeFrom(const json& shape, MeshBinding& binding, const std::filesystem::p
 
 }  // namespace
 
-json ToJson(const MeshBinding& binding) {
+template <>
+json BindingJson(const MeshBinding& binding) {
   json shape = json::array();
   for (Eigen::Index i = 0; i < binding.points.rows(); ++i) shape.push_back(LineOf(binding, i));
   return {{"vertices", binding.vertex_count}, {"faces", binding.face_count},  {"sha256", binding.geometry},
           {"faces_sha256", binding.numbering}, {"diagonal", binding.diagonal}, {"shape", std::move(shape)}};
 }
 
+template <>
 MeshBinding BindingFrom(const json& object, const std::filesystem::path& file) {
   MeshBinding binding;
   binding.vertex_count = object.value("vertices", -1);
@@ -78,12 +80,14 @@ MeshBinding BindingFrom(const json& object, const std::filesystem::path& file) {
   return binding;
 }
 
+template <>
 void AddPlace(const SurfacePlace& place, json& pick) {
   pick["position"] = Numbers(place.position);
   pick["normal"] = Numbers(place.normal);
   if (place.color) pick["color"] = Numbers(*place.color);
 }
 
+template <>
 std::optional<SurfacePlace> PlaceFrom(const json& pick) {
   const auto position = VectorFrom(pick, "position"), normal = VectorFrom(pick, "normal");
   if (!position || !normal || !position->allFinite() || !normal->allFinite() || normal->norm() < 1e-9) return std::nullopt;

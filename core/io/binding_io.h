@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,15 +12,21 @@
 
 namespace keypose {
 
+// `Json` is nlohmann::json, whose header only the .cpp files of core include.
+
 /// {"vertices", "faces", "sha256", "faces_sha256", "diagonal", "shape": ["x y z nx ny nz r g b", ...]}
-nlohmann::json ToJson(const MeshBinding& binding);
+template <class Json>
+Json BindingJson(const MeshBinding& binding);
 /// Of older files, which only have the counts: a binding that is not known().
 /// @throws InputError  malformed; names the file
-MeshBinding BindingFrom(const nlohmann::json& json, const std::filesystem::path& file);
+template <class Json>
+MeshBinding BindingFrom(const Json& json, const std::filesystem::path& file);
 
 /// {"position", "normal", "color"}: fields of the pick's own object
-void AddPlace(const SurfacePlace& place, nlohmann::json& pick);
-std::optional<SurfacePlace> PlaceFrom(const nlohmann::json& pick);
+template <class Json>
+void AddPlace(const SurfacePlace& place, Json& pick);
+template <class Json>
+std::optional<SurfacePlace> PlaceFrom(const Json& pick);
 
 /// Carries the picks of one file, on one of its meshes, and gathers what there is to say.
 ///

@@ -248,7 +248,7 @@ void WriteLandmarks(const fs::path& path, const Mesh& mesh, const std::vector<La
   const SurfacePlaces places(mesh);
   json root;
   root["schema"] = 2;
-  root["mesh"] = ToJson(BindTo(mesh));
+  root["mesh"] = BindingJson<json>(BindTo(mesh));
   root["landmarks"] = json::array();
   for (const Landmark& landmark : landmarks) {
     json pick = PickJson(landmark, places);
@@ -262,8 +262,8 @@ void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& ta
   const SurfacePlaces on_source(source), on_target(target);
   json root;
   root["schema"] = 2;
-  root["source"] = ToJson(BindTo(source));
-  root["target"] = ToJson(BindTo(target));
+  root["source"] = BindingJson<json>(BindTo(source));
+  root["target"] = BindingJson<json>(BindTo(target));
   root["pairs"] = json::array();
   for (const LandmarkPair& pair : pairs)
     root["pairs"].push_back({{"name", pair.name},

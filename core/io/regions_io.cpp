@@ -143,7 +143,7 @@ void WriteRegions(const std::filesystem::path& path, const Mesh& mesh, const std
   const SurfacePlaces places(mesh);
   const auto corners = CornersOfVertices(mesh);
   const double spacing = MeanEdge(mesh);
-  json root = {{"schema", 2}, {"mesh", ToJson(BindTo(mesh))}, {"regions", json::array()}};
+  json root = {{"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"regions", json::array()}};
   for (const TimelineRegion& region : regions) {
     json entry = {{"name", region.name}};
     if (region.vertices.empty()) {

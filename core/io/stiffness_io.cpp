@@ -1,4 +1,4 @@
-#include "register/bound_stiffness.h"
+#include "core/io/stiffness_io.h"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/binding_io.h"
-#include "register/stiffness_map.h"
+#include "core/io/stiffness_map.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 namespace {
 
@@ -84,7 +84,7 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
 }  // namespace
 
 std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffness) {
-  json root = {{"schema", 2}, {"mesh", ToJson(BindTo(mesh))}, {"stiffness", json::array()}};
+  json root = {{"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"stiffness", json::array()}};
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const auto p = mesh.points.row(v);
     root["stiffness"].push_back(fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", p[0], p[1], p[2], stiffness[v]));
@@ -112,4 +112,4 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
   return ParseStiffness(text, source.vertex_count(), name);
 }
 
-}  // namespace keypose::registration
+}  // namespace keypose

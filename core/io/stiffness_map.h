@@ -6,7 +6,7 @@
 
 #include "core/mesh.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 /// Numbers separated by white space, one for each vertex; '#' starts a comment to the end of the line.
 /// @throws InputError  not a number, not positive, or another count than `vertex_count`; names the line
@@ -16,4 +16,4 @@ Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const 
 /// @throws InputError  no colours, or another number of vertices
 Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count, const std::string& name);
 
-}  // namespace keypose::registration
+}  // namespace keypose

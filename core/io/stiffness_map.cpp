@@ -1,4 +1,4 @@
-#include "register/stiffness_map.h"
+#include "core/io/stiffness_map.h"
 
 #include <cmath>
 #include <sstream>
@@ -6,7 +6,7 @@
 
 #include "core/errors.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 namespace {
 
@@ -50,4 +50,4 @@ Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count, const
   return luma.unaryExpr([](double y) { return std::pow(8.0, y / 127.5 - 1.0); });
 }
 
-}  // namespace keypose::registration
+}  // namespace keypose

@@ -6,7 +6,7 @@
 #include "core/io/carry_log.h"
 #include "core/mesh.h"
 
-namespace keypose::registration {
+namespace keypose {
 
 /// {"schema": 2, "mesh": binding, "stiffness": ["x y z factor", ...]}, one for each vertex.
 std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffness);
@@ -20,4 +20,4 @@ std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffnes
 /// @throws InputError  malformed, another count of plain numbers, or the mesh is of another shape
 Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const Mesh& painted, const std::string& name, CarryLog* log);
 
-}  // namespace keypose::registration
+}  // namespace keypose
