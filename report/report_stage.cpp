@@ -19,6 +19,7 @@
 #include "report/html.h"
 #include "report/pictures.h"
 #include "report/player_gathering_stage.h"
+#include "report/shots_stage.h"
 
 namespace keypose::report {
 namespace {

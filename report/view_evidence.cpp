@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "core/image_quality.h"
-#include "core/io/image_io.h"
 #include "core/render.h"
 #include "report/limits.h"
 
@@ -173,17 +172,6 @@ double MiddleOf(const std::vector<ViewEvidence>& views, double ViewEvidence::*me
 }  // namespace
 
 double ViewEvidence::Misfit() const { return std::max(outline_off / kViewOutlineLook, (1 - structure) / (1 - kViewStructureLook)); }
-
-Shot Shrunk(const Shot& shot, double factor) {
-  if (factor >= 1) return shot;
-  Shot small = shot;
-  small.view.camera = shot.view.camera.Scaled(factor);
-  small.view.camera.width = std::max(1, static_cast<int>(std::lround(shot.photograph.width * factor)));
-  small.view.camera.height = std::max(1, static_cast<int>(std::lround(shot.photograph.height * factor)));
-  small.photograph = Resized(shot.photograph, small.view.camera.width, small.view.camera.height);
-  small.mask = Resized(shot.mask, small.view.camera.width, small.view.camera.height);
-  return small;
-}
 
 Shot Cropped(const Shot& shot, const PointsX3& points) {
   constexpr int kMargin = 12;

@@ -29,8 +29,6 @@ struct ViewEvidence {
   double Misfit() const;
 };
 
-/// The shot at `factor` of its size.
-Shot Shrunk(const Shot& shot, double factor);
 /// The part of the shot that shows the mesh or the mask, with a margin.
 Shot Cropped(const Shot& shot, const PointsX3& points);
 

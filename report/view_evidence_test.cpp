@@ -8,6 +8,7 @@
 #include "core/render.h"
 #include "core/testing_shapes.h"
 #include "report/limits.h"
+#include "report/shots_stage.h"
 #include "report/view_evidence.h"
 
 namespace keypose::report {
