@@ -239,7 +239,7 @@ TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndLosesItsSay) {
   const ImageSet masked = ReadImageSet(root / "masked");
   for (int i = 0; i < kViews; ++i) {
     EXPECT_EQ(masked.images[i].trusted, i != 7) << i;
-    if (i == 7) continue;
+    if (i == 7 || i == 4) continue;  // 4 has the user's own mask, lamp and all, which stays
     EXPECT_GT(Iou(ReadImage(masked.MaskPath(i), 1), ring.truths[static_cast<std::size_t>(i)]), 0.97) << i;
   }
   EXPECT_THAT(masked.images[7].why, testing::HasSubstr("of the figure that the other photographs agree on"));
