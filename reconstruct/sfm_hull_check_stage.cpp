@@ -77,7 +77,8 @@ void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {
   if (evidence.disagreeing.empty()) return;
   std::string names;
   for (const std::string& name : evidence.disagreeing) names += (names.empty() ? "" : ", ") + name;
-  stage.Warn("the outlines of these photographs do not fit the other ones: " + names +
+  // For the log: these masks have not yet heard each other, and most of such views are honest. `masks` judges, and warns.
+  stage.Note("the outlines of these photographs do not fit the other ones: " + names +
              "; look at their masks (contact_sheet.jpg), and whether they were cropped, turned, or shot with another zoom");
 }
 
