@@ -75,7 +75,7 @@ def truth_of(bin_dir, world, pose, out):
         return {'error': float('inf'), 'genus_right': False}  # so far off that nothing fits
     score = json.loads(done.stdout)
     closed = score['closed']
-    return {'error': score['surface_refined']['mean_over_diag'], 'genus_right': closed['genus'] == closed['true_genus']}
+    return {'error': score['surface_refined']['mean_over_diag'], 'genus_right': closed['genus'] == score['true_genus']}
 
 
 def grade_of(truth):

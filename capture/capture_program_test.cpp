@@ -226,6 +226,13 @@ TEST_F(CaptureProgram, FilesThatAreNoImagesAreNamed) {
   EXPECT_THAT(outcome.output, HasSubstr("text.jpg"));
 }
 
+TEST_F(CaptureProgram, FewPhotographsAreToldOfBeforeCamerasAreSought) {
+  WritePhotos(9);
+  const Outcome outcome = Run();
+  ASSERT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_THAT(Report(), HasSubstr("there are only 9 photographs"));
+}
+
 TEST_F(CaptureProgram, CopiesAreAnInputError) {
   WritePhotos(8);
   fs::copy_file(photos / "p12.jpg", photos / "p99.jpg");

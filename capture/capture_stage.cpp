@@ -9,6 +9,7 @@
 #include "capture/capture_options.h"
 #include "capture/contact_sheet.h"
 #include "capture/masking.h"
+#include "capture/overlap.h"
 #include "capture/photographs.h"
 #include "capture/quality.h"
 #include "core/errors.h"
@@ -25,6 +26,7 @@ using namespace keypose;
 using namespace keypose::capture;
 
 constexpr int kCellWidth = 240;
+constexpr int kPreview_px = 640;
 
 /// The set while it is imported.
 struct Import {
@@ -187,6 +189,7 @@ struct Written {
   CapturedImage image;
   Quality quality;
   Image8 cell;
+  Preview preview;
 };
 
 Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, const CaptureOptions& options) {
@@ -208,6 +211,7 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, co
   written.quality = MeasureQuality(grey, grey_mask);
   entry.sharpness = written.quality.laplacian_variance;
   entry.exposure = written.quality.exposure;
+  written.preview = {WorkingImage(Grey(image), kPreview_px), WorkingImage(mask, kPreview_px)};
   written.cell = ContactCell(image, mask, entry.name, kCellWidth);
   WritePhotograph(import, i, image, folder / entry.name, options.jpeg_quality);
   WriteImage(folder / entry.mask, mask);
@@ -227,6 +231,9 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all, const C
   const auto black = NamesWhere(all, [&](const Written& w) { return w.image.mask_fraction < options.min_mask; });
   const auto limit = static_cast<std::size_t>(options.max_bad_share * static_cast<double>(all.size()));
   stage.ReportJson("blurred", nlohmann::json(blurred).dump());
+  if (!blurred.empty() && blurred.size() <= limit)
+    stage.Warn("these photographs are blurred, and what only they show will be coarse: " + JoinNames(blurred) +
+               "; shoot them again with a tripod, a smaller aperture and fixed focus");
   stage.ReportJson("empty_masks", nlohmann::json(black).dump());
   if (black.size() > limit)
     throw InputError("capture: the masks of " + std::to_string(black.size()) + " of " + std::to_string(all.size()) +
@@ -237,6 +244,30 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all, const C
                      " photographs are blurred: " + JoinNames(blurred) +
                      "; use a tripod, a smaller aperture and fixed focus and shoot them again, or lower --min_sharpness (now " +
                      nlohmann::json(options.min_sharpness).dump() + ")");
+}
+
+/// What a person can still mend before an hour is spent: too few photographs, or too far apart. sfm has the last word.
+void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t groups) {
+  constexpr std::size_t kFew = 16, kMost = 60;  // of more, all pairs would take longer than seconds
+  if (all.size() < kFew)
+    stage.Warn("there are only " + std::to_string(all.size()) +
+               " photographs; without the printed plate a turn needs 24 of them, 15 degrees apart, unless the figure is rich in texture");
+  if (all.size() > kMost || groups > 1) return;
+  std::vector<Preview> previews;
+  for (Written& written : all) previews.push_back(std::move(written.preview));
+  constexpr int kStrong = 40;  // of the 400 places sought in a preview
+  const auto images = static_cast<int>(all.size());
+  const std::vector<ImageTie> ties = SharedPlaces(previews, stage.progress());
+  const auto joined = JoinedImages(images, ties);
+  stage.Report("spacing_ties", static_cast<int>(ties.size()));
+  stage.Report("spacing_groups", static_cast<int>(joined.size()));
+  if (!FallsApart(images, ties, kStrong)) return;
+  std::vector<std::string> names;
+  for (const int i : joined[0]) names.push_back(all[static_cast<std::size_t>(i)].image.name);
+  stage.Warn("neighbouring photographs share hardly any places: the " + std::to_string(images) + " photographs fall into " +
+             std::to_string(joined.size()) + " groups, such as " + JoinNames(names) + ", as if the table was turned by about " +
+             std::to_string(360 / static_cast<int>(joined.size())) +
+             " degrees at a time; turn it by 15 degrees at most, or sfm may find no cameras");
 }
 
 int PlateViews(const Import& import) {
@@ -308,6 +339,7 @@ void Run(StageContext& stage, const CaptureOptions& options) {
   ReportSet(stage, import, written);
   ReportPlate(stage, import);
   RequireFitSet(stage, written, options);
+  if (PlateViews(import) == 0) JudgeSpacing(stage, written, import.groups.size());
   ImageSet set;
   set.folder = folder;
   set.camera_model = import.photographs.front().camera_model;

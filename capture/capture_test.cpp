@@ -8,6 +8,7 @@
 #include "capture/checks.h"
 #include "capture/contact_sheet.h"
 #include "capture/masking.h"
+#include "capture/overlap.h"
 #include "capture/quality.h"
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -192,6 +193,27 @@ TEST(ContactCell, ShowsTheObjectUntintedAndTheRestTinted) {
   const std::uint8_t *corner = cell.at(5, 5), *middle = cell.at(118, 84);
   EXPECT_GT(corner[0], corner[1] + 60);  // magenta
   for (int c = 0; c < 3; ++c) EXPECT_EQ(middle[c], photo.image.at(118, 84)[c]);
+}
+
+/// Patches of random grey, 9 pixels wide; `shift` moves them, `pattern` says which.
+Preview Patches(int pattern, int shift) {
+  Preview preview{Image8(320, 240, 1), Image8(320, 240, 1, 255)};
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const auto cell = static_cast<std::uint32_t>(((x + shift) / 9) * 73856093 ^ (y / 9) * 19349663 ^ pattern * 83492791);
+      const std::uint32_t mixed = (cell ^ (cell >> 13)) * 0x5bd1e995U;
+      *preview.grey.at(x, y) = static_cast<std::uint8_t>(60 + (mixed >> 15) % 140);
+    }
+  return preview;
+}
+
+TEST(SharedPlaces, JoinsPhotographsOfOneSideAndNotThoseOfTwo) {
+  const std::vector<ImageTie> ties = SharedPlaces({Patches(1, 0), Patches(2, 0), Patches(1, 5), Patches(2, 5)});
+  ASSERT_EQ(ties.size(), 2U);
+  EXPECT_EQ(ties[0].first, 0);
+  EXPECT_EQ(ties[0].second, 2);
+  EXPECT_EQ(ties[1].first, 1);
+  EXPECT_EQ(ties[1].second, 3);
 }
 
 }  // namespace
