@@ -182,6 +182,36 @@ TEST(JudgeOutlines, TwoThatContradictInTheSameWayAreBothFound) {
   for (std::size_t i = 0; i < ring.views.size(); ++i) EXPECT_EQ(standing.say[i], i != 7 && i != 8) << i;
 }
 
+/// Six upright columns in a circle; only along the gaps that face each other does one see through.
+bool OnColumns(const View& view, int x, int y) {
+  const Eigen::Vector3d eye = view.camera_from_world.rotation.conjugate() * -view.camera_from_world.translation;
+  const Eigen::Vector3d in_camera((x + 0.5 - kWidth / 2.0) / kFocal, (y + 0.5 - kHeight / 2.0) / kFocal, 1);
+  const Eigen::Vector3d ray = view.camera_from_world.rotation.conjugate() * in_camera;
+  for (int column = 0; column < 6; ++column) {
+    const double angle = (10 + 60 * column) * M_PI / 180;
+    const Eigen::Vector2d to = 0.55 * Eigen::Vector2d(std::cos(angle), std::sin(angle)) - eye.head<2>(), along = ray.head<2>();
+    const double t = to.dot(along) / along.squaredNorm();
+    if ((to - t * along).norm() < 0.2 && std::abs(eye.z() + t * ray.z()) < 0.6) return true;
+  }
+  return false;
+}
+
+TEST(JudgeOutlines, ToLookThroughBetweenColumnsIsNoFault) {
+  Ring ring = MakeRing();
+  for (std::size_t i = 0; i < ring.views.size(); ++i)
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) *ring.truths[i].at(x, y) = OnColumns(ring.views[i], x, y) ? 255 : 0;
+  const auto by = [&](const std::vector<char>& say) { return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, say), 3}; };
+  Denials denials = by({});
+  // Some views lack far more than the middle one of what no other denies: they alone see through.
+  const std::vector<OutlineFit> fits = FitsOfOutlines(ring.truths, denials, {});
+  const auto most = std::max_element(fits.begin(), fits.end(), [](auto& a, auto& b) { return a.missing[0] < b.missing[0]; });
+  ASSERT_GT(most->missing[0], 1.2 * StandingOptions{}.missing);
+  const Standing standing = JudgeOutlines(ring.truths, denials, by, {});
+  EXPECT_FALSE(standing.undecided);
+  EXPECT_EQ(std::count(standing.say.begin(), standing.say.end(), 1), static_cast<std::ptrdiff_t>(ring.views.size()));
+}
+
 class MasksProgram : public testing::Test {
  protected:
   void SetUp() override {

@@ -57,6 +57,31 @@ std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vecto
   return faults;
 }
 
+/// Share of a mask whose rays end in nothing that this view did not deny as well.
+double RobbedShare(const Image8& mask, const Image8& all, const Image8& without, double depth) {
+  cv::Mat robbed(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
+  double figure = 1;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (*mask.at(x, y) <= 127) continue;
+      ++figure;
+      if (*all.at(x, y) > *without.at(x, y)) robbed.at<std::uint8_t>(y, x) = 255;
+    }
+  return OpenedArea(robbed, depth * std::max(mask.width, mask.height)) / figure;
+}
+
+/// Whether at least two other views that are heard lose a part of their figure by what view `i` denies.
+bool Robs(std::size_t i, const std::vector<Image8>& masks, const std::vector<char>& say, const Denials& all,
+          const Denials& without, const StandingOptions& options) {
+  std::vector<char> robbed(masks.size(), 0);
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t k) {
+    const auto j = static_cast<std::size_t>(k);
+    if (j == i || !say[j]) return;
+    robbed[j] = RobbedShare(masks[j], all.pictures[j], without.pictures[j], options.depth) > options.robbed;
+  });
+  return std::count(robbed.begin(), robbed.end(), 1) >= 2;
+}
+
 }  // namespace
 
 std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks, const Denials& denials, const StandingOptions& options) {
@@ -83,16 +108,22 @@ Standing JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
                        const std::function<Denials(const std::vector<char>&)>& denials_by, const StandingOptions& options) {
   Standing standing{std::vector<char>(masks.size(), 1), FitsOfOutlines(masks, denials, options), {}, false};
   const auto most = static_cast<std::size_t>(options.most_doubtful * static_cast<double>(masks.size()));
-  for (std::size_t gone = 0;; ++gone) {
+  std::vector<char> cleared(masks.size(), 0);  // they look through gaps
+  for (std::size_t gone = 0;;) {
     std::vector<double> faults = Faults(standing.fits, standing.say);
     for (std::size_t i = 0; i < faults.size(); ++i)
-      if (!standing.say[i]) faults[i] = 0;
+      if (!standing.say[i] || cleared[i]) faults[i] = 0;
     const auto worst = static_cast<std::size_t>(std::max_element(faults.begin(), faults.end()) - faults.begin());
     if (faults[worst] <= options.missing) break;
-    standing.undecided = gone >= most;
+    std::vector<char> say = standing.say;
+    say[worst] = 0;
+    Denials without = denials_by(say);
+    cleared[worst] = !Robs(worst, masks, say, denials, without, options);
+    if (cleared[worst]) continue;
+    standing.undecided = gone++ >= most;
     if (standing.undecided) break;
-    standing.say[worst] = 0;
-    denials = denials_by(standing.say);
+    standing.say = std::move(say);
+    denials = std::move(without);
     standing.fits = FitsOfOutlines(masks, denials, options);
   }
   return standing;

@@ -12,6 +12,7 @@ namespace keypose::capture {
 struct StandingOptions {
   double missing = 0.03;        ///< a view that lacks this much more of the figure than is usual contradicts the others
   double depth = 0.012;         ///< what is missing counts where it is deeper than this share of the picture's longer side
+  double robbed = 0.01;         ///< share of another mask that nothing explains any more once this view is heard
   double touching = 0.05;       ///< what lies outside of the others' space, over the figure's area, that is no part of a mask's rim
   double few = 0.25;            ///< share of the views that something may touch; in more it is a stand
   double most_doubtful = 0.34;  ///< share of the views that may lose their say before it cannot be told who is right
@@ -46,6 +47,8 @@ std::vector<std::size_t> Touched(const Standing& standing, const StandingOptions
 /// Takes the say from one view after the other, the worst first, until none that is left contradicts the rest. A view that denies what
 /// all others (or all but one or two) uphold is at fault, however much of the common space it has carved away: the space is asked without
 /// it. What is usual is the median view's: a hull is larger than its figure, and each view sees through some gap that few others see.
+/// To look through a gap is no fault: between columns there is space that only few photographs see to be empty. So a view must also rob
+/// two others of something: by its word alone nothing is left along the rays of more than `robbed` of their masks.
 /// @param denials     with all views heard; at the end those with the views that keep their say
 /// @param denials_by  asks the space again: one flag a view, 0 is not heard
 /// Same bits for any thread count.
