@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -35,6 +36,14 @@ std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
     if (entry.is_object() && entry.contains("name")) names.push_back(entry.value("name", ""));
   }
   return names;
+}
+
+/// With a capital at its start and a full stop at its end, as other findings have them; file names stay as they are.
+std::string AsSentence(std::string text) {
+  const bool word = text.size() > 1 && std::islower(static_cast<unsigned char>(text[0])) && text.substr(0, text.find(' ')).find('.') == std::string::npos;
+  if (word) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  if (!text.empty() && text.back() != '.') text += '.';
+  return text;
 }
 
 /// Collects findings on one step after another.
@@ -242,7 +251,7 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (!step.trouble.empty()) findings.Put({Grade::kLook, step.pose, where, Escape(step.trouble) + ".", "keypose run makes it again"});
   // What capture foresees is decided by what came of it; the other stages warn of their results.
   for (const std::string& warning : step.warnings)
-    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where, Escape(warning), ""});
+    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where, AsSentence(Escape(warning)), ""});
   if (step.stage == "capture") findings.Capture(step);
   if (step.stage == "sfm") findings.Sfm(step);
   if (step.stage == "masks") findings.Masks(step);
@@ -253,6 +262,9 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (step.stage == "register") findings.Register(step);
 }
 
+/// A verdict names so many findings; the list below it has the rest.
+constexpr int kFindingsInVerdict = 3;
+
 int Badness(Grade grade) { return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3; }
 
 /// What decided: all that is as bad as the worst; of a good pose, what the photographs say.
@@ -260,12 +272,14 @@ Verdict VerdictOn(const std::string& about, const std::string& pose, const std::
   Verdict verdict{about, Grade::kNote, "", ""};
   for (const Finding& f : findings)
     if (f.pose == pose && Badness(f.grade) < Badness(verdict.grade)) verdict.grade = f.grade;
+  int count = 0;
   for (const Finding& f : findings) {
     const bool decides = f.grade == verdict.grade && (f.grade != Grade::kGood || f.where == "compared");
     if (f.pose != pose || !decides) continue;
-    verdict.why += (verdict.why.empty() ? "" : " ") + f.text;
+    if (++count <= kFindingsInVerdict) verdict.why += (verdict.why.empty() ? "" : " ") + f.text;
     if (!f.cure.empty() && verdict.cure.find(f.cure) == std::string::npos) verdict.cure += (verdict.cure.empty() ? "" : "; ") + f.cure;
   }
+  if (count > kFindingsInVerdict) verdict.why += fmt::format(" The report lists {} more.", count - kFindingsInVerdict);
   return verdict;
 }
 

@@ -138,6 +138,12 @@ TEST(Judge, WarningsOfAStepAreRepeatedButCapturesForesightDoesNotDecide) {
   EXPECT_THAT(verdict.why, HasSubstr("look swapped"));
 }
 
+TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
+  Contents contents = Ideal();
+  StepOf(contents, "register").warnings = {"one is off", "p1.jpg is off", "three.", "four", "five"};
+  EXPECT_EQ(Judged(contents).why, "One is off. p1.jpg is off. Three. The report lists 2 more.");
+}
+
 TEST(Judge, RegistrationDecidesOnItsPose) {
   for (const auto& [numbers, grade] : {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
                                        {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
