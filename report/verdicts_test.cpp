@@ -140,8 +140,8 @@ TEST(Judge, WarningsOfAStepAreRepeatedButCapturesForesightDoesNotDecide) {
 
 TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
   Contents contents = Ideal();
-  StepOf(contents, "register").warnings = {"one is off", "p1.jpg is off", "three.", "four", "five"};
-  EXPECT_EQ(Judged(contents).why, "One is off. p1.jpg is off. Three. The report lists 2 more.");
+  StepOf(contents, "register").warnings = {"one is off", "p1.jpg is off", "three are.", "four", "five"};
+  EXPECT_EQ(Judged(contents).why, "One is off. p1.jpg is off. Three are. The report lists 2 more.");
 }
 
 TEST(Judge, RegistrationDecidesOnItsPose) {
