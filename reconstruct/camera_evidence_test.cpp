@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/image_turns.h"
 #include "core/joined_images.h"
 #include "core/render.h"
 #include "reconstruct/upside_down.h"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/image_turns.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"

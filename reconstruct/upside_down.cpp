@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/image_turns.h"
+
 namespace keypose::reconstruct {
 namespace {
 
@@ -122,13 +124,6 @@ std::vector<int> UpsideDownByOutlines(std::vector<int> known, const std::vector<
     known[i] = turned < kClearly * as_it_is;
   }
   return known;
-}
-
-Image8 TurnedOver(const Image8& image) {
-  Image8 turned(image.width, image.height, image.channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(image.width - 1 - x, image.height - 1 - y));
-  return turned;
 }
 
 }  // namespace keypose::reconstruct

@@ -22,7 +22,4 @@ std::vector<int> UpsideDownByMatches(int images, const std::vector<PairPoints>& 
 /// @param masks  1 channel, above 127 inside; empty where there is none
 std::vector<int> UpsideDownByOutlines(std::vector<int> known, const std::vector<Image8>& masks);
 
-/// Turned by 180 degrees.
-Image8 TurnedOver(const Image8& image);
-
 }  // namespace keypose::reconstruct

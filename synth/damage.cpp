@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/image.h"
+#include "core/image_turns.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "synth/sensor.h"
@@ -42,13 +43,6 @@ Image8 TurnedLeft(const Image8& image) {
   Image8 turned(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(y, image.width - 1 - x));
-  return turned;
-}
-
-Image8 TurnedOver(const Image8& image) {
-  Image8 turned(image.width, image.height, image.channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(image.width - 1 - x, image.height - 1 - y));
   return turned;
 }
 
