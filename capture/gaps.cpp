@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "capture/cv_image.h"
@@ -14,9 +15,10 @@ namespace {
 
 constexpr double kShade = 0.88;         // of the empty set's lightness, that the figure's shade leaves at least
 constexpr int kNoise = 4;               // of single pixels' lightness, beside the background's usual difference; half of it in colour
+constexpr int kLooseNoise = 8;
 constexpr int kLeastArea = 16;          // pixels
 constexpr double kLeastDepth = 1.4;     // pixels from a gap's middle to its side
-constexpr double kLargestShare = 0.01;  // of the mask: larger gaps are seen at working size
+constexpr double kLargestShare = 0.3;   // of the mask
 constexpr double kSetOff = 22;          // 8 bit Lab distance of the figure beside a gap: shade that ends smoothly has less
 constexpr double kSmoothSide = 0.2;     // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
 constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
@@ -91,10 +93,18 @@ class Gap {
   }
 
   /// Its rim, which mixes gap and figure, goes as well: where the border runs is settled afterwards.
-  void Open(cv::Mat mask) const {
+  void Open(const cv::Point& corner, cv::Mat mask) const {
     cv::Mat open;
     cv::dilate(pixels_, open, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
-    mask(around_).setTo(0, open);
+    mask(around_ + corner).setTo(0, open);
+  }
+
+  Region Pixels(const cv::Point& corner, int width) const {
+    Region region;
+    for (int y = 0; y < pixels_.rows; ++y)
+      for (int x = 0; x < pixels_.cols; ++x)
+        if (pixels_.at<std::uint8_t>(y, x)) region.push_back((corner.y + around_.y + y) * width + corner.x + around_.x + x);
+    return region;
   }
 
  private:
@@ -102,20 +112,43 @@ class Gap {
   cv::Mat lab_, mask_, pixels_;
 };
 
-cv::Mat Candidates(const cv::Mat& lab, const cv::Mat& empty, const cv::Mat& mask, const std::array<int, 3>& usual) {
+cv::Mat Candidates(const cv::Mat& lab, const cv::Mat& empty, const cv::Mat& mask, const std::array<int, 3>& usual, int noise) {
   cv::Mat candidates(mask.size(), CV_8U, cv::Scalar(0));
   for (int y = 0; y < mask.rows; ++y)
     for (int x = 0; x < mask.cols; ++x)
-      if (mask.at<std::uint8_t>(y, x) && Like(&lab.at<cv::Vec3b>(y, x)[0], &empty.at<cv::Vec3b>(y, x)[0], usual, kNoise))
+      if (mask.at<std::uint8_t>(y, x) && Like(&lab.at<cv::Vec3b>(y, x)[0], &empty.at<cv::Vec3b>(y, x)[0], usual, noise))
         candidates.at<std::uint8_t>(y, x) = 255;
   return candidates;
 }
 
+/// @param visit  called with each region in the mask that looks like the empty set, the corner of the mask's part that it was made from, and the backdrop's
+///               pixels over the image's
+template <typename Visit>
+void ForEachGap(const Image8& image, const Backdrop& backdrop, const cv::Mat& mask, int noise, const Visit& visit) {
+  cv::Rect box = cv::boundingRect(mask);
+  if (backdrop.empty.empty() || box.empty()) return;
+  box = Around(box, mask.size());  // what lies beyond the outline is looked at as well
+  cv::Mat lab, empty, labels, stats, middles;
+  cv::cvtColor(MatOf(image)(box), lab, cv::COLOR_RGB2Lab);
+  cv::resize(MatOf(backdrop.empty), empty, mask.size(), 0, 0, cv::INTER_LINEAR);
+  const cv::Mat before = mask(box).clone();
+  const int count =
+      cv::connectedComponentsWithStats(Candidates(lab, empty(box), before, backdrop.usual, noise), labels, stats, middles, 4, CV_32S);
+  const double largest = kLargestShare * cv::countNonZero(before), scale = static_cast<double>(backdrop.empty.width) / image.width;
+  for (int k = 1; k < count; ++k) {
+    const int* of = stats.ptr<int>(k);
+    if (of[cv::CC_STAT_AREA] < kLeastArea || of[cv::CC_STAT_AREA] > largest) continue;
+    visit(Gap(lab, before, labels, k, {of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH], of[cv::CC_STAT_HEIGHT]}), box.tl(),
+          scale);
+  }
+}
+
 }  // namespace
 
-std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
-                                  double largest_misfit) {
-  std::vector<Backdrop> backdrops(lab.size());
+Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
+                      double largest_misfit) {
+  Backdrops all{std::vector<Backdrop>(lab.size()), 0};
+  std::vector<Backdrop>& backdrops = all.of;
   std::vector<double> figure(lab.size(), 0), like(figure);
   ParallelFor(static_cast<std::int64_t>(lab.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
@@ -126,32 +159,24 @@ std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vec
       if (zones[i].data[p] == kObject) figure[i] += 1, like[i] += Like(&lab[i].data[3 * p], &empty.data[3 * p], backdrops[i].usual, 0);
     backdrops[i].empty = std::move(empty);
   });
-  double all = 0, alike = 0;
-  for (std::size_t i = 0; i < lab.size(); ++i) all += figure[i], alike += like[i];
-  if (alike > kManyAlike * all)
-    for (Backdrop& backdrop : backdrops) backdrop.empty = {};
-  return backdrops;
+  const auto sum = [](const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); };
+  all.alike = sum(like) / std::max(1.0, sum(figure));
+  return all;
+}
+
+std::vector<Region> FindGaps(const Image8& image, const Backdrop& backdrop, const Image8& mask, bool loosely) {
+  std::vector<Region> regions;
+  ForEachGap(image, backdrop, MatOf(mask), loosely ? kLooseNoise : kNoise, [&](const Gap& gap, const cv::Point& corner, double) {
+    if (gap.Wide() && gap.SetOff()) regions.push_back(gap.Pixels(corner, mask.width));
+  });
+  return regions;
 }
 
 void OpenGaps(const Image8& image, const Backdrop& backdrop, Image8& mask) {
-  if (backdrop.empty.empty()) return;
-  cv::Mat whole = MatOf(mask).clone(), lab, empty;
-  cv::Rect box = cv::boundingRect(whole);
-  if (box.empty()) return;
-  box = Around(box, whole.size());  // what lies beyond the outline is looked at as well
-  cv::cvtColor(MatOf(image)(box), lab, cv::COLOR_RGB2Lab);
-  cv::resize(MatOf(backdrop.empty), empty, whole.size(), 0, 0, cv::INTER_LINEAR);
-  const cv::Mat before = whole(box).clone();
-  cv::Mat labels, stats, middles;
-  const int count =
-      cv::connectedComponentsWithStats(Candidates(lab, empty(box), before, backdrop.usual), labels, stats, middles, 4, CV_32S);
-  const double largest = kLargestShare * cv::countNonZero(before), scale = static_cast<double>(backdrop.empty.width) / image.width;
-  for (int k = 1; k < count; ++k) {
-    const int* of = stats.ptr<int>(k);
-    if (of[cv::CC_STAT_AREA] < kLeastArea || of[cv::CC_STAT_AREA] > largest) continue;
-    const Gap gap(lab, before, labels, k, {of[cv::CC_STAT_LEFT], of[cv::CC_STAT_TOP], of[cv::CC_STAT_WIDTH], of[cv::CC_STAT_HEIGHT]});
-    if (gap.Wide() && gap.Thin(backdrop.thickness, box.tl(), scale) && gap.SetOff()) gap.Open(whole(box));
-  }
+  cv::Mat whole = MatOf(mask).clone();
+  ForEachGap(image, backdrop, MatOf(mask), kNoise, [&](const Gap& gap, const cv::Point& corner, double scale) {
+    if (gap.Wide() && gap.Thin(backdrop.thickness, corner, scale) && gap.SetOff()) gap.Open(corner, whole);
+  });
   mask = ImageOf(whole);
 }
 

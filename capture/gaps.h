@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "capture/empty_set.h"
@@ -16,13 +17,31 @@ struct Backdrop {
   Image8 thickness;            ///< how much of each pixel's ray lies in the hull, see ThicknessOfHull; without pixels: not known
 };
 
-/// The empty set behind each image of a set. None of them has pixels where the figure itself has the empty set's colours, in light or in
-/// shade, on more than 0.15 % of its area (bone in the dark before a black cloth, a white chin before white paper).
+/// What the images of a set show behind the figure.
+struct Backdrops {
+  std::vector<Backdrop> of;
+  double alike = 0;  ///< share of the figure that looks like the empty set, in light or in shade
+
+  /// Whether the figure itself has the empty set's colours (bone in the dark before a black cloth, a white chin before white paper).
+  bool Confusing() const { return alike > kManyAlike; }
+};
+
+/// The empty set behind each image of a set.
 /// @param lab             CIE Lab at working size
 /// @param zones           of the same size, what is known of their pixels
 /// @param largest_misfit  see MaskOptions
-std::vector<Backdrop> BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
-                                  double largest_misfit);
+Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>& zones, const std::vector<Take>& takes,
+                      double largest_misfit);
+
+/// Pixels of one region, y * width + x.
+using Region = std::vector<std::int32_t>;
+
+/// The regions of a mask that show the empty set, in light or in the figure's shade, and that the figure is sharply set off from; how thick the
+/// hull is there is not asked.
+/// @param image    RGB
+/// @param mask     of the same size, 255 or 0
+/// @param loosely  allows more difference: below a figure that always stands there the empty set is only guessed from its surroundings
+std::vector<Region> FindGaps(const Image8& image, const Backdrop& backdrop, const Image8& mask, bool loosely);
 
 /// Takes out of a mask what shows the empty set, in light or in the figure's shade: the inner ends of notches and small holes, which a
 /// smooth border at working size closes. What has the backdrop's colours but is the figure's stays, as far as that can be told: the figure

@@ -1,0 +1,55 @@
+// Space that the masks of a set share, as voxels that know how many masks deny them.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "capture/space_masks.h"
+
+namespace keypose::capture {
+
+/// What one mask says of places in space.
+struct Witness {
+  const View* view = nullptr;
+  bool heard = true;  ///< its denials count
+  Image8 denied;      ///< 1 where a place that is seen there is outside
+
+  enum Word : std::uint8_t { kUnseen, kDenied, kUpheld };
+  /// @param pixel  gets the place's pixel and depth, where it is seen
+  Word Of(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const;
+};
+
+/// One for each view; these must outlive them.
+/// @param margin_px  a mask denies what it shows outside of itself by more than this
+/// @param say        one a view, 0 where it is not heard; empty: all are
+std::vector<Witness> WitnessesOf(const std::vector<View>& views, const std::vector<Image8>& masks, double margin_px,
+                                 const std::vector<char>& say = {});
+
+/// Voxels, each with the number of masks that deny it.
+struct Grid {
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();
+  double cell = 0;
+  Eigen::Vector3i size = Eigen::Vector3i::Zero();
+  std::vector<std::uint8_t> denials;  ///< x fastest; more than the most that is told apart count as one more than that
+
+  std::size_t At(int x, int y, int z) const { return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x; }
+  Eigen::Vector3d Center(int x, int y, int z) const { return low + cell * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5); }
+};
+
+/// The space round the figure. A place that less than a third of the views see counts as denied by all.
+/// @throws InputError  the masks have no common space
+Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
+                 const SpaceOptions& options);
+
+/// Lowest and highest voxels with fewer denials; the highest is -1 where there are none.
+std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials);
+
+/// Voxels along the longest side of what nobody denies, at least 1.
+int LongestSide(const Grid& grid);
+
+/// How many voxels' lengths of a pixel's ray nobody denies, the pixel's own view aside where `others_only`.
+int ChordOf(const Witness& witness, int x, int y, const Grid& grid, bool others_only);
+
+}  // namespace keypose::capture
