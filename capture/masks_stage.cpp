@@ -67,18 +67,18 @@ double Mean(const std::vector<double>& values) {
   return sum;
 }
 
-void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined,
-                     const SpaceOptions& options) {
-  nlohmann::json each = nlohmann::json::object(), low = nlohmann::json::array();
+void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined) {
+  nlohmann::json each = nlohmann::json::object(), contrary = nlohmann::json::array();
+  const std::vector<std::size_t> beyond = Touched(refined.standing, {});
   for (std::size_t i = 0; i < refined.agreement.size(); ++i) {
     const std::string& name = set.images[placed.index[i]].name;
     each[name] = {refined.agreement_before[i], refined.agreement[i]};
+    if (!refined.standing.say[i] || std::count(beyond.begin(), beyond.end(), i) > 0) contrary.push_back(name);
   }
-  for (const std::size_t i : Disagreeing(refined.agreement, options)) low.push_back(set.images[placed.index[i]].name);
   stage.Report("agreement_before", Mean(refined.agreement_before));
   stage.Report("agreement", Mean(refined.agreement));
   stage.Report("least_agreement", *std::min_element(refined.agreement.begin(), refined.agreement.end()));
-  stage.ReportJson("views_disagreeing", low.dump());
+  stage.ReportJson("views_disagreeing", contrary.dump());
   stage.ReportJson("agreement_of_views", each.dump());
 }
 
@@ -160,7 +160,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
   SubProgress progress(stage.progress(), 0.2, 0.7);
   const RefinedMasks refined =
       RefineInSpace(placed.images, placed.masks, placed.views, placed.boards, options.Masking(), options.Space(), &progress);
-  ReportAgreement(stage, set, placed, refined, options.Space());
+  ReportAgreement(stage, set, placed, refined);
   ReportStanding(stage, placed, refined.standing, &set);
   ReportTouched(stage, set, placed, refined);
   const fs::path folder = stage.Output("masked");

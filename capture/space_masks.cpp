@@ -216,18 +216,6 @@ std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std
   return agreement;
 }
 
-std::vector<std::size_t> Disagreeing(const std::vector<double>& agreement, const SpaceOptions& options) {
-  constexpr double kBelowUsual = 0.02;
-  std::vector<std::size_t> views;
-  if (agreement.empty()) return views;
-  std::vector<double> sorted = agreement;
-  std::sort(sorted.begin(), sorted.end());
-  const double low = std::min(options.overlap_low, sorted[sorted.size() / 2] - kBelowUsual);
-  for (std::size_t i = 0; i < agreement.size(); ++i)
-    if (agreement[i] < std::max(low, options.overlap_bad)) views.push_back(i);
-  return views;
-}
-
 RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<View>& views,
                            const std::vector<BoardOdds>& boards, const MaskOptions& masking, const SpaceOptions& options,
                            Progress* progress) {

@@ -16,8 +16,6 @@ struct SpaceOptions {
   int most_denials = 8;       ///< views against a place that are told apart, fewer in sets below 48; more count as this many
   double margin_px = 1;       ///< a mask denies a place that it shows outside of itself by more than this
   double weight = 2;          ///< of what the others say against what the photograph shows
-  double overlap_low = 0.96;  ///< views that agree less with the hull, and 0.02 less than the set's median, are named
-  double overlap_bad = 0.90;  ///< and all that agree less than this
   StandingOptions standing{};
   ColorOptions colors{};
 };
@@ -60,10 +58,6 @@ struct RefinedMasks {
 
 /// IoU of each mask with the silhouette of the visual hull of the others: places that fewer than two deny.
 std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std::vector<Image8>& denials);
-
-/// The views whose mask or camera the others contradict. Small figures and coarse pixels lower the agreement of a whole set, which says
-/// nothing against any of them.
-std::vector<std::size_t> Disagreeing(const std::vector<double>& agreement, const SpaceOptions& options);
 
 /// Segments the set again with what the other views say of each pixel's ray as a further witness: how much its say weighs is measured from
 /// how it goes with the masks. A part of the set that only some views took for the figure is denied by those that see past it; a part of

@@ -316,14 +316,5 @@ TEST_F(MasksProgram, ModelOfOtherPhotographsIsAnInputError) {
   EXPECT_FALSE(fs::exists(root / "masked"));
 }
 
-TEST(Disagreeing, AreViewsBelowTheOthersAndNotAWholeSetOfSmallFigures) {
-  using Views = std::vector<std::size_t>;
-  EXPECT_EQ(Disagreeing({0.95, 0.955, 0.952, 0.94}, {}), Views{});
-  EXPECT_EQ(Disagreeing({0.95, 0.955, 0.952, 0.92}, {}), Views{3});
-  EXPECT_EQ(Disagreeing({0.99, 0.965, 0.99, 0.955}, {}), Views{3});
-  EXPECT_EQ(Disagreeing({0.7, 0.72, 0.71}, {}), (Views{0, 1, 2}));
-  EXPECT_EQ(Disagreeing({}, {}), Views{});
-}
-
 }  // namespace
 }  // namespace keypose::capture
