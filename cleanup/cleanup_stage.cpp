@@ -8,9 +8,9 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
-#include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/sight_io.h"
 #include "core/stage/stage.h"
 
 namespace {
@@ -19,7 +19,6 @@ using keypose::StageContext;
 using keypose::StageSpec;
 using keypose::cleanup::CleanupOptions;
 using keypose::cleanup::CleanupResult;
-using keypose::cleanup::SightLine;
 using keypose::cleanup::SurfaceDistance;
 
 void ReportDistance(StageContext& stage, const std::string& name, const SurfaceDistance& distance) {
@@ -28,27 +27,11 @@ void ReportDistance(StageContext& stage, const std::string& name, const SurfaceD
   stage.Report(name + "_max_over_diag", distance.max);
 }
 
-/// What the photographs see through the figure; nothing without them.
-struct Sight {
-  std::vector<keypose::View> views;
-  std::vector<SightLine> lines;
-};
-
-Sight ReadSight(StageContext& stage) {
+keypose::Sight SightOf(StageContext& stage) {
   if (stage.Has("images") != stage.Has("model"))
     throw keypose::UsageError("cleanup: images and model belong together; give both, or neither");
-  Sight sight;
-  if (!stage.Has("images")) return sight;
-  const keypose::ImageSet set = keypose::ReadImageSet(stage.Input("images"));
-  std::vector<keypose::Image8> masks;
-  for (const keypose::View& view : keypose::ReadColmapModel(stage.Input("model")).views) {
-    const int i = set.Find(view.name);
-    if (i < 0 || set.images[i].mask.empty() || !set.images[i].trusted) continue;
-    sight.views.push_back(view);
-    masks.push_back(keypose::ReadImage(set.MaskPath(i), 1));
-  }
-  sight.lines = keypose::cleanup::LinesThroughHoles(sight.views, masks);
-  return sight;
+  if (!stage.Has("images")) return {};
+  return keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")), keypose::ReadColmapModel(stage.Input("model")));
 }
 
 void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options, const CleanupResult& result) {
@@ -60,9 +43,9 @@ void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options, const 
              std::to_string(result.genus_before) + ", or give --images and --model");
 }
 
-void WarnOfClosedWindows(StageContext& stage, const Sight& sight, const keypose::Mesh& mesh) {
+void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight, const keypose::Mesh& mesh) {
   constexpr std::size_t kEnough = 3;  // one or two are mistaken masks
-  const std::vector<int> closed = keypose::cleanup::ViewsWithClosedWindow(mesh, sight.lines);
+  const std::vector<int> closed = keypose::ViewsWithClosedWindow(mesh, sight.lines);
   stage.Report("views_with_closed_window", static_cast<int>(closed.size()));
   if (closed.size() < kEnough) return;
   std::string names;
@@ -74,7 +57,7 @@ void WarnOfClosedWindows(StageContext& stage, const Sight& sight, const keypose:
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, stage.Input("surface").string());
-  const Sight sight = ReadSight(stage);
+  const keypose::Sight sight = SightOf(stage);
   const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines);
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);

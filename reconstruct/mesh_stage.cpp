@@ -1,20 +1,47 @@
 // keypose-mesh: an oriented point cloud becomes a coloured surface.
+#include <memory>
 #include <utility>
 
+#include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/io/sight_io.h"
 #include "core/stage/stage.h"
 #include "reconstruct/mesh_surface.h"
+#include "reconstruct/prepared_views_stage.h"
+#include "reconstruct/silhouettes.h"
 
 namespace {
 
 using keypose::reconstruct::MeshOptions;
 
+using keypose::reconstruct::OutsideField;
+using keypose::reconstruct::WindowEvidence;
+
+/// The masks' word on windows; without photographs there is none.
+WindowEvidence EvidenceOf(keypose::StageContext& stage) {
+  if (stage.Has("images") != stage.Has("model"))
+    throw keypose::UsageError("mesh: images and model belong together; give both, or neither");
+  if (!stage.Has("images")) return {};
+  const keypose::Scene scene = keypose::ReadColmapModel(stage.Input("model"));
+  WindowEvidence evidence{keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")), scene).lines, {}};
+  evidence.read_outside = [&stage, scene]() -> OutsideField {
+    constexpr int kLongerSide = 1024;
+    const auto views = keypose::reconstruct::LoadPreparedViews(stage, "mesh", scene, kLongerSide, 1);
+    const auto outlines = std::make_shared<keypose::reconstruct::Silhouettes>(views, keypose::reconstruct::OutsideVotes(views.size()));
+    return [outlines](const Eigen::Vector3d& x) { return outlines->Outside(x); };
+  };
+  return evidence;
+}
+
 void Run(keypose::StageContext& stage, const MeshOptions& options) {
   const auto path = stage.Input("cloud");
   keypose::PointCloud cloud = keypose::ReadPointCloud(path);
   const auto points = static_cast<std::int64_t>(cloud.points.rows());
-  const auto result = keypose::reconstruct::ReconstructSurface(std::move(cloud), options, path.filename().string(), stage.progress());
+  const auto result = keypose::reconstruct::ReconstructSurface(std::move(cloud), options, path.filename().string(), stage.progress(),
+                                                               EvidenceOf(stage));
   keypose::WriteMesh(stage.Output("surface"), result.mesh);
   stage.Report("points", points);
   stage.Report("points_used", static_cast<std::int64_t>(result.used.cloud.points.rows()));
@@ -31,6 +58,8 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
   stage.Report("trimmed_faces", result.trimmed_faces);
   stage.Report("removed_components", result.removed_components);
   stage.Report("kept_closures", result.kept_closures);
+  stage.Report("views_with_closed_window", result.views_with_closed_window);
+  stage.Report("window_points", result.window_points);
   stage.Report("closed", keypose::CheckClosed(result.mesh).closed());
 }
 
@@ -39,9 +68,11 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "mesh";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
-  spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false}};
+  spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
+                 {"images", "folder", "photographs and masks, which tell windows; with model", "", true, false},
+                 {"model", "folder", "COLMAP model of the cameras", "", true, false}};
   spec.outputs = {{"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
   spec.cores = 1;
   spec.memory_gib = 4;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -46,6 +47,18 @@ void FaceAlongNormals(Mesh& mesh, const PointCloud& cloud) {
   if (balance < 0) mesh.faces.col(1).swap(mesh.faces.col(2));
 }
 
+Mesh Fit(const FilteredPoints& used, const PoissonOptions& options) {
+  Mesh surface = ScreenedPoisson(used.cloud.points, used.cloud.normals, used.weights, options);
+  FaceAlongNormals(surface, used.cloud);
+  return surface;
+}
+
+int ViewCount(const std::vector<SightLine>& lines) {
+  std::set<int> views;
+  for (const SightLine& line : lines) views.insert(line.view);
+  return static_cast<int>(views.size());
+}
+
 }  // namespace
 
 void MeshOptions::Describe(OptionVisitor& visit) {
@@ -72,7 +85,8 @@ int DepthForSampling(double diagonal, double spacing, int max_depth) {
   return static_cast<int>(std::clamp(levels, static_cast<double>(std::min(kShallowest, max_depth)), static_cast<double>(max_depth)));
 }
 
-SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress) {
+SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress,
+                                 const WindowEvidence& windows) {
   SurfaceResult out;
   SubProgress filtering(progress, 0, 0.15);
   RequireMeshable(cloud, what);
@@ -83,12 +97,18 @@ SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, c
   Step(progress, 0.15, "fitting the surface");
   PoissonOptions poisson = options.poisson;
   poisson.depth = out.depth;
-  Mesh surface = ScreenedPoisson(out.used.cloud.points, out.used.cloud.normals, out.used.weights, poisson);
-  FaceAlongNormals(surface, out.used.cloud);
+  Mesh surface = Fit(out.used, poisson);
+  const double finest = CellSize(out.used.cloud.points, out.depth);
+  if (const std::vector<SightLine> blocked = BlockedLines(surface, windows.lines); !blocked.empty()) {
+    Step(progress, 0.5, "opening windows");
+    out.views_with_closed_window = ViewCount(blocked);
+    out.window_points = AddWindowWalls(surface, blocked, windows.read_outside(), finest, &out.used);
+    if (out.window_points > 0) surface = Fit(out.used, poisson);
+  }
   out.poisson_faces = surface.face_count();
 
   Step(progress, 0.85, "trimming");
-  TrimResult trimmed = TrimToData(surface, out.used, CellSize(out.used.cloud.points, out.depth), options.trim);
+  TrimResult trimmed = TrimToData(surface, out.used, finest, options.trim);
   out.trimmed_faces = trimmed.trimmed_faces;
   out.removed_components = trimmed.removed_components;
   out.kept_closures = trimmed.kept_closures;

@@ -8,6 +8,7 @@
 #include "core/progress.h"
 #include "reconstruct/mesh_points.h"
 #include "reconstruct/mesh_trim.h"
+#include "reconstruct/mesh_windows.h"
 #include "reconstruct/poisson.h"
 
 namespace keypose::reconstruct {
@@ -33,6 +34,8 @@ struct SurfaceResult {
   int trimmed_faces = 0;
   int removed_components = 0;
   int kept_closures = 0;
+  int views_with_closed_window = 0;  ///< of the first fit, see BlockedLines
+  int window_points = 0;             ///< of windows' walls, that were added for a second fit
 };
 
 /// Octree levels that resolve samples `spacing` apart in a cloud of `diagonal`, in [4, max_depth].
@@ -40,10 +43,13 @@ int DepthForSampling(double diagonal, double spacing, int max_depth);
 
 /// Filters the points, solves screened Poisson, trims what has no data, and colours the rest.
 ///
-/// @param what  names the cloud in messages
+/// A window that the photographs see through and the surface closes is opened: its walls, from the outlines, join the points, and the surface is fitted again.
+/// @param what     names the cloud in messages
+/// @param windows  without lines no window is looked for
 /// @throws InputError   see FilterPoints
 /// @throws SolverError  no surface near the points
 /// Same bits for any thread count.
-SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress);
+SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options, const std::string& what, Progress* progress,
+                                 const WindowEvidence& windows = {});
 
 }  // namespace keypose::reconstruct

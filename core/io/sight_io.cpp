@@ -1,0 +1,20 @@
+#include "core/io/sight_io.h"
+
+#include "core/io/image_io.h"
+
+namespace keypose {
+
+Sight ReadSight(const ImageSet& set, const Scene& scene) {
+  Sight sight;
+  std::vector<Image8> masks;
+  for (const View& view : scene.views) {
+    const int i = set.Find(view.name);
+    if (i < 0 || set.images[static_cast<std::size_t>(i)].mask.empty() || !set.images[static_cast<std::size_t>(i)].trusted) continue;
+    sight.views.push_back(view);
+    masks.push_back(ReadImage(set.MaskPath(i), 1));
+  }
+  sight.lines = LinesThroughHoles(sight.views, masks);
+  return sight;
+}
+
+}  // namespace keypose
