@@ -7,4 +7,4 @@ keypose_room(reconstruct_mesh
   SYSTEM_INCLUDES ${PCL_COMMON_INCLUDE_DIRS}
   LINK keypose_reconstruct_cloud pcl_surface pcl_search pcl_common)
 keypose_stage(mesh ROOM reconstruct_mesh SOURCES mesh_stage.cpp prepared_views_stage.cpp LINK keypose_reconstruct_dense nlohmann_json::nlohmann_json)
-keypose_test(mesh_test SOURCES mesh_test.cpp LINK keypose_reconstruct_mesh)
+keypose_test(mesh_test SOURCES mesh_test.cpp mesh_windows_test.cpp LINK keypose_reconstruct_mesh)
