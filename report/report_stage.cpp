@@ -51,7 +51,7 @@ struct ReportOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};

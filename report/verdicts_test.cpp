@@ -147,6 +147,8 @@ TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
 TEST(Judge, RegistrationDecidesOnItsPose) {
   for (const auto& [numbers, grade] : {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
                                        {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
+                                       {Numbers{{"flipped", 39}, {"faces", 20000}, {"surface_rms_over_diag", 0.001}}, Grade::kLook},
+                                       {Numbers{{"flipped", 39}, {"faces", 2000}, {"surface_rms_over_diag", 0.001}}, Grade::kWrong},
                                        {Numbers{{"flipped", 1896}, {"surface_rms_over_diag", 0.0003}}, Grade::kWrong},
                                        {Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.02}}, Grade::kWrong},
                                        {Numbers{{"stretch_low", 0.2}, {"stretch_high", 1.2}}, Grade::kLook}}) {
@@ -194,7 +196,7 @@ TEST(FindAll, EverythingToLookAtHasACureOrIsTheStagesOwnSentence) {
   StepOf(contents, "cleanup").numbers = {{"closed", 0}, {"self_intersections", 5}, {"distance_to_input_p99_over_diag", 0.1}};
   StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
   contents.run.steps.push_back(
-      Step("register", "rest", {{"flipped", 99}, {"surface_rms_over_diag", 0.1}, {"landmark_max_over_diag", 0.1}}));
+      Step("register", "rest", {{"flipped", 199}, {"surface_rms_over_diag", 0.1}, {"landmark_max_over_diag", 0.1}}));
   int open = 0;
   for (const Finding& f : FindAll(contents)) {
     if (f.grade != Grade::kLook && f.grade != Grade::kWrong) continue;
