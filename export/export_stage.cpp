@@ -52,7 +52,7 @@ struct ExportOptions {
     visit("video_width", video_width, {"of the film; even", "px", 64, 7680, {}});
     visit("video_height", video_height, {"of the film; even", "px", 64, 4320, {}});
     visit("video_azimuth", video_azimuth,
-          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of the motion is seen", "deg", -1, 360, {}});
+          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of the motion is seen from the front half", "deg", -1, 360, {}});
     visit("obj", obj, {"also write numbered OBJ files", ""});
     visit("ply", ply, {"also write numbered PLY files", ""});
   }
@@ -328,7 +328,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "2";
+  spec.version = "3";
   spec.summary = "Writes the animation as one GLB with morph targets, as a film, and as numbered OBJ and PLY files.";
   spec.inputs = {{"frames", "folder", "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
                  {"textures", "file", "of each key on the timeline, in order, in the frames' UV layout; or one for all", "", true, true}};

@@ -98,8 +98,11 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
   std::vector<PointsX3> normals(frames.size());
   ParallelFor(static_cast<std::int64_t>(frames.size()),
               [&](std::int64_t i) { normals[i] = VertexNormals(frames[i].points, frames[0].faces); });
+  // A character is first photographed from its face, which sfm turns to -y: the film is taken from that half.
+  constexpr int kStep = 15, kWidest = 75;
   double best = 20, most = 0;
-  for (int azimuth = 0; azimuth < 360; azimuth += 15) {
+  for (int turn = -kWidest; turn <= kWidest; turn += kStep) {
+    const int azimuth = (turn + 360) % 360;
     const View view = FitView(frames[0].points, azimuth, kElevationDeg, options.width, options.height, Up(options));
     const double seen = MotionSeen(frames, normals, view.camera_from_world.rotation.toRotationMatrix());
     if (seen > most * (1 + 1e-9)) most = seen, best = azimuth;

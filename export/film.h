@@ -13,7 +13,7 @@ namespace keypose::exporting {
 
 struct FilmOptions {
   int width = 960, height = 720;  ///< px
-  double azimuth_deg = -1;  ///< of the camera, counter-clockwise seen from above, 0 from -y; below 0: where most of the motion is seen
+  double azimuth_deg = -1;  ///< of the camera, counter-clockwise seen from above, 0 from -y; below 0: see AzimuthOfMotion
   bool z_up = true;
 };
 
@@ -27,7 +27,7 @@ struct FilmScene {
 /// Frames by number in the order in which a film of `fps` shows them, each for one picture: held ones repeat.
 std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps);
 
-/// The azimuth from which most motion is seen: way across the picture of what faces the camera, over all frames. Of 24 around; 20 when
+/// The azimuth from which most motion is seen: way across the picture of what faces the camera, over all frames. Of 11 within 75 degrees of -y; 20 when
 /// nothing moves.
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options);
 

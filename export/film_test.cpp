@@ -117,6 +117,19 @@ TEST(AzimuthOfMotion, LooksAcrossTheMotion) {
   EXPECT_GT(from_y, 0.85) << azimuth;
 }
 
+// What moves on the far side is not a reason to show the back.
+TEST(AzimuthOfMotion, StaysOnTheFirstPhotographsSide) {
+  for (const double at : {-1.0, 1.0}) {
+    std::vector<Mesh> frames = SwayingBox(3);
+    for (std::size_t i = 1; i < frames.size(); ++i)
+      for (Eigen::Index v = 0; v < frames[i].points.rows(); ++v) {
+        frames[i].points.row(v) = frames[0].points.row(v);
+        if (at * frames[0].points(v, 1) > 0) frames[i].points(v, 0) += 0.1 * static_cast<double>(i);
+      }
+    EXPECT_GT(std::cos(AzimuthOfMotion(frames, {}) * M_PI / 180), 0.2);
+  }
+}
+
 TEST(RenderFilm, BlendsTheTexturesByTheFramesWeights) {
   std::vector<Mesh> frames = SwayingBox(2);
   frames[0].uv_faces = FacesX3::Zero(frames[0].face_count(), 3);
