@@ -144,10 +144,11 @@ class Findings {
           "this is a fault of unwrap: please file it with the mesh");
   }
 
-  void Bake(const StepRecord& s) {
-    if (const auto unseen = s.Number("unseen_fraction"))
+  void Bake(const StepRecord& s, const StepRecord* complete) {
+    // What other poses' photographs show is not guessed.
+    if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
-          Bold(Percent(*unseen)) + " of the texture was in no photograph and is filled in from around.",
+          Bold(Percent(*unseen)) + " of the texture was in no photograph" + (complete ? " of any pose" : "") + " and is filled in from around.",
           *unseen < kUnseenLook ? "" : "shoot a second ring from lower or higher, and between the limbs");
     if (const auto psnr = s.Number("held_out_psnr_gain_db"))
       Add(Grade::kNote, s, "A texture of the other photographs predicts those left out at " + Bold(Pretty(*psnr) + " dB") + " PSNR.");
@@ -259,7 +260,7 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (step.stage == "refine") findings.Refine(step);
   if (step.stage == "cleanup") findings.Cleanup(step, run.Find("refine", step.pose));
   if (step.stage == "unwrap") findings.Unwrap(step);
-  if (step.stage == "bake") findings.Bake(step);
+  if (step.stage == "bake") findings.Bake(step, run.Find("complete", step.pose));
   if (step.stage == "register") findings.Register(step);
 }
 

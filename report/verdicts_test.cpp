@@ -63,6 +63,14 @@ StepRecord& StepOf(Contents& contents, const std::string& stage) {
 
 Verdict Judged(const Contents& contents) { return Judge(contents, FindAll(contents)).front(); }
 
+TEST(Judge, WhatOtherPosesShowIsNotUnseen) {
+  Contents contents = Ideal();
+  StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
+  EXPECT_EQ(Judged(contents).grade, Grade::kLook);
+  contents.run.steps.push_back(Step("complete", "rest", {{"unseen_fraction", 0.1}}));
+  EXPECT_EQ(Judged(contents).grade, Grade::kGood);
+}
+
 TEST(Judge, IdealSetsAreGoodWithNothingToLookAt) {
   const Contents contents = Ideal();
   const Verdict verdict = Judged(contents);

@@ -20,7 +20,7 @@ struct CompleteOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "complete";
-  spec.version = "1";
+  spec.version = "2";
   spec.summary = "Fills what a pose's photographs do not show from the other poses' textures, in the pose's own light.";
   spec.inputs = {{"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
                  {"texture", "file", "the pose's own texture, from bake", ""},
@@ -36,6 +36,12 @@ PoseTexture Read(const std::filesystem::path& texture, const std::filesystem::pa
   return {ReadImage(texture, 3), ReadImage(confidence, 1)};
 }
 
+/// All poses share one UV layout, so that a texture of another size only needs to be sampled anew.
+void AtSize(int width, int height, PoseTexture* texture) {
+  for (Image8* image : {&texture->texture, &texture->confidence})
+    if (image->width != width || image->height != height) *image = Resized(*image, width, height);
+}
+
 void Run(StageContext& stage, const CompleteOptions& options) {
   const auto textures = stage.Inputs("textures"), confidences = stage.Inputs("confidences");
   if (textures.size() != confidences.size())
@@ -44,7 +50,10 @@ void Run(StageContext& stage, const CompleteOptions& options) {
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
   const PoseTexture own = Read(stage.Input("texture"), stage.Input("confidence"));
   std::vector<PoseTexture> others;
-  for (std::size_t i = 0; i < textures.size(); ++i) others.push_back(Read(textures[i], confidences[i]));
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    others.push_back(Read(textures[i], confidences[i]));
+    AtSize(own.texture.width, own.texture.height, &others.back());
+  }
   Step(stage.progress(), 0.2, "completing the texture");
   const Completed completed = CompleteTexture(mesh, own, others, options.gutter);
   const auto share = [&](std::int64_t texels) { return static_cast<double>(texels) / static_cast<double>(completed.texels); };
