@@ -39,8 +39,15 @@ std::vector<SightLine> Normalized(std::vector<SightLine> lines, const Frame& fra
   return lines;
 }
 
+std::optional<double> Normalized(const std::optional<double>& height, const Frame& frame) {
+  return height ? std::optional<double>((height.value() - frame.center.z()) / frame.diagonal) : std::nullopt;
+}
+
 // @param lines  in the frame where the diagonal is 1
-bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& options, const std::vector<SightLine>& lines) {
+// @param ground  as the surface has it
+bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& options, const std::vector<SightLine>& lines,
+              const std::optional<double>& ground) {
+  if (ground && surface.points.col(2).minCoeff() < *ground) return false;
   if (surface.face_count() > (1 + kCountTolerance) * options.faces) return false;
   if (options.refine && surface.face_count() < (1 - kCountTolerance) * options.faces) return false;
   const ClosedReport report = CheckClosed(surface);
@@ -54,6 +61,13 @@ bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& opt
   if (genus == 0) return true;
   const int wanted = WantedGenus(scaled, options, lines);
   return genus <= wanted || WithoutHandles(scaled, wanted, lines).cut == 0;
+}
+
+// Onto the very number, so that every key stands at the same height.
+void SetDown(double ground, double diagonal, Mesh& mesh) {
+  constexpr double kRounding = 1e-6;
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+    if (mesh.points(v, 2) < ground + kRounding * diagonal) mesh.points(v, 2) = ground;
 }
 
 void RequireHandles(const CleanupResult& result, const CleanupOptions& options) {
@@ -81,6 +95,10 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
         {.help = "auto cuts off a level turntable, plate or cloth that the figure stands on (z up); keep leaves it",
          .unit = "",
          .choices = {"auto", "keep"}});
+  visit("ground", ground,
+        {.help = "auto cuts soles flat at z = 0 where the figure stands there and no photograph shows what lies below; keep leaves them",
+         .unit = "",
+         .choices = {"auto", "keep"}});
   visit("keep_components", keep_components,
         {.help = "pieces of the result, largest first; 0 keeps all", .unit = "pieces", .min = 0, .max = 1000000});
   visit("min_component", min_component,
@@ -96,7 +114,7 @@ int WantedGenus(const Mesh& closed, const CleanupOptions& options, const std::ve
 }
 
 CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options, Progress* progress,
-                                 const std::vector<SightLine>& lines) {
+                                 const std::vector<SightLine>& lines, const std::optional<double>& ground) {
   RequireUsable(surface, "surface");
   const Frame frame = {(surface.points.colwise().minCoeff() + surface.points.colwise().maxCoeff()) / 2, BoundingDiagonal(surface.points)};
   if (!(frame.diagonal > 0) || !std::isfinite(frame.diagonal)) {
@@ -104,7 +122,7 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
   }
   CleanupResult result;
   const std::vector<SightLine> seen = Normalized(lines, frame);
-  if (KeptAsIs(surface, frame, options, seen)) {
+  if (KeptAsIs(surface, frame, options, seen, ground)) {
     result.mesh = surface;
     result.rung = "as-is";
     Measure(surface, frame.diagonal, result);
@@ -114,13 +132,14 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
     return result;
   }
   const Mesh normalized = Normalized(surface, frame);
-  Ladder ladder(normalized, options, seen, progress, result);
-  result.mesh = ladder.Climb();
+  Ladder ladder(normalized, options, seen, Normalized(ground, frame), progress, result);
+  result.mesh = ladder.OnGround(ladder.Climb());
   Step(progress, 0.9, "measuring");
   MeasureDistances(result.mesh, normalized, ladder.kept(), result);
   const double edge = std::sqrt(4 / std::sqrt(3.0) * SurfaceArea(result.mesh.points, result.mesh.faces) / result.mesh.face_count());
   MeasureUndamaged(result.mesh, ladder.kept(), ladder.Changed(), edge, result);
   result.mesh.points = (result.mesh.points * frame.diagonal).rowwise() + frame.center;
+  if (ground) SetDown(*ground, frame.diagonal, result.mesh);
   if (surface.colors.rows() == surface.points.rows()) result.mesh.colors = ColorsFrom(surface, result.mesh.points);
   Measure(result.mesh, frame.diagonal, result);
   result.genus_before = std::max(result.genus_before, result.genus);

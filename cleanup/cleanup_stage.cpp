@@ -1,9 +1,11 @@
 // keypose-cleanup: a surface of any quality to a closed, oriented 2-manifold.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cleanup/cleanup.h"
+#include "cleanup/ground.h"
 #include "cleanup/see_through.h"
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -54,11 +56,22 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight, const
              names + "); if the figure has a window there, photograph it from more sides or nearer; if not, mend these masks");
 }
 
+/// The ground, where the figure stands on it.
+std::optional<double> Ground(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface, const keypose::Sight& sight) {
+  if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
+  const keypose::cleanup::Standing standing = keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks);
+  stage.Report("stands_on_ground", standing.stands);
+  stage.Report("outlines_end_at", standing.contact);
+  if (standing.stands) return 0.0;
+  stage.Note("no soles are cut flat at z = 0: " + standing.why);
+  return std::nullopt;
+}
+
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, stage.Input("surface").string());
   const keypose::Sight sight = SightOf(stage);
-  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines);
+  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, Ground(stage, options, surface, sight));
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)
@@ -74,6 +87,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   stage.Report("components", result.components);
   stage.Report("components_removed", result.components_removed);
   stage.Report("stands_removed", result.stands_removed);
+  stage.Report("cut_below_ground_over_diag", result.cut_below_ground_over_diag);
   stage.Report("merged_vertices", result.merged_vertices);
   stage.Report("self_intersections_before", result.self_intersections_before);
   stage.Report("self_intersections", result.self_intersections);
@@ -97,7 +111,7 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 
 const StageSpec kSpec = {
     .name = "cleanup",
-    .version = "5",
+    .version = "6",
     .summary = "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the wanted size.",
     .inputs = {{.name = "surface", .kind = "file", .help = "triangles of any quality (.ply, .obj, .off, .stl)", .file = ""},
                {.name = "images", .kind = "folder", .help = "photographs with masks: handles that they see through stay", .optional = true},

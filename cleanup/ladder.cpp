@@ -75,6 +75,7 @@ void Ladder::Weld() {
   // it.
   kept_ = Stitched(WithoutBits(Stitched(soup.mesh), options_.min_component, &result_.components_removed));
   RemoveStand();
+  CutAtGround();
   if (options_.keep_components == 1) kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
 }
 
@@ -84,10 +85,30 @@ void Ladder::RemoveStand() {
   for (int sheets = 0; sheets < 3; ++sheets) {
     const std::optional<CutPlane> plane = FindStand(kept_);
     if (!plane) return;
-    const Mesh above = OrientedManifold(ClippedAbove(kept_, *plane), kWeld).mesh;
-    kept_ = WithoutBits(above, options_.min_component, &result_.components_removed);
+    kept_ = Cut(*plane);
     ++result_.stands_removed;
   }
+}
+
+Mesh Ladder::Cut(const CutPlane& plane) {
+  const Mesh above = OrientedManifold(ClippedAbove(kept_, plane), kWeld).mesh;
+  return WithoutBits(above, options_.min_component, &result_.components_removed);
+}
+
+void Ladder::CutAtGround() {
+  if (!ground_ || kept_.face_count() == 0) return;
+  const double below = *ground_ - kept_.points.col(2).minCoeff();
+  if (below <= 0) return;
+  kept_ = Cut({Eigen::Vector3d::UnitZ(), *ground_});
+  result_.cut_below_ground_over_diag = below;
+}
+
+// Remeshing rounds the edge of a sole by some thousandths of an edge: below the ground nothing may stay, and soles are flat.
+Mesh Ladder::OnGround(const Mesh& mesh) const {
+  if (!ground_) return mesh;
+  Mesh flat = mesh;
+  for (Eigen::Index v = 0; v < flat.points.rows(); ++v) flat.points(v, 2) = std::max(flat.points(v, 2), *ground_);
+  return Acceptable(flat) ? flat : mesh;
 }
 
 void Ladder::Fill() {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cleanup/cleanup.h"
+#include "cleanup/stand.h"
 
 namespace keypose::cleanup {
 
@@ -15,12 +16,16 @@ bool Acceptable(const Mesh& mesh);
 /// One climb; everything happens in a frame where the diagonal is 1, so that no tolerance depends on the unit.
 class Ladder {
  public:
-  /// @param lines  of sight through the figure, in the same frame
-  Ladder(const Mesh& surface, const CleanupOptions& options, const std::vector<SightLine>& lines, Progress* progress, CleanupResult& result)
-      : input_(surface), options_(options), lines_(lines), progress_(progress), result_(result) {}
+  /// @param lines   of sight through the figure, in the same frame
+  /// @param ground  height along z below which nothing stays, in the same frame
+  Ladder(const Mesh& surface, const CleanupOptions& options, const std::vector<SightLine>& lines, std::optional<double> ground,
+         Progress* progress, CleanupResult& result)
+      : input_(surface), options_(options), lines_(lines), ground_(ground), progress_(progress), result_(result) {}
 
   /// The finished mesh. @throws InputError @throws QualityError
   Mesh Climb();
+  /// The same with nothing below the ground, where that leaves it acceptable.
+  Mesh OnGround(const Mesh& mesh) const;
   /// What the result is to be compared with: the input without dropped pieces and stand.
   const Mesh& kept() const { return kept_; }
   /// Faces that only one has, the kept input or what was made of it before it was brought to its size.
@@ -30,6 +35,8 @@ class Ladder {
   std::optional<Mesh> Try(const char* rung, const std::function<std::optional<Mesh>()>& step);
   void Weld();
   void RemoveStand();
+  void CutAtGround();
+  Mesh Cut(const CutPlane& plane);
   void Fill();
   std::optional<Mesh> Welded();
   std::optional<Mesh> MendedWhole();
@@ -49,6 +56,7 @@ class Ladder {
   const Mesh& input_;
   const CleanupOptions& options_;
   const std::vector<SightLine>& lines_;
+  std::optional<double> ground_;
   Progress* progress_;
   CleanupResult& result_;
   Mesh kept_;      // welded, without bits and stand; all of its detail

@@ -33,7 +33,7 @@ struct InterpolateOptions {
            .choices = {"arap", "volumetric", "paper", "linear"}});
     visit("steps", steps, {"in-betweens of each pair of keys, where no timeline gives times", "frames", 0, 100000, {}});
     visit("align", align,
-          {.help = "brings later keys onto the first; upright: a turn about z and a translation",
+          {.help = "brings later keys onto the first; upright: a turn about z and a level translation, so that each key stays on its ground",
            .unit = "",
            .choices = {"none", "upright", "rigid", "similarity"}});
     visit("volume", volume,
@@ -44,7 +44,7 @@ struct InterpolateOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},

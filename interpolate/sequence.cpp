@@ -16,7 +16,7 @@ namespace keypose::interpolation {
 
 namespace {
 
-/// The turn about z and translation with least squares.
+/// The turn about z and the level translation with least squares: heights stay, as each key has the ground at its own z = 0.
 Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
   const Eigen::RowVector3d ca = a.colwise().mean(), cb = b.colwise().mean();
   double dot = 0, cross = 0;
@@ -28,6 +28,7 @@ Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
   Similarity3 s;
   s.rotation = Eigen::AngleAxisd(std::atan2(cross, dot), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   s.translation = cb.transpose() - s.rotation * ca.transpose();
+  s.translation.z() = 0;
   return s;
 }
 

@@ -15,7 +15,7 @@ namespace keypose::interpolation {
 
 enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 
-/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a translation. kNone changes nothing. A pose
+/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a level translation; heights stay. kNone changes nothing. A pose
 /// that comes twice has the same bits each time, and the first key its own.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 

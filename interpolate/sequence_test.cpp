@@ -432,7 +432,7 @@ TEST(AlignedKeys, UndoesTheMotionItMayUndo) {
   const Mesh mesh = MakeBox(1, 2, 3);
   Similarity3 yaw, any;
   yaw.rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  yaw.translation << 1, 2, 3;
+  yaw.translation << 1, 2, 0;
   any.rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 1, 1).normalized()).toRotationMatrix();
   any.scale = 1.3;
   const PointsX3 moved = Transformed(any, mesh.points);

@@ -16,7 +16,7 @@ struct Leveling {
   bool centered_on_axis = false;  ///< else on the middle of the object's points
 };
 
-/// The frame: z along the turntable's axis, up as the cameras see it; lowest object point at z = 0; the axis (or, where the cameras
+/// The frame: z along the turntable's axis, up as the cameras see it; lowest object point (1 % quantile) at z = 0; the axis (or, where the cameras
 /// form no rings about one, the object's middle) at x = y = 0; the first camera in direction -y; mean camera distance to the object's
 /// middle 1.
 ///

@@ -11,6 +11,7 @@
 #include "core/io/image_set.h"
 #include "core/stage/stage.h"
 #include "reconstruct/leveling.h"
+#include "reconstruct/outline_ground_stage.h"
 #include "reconstruct/ring_picture.h"
 #include "reconstruct/sfm_colmap.h"
 #include "reconstruct/sfm_hull_check_stage.h"
@@ -108,7 +109,14 @@ Scene Leveled(StageContext& stage, const ImageSet& set, const Scene& scene) {
   stage.Report("centered_on_axis", leveling.centered_on_axis);
   stage.Report("ring_plane_rms", leveling.plane_rms);
   stage.Report("ring_circle_rms", leveling.circle_rms);
-  return reconstruct::Transformed(leveling.level_from_model, scene);
+  Scene level = reconstruct::Transformed(leveling.level_from_model, scene);
+  const auto ground = GroundOf(set, UprightViews(set, level));
+  stage.Report("ground_told_by_outlines", ground.has_value());
+  if (!ground) return level;
+  stage.Report("ground_spread", ground->spread);
+  Similarity3 down;
+  down.translation.z() = -ground->height;
+  return reconstruct::Transformed(down, level);
 }
 
 /// The cameras, coloured by the rings that they form about one axis.
@@ -146,7 +154,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
 
 const StageSpec kSpec = {
     .name = "sfm",
-    .version = "7",
+    .version = "8",
     .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
                {.name = "poses",

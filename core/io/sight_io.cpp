@@ -6,14 +6,13 @@ namespace keypose {
 
 Sight ReadSight(const ImageSet& set, const Scene& scene) {
   Sight sight;
-  std::vector<Image8> masks;
   for (const View& view : scene.views) {
     const int i = set.Find(view.name);
     if (i < 0 || set.images[static_cast<std::size_t>(i)].mask.empty() || !set.images[static_cast<std::size_t>(i)].trusted) continue;
     sight.views.push_back(view);
-    masks.push_back(ReadImage(set.MaskPath(i), 1));
+    sight.masks.push_back(ReadImage(set.MaskPath(i), 1));
   }
-  sight.lines = LinesThroughHoles(sight.views, masks);
+  sight.lines = LinesThroughHoles(sight.views, sight.masks);
   return sight;
 }
 

@@ -1,0 +1,1 @@
+#include "cleanup/ground.h"
