@@ -42,7 +42,7 @@ int PixelsBelow(const RayScene& scene, const View& view, const Image8& mask, dou
   return kStride * kStride * count;
 }
 
-/// Median over the photographs.
+/// What a quarter of the photographs show at least: the others may look from too high up.
 int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::vector<Image8>& masks, double height) {
   const RayScene scene(surface.points, surface.faces);
   std::vector<int> counts(views.size(), -1);
@@ -52,7 +52,7 @@ int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::ve
   });
   std::erase(counts, -1);
   std::sort(counts.begin(), counts.end());
-  return counts.empty() ? 0 : counts[counts.size() / 2];
+  return counts.empty() ? 0 : counts[counts.size() * 3 / 4];
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ constexpr double kCrowdShare = 0.1;  // ... and is that much of a view's rim is 
 constexpr std::size_t kCrowdPixels = 4;
 constexpr std::size_t kFewestViews = 3;
 constexpr double kOtherRing = 0.15;  // slopes that differ by so much tell how round the edge of the sole is
+constexpr double kUsualRise = 0.01;  // of the box's height: half of what rounded feet have, as sharp edges have none
 
 struct Outline {
   View view;  // of the mask's size
@@ -119,14 +120,15 @@ std::optional<Met> LowestCrowd(std::vector<Met> met, double width) {
 
 /// By how much views see the ground higher for each unit of slope. A sole with a round edge is seen from above where the edge is as steep
 /// as the line of sight: higher from higher cameras. Median of all pairs (Theil 1950, Sen 1968).
-double RiseOf(const std::vector<Met>& views) {
+/// @param usual  where all views have one slope, and do not tell
+double RiseOf(const std::vector<Met>& views, double usual) {
   std::vector<double> rises;
   for (std::size_t i = 0; i < views.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double apart = views[i].slope - views[j].slope;
       if (std::abs(apart) > kOtherRing) rises.push_back((views[i].height - views[j].height) / apart);
     }
-  return rises.size() < kFewestViews ? 0 : std::max(0.0, Median(rises));
+  return rises.size() < kFewestViews ? usual : std::max(0.0, Median(rises));
 }
 
 }  // namespace
@@ -147,7 +149,7 @@ std::optional<GroundContact> FindGroundContact(const std::vector<View>& views, c
   for (const auto& met : of_view)
     if (met) lowest.push_back(*met);
   if (lowest.size() < kFewestViews) return std::nullopt;
-  const double rise = RiseOf(lowest);
+  const double rise = RiseOf(lowest, kUsualRise * tall);
   std::vector<double> heights;
   for (const Met& met : lowest) heights.push_back(met.height - rise * met.slope);
   GroundContact contact;

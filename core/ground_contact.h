@@ -9,15 +9,16 @@
 
 namespace keypose {
 
-/// The lowest place of the figure that photographs show.
+/// Where the figure ends below, by its photographs.
 struct GroundContact {
   double height = 0;  ///< of the ground, along the world's z
   double spread = 0;  ///< median deviation of the single views' heights from it
   int views = 0;      ///< that tell of it
 };
 
-/// Each photograph from above shows, at the lower rim of the outline, the line where the soles meet the ground. The rim's lines of sight
-/// first meet the hull of all masks there; the lowest of them is the view's height, and the median over the views is the answer.
+/// Each photograph from above shows, at the lower rim of the outline, where the soles end. The rim's lines of sight first meet the hull of
+/// all masks there; the lowest height at which they crowd is the view's. A sole with a round edge is seen to end the higher, the steeper the
+/// view: a line through the views' heights over their slopes (medians of pairs) tells where level views would see its end.
 /// Below it the hull goes on by about radius x tan(elevation), where no photograph looks.
 ///
 /// @param views  cameras in a world whose z is up

@@ -445,6 +445,17 @@ TEST(AlignedKeys, UndoesTheMotionItMayUndo) {
   EXPECT_EQ(again[3], again[1]);
 }
 
+TEST(AlignedKeys, UprightLeavesEachPoseOnItsGround) {
+  const Mesh mesh = MakeBox(1, 2, 3);
+  PointsX3 crouched = mesh.points;
+  crouched.col(2) *= 0.6;
+  crouched.col(0).array() += 0.4;
+  const PointsX3 aligned = AlignedKeys({mesh.points, crouched}, AlignKeys::kUpright)[1];
+  EXPECT_EQ(aligned.col(2).minCoeff(), 0);
+  EXPECT_NEAR(aligned.col(2).maxCoeff(), 1.8, 1e-12);
+  EXPECT_NEAR(aligned.col(0).mean(), mesh.points.col(0).mean(), 1e-12);
+}
+
 TEST(DistortionMeter, UniformGrowthHasKnownMeanDeviationAndRatio) {
   const Mesh mesh = MakeIcosphere(2);
   const DistortionReport report = Play({mesh.points, 2 * mesh.points}, mesh.faces, MakeSchedule({3})).distortion;
