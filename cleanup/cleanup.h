@@ -37,7 +37,7 @@ struct CleanupResult {
   int holes_filled = 0;
   double largest_hole_over_diag = 0;
   int components_removed = 0;
-  int stands_removed = 0;  ///< turntables, plates and cloths cut off below the figure
+  int stands_removed = 0;                 ///< turntables, plates and cloths cut off below the figure
   double cut_below_ground_over_diag = 0;  ///< depth of what was cut off at the ground
   int merged_vertices = 0;
   int self_intersections_before = 0;  ///< intersecting pairs of faces once the surface was welded and its holes filled

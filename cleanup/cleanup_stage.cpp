@@ -57,7 +57,8 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight, const
 }
 
 /// The ground, where the figure stands on it.
-std::optional<double> Ground(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface, const keypose::Sight& sight) {
+std::optional<double> Ground(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface,
+                             const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
   const keypose::cleanup::Standing standing = keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks);
   stage.Report("stands_on_ground", standing.stands);
@@ -71,7 +72,8 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, stage.Input("surface").string());
   const keypose::Sight sight = SightOf(stage);
-  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, Ground(stage, options, surface, sight));
+  const std::optional<double> ground = Ground(stage, options, surface, sight);
+  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, ground);
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 // Shares of the figure's height.
-constexpr double kNear = 0.01;       // of the contact to z = 0; 0.005 is the most that the known sets have
+constexpr double kNear = 0.01;        // of the contact to z = 0; 0.005 is the most that the known sets have
 constexpr double kDeepest = 1.0 / 6;  // below the ground: a base as wide as high, seen from 25 degrees, reaches 0.1 down
 constexpr double kBelow = 0.0075;     // what is seen deeper than that is no rounded edge
 constexpr double kFromBelow = 0.09;   // slope of a line of sight that looks up: 5 degrees

@@ -18,7 +18,8 @@ struct Standing {
 };
 
 /// Whether the figure stands on z = 0 and nothing was seen of what the surface has below: its outlines must end there to 1 % of the
-/// height, no camera may look up from below, no photograph may show the surface there, and what lies there must be less than a sixth of the height.
+/// height, no camera may look up from below, no photograph may show the surface there, and what lies there must be less than a sixth of the
+/// height.
 ///
 /// @param surface  in the cameras' frame, z up
 /// @param masks    one a view, 1 channel, above 127 where the figure is; empty for a view without say; of any size of the view's shape

@@ -11,7 +11,7 @@ namespace keypose {
 
 /// What the photographs see through the figure.
 struct Sight {
-  std::vector<View> views;  ///< that have a mask and a say; the lines count these
+  std::vector<View> views;    ///< that have a mask and a say; the lines count these
   std::vector<Image8> masks;  ///< of these views
   std::vector<SightLine> lines;
 };
