@@ -156,7 +156,7 @@ def main():
     unknown = [k for k in kinds if k not in KINDS]
     if unknown:
         parser.error(f'unknown kind {unknown[0]}; there are {", ".join(KINDS)}')
-    sets = [(kind, int(seed)) for seed in args.seeds.split(',') for kind in kinds]
+    sets = [(kind, int(seed)) for seed in args.seeds.split(',') if seed for kind in kinds]
     sets += [(kinds[i % len(kinds)], 101 + i) for i in range(args.more)]
     work = pathlib.Path(args.work or tempfile.mkdtemp(prefix='newcomers_'))
     rows = []
