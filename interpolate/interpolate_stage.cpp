@@ -23,6 +23,7 @@ struct InterpolateOptions {
   std::string method = "arap";
   int steps = 9;
   std::string align = "none";
+  bool same_size = false;
   bool volume = true;
 
   void Describe(OptionVisitor& visit) {
@@ -36,6 +37,8 @@ struct InterpolateOptions {
           {.help = "brings later keys onto the first; upright: a turn about z and a level translation, so that each key stays on its ground",
            .unit = "",
            .choices = {"none", "upright", "rigid", "similarity"}});
+    visit("same_size", same_size,
+          {.help = "scales later keys to the first one's size (median edge): without a printed plate each pose comes out in a size of its own"});
     visit("volume", volume,
           {.help = "the volume of each closed part follows the keys'; arap and volumetric only; a timeline that says so itself wins"});
   }
@@ -44,7 +47,7 @@ struct InterpolateOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "interpolate";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
@@ -156,6 +159,7 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   std::vector<PointsX3> keys;
   for (Mesh& mesh : meshes) keys.push_back(std::move(mesh.points));
   meshes.clear();
+  if (options.same_size) keys = SameSized(keys, first.faces);
   keys = AlignedKeys(keys, AlignOf(options.align));
   const Plan plan = MakePlan(stage, options, keys, first);
   const std::unique_ptr<FrameSource> source = MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);

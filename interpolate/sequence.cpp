@@ -203,6 +203,22 @@ std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys a
   return aligned;
 }
 
+std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces) {
+  std::vector<PointsX3> sized = keys;
+  const auto edges = UndirectedEdges(faces);
+  for (std::size_t k = 1; k < keys.size() && !edges.empty(); ++k) {
+    std::vector<double> ratios;
+    for (const auto& [i, j] : edges)
+      if (const double length = (keys[0].row(i) - keys[0].row(j)).norm(); length > 0)
+        ratios.push_back((keys[k].row(i) - keys[k].row(j)).norm() / length);
+    if (ratios.empty()) continue;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    if (*middle > 0) sized[k] = keys[k] / *middle;
+  }
+  return sized;
+}
+
 std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
                                              Method method, const Rules& rules) {
   CheckKeys(keys, faces, schedule);

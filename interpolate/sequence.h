@@ -19,6 +19,11 @@ enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 /// that comes twice has the same bits each time, and the first key its own.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 
+/// Later keys in the first one's size, scaled about the origin, which is on the ground: cameras tell no size without a printed plate, so that poses of one figure come out up to some
+/// per cent apart. The size is the median of the edges' ratios, which bending a limb leaves alone.
+/// @param faces  of all keys
+std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces);
+
 /// One frame as a source computes it.
 struct ComputedFrame {
   PointsX3 points;

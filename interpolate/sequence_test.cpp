@@ -456,6 +456,18 @@ TEST(AlignedKeys, UprightLeavesEachPoseOnItsGround) {
   EXPECT_NEAR(aligned.col(0).mean(), mesh.points.col(0).mean(), 1e-12);
 }
 
+TEST(SameSized, ABentPoseOfAnotherSizeGetsTheFirstOnesSize) {
+  const Mesh mesh = MakeIcosphere(4);
+  PointsX3 bent = mesh.points;
+  for (Eigen::Index v = 0; v < bent.rows(); ++v)
+    if (bent(v, 2) > 0.8) bent.row(v) *= 1.2;  // a part that really grew
+  const PointsX3 larger = 1.047 * bent;
+  const auto sized = SameSized({mesh.points, larger, mesh.points}, mesh.faces);
+  EXPECT_EQ(sized[0], mesh.points);
+  EXPECT_LT((sized[1] - bent).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(sized[2], mesh.points);
+}
+
 TEST(DistortionMeter, UniformGrowthHasKnownMeanDeviationAndRatio) {
   const Mesh mesh = MakeIcosphere(2);
   const DistortionReport report = Play({mesh.points, 2 * mesh.points}, mesh.faces, MakeSchedule({3})).distortion;
