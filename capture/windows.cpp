@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <iterator>
+#include <map>
 #include <numeric>
 
 #include "capture/space_grid.h"
@@ -15,7 +16,7 @@ constexpr int kThin = 9;         // per cent of the hull's longest side, that th
 constexpr double kLeft = 0.45;  // of what the hull was before, that they may leave of a window which is only loosely like the empty set
 
 constexpr double kOpposite = -0.6;   // largest product of the directions of views that look at each other
-constexpr double kFromBehind = 0.2;  // of a window's pixels, that such a view sees through as well
+constexpr double kFromBehind = 0.2;  // of a window's pixels, that another one must meet
 
 struct Window {
   std::size_t view = 0;
@@ -77,33 +78,91 @@ std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& wind
   return thicknesses;
 }
 
-/// Share of a window's pixels whose rays meet, where the hull was, an opening of a view that looks the other way. What is painted on one side of the figure is
-/// seen from that side alone, however thin the figure is.
-double SeenFromBehind(const Window& window, const Space& filled, const Space& open) {
-  const Grid& grid = filled.grid;
-  const Witness& own = open.witnesses[window.view];
-  int met = 0;
-  for (const std::int32_t at : window.pixels) {
-    const Eigen::Vector3d ray = RayOf(*own.view, at % own.denied.width + 0.5, at / own.denied.width + 0.5);
-    const Eigen::Vector3d from = own.view->Center();
-    const double nearest = ray.dot(grid.Center(0, 0, 0) + 0.5 * grid.cell * grid.size.cast<double>() - from);
-    const double reach = 0.5 * grid.cell * grid.size.cast<double>().norm();
-    bool behind = false;
-    for (double t = nearest - reach; t < nearest + reach && !behind; t += grid.cell) {
-      const Eigen::Vector3i cell = ((from + t * ray - grid.low) / grid.cell).array().floor().cast<int>();
-      if ((cell.array() < 0).any() || (cell.array() >= grid.size.array()).any() || grid.denials[grid.At(cell.x(), cell.y(), cell.z())] > 0)
-        continue;
-      const Eigen::Vector3d x = grid.Center(cell.x(), cell.y(), cell.z());
-      for (const Witness& witness : open.witnesses) {
-        Eigen::Vector3d pixel;
-        behind = behind || (witness.heard && ray.dot((x - witness.view->Center()).normalized()) < kOpposite &&
-                            witness.Of(x, &pixel) == Witness::kDenied);
-      }
+/// Which windows are one: their rays meet where the hull was.
+class Meetings {
+ public:
+  Meetings(const std::vector<Window>& windows, const Space& filled, const Space& open) : filled_(filled), open_(open) {
+    labels_.resize(open.witnesses.size());
+    for (std::size_t k = 0; k < windows.size(); ++k) {
+      std::vector<int>& labels = labels_[windows[k].view];
+      const Image8& denied = open.witnesses[windows[k].view].denied;
+      labels.resize(denied.data.size(), -1);
+      if (windows[k].thick > kThin)
+        for (const std::int32_t at : windows[k].pixels) labels[static_cast<std::size_t>(at)] = static_cast<int>(k);
     }
-    met += behind;
+    group_.resize(windows.size());
+    std::iota(group_.begin(), group_.end(), 0);
+    std::vector<std::map<int, Count>> met(windows.size());
+    ParallelFor(static_cast<std::int64_t>(windows.size()), [&](std::int64_t k) {
+      if (windows[static_cast<std::size_t>(k)].thick > kThin) met[static_cast<std::size_t>(k)] = MetBy(windows[static_cast<std::size_t>(k)]);
+    });
+    for (std::size_t k = 0; k < windows.size(); ++k)
+      for (const auto& [other, count] : met[k])
+        if (count.pixels >= Enough(windows[k])) group_[Root(static_cast<int>(k))] = Root(other);
+    both_sides_.assign(windows.size(), 0);
+    for (std::size_t k = 0; k < windows.size(); ++k)
+      for (const auto& [other, count] : met[k])
+        if (count.opposite >= Enough(windows[k])) both_sides_[Root(static_cast<int>(k))] = 1;
   }
-  return static_cast<double>(met) / static_cast<double>(window.pixels.size());
-}
+
+  /// Whether a window, or another that its rays lead to, is seen from both sides. What is painted on one side of the figure is
+  /// seen from that side alone, however thin the figure is.
+  bool FromBothSides(std::size_t k) const { return both_sides_[static_cast<std::size_t>(Root(static_cast<int>(k)))]; }
+
+ private:
+  struct Count {
+    int pixels = 0, opposite = 0;
+  };
+
+  /// Some hundred pixels of a window tell as much as all.
+  static std::size_t Stride(const Window& window) { return window.pixels.size() / 150 + 1; }
+  static double Enough(const Window& window) {
+    return kFromBehind * static_cast<double>((window.pixels.size() + Stride(window) - 1) / Stride(window));
+  }
+
+  int Root(int k) const {
+    while (group_[static_cast<std::size_t>(k)] != k) k = group_[static_cast<std::size_t>(k)];
+    return k;
+  }
+
+  /// How many of a window's pixels meet each other window.
+  std::map<int, Count> MetBy(const Window& window) const {
+    const Witness& own = open_.witnesses[window.view];
+    const Grid& grid = filled_.grid;
+    const Eigen::Vector3d from = own.view->Center(), middle = grid.low + 0.5 * grid.cell * grid.size.cast<double>();
+    const double reach = 0.5 * grid.cell * grid.size.cast<double>().norm();
+    std::map<int, Count> all;
+    for (std::size_t p = 0; p < window.pixels.size(); p += Stride(window)) {
+      const std::int32_t at = window.pixels[p];
+      const Eigen::Vector3d ray = RayOf(*own.view, at % own.denied.width + 0.5, at / own.denied.width + 0.5);
+      const double nearest = ray.dot(middle - from);
+      std::map<int, bool> met;  // and whether from behind
+      for (double t = nearest - reach; t < nearest + reach; t += grid.cell) {
+        const Eigen::Vector3i cell = ((from + t * ray - grid.low) / grid.cell).array().floor().cast<int>();
+        if ((cell.array() < 0).any() || (cell.array() >= grid.size.array()).any()) continue;
+        if (grid.denials[grid.At(cell.x(), cell.y(), cell.z())] == 0) Meet(window, grid.Center(cell.x(), cell.y(), cell.z()), ray, &met);
+      }
+      for (const auto& [other, opposite] : met) ++all[other].pixels, all[other].opposite += opposite;
+    }
+    return all;
+  }
+
+  void Meet(const Window& window, const Eigen::Vector3d& x, const Eigen::Vector3d& ray, std::map<int, bool>* met) const {
+    for (std::size_t j = 0; j < open_.witnesses.size(); ++j) {
+      const Witness& witness = open_.witnesses[j];
+      Eigen::Vector3d pixel;
+      if (j == window.view || labels_[j].empty() || witness.Of(x, &pixel) != Witness::kDenied) continue;
+      const int other = labels_[j][static_cast<std::size_t>(pixel.y()) * static_cast<std::size_t>(witness.denied.width) +
+                                   static_cast<std::size_t>(pixel.x())];
+      if (other >= 0) (*met)[other] |= ray.dot((x - witness.view->Center()).normalized()) < kOpposite;
+    }
+  }
+
+  const Space &filled_, &open_;
+  std::vector<std::vector<int>> labels_;  // of each view's pixels: which window
+  std::vector<int> group_;
+  std::vector<char> both_sides_;
+};
 
 std::vector<Image8> Opened(std::vector<Image8> masks, const std::vector<Window>& windows) {
   for (const Window& window : windows) Open(window, masks[window.view]);
@@ -125,15 +184,10 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
     count = windows.size();
     const Space open(views, Opened(masks, windows), options, say);
     const std::vector<int> left = Thicknesses(open, windows);
-    std::vector<char> through(count);
-    ParallelFor(static_cast<std::int64_t>(count), [&](std::int64_t i) {
-      const auto k = static_cast<std::size_t>(i);
-      const Window& window = windows[k];
-      through[k] = window.Through(left[k]) && (window.thick <= kThin || SeenFromBehind(window, filled, open) >= kFromBehind);
-    });
+    const Meetings meetings(windows, filled, open);
     std::vector<Window> kept;
     for (std::size_t k = 0; k < count; ++k)
-      if (through[k]) kept.push_back(std::move(windows[k]));
+      if (windows[k].Through(left[k]) && (windows[k].thick <= kThin || meetings.FromBothSides(k))) kept.push_back(windows[k]);
     windows = std::move(kept);
   }
   const auto figure = [&] {
