@@ -23,7 +23,7 @@ constexpr double kSetOff = 22;          // 8 bit Lab distance of the figure besi
 constexpr double kSmoothSide = 0.2;     // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
 constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
 constexpr int kThin = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
-constexpr int kMargin = 5;              // pixels round a gap that are looked at
+constexpr int kAround = 5;              // pixels round a gap that are looked at
 
 using Lab = const std::uint8_t*;
 
@@ -41,7 +41,7 @@ T Quantile(std::vector<T>& values, double share) {
 }
 
 cv::Rect Around(const cv::Rect& region, const cv::Size& size) {
-  return cv::Rect(region.x - kMargin, region.y - kMargin, region.width + 2 * kMargin, region.height + 2 * kMargin) & cv::Rect({0, 0}, size);
+  return cv::Rect(region.x - kAround, region.y - kAround, region.width + 2 * kAround, region.height + 2 * kAround) & cv::Rect({0, 0}, size);
 }
 
 /// One region of pixels that look like the backdrop, within the mask.

@@ -17,7 +17,7 @@ namespace {
 constexpr float kBand = 1.5F;                  // pixels beside the border that are decided anew
 constexpr float kPure = 1, kFarthest = 5;      // pixels outside of the border between which the background is unmixed and still near
 constexpr float kOwn = 0.6F, kShaded = 2.1F;   // and inside of it: what bends away from the light grows dark towards its rim
-constexpr int kReach = 5;                      // of the window that they are taken from
+constexpr int kWindowReach = 5;                      // of the window that they are taken from
 constexpr double kSigma = 1.5;                 // of the window's weights, pixels
 constexpr double kLeastContrast = 15.0 / 255;  // of linear light
 constexpr double kLeastRatio = 4;              // squared contrast over what both sides vary by
@@ -51,7 +51,7 @@ cv::Mat FromBorder(const cv::Mat& mask) {
 class Edge {
  public:
   Edge(const cv::Mat& image, const cv::Mat& mask) : image_(image), distance_(FromBorder(mask)) {
-    for (int k = 0; k <= kReach; ++k) window_[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (kSigma * kSigma));
+    for (int k = 0; k <= kWindowReach; ++k) window_[static_cast<std::size_t>(k)] = std::exp(-0.5 * k * k / (kSigma * kSigma));
   }
 
   bool Near(int x, int y) const { return std::abs(distance_.at<float>(y, x)) < kBand; }
@@ -59,8 +59,8 @@ class Edge {
   /// Whether the object covers more than half of a pixel; `now` where that cannot be told.
   bool Covered(int x, int y, bool now) const {
     Colors object, background;
-    for (int v = std::max(0, y - kReach); v <= std::min(image_.rows - 1, y + kReach); ++v)
-      for (int u = std::max(0, x - kReach); u <= std::min(image_.cols - 1, x + kReach); ++u) {
+    for (int v = std::max(0, y - kWindowReach); v <= std::min(image_.rows - 1, y + kWindowReach); ++v)
+      for (int u = std::max(0, x - kWindowReach); u <= std::min(image_.cols - 1, x + kWindowReach); ++u) {
         const float from = distance_.at<float>(v, u);
         const bool inside = from > kOwn && from < kShaded, outside = from < -kPure && from > -kFarthest;
         if (!inside && !outside) continue;
@@ -82,7 +82,7 @@ class Edge {
   }
 
   cv::Mat image_, distance_;
-  std::array<double, kReach + 1> window_{};
+  std::array<double, kWindowReach + 1> window_{};
 };
 
 /// A pixel none of whose four neighbours is like it: noise.
@@ -98,7 +98,7 @@ void SettleEdge(const Image8& image, Image8& mask) {
   cv::Mat all = MatOf(mask);
   cv::Rect box = cv::boundingRect(all);
   if (box.empty()) return;
-  constexpr int kMargin = 2 * kReach;
+  constexpr int kMargin = 2 * kWindowReach;
   box = cv::Rect(box.x - kMargin, box.y - kMargin, box.width + 2 * kMargin, box.height + 2 * kMargin) & cv::Rect({0, 0}, all.size());
   const cv::Mat here = all(box);
   const Edge edge(MatOf(image)(box), here);

@@ -10,17 +10,17 @@
 namespace keypose::capture {
 namespace {
 
-constexpr int kFeatures = 400;
+constexpr int kMostFeatures = 400;
 constexpr int kFewestShared = 16;
 
-struct Seen {
+struct Sighted {
   std::vector<cv::KeyPoint> places;
   cv::Mat descriptors;
 };
 
-Seen FeaturesOf(const Preview& preview) {
-  Seen seen;
-  const auto sift = cv::SIFT::create(kFeatures, 3, 0.02);
+Sighted FeaturesOf(const Preview& preview) {
+  Sighted seen;
+  const auto sift = cv::SIFT::create(kMostFeatures, 3, 0.02);
   sift->detectAndCompute(MatOf(preview.grey), MatOf(preview.mask), seen.places, seen.descriptors);
   return seen;
 }
@@ -34,7 +34,7 @@ std::vector<cv::DMatch> RatioMatches(const cv::Mat& from, const cv::Mat& to) {
   return kept;
 }
 
-int SharedBy(const Seen& first, const Seen& second) {
+int SharedBy(const Sighted& first, const Sighted& second) {
   if (first.places.size() < kFewestShared || second.places.size() < kFewestShared) return 0;
   const std::vector<cv::DMatch> there = RatioMatches(first.descriptors, second.descriptors),
                                 back = RatioMatches(second.descriptors, first.descriptors);
@@ -69,7 +69,7 @@ int SharedBy(const Seen& first, const Seen& second) {
 }  // namespace
 
 std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progress* progress) {
-  std::vector<Seen> seen(previews.size());
+  std::vector<Sighted> seen(previews.size());
   ParallelFor(static_cast<std::int64_t>(previews.size()), [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     seen[static_cast<std::size_t>(i)] = FeaturesOf(previews[static_cast<std::size_t>(i)]);

@@ -15,14 +15,14 @@ constexpr double kLeastCosine = 0.4, kSlack = 2.5;
 constexpr int kWindow = 5;  // pixels that a colour is the mean of, each way
 
 /// Mean colours of the figure, without its rim.
-struct Picture {
+struct MaskedPicture {
   cv::Mat mean, inside;
 };
 
-Picture PictureOf(const Image8& image, const Image8& mask) {
+MaskedPicture PictureOf(const Image8& image, const Image8& mask) {
   const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data()));
   const cv::Mat figure(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t*>(mask.data.data()));
-  Picture picture;
+  MaskedPicture picture;
   cv::blur(rgb, picture.mean, {kWindow, kWindow});
   cv::erode(figure, picture.inside, cv::getStructuringElement(cv::MORPH_RECT, {kWindow, kWindow}));
   return picture;
@@ -53,7 +53,7 @@ cv::Mat NearestDepths(const View& view, const PointCloud& surface, double cell) 
 }
 
 /// Unit hue of each point that the view shows; zero for others.
-PointsX3 HuesOf(const Picture& picture, const View& view, const PointCloud& surface, double cell) {
+PointsX3 HuesOf(const MaskedPicture& picture, const View& view, const PointCloud& surface, double cell) {
   const cv::Mat depths = NearestDepths(view, surface, cell);
   PointsX3 hues = PointsX3::Zero(surface.points.rows(), 3);
   const Eigen::Vector3d center = view.Center();

@@ -38,7 +38,7 @@ OutlineFit FitOf(const Image8& mask, const Image8& denials, int most, double dep
   return fit;
 }
 
-double Median(std::vector<double> values) {
+double UsualOf(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -51,7 +51,7 @@ std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vecto
     std::vector<double> heard;
     for (std::size_t i = 0; i < fits.size(); ++i)
       if (say[i]) heard.push_back(fits[i].missing[doubt]);
-    const double usual = Median(heard);
+    const double usual = UsualOf(heard);
     for (std::size_t i = 0; i < fits.size(); ++i) faults[i] = std::max(faults[i], fits[i].missing[doubt] - usual);
   }
   return faults;
@@ -96,7 +96,7 @@ std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks, const D
 std::vector<std::size_t> Touched(const Standing& standing, const StandingOptions& options) {
   std::vector<double> excesses;
   for (const OutlineFit& fit : standing.fits) excesses.push_back(fit.excess);
-  const double usual = Median(excesses);
+  const double usual = UsualOf(excesses);
   std::vector<std::size_t> touched;
   for (std::size_t i = 0; i < standing.fits.size(); ++i)
     if (standing.say[i] && standing.fits[i].excess > usual + options.touching) touched.push_back(i);

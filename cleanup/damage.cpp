@@ -14,8 +14,8 @@
 namespace keypose::cleanup {
 namespace {
 
-constexpr int kSamples = 20000;
-constexpr std::uint64_t kSeed = 5;
+constexpr int kDamageSamples = 20000;
+constexpr std::uint64_t kDamageSeed = 5;
 
 using Corners = std::array<std::array<double, 3>, 3>;
 
@@ -36,7 +36,7 @@ std::vector<Corners> SortedFaces(const Mesh& mesh) {
 
 // Distances of the samples of `from` to `to`; none for those near the damage.
 SurfaceDistance DistanceAway(const Mesh& from, const Mesh& to, const std::optional<RayScene>& damage, double reach, double* share) {
-  const SurfaceSamples samples = SampleSurface(from.points, from.faces, kSamples, kSeed);
+  const SurfaceSamples samples = SampleSurface(from.points, from.faces, kDamageSamples, kDamageSeed);
   const RayScene scene(to.points, to.faces);
   std::vector<double> distances(samples.points.rows());
   ParallelFor(

@@ -19,10 +19,10 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Halfedge = SurfaceMesh::Halfedge_index;
-using Face = SurfaceMesh::Face_index;
-using Vertex = SurfaceMesh::Vertex_index;
+using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Halfedge = RepairMesh::Halfedge_index;
+using Face = RepairMesh::Face_index;
+using Vertex = RepairMesh::Vertex_index;
 
 constexpr double kFlatRim = 1e-5;         // of the rim's extent
 constexpr std::size_t kCubicLimit = 400;  // rim vertices up to which the O(n^3) search is affordable (about a second)
@@ -42,7 +42,7 @@ bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center
   return std::all_of(rim.begin(), rim.end(), [&](const Eigen::Vector3d& x) { return std::abs(normal.dot(x - center)) <= tolerance; });
 }
 
-Rim Measure(const SurfaceMesh& mesh, Halfedge border) {
+Rim Measure(const RepairMesh& mesh, Halfedge border) {
   Rim rim;
   Eigen::AlignedBox3d box;
   std::vector<Eigen::Vector3d> points;
@@ -63,7 +63,7 @@ Rim Measure(const SurfaceMesh& mesh, Halfedge border) {
 }
 
 // Always possible on a simple rim; what it intersects is left to the next rung.
-void FillByFan(SurfaceMesh& mesh, Halfedge border, const Eigen::Vector3d& center) {
+void FillByFan(RepairMesh& mesh, Halfedge border, const Eigen::Vector3d& center) {
   std::vector<Halfedge> rim;
   Halfedge h = border;
   do {
@@ -77,7 +77,7 @@ void FillByFan(SurfaceMesh& mesh, Halfedge border, const Eigen::Vector3d& center
 }
 
 // True when the triangulation was found; leaves the mesh alone otherwise.
-bool FillSmoothly(SurfaceMesh& mesh, Halfedge border, const Rim& rim, bool large) {
+bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large) {
   std::vector<Face> faces;
   std::vector<Vertex> vertices;
   const bool no_cubic = rim.vertices > kCubicLimit;
@@ -95,7 +95,7 @@ bool FillSmoothly(SurfaceMesh& mesh, Halfedge border, const Rim& rim, bool large
 
 HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole) {
   HolesResult result;
-  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
+  RepairMesh mesh = ToSurfaceMesh<RepairMesh>(manifold);
   const double diagonal = BoundingDiagonal(manifold.points);
   std::vector<Halfedge> borders;
   PMP::extract_boundary_cycles(mesh, std::back_inserter(borders));

@@ -20,8 +20,8 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Face = SurfaceMesh::Face_index;
+using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Face = RepairMesh::Face_index;
 
 }  // namespace
 
@@ -44,11 +44,11 @@ Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings) {
   return open;
 }
 
-bool SelfIntersects(const Mesh& mesh) { return PMP::does_self_intersect<CGAL::Sequential_tag>(ToSurfaceMesh<SurfaceMesh>(mesh)); }
+bool SelfIntersects(const Mesh& mesh) { return PMP::does_self_intersect<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh)); }
 
 std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
   std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections<CGAL::Sequential_tag>(ToSurfaceMesh<SurfaceMesh>(mesh), std::back_inserter(pairs));
+  PMP::self_intersections<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh), std::back_inserter(pairs));
   std::vector<int> faces;
   for (const auto& [a, b] : pairs) {
     faces.push_back(static_cast<int>(a.idx()));

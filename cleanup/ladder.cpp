@@ -29,7 +29,7 @@ constexpr int kWorkingFaces = 5;     // times the wanted faces: repair works on 
 constexpr double kStartFaces = 2.5;  // the same: where remeshing begins
 constexpr int kIntersectionRounds = 8;
 constexpr int kRemeshings = 3;  // the later ones with smaller triangles where the earlier ones crossed themselves
-constexpr double kCountTolerance = 0.01;
+constexpr double kLadderCountTolerance = 0.01;
 constexpr double kTangle = 0.02;     // share of intersecting faces beyond which local repair is hopeless, and slow
 constexpr int kTangleFaces = 300;    // that many are always tried
 constexpr double kLostShare = 0.01;  // of the surface, that may end up farther than kLostDistance from a local repair
@@ -50,7 +50,7 @@ PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
 
 bool Acceptable(const Mesh& mesh) { return mesh.face_count() > 0 && CheckClosed(mesh).closed() && !SelfIntersects(mesh); }
 
-bool Ladder::GoodSize(int faces) const { return std::abs(faces - options_.faces) <= kCountTolerance * options_.faces; }
+bool Ladder::GoodSize(int faces) const { return std::abs(faces - options_.faces) <= kLadderCountTolerance * options_.faces; }
 
 bool Ladder::MayStay(int faces) const { return GoodSize(faces) || (faces < options_.faces && !MustHitCount()); }
 
@@ -186,7 +186,7 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   // Collapses only: more of the shape's sharpness, less even triangles.
   Mesh thinned = base.face_count() > rules.faces ? Thinned(base, rules.faces) : SplitTo(base, rules.faces);
   const std::optional<Mesh> mended = Mended(thinned);
-  if (!mended || mended->face_count() > (1 + kCountTolerance) * rules.faces) return std::nullopt;
+  if (!mended || mended->face_count() > (1 + kLadderCountTolerance) * rules.faces) return std::nullopt;
   return WithBetterAngles(GoodSize(mended->face_count()) ? *mended : SplitTo(*mended, rules.faces), kLeastAngleDeg);
 }
 
@@ -217,7 +217,7 @@ std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
     if (!Acceptable(wrap)) continue;
     repaired_ = wrap;
     const Mesh mesh = WithGenus(wrap);
-    if (mesh.face_count() > (1 + kCountTolerance) * options_.faces) continue;
+    if (mesh.face_count() > (1 + kLadderCountTolerance) * options_.faces) continue;
     return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces), kLeastAngleDeg);
   }
   return std::nullopt;

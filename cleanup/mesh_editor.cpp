@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kTurn = 0.3;  // cosine beyond which a face may not turn in one step
+constexpr double kMostTurn = 0.3;  // cosine beyond which a face may not turn in one step
 
 }  // namespace
 
@@ -68,7 +68,7 @@ bool Editor::StarHolds(Vertex v, const Vector3d& to, Vertex ignored) const {
     if (!(after.norm() > 1e-3 * scale)) {
       if (!(after.norm() > before.norm())) return false;  // a sliver may only get better
     }
-    if (before.norm() > 1e-9 * scale && !(after.dot(before) > kTurn * after.norm() * before.norm())) return false;
+    if (before.norm() > 1e-9 * scale && !(after.dot(before) > kMostTurn * after.norm() * before.norm())) return false;
   }
   return true;
 }
@@ -144,7 +144,7 @@ bool Editor::Flip(Edge e) {
     const double norm = u.norm() * v.norm();
     return norm > 0 ? u.dot(v) / norm : -1;
   };
-  if (cosine(m0, mean) < kTurn || cosine(m1, mean) < kTurn) return false;
+  if (cosine(m0, mean) < kMostTurn || cosine(m1, mean) < kMostTurn) return false;
   const bool flat_before = std::min(n0.norm(), n1.norm()) < 1e-4 * (pb - pa).squaredNorm();
   if (!flat_before && cosine(m0, m1) < std::min(0.9, cosine(n0, n1) - 0.05)) return false;
   CGAL::Euler::flip_edge(h, mesh);

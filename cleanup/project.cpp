@@ -12,7 +12,7 @@ namespace {
 
 // Nine tenths of the way: both walls around a thin sheet would else meet in it.
 constexpr double kShare = 0.9;
-constexpr int kRounds = 8;
+constexpr int kProjectionRounds = 8;
 
 PointsX3 Targets(const Mesh& wrap, const Mesh& soup, double reach) {
   const RayScene scene(soup.points, soup.faces);
@@ -67,7 +67,7 @@ void Revert(const Mesh& wrap, const std::vector<int>& faces, int rings, PointsX3
 Mesh ProjectedBack(const Mesh& wrap, const Mesh& soup, double reach) {
   Mesh moved = wrap;
   moved.points = Targets(wrap, soup, reach);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kProjectionRounds; ++round) {
     std::vector<int> bad = FlippedFaces(wrap, moved.points);
     if (bad.empty()) bad = IntersectingFaces(moved);
     if (bad.empty()) return moved;

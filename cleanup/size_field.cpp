@@ -14,8 +14,8 @@
 namespace keypose::cleanup {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kCountTolerance = 1e-3;
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kFieldCountTolerance = 1e-3;
 constexpr double kLimbShare = 0.36;  // of the thickness: a chord of 1/8 of a circle is 0.38 of the diameter
 constexpr double kRound = 0.4;       // curvature times half the thickness: 1 on a rod, 0 on a sheet
 
@@ -113,7 +113,7 @@ Eigen::VectorXd Thickness(const Mesh& surface) {
         const RayScene::Hit hit = scene.Cast(surface.points.row(v).transpose() - skin * normal, -normal);
         // A face that looks the same way is the next fold of a broken surface, not the other side.
         const bool other_side = hit.face >= 0 && face_normals.row(hit.face).dot(normals.row(v)) < 0;
-        thickness[v] = other_side ? hit.distance + skin : kInfinite;
+        thickness[v] = other_side ? hit.distance + skin : kUnbounded;
       },
       256);
   return thickness;
@@ -127,7 +127,7 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
   Eigen::VectorXd limb(surface.vertex_count());
   for (int v = 0; v < surface.vertex_count(); ++v) {
     const bool round = curvature[v] * thickness[v] / 2 >= kRound;
-    limb[v] = round ? std::max(kLimbShare * thickness[v], rules.limb_smallest * even) : kInfinite;
+    limb[v] = round ? std::max(kLimbShare * thickness[v], rules.limb_smallest * even) : kUnbounded;
   }
   const auto sizes_for = [&](double scale) {
     Eigen::VectorXd sizes(surface.vertex_count());
@@ -144,7 +144,7 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
   for (int round = 0; round < 24; ++round) {
     Eigen::VectorXd sizes = sizes_for(scale);
     const double over = FacesNeeded(surface, areas, sizes) / rules.faces;
-    if (std::abs(over - 1) < kCountTolerance) return sizes;
+    if (std::abs(over - 1) < kFieldCountTolerance) return sizes;
     (over > 1 ? low : high) = scale;
     const double next = scale * std::sqrt(over);
     scale = next > low && next < high ? next : std::sqrt(low * high);

@@ -23,7 +23,7 @@ namespace {
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Triangle = std::array<std::size_t, 3>;
 
 // Vertices by the cell of a grid that is much wider than the radius: nearly all have no cell but their own to look at.
@@ -174,14 +174,14 @@ SoupResult OrientedManifold(const Mesh& soup, double weld_radius) {
   points.reserve(soup.points.rows());
   for (int v = 0; v < soup.vertex_count(); ++v) points.emplace_back(soup.points(v, 0), soup.points(v, 1), soup.points(v, 2));
   PMP::orient_polygon_soup(points, triangles);
-  SurfaceMesh mesh;
+  RepairMesh mesh;
   PMP::polygon_soup_to_polygon_mesh(points, triangles, mesh);
   result.mesh = FromSurfaceMesh(mesh);
   return result;
 }
 
 Mesh Stitched(const Mesh& manifold) {
-  SurfaceMesh mesh = ToSurfaceMesh<SurfaceMesh>(manifold);
+  RepairMesh mesh = ToSurfaceMesh<RepairMesh>(manifold);
   PMP::stitch_borders(mesh);
   PMP::duplicate_non_manifold_vertices(mesh);
   return FromSurfaceMesh(mesh);

@@ -23,7 +23,7 @@ constexpr double kLowest = 0.35;   // of the height: sheets above are part of th
 constexpr double kDeepest = 0.12;  // a plate's thickness at most
 constexpr double kAbove = 0.015;   // where the figure's cross-section is taken
 constexpr double kTall = 0.1;      // what stands on it at least
-constexpr double kMargin = 0.005;  // of the cut above the sheet: what Poisson rounds off goes too
+constexpr double kCutMargin = 0.005;  // of the cut above the sheet: what Poisson rounds off goes too
 constexpr double kSpread = 1.5;    // of the sheet over the cross-section
 constexpr double kCover = 0.5;     // of what the sheet spreads beyond it
 constexpr double kLevel = 0.966;   // cosine of 15 degrees
@@ -175,7 +175,7 @@ std::optional<CutPlane> FindStand(const Mesh& mesh) {
   for (const double height : search.Peaks()) {
     std::optional<CutPlane> sheet = search.Fit(height);
     if (!sheet || !search.IsStand(*sheet)) continue;
-    sheet->offset += kMargin * search.diagonal();
+    sheet->offset += kCutMargin * search.diagonal();
     return sheet;
   }
   return std::nullopt;

@@ -13,7 +13,7 @@ double Orientation(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b, con
   return (b - a).cross(c - a).dot(d - a);
 }
 
-constexpr int kRounds = 16;
+constexpr int kSmoothingRounds = 16;
 constexpr double kMostMoved = 0.1;
 
 /// Whether an edge of face e goes through face f.
@@ -90,10 +90,10 @@ std::vector<std::pair<int, int>> Crossings(const PointsX3& points, const FacesX3
 
 std::optional<PointsX3> WithoutCrossings(const PointsX3& points, const FacesX3& faces) {
   PointsX3 apart = points;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSmoothingRounds; ++round) {
     const std::vector<std::pair<int, int>> pairs = Crossings(apart, faces);
     if (pairs.empty()) break;
-    if (round + 1 == kRounds) return std::nullopt;
+    if (round + 1 == kSmoothingRounds) return std::nullopt;
     Smooth(faces, Surroundings(faces, points.rows(), pairs, 1 + round / 3), 5, apart);
   }
   const auto moved = ((apart - points).rowwise().squaredNorm().array() > 0).count();

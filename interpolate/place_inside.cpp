@@ -14,7 +14,7 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr int kRounds = 100;
-constexpr double kSettled = 1e-4;  // largest move of a round over the mean edge of a tetrahedron
+constexpr double kSettledMove = 1e-4;  // largest move of a round over the mean edge of a tetrahedron
 constexpr int kSweeps = 40;
 constexpr double kNearlyFlat = 0.01;  // determinant over the body's own growth that is worth untangling
 
@@ -216,7 +216,7 @@ PointsX3 PlaceInside(const Solid& solid, const std::vector<TetShape>& shapes, co
   std::vector<Eigen::Matrix3d> turns = FirstTurns(solid, solver, faces, surface);
   double mean_volume = 0;
   for (const TetShape& shape : shapes) mean_volume += shape.volume / static_cast<double>(shapes.size());
-  const double settled = kSettled * std::cbrt(8.5 * mean_volume);
+  const double settled = kSettledMove * std::cbrt(8.5 * mean_volume);
   for (int round = 0; round < kRounds; ++round) {
     const PointsX3 rhs = sums.Sum([&](std::int64_t t, Eigen::Matrix<double, 3, 4>& corners) {
       if (round > 0) turns[t] = ClosestRotation(MapOf(shapes[t], points, solid.tets, t));

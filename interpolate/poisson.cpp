@@ -15,7 +15,7 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kSliver = 1e-6;  // as in FaceMapsOf
+constexpr double kSliverTriangle = 1e-6;  // as in FaceMapsOf
 
 std::vector<int> LowestVertexOfPart(Eigen::Index vertex_count, const FacesX3& faces) {
   std::vector<int> parent(vertex_count);
@@ -38,7 +38,7 @@ bool Measure(const PointsX3& p, const FacesX3& faces, Eigen::Index f, EdgeWeight
   const Eigen::Vector3d p0 = p.row(faces(f, 0)), p1 = p.row(faces(f, 1)), p2 = p.row(faces(f, 2));
   const Eigen::Vector3d e0 = p2 - p1, e1 = p0 - p2, e2 = p1 - p0;
   const double doubled = e1.cross(e2).norm();
-  if (!(doubled > kSliver * std::max({e0.squaredNorm(), e1.squaredNorm(), e2.squaredNorm()}))) return false;
+  if (!(doubled > kSliverTriangle * std::max({e0.squaredNorm(), e1.squaredNorm(), e2.squaredNorm()}))) return false;
   half_cotangents = {-0.5 * e1.dot(e2) / doubled, -0.5 * e2.dot(e0) / doubled, -0.5 * e0.dot(e1) / doubled};
   area = 0.5 * doubled;
   return true;

@@ -12,7 +12,7 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr double kFarFromRegion = 2.5;  // [rad]: near half a turn the logarithm may go the other way round than the neighbours'
-constexpr double kFlat = 1e-9;          // of the mean edge growth cubed
+constexpr double kFlatGrowth = 1e-9;          // of the mean edge growth cubed
 
 }  // namespace
 
@@ -21,7 +21,7 @@ TetPath::TetPath(const Eigen::Matrix3d& map, const Eigen::Vector3d& turn, double
   remainder_ = LogOf(rotation);
   const double size = f.norm();
   std::optional<Eigen::Matrix3d> log;
-  if (f.determinant() > kFlat * size * size * size && remainder_.norm() < kFarFromRegion) log = LogOfMatrix(f);
+  if (f.determinant() > kFlatGrowth * size * size * size && remainder_.norm() < kFarFromRegion) log = LogOfMatrix(f);
   has_power_ = log.has_value();
   if (!has_power_) {
     stretch_ = rotation.transpose() * f;

@@ -15,8 +15,8 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kFullTurn = 6.283185307179586;
-constexpr double kNoAxis = 1e-6;      // rotations below this have no usable axis
+constexpr double kWholeTurn = 6.283185307179586;
+constexpr double kAxisless = 1e-6;      // rotations below this have no usable axis
 constexpr double kSmallTurn = 0.1;    // smooth turns below this fade out: their axis is noise
 constexpr double kTrustedTurn = 3.5;  // up to here a rotation vector magnifies noise less than twofold
 constexpr double kSlack = 0.3;        // beyond what neighbours' rotations differ
@@ -59,12 +59,12 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
 /// Angle of a rotation about a unit axis (its twist), in the winding nearest to `near`.
 double TwistNear(const Eigen::Quaterniond& q, const Eigen::Vector3d& axis, double near) {
   const double twist = 2 * std::atan2(q.vec().dot(axis), q.w());
-  return twist + kFullTurn * std::round((near - twist) / kFullTurn);
+  return twist + kWholeTurn * std::round((near - twist) / kWholeTurn);
 }
 
-class Lift {
+class TurnLift {
  public:
-  Lift(const PoissonSystem& system, SegmentMaps& maps)
+  TurnLift(const PoissonSystem& system, SegmentMaps& maps)
       : system_(system), maps_(maps), neighbours_(FaceNeighbours(system.vertex_count(), system.faces())) {
     FacesByPart();
     relative_.resize(maps_.faces.size());
@@ -96,7 +96,7 @@ class Lift {
       Eigen::Vector3d& turn = maps_.faces[f].turn;
       const double angle = turn.norm();
       const Eigen::Vector3d own = angle > kSmallTurn ? (turn.dot(axis) < 0 ? -turn : turn).eval() / angle : axis;
-      turn += kFullTurn * limb.extra_turns * own;
+      turn += kWholeTurn * limb.extra_turns * own;
     }
   }
 
@@ -109,7 +109,7 @@ class Lift {
         weighted.rows(),
         [&](std::int64_t f) {
           const Eigen::Vector3d& turn = maps_.faces[f].turn;
-          const double half = 0.5 * turn.norm(), magnified = half > kNoAxis ? std::sin(half) / half : 1.0;
+          const double half = 0.5 * turn.norm(), magnified = half > kAxisless ? std::sin(half) / half : 1.0;
           const double weight = std::max(kLeastWeight, magnified * magnified);
           weighted.row(f) << weight * turn.transpose(), weight;
         },
@@ -127,7 +127,7 @@ class Lift {
           const PointsX3& turns = maps_.vertex_turns;
           const Eigen::Vector3d mean = (turns.row(faces(f, 0)) + turns.row(faces(f, 1)) + turns.row(faces(f, 2))).transpose() / 3;
           const double length = mean.norm();
-          if (length < kNoAxis) return SetTurn(map, f, Eigen::Vector3d::Zero());
+          if (length < kAxisless) return SetTurn(map, f, Eigen::Vector3d::Zero());
           const Eigen::Vector3d axis = mean / length;
           const double twist = TwistNear(relative_[f], axis, map.turn.dot(axis));
           SetTurn(map, f, twist * std::min(1.0, length / kSmallTurn) * axis);
@@ -272,11 +272,11 @@ class Lift {
     const Eigen::Vector3d shortest = LogOf(rotation);
     const double angle = shortest.norm(), before = parent.norm();
     Eigen::Vector3d nearest = shortest;
-    if (angle > kNoAxis) {
+    if (angle > kAxisless) {
       const Eigen::Vector3d axis = shortest / angle;
-      nearest = (angle + kFullTurn * std::round((parent.dot(axis) - angle) / kFullTurn)) * axis;
+      nearest = (angle + kWholeTurn * std::round((parent.dot(axis) - angle) / kWholeTurn)) * axis;
     }
-    if (before < kNoAxis) return nearest;
+    if (before < kAxisless) return nearest;
     if (before < kTrustedTurn && nearest.norm() < kTrustedTurn &&
         (nearest - parent).norm() <= 2 * AngleOf(Difference(parent_rotation, rotation)) + kSlack)
       return nearest;
@@ -386,7 +386,7 @@ std::vector<std::array<int, 3>> FaceNeighbours(int vertex_count, const FacesX3& 
 
 TurnReport FollowTurns(const PoissonSystem& system, SegmentMaps& maps, const std::vector<TurnOverride>& overrides,
                        bool axes_in_second_key) {
-  Lift lift(system, maps);
+  TurnLift lift(system, maps);
   for (const TurnOverride& limb : overrides) lift.Override(limb, axes_in_second_key);
   const std::vector<Eigen::Vector3d> raw = lift.Turns();
   lift.Smooth();

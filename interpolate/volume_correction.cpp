@@ -14,12 +14,12 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kReach = 0.25;  // of the diagonal: no correction moves a vertex further
+constexpr double kMostReach = 0.25;  // of the diagonal: no correction moves a vertex further
 
-using Cubic = std::array<double, 4>;
+using CubicTerms = std::array<double, 4>;
 
 /// The root nearest to zero, by Newton's method from zero; NaN where it does not settle.
-double RootNearZero(const Cubic& c) {
+double RootNearZero(const CubicTerms& c) {
   double x = 0;
   for (int pass = 0; pass < 60; ++pass) {
     const double value = c[0] + x * (c[1] + x * (c[2] + x * c[3])), slope = c[1] + x * (2 * c[2] + x * 3 * c[3]);
@@ -71,11 +71,11 @@ VolumeCorrection::VolumeCorrection(const PoissonSystem& system)
 std::vector<std::array<double, 4>> VolumeCorrection::Polynomials(const PointsX3& points, const PointsX3* direction) const {
   const FacesX3& faces = system_->faces();
   const std::vector<int>& parts = system_->parts();
-  std::vector<Cubic> sums(system_->part_count(), Cubic{});
+  std::vector<CubicTerms> sums(system_->part_count(), CubicTerms{});
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const int part = parts[faces(f, 0)];
     if (!closed_[part]) continue;
-    Cubic& sum = sums[part];
+    CubicTerms& sum = sums[part];
     const Eigen::Vector3d o = points.row(origins_[part]), a = points.row(faces(f, 0)).transpose() - o,
                           b = points.row(faces(f, 1)).transpose() - o, c = points.row(faces(f, 2)).transpose() - o;
     const Eigen::Vector3d bc = b.cross(c);
@@ -87,14 +87,14 @@ std::vector<std::array<double, 4>> VolumeCorrection::Polynomials(const PointsX3&
     sum[2] += da.dot(mixed) + a.dot(both);
     sum[3] += da.dot(both);
   }
-  for (Cubic& sum : sums)
+  for (CubicTerms& sum : sums)
     for (double& x : sum) x /= 6;
   return sums;
 }
 
 std::vector<double> VolumeCorrection::Volumes(const PointsX3& points) const {
   std::vector<double> volumes;
-  for (const Cubic& c : Polynomials(points, nullptr)) volumes.push_back(c[0]);
+  for (const CubicTerms& c : Polynomials(points, nullptr)) volumes.push_back(c[0]);
   return volumes;
 }
 
@@ -132,11 +132,11 @@ VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, PointsX3 dire
                                                  const std::vector<int>& held) const {
   Result result;
   const PointsX3 z = system_->WithoutRows(std::move(direction), held);
-  std::vector<Cubic> cubics = Polynomials(points, &z);
+  std::vector<CubicTerms> cubics = Polynomials(points, &z);
   const std::vector<int>& parts = system_->parts();
   std::vector<double> longest(cubics.size(), 0), step(cubics.size(), 0);
   for (Eigen::Index i = 0; i < z.rows(); ++i) longest[parts[i]] = std::max(longest[parts[i]], z.row(i).norm());
-  const double reach = kReach * BoundingDiagonal(points);
+  const double reach = kMostReach * BoundingDiagonal(points);
   for (std::size_t p = 0; p < cubics.size(); ++p) {
     if (!closed_[p] || !std::isfinite(targets[p])) continue;
     const double x = StepToVolume(cubics[p], targets[p]);

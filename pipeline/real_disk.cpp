@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void Fail(const std::string& what, const fs::path& path, int error) {
+[[noreturn]] void FailOnDisk(const std::string& what, const fs::path& path, int error) {
   std::string message = "cannot " + what + " " + path.string() + ": " + std::strerror(error);
   if (error == ENOSPC || error == EDQUOT)
     message += "; free some space (`keypose gc` removes old results) and run again: nothing finished is lost";
@@ -50,7 +50,7 @@ void WriteAll(int fd, const char* data, std::size_t size, const fs::path& path) 
   while (size > 0) {
     const ssize_t n = write(fd, data, size);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) Fail("write", path, errno);
+    if (n < 0) FailOnDisk("write", path, errno);
     data += n;
     size -= static_cast<std::size_t>(n);
   }
@@ -59,12 +59,12 @@ void WriteAll(int fd, const char* data, std::size_t size, const fs::path& path) 
 template <class Consume>
 void ReadAll(const fs::path& path, const Consume& consume) {
   Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (fd.get() < 0) Fail("read", path, errno);
+  if (fd.get() < 0) FailOnDisk("read", path, errno);
   std::vector<char> buffer(1 << 18);
   for (;;) {
     const ssize_t n = read(fd.get(), buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) Fail("read", path, errno);
+    if (n < 0) FailOnDisk("read", path, errno);
     if (n == 0) return;
     consume(buffer.data(), static_cast<std::size_t>(n));
   }
@@ -77,7 +77,7 @@ void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to
   for (;;) {
     const ssize_t n = read(from, buffer.data(), buffer.size());
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) Fail("read", from_path, errno);
+    if (n < 0) FailOnDisk("read", from_path, errno);
     if (n == 0) return;
     WriteAll(to, buffer.data(), static_cast<std::size_t>(n), to_path);
   }
@@ -89,7 +89,7 @@ std::optional<FileStat> RealDisk::Stat(const Path& path) const {
   struct stat info;
   if (stat(path.c_str(), &info) != 0) {
     if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
-    Fail("look at", path, errno);
+    FailOnDisk("look at", path, errno);
   }
   FileStat result;
   result.folder = S_ISDIR(info.st_mode);
@@ -107,7 +107,7 @@ std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {
   for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
     if (!it->is_directory(error)) names.push_back(it->path().lexically_relative(folder).generic_string());
   }
-  if (error) Fail("list", folder, error.value());
+  if (error) FailOnDisk("list", folder, error.value());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -118,7 +118,7 @@ std::vector<std::string> RealDisk::Children(const Path& folder) const {
   fs::directory_iterator it(folder, error);
   if (error == std::errc::no_such_file_or_directory) return names;
   for (; !error && it != fs::directory_iterator(); it.increment(error)) names.push_back(it->path().filename().string());
-  if (error) Fail("list", folder, error.value());
+  if (error) FailOnDisk("list", folder, error.value());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -149,10 +149,10 @@ void RealDisk::Place(const Path& target, const Fill& fill) const {
     const Path temporary = (staged ? staging_ : target.parent_path()) / name;
     Fd fd(open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
     if (fd.get() < 0 && staged) continue;
-    if (fd.get() < 0) Fail("write", target, errno);
+    if (fd.get() < 0) FailOnDisk("write", target, errno);
     try {
       fill(fd.get());
-      if (fd.Close() != 0) Fail("write", target, errno);
+      if (fd.Close() != 0) FailOnDisk("write", target, errno);
     } catch (...) {
       unlink(temporary.c_str());
       throw;
@@ -160,7 +160,7 @@ void RealDisk::Place(const Path& target, const Fill& fill) const {
     if (rename(temporary.c_str(), target.c_str()) == 0) return;
     const int error = errno;
     unlink(temporary.c_str());
-    if (!staged || (error != EXDEV && error != ENOENT)) Fail("write", target, error);
+    if (!staged || (error != EXDEV && error != ENOENT)) FailOnDisk("write", target, error);
   }
 }
 
@@ -171,24 +171,24 @@ void RealDisk::Write(const Path& path, std::string_view text) {
 void RealDisk::MakeFolder(const Path& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) Fail("make the folder", path, error.value());
+  if (error) FailOnDisk("make the folder", path, error.value());
 }
 
 void RealDisk::Move(const Path& from, const Path& to) {
   if (to.has_parent_path()) MakeFolder(to.parent_path());
   if (rename(from.c_str(), to.c_str()) == 0) return;
-  if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR) Fail("move into place", to, errno);
+  if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR) FailOnDisk("move into place", to, errno);
   // A folder in the way: swap the two in one step, so that at no moment there is none.
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return Remove(from);
   Remove(to);
-  if (rename(from.c_str(), to.c_str()) != 0) Fail("move into place", to, errno);
+  if (rename(from.c_str(), to.c_str()) != 0) FailOnDisk("move into place", to, errno);
 }
 
 void RealDisk::Copy(const Path& from, const Path& to) {
   Fd source(open(from.c_str(), O_RDONLY | O_CLOEXEC));
-  if (source.get() < 0) Fail("read", from, errno);
+  if (source.get() < 0) FailOnDisk("read", from, errno);
   Place(to, [&](int fd) {
-    if (lseek(source.get(), 0, SEEK_SET) != 0) Fail("read", from, errno);
+    if (lseek(source.get(), 0, SEEK_SET) != 0) FailOnDisk("read", from, errno);
     CopyContent(source.get(), fd, from, to);
   });
 }
@@ -196,13 +196,13 @@ void RealDisk::Copy(const Path& from, const Path& to) {
 void RealDisk::Remove(const Path& path) {
   std::error_code error;
   fs::remove_all(path, error);
-  if (error && error != std::errc::no_such_file_or_directory) Fail("remove", path, error.value());
+  if (error && error != std::errc::no_such_file_or_directory) FailOnDisk("remove", path, error.value());
 }
 
 void RealDisk::Sync(const Path& folder) {
   Fd fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd.get() < 0) Fail("open", folder, errno);
-  if (syncfs(fd.get()) != 0 && errno != EINVAL && errno != ENOSYS) Fail("write", folder, errno);
+  if (fd.get() < 0) FailOnDisk("open", folder, errno);
+  if (syncfs(fd.get()) != 0 && errno != EINVAL && errno != ENOSYS) FailOnDisk("write", folder, errno);
 }
 
 }  // namespace keypose::pipeline

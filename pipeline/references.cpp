@@ -10,7 +10,7 @@
 namespace keypose::pipeline {
 namespace {
 
-[[noreturn]] void Fail(const Where& where, const std::string& message) { throw UsageError(fmt::format("{}: {}", where.Text(), message)); }
+[[noreturn]] void Refuse(const Where& where, const std::string& message) { throw UsageError(fmt::format("{}: {}", where.Text(), message)); }
 
 bool IsPath(const std::string& text) {
   return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") || text.starts_with("~");
@@ -42,7 +42,7 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
   for (const PortInfo& port : step->info.inputs) known.push_back(port.name);
   for (const auto& [port, input] : rule.inputs) {
     if (!step->info.FindInput(port)) {
-      Fail(input.where,
+      Refuse(input.where,
            fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name, step->info.stage, port, Suggestion(port, known)));
     }
   }
@@ -53,9 +53,9 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
     if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty()) step->warnings = LandmarkWarnings(*step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
-      Fail(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
+      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
     if (result.flows.size() > 1 && !port.repeatable)
-      Fail(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id, port.name, result.flows.size()));
+      Refuse(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id, port.name, result.flows.size()));
     if (result.flows.empty()) continue;
     for (const Flow& flow : result.flows) {
       CheckKind(flow, result, *step);
@@ -96,7 +96,7 @@ void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& 
   if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info.FindOutput(flow.port)->kind == "folder";
   if (flow.kind == Flow::Kind::kTimeline) folder = false;
   if (port.kind == PortKind::kEither || folder == wants_folder) return;
-  Fail(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
+  Refuse(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
                                port.port, wants_folder ? "folder" : "file"));
 }
 
@@ -127,12 +127,12 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
-    Fail(reference.where,
+    Refuse(reference.where,
          fmt::format("step '{}': '{}' is not known{}", step.rule, word,
                      Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$regions", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
-  if (!pose) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
+  if (!pose) Refuse(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
   if (word == "$photos") {
     flow = Source({PhotographsOf(*pose), pose->photos ? pose->photos->where : pose->where});
     flow.photographs = true;
@@ -143,7 +143,7 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
 }
 
 std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
-  if (step.pose.empty()) Fail(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
+  if (step.pose.empty()) Refuse(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
   const std::vector<std::string> poses = PosesOfPair(step);
   for (const std::string& name : poses) {
     const auto& named = file_.FindPose(name)->landmarks;
@@ -203,19 +203,19 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference, con
   const auto others = std::vector<std::string>(graph_.poses.begin() + 1, graph_.poses.end());
   if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
     if (!selector.empty())
-      Fail(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out", reference.text, selector));
+      Refuse(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out", reference.text, selector));
     return {""};
   }
   if (selector == "template") return {graph_.template_pose};
   if (selector == "others") return others;
   if (selector == "all") return graph_.poses;
   if (!selector.empty() && selector != "pose") {
-    Fail(reference.where,
+    Refuse(reference.where,
          fmt::format("'{}': '@{}' is not known{}", reference.text, selector, Suggestion(selector, {"pose", "template", "others", "all"})));
   }
   if (fan_out == FanOut::kTemplate) return {graph_.template_pose};
   if (step.pose.empty())
-    Fail(reference.where, fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'", step.rule, reference.text));
+    Refuse(reference.where, fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'", step.rule, reference.text));
   return {step.pose};
 }
 
@@ -229,21 +229,21 @@ std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step
   std::vector<std::string> known;
   for (const StepRule& other : file_.steps) known.push_back(other.name);
   if (!rule)
-    Fail(reference.where,
+    Refuse(reference.where,
          fmt::format("step '{}': there is no step '{}'{} A path of the project starts with ./", step.rule, name, Suggestion(name, known)));
   if (!rule->enabled)
-    Fail(reference.where,
+    Refuse(reference.where,
          fmt::format("step '{}' takes '{}', but that step is switched off at {}", step.rule, reference.text, rule->where.Text()));
   std::vector<Flow> flows;
   for (const std::string& pose : SelectedPoses(reference, selector, *rule->fan_out, step)) {
     const std::string id = pose.empty() ? name : name + "/" + pose;
     const auto it = std::find_if(graph_.steps.begin(), graph_.steps.end(), [&](const Step& other) { return other.id == id; });
     if (it == graph_.steps.end())
-      Fail(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id, reference.text, id));
+      Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id, reference.text, id));
     std::vector<std::string> outputs;
     for (const PortInfo& output : it->info.outputs) outputs.push_back(output.name);
     if (!it->info.FindOutput(port)) {
-      Fail(reference.where,
+      Refuse(reference.where,
            fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule, it->info.stage, port, Suggestion(port, outputs)));
     }
     Flow flow;

@@ -63,7 +63,7 @@ std::string RunName(double now) {
   return fmt::format("{}-{:03}-{}", text, static_cast<int>((now - static_cast<double>(seconds)) * 1000), getpid());
 }
 
-std::string HostName() {
+std::string OwnHostName() {
   char name[256] = {};
   gethostname(name, sizeof name - 1);
   return name;
@@ -93,7 +93,7 @@ ExitCode RunCommand(const RunOptions& options) {
   RunRecord record;
   record.name = RunName(session.clock().Now());
   record.command = options.command_line;
-  record.host = HostName();
+  record.host = OwnHostName();
   const RunResult result = builder.Run(std::move(record));
   session.disk().Remove(session.state() / "writing");
   if (result.code != ExitCode::kOk) {

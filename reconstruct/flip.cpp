@@ -35,7 +35,7 @@ Pairs Agreeing(const Scene& first, const Scene& second, const Pairs& pairs, cons
 }
 
 /// Root mean square distance of the points from their middle.
-double Spread(const Scene& scene) {
+double SpreadOf(const Scene& scene) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const SparsePoint& point : scene.points) mean += point.position / static_cast<double>(scene.points.size());
   double sum = 0;
@@ -99,7 +99,7 @@ Join JoinModels(const Scene& first, const Scene& second, const Pairs& pairs, con
   Join join;
   join.pairs = static_cast<int>(pairs.size());
   if (join.pairs < std::max(3, options.min_pairs)) return join;
-  const double spread = Spread(first), limit = options.max_distance * spread;
+  const double spread = SpreadOf(first), limit = options.max_distance * spread;
   std::mt19937 random(7);
   Pairs best;
   for (int trial = 0; trial < options.trials; ++trial) {

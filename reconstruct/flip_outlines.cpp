@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "reconstruct/flip.h"
@@ -10,8 +11,6 @@
 
 namespace keypose::reconstruct {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// Mean distance by which points that a motion takes into a frame lie outside of the masks there.
 double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes& masks) {
@@ -23,7 +22,7 @@ double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes
 }
 
 /// Points of both halves by which motions are judged.
-struct Judge {
+struct OutlineJudge {
   const HalfOutlines& outlines;
   PointsX3 first, second;
 
@@ -34,7 +33,7 @@ struct Judge {
   double Own() const { return 0.5 * (MissOf(first, {}, outlines.first) + MissOf(second, {}, outlines.second)); }
 };
 
-using Unknowns = Eigen::Matrix<double, 7, 1>;  // turn, shift over the spread, logarithm of the scale
+using MotionUnknowns = Eigen::Matrix<double, 7, 1>;  // turn, shift over the spread, logarithm of the scale
 
 /// A motion turned and scaled about `middle` of the second half, and shifted.
 Similarity3 Moved(const Similarity3& motion, const Eigen::Vector3d& middle, double spread, const Eigen::VectorXd& by) {
@@ -52,17 +51,18 @@ struct Candidate {
 };
 
 /// @param size  of the first simplex: 1 for a start from afar
-void Search(const Judge& judge, double spread, double size, int evaluations, Candidate& candidate) {
+void Search(const OutlineJudge& judge, double spread, double size, int evaluations, Candidate& candidate) {
   const Eigen::Vector3d middle = judge.second.colwise().mean();
-  const Unknowns step = size * (Unknowns() << 8 * kDegree, 8 * kDegree, 8 * kDegree, 0.15, 0.15, 0.15, 0.08).finished();
+  const MotionUnknowns step = size * (MotionUnknowns() << 8 * kDegree, 8 * kDegree, 8 * kDegree, 0.15, 0.15, 0.15, 0.08).finished();
   const auto cost = [&](const Eigen::VectorXd& by) { return judge.Miss(Moved(candidate.motion, middle, spread, by)); };
-  const Eigen::VectorXd by = MinimizeSimplex(cost, Unknowns::Zero(), step, evaluations);
+  const Eigen::VectorXd by = MinimizeSimplex(cost, MotionUnknowns::Zero(), step, evaluations);
   candidate.motion = Moved(candidate.motion, middle, spread, by);
   candidate.miss = judge.Miss(candidate.motion);
 }
 
 /// Searches on from all candidates, and leaves the best `kept` that differ by 10 degrees or more, best first: rivals stay.
-void SearchAll(const Judge& judge, double spread, double size, int evaluations, std::size_t kept, std::vector<Candidate>& candidates) {
+void SearchAll(const OutlineJudge& judge, double spread, double size, int evaluations, std::size_t kept,
+               std::vector<Candidate>& candidates) {
   constexpr double kSameTurn = 10 * kDegree;
   ParallelFor(static_cast<std::int64_t>(candidates.size()),
               [&](std::int64_t i) { Search(judge, spread, size, evaluations, candidates[static_cast<std::size_t>(i)]); });
@@ -92,7 +92,7 @@ std::vector<Candidate> Starts(const PointsX3& first, const PointsX3& second, int
 
 double MissedOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines, const Similarity3& first_from_second,
                       int points) {
-  return Judge{outlines, Thinned(first, points).points, Thinned(second, points).points}.Miss(first_from_second);
+  return OutlineJudge{outlines, Thinned(first, points).points, Thinned(second, points).points}.Miss(first_from_second);
 }
 
 Join JoinByOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines, const OutlineJoinOptions& options) {
@@ -102,7 +102,7 @@ Join JoinByOutlines(const Scene& first, const Scene& second, const HalfOutlines&
   if (first.points.size() < 100 || second.points.size() < 100) return join;
   const Cloud target = Thinned(first, kPlenty), moving = Thinned(second, kPlenty);
   const double spread = Spread(target.points);
-  const Judge coarse{outlines, Thinned(first, options.coarse_points).points, Thinned(second, options.coarse_points).points},
+  const OutlineJudge coarse{outlines, Thinned(first, options.coarse_points).points, Thinned(second, options.coarse_points).points},
       fine{outlines, Thinned(first, options.fine_points).points, Thinned(second, options.fine_points).points};
   std::vector<Candidate> candidates = Starts(target.points, moving.points, options.rotations);
   SearchAll(coarse, spread, 1, 80, 40, candidates);

@@ -42,7 +42,7 @@ void Settle(const Cloud& first, const KdTree& tree, const Cloud& second, double 
   }
 }
 
-struct Candidate {
+struct ShapeCandidate {
   Similarity3 motion;
   double share = 0, rms = 0;
 };
@@ -59,25 +59,27 @@ Join JoinByShape(const Scene& first, const Scene& second, const ShapeJoinOptions
   const KdTree tree(target.points);
   const double limit = std::max(options.max_distance * Spread(target.points), 2 * Spacing(target, tree));
   const Eigen::Vector3d from = coarse.points.colwise().mean(), to = target.points.colwise().mean();
-  std::vector<Candidate> candidates(static_cast<std::size_t>(options.rotations));
+  std::vector<ShapeCandidate> candidates(static_cast<std::size_t>(options.rotations));
   ParallelFor(options.rotations, [&](std::int64_t i) {
-    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    ShapeCandidate& candidate = candidates[static_cast<std::size_t>(i)];
     candidate.motion.rotation = Turn(static_cast<int>(i), options.rotations);
     candidate.motion.translation = to - candidate.motion.rotation * from;
     Settle(target, tree, coarse, options.kept, 25, candidate.motion);
     candidate.share = Agreement(target, tree, coarse, candidate.motion, 2 * limit, options.max_color).first;
   });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.share > b.share; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const ShapeCandidate& a, const ShapeCandidate& b) { return a.share > b.share; });
   candidates.resize(std::min(candidates.size(), kRefined));
   ParallelFor(static_cast<std::int64_t>(candidates.size()), [&](std::int64_t i) {
-    Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+    ShapeCandidate& candidate = candidates[static_cast<std::size_t>(i)];
     Settle(target, tree, fine, options.kept, 60, candidate.motion);
     std::tie(candidate.share, candidate.rms) = Agreement(target, tree, fine, candidate.motion, limit, options.max_color);
   });
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.share > b.share; });
-  const Candidate& best = candidates.front();
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const ShapeCandidate& a, const ShapeCandidate& b) { return a.share > b.share; });
+  const ShapeCandidate& best = candidates.front();
   double rival = 0;
-  for (const Candidate& candidate : candidates)
+  for (const ShapeCandidate& candidate : candidates)
     if (AngleBetween(candidate.motion, best.motion) > kAnotherTurn) rival = std::max(rival, candidate.share);
   join.first_from_second = best.motion;
   Polish(target, tree, Thinned(second, 8 * options.fine_points), limit, options.max_color, false, join.first_from_second);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::reconstruct {
@@ -14,7 +15,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

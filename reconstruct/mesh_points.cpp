@@ -14,7 +14,7 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kFewestPoints = 100;
-constexpr std::int64_t kGrain = 2048;
+constexpr std::int64_t kPointGrain = 2048;
 // Two sides of a thin sheet see half of their neighbours turned away: only near unanimity tells a wrong normal.
 constexpr double kContraryShare = 0.2;
 // With the normals' own weight this makes a point of a tenth of the confidence pull less than a tenth.
@@ -74,7 +74,7 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
   const bool graded = cloud.confidence.size() > 0;
   Neighborhood out{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(graded ? count : 0),
                    Eigen::VectorXd::Zero(count)};
-  ParallelBlocks(count, kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(count, kPointGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       // The point finds itself too.
       const auto near = tree.Nearest(cloud.points.row(i).transpose(), neighbors + 1);

@@ -12,7 +12,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr std::int64_t kGrain = 2048;
+constexpr std::int64_t kTrimGrain = 2048;
 constexpr int kColorNeighbors = 6;
 // Lonely points must not hold up a balloon because their own spacing is large.
 constexpr double kLargestSpacing = 4;
@@ -20,7 +20,7 @@ constexpr double kLargestSpacing = 4;
 std::vector<char> VerticesWithData(const Mesh& surface, const FilteredPoints& points, double cell, double trim) {
   const KdTree tree(points.cloud.points);
   std::vector<char> has_data(surface.vertex_count(), 0);
-  ParallelBlocks(surface.vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(surface.vertex_count(), kTrimGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
       const auto near = tree.Nearest(surface.points.row(v).transpose());
       const double spacing = std::min(points.spacing[near.index], kLargestSpacing * points.median_spacing);
@@ -142,7 +142,7 @@ ColorsX3 ColorsFromPoints(const Mesh& surface, const FilteredPoints& points) {
   const PointsX3 normals = VertexNormals(surface.points, surface.faces);
   const double floor = 1e-6 * points.median_spacing * points.median_spacing;
   ColorsX3 colors(surface.vertex_count(), 3);
-  ParallelBlocks(surface.vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(surface.vertex_count(), kTrimGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
       // Two sums: facing points, and all of them for the rare vertex that none faces.
       Eigen::RowVector3d sum[2] = {Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero()};

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_set.h"
@@ -35,7 +36,7 @@ BundleOptions BundleOf(const SfmOptions& options, bool with_plate, bool calibrat
 /// Whether cameras look down on the plate at angles that differ by 15 degrees or more. One ring of views turns the plate about its normal
 /// only, which tells the focal length and nothing more (Zhang, TPAMI 2000, section 4).
 bool SeenUnderSeveralTilts(const Scene& scene) {
-  constexpr double kLeast_deg = 15, kDegree = 3.14159265358979323846 / 180;
+  constexpr double kLeast_deg = 15;
   std::vector<double> tilts;
   for (const View& view : scene.views) {
     const Eigen::Vector3d forward = view.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
@@ -104,7 +105,7 @@ Eigen::Matrix3d Fundamental(const View& first, const View& second) {
 /// the adjustment.
 void MatchAcross(StageContext& stage, const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
                  const std::vector<View>& first, const std::vector<View>& second, const SfmOptions& options) {
-  constexpr double kWidest_deg = 50, kMaxError_px = 3, kDegree = 3.14159265358979323846 / 180;
+  constexpr double kWidest_deg = 50, kMaxError_px = 3;
   std::vector<std::pair<const View*, const View*>> pairs;
   for (const View& a : first)
     for (const View& b : second) {

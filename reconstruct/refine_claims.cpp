@@ -19,7 +19,7 @@ constexpr int kFine = 2;                 // cells of a view's picture a pixel an
 constexpr int kMargin = 24;              // pixels round the mask's crop: the surface may stand out
 constexpr double kBeyond = 0.75;         // pixels beyond an edge where nothing of the surface may lie
 constexpr double kOutermost = 0.2;       // pixels that a fold may lie inside of its neighbours on the outline
-constexpr double kLeastFacing = 0.7;     // cosine between the surface's normal and the outline's plane
+constexpr double kClaimFacing = 0.7;     // cosine between the surface's normal and the outline's plane
 constexpr double kFullLength = 0.5;      // pixels of outline that make a whole claim
 constexpr double kHullSlack = 1;         // pixels that a claim may leave the hull
 constexpr double kCutFrom = 0.5;         // pixels outside of a mask, at least
@@ -28,7 +28,7 @@ constexpr double kLeastCutFacing = 0.4;  // as kLeastFacing, for cuts
 constexpr double kExactMiss = 0.15;      // pixels that folds miss exact masks by, on average: there a cut counts fully
 constexpr int kRimNeighbors = 32;
 constexpr double kRimReach = 6;  // pixels that a vertex may lie beside a rim point
-constexpr int kGrain = 256;
+constexpr int kClaimGrain = 256;
 
 using Claim = OutlineClaim;
 
@@ -177,7 +177,7 @@ class Outline {
     const Eigen::Vector2d away = step.head<2>() - pixel * step.z();
     if (picture_.Covered(pixel + kBeyond * away.normalized())) return;
     const double facing = silhouettes_.RimNormal(view_, x).dot(normal);
-    if (facing < kLeastFacing) return;
+    if (facing < kClaimFacing) return;
     const double offset = -sighting.distance * sighting.footprint / facing;
     if (offset > 0 && !silhouettes_.Within(x + offset * normal, kHullSlack)) return;
     const Eigen::Vector2d foot = pixel - sighting.distance * away.normalized();
@@ -272,14 +272,14 @@ std::vector<Claim> RimClaims(const Surface& surface, const std::vector<RimPoint>
         for (const KdTree::Neighbor& near : tree.Nearest(rim.point, kRimNeighbors)) {
           const Eigen::Vector3d way = rim.point - Eigen::Vector3d(surface.mesh.points.row(near.index));
           const double facing = rim.normal.dot(surface.normals.row(near.index)), height = way.dot(rim.normal);
-          if (facing < kLeastFacing || std::abs(height) > reach_px * rim.footprint) continue;
+          if (facing < kClaimFacing || std::abs(height) > reach_px * rim.footprint) continue;
           const double aside = (way - height * rim.normal).norm();
           if (aside >= least || aside > kRimReach * rim.footprint) continue;
           least = aside;
           claim = {near.index, rim.view, height / facing, rim.weight, rim.footprint};
         }
       },
-      kGrain);
+      kClaimGrain);
   return Together(Said(std::move(claims)));
 }
 
@@ -309,7 +309,7 @@ std::vector<Claim> CutClaims(const Surface& surface, const Silhouettes& silhouet
             claims[v] = {static_cast<int>(v), view, offset, weight, sighting.footprint};
         }
       },
-      kGrain);
+      kClaimGrain);
   return Said(std::move(claims));
 }
 

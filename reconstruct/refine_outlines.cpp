@@ -13,12 +13,12 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kLeastFacing = 0.7;  // cosine between neighbours' normals
+constexpr double kNeighbourFacing = 0.7;  // cosine between neighbours' normals
 constexpr double kLeastSpread = 0.5;  // pixels: outlines of masks are no finer
 constexpr int kNeighbors = 48;
 constexpr int kRounds = 2;
 constexpr double kUsualMisses = 1.5;  // a view that misses by up to this many times what is typical is trusted fully
-constexpr int kGrain = 256;
+constexpr int kOutlineGrain = 256;
 
 using Claim = OutlineClaim;
 using Weighed = std::pair<double, double>;  // value, weight
@@ -47,7 +47,7 @@ class Court {
     FindNeighbors();
     for (int round = 0; round < kRounds; ++round) {
       ParallelFor(
-          static_cast<std::int64_t>(places_.size()), [&](std::int64_t i) { WhatIsUsual(&places_[i]); }, kGrain);
+          static_cast<std::int64_t>(places_.size()), [&](std::int64_t i) { WhatIsUsual(&places_[i]); }, kOutlineGrain);
       TrustViews();
     }
   }
@@ -81,11 +81,11 @@ class Court {
           for (const KdTree::Neighbor& near : tree.Nearest(points.row(place.begin), kNeighbors)) {
             const double facing = normal.dot(normals_.row(claims_[near.index].vertex));
             const double distance = near.squared_distance / (reach * reach);
-            if (facing < kLeastFacing || distance > 9) continue;
+            if (facing < kNeighbourFacing || distance > 9) continue;
             place.around.push_back({near.index, static_cast<float>(facing * facing * std::exp(-0.5 * distance))});
           }
         },
-        kGrain);
+        kOutlineGrain);
   }
 
   void WhatIsUsual(Place* place) const {
@@ -136,9 +136,9 @@ void Measure(const std::vector<Claim>& folds, SurfaceTargets* targets) {
 }
 
 // Claims are judged by others of their kind: a dent makes few, among many folds round it that miss nothing.
-class Sum {
+class OutlineSum {
  public:
-  Sum(const Mesh& mesh, const PointsX3& normals, int views, const OutlineTargetOptions& options)
+  OutlineSum(const Mesh& mesh, const PointsX3& normals, int views, const OutlineTargetOptions& options)
       : mesh_(mesh),
         normals_(normals),
         views_(views),
@@ -180,7 +180,7 @@ SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes, 
   const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
   const OutlineClaims claims = FindOutlineClaims(mesh, normals, silhouettes, rims, options.cut_weight, options.reach_px);
   Measure(claims.folds, &targets);
-  Sum sum(mesh, normals, silhouettes.views(), options);
+  OutlineSum sum(mesh, normals, silhouettes.views(), options);
   for (const std::vector<Claim>* kind : {&claims.folds, &claims.rims, &claims.cuts}) sum.Add(*kind);
   sum.Get(&targets);
   return targets;

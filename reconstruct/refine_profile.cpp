@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSide = 8, kSamples = kSide * kSide;
 constexpr double kLeastNoise = 0.6;  // grey levels
-constexpr int kGrain = 128;
+constexpr int kProfileGrain = 128;
 
 // Where a patch lies in a view's picture: affine, since a patch is small against its distance.
 struct Placement {
@@ -220,7 +220,7 @@ Profiles Fill(const PointsX3& points, const PointsX3& normals, const std::vector
         const int count = placer.Place(points.row(v), normals.row(v), chosen[v], places);
         if (count >= 2) FillRow<Kernel>(places, count, steps, out.Row(v));
       },
-      kGrain);
+      kProfileGrain);
   return out;
 }
 

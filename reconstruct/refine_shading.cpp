@@ -14,10 +14,10 @@ namespace {
 using Basis = Eigen::Matrix<double, 9, 1>;
 using Eigen::Vector3d;
 
-constexpr int kGrain = 256;
+constexpr int kShadingGrain = 256;
 constexpr int kFits = 3;            // of light and brightness in turn
 constexpr int kTurns = 4;           // Gauss-Newton steps of a normal
-constexpr double kRelative = 0.03;  // errors of this share of the brightness are usual
+constexpr double kRelativeError = 0.03;  // errors of this share of the brightness are usual
 constexpr double kPrior = 0.25;     // radians; turns beyond are unlikely
 constexpr int kLeastViews = 5;
 
@@ -73,7 +73,7 @@ class Shading {
     for (int fit = 0; fit < kFits; ++fit) {
       ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) { FitLight(static_cast<int>(i), fit > 0); });
       ParallelFor(
-          mesh.vertex_count(), [&](std::int64_t v) { own_[v] = static_cast<float>(Own(v, normals_.row(v))); }, kGrain);
+          mesh.vertex_count(), [&](std::int64_t v) { own_[v] = static_cast<float>(Own(v, normals_.row(v))); }, kShadingGrain);
     }
   }
 
@@ -95,7 +95,7 @@ class Shading {
         if (seen <= 0) continue;
         const double light = light_[i].dot(Harmonics(n));
         const Vector3d slope = Slope(light_[i], n);
-        const double sigma = kRelative * own * std::max(0.1, light_[i][0]), error = (seen - own * light) / sigma;
+        const double sigma = kRelativeError * own * std::max(0.1, light_[i][0]), error = (seen - own * light) / sigma;
         const Vector3d row = Vector3d(own * slope.dot(first), own * slope.dot(second), light) / sigma;
         const double w = Robust(error / 2);
         a += w * row * row.transpose(), b += w * error * row, ++count;
@@ -193,7 +193,7 @@ ShadingNormals NormalsFromShading(const Mesh& mesh, const PointsX3& normals, con
         shading.Solve(v, &normal, &out.weight[v], &before[v], &after[v]);
         for (int c = 0; c < 3; ++c) turns[3 * v + c] = static_cast<float>(normal[c] - normals(v, c));
       },
-      kGrain);
+      kShadingGrain);
   out.residual_before = Median(std::move(before)), out.residual_after = Median(std::move(after));
   std::vector<char> known(count);
   for (int v = 0; v < count; ++v) known[v] = out.weight[v] > 0;

@@ -9,9 +9,9 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr int kGrain = 2048;
+constexpr int kSolveGrain = 2048;
 constexpr int kMaxRounds = 120;
-constexpr double kRelative = 1e-3;  // of the residual at the start
+constexpr double kRelativeResidual = 1e-3;  // of the residual at the start
 
 constexpr int kShapeRounds = 8;  // neighbours so far around tell how a place bends at large
 
@@ -19,11 +19,11 @@ using Values = std::vector<float>;
 
 double Dot(const Values& a, const Values& b) {
   const std::int64_t count = static_cast<std::int64_t>(a.size());
-  std::vector<double> sums((count + kGrain - 1) / kGrain, 0.0);
-  ParallelBlocks(count, kGrain, [&](std::int64_t begin, std::int64_t end) {
+  std::vector<double> sums((count + kSolveGrain - 1) / kSolveGrain, 0.0);
+  ParallelBlocks(count, kSolveGrain, [&](std::int64_t begin, std::int64_t end) {
     double sum = 0;
     for (std::int64_t i = begin; i < end; ++i) sum += static_cast<double>(a[i]) * b[i];
-    sums[begin / kGrain] = sum;
+    sums[begin / kSolveGrain] = sum;
   });
   double total = 0;
   for (const double sum : sums) total += sum;
@@ -102,7 +102,7 @@ class Form {
 
   template <class Body>
   void ForBlocks(const Body& body) const {
-    ParallelBlocks(neighbors_.vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    ParallelBlocks(neighbors_.vertex_count(), kSolveGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t v = begin; v < end; ++v) body(static_cast<int>(v));
     });
   }
@@ -181,7 +181,7 @@ int SolveDisplacement(const PointsX3& points, const PointsX3& normals, const Nei
   form.ForBlocks([&](int v) { r[v] -= q[v], z[v] = r[v] / diagonal[v], p[v] = z[v]; });
   double rz = Dot(r, z);
   int round = 0;
-  for (; round < kMaxRounds && std::sqrt(Dot(r, r)) > kRelative * size && rz > 0; ++round) {
+  for (; round < kMaxRounds && std::sqrt(Dot(r, r)) > kRelativeResidual * size && rz > 0; ++round) {
     form.Apply(p, &q);
     const float alpha = static_cast<float>(rz / Dot(p, q));
     form.ForBlocks([&](int v) { x[v] += alpha * p[v], r[v] -= alpha * q[v], z[v] = r[v] / diagonal[v]; });
@@ -198,7 +198,7 @@ void Diffuse(const Neighbors& neighbors, int columns, int rounds, const std::vec
   std::vector<char> known = use, next = use;
   for (int round = 0; round < rounds; ++round) {
     from = *values;
-    ParallelBlocks(neighbors.vertex_count(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    ParallelBlocks(neighbors.vertex_count(), kSolveGrain, [&](std::int64_t begin, std::int64_t end) {
       Values mean(columns);
       for (std::int64_t v = begin; v < end; ++v) {
         float sum = 0;

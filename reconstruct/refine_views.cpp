@@ -9,9 +9,9 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kLeastFacing = 0.3;        // cosine to the view's direction
+constexpr double kViewFacing = 0.3;        // cosine to the view's direction
 constexpr double kApart = 12 * M_PI / 180;  // views nearer to each other than this count for less
-constexpr int kGrain = 256;
+constexpr int kViewGrain = 256;
 
 // Depths of the nearest faces at the picture's pixels; infinite where there is none.
 class DepthBuffer {
@@ -80,7 +80,7 @@ std::vector<float> Sights(const Mesh& mesh, const PointsX3& normals, const Dense
     const Eigen::Vector3d x = turn * mesh.points.row(v).transpose() + view.camera_from_world.translation;
     if (x.z() <= 0) continue;
     const double facing = -(turn * normals.row(v).transpose()).dot(x) / x.norm();
-    if (facing < kLeastFacing) continue;
+    if (facing < kViewFacing) continue;
     const Eigen::Vector2d p = camera.Project(x);
     if (!(p.x() >= 0 && p.y() >= 0 && p.x() < camera.width - 1 && p.y() < camera.height - 1)) continue;
     if (!InMask(*grey.at(static_cast<int>(p.x() + 0.5), static_cast<int>(p.y() + 0.5))) || !buffer.Sees(x, facing)) continue;
@@ -133,7 +133,7 @@ std::vector<VertexViews> ChooseViews(const PointsX3& points, const std::vector<D
   for (const DenseView& view : views) centers.push_back(view.Center()), focals.push_back(view.camera().fx);
   std::vector<VertexViews> out(points.rows());
   ParallelFor(
-      points.rows(), [&](std::int64_t v) { out[v] = Choose(points.row(v), sights, v, centers, focals); }, kGrain);
+      points.rows(), [&](std::int64_t v) { out[v] = Choose(points.row(v), sights, v, centers, focals); }, kViewGrain);
   return out;
 }
 

@@ -12,17 +12,17 @@ namespace {
 
 constexpr int kNeighbors = 8;
 constexpr double kLeastFacing = 0.5;  // cosine between a point's normal and a rim's
-constexpr double kInside = 2;         // pixels from the rim to where the figure's colour is read
+constexpr double kInsideRim = 2;         // pixels from the rim to where the figure's colour is read
 constexpr int kGrain = 1024;
 
 // What rim points say of a place.
-struct Verdict {
+struct RimVerdict {
   int agreed = 0, contradicted = 0;
 };
 
-Verdict Ask(const std::vector<RimPoint>& rims, const std::vector<KdTree::Neighbor>& near, const Eigen::Vector3d& point,
+RimVerdict Ask(const std::vector<RimPoint>& rims, const std::vector<KdTree::Neighbor>& near, const Eigen::Vector3d& point,
             const Eigen::Vector3d& normal, const RimCloudOptions& options) {
-  Verdict verdict;
+  RimVerdict verdict;
   for (const KdTree::Neighbor& neighbor : near) {
     const RimPoint& rim = rims[neighbor.index];
     if (rim.normal.dot(normal) < kLeastFacing) continue;
@@ -36,7 +36,7 @@ Verdict Ask(const std::vector<RimPoint>& rims, const std::vector<KdTree::Neighbo
 }
 
 Eigen::RowVector3d ColorInside(const RimPoint& rim, const DenseView& view) {
-  const Eigen::Vector2d pixel = view.camera().Project(view.camera_from_world * (rim.point - kInside * rim.footprint * rim.normal));
+  const Eigen::Vector2d pixel = view.camera().Project(view.camera_from_world * (rim.point - kInsideRim * rim.footprint * rim.normal));
   const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, view.color.width - 1);
   const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, view.color.height - 1);
   const std::uint8_t* rgb = view.color.at(x, y);
@@ -54,7 +54,7 @@ int DropWhatRimsContradict(const std::vector<RimPoint>& rims, const RimCloudOpti
   ParallelFor(
       cloud->points.rows(),
       [&](std::int64_t i) {
-        const Verdict verdict =
+        const RimVerdict verdict =
             Ask(rims, tree.Nearest(cloud->points.row(i), kNeighbors), cloud->points.row(i), cloud->normals.row(i), options);
         keep[i] = verdict.agreed > 0 || verdict.contradicted < options.witnesses;
       },

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "reconstruct/bundle_projection.h"
 
@@ -16,10 +17,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// The unknown intrinsics: f and k1. What else the camera has stays.
-struct Intrinsics {
+struct SharedIntrinsics {
   std::array<double, 2> focal_k1;
   Camera camera;
   std::array<double, 8> All() const {
@@ -33,7 +33,7 @@ class RingError : public ceres::SizedCostFunction<2, 2, 4, 3, 1, 3> {
  public:
   RingError(const Camera& camera, const Eigen::Vector2d& pixel) : camera_(camera), pixel_(pixel) {}
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    const Intrinsics intrinsics{{parameters[0][0], parameters[0][1]}, camera_};
+    const SharedIntrinsics intrinsics{{parameters[0][0], parameters[0][1]}, camera_};
     const Eigen::Map<const Eigen::Quaterniond> q(parameters[1]);
     const Eigen::Map<const Vector3d> t(parameters[2]), x(parameters[4]);
     const double c = std::cos(parameters[3][0]), s = std::sin(parameters[3][0]);
@@ -207,7 +207,7 @@ class RingProblem {
 
   RingModel& model_;
   const RingBundleOptions& options_;
-  Intrinsics camera_;
+  SharedIntrinsics camera_;
   ceres::CauchyLoss loss_{options_.robust_px};
   ceres::EigenQuaternionManifold quaternions_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ = std::make_shared<ceres::ParameterBlockOrdering>();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::reconstruct {
@@ -11,7 +12,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846;
 
 /// Rotation nearest to the mean of some.
 Eigen::Quaterniond MeanRotation(const std::vector<Eigen::Quaterniond>& rotations) {
@@ -28,7 +28,7 @@ double AngleOf(const View& view) {
   return std::atan2(c.y(), c.x());
 }
 
-int Unknowns(const Scene& scene, int points, bool ring, const RingModel* model) {
+int UnknownsOf(const Scene& scene, int points, bool ring, const RingModel* model) {
   const int cameras = ring ? static_cast<int>(6 * model->rings.size() + model->views.size()) - 2 - static_cast<int>(model->rings.size())
                            : static_cast<int>(6 * scene.views.size()) - 7;
   return cameras + 3 * points;
@@ -107,8 +107,8 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
   const BundleResult free = AdjustBundle(on_rings, ring.observations, free_options, progress);
   const double chi_ring = ChiSquared(on_rings, ring.observations, options.bundle.robust_px);
   const auto count = 2.0 * static_cast<double>(ring.observations.size());
-  const double ring_freedom = count - Unknowns(scene, static_cast<int>(free.scene.points.size()), true, &ring.model),
-               free_freedom = count - Unknowns(scene, static_cast<int>(free.scene.points.size()), false, nullptr);
+  const double ring_freedom = count - UnknownsOf(scene, static_cast<int>(free.scene.points.size()), true, &ring.model),
+               free_freedom = count - UnknownsOf(scene, static_cast<int>(free.scene.points.size()), false, nullptr);
   if (ring_freedom <= 0 || free_freedom <= 0 || chi_ring <= 0) return fit;
   fit.chi2_ratio = free.chi2 / free_freedom / (chi_ring / ring_freedom);
   fit.is_ring = fit.chi2_ratio >= options.release_share;

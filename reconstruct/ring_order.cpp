@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/angles.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "reconstruct/epipolar.h"
@@ -19,7 +20,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kDegree = kPi / 180;
 constexpr double kApart = 0.6;         // of a step: places nearer than this are one place
 constexpr double kMostOffAxis = 0.03;  // of the camera distance: what cameras of a few views may be off their rings
 

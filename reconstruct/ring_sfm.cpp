@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "reconstruct/guided_matching.h"
 #include "reconstruct/ring_tracks.h"
 
 namespace keypose::reconstruct {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 class Reconstruction {
  public:

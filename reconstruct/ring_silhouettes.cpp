@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "reconstruct/ring_simplex.h"
@@ -15,7 +16,6 @@ using Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kDegree = kPi / 180;
 constexpr double kCap_px = 12;  // at the search's size: an outline farther off tells nothing about the way back
 
 /// A mask as distances to its outline, positive outside, on a coarse raster; and lines of sight along the outline.

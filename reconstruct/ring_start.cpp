@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "reconstruct/epipolar.h"
 #include "reconstruct/ring_simplex.h"
@@ -16,7 +17,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.14159265358979323846, kDegree = kPi / 180;
 constexpr double kWide_rad = 0.005, kNarrow_rad = 0.0012;  // epipolar errors beyond count as wrong, while searching and at the end
 constexpr double kLeastTurn = 4 * kDegree, kMostTurn = 75 * kDegree;
 

@@ -13,12 +13,12 @@ namespace {
 // itself is no feature; the feature's centre lies inside the grown mask anyhow.
 constexpr int kKeep_px = 16, kFade_px = 24;
 
-struct Box {
+struct CropBox {
   int x0, y0, x1, y1;
 };
 
-Box BoxOf(const Image8& mask) {
-  Box box{mask.width, mask.height, 0, 0};
+CropBox BoxOf(const Image8& mask) {
+  CropBox box{mask.width, mask.height, 0, 0};
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
       if (*mask.at(x, y) > 127) box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1), std::max(box.y1, y + 1)};
@@ -42,7 +42,7 @@ ImageT<int> DistanceTo(const Image8& mask, int limit) {
   return distance;
 }
 
-Image8 Cut(const Image8& image, const Box& box) {
+Image8 Cut(const Image8& image, const CropBox& box) {
   Image8 cut(box.x1 - box.x0, box.y1 - box.y0, 1);
   for (int y = 0; y < cut.height; ++y) std::copy_n(image.at(box.x0, box.y0 + y), cut.width, cut.at(0, y));
   return cut;
@@ -54,7 +54,7 @@ ObjectCrop CropToObject(const Image8& photo, const Image8& mask, int margin_px) 
   if (photo.channels != 1 || mask.channels != 1 || photo.width != mask.width || photo.height != mask.height)
     throw InputError("a photograph of " + std::to_string(photo.width) + " x " + std::to_string(photo.height) + " has a mask of " +
                      std::to_string(mask.width) + " x " + std::to_string(mask.height) + "; both must be grey and of one size");
-  Box box = BoxOf(mask);
+  CropBox box = BoxOf(mask);
   if (box.x0 >= box.x1) return {photo, Image8(photo.width, photo.height, 1, 0), 0, 0};
   const int reach = margin_px + kKeep_px + kFade_px;
   box = {std::max(0, box.x0 - reach), std::max(0, box.y0 - reach), std::min(photo.width, box.x1 + reach),

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
@@ -17,7 +18,6 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 
 ImageF Smoothed(const Image8& image, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
@@ -124,13 +124,13 @@ std::optional<Template> Cut(const ImageF& image, const Vector2d& center, int rad
   return patch;
 }
 
-struct Place {
+struct FittedPlace {
   Vector2d pixel;
   double ncc = 0, sigma = 0;
 };
 
 /// Moves the patch from `start` until it fits. Nothing when it runs away or fits badly.
-std::optional<Place> Fit(const Template& patch, const ImageF& image, const Vector2d& start, const Matrix2d& step, double most_shift,
+std::optional<FittedPlace> Fit(const Template& patch, const ImageF& image, const Vector2d& start, const Matrix2d& step, double most_shift,
                          const PatchOptions& options) {
   constexpr int kMostSteps = 15;
   constexpr double kStill_px = 0.005;
@@ -139,7 +139,7 @@ std::optional<Place> Fit(const Template& patch, const ImageF& image, const Vecto
   const Eigen::LDLT<Matrix2d> solver(patch.information);
   const auto count = static_cast<double>(patch.values.size());
   std::vector<float> seen;
-  Place place{start};
+  FittedPlace place{start};
   for (int k = 0; k < kMostSteps; ++k) {
     if (!Sample(image, place.pixel, step, options.radius_px, seen)) return std::nullopt;
     const double energy = Center(seen), common = DotOf(seen, patch.values);

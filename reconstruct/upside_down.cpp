@@ -62,7 +62,7 @@ Eigen::VectorXd Profile(const Image8& mask) {
   return profile / mask.width;
 }
 
-double Median(std::vector<double> values) {
+double UpperMedian(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
   return values[values.size() / 2];
 }
@@ -113,7 +113,7 @@ std::vector<int> UpsideDownByOutlines(std::vector<int> known, const std::vector<
   for (int r = 0; r < kRows; ++r) {
     std::vector<double> row;
     for (const std::size_t i : upright) row.push_back(profiles[i](r));
-    usual(r) = Median(std::move(row));
+    usual(r) = UpperMedian(std::move(row));
   }
   constexpr double kClearly = 0.6;
   for (std::size_t i = 0; i < masks.size(); ++i) {

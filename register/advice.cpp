@@ -16,7 +16,7 @@ namespace keypose::registration {
 namespace {
 
 using Eigen::VectorXd;
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kUnreached = std::numeric_limits<double>::infinity();
 constexpr int kPatches = 120;
 constexpr int kTargetSamples = 2500;
 constexpr int kMostFaces = 200000;    // of the source, that are looked at
@@ -72,13 +72,13 @@ struct Graph {
 };
 
 /// The source cut into patches of about equal size, and how far along the surface each vertex is from the landmarks.
-struct Patches {
+struct SignalPatches {
   std::vector<int> of_vertex;  // -1: of no patch
   std::vector<int> seeds;
   VectorXd out;  // for each patch: mean distance to all others over the largest such mean; near 1 at the ends of limbs
 
-  Patches(const Mesh& mesh, const Graph& graph, const std::vector<char>& wanted) : of_vertex(mesh.vertex_count(), -1) {
-    VectorXd distance = VectorXd::Constant(mesh.vertex_count(), kFar);
+  SignalPatches(const Mesh& mesh, const Graph& graph, const std::vector<char>& wanted) : of_vertex(mesh.vertex_count(), -1) {
+    VectorXd distance = VectorXd::Constant(mesh.vertex_count(), kUnreached);
     for (int v = 0; v < mesh.vertex_count(); ++v)
       if (!wanted[v]) distance[v] = 0;
     for (int n = 0; n < kPatches; ++n) {
@@ -91,7 +91,7 @@ struct Patches {
     std::vector<int> unused(mesh.vertex_count());
     // Every tenth patch is enough to tell the ends from the middle.
     for (std::size_t n = 0; n < seeds.size(); n += 10) {
-      VectorXd d = VectorXd::Constant(mesh.vertex_count(), kFar);
+      VectorXd d = VectorXd::Constant(mesh.vertex_count(), kUnreached);
       graph.Spread({{seeds[n], 0.0}}, 0, d, unused);
       for (std::size_t m = 0; m < seeds.size(); ++m)
         if (std::isfinite(d[seeds[m]])) out[static_cast<Eigen::Index>(m)] += d[seeds[m]];
@@ -182,7 +182,7 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
   return s;
 }
 
-Signals OverPatches(const Mesh& source, const FaceSignals& faces, const Patches& patches) {
+Signals OverPatches(const Mesh& source, const FaceSignals& faces, const SignalPatches& patches) {
   const auto count = static_cast<Eigen::Index>(patches.seeds.size());
   Signals s{VectorXd::Zero(count), VectorXd::Zero(count), VectorXd::Zero(count)};
   VectorXd area = VectorXd::Constant(count, std::numeric_limits<double>::min());
@@ -234,10 +234,10 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
                                             const std::vector<LandmarkGoal>& landmarks, const ResultSurfaces& surfaces, int count) {
   RequireUsable(source, "register: source");
   const Graph graph(source);
-  const Patches patches(source, graph, LargeComponents(source, graph));
+  const SignalPatches patches(source, graph, LargeComponents(source, graph));
   const Signals signals = OverPatches(source, MeasureFaces(source, registered, target, surfaces), patches);
   const double diagonal = std::max(BoundingDiagonal(source.points), std::numeric_limits<double>::min());
-  Held held{VectorXd::Constant(source.vertex_count(), kFar), std::vector<int>(source.vertex_count())};
+  Held held{VectorXd::Constant(source.vertex_count(), kUnreached), std::vector<int>(source.vertex_count())};
   for (const LandmarkGoal& goal : landmarks) {
     std::vector<std::pair<int, double>> corners;
     const Eigen::Vector3d place = PositionOf(goal.source, source.points);

@@ -17,11 +17,11 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr int kSamples = 500, kCoarseRounds = 15, kFineRounds = 60, kYawStarts = 24;
+constexpr int kAlignmentSamples = 500, kCoarseRounds = 15, kFineRounds = 60, kYawStarts = 24;
 constexpr double kTrim = 0.8, kBetterBy = 0.95;
 
 PointsX3 AreaSamples(const Mesh& mesh, std::uint64_t seed) {
-  if (SurfaceArea(mesh.points, mesh.faces) > 0) return SampleSurface(mesh.points, mesh.faces, kSamples, seed).points;
+  if (SurfaceArea(mesh.points, mesh.faces) > 0) return SampleSurface(mesh.points, mesh.faces, kAlignmentSamples, seed).points;
   return mesh.points;
 }
 

@@ -18,7 +18,7 @@ constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
 constexpr double kSolverTolerance = 1e-2;  // of the first residual's energy: maps change with every turn anyway
 constexpr double kBlockTolerance = 1e-4;   // the same where there is no factor
 constexpr int kBlockSteps = 3;             // steps there for each with a factor
-constexpr std::int64_t kGrain = 1024;
+constexpr std::int64_t kFitGrain = 1024;
 constexpr int kRootSteps = 30;
 constexpr double kRootTolerance = 1e-14, kWellDetermined = 1e-3;
 
@@ -184,7 +184,7 @@ void ArapFit::SetRigidity(double rigidity) {
 
 void ArapFit::InvertMoments() {
   inverse_.resize(moments_.size());
-  ParallelBlocks(rest_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(rest_.rows(), kFitGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       if (!(size_[i] > 0)) continue;
       Eigen::Matrix3d held = moments_[i];
@@ -197,7 +197,7 @@ void ArapFit::InvertMoments() {
 void ArapFit::FitMaps(const PointsX3& moved) {
   previous_ = maps_;
   if (!rigid() && inverse_.empty()) InvertMoments();
-  ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(moved.rows(), kFitGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       if (size_[i] > 0) maps_[i] = FanMap(moved, static_cast<int>(i));
   });
@@ -205,7 +205,7 @@ void ArapFit::FitMaps(const PointsX3& moved) {
 }
 
 void ArapFit::AddShapePull(Eigen::MatrixXd& b) const {
-  ParallelBlocks(rest_.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(rest_.rows(), kFitGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (int s = offset_[i]; s < offset_[i + 1]; ++s) {
@@ -237,7 +237,7 @@ Eigen::VectorXd Pulls::MeanWeights() const {
 
 Eigen::MatrixXd ArapFit::Apply(const Eigen::MatrixXd& p, const Pulls& pulls) const {
   Eigen::MatrixXd result(p.rows(), 3);
-  ParallelBlocks(p.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(p.rows(), kFitGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const Eigen::Vector3d x = p.row(i);
       Eigen::Vector3d sum = pulls.q[i] * x + hold_[i] * x;

@@ -7,11 +7,11 @@
 namespace keypose::registration {
 
 namespace {
-constexpr std::int64_t kGrain = 4096;
+constexpr std::int64_t kJacobiGrain = 4096;
 }
 
 BlockJacobi::BlockJacobi(const std::vector<Eigen::Matrix3d>& blocks, const Eigen::VectorXd& diagonal) : inverse_(blocks.size()) {
-  ParallelBlocks(static_cast<std::int64_t>(blocks.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(static_cast<std::int64_t>(blocks.size()), kJacobiGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       Eigen::Matrix3d block = blocks[i];
       block.diagonal().array() += diagonal[i];
@@ -22,7 +22,7 @@ BlockJacobi::BlockJacobi(const std::vector<Eigen::Matrix3d>& blocks, const Eigen
 
 Eigen::MatrixXd BlockJacobi::Apply(const Eigen::MatrixXd& r) const {
   Eigen::MatrixXd z(r.rows(), 3);
-  ParallelBlocks(r.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(r.rows(), kJacobiGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) z.row(i) = r.row(i) * inverse_[i];
   });
   return z;

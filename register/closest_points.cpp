@@ -8,13 +8,13 @@
 namespace keypose::registration {
 
 namespace {
-constexpr std::int64_t kGrain = 256;
+constexpr std::int64_t kClosestGrain = 256;
 constexpr double kRoundingSlack = 1e-6;  // relative; a known bound on a distance is widened by this
 }  // namespace
 
 std::vector<RayScene::Foot> ClosestPoints(const RayScene& surface, const PointsX3& points) {
   std::vector<RayScene::Foot> feet(points.rows());
-  ParallelBlocks(points.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(points.rows(), kClosestGrain, [&](std::int64_t begin, std::int64_t end) {
     double bound = std::numeric_limits<double>::infinity();
     for (std::int64_t i = begin; i < end; ++i) {
       // The distance to a surface changes no faster than the point moves, so that the point before bounds the search.

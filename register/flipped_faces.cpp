@@ -6,7 +6,7 @@
 namespace keypose::registration {
 
 namespace {
-constexpr std::int64_t kGrain = 256;
+constexpr std::int64_t kFlippedGrain = 256;
 }
 
 PointsX3 FaceCentres(const PointsX3& points, const FacesX3& faces) {
@@ -22,7 +22,7 @@ TargetFaces::TargetFaces(const PointsX3& points, const FacesX3& faces)
 std::vector<char> TargetFaces::Opposed(const PointsX3& points, const FacesX3& faces) const {
   const PointsX3 at = FaceCentres(points, faces), direction = FaceNormals(points, faces);
   std::vector<char> opposed(faces.rows());
-  ParallelBlocks(faces.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(faces.rows(), kFlippedGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t f = begin; f < end; ++f)
       opposed[f] = direction.row(f).dot(normals.row(tree.Nearest(at.row(f).transpose()).index)) < 0;
   });

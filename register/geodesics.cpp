@@ -96,7 +96,7 @@ std::vector<int> ComponentOf(const std::vector<std::vector<int>>& neighbors) {
   return component;
 }
 
-PointsX3 RowsOf(const PointsX3& points, const std::vector<int>& rows) {
+PointsX3 SomeRows(const PointsX3& points, const std::vector<int>& rows) {
   PointsX3 some(static_cast<Eigen::Index>(rows.size()), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) some.row(static_cast<Eigen::Index>(i)) = points.row(rows[i]);
   return some;
@@ -113,7 +113,7 @@ std::vector<Arc> Bridges(const PointsX3& points, const std::vector<std::vector<i
   if (members.empty()) return arcs;
   std::vector<int> joined = members[0];
   for (std::size_t c = 1; c < members.size(); ++c) {
-    const KdTree tree(RowsOf(points, joined));
+    const KdTree tree(SomeRows(points, joined));
     Arc best{-1, -1, std::numeric_limits<double>::infinity()};
     for (const int v : members[c]) {
       const KdTree::Neighbor near = tree.Nearest(points.row(v).transpose());

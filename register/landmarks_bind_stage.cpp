@@ -20,7 +20,7 @@ struct BindOptions {
   void Describe(OptionVisitor&) {}
 };
 
-StageSpec Spec() {
+StageSpec BindSpec() {
   StageSpec spec;
   spec.name = "landmarks bind";
   spec.version = "1";
@@ -117,6 +117,6 @@ void Run(StageContext& stage, const BindOptions&) {
 
 }  // namespace
 
-int BindMain(int argc, char** argv) { return RunStage<BindOptions>(argc, argv, Spec(), Run); }
+int BindMain(int argc, char** argv) { return RunStage<BindOptions>(argc, argv, BindSpec(), Run); }
 
 }  // namespace keypose::registration

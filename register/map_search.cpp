@@ -15,7 +15,7 @@ namespace {
 constexpr double kTurnWeight = 0.15;        // of turns (up to 1) beside distances (over the square root of the area)
 constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1)
 constexpr Eigen::Index kMarks = 12;
-constexpr double kLikeness = 0.5;    // of descriptors afterwards
+constexpr double kLikenessAfterwards = 0.5;    // of descriptors afterwards
 constexpr double kHintWeight = 0.5;  // of the start's rows while few functions are in use
 
 /// Candidates are refined in stages, the best of them further than the rest. The score of a map that has just been started already tells:
@@ -227,7 +227,7 @@ void Refine(const Pair& pair, const Stage& stage, Sprout& sprout) {
   PointMaps& maps = sprout.candidate.maps;
   maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, sprout.hints);
   if (!stage.free_sizes.empty()) {
-    const MatchHints likeness{pair.source_descriptors.cast<float>(), pair.target_descriptors.cast<float>(), kLikeness};
+    const MatchHints likeness{pair.source_descriptors.cast<float>(), pair.target_descriptors.cast<float>(), kLikenessAfterwards};
     maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.free_sizes, likeness);
   }
   Judge(pair, sprout.candidate);

@@ -16,7 +16,7 @@ namespace keypose::registration {
 
 namespace {
 
-constexpr int kSamples = 6000;
+constexpr int kQualitySamples = 6000;
 constexpr double kCovered = 0.01;    // of the diagonal
 constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
@@ -41,13 +41,13 @@ SurfaceSamples Stratified(const PointsX3& points, const FacesX3& faces, std::uin
   const double total = areas.sum();
   SurfaceSamples samples;
   if (!(total > 0)) return samples;
-  samples.points.resize(kSamples, 3);
-  samples.faces.resize(kSamples);
+  samples.points.resize(kQualitySamples, 3);
+  samples.faces.resize(kQualitySamples);
   Eigen::Index f = 0;
   double before = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const std::uint64_t n = (seed * kSamples + static_cast<std::uint64_t>(i)) * 3;
-    const double place = total * (i + UnitRandom(n)) / kSamples;
+  for (int i = 0; i < kQualitySamples; ++i) {
+    const std::uint64_t n = (seed * kQualitySamples + static_cast<std::uint64_t>(i)) * 3;
+    const double place = total * (i + UnitRandom(n)) / kQualitySamples;
     while (f + 1 < faces.rows() && before + areas[f] <= place) before += areas[f++];
     const double r = std::sqrt(UnitRandom(n + 1)), s = UnitRandom(n + 2);
     samples.points.row(i) = (1 - r) * points.row(faces(f, 0)) + r * (1 - s) * points.row(faces(f, 1)) + r * s * points.row(faces(f, 2));

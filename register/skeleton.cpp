@@ -23,7 +23,7 @@ constexpr double kUnsure = 1.25;    // a second matching of limbs that costs les
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::string Percent(double share) {
+std::string PercentText(double share) {
   const double rounded = std::round(1000 * share) / 10;
   std::string text = std::to_string(rounded);
   return text.substr(0, text.find('.') + 2) + " %";
@@ -156,9 +156,9 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target, const std::vec
   start.points = best.points;
   start.branches = best.limbs;
   start.ambiguous = second < kUnsure * best.Score() + 0.002;
-  start.words = "skeletons: matched " + std::to_string(start.branches) + " limbs (" + counts + "); vertices are " + Percent(best.misfit) +
-                " of the diagonal off the target's surface";
-  if (!marks.empty()) start.words += ", landmarks " + Percent(best.residual);
+  start.words = "skeletons: matched " + std::to_string(start.branches) + " limbs (" + counts + "); vertices are " +
+                PercentText(best.misfit) + " of the diagonal off the target's surface";
+  if (!marks.empty()) start.words += ", landmarks " + PercentText(best.residual);
   if (start.ambiguous) start.words += "; another matching fits nearly as well: a landmark on the end of a limb would settle it";
   return start;
 }

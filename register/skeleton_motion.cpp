@@ -13,7 +13,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = LimbAxis::kSamples;
+constexpr int kAxisSamples = LimbAxis::kSamples;
 constexpr int kSmoothing = 6;     // rounds over the samples of a limb
 constexpr int kCentering = 3;     // rounds
 constexpr int kSpokes = 6;        // chords of a section
@@ -24,10 +24,10 @@ PointsX3 Resampled(const std::vector<Vector3d>& line, double& length) {
   std::vector<double> arc(line.size(), 0);
   for (std::size_t k = 1; k < line.size(); ++k) arc[k] = arc[k - 1] + (line[k] - line[k - 1]).norm();
   length = arc.back();
-  PointsX3 points(kSamples + 1, 3);
+  PointsX3 points(kAxisSamples + 1, 3);
   std::size_t k = 1;
-  for (int i = 0; i <= kSamples; ++i) {
-    const double at = length * i / kSamples;
+  for (int i = 0; i <= kAxisSamples; ++i) {
+    const double at = length * i / kAxisSamples;
     while (k + 1 < line.size() && arc[k] < at) ++k;
     const double span = arc[k] - arc[k - 1];
     const double x = span > 0 ? std::clamp((at - arc[k - 1]) / span, 0.0, 1.0) : 0;
@@ -39,7 +39,7 @@ PointsX3 Resampled(const std::vector<Vector3d>& line, double& length) {
 void Smooth(PointsX3& points) {
   for (int round = 0; round < kSmoothing; ++round) {
     const PointsX3 before = points;
-    for (int i = 1; i < kSamples; ++i) points.row(i) = (before.row(i - 1) + 2 * before.row(i) + before.row(i + 1)) / 4;
+    for (int i = 1; i < kAxisSamples; ++i) points.row(i) = (before.row(i - 1) + 2 * before.row(i) + before.row(i + 1)) / 4;
   }
 }
 
@@ -49,7 +49,7 @@ void Smooth(PointsX3& points) {
 void Center(const RayScene& surface, int first, double thick, PointsX3& points) {
   for (int round = 0; round < kCentering; ++round) {
     PointsX3 moved = points;
-    for (int i = std::max(1, first); i < kSamples; ++i) {
+    for (int i = std::max(1, first); i < kAxisSamples; ++i) {
       const Vector3d p = points.row(i), tangent = (points.row(i + 1) - points.row(i - 1)).normalized();
       const Vector3d u = tangent.unitOrthogonal(), v = tangent.cross(u);
       const double reach = 3 * std::max(thick, std::sqrt(surface.ClosestPoint(p).squared_distance));
@@ -84,13 +84,13 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
     if (body.tree->radius()[n] < 0.8 * ball || limb.nodes.size() < 8) radii.push_back(body.tree->radius()[n]);
   std::sort(radii.begin(), radii.end());
   const double thick = radii.empty() ? 0 : radii[radii.size() * 4 / 5];
-  Center(body.scene, static_cast<int>(kSamples * ball / std::max(axis.length, 1e-300)), thick, axis.points);
+  Center(body.scene, static_cast<int>(kAxisSamples * ball / std::max(axis.length, 1e-300)), thick, axis.points);
   line.clear();
-  for (int i = 0; i <= kSamples; ++i) line.emplace_back(axis.points.row(i));
+  for (int i = 0; i <= kAxisSamples; ++i) line.emplace_back(axis.points.row(i));
   if (to_tip) {
     // The contraction stops short of the surface by another bit in each pose; the surface itself is the better end.
     const double radius = body.tree->radius()[backwards ? limb.nodes.front() : limb.nodes.back()];
-    const Vector3d tangent = (line[kSamples] - line[kSamples - 5]).normalized();
+    const Vector3d tangent = (line[kAxisSamples] - line[kAxisSamples - 5]).normalized();
     const RayScene::Hit hit = body.scene.Cast(line.back(), tangent);
     if (hit.face >= 0 && hit.distance < 4 * radius + 0.1 * axis.length) line.push_back(line.back() + hit.distance * tangent);
   }
@@ -269,7 +269,7 @@ void SkeletonMotion::Twist(LimbPair& pair, const std::vector<Vector3d>& tangents
   for (const LimbMark& m : pair.marks) {
     const double u = (m.source_share - pair.quiet) / (1 - pair.quiet);
     if (u <= 0.05) continue;
-    const int k = static_cast<int>(std::lround(m.source_share * kSamples));
+    const int k = static_cast<int>(std::lround(m.source_share * kAxisSamples));
     const Vector3d t = tangents[k];
     const Vector3d place = pair.source.At(m.source_share);
     Vector3d a = pair.turns[k] * (m.source - place), b = m.target - pair.target.At(m.target_share);
@@ -280,23 +280,23 @@ void SkeletonMotion::Twist(LimbPair& pair, const std::vector<Vector3d>& tangents
     sum_uu += u * u;
     sum_ua += u * angle;
   }
-  for (int k = 0; k <= kSamples; ++k) {
-    const double u = std::max(0.0, (static_cast<double>(k) / kSamples - pair.quiet) / (1 - pair.quiet));
+  for (int k = 0; k <= kAxisSamples; ++k) {
+    const double u = std::max(0.0, (static_cast<double>(k) / kAxisSamples - pair.quiet) / (1 - pair.quiet));
     pair.turns[k] = Eigen::AngleAxisd(u * sum_ua / sum_uu, tangents[k]).toRotationMatrix() * pair.turns[k];
   }
 }
 
 void SkeletonMotion::TurnLimb(LimbPair& pair) {
   std::vector<Vector3d> sp, st, tp, tt;
-  for (int k = 0; k <= kSamples; ++k) {
-    const double s = static_cast<double>(k) / kSamples, t = pair.TargetShare(s);
+  for (int k = 0; k <= kAxisSamples; ++k) {
+    const double s = static_cast<double>(k) / kAxisSamples, t = pair.TargetShare(s);
     sp.push_back(pair.source.At(s));
     st.push_back(pair.source.Tangent(s));
     tp.push_back(pair.target.At(t));
     tt.push_back(pair.target.Tangent(t));
   }
   // Inside the joint's ball the line wanders: the frames start where it leaves.
-  const int start = std::min(kSamples - 4, static_cast<int>(std::lround(pair.quiet * kSamples)));
+  const int start = std::min(kAxisSamples - 4, static_cast<int>(std::lround(pair.quiet * kAxisSamples)));
   const Matrix3d& joint = joints_[pair.from].turn;
   const auto from = [&](std::vector<Vector3d>& v) { return std::vector<Vector3d>(v.begin() + start, v.end()); };
   Matrix3d first;
@@ -306,8 +306,8 @@ void SkeletonMotion::TurnLimb(LimbPair& pair) {
   const Matrix3d first_turn = LeastTurn(joint * st[start], tt[start]) * joint;
   const std::vector<Matrix3d> source_frames = Frames(from(sp), from(st), first),
                               target_frames = Frames(from(tp), from(tt), first_turn * first);
-  pair.turns.assign(kSamples + 1, joint);
-  for (int k = start; k <= kSamples; ++k) pair.turns[k] = target_frames[k - start] * source_frames[k - start].transpose();
+  pair.turns.assign(kAxisSamples + 1, joint);
+  for (int k = start; k <= kAxisSamples; ++k) pair.turns[k] = target_frames[k - start] * source_frames[k - start].transpose();
   const Eigen::Quaterniond q0(joint), q1(first_turn);
   for (int k = 0; k < start; ++k) pair.turns[k] = q0.slerp(static_cast<double>(k) / start, q1).toRotationMatrix();
   Twist(pair, tt);
@@ -326,13 +326,13 @@ void SkeletonMotion::Walk(int root) {
 
 /// SkeletonMotion at a share of a limb, averaged over a stretch as long as the limb is thick.
 Vector3d SkeletonMotion::Moved(const LimbPair& pair, double share, const Vector3d& x) const {
-  const double reach = std::clamp(0.5 * (x - pair.source.At(share)).norm() / std::max(pair.source.length, 1e-300), 0.5 / kSamples, 0.2);
-  const int low = std::max(0, static_cast<int>(std::floor((share - 2 * reach) * kSamples)));
-  const int high = std::min(kSamples, static_cast<int>(std::ceil((share + 2 * reach) * kSamples)));
+  const double reach = std::clamp(0.5 * (x - pair.source.At(share)).norm() / std::max(pair.source.length, 1e-300), 0.5 / kAxisSamples, 0.2);
+  const int low = std::max(0, static_cast<int>(std::floor((share - 2 * reach) * kAxisSamples)));
+  const int high = std::min(kAxisSamples, static_cast<int>(std::ceil((share + 2 * reach) * kAxisSamples)));
   Vector3d sum = Vector3d::Zero();
   double total = 0;
   for (int k = low; k <= high; ++k) {
-    const double s = static_cast<double>(k) / kSamples, d = (s - share) / reach;
+    const double s = static_cast<double>(k) / kAxisSamples, d = (s - share) / reach;
     const double w = std::exp(-0.5 * d * d);
     sum += w * (pair.target.At(pair.TargetShare(s)) + scale_ * (pair.turns[k] * (x - pair.source.At(s))));
     total += w;

@@ -22,12 +22,12 @@ constexpr double kLikeness = 1;      // weight of descriptors beside eigenfuncti
 constexpr double kDifferent = 0.12;  // mean distance of images from which on two maps are different ones
 constexpr std::size_t kRefined = 3;
 constexpr double kTurnedOver = 0.2;
-constexpr double kHopeless = 1.25;  // candidates with a score so many times the best are not refined
+constexpr double kHopelessScore = 1.25;  // candidates with a score so many times the best are not refined
 constexpr int kFirstSize = 32;
 const std::vector<int> kFinalSizes = {14, 20, 26, 32, 40, 50, 60, 80, 100, 120};
 
 /// Both poses and all that is found about them.
-struct Search {
+struct SuggestionSearch {
   const Mesh& source_mesh;
   const Mesh& target_mesh;
   IntrinsicShape source, target;
@@ -53,7 +53,7 @@ std::string Percent(double share) {
 bool HasColors(const Mesh& mesh) { return mesh.colors.rows() == mesh.points.rows(); }
 
 /// Known pairs as proxy vertices; those with an end on another piece are left out.
-void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
+void TakeKnown(const std::vector<LandmarkGoal>& known, SuggestionSearch& search) {
   if (known.empty()) return;
   const KdTree tree(search.target_mesh.points);
   for (const LandmarkGoal& goal : known) {
@@ -69,7 +69,7 @@ void TakeKnown(const std::vector<LandmarkGoal>& known, Search& search) {
 }
 
 /// Mean distance between the images of two maps' samples.
-double Apart(const Search& search, const MapCandidate& a, const MapCandidate& b) {
+double Apart(const SuggestionSearch& search, const MapCandidate& a, const MapCandidate& b) {
   double apart = 0;
   for (std::size_t s = 0; s < a.maps.forward.size(); ++s)
     apart += search.target.sample_distances(a.maps.forward[s], search.target.samples[static_cast<std::size_t>(b.maps.forward[s])]);
@@ -77,7 +77,7 @@ double Apart(const Search& search, const MapCandidate& a, const MapCandidate& b)
 }
 
 /// The best candidate of each map that is really another, not the same one from other tips.
-std::vector<MapCandidate> DifferentCandidates(const Search& search, std::size_t most) {
+std::vector<MapCandidate> DifferentCandidates(const SuggestionSearch& search, std::size_t most) {
   std::vector<MapCandidate> different;
   for (const MapCandidate& candidate : search.candidates) {
     if (different.size() >= most) break;
@@ -88,7 +88,7 @@ std::vector<MapCandidate> DifferentCandidates(const Search& search, std::size_t 
 }
 
 /// A map of samples as one of all proxy vertices, refined with more functions.
-PointMaps RefinedOnProxies(const Search& search, const PointMaps& sample_maps) {
+PointMaps RefinedOnProxies(const SuggestionSearch& search, const PointMaps& sample_maps) {
   const IntrinsicShape &a = search.source, &b = search.target;
   const JointEmbedding coarse = FitEmbedding(a.sampled, b.sampled, sample_maps, kFirstSize);
   const PointMaps maps = NearestRows(coarse.SourceRows(a.all.functions), coarse.TargetRows(b.all.functions));
@@ -103,12 +103,12 @@ PointMaps RefinedOnProxies(const Search& search, const PointMaps& sample_maps) {
 
 /// Refines the best candidates and keeps the best of the results. At the candidates' own resolution left and right of a slim body can be
 /// a toss-up that the refined maps settle.
-void RefineBest(const MapSearch& candidates, Search& search, double& margin) {
+void RefineBest(const MapSearch& candidates, SuggestionSearch& search, double& margin) {
   std::vector<MapCandidate> different = DifferentCandidates(search, kRefined);
   margin = 1;
   for (std::size_t k = 0; k < different.size(); ++k) {
     MapCandidate& candidate = different[k];
-    if (k > 0 && candidate.score > kHopeless * different[0].score) break;
+    if (k > 0 && candidate.score > kHopelessScore * different[0].score) break;
     const PointMaps maps = RefinedOnProxies(search, candidate.maps);
     PointMaps sampled;
     for (const int v : search.source.samples)
@@ -151,7 +151,7 @@ struct ProxyPair {
   const char* origin;
 };
 
-std::vector<ProxyPair> TipPairs(const Search& search) {
+std::vector<ProxyPair> TipPairs(const SuggestionSearch& search) {
   std::vector<ProxyPair> pairs;
   const MapCandidate& best = search.best;
   for (std::size_t k = 0; k < best.source_tips.size(); ++k) {
@@ -169,7 +169,7 @@ std::vector<ProxyPair> TipPairs(const Search& search) {
 }
 
 /// Tips, then confident vertices far from all others.
-std::vector<ProxyPair> ChoosePairs(const Search& search, const SuggestOptions& options) {
+std::vector<ProxyPair> ChoosePairs(const SuggestionSearch& search, const SuggestOptions& options) {
   std::vector<ProxyPair> pairs = TipPairs(search);
   std::stable_sort(pairs.begin(), pairs.end(), [](const ProxyPair& a, const ProxyPair& b) { return a.confidence > b.confidence; });
   if (static_cast<int>(pairs.size()) > options.count) pairs.resize(static_cast<std::size_t>(options.count));
@@ -191,7 +191,7 @@ std::vector<ProxyPair> ChoosePairs(const Search& search, const SuggestOptions& o
   return pairs;
 }
 
-void FillDense(Search& search, Suggestion& suggestion) {
+void FillDense(SuggestionSearch& search, Suggestion& suggestion) {
   const IntrinsicShape &a = search.source, &b = search.target;
   const JointEmbedding joint =
       FitEmbedding(a.all, b.all, search.maps, static_cast<int>(std::min(a.all.functions.cols(), b.all.functions.cols())));
@@ -202,7 +202,7 @@ void FillDense(Search& search, Suggestion& suggestion) {
     if (suggestion.dense[v] >= 0) suggestion.confidence[static_cast<Eigen::Index>(v)] = search.confidence[a.proxy_of[v]];
 }
 
-void FillPairs(const Search& search, const SuggestOptions& options, Suggestion& suggestion) {
+void FillPairs(const SuggestionSearch& search, const SuggestOptions& options, Suggestion& suggestion) {
   const FaceOfVertex on_source(search.source_mesh), on_target(search.target_mesh);
   for (const ProxyPair& pair : ChoosePairs(search, options)) {
     SuggestedPair suggested;
@@ -237,7 +237,7 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target, const std::v
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (const auto problems = options.Problems(); !problems.empty()) throw InputError("register: " + problems.front());
-  Search search{source, target, {}, {}, {}, {}, {}, {}, {}, {}};
+  SuggestionSearch search{source, target, {}, {}, {}, {}, {}, {}, {}, {}};
   IntrinsicOptions intrinsic;
   intrinsic.vertices = options.proxy_vertices;
   intrinsic.samples = options.samples;

@@ -16,7 +16,7 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kFirstChoices = 4, kSecondChoices = 24, kNearVertices = 4;
-constexpr std::int64_t kGrain = 256;
+constexpr std::int64_t kPullGrain = 256;
 
 double Robust(double scale, double squared_distance) {
   const double s2 = scale * scale, w = s2 / (s2 + squared_distance);
@@ -82,7 +82,7 @@ struct SurfacePull::Impl {
   void PullBack(const PointsX3& moved, const PointsX3& moved_normals, const std::vector<int>& samples, double min_cosine,
                 std::span<Pull> pulls) const {
     const KdTree moved_tree(moved);
-    ParallelBlocks(static_cast<std::int64_t>(samples.size()), kGrain, [&](std::int64_t begin, std::int64_t end) {
+    ParallelBlocks(static_cast<std::int64_t>(samples.size()), kPullGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t k = begin; k < end; ++k) {
         Pull& pull = pulls[k];
         pull.goal = points.row(samples[k]);
@@ -119,7 +119,7 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces, const s
   const double total = areas.sum(), per_area = terms.weight / total;
   const std::vector<int> samples = impl_->Samples(terms.samples);
   std::vector<Pull> found(moved.rows() + samples.size());
-  ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(moved.rows(), kPullGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       found[i] = impl_->Forward(static_cast<int>(i), !rim.empty() && rim[i], moved.row(i), normals.row(i), feet, terms.min_cosine);
   });

@@ -18,10 +18,10 @@ constexpr double kFoldCosine = 0.2;     // a collapse may not turn a face furthe
 constexpr double kLengthWeight = 1e-3;  // of squared edge length, so that flat regions thin out evenly
 constexpr double kNeedle = 0.05;        // doubled area over the longest side squared, at least
 constexpr int kLargestValence = 16;
-constexpr std::int64_t kGrain = 4096;
+constexpr std::int64_t kThinningGrain = 4096;
 constexpr double kShare = 0.5;      // of the vertices that may go in a round
 constexpr int kPerRemoved = 6;      // candidates for each vertex that has still to go
-constexpr double kFewest = 0.0005;  // of the vertices: fewer removed in a round end the rounds
+constexpr double kFewestRemoved = 0.0005;  // of the vertices: fewer removed in a round end the rounds
 
 using Face = std::array<int, 3>;
 
@@ -334,7 +334,7 @@ Round::Round(ThinMesh& mesh) : mesh_(mesh), marks_(mesh.vertex.size()) {
 std::vector<std::pair<float, int>> Round::Cheapest(std::size_t count) const {
   const std::size_t n = mesh_.vertex.size();
   std::vector<std::pair<float, int>> order(n);
-  ParallelBlocks(static_cast<std::int64_t>(n), kGrain, [&](std::int64_t begin, std::int64_t end) {
+  ParallelBlocks(static_cast<std::int64_t>(n), kThinningGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       const int v = static_cast<int>(i);
       double least = std::numeric_limits<double>::infinity();
@@ -401,7 +401,7 @@ void ThinInRounds(ThinMesh& mesh, int count, std::vector<int>& parent) {
   while (static_cast<int>(mesh.vertex.size()) > count) {
     const auto before = static_cast<double>(mesh.vertex.size());
     const int gone = Round(mesh).Run(share, static_cast<int>(mesh.vertex.size()) - count, parent);
-    if (gone >= kFewest * before || static_cast<int>(mesh.vertex.size()) == count) continue;
+    if (gone >= kFewestRemoved * before || static_cast<int>(mesh.vertex.size()) == count) continue;
     if (share == 1) return;
     share = 1;
   }

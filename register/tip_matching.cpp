@@ -12,9 +12,9 @@ constexpr double kToleratedRatio = 0.5;  // a relative change of distance that c
 constexpr double kUnlikeWeight = 1.0;
 constexpr long kMostSteps = 2'000'000;
 
-class Search {
+class TipSearch {
  public:
-  Search(const TipProblem& problem, int keep)
+  TipSearch(const TipProblem& problem, int keep)
       : p_(problem),
         keep_(static_cast<std::size_t>(keep)),
         sources_(static_cast<int>(problem.source_distances.rows())),
@@ -94,6 +94,6 @@ class Search {
 
 }  // namespace
 
-std::vector<TipAssignment> MatchTips(const TipProblem& problem, int keep) { return Search(problem, std::max(1, keep)).Run(); }
+std::vector<TipAssignment> MatchTips(const TipProblem& problem, int keep) { return TipSearch(problem, std::max(1, keep)).Run(); }
 
 }  // namespace keypose::registration

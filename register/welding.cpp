@@ -24,7 +24,7 @@ std::uint64_t Hash(const PointsX3& points, Eigen::Index v) {
 }
 
 /// The first vertex at the place of each; empty when no two share one.
-std::vector<int> Places(const PointsX3& points) {
+std::vector<int> WeldedPlaces(const PointsX3& points) {
   std::vector<std::pair<std::uint64_t, int>> keys(static_cast<std::size_t>(points.rows()));
   for (std::size_t v = 0; v < keys.size(); ++v) keys[v] = {Hash(points, static_cast<Eigen::Index>(v)), static_cast<int>(v)};
   std::sort(keys.begin(), keys.end());
@@ -92,7 +92,7 @@ std::vector<Edge> Sides(const FacesX3& faces, const std::vector<int>& place) {
 }  // namespace
 
 Seams FindSeams(const Mesh& mesh) {
-  const std::vector<int> place = Places(mesh.points);
+  const std::vector<int> place = WeldedPlaces(mesh.points);
   if (place.empty()) return {};
   std::vector<Edge> sides = Sides(mesh.faces, place);
   Seams seams;

@@ -59,7 +59,7 @@ std::string Navigation(const Contents& contents) {
   return html + "<a href=\"#animation\">Animation</a><a href=\"#steps\">Steps</a></div></nav>\n";
 }
 
-std::string Chip(Grade grade) {
+std::string GradeChip(Grade grade) {
   const std::string word = WordOf(grade);
   return "<span class=\"chip " + word + "\">" + word + "</span>";
 }
@@ -71,7 +71,7 @@ std::string Cards(const Contents& contents, const std::vector<Verdict>& verdicts
     html += "<div class=\"card " + std::string(WordOf(v.grade)) + "\">";
     for (const PosePart& pose : contents.poses)
       if (pose.name == v.about && !pose.sides.empty()) html += Image(encode(pose.sides.front().image), "pose " + pose.name);
-    html += "<div><h3>" + Escape(v.about) + " &ensp;" + Chip(v.grade) + "</h3><p>" + v.why + "</p>";
+    html += "<div><h3>" + Escape(v.about) + " &ensp;" + GradeChip(v.grade) + "</h3><p>" + v.why + "</p>";
     if (!v.cure.empty()) html += "<p class=cure><b>What to do:</b> " + Escape(v.cure) + ".</p>";
     html += "</div></div>";
   }
@@ -82,7 +82,7 @@ std::string FindingList(const std::vector<Finding>& findings, const std::functio
   std::string html;
   for (const Finding& f : findings) {
     if (!shown(f.grade)) continue;
-    html += "<li>" + Chip(f.grade) + "<div><b>" +
+    html += "<li>" + GradeChip(f.grade) + "<div><b>" +
             Escape(f.pose.empty() || f.where.ends_with("/" + f.pose) ? f.where : f.pose + ", " + f.where) + "</b> &ensp;" + f.text +
             (f.cure.empty() ? "" : " <span class=cure>" + Escape(f.cure) + ".</span>") + "</div></li>";
   }

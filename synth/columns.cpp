@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/srgb.h"
 #include "synth/noise.h"
 
@@ -10,9 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 
-Vector3d Srgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
+Vector3d FromSrgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
 
 class Builder {
  public:
@@ -51,11 +51,11 @@ class Builder {
       }
   }
 
-  void Plate() { Slab(0.006, 0.036, 0.0095, Srgb(112, 96, 84)); }
+  void Plate() { Slab(0.006, 0.036, 0.0095, FromSrgb(112, 96, 84)); }
 
   void Columns() {
     const double angles[4] = {-62, 34, 118, 205}, radii[4] = {0.0082, 0.0068, 0.0090, 0.0074};
-    const Vector3d colors[4] = {Srgb(204, 112, 76), Srgb(84, 150, 130), Srgb(238, 196, 92), Srgb(128, 104, 160)};
+    const Vector3d colors[4] = {FromSrgb(204, 112, 76), FromSrgb(84, 150, 130), FromSrgb(238, 196, 92), FromSrgb(128, 104, 160)};
     const char* names[4] = {"front_column", "left_column", "back_column", "right_column"};
     for (int i = 0; i < 4; ++i) {
       const double angle = (angles[i] + spread_ * random_.Uniform(-7, 7)) * kPi / 180, radius = Vary(radii[i], 0.1);
@@ -67,41 +67,43 @@ class Builder {
   }
 
   void Torso() {
-    Slab(0.092, 0.028, 0.0120, Srgb(72, 128, 170));
-    Add({0, 0, 0.098}, 0.028, {0.003, -0.002, 0.122}, 0.020, Srgb(72, 128, 170), 0.010);
-    Add({0.004, -0.0245, 0.109}, 0.0050, {0.004, -0.0245, 0.109}, 0.0050, Srgb(226, 96, 70), 0.001, true);
+    Slab(0.092, 0.028, 0.0120, FromSrgb(72, 128, 170));
+    Add({0, 0, 0.098}, 0.028, {0.003, -0.002, 0.122}, 0.020, FromSrgb(72, 128, 170), 0.010);
+    Add({0.004, -0.0245, 0.109}, 0.0050, {0.004, -0.0245, 0.109}, 0.0050, FromSrgb(226, 96, 70), 0.001, true);
     Name("button", {0.004, -0.0295, 0.109});
-    Add({-0.002, 0.024, 0.110}, 0.0085, {-0.006, 0.043, 0.121}, 0.0026, Srgb(236, 176, 70), 0.003);
+    Add({-0.002, 0.024, 0.110}, 0.0085, {-0.006, 0.043, 0.121}, 0.0026, FromSrgb(236, 176, 70), 0.003);
     Name("back_spike", {-0.0066, 0.0452, 0.1222});
   }
 
   void Head() {
     const Vector3d middle(0.004, -0.004, 0.156);
-    Add(middle - Vector3d(0.010, 0, 0), Vary(0.026, 0.06), middle + Vector3d(0.012, 0, 0.001), Vary(0.024, 0.06), Srgb(226, 204, 150),
+    Add(middle - Vector3d(0.010, 0, 0), Vary(0.026, 0.06), middle + Vector3d(0.012, 0, 0.001), Vary(0.024, 0.06), FromSrgb(226, 204, 150),
         0.010);
     const Vector3d nose = middle + Vector3d(0.003, -0.031, -0.004);
-    Add(middle + Vector3d(0.002, -0.016, -0.003), 0.0105, nose, 0.0070, Srgb(214, 108, 120), 0.005);
+    Add(middle + Vector3d(0.002, -0.016, -0.003), 0.0105, nose, 0.0070, FromSrgb(214, 108, 120), 0.005);
     Name("nose", nose + Vector3d(0, -0.0070, 0));
-    Add(middle + Vector3d(0.015, -0.021, 0.009), 0.0072, middle + Vector3d(0.015, -0.021, 0.009), 0.0072, Srgb(246, 242, 232), 0.001, true);
-    Add(middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, Srgb(40, 36, 44), 0.001, true);
+    Add(middle + Vector3d(0.015, -0.021, 0.009), 0.0072, middle + Vector3d(0.015, -0.021, 0.009), 0.0072, FromSrgb(246, 242, 232), 0.001,
+        true);
+    Add(middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, FromSrgb(40, 36, 44), 0.001,
+        true);
     Name("left_eye", middle + Vector3d(0.0160, -0.0282, 0.0098));
     const Vector3d horn = middle + Vector3d(-0.030, 0.004, 0.041);
-    Add(middle + Vector3d(-0.017, 0, 0.018), 0.0105, horn, 0.0042, Srgb(206, 74, 62), 0.004);
+    Add(middle + Vector3d(-0.017, 0, 0.018), 0.0105, horn, 0.0042, FromSrgb(206, 74, 62), 0.004);
     Name("horn_tip", horn + Vector3d(-0.0016, 0, 0.0038));
-    Add(middle + Vector3d(0.030, 0.002, 0.006), 0.0090, middle + Vector3d(0.047, 0.005, -0.006), 0.0062, Srgb(86, 118, 58), 0.004);
+    Add(middle + Vector3d(0.030, 0.002, 0.006), 0.0090, middle + Vector3d(0.047, 0.005, -0.006), 0.0062, FromSrgb(86, 118, 58), 0.004);
     Name("ear_tip", middle + Vector3d(0.0520, 0.0058, -0.0098));
   }
 
   void Arm() {
     const Vector3d shoulder(0.017, -0.002, 0.116), hand(0.066, -0.014, 0.103);
-    Add(shoulder, 0.0125, hand, 0.0088, Srgb(150, 176, 84), 0.006);
-    Add(hand, 0.0115, hand + Vector3d(0.003, -0.004, 0.013), 0.0052, Srgb(236, 176, 70), 0.003);
+    Add(shoulder, 0.0125, hand, 0.0088, FromSrgb(150, 176, 84), 0.006);
+    Add(hand, 0.0115, hand + Vector3d(0.003, -0.004, 0.013), 0.0052, FromSrgb(236, 176, 70), 0.003);
     Name("thumb", hand + Vector3d(0.0042, -0.0056, 0.0179));
-    figure_.clay.spots = {{{-0.024, 0.018, 0.100}, 0.008, Srgb(42, 70, 116)},
-                          {{0.004, 0.022, 0.160}, 0.009, Srgb(190, 96, 80)},
-                          {{-0.026, -0.014, 0.094}, 0.007, Srgb(240, 224, 190)},
-                          {{0.042, -0.012, 0.118}, 0.006, Srgb(42, 104, 116)},
-                          {{0.030, 0.020, 0.092}, 0.008, Srgb(228, 128, 62)}};
+    figure_.clay.spots = {{{-0.024, 0.018, 0.100}, 0.008, FromSrgb(42, 70, 116)},
+                          {{0.004, 0.022, 0.160}, 0.009, FromSrgb(190, 96, 80)},
+                          {{-0.026, -0.014, 0.094}, 0.007, FromSrgb(240, 224, 190)},
+                          {{0.042, -0.012, 0.118}, 0.006, FromSrgb(42, 104, 116)},
+                          {{0.030, 0.020, 0.092}, 0.008, FromSrgb(228, 128, 62)}};
   }
 
   void Poses() {

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kSamples = 40000;
+constexpr int kTruthSamples = 40000;
 constexpr int kSeenBy = 3;
 
 double Quantile(std::vector<double> values, double share) {
@@ -33,7 +33,7 @@ struct Places {
 };
 
 Places PlacesOn(const Mesh& truth, const std::vector<View>& views) {
-  const SurfaceSamples samples = SampleSurface(truth.points, truth.faces, kSamples, 3);
+  const SurfaceSamples samples = SampleSurface(truth.points, truth.faces, kTruthSamples, 3);
   const PointsX3 normals = FaceNormals(truth.points, truth.faces);
   const RayScene rays(truth.points, truth.faces);
   const double lift = 1e-5 * BoundingDiagonal(truth.points);

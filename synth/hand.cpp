@@ -15,11 +15,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSamples = 2;  // along each side of a pixel
+constexpr int kSubpixels = 2;  // along each side of a pixel
 const Vector3d kSkin(0.56, 0.30, 0.20);  // linear RGB
 
 /// A round cone seen from the side: from a (radius ra) to b (radius rb) [px].
-struct Limb {
+struct HandLimb {
   Vector2d a, b;
   double ra, rb;
 
@@ -50,10 +50,10 @@ Vector2d Goal(const Image8& mask, bool from_left, double height, double share) {
 }
 
 /// Forearm, palm, four fingers and a thumb, reaching for `goal` in the direction `reach`.
-std::vector<Limb> LimbsOf(const Vector2d& goal, const Vector2d& reach, double unit, double length) {
+std::vector<HandLimb> LimbsOf(const Vector2d& goal, const Vector2d& reach, double unit, double length) {
   const Vector2d across(-reach.y(), reach.x());
   const Vector2d knuckles = goal - 0.13 * unit * reach, wrist = knuckles - 0.15 * unit * reach;
-  std::vector<Limb> limbs{{wrist - length * reach, wrist, 0.105 * unit, 0.062 * unit}, {wrist, knuckles, 0.066 * unit, 0.078 * unit}};
+  std::vector<HandLimb> limbs{{wrist - length * reach, wrist, 0.105 * unit, 0.062 * unit}, {wrist, knuckles, 0.066 * unit, 0.078 * unit}};
   for (int finger = 0; finger < 4; ++finger) {
     const double side = (finger - 1.5) * 0.046 * unit, bent = 0.02 * unit * std::abs(finger - 1.2);
     const Vector2d root = knuckles + side * across;
@@ -65,10 +65,10 @@ std::vector<Limb> LimbsOf(const Vector2d& goal, const Vector2d& reach, double un
 }
 
 /// Skin at a place, or no alpha beside the hand.
-Eigen::Vector4d SkinAt(const std::vector<Limb>& limbs, const Vector2d& p, double unit, std::uint32_t seed) {
+Eigen::Vector4d SkinAt(const std::vector<HandLimb>& limbs, const Vector2d& p, double unit, std::uint32_t seed) {
   const auto height = [&](const Vector2d& at) {
     double most = 0;
-    for (const Limb& limb : limbs) most = std::max(most, limb.Height(at));
+    for (const HandLimb& limb : limbs) most = std::max(most, limb.Height(at));
     return most;
   };
   const double here = height(p);
@@ -91,19 +91,19 @@ void HoldHand(ImageF& linear, Image8& mask, std::uint64_t seed) {
   const double unit = linear.height, height = random.Uniform(0.35, 0.65), share = random.Uniform(0.25, 0.45);
   const Vector2d goal = Goal(mask, from_left, height, share);
   const Vector2d reach = Turned(Vector2d(from_left ? 1 : -1, 0), random.Uniform(-0.35, 0.35));
-  const std::vector<Limb> limbs = LimbsOf(goal, reach, unit, std::hypot(linear.width, linear.height));
+  const std::vector<HandLimb> limbs = LimbsOf(goal, reach, unit, std::hypot(linear.width, linear.height));
   const auto row = [&](std::int64_t line) {
     const int y = static_cast<int>(line);
     for (int x = 0; x < linear.width; ++x) {
       Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-      for (int j = 0; j < kSamples; ++j)
-        for (int i = 0; i < kSamples; ++i)
-          sum += SkinAt(limbs, {x + (i + 0.5) / kSamples, y + (j + 0.5) / kSamples}, unit, static_cast<std::uint32_t>(seed));
-      const double covered = sum[3] / (kSamples * kSamples);
+      for (int j = 0; j < kSubpixels; ++j)
+        for (int i = 0; i < kSubpixels; ++i)
+          sum += SkinAt(limbs, {x + (i + 0.5) / kSubpixels, y + (j + 0.5) / kSubpixels}, unit, static_cast<std::uint32_t>(seed));
+      const double covered = sum[3] / (kSubpixels * kSubpixels);
       if (covered <= 0) continue;
       float* pixel = linear.at(x, y);
       for (int c = 0; c < 3; ++c)
-        pixel[c] = static_cast<float>((1 - covered) * pixel[c] + sum[c] / (kSamples * kSamples));
+        pixel[c] = static_cast<float>((1 - covered) * pixel[c] + sum[c] / (kSubpixels * kSubpixels));
       if (covered >= 0.5) *mask.at(x, y) = 0;
     }
   };

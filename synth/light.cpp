@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "synth/noise.h"
 
@@ -13,12 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 constexpr int kTurns = 24;  // lamp azimuths that are computed; others are mixed, which also softens the lamp
 constexpr int kSkyRays = 32;
 constexpr double kSkyReach = 0.09;  // [m] farther clay no longer darkens
 constexpr double kOffset = 0.0004;  // [m] rays leave this far from the surface
-constexpr double kFar = 1.0;        // [m]
+constexpr double kSkyFar = 1.0;        // [m]
 constexpr int kGrid = 128;
 constexpr double kTableBounce = 0.45;  // brightness of the table, seen from below the horizon
 
@@ -63,7 +63,7 @@ LightField::LightField(const Mesh& surface, const PointsX3& normals, const RaySc
       int seen = 0;
       for (const double side : {-1.0, 1.0}) {
         const Vector3d d = Towards(2 * kPi * turn / kTurns + 0.07 * side, elevation_rad + 0.09 * side);
-        if (normal.dot(d) > 0 && !scene.Occluded(origin, d, 0, kFar)) ++seen;
+        if (normal.dot(d) > 0 && !scene.Occluded(origin, d, 0, kSkyFar)) ++seen;
       }
       lamp_[static_cast<std::size_t>(turn * vertices_ + v)] = static_cast<std::uint8_t>(seen == 2 ? 255 : 128 * seen);
     }
@@ -103,7 +103,7 @@ std::vector<float> TableLight::Lamp(double azimuth_rad, double elevation_rad) co
     for (int k = 0; k < kRays; ++k) {
       const double r = std::sqrt((k + 0.5) / kRays), angle = 2.399963229728653 * k + static_cast<double>(Hash(i) & 1023) * 0.006;
       const Vector3d d = Towards(azimuth_rad + 0.20 * r * std::cos(angle), elevation_rad + 0.13 * r * std::sin(angle));
-      seen += !scene_->Occluded({x, y, 1e-5}, d, 0, kFar);
+      seen += !scene_->Occluded({x, y, 1e-5}, d, 0, kSkyFar);
     }
     grid[i] = static_cast<float>(seen) / kRays;
   }

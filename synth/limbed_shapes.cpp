@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/mesh.h"
 #include "synth/noise.h"
@@ -15,7 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 constexpr double kGoldenAngle = 2.399963229728653;  // successive places round a limb never line up
 constexpr int kAttempts = 60;
 

@@ -13,7 +13,7 @@ namespace {
 constexpr double kRadPerDeg = 3.141592653589793 / 180;
 
 /// `count` of 0 to n - 1, evenly apart, the first of them `phase` of a gap from the start; those taken already give way to the next.
-std::vector<int> Spread(int count, int n, double phase, const std::vector<int>& taken) {
+std::vector<int> SpreadOut(int count, int n, double phase, const std::vector<int>& taken) {
   std::vector<char> used(static_cast<std::size_t>(n), 0);
   for (const int i : taken) used[static_cast<std::size_t>(i)] = 1;
   std::vector<int> chosen;
@@ -51,10 +51,10 @@ std::uint64_t StraySeed(const Mishaps& mishaps, std::uint64_t world_seed) {
   return mishaps.stray_seed != 0 ? mishaps.stray_seed : world_seed + 1;
 }
 
-std::vector<int> StrayViews(const Mishaps& mishaps, int views) { return Spread(mishaps.strays, views, 0.4, {}); }
+std::vector<int> StrayViews(const Mishaps& mishaps, int views) { return SpreadOut(mishaps.strays, views, 0.4, {}); }
 
 std::vector<int> HandViews(const Mishaps& mishaps, int views) {
-  return Spread(mishaps.hands, views, 0.7, StrayViews(mishaps, views));
+  return SpreadOut(mishaps.hands, views, 0.7, StrayViews(mishaps, views));
 }
 
 int FirstAfter(double share, int views) { return static_cast<int>(std::lround(share * views)); }

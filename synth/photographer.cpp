@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -23,7 +24,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 constexpr double kTableHalfWidth = 0.24;  // [m]
 const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
 constexpr double kGlossPower = 22;

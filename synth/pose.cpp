@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angles.h"
 #include "core/errors.h"
 
 namespace keypose::synth {
 namespace {
-
-constexpr double kPi = 3.141592653589793;
 
 // C2 step from 0 to 1.
 double SmoothStep(double t) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -63,7 +64,7 @@ Vector3d Normal(const PointsX3& p, int a, int b, int c) {
 
 // Whether the quad's other diagonal gives rounder triangles and no crease. In the face of a the edge runs a -> b.
 bool ShouldFlip(const PointsX3& p, const Edge& e) {
-  constexpr double kPi = 3.141592653589793, kFlat = 0.8;
+  constexpr double kFlat = 0.8;
   const int c = e.opposite[0], d = e.opposite[1];
   if (AngleAt(p, c, e.a, e.b) + AngleAt(p, d, e.a, e.b) < kPi + 1e-6) return false;
   const Vector3d before = Normal(p, e.a, e.b, c) + Normal(p, e.b, e.a, d);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "core/render.h"
 #include "synth/noise.h"
@@ -14,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 
 Camera MakeCamera(const PhotographerOptions& options) {
   Camera camera;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
@@ -20,7 +21,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kPi = 3.141592653589793;
 constexpr double kFistRadius = 0.0140, kThumbRadius = 0.0050;  // [m] of the right hand
 const Vector3d kThumb(0.010, -0.010, 0.0090);                  // [m] from the middle of the fist
 

@@ -27,18 +27,18 @@ double LightBelief(int photographs) { return kBelief + 3.0 / (photographs * phot
 constexpr int kLights = 2;
 using Lights = Eigen::Matrix<double, kLights, 1>;
 
-struct Observation {
+struct GainObservation {
   int view;
   double weight;
   Lights lights;
   Vector3d log_color;
 };
-using Observations = std::vector<std::vector<Observation>>;  // one list a surface point
+using GainObservations = std::vector<std::vector<GainObservation>>;  // one list a surface point
 
-Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<char>& used, int samples) {
+GainObservations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<char>& used, int samples) {
   const SurfaceSamples surface = SampleSurface(mesh.points, mesh.faces, samples, 20);
   const PointsX3 normals = FaceNormals(mesh.points, mesh.faces);
-  Observations lists(samples);
+  GainObservations lists(samples);
   ParallelFor(
       samples,
       [&](std::int64_t i) {
@@ -65,26 +65,26 @@ Observations Observe(const Mesh& mesh, const std::vector<BakeView>& views, const
 struct Unknowns {
   VectorXd log_gain;
   Lights light = Lights::Zero();
-  double Corrected(const Observation& o, int channel) const { return o.log_color[channel] + log_gain[o.view] + light.dot(o.lights); }
+  double Corrected(const GainObservation& o, int channel) const { return o.log_color[channel] + log_gain[o.view] + light.dot(o.lights); }
 };
 
 /// Outlier weights of one point's observations under the present estimate.
-void Weigh(const std::vector<Observation>& list, int channel, const Unknowns& unknowns, double scale, std::vector<double>& weights) {
+void Weigh(const std::vector<GainObservation>& list, int channel, const Unknowns& unknowns, double scale, std::vector<double>& weights) {
   double total = 0, mean = 0;
-  for (const Observation& o : list) {
+  for (const GainObservation& o : list) {
     total += o.weight;
     mean += o.weight * unknowns.Corrected(o, channel);
   }
   mean /= total;
   weights.clear();
-  for (const Observation& o : list) {
+  for (const GainObservation& o : list) {
     const double r = (unknowns.Corrected(o, channel) - mean) / scale;
     weights.push_back(o.weight / ((1 + r * r) * (1 + r * r)));
   }
 }
 
 /// One round of weighted least squares, each point's own colour eliminated.
-Unknowns SolveRound(const Observations& lists, int channel, const Unknowns& before, double scale) {
+Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& before, double scale) {
   const int n = static_cast<int>(before.log_gain.size());
   MatrixXd matrix = MatrixXd::Zero(n + kLights, n + kLights);
   VectorXd right = VectorXd::Zero(n + kLights);
@@ -125,7 +125,7 @@ Unknowns SolveRound(const Observations& lists, int channel, const Unknowns& befo
 
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views, const std::vector<char>& used,
                                             int samples) {
-  const Observations lists = Observe(mesh, views, used, samples);
+  const GainObservations lists = Observe(mesh, views, used, samples);
   const int n = static_cast<int>(views.size());
   MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
@@ -137,7 +137,7 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
   // The mean exposure is nearest to all photographs together: any brighter or darker choice is further from those not yet seen.
   VectorXd shown = VectorXd::Constant(n, 1e-9);
   for (const auto& list : lists)
-    for (const Observation& o : list) shown[o.view] += o.weight;
+    for (const GainObservation& o : list) shown[o.view] += o.weight;
   const Eigen::RowVector3d reference = shown.transpose() * log_gains / shown.sum();
   std::vector<Eigen::Vector3f> gains(n, Eigen::Vector3f::Ones());
   for (int v = 0; v < n; ++v)

@@ -13,7 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-Image8 Halved(const Image8& fine) {
+Image8 PlainHalf(const Image8& fine) {
   Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), fine.channels);
   for (int y = 0; y < coarse.height; ++y)
     for (int x = 0; x < coarse.width; ++x)
@@ -73,7 +73,7 @@ Pair RenderInto(const Mesh& mesh, const TextureLevels& texture, int size, const 
 
 TextureLevels::TextureLevels(Image8 texture) {
   levels_.push_back(std::move(texture));
-  while (levels_.size() < 5 && levels_.back().width > 32) levels_.push_back(Halved(levels_.back()));
+  while (levels_.size() < 5 && levels_.back().width > 32) levels_.push_back(PlainHalf(levels_.back()));
 }
 
 Vector3d TextureLevels::Sample(const Vector2d& uv, double texels) const {

@@ -20,13 +20,13 @@ using Eigen::Vector3f;
 /// Both must be surer than this of a vertex before their colours are compared.
 constexpr float kBothSure = 0.9f;
 /// Added to linear light before logarithms: in black, noise is all there is.
-constexpr float kDark = 0.01f;
+constexpr float kDarkColor = 0.01f;
 /// How strongly a vertex holds the factor that it shows, against an edge's wish for no change. Low: a factor is a matter of many faces.
 constexpr double kHold = 0.1;
 /// Differences of logarithms beyond this are something else than light.
 constexpr double kSameThing = 0.12;
 /// Draws to the overall factor where nothing near says anything.
-constexpr double kGrain = 1e-4;
+constexpr double kSmoothingGrain = 1e-4;
 constexpr int kRobustRounds = 4;
 /// Rings of vertices over which confidence is gathered before the best pose is chosen.
 constexpr int kRings = 3;
@@ -56,7 +56,7 @@ using Edges = std::vector<std::pair<int, int>>;
 /// Logarithms of the factors that bring `other` to `own` in light, a row a vertex. Empty when too little is seen in both.
 using Factors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-double MedianOf(std::vector<double> values) {
+double MedianOfCopy(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -76,16 +76,17 @@ Ratios CompareVertices(const VertexColors& own, const VertexColors& other) {
   ratios.logs.resize(static_cast<Eigen::Index>(ratios.vertices.size()), 3);
   for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
     const int v = ratios.vertices[i];
-    ratios.logs.row(i) = ((own.color[v].array() + kDark) / (other.color[v].array() + kDark)).log().matrix().transpose().cast<double>();
+    ratios.logs.row(i) =
+        ((own.color[v].array() + kDarkColor) / (other.color[v].array() + kDarkColor)).log().matrix().transpose().cast<double>();
   }
   if (ratios.vertices.empty()) return ratios;
-  for (int c = 0; c < 3; ++c) ratios.median[c] = MedianOf({ratios.logs.col(c).begin(), ratios.logs.col(c).end()});
+  for (int c = 0; c < 3; ++c) ratios.median[c] = MedianOfCopy({ratios.logs.col(c).begin(), ratios.logs.col(c).end()});
   return ratios;
 }
 
 Factors SmoothFactors(const Edges& edges, const Ratios& ratios, const Eigen::VectorXd& say, int vertex_count) {
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(vertex_count, kGrain);
-  Factors right = (kGrain * ratios.median).replicate(vertex_count, 1);
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(vertex_count, kSmoothingGrain);
+  Factors right = (kSmoothingGrain * ratios.median).replicate(vertex_count, 1);
   for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
     diagonal[ratios.vertices[i]] += kHold * say[i];
     right.row(ratios.vertices[i]) += kHold * say[i] * ratios.logs.row(i);
@@ -183,7 +184,7 @@ class Filler {
     for (int k = 0; k < 3; ++k) log += static_cast<double>(w[k]) * giver.factors.row(face[k]);
     const Vector3f factor = log.array().exp().matrix().transpose().cast<float>();
     // The factor is of the colour and the dark light that was added to it, so that black stays black.
-    const Vector3f raised = ((giver.painting.At(texel).array() + kDark) * factor.array() - kDark).matrix();
+    const Vector3f raised = ((giver.painting.At(texel).array() + kDarkColor) * factor.array() - kDarkColor).matrix();
     return raised.cwiseMax(0.0f).cwiseMin(1.0f);
   }
 

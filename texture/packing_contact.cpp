@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 
 constexpr int kMostTouched = 8;  // outlines near one vertex
 
-struct Edge {
+struct OutlineEdge {
   int rim, from, to;
 };
 
@@ -26,7 +26,7 @@ class Buckets {
       for (int i = 0, n = static_cast<int>(rims[r].rows()); i < n; ++i) edges_.push_back({r, i, (i + 1) % n});
     std::vector<std::array<int, 4>> boxes;
     start_.assign(static_cast<std::size_t>(n_) * n_ + 1, 0);
-    for (const Edge& e : edges_) {
+    for (const OutlineEdge& e : edges_) {
       const Eigen::RowVector2d a = rims[e.rim].row(e.from), b = rims[e.rim].row(e.to);
       boxes.push_back(
           {Cell(std::min(a.x(), b.x())), Cell(std::max(a.x(), b.x())), Cell(std::min(a.y(), b.y())), Cell(std::max(a.y(), b.y()))});
@@ -54,7 +54,7 @@ class Buckets {
   }
 
   int n_;
-  std::vector<Edge> edges_;
+  std::vector<OutlineEdge> edges_;
   std::vector<int> start_, items_;
 };
 
@@ -98,7 +98,7 @@ class Finder {
     Border(p, out);
     std::array<Touch, kMostTouched> touches;
     int count = 0;
-    buckets_.Near(p, reach_, [&](const Edge& e) {
+    buckets_.Near(p, reach_, [&](const OutlineEdge& e) {
       if (e.rim == rim) {
         if (e.from == vertex || e.to == vertex) return;
       }
@@ -118,7 +118,7 @@ class Finder {
     }
   }
 
-  void Take(const Vector2d& p, const Edge& e, std::array<Touch, kMostTouched>& touches, int& count) const {
+  void Take(const Vector2d& p, const OutlineEdge& e, std::array<Touch, kMostTouched>& touches, int& count) const {
     const Vector2d a = rims_[e.rim].row(e.from).transpose(), d = rims_[e.rim].row(e.to).transpose() - a;
     const double t = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
     const double squared = (a + t * d - p).squaredNorm();

@@ -27,7 +27,7 @@ constexpr double kGrowth = 0.001;  // of the scale in a round
 constexpr int kMeasureEvery = 8;
 constexpr int kSettlingRounds = 60;
 constexpr double kEase = 0.98;
-constexpr double kLeastArea = 0.1;  // of a triangle, times what it would have without stress
+constexpr double kLeastPressedArea = 0.1;  // of a triangle, times what it would have without stress
 
 double ReachOf(double gap) { return kFarthestAim * gap + kDepth; }
 
@@ -150,7 +150,7 @@ class Press {
     if (gap_ < options_.gap) return;
     std::vector<char> good(charts_.size());
     ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t c) {
-      good[c] = Upright(surface_, *charts_[c], now_.uvs[c], kLeastArea, now_.scale) && RimIsSimple(*charts_[c], now_.uvs[c]);
+      good[c] = Upright(surface_, *charts_[c], now_.uvs[c], kLeastPressedArea, now_.scale) && RimIsSimple(*charts_[c], now_.uvs[c]);
       if (!good[c]) ease_[c] *= kEase;
     });
     if (std::count(good.begin(), good.end(), 0) > 0) return;

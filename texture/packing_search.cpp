@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = EIGEN_PI;
 constexpr int kTurns = 64;
 constexpr int kFirstTurns = 16;  // of the bottom-left start
-constexpr double kGrowth = 1.012;
+constexpr double kScaleStep = 1.012;
 constexpr double kLeastGrowth = 1.002;
 constexpr int kPatience = 60;  // sweeps at one scale
 constexpr int kFewCells = 60;  // an outline of fewer counts as its box: half a cell of overlap would be too much for it
@@ -209,7 +209,7 @@ class Search {
   double Run() {
     Start();
     if (best_.empty() || laid_.size() < 2) return scale_;
-    double growth = kGrowth;
+    double growth = kScaleStep;
     while (moves_ > 0 && growth > kLeastGrowth) {
       std::vector<Spot> spots = best_;
       if (Separated(scale_ * growth, spots)) {

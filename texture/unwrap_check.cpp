@@ -47,7 +47,7 @@ struct Atlas {
   std::vector<std::vector<int>> rims;  // per chart: UV vertices along the boundary
 };
 
-int Root(std::vector<int>& parent, int i) {
+int RootOf(std::vector<int>& parent, int i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
@@ -56,15 +56,15 @@ void NumberCharts(const Mesh& mesh, Atlas& atlas) {
   std::vector<int> parent(mesh.uvs.rows());
   std::iota(parent.begin(), parent.end(), 0);
   for (int f = 0; f < mesh.face_count(); ++f) {
-    parent[Root(parent, mesh.uv_faces(f, 0))] = Root(parent, mesh.uv_faces(f, 1));
-    parent[Root(parent, mesh.uv_faces(f, 1))] = Root(parent, mesh.uv_faces(f, 2));
+    parent[RootOf(parent, mesh.uv_faces(f, 0))] = RootOf(parent, mesh.uv_faces(f, 1));
+    parent[RootOf(parent, mesh.uv_faces(f, 1))] = RootOf(parent, mesh.uv_faces(f, 2));
   }
   std::map<int, int> id;
   atlas.chart.assign(mesh.uvs.rows(), -1);
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int v = mesh.uv_faces(f, k);
-      atlas.chart[v] = id.emplace(Root(parent, v), static_cast<int>(id.size())).first->second;
+      atlas.chart[v] = id.emplace(RootOf(parent, v), static_cast<int>(id.size())).first->second;
     }
   atlas.charts = static_cast<int>(id.size());
 }

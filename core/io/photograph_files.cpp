@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Lower case, with the dot.
-std::string ExtensionOf(const fs::path& file) {
+std::string LowerExtensionOf(const fs::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
@@ -31,8 +31,8 @@ constexpr std::array<const char*, 5> kOtherPictures = {".webp", ".avif", ".bmp",
 
 }  // namespace
 
-bool IsHeicName(const fs::path& file) { return IsOneOf(ExtensionOf(file), kHeic); }
-bool IsPhotographName(const fs::path& file) { return IsHeicName(file) || IsOneOf(ExtensionOf(file), kPlain); }
+bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kHeic); }
+bool IsPhotographName(const fs::path& file) { return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain); }
 
 bool IsLitterName(const fs::path& file) {
   const std::string name = file.filename().string();
@@ -42,7 +42,7 @@ bool IsLitterName(const fs::path& file) {
 std::string KindsOf(const std::vector<fs::path>& files) {
   constexpr std::size_t kNamed = 2;
   std::map<std::string, std::vector<std::string>> kinds;
-  for (const fs::path& file : files) kinds[ExtensionOf(file)].push_back(file.filename().string());
+  for (const fs::path& file : files) kinds[LowerExtensionOf(file)].push_back(file.filename().string());
   std::string text;
   for (auto& [kind, names] : kinds) {
     std::sort(names.begin(), names.end());
@@ -56,7 +56,7 @@ std::string KindsOf(const std::vector<fs::path>& files) {
 
 std::string CureFor(const std::vector<fs::path>& files) {
   const auto some = [&](const auto& known) {
-    return std::any_of(files.begin(), files.end(), [&](const fs::path& file) { return IsOneOf(ExtensionOf(file), known); });
+    return std::any_of(files.begin(), files.end(), [&](const fs::path& file) { return IsOneOf(LowerExtensionOf(file), known); });
   };
   std::string cure;
   const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };

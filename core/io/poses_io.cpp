@@ -21,7 +21,7 @@ double Number(const json& root, const json& frame, const char* name, double none
   return root.contains(name) ? root.at(name).get<double>() : none;
 }
 
-Camera CameraOf(const json& root, const json& frame) {
+Camera CameraOfFrame(const json& root, const json& frame) {
   Camera camera;
   camera.width = static_cast<int>(Number(root, frame, "w", 0));
   camera.height = static_cast<int>(Number(root, frame, "h", 0));
@@ -65,7 +65,7 @@ std::vector<View> ReadTransforms(const fs::path& path) {
       View view;
       view.name = fs::path(frame.at("file_path").get<std::string>()).filename().string();
       const std::string where = path.string() + ", frame " + view.name;
-      view.camera = CameraOf(root, frame);
+      view.camera = CameraOfFrame(root, frame);
       if (view.camera.fx == 0) throw InputError(where + " has no focal length; give fl_x or camera_angle_x");
       view.camera_from_world = CameraFromWorld(frame.at("transform_matrix"), where);
       views.push_back(std::move(view));

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace keypose {
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kDegree = kPi / 180;  ///< [rad]
+
+}  // namespace keypose
