@@ -20,11 +20,16 @@ if(KEYPOSE_CCACHE)
       CCACHE_SLOPPINESS=pch_defines,time_macros ${KEYPOSE_CCACHE})
 endif()
 
+# A room's sources are compiled eight at a time: most of a source's time goes to the headers that it shares with its neighbours
+# (docs/decisions/sources-in-batches.md). A source with flags of its own stays alone. OFF: each source by itself.
+option(KEYPOSE_BATCHES "compile the sources of a room in batches" ON)
+
 # keypose_room(NAME SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
 # One static library keypose_NAME; LINK stays private to the room's sources.
 function(keypose_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
   add_library(keypose_${name} STATIC ${ARG_SOURCES})
+  set_target_properties(keypose_${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 8)
   target_link_libraries(keypose_${name} PUBLIC keypose_flags PRIVATE ${ARG_LINK})
   target_include_directories(keypose_${name} SYSTEM PRIVATE ${ARG_SYSTEM_INCLUDES})
   if(NOT name STREQUAL core)
@@ -45,6 +50,7 @@ endfunction()
 function(keypose_stage stage)
   cmake_parse_arguments(ARG "" "ROOM" "SOURCES;LINK" ${ARGN})
   add_executable(keypose-${stage} ${ARG_SOURCES})
+  set_target_properties(keypose-${stage} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES})
   target_link_libraries(keypose-${stage} PRIVATE keypose_${ARG_ROOM} ${ARG_LINK})
   keypose_program(keypose-${stage})
 endfunction()
