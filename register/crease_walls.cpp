@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kPasses = 2, kRounds = 5;  // patches that were mended drop out, and the others fall apart into smaller ones, once
 constexpr int kRings = 3, kFreeRings = 1;
-constexpr int kChoices = 64, kSolverSteps = 10;
+constexpr int kChoices = 64, kBendingSteps = 10;
 constexpr double kFarthest = 0.004;    // way across the plane between two walls: more is no slip but another error
 constexpr double kSameSide = 0.2;      // cosine from which on a target face is of the face's own wall
 constexpr double kBeyond = 0.0004;     // by how much, and
@@ -189,7 +189,7 @@ void Patches::Bend() {
     }
   }
   fit_->SetWeights(pulls.MeanWeights());
-  now_ = fit_->FitPositions(pulls, now_, kSolverSteps);
+  now_ = fit_->FitPositions(pulls, now_, kBendingSteps);
   fit_->FitMaps(now_);
 }
 

@@ -45,11 +45,11 @@ std::vector<int> Places(const PointsX3& points) {
 }
 
 /// Component of each vertex; -1 for vertices that no face uses. Seams, where edges repeat at the same place, do not part.
-struct Components {
+struct MeshParts {
   std::vector<int> of_vertex;
   std::vector<double> diagonal;
 
-  explicit Components(const Mesh& mesh) : of_vertex(mesh.vertex_count(), -1) {
+  explicit MeshParts(const Mesh& mesh) : of_vertex(mesh.vertex_count(), -1) {
     std::vector<int> root(mesh.vertex_count());
     std::iota(root.begin(), root.end(), 0);
     const auto find = [&](int v) {
@@ -235,7 +235,7 @@ void Apply(const Similarity3& motion, const std::vector<int>& vertices, PointsX3
 
 LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
   RequireUsable(mesh, "register: loose parts");
-  const Components components(mesh);
+  const MeshParts components(mesh);
   const double largest = *std::max_element(components.diagonal.begin(), components.diagonal.end());
   const auto is_loose = [&](int c) { return c >= 0 && components.diagonal[c] < options.largest_share * largest; };
   LooseParts found;

@@ -20,7 +20,7 @@ constexpr int kQualitySamples = 6000;
 constexpr double kCovered = 0.01;    // of the diagonal
 constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
-using Feet = std::vector<RayScene::Foot>;
+using FootList = std::vector<RayScene::Foot>;
 
 int CountFlipped(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
   const std::vector<char> flipped = TargetFaces(target.points, target.faces).Opposed(registered, faces);
@@ -59,7 +59,7 @@ SurfaceSamples Stratified(const PointsX3& points, const FacesX3& faces, std::uin
 /// Sum of distances, sum of their squares, and the largest.
 struct Distances {
   double mean = 0, mean_square = 0, largest = 0;
-  Distances(const Feet& samples, const Feet& vertices) {
+  Distances(const FootList& samples, const FootList& vertices) {
     for (const RayScene::Foot& foot : samples) {
       mean += std::sqrt(foot.squared_distance) / static_cast<double>(samples.size());
       mean_square += foot.squared_distance / static_cast<double>(samples.size());
@@ -148,9 +148,9 @@ RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& regi
   RegistrationQuality q;
   const double diagonal = std::max(BoundingDiagonal(target.points), std::numeric_limits<double>::min());
   const SurfaceSamples ours = Stratified(registered, source.faces, 1), theirs = Stratified(target.points, target.faces, 2);
-  const Feet vertices_to = ClosestPoints(surfaces.target, registered), vertices_from = ClosestPoints(surfaces.registered, target.points);
-  const Feet to = ours.faces.empty() ? vertices_to : ClosestPoints(surfaces.target, ours.points);
-  const Feet from = theirs.faces.empty() ? vertices_from : ClosestPoints(surfaces.registered, theirs.points);
+  const FootList vertices_to = ClosestPoints(surfaces.target, registered), vertices_from = ClosestPoints(surfaces.registered, target.points);
+  const FootList to = ours.faces.empty() ? vertices_to : ClosestPoints(surfaces.target, ours.points);
+  const FootList from = theirs.faces.empty() ? vertices_from : ClosestPoints(surfaces.registered, theirs.points);
   const Distances there(to, vertices_to), back(from, vertices_from);
   q.hausdorff_to_target = there.largest / diagonal;
   q.hausdorff_from_target = back.largest / diagonal;
