@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 // Shares of the figure's height.
 constexpr double kNear = 0.01;        // of the contact to z = 0; 0.005 is the most that the known sets have
-constexpr double kDeepest = 1.0 / 6;  // below the ground: a base as wide as high, seen from 25 degrees, reaches 0.1 down
+constexpr double kDeepestBelow = 1.0 / 6;  // below the ground: a base as wide as high, seen from 25 degrees, reaches 0.1 down
 constexpr double kBelow = 0.0075;     // what is seen deeper than that is no rounded edge
 constexpr double kFromBelow = 0.09;   // slope of a line of sight that looks up: 5 degrees
 constexpr int kSeen_px = 12;          // of a photograph
@@ -63,12 +63,12 @@ Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views, con
   const double tall = high.z() - std::max(low.z(), 0.0);
   if (!(tall > 0)) return {false, 0, "it lies below z = 0"};
   if (AnyLooksUp(views, (low + high) / 2)) return {false, 0, "photographs from below show its underside"};
-  const auto contact = FindGroundContact(views, masks, Vector3d(low.x(), low.y(), std::max(low.z(), -kDeepest * tall)), high);
+  const auto contact = FindGroundContact(views, masks, Vector3d(low.x(), low.y(), std::max(low.z(), -kDeepestBelow * tall)), high);
   if (!contact) return {false, 0, "the photographs do not show where it stands"};
   standing.contact = contact->height;
   if (std::abs(contact->height) > kNear * tall)
     standing.why = "its outlines do not end at z = 0";
-  else if (-low.z() > kDeepest * tall)
+  else if (-low.z() > kDeepestBelow * tall)
     standing.why = "the surface reaches far below z = 0";
   else if (low.z() < -kBelow * tall && SeenBelow(surface, views, masks, -kBelow * tall) > kSeen_px)
     standing.why = "photographs show a part of it below z = 0";

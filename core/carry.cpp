@@ -47,7 +47,7 @@ struct Spread {
   }
 };
 
-double Median(std::vector<double> values) {
+double MedianOf(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -236,7 +236,7 @@ struct Carrier::Impl {
     if (!colored) return true;
     std::vector<double> differences;
     for (Eigen::Index i = 0; i < before.points.rows(); ++i) differences.push_back(FootOf(frame, i).color);
-    return Median(differences) < 0.5 * kOtherColor;
+    return MedianOf(differences) < 0.5 * kOtherColor;
   }
 
   void Measure(const Similarity3& frame) {
@@ -260,7 +260,7 @@ struct Carrier::Impl {
         break;
       }
     }
-    change.misfit = Median(distances);
+    change.misfit = MedianOf(distances);
     change.agreeing = std::min(static_cast<double>(agree) / static_cast<double>(before.points.rows()),
                                static_cast<double>(covered) / static_cast<double>(sample_now.points.rows()));
   }

@@ -45,7 +45,7 @@ struct Place {
 };
 
 /// A match of a photograph without a place with one that has its place.
-struct Sight {
+struct SeenPair {
   Vector3d own, other;  ///< rays with z = 1, each in its camera
 };
 
@@ -143,7 +143,7 @@ class Sorter {
 
   struct Partner {
     Rigid3 pose;
-    std::vector<Sight> sights;
+    std::vector<SeenPair> sights;
   };
 
   /// The photographs with a place that an image has matches with.
@@ -158,7 +158,7 @@ class Sorter {
       for (Eigen::Index i = 0; i < pair.xy.rows(); ++i) {
         const Vector3d a = camera_.Unproject(pair.xy.row(i).head<2>().transpose()),
                        b = camera_.Unproject(pair.xy.row(i).tail<2>().transpose());
-        partner.sights.push_back(is_first ? Sight{a, b} : Sight{b, a});
+        partner.sights.push_back(is_first ? SeenPair{a, b} : SeenPair{b, a});
       }
       partners.push_back(std::move(partner));
     }
@@ -184,7 +184,7 @@ class Sorter {
       const Matrix3d other = partner.pose.rotation.toRotationMatrix(),
                      e = EssentialOf(rotation, pose.translation, other, partner.pose.translation);
       const Vector3d other_center = partner.pose.Inverse().translation;
-      for (const Sight& sight : partner.sights) {
+      for (const SeenPair& sight : partner.sights) {
         const double squared = SquaredSampson(e, sight.own, sight.other) / (limit * limit);
         if (squared < 1 && MeetNearSurface(center, rotation.transpose() * sight.own, other_center, other.transpose() * sight.other))
           score += 1 - squared;

@@ -148,7 +148,8 @@ RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& regi
   RegistrationQuality q;
   const double diagonal = std::max(BoundingDiagonal(target.points), std::numeric_limits<double>::min());
   const SurfaceSamples ours = Stratified(registered, source.faces, 1), theirs = Stratified(target.points, target.faces, 2);
-  const FootList vertices_to = ClosestPoints(surfaces.target, registered), vertices_from = ClosestPoints(surfaces.registered, target.points);
+  const FootList vertices_to = ClosestPoints(surfaces.target, registered),
+                 vertices_from = ClosestPoints(surfaces.registered, target.points);
   const FootList to = ours.faces.empty() ? vertices_to : ClosestPoints(surfaces.target, ours.points);
   const FootList from = theirs.faces.empty() ? vertices_from : ClosestPoints(surfaces.registered, theirs.points);
   const Distances there(to, vertices_to), back(from, vertices_from);
