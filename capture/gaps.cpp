@@ -22,7 +22,7 @@ constexpr double kLargestShare = 0.3;   // of the mask
 constexpr double kSetOff = 22;          // 8 bit Lab distance of the figure beside a gap: shade that ends smoothly has less
 constexpr double kSmoothSide = 0.2;     // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
 constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
-constexpr int kThin = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
+constexpr int kThinGap = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
 constexpr int kAround = 5;              // pixels round a gap that are looked at
 
 using Lab = const std::uint8_t*;
@@ -89,7 +89,7 @@ class Gap {
         values.push_back(*thickness.at(std::min(static_cast<int>((at.x + 0.5) * scale), thickness.width - 1),
                                        std::min(static_cast<int>((at.y + 0.5) * scale), thickness.height - 1)));
       }
-    return Quantile(values, 0.5) <= kThin;
+    return Quantile(values, 0.5) <= kThinGap;
   }
 
   /// Its rim, which mixes gap and figure, goes as well: where the border runs is settled afterwards.
