@@ -13,17 +13,17 @@
 namespace keypose::capture {
 namespace {
 
-constexpr double kShade = 0.88;         // of the empty set's lightness, that the figure's shade leaves at least
-constexpr int kNoise = 4;               // of single pixels' lightness, beside the background's usual difference; half of it in colour
+constexpr double kShade = 0.88;  // of the empty set's lightness, that the figure's shade leaves at least
+constexpr int kNoise = 4;        // of single pixels' lightness, beside the background's usual difference; half of it in colour
 constexpr int kLooseNoise = 8;
-constexpr int kLeastArea = 16;          // pixels
-constexpr double kLeastDepth = 1.4;     // pixels from a gap's middle to its side
-constexpr double kLargestShare = 0.3;   // of the mask
-constexpr double kSetOff = 22;          // 8 bit Lab distance of the figure beside a gap: shade that ends smoothly has less
-constexpr double kSmoothSide = 0.2;     // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
-constexpr double kEnclosed = 0.6;       // of what lies round a gap, that is figure: strips along the outline have less
-constexpr int kThinGap = 9;                // per cent of the hull's longest side; rays through the figure itself have several times that
-constexpr int kAround = 5;              // pixels round a gap that are looked at
+constexpr int kLeastArea = 16;         // pixels
+constexpr double kLeastDepth = 1.4;    // pixels from a gap's middle to its side
+constexpr double kLargestShare = 0.3;  // of the mask
+constexpr double kSetOff = 22;         // 8 bit Lab distance of the figure beside a gap: shade that ends smoothly has less
+constexpr double kSmoothSide = 0.2;    // of what lies beside a gap, that may be nearer: an eye's shade has a pupil on the other sides
+constexpr double kEnclosed = 0.6;      // of what lies round a gap, that is figure: strips along the outline have less
+constexpr int kThinGap = 9;            // per cent of the hull's longest side; rays through the figure itself have several times that
+constexpr int kAround = 5;             // pixels round a gap that are looked at
 
 using Lab = const std::uint8_t*;
 
@@ -121,7 +121,8 @@ cv::Mat Candidates(const cv::Mat& lab, const cv::Mat& empty, const cv::Mat& mask
   return candidates;
 }
 
-/// @param visit  called with each region in the mask that looks like the empty set, the corner of the mask's part that it was made from, and the backdrop's
+/// @param visit  called with each region in the mask that looks like the empty set, the corner of the mask's part that it was made from,
+/// and the backdrop's
 ///               pixels over the image's
 template <typename Visit>
 void ForEachGap(const Image8& image, const Backdrop& backdrop, const cv::Mat& mask, int noise, const Visit& visit) {

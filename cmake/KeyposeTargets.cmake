@@ -20,9 +20,9 @@ if(KEYPOSE_CCACHE)
       CCACHE_SLOPPINESS=pch_defines,time_macros ${KEYPOSE_CCACHE})
 endif()
 
-# A room's sources are compiled eight at a time: most of a source's time goes to the headers that it shares with its neighbours
+# With this on, a room's sources are compiled eight at a time: most of a source's time goes to the headers that it shares with its neighbours
 # (docs/decisions/sources-in-batches.md). A source with flags of its own stays alone. OFF: each source by itself.
-option(KEYPOSE_BATCHES "compile the sources of a room in batches" ON)
+option(KEYPOSE_BATCHES "compile the sources of a room in batches" OFF)
 
 # keypose_room(NAME SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
 # One static library keypose_NAME; LINK stays private to the room's sources.
