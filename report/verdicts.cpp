@@ -125,7 +125,9 @@ class Findings {
     if (crossings && *crossings > 0)
       Add(Grade::kWrong, s, Bold(Pretty(*crossings)) + " faces still intersect others.",
           "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts that touch");
-    if (const auto far = s.Number("distance_to_input_p99_over_diag"); far && *far > kClosedFarLook)
+    // Soles that were cut flat at the ground lie at most as far from the scan's caps as these reached below it.
+    const double soles = s.Number("cut_below_ground_over_diag").value_or(0);
+    if (const auto far = s.Number("distance_to_input_p99_over_diag"); far && *far > std::max(kClosedFarLook, soles))
       Add(Grade::kLook, s,
           "Large holes were closed: 1 % of the surface is more than " + Bold(Percent(*far)) + " of the diagonal from the scan.",
           "shoot the sides that no photograph shows");

@@ -63,6 +63,14 @@ StepRecord& StepOf(Contents& contents, const std::string& stage) {
 
 Verdict Judged(const Contents& contents) { return Judge(contents, FindAll(contents)).front(); }
 
+TEST(Judge, SolesCutFlatAtTheGroundAreNoClosedHole) {
+  Contents contents = Ideal();
+  StepOf(contents, "cleanup").numbers = {{"closed", 1}, {"distance_to_input_p99_over_diag", 0.032}};
+  EXPECT_EQ(Judged(contents).grade, Grade::kLook);
+  StepOf(contents, "cleanup").numbers["cut_below_ground_over_diag"] = 0.042;
+  EXPECT_EQ(Judged(contents).grade, Grade::kGood);
+}
+
 TEST(Judge, WhatOtherPosesShowIsNotUnseen) {
   Contents contents = Ideal();
   StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
