@@ -184,10 +184,16 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
     count = windows.size();
     const Space open(views, Opened(masks, windows), options, say);
     const std::vector<int> left = Thicknesses(open, windows);
-    const Meetings meetings(windows, filled, open);
     std::vector<Window> kept;
     for (std::size_t k = 0; k < count; ++k)
-      if (windows[k].Through(left[k]) && (windows[k].thick <= kThin || meetings.FromBothSides(k))) kept.push_back(windows[k]);
+      if (windows[k].Through(left[k])) kept.push_back(windows[k]);
+    // Who meets whom costs more, and is asked of the few that are left; what stays in the end is the same.
+    if (kept.size() == count) {
+      const Meetings meetings(windows, filled, open);
+      kept.clear();
+      for (std::size_t k = 0; k < count; ++k)
+        if (windows[k].thick <= kThin || meetings.FromBothSides(k)) kept.push_back(windows[k]);
+    }
     windows = std::move(kept);
   }
   const auto figure = [&] {
