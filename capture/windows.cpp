@@ -114,8 +114,8 @@ class Meetings {
     int pixels = 0, opposite = 0;
   };
 
-  /// Some hundred pixels of a window tell as much as all.
-  static std::size_t Stride(const Window& window) { return window.pixels.size() / 150 + 1; }
+  /// Some dozens of pixels of a window tell as much as all.
+  static std::size_t Stride(const Window& window) { return window.pixels.size() / 40 + 1; }
   static double Enough(const Window& window) {
     return kFromBehind * static_cast<double>((window.pixels.size() + Stride(window) - 1) / Stride(window));
   }
