@@ -20,6 +20,7 @@ constexpr double kReprojectionGood = 1.0;                            // sfm [px]
 constexpr double kEvidenceLook = 0.08;                               // refine: share of the surface that photographs tell
 constexpr double kClosedFarLook = 0.02;                              // cleanup: of the diagonal
 constexpr double kUnseenLook = 0.25;                                 // bake: share of the texels
+constexpr double kFlipsLook = 0.0003;                                // register: of the triangles; flat soles have 3 of 20,000
 constexpr double kFlipsWrong = 0.005;                                // register: of the triangles; a hand pressed on a hip has 0.002
 constexpr double kRegisteredGood = 0.004, kRegisteredWrong = 0.015;  // register: rms over the diagonal
 constexpr double kLandmarkLook = 0.03;                               // register: of the diagonal

@@ -159,15 +159,15 @@ class Findings {
   void Register(const StepRecord& s) {
     const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"), landmark = s.Number("landmark_max_over_diag");
     const std::string more = "add landmarks where the picture below marks them";
-    const double most_flips = kFlipsWrong * s.Number("faces").value_or(20000);
+    const double faces = s.Number("faces").value_or(20000), few_flips = kFlipsLook * faces, most_flips = kFlipsWrong * faces;
     if (flipped)
-      Add(*flipped == 0            ? Grade::kGood
+      Add(*flipped <= few_flips    ? Grade::kGood
           : *flipped <= most_flips ? Grade::kLook
                                    : Grade::kWrong,
           s,
           *flipped == 0 ? Bold("No") + " triangle of the registered template is flipped."
                         : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.",
-          *flipped == 0 ? "" : more);
+          *flipped <= few_flips ? "" : more);
     if (rms)
       Add(*rms < kRegisteredGood    ? Grade::kGood
           : *rms < kRegisteredWrong ? Grade::kLook

@@ -162,7 +162,8 @@ TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
 
 TEST(Judge, RegistrationDecidesOnItsPose) {
   for (const auto& [numbers, grade] : {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
-                                       {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
+                                       {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
+                                       {Numbers{{"flipped", 9}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
                                        {Numbers{{"flipped", 39}, {"faces", 20000}, {"surface_rms_over_diag", 0.001}}, Grade::kLook},
                                        {Numbers{{"flipped", 39}, {"faces", 2000}, {"surface_rms_over_diag", 0.001}}, Grade::kWrong},
                                        {Numbers{{"flipped", 1896}, {"surface_rms_over_diag", 0.0003}}, Grade::kWrong},
