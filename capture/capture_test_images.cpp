@@ -71,4 +71,18 @@ Image8 Blurred(const Image8& image, int radius) {
   return from;
 }
 
+View MakeTestView(int i, int count, double distance, double rise, int width, int height, double focal_px) {
+  const double angle = 2 * M_PI * i / count;
+  const Eigen::Vector3d center = distance * Eigen::Vector3d(std::cos(angle), std::sin(angle), rise).normalized();
+  const Eigen::Vector3d forward = -center.normalized(), right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d rotation;
+  rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+  View view;
+  view.name = "p" + std::to_string(10 + i) + ".png";
+  view.camera = {width, height, focal_px, focal_px, width / 2.0, height / 2.0};
+  view.camera_from_world.rotation = Eigen::Quaterniond(rotation);
+  view.camera_from_world.translation = -(view.camera_from_world.rotation * center);
+  return view;
+}
+
 }  // namespace keypose::capture

@@ -27,19 +27,7 @@ const SpaceOptions kCoarse{.resolution = 80};
 constexpr int kWidth = 200, kHeight = 150, kViews = 18;
 constexpr double kFocal = 220, kDistance = 4, kRadius = 0.7;  // the ball at the origin shows as a disc of 39 px radius
 
-View RingView(int i) {
-  const double angle = 2 * M_PI * i / kViews, height = i % 2 ? 1.2 : 0.3;
-  const Eigen::Vector3d center = kDistance * Eigen::Vector3d(std::cos(angle), std::sin(angle), height).normalized();
-  const Eigen::Vector3d forward = -center.normalized(), right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-  Eigen::Matrix3d rotation;
-  rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-  View view;
-  view.name = "p" + std::to_string(10 + i) + ".png";
-  view.camera = {kWidth, kHeight, kFocal, kFocal, kWidth / 2.0, kHeight / 2.0};
-  view.camera_from_world.rotation = Eigen::Quaterniond(rotation);
-  view.camera_from_world.translation = -(view.camera_from_world.rotation * center);
-  return view;
-}
+View RingView(int i) { return MakeTestView(i, kViews, kDistance, i % 2 ? 1.2 : 0.3, kWidth, kHeight, kFocal); }
 
 bool OnBall(int x, int y) {
   const double sine = kRadius / kDistance, reach = kFocal * sine / std::sqrt(1 - sine * sine);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "capture/capture_test_images.h"
 #include "core/parallel.h"
 
 namespace keypose::capture {
@@ -17,19 +18,7 @@ constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 178}, kTeal{40, 130, 120};
 /// The plate stands in the plane of y and z: half of its sides, and of its window's.
 const Eigen::Vector3d kPlate{0.12, 0.8, 0.7}, kWindow{0.12, 0.3, 0.3};
 
-View RingView(int i) {
-  const double angle = 2 * M_PI * i / kViews, height = i % 2 ? 0.5 : 0.1;
-  const Eigen::Vector3d center = kDistance * Eigen::Vector3d(std::cos(angle), std::sin(angle), height).normalized();
-  const Eigen::Vector3d forward = -center.normalized(), right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-  Eigen::Matrix3d rotation;
-  rotation << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-  View view;
-  view.name = "p" + std::to_string(10 + i) + ".png";
-  view.camera = {kWidth, kHeight, kFocal, kFocal, kWidth / 2.0, kHeight / 2.0};
-  view.camera_from_world.rotation = Eigen::Quaterniond(rotation);
-  view.camera_from_world.translation = -(view.camera_from_world.rotation * center);
-  return view;
-}
+View RingView(int i) { return MakeTestView(i, kViews, kDistance, i % 2 ? 0.5 : 0.1, kWidth, kHeight, kFocal); }
 
 /// Whether a point of the plate is in the way of a ray, the window aside or not. The first hit goes to `at`.
 bool Hits(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, bool with_window, Eigen::Vector3d* at) {

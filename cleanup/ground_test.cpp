@@ -12,13 +12,11 @@
 #include "cleanup/intersections.h"
 #include "cleanup/testing_damage.h"
 #include "core/geometry.h"
-#include "core/io/colmap_io.h"
 #include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/testing_shots.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -27,7 +25,6 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kSize_px = 320;
 constexpr double kCap = 0.06;  // about 0.4 tan(12 degrees) less what smoothing takes
 
 /// A pawn that stands at z = 0, and one to whose foot of radius 0.4 a cap of the hull hangs on. @param below  further rows of the profile
@@ -45,32 +42,8 @@ Mesh WithCap() { return Pawn({{0.3, -0.25 * kCap}, {0.2, -0.5 * kCap}, {0.1, -0.
 /// A thin rod goes on below, of which the lower photographs show a third.
 Mesh WithRod() { return Pawn({{0.2, 0}, {0.06, 0}, {0.05, -0.1}, {0.05, -0.24}}); }
 
-struct Shot {
-  std::vector<View> views;
-  std::vector<Image8> masks;
-};
-
-Shot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
-  constexpr double kDegree = 3.14159265358979323846 / 180;
-  const RayScene scene(mesh.points, mesh.faces);
-  const Vector3d middle(0, 0, 0.7);
-  Shot shot;
-  for (const double elevation : elevations_deg)
-    for (int i = 0; i < 10; ++i) {
-      const double a = 36 * i * kDegree, e = elevation * kDegree;
-      View view;
-      view.name = "view_" + std::to_string(shot.views.size()) + ".png";
-      view.camera.width = view.camera.height = kSize_px;
-      view.camera.fx = view.camera.fy = 2 * kSize_px;
-      view.camera.cx = view.camera.cy = 0.5 * kSize_px;
-      view.camera_from_world = LookAt(middle + 4 * Vector3d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)), middle);
-      const Raster raster = Rasterize(mesh, scene, view);
-      Image8 mask(kSize_px, kSize_px, 1, 0);
-      for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = raster.face.data[p] >= 0 ? 255 : 0;
-      shot.views.push_back(view);
-      shot.masks.push_back(std::move(mask));
-    }
-  return shot;
+MaskShot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
+  return MasksFromRings(mesh, {0, 0, 0.7}, elevations_deg, 10, 320);
 }
 
 /// Area of the faces that lie at z = 0.
@@ -86,22 +59,22 @@ double FlatArea(const Mesh& mesh) {
 }
 
 TEST(StandsOnGround, FigureOnItsFeetDoesAndWhatIsSeenBelowOrFarAwayDoesNot) {
-  const Shot shot = Photograph(TruePawn(), {12, 40});
+  const MaskShot shot = Photograph(TruePawn(), {12, 40});
   EXPECT_TRUE(StandsOnGround(WithCap(), shot.views, shot.masks).stands);
   EXPECT_TRUE(StandsOnGround(TruePawn(), shot.views, shot.masks).stands);
 
   // In a rig: the outlines end above z = 0.
   Mesh up = WithCap(), up_truth = TruePawn();
   up.points.col(2).array() += 0.08, up_truth.points.col(2).array() += 0.08;
-  const Shot rig = Photograph(up_truth, {12, 40});
+  const MaskShot rig = Photograph(up_truth, {12, 40});
   EXPECT_FALSE(StandsOnGround(up, rig.views, rig.masks).stands);
 
   // Something that photographs show goes on below: a rod, thinner than what tells the ground.
-  const Shot rod = Photograph(WithRod(), {12, 40});
+  const MaskShot rod = Photograph(WithRod(), {12, 40});
   EXPECT_FALSE(StandsOnGround(WithRod(), rod.views, rod.masks).stands);
 
   // Also shot from below, as when it lay on its back.
-  const Shot lying = Photograph(TruePawn(), {12, 40, -30});
+  const MaskShot lying = Photograph(TruePawn(), {12, 40, -30});
   EXPECT_FALSE(StandsOnGround(WithCap(), lying.views, lying.masks).stands);
 
   EXPECT_FALSE(StandsOnGround(WithCap(), {}, {}).stands);
@@ -124,25 +97,6 @@ TEST(MakeClosedManifold, SolesAreFlatAtTheGroundAndNothingLiesBelow) {
   EXPECT_EQ(again.mesh.points, result.mesh.points);
   // Without the ground the cap stays.
   EXPECT_LT(MakeClosedManifold(WithCap(), options).mesh.points.col(2).minCoeff(), -0.9 * kCap);
-}
-
-void WriteShot(const fs::path& folder, const Shot& shot) {
-  fs::create_directories(folder / "images/masks");
-  fs::create_directories(folder / "model");
-  ImageSet set;
-  set.folder = folder / "images";
-  Scene scene;
-  for (std::size_t i = 0; i < shot.views.size(); ++i) {
-    CapturedImage image;
-    image.name = shot.views[i].name, image.width = kSize_px, image.height = kSize_px;
-    image.mask = "masks/" + image.name;
-    WriteImage(set.folder / image.name, shot.masks[i]);
-    WriteImage(set.folder / image.mask, shot.masks[i]);
-    set.images.push_back(image);
-    scene.views.push_back(shot.views[i]);
-  }
-  WriteImageSet(set);
-  WriteColmapModel(folder / "model", scene);
 }
 
 TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {

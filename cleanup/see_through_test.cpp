@@ -14,14 +14,12 @@
 #include "cleanup/handles.h"
 #include "core/errors.h"
 #include "core/geometry.h"
-#include "core/io/colmap_io.h"
 #include "core/io/files.h"
-#include "core/io/image_io.h"
-#include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
+#include "core/testing_shots.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -76,27 +74,16 @@ Mesh Slab(const std::vector<Window>& windows) {
   return mesh;
 }
 
-struct Shot {
+MaskShot Photograph(const Mesh& truth, const std::vector<double>& azimuths_deg) {
   std::vector<View> views;
-  std::vector<Image8> masks;
-};
-
-Shot Photograph(const Mesh& truth, const std::vector<double>& azimuths_deg) {
-  Shot shot;
-  const RayScene scene(truth.points, truth.faces);
   for (const double azimuth : azimuths_deg) {
-    View view = FitView(truth.points, azimuth, 5, 320, 240);
-    view.name = "IMG_" + std::to_string(1001 + shot.views.size()) + ".png";
-    const Raster raster = Rasterize(truth, scene, view);
-    Image8 mask(320, 240, 1);
-    for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
-    shot.views.push_back(view);
-    shot.masks.push_back(mask);
+    views.push_back(FitView(truth.points, azimuth, 5, 320, 240));
+    views.back().name = "IMG_" + std::to_string(1000 + views.size()) + ".png";
   }
-  return shot;
+  return MasksOf(truth, std::move(views));
 }
 
-std::vector<SightLine> LinesOf(const Shot& shot) { return LinesThroughHoles(shot.views, shot.masks); }
+std::vector<SightLine> LinesOf(const MaskShot& shot) { return LinesThroughHoles(shot.views, shot.masks); }
 
 bool Open(const Mesh& mesh, const Window& window) {
   const RayScene scene(mesh.points, mesh.faces);
@@ -167,27 +154,6 @@ TEST(MakeClosedManifold, GenusForcesTheNumberOfHandles) {
   }
   options.genus = 3;
   EXPECT_THROW(MakeClosedManifold(both, options), InputError);
-}
-
-/// An images folder and a model as capture, masks and sfm make them.
-void WriteShot(const fs::path& folder, const Shot& shot) {
-  fs::create_directories(folder / "images/masks");
-  fs::create_directories(folder / "model");
-  ImageSet set;
-  set.folder = folder / "images";
-  Scene scene;
-  for (std::size_t i = 0; i < shot.views.size(); ++i) {
-    const View& view = shot.views[i];
-    CapturedImage image;
-    image.name = view.name, image.width = 320, image.height = 240;
-    image.mask = "masks/" + view.name + ".png";
-    WriteImage(set.folder / image.name, shot.masks[i]);
-    WriteImage(set.folder / image.mask, shot.masks[i]);
-    set.images.push_back(image);
-    scene.views.push_back(view);
-  }
-  WriteImageSet(set);
-  WriteColmapModel(folder / "model", scene);
 }
 
 TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {

@@ -7,38 +7,17 @@
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
+#include "core/testing_shots.h"
 
 namespace keypose {
 namespace {
 
 using Eigen::Vector3d;
 
-struct Shot {
-  std::vector<View> views;
-  std::vector<Image8> masks;
-};
-
-/// Masks of the mesh from rings of 12 cameras at distance 4; a pixel is 4/800 = 0.005 units.
-Shot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
-  constexpr double kDegree = 3.14159265358979323846 / 180;
-  const RayScene scene(mesh.points, mesh.faces);
+/// Rings of 12 cameras; a pixel is 0.005 units.
+MaskShot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
   const Vector3d middle = (mesh.points.colwise().minCoeff() + mesh.points.colwise().maxCoeff()).transpose() / 2;
-  Shot shot;
-  for (const double elevation : elevations_deg)
-    for (int i = 0; i < 12; ++i) {
-      const double a = (30 * i + elevation) * kDegree, e = elevation * kDegree;
-      View view;
-      view.camera.width = view.camera.height = 400;
-      view.camera.fx = view.camera.fy = 800;
-      view.camera.cx = view.camera.cy = 200;
-      view.camera_from_world = LookAt(middle + 4 * Vector3d(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e)), middle);
-      const Raster raster = Rasterize(mesh, scene, view);
-      Image8 mask(400, 400, 1, 0);
-      for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = raster.face.data[p] >= 0 ? 255 : 0;
-      shot.views.push_back(view);
-      shot.masks.push_back(std::move(mask));
-    }
-  return shot;
+  return MasksFromRings(mesh, middle, elevations_deg, 12, 400);
 }
 
 /// A drum of radius 0.4 and height 1.2 that stands at 0.3: below it the hull of views at 12 degrees goes on for 0.085.
@@ -52,7 +31,7 @@ const Vector3d kLow(-0.4, -0.4, 0.36), kHigh(0.4, 0.4, 1.5);  // roughly: the lo
 
 TEST(FindGroundContact, OutlinesTellWhereADrumStandsToAHundredthOfItsHeight) {
   for (const std::vector<double>& rings : {std::vector<double>{25}, {12, 40}}) {
-    const Shot shot = Photograph(Drum(), rings);
+    const MaskShot shot = Photograph(Drum(), rings);
     const auto contact = FindGroundContact(shot.views, shot.masks, kLow, kHigh);
     ASSERT_TRUE(contact);
     EXPECT_NEAR(contact->height, 0.3, 0.012) << rings.size() << " rings";
@@ -68,14 +47,14 @@ TEST(FindGroundContact, ARoundSoleIsFoundBelowWhatAnyCameraSees) {
     if (drum.points(v, 2) < 0.301 && drum.points.row(v).head<2>().norm() > 0.01) drum.points.row(v).head<2>() *= 0.9;
   for (Eigen::Index v = 0; v < drum.points.rows(); ++v)
     if (std::abs(drum.points(v, 2) - 0.45) < 0.01) drum.points(v, 2) = 0.34;
-  const Shot shot = Photograph(drum, {12, 50});
+  const MaskShot shot = Photograph(drum, {12, 50});
   const auto contact = FindGroundContact(shot.views, shot.masks, kLow, kHigh);
   ASSERT_TRUE(contact);
   EXPECT_NEAR(contact->height, 0.3, 0.02);  // half of the slope: what is not seen is guessed
 }
 
 TEST(FindGroundContact, TwoMasksWithoutAFootAndAnEmptyOneDoNotMoveIt) {
-  Shot shot = Photograph(Drum(), {12, 40});
+  MaskShot shot = Photograph(Drum(), {12, 40});
   for (const int v : {3, 17})
     for (int y = 240; y < 400; ++y)
       for (int x = 0; x < 400; ++x) *shot.masks[static_cast<std::size_t>(v)].at(x, y) = 0;
@@ -86,9 +65,9 @@ TEST(FindGroundContact, TwoMasksWithoutAFootAndAnEmptyOneDoNotMoveIt) {
 }
 
 TEST(FindGroundContact, ViewsFromBelowAndTooFewOfThemTellNothing) {
-  const Shot below = Photograph(Drum(), {-30});
+  const MaskShot below = Photograph(Drum(), {-30});
   EXPECT_FALSE(FindGroundContact(below.views, below.masks, kLow, kHigh));
-  Shot few = Photograph(Drum(), {25});
+  MaskShot few = Photograph(Drum(), {25});
   few.views.resize(2), few.masks.resize(2);
   EXPECT_FALSE(FindGroundContact(few.views, few.masks, kLow, kHigh));
 }
