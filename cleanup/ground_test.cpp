@@ -16,7 +16,7 @@
 #include "core/io/mesh_io.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
-#include "core/testing_shots.h"
+#include "core/io/testing_shots.h"
 
 namespace keypose::cleanup {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
-#include "core/testing_shots.h"
+#include "core/io/testing_shots.h"
 
 namespace keypose {
 namespace {

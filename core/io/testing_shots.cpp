@@ -1,4 +1,4 @@
-#include "core/testing_shots.h"
+#include "core/io/testing_shots.h"
 
 #include <cmath>
 #include <utility>
