@@ -132,21 +132,6 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
   return fine;
 }
 
-Grid AskedAgain(Grid grid, const std::vector<Witness>& witnesses) {
-  ParallelFor(grid.size.z(), [&](std::int64_t slice) {
-    const int z = static_cast<int>(slice);
-    for (int y = 0; y < grid.size.y(); ++y)
-      for (int x = 0; x < grid.size.x(); ++x) {
-        std::uint8_t& denials = grid.denials[grid.At(x, y, z)];
-        if (denials > 0) continue;
-        Eigen::Vector3d pixel;
-        for (std::size_t k = 0; k < witnesses.size() && denials < 2; ++k)
-          denials += witnesses[k].heard && witnesses[k].Of(grid.Center(x, y, z), &pixel) == Witness::kDenied;
-      }
-  });
-  return grid;
-}
-
 int LongestSide(const Grid& grid) {
   const auto [low, high] = BoundsOf(grid, 1);
   return std::max(1, (high - low).maxCoeff() + 1);

@@ -43,9 +43,6 @@ struct Grid {
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
                  const SpaceOptions& options);
 
-/// The same voxels for masks that have only lost pixels: those that nobody denied are asked again. Of more denials than two, two are counted.
-Grid AskedAgain(Grid grid, const std::vector<Witness>& witnesses);
-
 /// Lowest and highest voxels with fewer denials; the highest is -1 where there are none.
 std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials);
 

@@ -12,8 +12,9 @@
 namespace keypose::capture {
 namespace {
 
-constexpr int kThin = 9;        // per cent of the hull's longest side, that the others may leave of a window's rays
+constexpr int kThin = 9;         // per cent of the hull's longest side, that the others may leave of a window's rays
 constexpr double kLeft = 0.45;  // of what the hull was before, that they may leave of a window which is only loosely like the empty set
+
 constexpr double kOpposite = -0.6;   // largest product of the directions of views that look at each other
 constexpr double kFromBehind = 0.2;  // of a window's pixels, that another one must meet
 
@@ -55,10 +56,6 @@ struct Space {
 
   Space(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options, const std::vector<char>& say)
       : witnesses(WitnessesOf(views, masks, options.margin_px, say)), grid(SharedSpace(views, masks, witnesses, options)) {}
-  /// That of masks which have lost pixels since.
-  Space(const Space& before, const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
-        const std::vector<char>& say)
-      : witnesses(WitnessesOf(views, masks, options.margin_px, say)), grid(AskedAgain(before.grid, witnesses)) {}
 };
 
 Eigen::Vector3d RayOf(const View& view, double x, double y) {
@@ -175,7 +172,7 @@ std::vector<Image8> Opened(std::vector<Image8> masks, const std::vector<Window>&
 }  // namespace
 
 double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& views, const std::vector<Backdrop>& backdrops,
-                   const SpaceOptions& options, const std::vector<char>& say, std::vector<Image8>& masks) {
+                const SpaceOptions& options, const std::vector<char>& say, std::vector<Image8>& masks) {
   std::vector<Window> windows = Candidates(images, backdrops, say, masks);
   if (windows.empty()) return 0;
   const Space filled(views, masks, options, say);
@@ -185,7 +182,7 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
   std::erase_if(windows, [](const Window& window) { return window.loose && window.thick <= kThin; });
   for (std::size_t count = 0; count != windows.size();) {
     count = windows.size();
-    const Space open(filled, views, Opened(masks, windows), options, say);
+    const Space open(views, Opened(masks, windows), options, say);
     const std::vector<int> left = Thicknesses(open, windows);
     std::vector<Window> kept;
     for (std::size_t k = 0; k < count; ++k)

@@ -21,6 +21,6 @@ namespace keypose::capture {
 /// @throws InputError  the masks have no common space
 /// Same bits for any thread count.
 double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& views, const std::vector<Backdrop>& backdrops,
-                   const SpaceOptions& options, const std::vector<char>& say, std::vector<Image8>& masks);
+                const SpaceOptions& options, const std::vector<char>& say, std::vector<Image8>& masks);
 
 }  // namespace keypose::capture
