@@ -182,7 +182,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "9",
+    .version = "11",
     .summary = "Segments the photographs again, with what all views together know of the figure's place in space.",
     .inputs = {{.name = "images", .kind = "folder", .help = "photographs and masks, as capture makes them", .file = ""},
                {.name = "model", .kind = "folder", .help = "COLMAP model of the cameras, as sfm makes it", .file = ""}},
