@@ -91,10 +91,21 @@ std::vector<std::size_t> OthersOf(const Take& take, std::size_t i) {
   return some;
 }
 
-std::uint8_t Median(std::array<std::uint8_t, kMostOfTake>& values, std::size_t count) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count / 2),
-                   values.begin() + static_cast<std::ptrdiff_t>(count));
-  return values[count / 2];
+/// Medians of many small sets at once, byte by byte: the largest value that no more than half of a set lie below, found bit by bit. Loops
+/// over the bytes become vector instructions; a selection for each pixel takes ten times as long.
+/// @param rows    each has one value of every set; 255 where it has none
+/// @param counts  how many values each set has
+std::vector<std::uint8_t> Medians(const std::vector<std::vector<std::uint8_t>>& rows, const std::vector<std::uint8_t>& counts) {
+  const std::size_t n = counts.size();
+  std::vector<std::uint8_t> medians(n, 0), below(n);
+  for (int bit = 128; bit > 0; bit /= 2) {
+    std::fill(below.begin(), below.end(), std::uint8_t{0});
+    const auto b = static_cast<std::uint8_t>(bit);
+    for (const std::vector<std::uint8_t>& row : rows)
+      for (std::size_t j = 0; j < n; ++j) below[j] = static_cast<std::uint8_t>(below[j] + (row[j] < (medians[j] | b)));
+    for (std::size_t j = 0; j < n; ++j) medians[j] = static_cast<std::uint8_t>(medians[j] | (below[j] <= counts[j] / 2 ? b : 0));
+  }
+  return medians;
 }
 
 std::uint8_t Level(double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, kFeatureLevels - 1.0)); }
@@ -141,19 +152,23 @@ Image8 EmptySet(const std::vector<Image8>& lab, const std::vector<Image8>& zones
   cv::Mat empty = CarriedIn(MatOf(lab[i]), MatOf(zones[i]) == kBackground);
   const std::vector<std::size_t> others = OthersOf(take, i);
   if (others.size() < kLeastOfTake) return ImageOf(empty);
-  std::array<std::array<std::uint8_t, kMostOfTake>, 3> values{};
-  for (int y = 0; y < empty.rows; ++y)
-    for (int x = 0; x < empty.cols; ++x) {
-      std::size_t count = 0;
-      for (const std::size_t k : others) {
-        if (*zones[k].at(x, y) != kBackground) continue;
-        const std::uint8_t* pixel = lab[k].at(x, y);
-        for (std::size_t c = 0; c < 3; ++c) values[c][count] = pixel[c];
-        ++count;
+  const auto width = static_cast<std::size_t>(empty.cols);
+  std::vector<std::vector<std::uint8_t>> rows(others.size(), std::vector<std::uint8_t>(3 * width));
+  std::vector<std::uint8_t> counts(3 * width);
+  for (int y = 0; y < empty.rows; ++y) {
+    std::fill(counts.begin(), counts.end(), std::uint8_t{0});
+    for (std::size_t k = 0; k < others.size(); ++k) {
+      const std::uint8_t *zone = zones[others[k]].at(0, y), *pixels = lab[others[k]].at(0, y);
+      for (std::size_t j = 0; j < 3 * width; ++j) {
+        const bool background = zone[j / 3] == kBackground;
+        rows[k][j] = background ? pixels[j] : 255;
+        counts[j] = static_cast<std::uint8_t>(counts[j] + background);
       }
-      if (count < kLeastOfTake) continue;
-      for (int c = 0; c < 3; ++c) empty.at<cv::Vec3b>(y, x)[c] = Median(values[static_cast<std::size_t>(c)], count);
     }
+    const std::vector<std::uint8_t> medians = Medians(rows, counts);
+    for (std::size_t j = 0; j < 3 * width; ++j)
+      if (counts[j] >= kLeastOfTake) empty.ptr<std::uint8_t>(y)[j] = medians[j];
+  }
   return ImageOf(empty);
 }
 

@@ -114,7 +114,7 @@ std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denia
 }
 
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
-                 const SpaceOptions& options) {
+                 const SpaceOptions& options, int told_apart) {
   const Ball ball = FigureBall(views, masks, witnesses);
   Grid grid{ball.center - Eigen::Vector3d::Constant(ball.radius), 2 * ball.radius / 48, Eigen::Vector3i::Constant(48), {}};
   const char* nothing =
@@ -128,7 +128,7 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
   fine.low = grid.low + grid.cell * (low.cast<double>() - Eigen::Vector3d::Ones());
   fine.cell = extent.maxCoeff() / options.resolution;
   fine.size = (extent / fine.cell).array().ceil().cast<int>().max(1);
-  Count(witnesses, options.most_denials, fine);
+  Count(witnesses, told_apart, fine);
   return fine;
 }
 

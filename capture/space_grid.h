@@ -32,16 +32,18 @@ struct Grid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero();
   double cell = 0;
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
-  std::vector<std::uint8_t> denials;  ///< x fastest; more than the most that is told apart count as one more than that
+  std::vector<std::uint8_t> denials;  ///< x fastest; more than are told apart count as one more than these
 
   std::size_t At(int x, int y, int z) const { return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x; }
   Eigen::Vector3d Center(int x, int y, int z) const { return low + cell * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5); }
 };
 
 /// The space round the figure. A place that less than a third of the views see counts as denied by all.
+/// @param told_apart  how many denials are told apart in the voxels: the fewer, the sooner most voxels are settled. 1 is enough for the hull, with
+///                    one view's own word aside
 /// @throws InputError  the masks have no common space
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const std::vector<Witness>& witnesses,
-                 const SpaceOptions& options);
+                 const SpaceOptions& options, int told_apart);
 
 /// Lowest and highest voxels with fewer denials; the highest is -1 where there are none.
 std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials);

@@ -141,7 +141,7 @@ std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::v
   if (std::count_if(masks.begin(), masks.end(), [](const Image8& mask) { return MaskFraction(mask) > 0; }) < 3)
     throw InputError("masks: fewer than 3 photographs have a mask with anything in it; look at capture's contact sheet");
   const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px, say);
-  const Grid grid = SharedSpace(views, masks, witnesses, options);
+  const Grid grid = SharedSpace(views, masks, witnesses, options, options.most_denials);
   const std::vector<Place> places = PlacesOf(grid, options.most_denials);
   std::vector<Image8> pictures(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
@@ -153,7 +153,7 @@ std::vector<Image8> DenialsByOthers(const std::vector<View>& views, const std::v
 std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
                                     const std::vector<char>& say) {
   const std::vector<Witness> witnesses = WitnessesOf(views, masks, options.margin_px, say);
-  const Grid grid = SharedSpace(views, masks, witnesses, options);
+  const Grid grid = SharedSpace(views, masks, witnesses, options, 1);
   const int longest = LongestSide(grid);
   std::vector<Image8> pictures(views.size());
   ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
@@ -169,7 +169,7 @@ std::vector<Image8> ThicknessOfHull(const std::vector<View>& views, const std::v
 
 SpaceSurface SurfaceOfSpace(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options,
                             const std::vector<char>& say) {
-  const Grid grid = SharedSpace(views, masks, WitnessesOf(views, masks, options.margin_px, say), options);
+  const Grid grid = SharedSpace(views, masks, WitnessesOf(views, masks, options.margin_px, say), options, 1);
   const auto inside = [&](int x, int y, int z) {
     return x >= 0 && y >= 0 && z >= 0 && x < grid.size.x() && y < grid.size.y() && z < grid.size.z() && grid.denials[grid.At(x, y, z)] == 0;
   };

@@ -55,7 +55,7 @@ struct Space {
   Grid grid;
 
   Space(const std::vector<View>& views, const std::vector<Image8>& masks, const SpaceOptions& options, const std::vector<char>& say)
-      : witnesses(WitnessesOf(views, masks, options.margin_px, say)), grid(SharedSpace(views, masks, witnesses, options)) {}
+      : witnesses(WitnessesOf(views, masks, options.margin_px, say)), grid(SharedSpace(views, masks, witnesses, options, 1)) {}
 };
 
 Eigen::Vector3d RayOf(const View& view, double x, double y) {

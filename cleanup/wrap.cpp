@@ -13,7 +13,7 @@ namespace keypose::cleanup {
 
 Mesh AlphaWrap(const Mesh& soup, double alpha, double offset) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  using SurfaceMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+  using WrapMesh = CGAL::Surface_mesh<Kernel::Point_3>;
   std::vector<Kernel::Point_3> points;
   for (int v = 0; v < soup.vertex_count(); ++v) points.emplace_back(soup.points(v, 0), soup.points(v, 1), soup.points(v, 2));
   std::vector<std::array<std::size_t, 3>> faces;
@@ -21,7 +21,7 @@ Mesh AlphaWrap(const Mesh& soup, double alpha, double offset) {
     faces.push_back({static_cast<std::size_t>(soup.faces(f, 0)), static_cast<std::size_t>(soup.faces(f, 1)),
                      static_cast<std::size_t>(soup.faces(f, 2))});
   }
-  SurfaceMesh wrap;
+  WrapMesh wrap;
   CGAL::alpha_wrap_3(points, faces, alpha, offset, wrap);
   return FromSurfaceMesh(wrap);
 }
