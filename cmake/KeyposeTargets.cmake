@@ -20,7 +20,7 @@ if(KEYPOSE_CCACHE)
       CCACHE_SLOPPINESS=pch_defines,time_macros ${KEYPOSE_CCACHE})
 endif()
 
-# With this on, a room's sources are compiled eight at a time: most of a source's time goes to the headers that it shares with its neighbours
+# With this on, a room's sources are compiled sixteen at a time: most of a source's time goes to the headers that it shares with its neighbours
 # (docs/decisions/sources-in-batches.md). A source with flags of its own stays alone. OFF: each source by itself.
 option(KEYPOSE_BATCHES "compile the sources of a room in batches" OFF)
 
@@ -29,7 +29,7 @@ option(KEYPOSE_BATCHES "compile the sources of a room in batches" OFF)
 function(keypose_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
   add_library(keypose_${name} STATIC ${ARG_SOURCES})
-  set_target_properties(keypose_${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(keypose_${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 16)
   if(KEYPOSE_BATCHES)  # a batch includes its sources, and the warning takes what is included for a header
     target_compile_options(keypose_${name} PRIVATE -Wno-subobject-linkage)
   endif()

@@ -179,8 +179,8 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
     if (entry.path().filename() != "manifest.json") continue;
     const auto manifest = nlohmann::json::parse(ReadFile(entry.path()));
-    for (const auto& [name, size] : manifest.at("sizes").items())
-      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), size.get<std::uintmax_t>());
+    for (const auto& [name, file] : manifest.at("files").items())
+      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), file.at("stamp").at(0).get<std::uintmax_t>());
   }
   EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
