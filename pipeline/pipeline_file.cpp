@@ -168,15 +168,15 @@ class Reader {
 
   /// Everything that a timeline can say is checked before anything runs.
   std::string CheckedTimeline(const YAML::Node& node, double fps) const {
-    std::string json = TimelineJson(node, fps);
-    if (json.empty()) return json;
+    std::string text = TimelineJson(node, fps);
+    if (text.empty()) return text;
     try {
-      ParseTimeline(json, "timeline");
+      ParseTimeline(text, "timeline");
     } catch (const TimelineError& error) {
       const YAML::Node list = KeyList(node);
       Fail(error.key >= 0 ? list[static_cast<std::size_t>(error.key)] : node, error.what());
     }
-    return json;
+    return text;
   }
 
   std::vector<Setting> References(const YAML::Node& node, const std::string& what) const {

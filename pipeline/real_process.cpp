@@ -116,13 +116,13 @@ void RealProcessRunner::ReadProgress(int id, Child& child, std::vector<ProcessEv
     child.guarded.progress = -1;
   }
   for (std::size_t end; (end = child.partial_line.find('\n')) != std::string::npos; child.partial_line.erase(0, end + 1)) {
-    const auto json = nlohmann::json::parse(child.partial_line.substr(0, end), nullptr, false);
-    if (!json.is_object()) continue;  // a stage may say what it likes; only what we understand counts
+    const auto line = nlohmann::json::parse(child.partial_line.substr(0, end), nullptr, false);
+    if (!line.is_object()) continue;  // a stage may say what it likes; only what we understand counts
     ProcessEvent event;
     event.kind = ProcessEvent::Kind::kProgress;
     event.id = id;
-    if (json.contains("fraction") && json["fraction"].is_number()) event.fraction = std::clamp(json["fraction"].get<double>(), 0.0, 1.0);
-    if (json.contains("what") && json["what"].is_string()) event.what = json["what"].get<std::string>();
+    if (line.contains("fraction") && line["fraction"].is_number()) event.fraction = std::clamp(line["fraction"].get<double>(), 0.0, 1.0);
+    if (line.contains("what") && line["what"].is_string()) event.what = line["what"].get<std::string>();
     events->push_back(event);
   }
 }

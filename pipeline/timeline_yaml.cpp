@@ -60,11 +60,11 @@ std::string TimelineJson(const YAML::Node& node, double fps) {
     says_more = says_more || key.size() > 1;
     keys.push_back(std::move(key));
   }
-  Json json = node.IsMap() ? ToJson(node) : Json::object();
-  json["schema"] = 2;
-  json["fps"] = fps;
-  json["keys"] = std::move(keys);
-  return says_more ? json.dump(1) : "";
+  Json timeline = node.IsMap() ? ToJson(node) : Json::object();
+  timeline["schema"] = 2;
+  timeline["fps"] = fps;
+  timeline["keys"] = std::move(keys);
+  return says_more ? timeline.dump(1) : "";
 }
 
 }  // namespace keypose::pipeline
