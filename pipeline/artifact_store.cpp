@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 
 namespace keypose::pipeline {
 
@@ -17,52 +18,148 @@ fs::path ArtifactStore::FolderOf(const std::string& fingerprint) const {
   return state_folder_ / "cache" / fingerprint.substr(0, 2) / fingerprint.substr(2);
 }
 
-std::optional<Artifact> ArtifactStore::Find(const std::string& fingerprint) const {
+namespace {
+
+constexpr int kSchema = 2;  // 1 had sizes alone, and not of the report
+constexpr const char* kReport = "report.json";
+
+/// What a manifest says of one file of its artifact.
+struct KeptFile {
+  std::string hash;
+  json stamp;  ///< as StampOf; null: not known
+};
+
+json StampOf(const FileStat& stat) { return {stat.size, stat.mtime_ns, stat.ctime_ns, stat.inode}; }
+
+std::map<std::string, std::string> FilesOf(const std::map<std::string, ArtifactOutput>& outputs) {
+  std::map<std::string, std::string> files;
+  for (const auto& [port, output] : outputs) {
+    if (!output.folder) files[output.file] = output.content.hash;
+    for (const auto& [name, hash] : output.content.files) files[output.file + "/" + name] = hash;
+  }
+  return files;
+}
+
+json FilesJson(const std::map<std::string, KeptFile>& files) {
+  json value = json::object();
+  for (const auto& [name, file] : files) value[name] = {{"sha256", file.hash}, {"stamp", file.stamp}};
+  return value;
+}
+
+std::map<std::string, ArtifactOutput> OutputsOf(const json& manifest) {
+  std::map<std::string, ArtifactOutput> outputs;
+  for (const auto& [port, entry] : manifest.at("outputs").items()) {
+    ArtifactOutput& output = outputs[port];
+    output.file = entry.at("file").get<std::string>();
+    output.folder = entry.at("folder").get<bool>();
+    if (output.folder) {
+      output.content = FolderContent(entry.at("files").get<std::map<std::string, std::string>>());
+    } else {
+      output.content.hash = entry.at("sha256").get<std::string>();
+    }
+    if (output.content.hash != entry.at("sha256").get<std::string>()) throw InputError("manifest.json contradicts itself");
+    if (!IsOneName(output.file)) throw InputError("manifest.json names '" + output.file + "', which is no name of a file");
+    for (const auto& [name, hash] : output.content.files)
+      if (!StaysBelow(name)) throw InputError("manifest.json names '" + name + "', which is outside of its folder");
+  }
+  return outputs;
+}
+
+/// All files that an artifact must have.
+std::map<std::string, KeptFile> KeptFilesOf(const json& manifest, const std::map<std::string, ArtifactOutput>& outputs) {
+  std::map<std::string, KeptFile> kept;
+  for (const auto& [name, hash] : FilesOf(outputs)) kept[name] = {hash, nullptr};
+  if (manifest.at("schema") == 1) return kept;
+  const json& files = manifest.at("files");
+  for (auto& [name, file] : kept) file.stamp = files.at(name).at("stamp");
+  if (files.contains(kReport)) kept[kReport] = {files[kReport].at("sha256").get<std::string>(), files[kReport].at("stamp")};
+  return kept;
+}
+
+}  // namespace
+
+std::optional<Artifact> ArtifactStore::Find(const std::string& fingerprint, std::string* damage) const {
+  return Look(fingerprint, Reading::kChanged, damage);
+}
+
+std::string ArtifactStore::Verify(const std::string& fingerprint) const {
+  std::string damage;
+  if (!disk_.Stat(FolderOf(fingerprint) / "manifest.json")) return "manifest.json is missing";
+  const auto artifact = Look(fingerprint, Reading::kAll, &damage);
+  if (!artifact) return damage;
+  const std::map<std::string, std::string> known = FilesOf(artifact->outputs);
+  for (const auto& [port, output] : artifact->outputs)
+    for (const std::string& name : output.folder ? disk_.FilesBelow(artifact->folder / output.file) : std::vector<std::string>())
+      if (!known.contains(output.file + "/" + name)) return output.file + "/" + name + " was put there by another program";
+  return "";
+}
+
+std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Reading reading, std::string* damage) const {
   Artifact artifact;
   artifact.fingerprint = fingerprint;
   artifact.folder = FolderOf(fingerprint);
-  if (!disk_.Stat(artifact.folder / "manifest.json")) return std::nullopt;
+  const fs::path file = artifact.folder / "manifest.json";
+  if (!disk_.Stat(file)) return std::nullopt;
+  const auto damaged = [&](const std::string& what) {
+    if (damage) *damage = what;
+    return std::nullopt;
+  };
   try {
-    const json manifest = json::parse(disk_.Read(artifact.folder / "manifest.json"));
+    json manifest = json::parse(disk_.Read(file));
     artifact.recipe = RecipeFromJson(manifest.at("recipe"));
-    for (const auto& [port, entry] : manifest.at("outputs").items()) {
-      ArtifactOutput& output = artifact.outputs[port];
-      output.file = entry.at("file").get<std::string>();
-      output.folder = entry.at("folder").get<bool>();
-      output.content.hash = entry.at("sha256").get<std::string>();
-      if (output.folder) output.content.files = entry.at("files").get<std::map<std::string, std::string>>();
-    }
-    for (const auto& [name, size] : manifest.at("sizes").items()) {
-      const auto stat = disk_.Stat(artifact.folder / name);
-      if (!stat || stat->folder || stat->size != size.get<std::uint64_t>()) return std::nullopt;
-    }
+    // Else two folders that were swapped, or a manifest from elsewhere, would give one step's result to another.
+    if (manifest.at("fingerprint") != fingerprint || artifact.recipe.Fingerprint() != fingerprint)
+      return damaged("manifest.json belongs to another artifact");
+    artifact.outputs = OutputsOf(manifest);
     artifact.seconds = manifest.at("seconds").get<double>();
     artifact.peak_bytes = manifest.at("peak_bytes").get<std::int64_t>();
+    std::map<std::string, KeptFile> kept = KeptFilesOf(manifest, artifact.outputs);
+    bool moved = false;
+    for (auto& [name, known] : kept) {
+      const auto stat = disk_.Stat(artifact.folder / name);
+      if (!stat || stat->folder) return damaged(name + " is missing");
+      const json stamp = StampOf(*stat);
+      if (stamp == known.stamp && reading == Reading::kChanged) continue;
+      if (disk_.LeadsOutside(artifact.folder / name, artifact.folder)) return damaged(name + " is a link that leads elsewhere");
+      if (disk_.ContentHash(artifact.folder / name) != known.hash) return damaged(name + " is not as it was made");
+      moved |= stamp != known.stamp;
+      known.stamp = stamp;
+    }
+    if (moved) Remember(file, std::move(manifest), FilesJson(kept));
   } catch (const json::exception&) {
-    return std::nullopt;  // damaged from outside: the step simply runs again
+    return damaged("manifest.json is damaged");
+  } catch (const InputError& error) {
+    return damaged(error.what());
   }
   return artifact;
 }
 
-ArtifactOutput ArtifactStore::Measure(const fs::path& made, const PortInfo& port, std::map<std::string, std::uint64_t>* sizes) const {
+/// A copied project's files have other times; read once, they are believed from then on.
+void ArtifactStore::Remember(const fs::path& file, json manifest, json files) const {
+  manifest["schema"] = kSchema;
+  manifest["files"] = std::move(files);
+  manifest.erase("sizes");
+  try {
+    disk_.Write(file, manifest.dump(1));
+  } catch (const DiskError&) {
+    // Only a memory: on a full or read-only disk the files are read again next time.
+  }
+}
+
+ArtifactOutput ArtifactStore::Measure(const fs::path& made, const PortInfo& port) const {
   ArtifactOutput output{port.file, port.kind == "folder", {}};
   if (!output.folder) {
     output.content.hash = disk_.ContentHash(made / port.file);
-    (*sizes)[port.file] = disk_.Stat(made / port.file)->size;
     return output;
   }
   std::map<std::string, std::string> files;
-  for (const std::string& name : disk_.FilesBelow(made / port.file)) {
-    files[name] = disk_.ContentHash(made / port.file / name);
-    (*sizes)[port.file + "/" + name] = disk_.Stat(made / port.file / name)->size;
-  }
+  for (const std::string& name : disk_.FilesBelow(made / port.file)) files[name] = disk_.ContentHash(made / port.file / name);
   output.content = FolderContent(std::move(files));
   return output;
 }
 
 Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, const Recipe& recipe, double seconds, std::int64_t peak_bytes) {
   Artifact artifact{recipe.Fingerprint(), {}, recipe, {}, seconds, peak_bytes};
-  std::map<std::string, std::uint64_t> sizes;
   json outputs = json::object();
   for (const PortInfo& port : info.outputs) {
     const auto stat = disk_.Stat(made / port.file);
@@ -70,15 +167,19 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
     if (!stat || stat->folder != (port.kind == "folder")) {
       throw ToolError(fmt::format("stage '{}' ended well but did not write its output '{}' (a {})", info.stage, port.name, port.kind));
     }
-    const ArtifactOutput output = artifact.outputs[port.name] = Measure(made, port, &sizes);
+    const ArtifactOutput output = artifact.outputs[port.name] = Measure(made, port);
     outputs[port.name] = {{"file", output.file}, {"folder", output.folder}, {"sha256", output.content.hash}};
     if (output.folder) outputs[port.name]["files"] = output.content.files;
   }
-  const json manifest = {{"schema", 1},
+  std::map<std::string, KeptFile> files;
+  for (const auto& [name, hash] : FilesOf(artifact.outputs)) files[name] = {hash, StampOf(*disk_.Stat(made / name))};
+  if (const auto report = disk_.Stat(made / kReport); report && !report->folder)
+    files[kReport] = {disk_.ContentHash(made / kReport), StampOf(*report)};
+  const json manifest = {{"schema", kSchema},
                          {"fingerprint", artifact.fingerprint},
                          {"recipe", ToJson(recipe)},
                          {"outputs", outputs},
-                         {"sizes", sizes},
+                         {"files", FilesJson(files)},
                          {"seconds", seconds},
                          {"peak_bytes", peak_bytes}};
   disk_.Write(made / "manifest.json", manifest.dump(1));
@@ -90,9 +191,13 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
 }
 
 std::vector<std::string> ArtifactStore::All() const {
+  const fs::path cache = state_folder_ / "cache";
   std::vector<std::string> all;
-  for (const std::string& head : disk_.Children(state_folder_ / "cache")) {
-    for (const std::string& tail : disk_.Children(state_folder_ / "cache" / head)) all.push_back(head + tail);
+  for (const std::string& head : disk_.Children(cache)) {
+    for (const std::string& tail : disk_.Children(cache / head)) {
+      // What a received project links to is none of its cache, and not to be removed.
+      if (!disk_.LeadsOutside(cache / head / tail, cache)) all.push_back(head + tail);
+    }
   }
   return all;
 }

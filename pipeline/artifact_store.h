@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,8 +37,14 @@ class ArtifactStore {
   /// @param state_folder  the project's .keypose
   ArtifactStore(Disk& disk, std::filesystem::path state_folder);
 
-  /// The artifact when it is there with every file at its recorded size; else nothing.
-  std::optional<Artifact> Find(const std::string& fingerprint) const;
+  /// The artifact when it is there and every file is as it was made; else nothing. A file whose size, times and inode are as they were is believed;
+  /// another one is read and hashed, and believed from then on if its hash is right.
+  /// @param damage  gets what is wrong with an artifact that is there, for a person
+  std::optional<Artifact> Find(const std::string& fingerprint, std::string* damage = nullptr) const;
+
+  /// The same, but every file is read: what an ageing disk does shows in no size and no time.
+  /// @return what is wrong, for a person; empty: nothing
+  std::string Verify(const std::string& fingerprint) const;
 
   /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place; an artifact of the same fingerprint is
   /// replaced.
@@ -52,7 +59,10 @@ class ArtifactStore {
   void Remove(const std::string& fingerprint);
 
  private:
-  ArtifactOutput Measure(const std::filesystem::path& made, const PortInfo& port, std::map<std::string, std::uint64_t>* sizes) const;
+  enum class Reading { kChanged, kAll };
+  std::optional<Artifact> Look(const std::string& fingerprint, Reading reading, std::string* damage) const;
+  void Remember(const std::filesystem::path& manifest_file, nlohmann::json manifest, nlohmann::json files) const;
+  ArtifactOutput Measure(const std::filesystem::path& made, const PortInfo& port) const;
 
   Disk& disk_;
   std::filesystem::path state_folder_;

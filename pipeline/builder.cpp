@@ -57,6 +57,7 @@ Builder::Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const
       workshop_(workshop),
       processes_(processes),
       clock_(clock),
+      watch_(plan, workshop),
       results_(results),
       observer_(observer),
       limits_(limits),
@@ -78,7 +79,7 @@ RunResult Builder::Run(RunRecord record) {
   observer_.Begin(MakeForecast());
   try {
     Loop();
-    EndRun();
+    if (!result_.again) EndRun();
     results_.Save();
     workshop_.hasher.Save();
     workshop_.disk.Remove(workshop_.state() / "tmp");
@@ -140,7 +141,7 @@ void Builder::Loop() {
   for (;;) {
     if (processes_.interrupted()) return Interrupt();
     ReportCached();
-    if (result_.code == ExitCode::kOk) StartReady();
+    if (result_.code == ExitCode::kOk && !result_.again) StartReady();
     if (running_.empty() && !processes_.interrupted()) return;
     for (const ProcessEvent& event : processes_.Wait(0.2)) Handle(event);
     observer_.Tick();
@@ -272,6 +273,7 @@ void Builder::Start(int step, int threads) {
   const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
   Running running{step, threads, MemoryOf(step), clock_.Now()};
   try {
+    running.before = watch_.Look(step);
     workshop_.disk.Remove(WorkFolder(step));
     workshop_.disk.MakeFolder(WorkFolder(step) / "made");
     workshop_.disk.MakeFolder(WorkFolder(step) / "scratch");
@@ -297,12 +299,27 @@ void Builder::Handle(const ProcessEvent& event) {
   }
   running_.erase(it);
   if (processes_.interrupted()) return;  // it ended because we are being stopped, or just before: either way it is not kept
-  if (event.exit_code != 0) return Fail(running, event.exit_code, "");
   try {
+    // Also of a step that failed: a photograph that was half written would be the cause, and is whole by now.
+    if (WasSpoilt(running)) return;
+    if (event.exit_code != 0) return Fail(running, event.exit_code, "");
     Succeed(running, event.peak_bytes);
   } catch (const Error& error) {
     Fail(running, static_cast<int>(error.code()), error.what());
   }
+}
+
+/// Whether the step may have read what its fingerprint does not say. Then nothing of it is kept, and what it read is hashed anew.
+bool Builder::WasSpoilt(const Running& running) {
+  const std::string changed = watch_.Changed(running.step, running.before);
+  if (changed.empty()) return false;
+  const std::string& id = plan_.graph().steps[static_cast<std::size_t>(running.step)].id;
+  workshop_.disk.Remove(WorkFolder(running.step));
+  AddToRecord(running.step, "spoilt", clock_.Now() - running.begin, 0);
+  observer_.Finished(id, "spoilt", clock_.Now() - running.begin);
+  observer_.Note(fmt::format("warning: while {} ran, {}; nothing of it was kept, and it is made anew", id, changed));
+  result_.again = true;
+  return true;
 }
 
 void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "pipeline/clock.h"
 #include "pipeline/ending.h"
+#include "pipeline/input_watch.h"
 #include "pipeline/observer.h"
 #include "pipeline/plan.h"
 #include "pipeline/process.h"
@@ -23,6 +24,7 @@ struct Limits {
 struct RunResult {
   ExitCode code = ExitCode::kOk;
   int made = 0, cached = 0;
+  bool again = false;   ///< something that a step read was changed meanwhile: nothing of it was kept, and a new plan is needed
   std::string message;  ///< of a failure: which step, what it said, where its log is, what to do
 };
 
@@ -43,6 +45,7 @@ class Builder {
     int threads = 1;
     std::int64_t memory_bytes = 0;
     double begin = 0;
+    Stamps before = {};  ///< of what it reads
   };
 
   void Loop();
@@ -58,6 +61,7 @@ class Builder {
   std::vector<std::filesystem::path> PathsOf(const Flow& flow, const PortFlows& port, int step);
   void Handle(const ProcessEvent& event);
   void Succeed(const Running& running, std::int64_t peak_bytes);
+  bool WasSpoilt(const Running& running);
   void Fail(const Running& running, int exit_code, const std::string& message);
   void Adopt(int step, bool made, double seconds, std::int64_t peak_bytes);
   std::string FailureMessage(int step, ExitCode code, int raw_code, const std::string& said) const;
@@ -72,6 +76,7 @@ class Builder {
   Workshop& workshop_;
   ProcessRunner& processes_;
   const Clock& clock_;
+  InputWatch watch_;
   ResultsFolder& results_;
   RunObserver& observer_;
   Limits limits_;

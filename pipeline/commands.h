@@ -33,6 +33,9 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step, cons
 ExitCode LogCommand(const std::string& folder, const std::string& step);
 ExitCode GraphCommand(const std::string& folder, bool dot);
 ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs);
+/// Reads and hashes everything in the cache and in out/. Damaged artifacts leave the cache, so that the next run makes them anew.
+/// @return kDisk  something was damaged
+ExitCode VerifyCommand(const std::string& folder);
 ExitCode UnlockCommand(const std::string& folder, bool force);
 ExitCode ReportCommand(const std::string& folder);
 ExitCode DoctorCommand();

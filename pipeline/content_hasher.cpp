@@ -1,5 +1,7 @@
 #include "pipeline/content_hasher.h"
 
+#include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -8,6 +10,13 @@ namespace keypose::pipeline {
 namespace {
 
 using nlohmann::json;
+
+/// Whether a file's last change lies further back than the slowest clock tick of a file system.
+bool SettledAt(const FileStat& stat) {
+  constexpr std::int64_t kTickNs = 100'000'000;
+  const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return now - std::max(stat.mtime_ns, stat.ctime_ns) > kTickNs;
+}
 
 bool Ignored(const std::string& name) {
   const std::string base = name.substr(name.rfind('/') + 1);
@@ -37,10 +46,27 @@ std::string ContentHasher::OfFile(const std::filesystem::path& path) {
   const std::string key = path.lexically_proximate(root_).generic_string();
   const auto it = entries_.find(key);
   if (it != entries_.end() && it->second.stat == *stat) return it->second.hash;
-  if (cancelled_ && cancelled_()) throw Cancelled();
-  ++files_read_;
-  changed_ = true;
-  return (entries_[key] = {*stat, disk_.ContentHash(path)}).hash;
+  return Read(path, key);
+}
+
+/// Hashes until the file is the same before and after.
+std::string ContentHasher::Read(const std::filesystem::path& path, const std::string& key) {
+  constexpr int kTries = 5;
+  for (int i = 0; i < kTries; ++i) {
+    if (cancelled_ && cancelled_()) throw Cancelled();
+    const auto before = disk_.Stat(path);
+    if (!before) break;
+    ++files_read_;
+    const std::string hash = disk_.ContentHash(path);
+    if (disk_.Stat(path) != before) continue;
+    // A file that was written a moment ago may be written again without a new time: clocks of file systems tick slowly.
+    if (SettledAt(*before)) {
+      entries_[key] = {*before, hash};
+      changed_ = true;
+    }
+    return hash;
+  }
+  throw InputError(path.string() + " was written to while it was read; wait until it is copied, and run again");
 }
 
 void ContentHasher::Load() {
@@ -50,16 +76,17 @@ void ContentHasher::Load() {
   const json memory = json::parse(disk_.Read(memory_file_), nullptr, false);
   if (!memory.is_object()) return;  // only a memory: without it, files are read again
   for (const auto& [name, entry] : memory.items()) {
-    if (!entry.is_array() || entry.size() != 4) continue;
-    entries_[name] = {{false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(), entry[2].get<std::uint64_t>()},
-                      entry[3].get<std::string>()};
+    if (!entry.is_array() || entry.size() != 5 || !entry[4].is_string()) continue;
+    if (!std::all_of(entry.begin(), entry.begin() + 4, [](const json& number) { return number.is_number_integer(); })) continue;
+    entries_[name] = {{false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(), entry[2].get<std::uint64_t>(), entry[3].get<std::int64_t>()},
+                      entry[4].get<std::string>()};
   }
 }
 
 void ContentHasher::Save() {
   if (!changed_) return;
   json memory = json::object();
-  for (const auto& [name, entry] : entries_) memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.hash};
+  for (const auto& [name, entry] : entries_) memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.stat.ctime_ns, entry.hash};
   changed_ = false;
   try {
     disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));

@@ -34,6 +34,7 @@ class ContentHasher {
     std::string hash;
   };
   void Load();
+  std::string Read(const std::filesystem::path& path, const std::string& key);
 
   Disk& disk_;
   std::filesystem::path memory_file_, root_;

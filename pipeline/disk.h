@@ -15,6 +15,7 @@ struct FileStat {
   std::uint64_t size = 0;
   std::int64_t mtime_ns = 0;
   std::uint64_t inode = 0;
+  std::int64_t ctime_ns = 0;  ///< when content, name or attributes changed last; programs can set mtime back, but not this
   bool operator==(const FileStat&) const = default;
 };
 
@@ -26,6 +27,8 @@ class Disk {
 
   /// Follows links; nothing when the path does not exist.
   virtual std::optional<FileStat> Stat(const Path& path) const = 0;
+  /// Whether links on the way to a path, which need not exist, lead out of a folder.
+  virtual bool LeadsOutside(const Path& path, const Path& folder) const = 0;
   /// Names of all files (not folders) below a folder, relative, with '/', sorted by bytes. A missing folder has none.
   virtual std::vector<std::string> FilesBelow(const Path& folder) const = 0;
   /// Names of the entries right in a folder, sorted. A missing folder has none.
@@ -34,7 +37,7 @@ class Disk {
   /// SHA-256 of a file's content, 64 hexadecimal digits.
   virtual std::string ContentHash(const Path& path) const = 0;
 
-  /// Replaces a file as a whole, or not at all; makes its folder.
+  /// Replaces a file as a whole, or not at all, also when the power fails; makes its folder.
   virtual void Write(const Path& path, std::string_view text) = 0;
   virtual void MakeFolder(const Path& path) = 0;
   /// Renames a file or a folder; an existing target is replaced in one step where the file system can.

@@ -85,10 +85,10 @@ int ParentOf(const char* pid_text) {
   return parent;
 }
 
-/// Kills the group and all orphans that came to the guardian, until none is left.
+/// Kills the group (0: none) and all orphans that came to the guardian, until none is left.
 void KillAll(int group) {
   for (int round = 0; round < 2000; ++round) {
-    kill(-group, SIGKILL);
+    if (group > 0) kill(-group, SIGKILL);
     if (DIR* processes = opendir("/proc")) {
       while (const dirent* entry = readdir(processes)) {
         const int pid = std::atoi(entry->d_name);
@@ -137,12 +137,10 @@ bool Watch(int stage, int children_fd, int* status) {
   }
 }
 
-[[noreturn]] void BecomeGuardian(const Prepared& prepared) {
+[[noreturn]] void BecomeInner(const Prepared& prepared) {
   setpgid(0, 0);
-  ArrangeDescriptors(prepared);
+  prctl(PR_SET_NAME, "kp-guardian");
   prctl(PR_SET_CHILD_SUBREAPER, 1);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) ::signal(signal, SIG_IGN);
-  ::signal(SIGCHLD, SIG_DFL);
   sigset_t child_signal;
   sigemptyset(&child_signal);
   sigaddset(&child_signal, SIGCHLD);
@@ -163,6 +161,30 @@ bool Watch(int stage, int children_fd, int* status) {
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.peak_bytes = static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
   (void)!write(kResult, &result, sizeof result);
+  _exit(0);
+}
+
+/// A guardian of the guardian: were there one alone, whoever kills it together with the runner would leave what the stage started. Its name is
+/// another than the runner's, so that `killall keypose` leaves it to do its work.
+[[noreturn]] void BecomeOuter(const Prepared& prepared) {
+  setpgid(0, 0);
+  ArrangeDescriptors(prepared);
+  prctl(PR_SET_NAME, "kp-watcher");
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) ::signal(signal, SIG_IGN);
+  ::signal(SIGCHLD, SIG_DFL);
+  const int inner = fork();
+  if (inner == 0) BecomeInner(prepared);
+  close(kProgress);
+  int status = 127 << 8;
+  while (inner > 0 && waitpid(inner, &status, 0) < 0 && errno == EINTR) {
+  }
+  const bool did_its_work = inner > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (!did_its_work) {
+    KillAll(0);
+    const GuardianResult killed{128 + SIGKILL, 0};
+    (void)!write(kResult, &killed, sizeof killed);
+  }
   _exit(0);
 }
 
@@ -191,7 +213,7 @@ Guarded StartGuarded(const std::vector<std::string>& arguments, const std::vecto
   const int pid = fork();
   if (pid == 0) {
     close(control.write);
-    BecomeGuardian(prepared);
+    BecomeOuter(prepared);
   }
   const int error = errno;
   for (const int fd : {prepared.log, progress.write, result.write, control.read}) close(fd);

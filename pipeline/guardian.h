@@ -1,4 +1,4 @@
-// The small process between the runner and a stage.
+// The small processes between the runner and a stage.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ struct Guarded {
 };
 
 /// Starts a guardian, which starts the program in a process group of its own, and outlives the runner just long enough to kill all that the
-/// program started, whatever process group that moved to (the guardian is their subreaper).
+/// program started, whatever process group that moved to (the guardian is their subreaper). The guardian has one itself, which does the same when
+/// the guardian is killed.
 ///
 /// @param arguments, environment  whole argv and envp
 /// @param keep_open  a descriptor that the guardian holds until all is stopped (the project's lock), or -1

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> kCommands = {"init", "run",    "status", "explain", "log",    "graph",
-                                            "gc",   "unlock", "pack",   "report",  "studio", "doctor"};
+                                            "gc",   "verify", "unlock", "pack",   "report",  "studio", "doctor"};
 
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;
@@ -160,6 +160,7 @@ class CommandLine {
         Command("gc", "remove results that nothing refers to", [this] { return GcCommand(run_.folder, run_.dry_run, keep_runs_); }));
     gc->add_flag("--dry-run", run_.dry_run, "only say how much");
     gc->add_option("--keep-runs", keep_runs_, "results of this many last runs stay")->check(CLI::Range(0, 100000))->capture_default_str();
+    InProject(Command("verify", "read the whole cache and out/, and drop what the disk has damaged", [this] { return VerifyCommand(run_.folder); }));
     CLI::App* unlock = InProject(Command("unlock", "say who holds the project's lock, and clear a stale one",
                                          [this] { return UnlockCommand(run_.folder, force_); }));
     unlock->add_flag("--force", force_, "take it away from a machine that is gone");

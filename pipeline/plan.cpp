@@ -124,12 +124,14 @@ void Plan::Resolve(int i) {
   }
   step.recipe = MakeRecipe(i);
   step.fingerprint = step.recipe.Fingerprint();
-  step.artifact = workshop_.store.Find(step.fingerprint);
+  std::string damage;
+  step.artifact = workshop_.store.Find(step.fingerprint, &damage);
   if (step.artifact && !step.forced) {
     step.state = State::kDone;
   } else if (step.wanted) {
     step.state = State::kReady;
     step.reasons = ReasonsOf(step);
+    if (!damage.empty()) step.reasons = {fmt::format("its artifact in the cache was damaged from outside ({})", damage)};
     step.artifact.reset();
   } else if (!TakeLastMade(i)) {
     step.state = State::kMissing;

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 #include <set>
 
 #include "pipeline/builder.h"
 #include "pipeline/commands.h"
 #include "pipeline/observer.h"
 #include "pipeline/project_lock.h"
+#include "pipeline/results_folder.h"
 #include "pipeline/session.h"
 #include "pipeline/terminal.h"
 #include "pipeline/text.h"
@@ -192,6 +194,34 @@ ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
   fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count, count == 1 ? "" : "s", SizeText(freed),
              session.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
   return ExitCode::kOk;
+}
+
+ExitCode VerifyCommand(const std::string& folder) {
+  const fs::path project = FindProject(folder);
+  const ProjectLock lock(project / ".keypose", "keypose verify");
+  Session session(project, {});
+  std::map<std::string, std::string> step_of;
+  for (const Step& step : session.graph().steps)
+    if (const auto last = session.records().Last(step.id)) step_of[last->fingerprint] = step.id;
+  const std::vector<std::string> all = session.store().All();
+  std::uint64_t bytes = 0;
+  int damaged = 0;
+  for (const std::string& fingerprint : all) {
+    bytes += session.store().SizeOf(fingerprint);
+    const std::string damage = session.store().Verify(fingerprint);
+    if (damage.empty()) continue;
+    ++damaged;
+    const std::string& step = step_of[fingerprint];
+    fmt::print("damaged: {} in {}{}\n", damage, session.store().FolderOf(fingerprint).string(), step.empty() ? "" : ", made by " + step);
+    session.store().Remove(fingerprint);
+  }
+  ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
+  const std::vector<std::string> notes = results.Verify();
+  for (const std::string& note : notes) fmt::print("{}\n", note);
+  results.Save();
+  if (damaged > 0) fmt::print("the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
+  fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes), damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
+  return damaged > 0 || !notes.empty() ? ExitCode::kDisk : ExitCode::kOk;
 }
 
 ExitCode UnlockCommand(const std::string& folder, bool force) {

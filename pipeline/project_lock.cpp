@@ -39,8 +39,11 @@ Holder ReadHolder(int fd) {
   char text[4096];
   const ssize_t n = pread(fd, text, sizeof text, 0);
   const auto value = nlohmann::json::parse(n > 0 ? std::string(text, static_cast<std::size_t>(n)) : "", nullptr, false);
-  if (!value.is_object()) return {};
-  return {value.value("pid", 0), value.value("host", ""), value.value("since", ""), value.value("what", "")};
+  try {
+    return {value.at("pid").get<int>(), value.at("host").get<std::string>(), value.at("since").get<std::string>(), value.at("what").get<std::string>()};
+  } catch (const nlohmann::json::exception&) {
+    return {};  // nothing written yet, or damaged: flock alone says whether it is held
+  }
 }
 
 bool IsDead(const Holder& holder) { return holder.known() && holder.host == HostName() && kill(holder.pid, 0) != 0 && errno == ESRCH; }

@@ -96,7 +96,14 @@ std::optional<FileStat> RealDisk::Stat(const Path& path) const {
   result.size = static_cast<std::uint64_t>(info.st_size);
   result.mtime_ns = static_cast<std::int64_t>(info.st_mtim.tv_sec) * 1000000000 + info.st_mtim.tv_nsec;
   result.inode = info.st_ino;
+  result.ctime_ns = static_cast<std::int64_t>(info.st_ctim.tv_sec) * 1000000000 + info.st_ctim.tv_nsec;
   return result;
+}
+
+bool RealDisk::LeadsOutside(const Path& path, const Path& folder) const {
+  std::error_code error;
+  const Path inner = fs::weakly_canonical(path, error), outer = fs::weakly_canonical(folder, error);
+  return error || std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first != outer.end();
 }
 
 std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {
@@ -165,7 +172,11 @@ void RealDisk::Place(const Path& target, const Fill& fill) const {
 }
 
 void RealDisk::Write(const Path& path, std::string_view text) {
-  Place(path, [&](int fd) { WriteAll(fd, text.data(), text.size(), path); });
+  Place(path, [&](int fd) {
+    WriteAll(fd, text.data(), text.size(), path);
+    // Before it gets its name: after a power cut some file systems have the new name and none of the new content.
+    if (fdatasync(fd) != 0 && errno != EINVAL && errno != ENOSYS) FailOnDisk("write", path, errno);
+  });
 }
 
 void RealDisk::MakeFolder(const Path& path) {

@@ -12,6 +12,7 @@ class RealDisk final : public Disk {
   explicit RealDisk(Path staging = {}) : staging_(std::move(staging)) {}
 
   std::optional<FileStat> Stat(const Path& path) const override;
+  bool LeadsOutside(const Path& path, const Path& folder) const override;
   std::vector<std::string> FilesBelow(const Path& folder) const override;
   std::vector<std::string> Children(const Path& folder) const override;
   std::string Read(const Path& path) const override;

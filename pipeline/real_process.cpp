@@ -90,7 +90,12 @@ RealProcessRunner::RealProcessRunner(bool catch_signals) {
   if (!catch_signals) return;
   struct sigaction action {};
   action.sa_handler = OnInterrupt;  // no SA_RESTART: a wait shall end at once
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction inherited {};
+    // nohup, and a shell's `&`: who starts us so wants us to go on.
+    if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
 }
 
 RealProcessRunner::~RealProcessRunner() { StopAll(); }

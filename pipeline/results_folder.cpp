@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 
 namespace keypose::pipeline {
 namespace {
@@ -50,11 +51,18 @@ void ResultsFolder::Load() {
   const json memory = json::parse(disk_.Read(memory_file_), nullptr, false);
   if (!memory.is_object()) return;
   for (const auto& [name, value] : memory.items()) {
-    entries_[name] = {
-        value.value("step", ""),
-        value.value("sha256", ""),
-        value.value("next", ""),
-        {false, value.value("size", std::uint64_t{0}), value.value("mtime_ns", std::int64_t{0}), value.value("inode", std::uint64_t{0})}};
+    // A received project's memory may name what it likes; what is not below out/ is none of ours.
+    if (!StaysBelow(name) || disk_.LeadsOutside(out_ / name, out_)) continue;
+    try {
+      Entry& entry = entries_[name];
+      entry.step = value.at("step").get<std::string>();
+      entry.hash = value.at("sha256").get<std::string>();
+      entry.next = value.at("next").get<std::string>();
+      entry.stat = {false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(), value.at("inode").get<std::uint64_t>(),
+                    value.value("ctime_ns", std::int64_t{0})};
+    } catch (const json::exception&) {
+      entries_.erase(name);  // damaged: the file is looked at anew
+    }
   }
 }
 
@@ -67,10 +75,23 @@ void ResultsFolder::Save() {
                     {"next", entry.next},
                     {"size", entry.stat.size},
                     {"mtime_ns", entry.stat.mtime_ns},
-                    {"inode", entry.stat.inode}};
+                    {"inode", entry.stat.inode},
+                    {"ctime_ns", entry.stat.ctime_ns}};
   }
   disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));
   changed_ = false;
+}
+
+std::vector<std::string> ResultsFolder::Verify() {
+  std::vector<std::string> notes;
+  for (auto& [name, entry] : entries_) {
+    const auto stat = disk_.Stat(out_ / name);
+    if (!stat || !(*stat == entry.stat) || disk_.ContentHash(out_ / name) == entry.hash) continue;
+    notes.push_back(fmt::format("damaged: out/{}; `keypose run` puts it back, and keeps this one beside it", name));
+    entry.stat = {};
+    changed_ = true;
+  }
+  return notes;
 }
 
 bool ResultsFolder::Unchanged(const std::string& name, const Entry& entry) const {
@@ -92,6 +113,10 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   for (const auto& [name, file] : wanted) {
     if (!IsInPlace(name, step.id, file.hash)) missing.push_back(name);
   }
+  for (const std::string& name : missing)
+    if (disk_.LeadsOutside(out_ / name, out_))
+      throw DiskError(fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the project's results; remove the link", name,
+                                  (out_ / name).parent_path().string()));
   if (missing.empty()) return notes;
   for (const std::string& name : missing) {
     Entry& entry = entries_[name];

@@ -23,6 +23,8 @@ class ResultsFolder {
   std::vector<std::string> Publish(const Step& step, const Artifact& artifact);
   /// Removes results of steps that the graph no longer has. @return lines for a person
   std::vector<std::string> DropStepsOutside(const Graph& graph);
+  /// Reads all results: those that have changed and show it in no time or size are looked at anew by the next run. @return lines for a person
+  std::vector<std::string> Verify();
   void Save();
   const std::filesystem::path& out() const { return out_; }
 

@@ -322,6 +322,107 @@ TEST(Rules, DamagedArtifactIsMadeAgain) {
   EXPECT_EQ(house.Run().ran, (Names{"solve/rest"}));
 }
 
+TEST(Rules, FlippedBitIsNoticedSaidAndMendedBeforeItReachesResults) {
+  FakeHouse house;
+  house.Run();
+  const std::string good = house.Out("rest/mesh.txt");
+  const std::filesystem::path mesh = house.Look().Step("shape/rest").artifact->Path("mesh");
+  std::string flipped = house.disk.Read(mesh);
+  flipped[0] ^= 1;  // of the same size, as bit rot is
+  house.disk.Write(mesh, flipped);
+  house.disk.Remove(house.project / "out");
+  EXPECT_EQ(house.Look().Reasons("shape/rest"), "its artifact in the cache was damaged from outside (mesh.txt is not as it was made)\n");
+  EXPECT_EQ(house.Run().ran, (Names{"shape/rest"}));
+  EXPECT_EQ(house.Out("rest/mesh.txt"), good);
+}
+
+TEST(Rules, ACopiedCacheIsReadOnceAndBelievedFromThenOn) {
+  FakeHouse house;
+  house.Run();
+  house.MoveProject("/srv/hero");
+  EXPECT_TRUE(house.Run().ran.empty());
+  const int hashed = house.disk.hashed();
+  EXPECT_TRUE(house.Run().ran.empty());
+  EXPECT_EQ(house.disk.hashed(), hashed);
+}
+
+TEST(Rules, ArtifactsWithoutTheirReportOrInEachOthersFolderAreMadeAgain) {
+  FakeHouse house;
+  house.Run();
+  const auto folder = [&](const std::string& step) { return house.Look().Step(step).artifact->folder; };
+  house.disk.Remove(folder("match/bent") / "report.json");
+  EXPECT_EQ(house.Run().ran, (Names{"match/bent"}));
+  const std::filesystem::path rest = folder("shape/rest"), bent = folder("shape/bent");
+  house.disk.Move(rest, "/tmp/aside");
+  house.disk.Move(bent, rest);
+  house.disk.Move("/tmp/aside", bent);
+  EXPECT_EQ(house.Look().Reasons("shape/rest"), "its artifact in the cache was damaged from outside (manifest.json belongs to another artifact)\n");
+  EXPECT_EQ(house.Run().ran, (Names{"shape/bent", "shape/rest"}));
+}
+
+TEST(Rules, NamesThatLeadOutOfTheProjectAreNotFollowed) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write("/home/ann/taxes.txt", "of 2025");
+  // A received project's memory of its results.
+  auto memory = nlohmann::json::parse(house.disk.Read(house.project / ".keypose/out.json"));
+  memory["../../taxes.txt"] = memory["rest/mesh.txt"];
+  memory["../../taxes.txt"]["step"] = "gone/rest";
+  memory["odd"] = {{"step", 7}};
+  house.disk.Write(house.project / ".keypose/out.json", memory.dump());
+  EXPECT_TRUE(house.Run().ran.empty());
+  EXPECT_EQ(house.disk.Read("/home/ann/taxes.txt"), "of 2025");
+  // A manifest whose output lies elsewhere.
+  const std::filesystem::path file = house.Look().Step("shape/rest").artifact->folder / "manifest.json";
+  auto manifest = nlohmann::json::parse(house.disk.Read(file));
+  manifest["outputs"]["mesh"]["file"] = "../../../../../taxes.txt";
+  house.disk.Write(file, manifest.dump());
+  EXPECT_EQ(house.Run().ran, (Names{"shape/rest"}));
+  EXPECT_EQ(house.Out("rest/mesh.txt").find("2025"), std::string::npos);
+}
+
+TEST(Rules, PhotographChangedAndPutBackWhileItsStepRunsSpoilsIt) {
+  FakeHouse house;
+  const auto photo = house.project / "photos/rest/IMG_1.jpg";
+  const std::string text = house.disk.Read(photo);
+  const auto shoot = house.processes.stages.at("/bin/keypose-shoot").run;
+  int calls = 0;
+  house.processes.stages.at("/bin/keypose-shoot").run = [&](const FakeCall& call, MemoryDisk& disk) {
+    const bool first = call.Flag("photos").ends_with("rest") && calls++ == 0;
+    if (first) disk.Write(photo, "r another");
+    const int code = shoot(call, disk);
+    if (first) disk.Write(photo, text);
+    return code;
+  };
+  const auto outcome = house.Run();
+  EXPECT_TRUE(outcome.result.again);
+  EXPECT_EQ(outcome.result.code, ExitCode::kOk);
+  EXPECT_THAT(outcome.notes, testing::Contains(testing::HasSubstr("while shoot/rest ran, ")));
+  EXPECT_FALSE(house.Run().result.again);
+  FakeHouse undisturbed;
+  undisturbed.Run();
+  EXPECT_EQ(house.Out("rest/mesh.txt"), undisturbed.Out("rest/mesh.txt"));
+  EXPECT_EQ(house.Look().Step("shoot/rest").artifact->outputs.at("images").content.hash,
+            undisturbed.Look().Step("shoot/rest").artifact->outputs.at("images").content.hash);
+}
+
+TEST(Rules, ProgramReplacedWhileItRunsSpoilsItsStep) {
+  FakeHouse house;
+  const auto shape = house.processes.stages.at("/bin/keypose-shape").run;
+  bool replaced = false;
+  house.processes.stages.at("/bin/keypose-shape").run = [&](const FakeCall& call, MemoryDisk& disk) {
+    if (!replaced) {
+      replaced = true;
+      disk.Write("/bin/keypose-shape", "a new version");
+      house.processes.stages.at("/bin/keypose-shape").describe["version"] = "2";
+    }
+    return shape(call, disk);
+  };
+  EXPECT_TRUE(house.Run().result.again);
+  EXPECT_FALSE(house.Run().result.again);
+  EXPECT_EQ(house.Look().Step("shape/rest").artifact->recipe.version, "2");
+}
+
 TEST(Rules, LostCacheExplainsItself) {
   FakeHouse house;
   house.Run();

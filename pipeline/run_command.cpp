@@ -69,22 +69,15 @@ std::string OwnHostName() {
   return name;
 }
 
-}  // namespace
-
-ExitCode RunCommand(const RunOptions& options) {
-  if (options.cores < 0) throw UsageError(fmt::format("-j {}: it must be 1 or more", options.cores));
-  const std::filesystem::path project = FindProject(options.folder);
-  std::vector<Override> overrides;
-  for (const std::string& text : options.set) overrides.push_back(ParseOverride(text));
-  std::unique_ptr<ProjectLock> lock;
-  if (!options.dry_run) lock = std::make_unique<ProjectLock>(project / ".keypose", options.command_line);
+/// Plans and runs. What changes while it runs ends it with `again`.
+RunResult RunOnce(const std::filesystem::path& project, const std::vector<Override>& overrides, const RunOptions& options, ProjectLock* lock) {
   Session session(project, overrides, true);
   if (lock) session.processes().KeepOpen(lock->fd());
   if (lock) session.disk().Remove(session.state() / "writing");
   Plan plan(session.graph(), session.workshop(), options.selection);
   if (options.dry_run) {
     PrintPlan(plan);
-    return ExitCode::kOk;
+    return {};
   }
   ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
   const auto display = MakeDisplay(KindOf(options.progress), session.clock());
@@ -96,11 +89,30 @@ ExitCode RunCommand(const RunOptions& options) {
   record.host = OwnHostName();
   const RunResult result = builder.Run(std::move(record));
   session.disk().Remove(session.state() / "writing");
-  if (result.code != ExitCode::kOk) {
-    const std::string start = result.code == ExitCode::kInterrupted ? "keypose: " : "\nkeypose: error: ";
-    std::fputs((start + result.message + "\n").c_str(), stderr);
+  return result;
+}
+
+}  // namespace
+
+ExitCode RunCommand(const RunOptions& options) {
+  if (options.cores < 0) throw UsageError(fmt::format("-j {}: it must be 1 or more", options.cores));
+  const std::filesystem::path project = FindProject(options.folder);
+  std::vector<Override> overrides;
+  for (const std::string& text : options.set) overrides.push_back(ParseOverride(text));
+  std::unique_ptr<ProjectLock> lock;
+  if (!options.dry_run) lock = std::make_unique<ProjectLock>(project / ".keypose", options.command_line);
+  constexpr int kRounds = 10;
+  for (int round = 0; round < kRounds; ++round) {
+    const RunResult result = RunOnce(project, overrides, options, lock.get());
+    if (result.again && result.code == ExitCode::kOk) continue;
+    if (result.code != ExitCode::kOk) {
+      const std::string start = result.code == ExitCode::kInterrupted ? "keypose: " : "\nkeypose: error: ";
+      std::fputs((start + result.message + "\n").c_str(), stderr);
+    }
+    return result.code;
   }
-  return result.code;
+  throw InputError(fmt::format("files were changed during each of {} tries, see the warnings above; wait until nothing writes to them, and run again",
+                               kRounds));
 }
 
 }  // namespace keypose::pipeline

@@ -124,6 +124,12 @@ class RunTest : public ::testing::Test {
     }
     return count;
   }
+  static std::vector<pid_t> ChildrenOf(pid_t parent) {
+    std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
+    std::vector<pid_t> children;
+    for (pid_t child = 0; in >> child;) children.push_back(child);
+    return children;
+  }
   bool NoStageAliveSoon() const {
     for (int i = 0; i < 100 && StagesAlive() > 0; ++i) SleepSeconds(0.02);
     return StagesAlive() == 0;
@@ -179,8 +185,8 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
     if (entry.path().filename() != "manifest.json") continue;
     const auto manifest = nlohmann::json::parse(ReadFile(entry.path()));
-    for (const auto& [name, size] : manifest.at("sizes").items())
-      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), size.get<std::uintmax_t>());
+    for (const auto& [name, file] : manifest.at("files").items())
+      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), file.at("stamp").at(0).get<std::uintmax_t>());
   }
   EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
@@ -193,6 +199,140 @@ TEST_F(RunTest, KilledRunnerTakesAllThatItsStagesStartedAlong) {
   Finish(pid);
   EXPECT_TRUE(NoStageAliveSoon());
   EXPECT_EQ(Run().code, 0);
+}
+
+TEST_F(RunTest, RunnerAndEitherGuardianKilledTogetherLeaveNothing) {
+  for (int which = 0; which < 2; ++which)
+    for (int round = 0; round < 5; ++round) {
+      fs::remove_all(root_ / "hero/.keypose");
+      const pid_t pid = Start({"run", "-C", (root_ / "hero").string(), "-j", "1"}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+      ASSERT_TRUE(WaitForStage());
+      SleepSeconds(0.2);
+      const std::vector<pid_t> watcher = ChildrenOf(pid);
+      ASSERT_EQ(watcher.size(), 1U);
+      const std::vector<pid_t> guardian = ChildrenOf(watcher[0]);
+      ASSERT_EQ(guardian.size(), 1U);
+      kill(which == 0 ? watcher[0] : guardian[0], SIGKILL);
+      kill(pid, SIGKILL);
+      Finish(pid);
+      EXPECT_TRUE(NoStageAliveSoon());
+    }
+  EXPECT_EQ(Run().code, 0);
+}
+
+TEST_F(RunTest, KillingAllProcessesOfItsNameLeavesNothing) {
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+  ASSERT_TRUE(WaitForStage());
+  SleepSeconds(0.2);
+  // What `killall -9 keypose` does, for this test's processes alone.
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    std::ifstream name_file(entry.path() / "comm");
+    std::string name;
+    std::error_code error;
+    if (std::getline(name_file, name) && name == "keypose" && fs::read_symlink(entry.path() / "exe", error) == root_ / "bin/keypose")
+      kill(std::stoi(entry.path().filename().string()), SIGKILL);
+  }
+  EXPECT_EQ(Finish(pid).code, 128 + SIGKILL);
+  EXPECT_TRUE(NoStageAliveSoon());
+  EXPECT_EQ(Run().code, 0);
+}
+
+TEST_F(RunTest, GoesOnAfterAHangupUnderNohup) {
+  const auto run = [&](bool nohup) {
+    fs::remove_all(root_ / "hero/.keypose");
+    if (nohup) ::signal(SIGHUP, SIG_IGN);
+    const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "100"}});
+    ::signal(SIGHUP, SIG_DFL);
+    EXPECT_TRUE(WaitForStage());
+    SleepSeconds(0.1);
+    kill(pid, SIGHUP);
+    return Finish(pid).code;
+  };
+  EXPECT_EQ(run(true), 0);
+  EXPECT_EQ(run(false), 130);
+}
+
+TEST_F(RunTest, PhotographTakenAwayInMidRunAndPutBackChangesNoResult) {
+  MakeProject(root_ / "reference");
+  ASSERT_EQ(Keypose({"run", "-C", (root_ / "reference").string()}).code, 0);
+  const fs::path photo = root_ / "hero/photos/rest/IMG_2.jpg";
+  int spoilt = 0;
+  for (int round = 0; round < 12; ++round) {
+    fs::remove_all(root_ / "hero/.keypose");
+    const pid_t pid = Start({"run", "-C", (root_ / "hero").string(), "-j", "1"}, {{"TEXT_STAGE_DELAY_MS", "15"}});
+    ASSERT_TRUE(WaitForStage());
+    SleepSeconds(0.005 * round);
+    if (round % 2) {
+      fs::rename(photo, root_ / "aside");
+      SleepSeconds(0.02);
+      fs::rename(root_ / "aside", photo);
+    } else {
+      const std::string text = ReadFile(photo);
+      WriteFile(photo, "another picture\n");
+      SleepSeconds(0.02);
+      WriteFile(photo, text);
+    }
+    const Ended ended = Finish(pid);
+    ASSERT_EQ(ended.code, 0) << ended.text;
+    spoilt += ended.text.find("nothing of it was kept") != std::string::npos;
+    EXPECT_EQ(Snapshot(root_ / "hero/out"), Snapshot(root_ / "reference/out")) << ended.text;
+    EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
+  }
+  EXPECT_GT(spoilt, 0);
+}
+
+TEST_F(RunTest, VerifyFindsWhatTheDiskDamagedWithoutATrace) {
+  ASSERT_EQ(Run().code, 0);
+  const std::string good = ReadFile(root_ / "hero/out/rest/text.txt");
+  EXPECT_THAT(Keypose({"verify", "-C", (root_ / "hero").string()}).text, HasSubstr("all are as they were made"));
+  int flipped = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
+    if (entry.path().filename() != "text.txt" || flipped > 0) continue;
+    std::string text = ReadFile(entry.path());
+    text[0] ^= 1;
+    WriteFile(entry.path(), text);
+    // The stamp in the manifest is made to fit, as if no time had changed.
+    struct stat info;
+    ASSERT_EQ(stat(entry.path().c_str(), &info), 0);
+    const fs::path file = entry.path().parent_path() / "manifest.json";
+    auto manifest = nlohmann::json::parse(ReadFile(file));
+    manifest["files"]["text.txt"]["stamp"] = {info.st_size, info.st_mtim.tv_sec * 1000000000 + info.st_mtim.tv_nsec,
+                                              info.st_ctim.tv_sec * 1000000000 + info.st_ctim.tv_nsec, info.st_ino};
+    WriteFile(file, manifest.dump());
+    ++flipped;
+  }
+  ASSERT_EQ(flipped, 1);
+  EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero")) << "no time tells of it";
+  const Ended verify = Keypose({"verify", "-C", (root_ / "hero").string()});
+  EXPECT_EQ(verify.code, 4);
+  EXPECT_THAT(verify.text, HasSubstr("damaged: text.txt is not as it was made"));
+  EXPECT_THAT(verify.text, HasSubstr("made by join/"));
+  EXPECT_EQ(Run().code, 0);
+  EXPECT_EQ(ReadFile(root_ / "hero/out/rest/text.txt"), good);
+  EXPECT_EQ(Keypose({"verify", "-C", (root_ / "hero").string()}).code, 0);
+}
+
+TEST_F(RunTest, LinksOutOfTheResultsAreRefused) {
+  fs::create_directories(root_ / "elsewhere");
+  fs::create_directories(root_ / "hero/out");
+  fs::create_directory_symlink(root_ / "elsewhere", root_ / "hero/out/rest");
+  const Ended ended = Run();
+  EXPECT_EQ(ended.code, 4) << ended.text;
+  EXPECT_THAT(ended.text, HasSubstr("outside of the project's results"));
+  EXPECT_TRUE(fs::is_empty(root_ / "elsewhere"));
+}
+
+TEST_F(RunTest, DamagedStateFilesAreHarmless) {
+  ASSERT_EQ(Run().code, 0);
+  const auto results = Snapshot(root_ / "hero/out");
+  for (const char* text : {"", "[", "7", "{\"photos/rest/IMG_0.jpg\": [\"a\", null, 3, 4, 5], \"lock\": 3, \"pid\": \"x\"}", "{\"rest/text.txt\": {\"step\": 3}}"})
+    for (const char* file : {"hashes.json", "out.json", "stages.json", "lock"}) {
+      WriteFile(root_ / "hero/.keypose" / file, text);
+      const Ended ended = Run();
+      EXPECT_EQ(ended.text, AllUpToDate(root_ / "hero")) << file << " was " << text;
+      EXPECT_EQ(ended.code, 0);
+      EXPECT_EQ(Snapshot(root_ / "hero/out"), results);
+    }
 }
 
 TEST_F(RunTest, CtrlCStopsEverythingAndExitsWith130) {

@@ -17,21 +17,51 @@ struct CatalogMemory {
 StageCatalog::StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem::path memory_file)
     : disk_(disk), processes_(processes), memory_file_(std::move(memory_file)) {}
 
-std::string StageCatalog::Stamp(const std::filesystem::path& path) const {
-  const auto stat = disk_.Stat(path);
-  return stat ? fmt::format("{} {} {} {}", path.string(), stat->size, stat->mtime_ns, stat->inode) : "none";
+namespace {
+
+json StampOf(const std::optional<FileStat>& stat) {
+  return stat ? json{stat->size, stat->mtime_ns, stat->ctime_ns, stat->inode} : json();
+}
+
+/// By path. A tool that is not installed has its name in place of a path.
+json StampsOf(const std::map<std::string, std::optional<FileStat>>& programs) {
+  json stamps = json::object();
+  for (const auto& [path, stat] : programs) stamps[path] = StampOf(stat);
+  return stamps;
+}
+
+std::vector<std::string> ToolsOf(const StageInfo& info) {
+  std::vector<std::string> tools;
+  for (const auto& [tool, version] : info.tools) tools.push_back(tool);
+  return tools;
+}
+
+}  // namespace
+
+std::map<std::string, std::optional<FileStat>> StageCatalog::ProgramsOf(const std::string& program,
+                                                                        const std::vector<std::string>& tools) const {
+  std::map<std::string, std::optional<FileStat>> programs = {{program, disk_.Stat(program)}};
+  for (const std::string& tool : tools) {
+    const auto path = processes_.FindTool(tool);
+    programs[path ? path->string() : tool] = path ? disk_.Stat(*path) : std::nullopt;
+  }
+  return programs;
 }
 
 bool StageCatalog::Recall(const std::string& program, const CatalogMemory& memory) {
   const auto entry = memory.entries.find(program);
-  if (entry == memory.entries.end() || entry->value("stamp", "") != Stamp(program)) return false;
-  const json tools = entry->value("tools", json::object());
-  for (const auto& [tool, stamp] : tools.items()) {
-    const auto path = processes_.FindTool(tool);
-    if (stamp != (path ? Stamp(*path) : "none")) return false;
+  if (entry == memory.entries.end() || !entry->is_object()) return false;
+  try {
+    StageInfo info = ParseStageInfo(entry->at("describe").get<std::string>(), program);
+    info.programs = ProgramsOf(program, ToolsOf(info));
+    if (entry->at("stamps") != StampsOf(info.programs)) return false;
+    stages_[program] = std::move(info);
+    return true;
+  } catch (const json::exception&) {
+    return false;
+  } catch (const ToolError&) {
+    return false;  // damaged: the program is asked again
   }
-  stages_[program] = ParseStageInfo(entry->value("describe", ""), program);
-  return true;
 }
 
 void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
@@ -48,6 +78,8 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   std::vector<std::vector<std::string>> questions;
   for (const std::string& program : unknown) questions.push_back({program, "--describe"});
   asked_ += static_cast<int>(unknown.size());
+  std::vector<std::optional<FileStat>> before;
+  for (const std::string& program : unknown) before.push_back(disk_.Stat(program));
   const auto answers = processes_.Ask(questions);
   if (processes_.interrupted()) throw Cancelled();
   for (std::size_t i = 0; i < unknown.size(); ++i) {
@@ -55,13 +87,11 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
       throw ToolError(fmt::format("{} --describe ended with exit code {}: {}\nis it an executable that follows docs/stage-contract.md?",
                                   unknown[i], answers[i].exit_code, answers[i].error));
     }
-    stages_[unknown[i]] = ParseStageInfo(answers[i].output, unknown[i]);
-    json tools = json::object();
-    for (const auto& [tool, version] : stages_[unknown[i]].tools) {
-      const auto path = processes_.FindTool(tool);
-      tools[tool] = path ? Stamp(*path) : "none";
-    }
-    memory.entries[unknown[i]] = {{"stamp", Stamp(unknown[i])}, {"tools", tools}, {"describe", answers[i].output}};
+    StageInfo& info = stages_[unknown[i]] = ParseStageInfo(answers[i].output, unknown[i]);
+    info.programs = ProgramsOf(unknown[i], ToolsOf(info));
+    if (info.programs.at(unknown[i]) != before[i])
+      throw ToolError(unknown[i] + " was replaced while it was asked what it does; run again when its installation has ended");
+    memory.entries[unknown[i]] = {{"stamps", StampsOf(info.programs)}, {"describe", answers[i].output}};
   }
   try {
     if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));

@@ -25,7 +25,7 @@ class StageCatalog {
   int asked() const { return asked_; }  ///< programs that had to be run
 
  private:
-  std::string Stamp(const std::filesystem::path& path) const;
+  std::map<std::string, std::optional<FileStat>> ProgramsOf(const std::string& program, const std::vector<std::string>& tools) const;
   bool Recall(const std::string& program, const struct CatalogMemory& memory);
 
   Disk& disk_;

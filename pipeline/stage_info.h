@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/disk.h"
+
 namespace keypose::pipeline {
 
 enum class PortKind { kFile, kFolder, kEither };
@@ -31,6 +33,8 @@ struct StageInfo {
   std::vector<PortInfo> inputs, outputs;
   std::vector<OptionInfo> options;
   std::map<std::string, std::string> tools;  ///< external programs and the versions they report
+  /// The stage's own program and its tools as they were when they were asked; those that are missing have no stat. Not part of --describe.
+  std::map<std::string, std::optional<FileStat>> programs;
   int cores = 0;                             ///< 0: all there are
   std::int64_t memory_bytes = 0;
 

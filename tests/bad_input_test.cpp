@@ -365,5 +365,38 @@ TEST_F(FullDisk, RunSaysSoAndGoesOnWhenThereIsSpace) {
   EXPECT_EQ(again.exit_code, kOk) << again.output;
 }
 
+TEST_F(BadInput, AStageByHandRemovesNothingThatItDidNotWrite) {
+  WriteMesh(here() / "source.ply", testing::Icosphere(2));
+  WriteMesh(here() / "truth.ply", testing::Icosphere(2));
+  WriteText(here() / "notes.txt", "a week of work");
+  const std::vector<std::string> interpolate = {"interpolate", "--keys", "source.ply", "--keys", "truth.ply", "--steps", "1", "--frames"};
+  for (const char* place : {".", "..", "./"}) {
+    std::vector<std::string> arguments = interpolate;
+    arguments.emplace_back(place);
+    ExpectFault(arguments, kDisk, {"name a folder of its own"});
+    arguments.emplace_back("--overwrite");
+    ExpectFault(arguments, kDisk, {"name a folder of its own"});
+  }
+  for (const char* name : {"source.ply", "truth.ply", "notes.txt"}) EXPECT_TRUE(fs::exists(here() / name)) << name;
+
+  fs::copy(Photos(), here() / "shoot");
+  const std::string original = ReadFile(here() / "shoot/IMG_0001.jpg");
+  ExpectFault({"capture", "--photos", "shoot", "--images", "shoot"}, kDisk, {"--photos", "would be lost"});
+  ExpectFault({"capture", "--photos", "shoot", "--images", "shoot", "--overwrite"}, kDisk, {"--photos", "would be lost"});
+  EXPECT_EQ(ReadFile(here() / "shoot/IMG_0001.jpg"), original);
+
+  ExpectFault({"cleanup", "--surface", "source.ply", "--clean", "shoot", "--overwrite"}, kDisk, {"is a folder, but a file goes there"});
+  ExpectFault({"cleanup", "--surface", "source.ply", "--clean", "source.ply"}, kDisk, {"--surface", "would be lost"});
+  EXPECT_TRUE(fs::exists(here() / "shoot/IMG_0001.jpg"));
+
+  std::vector<std::string> arguments = interpolate;
+  arguments.emplace_back("frames");
+  EXPECT_EQ(Keypose(arguments).exit_code, kOk);
+  EXPECT_EQ(Keypose(arguments).exit_code, kOk) << "its own folder of before may be replaced";
+  WriteText(here() / "frames/mine.txt", "a week of work");
+  ExpectFault(arguments, kDisk, {"mine.txt", "--overwrite"});
+  EXPECT_TRUE(fs::exists(here() / "frames/mine.txt"));
+}
+
 }  // namespace
 }  // namespace keypose::tests

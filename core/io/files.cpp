@@ -40,6 +40,10 @@ void WriteFile(const fs::path& path, std::string_view text) {
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view text) {
+  std::error_code unknown;
+  const fs::file_status status = fs::status(path, unknown);
+  // /dev/stdout, a FIFO: renamed over, the device itself would be gone.
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return WriteFile(path, text);
   const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
   WriteFile(temporary, text);
   std::error_code error;

@@ -5,13 +5,14 @@
 #include <cstdio>
 
 #include "core/errors.h"
+#include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 
 namespace keypose::internal {
 namespace fs = std::filesystem;
 
-RunningStage::RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Progress* progress)
-    : spec_(spec), inputs_(std::move(inputs)), outputs_(std::move(outputs)), progress_(progress) {}
+RunningStage::RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Placing placing, Progress* progress)
+    : spec_(spec), inputs_(std::move(inputs)), outputs_(std::move(outputs)), placing_(placing), progress_(progress) {}
 
 RunningStage::~RunningStage() {
   std::error_code ignored;
@@ -38,8 +39,8 @@ fs::path RunningStage::Output(std::string_view port) {
   if (it == outputs_.end()) return {};
   Pending pending;
   pending.port = port;
-  pending.final_path = fs::absolute(it->second.front()).lexically_normal();
-  if (!pending.final_path.has_filename()) pending.final_path = pending.final_path.parent_path();
+  for (const Port& p : spec_.outputs) pending.is_folder |= p.name == port && p.kind == "folder";
+  pending.final_path = PlaceOf(it->second.front(), pending.is_folder);
   const fs::path parent = pending.final_path.parent_path();
   std::error_code error;
   fs::create_directories(parent, error);
@@ -47,8 +48,7 @@ fs::path RunningStage::Output(std::string_view port) {
   fs::create_directories(pending.temporary_folder, error);
   if (error) throw DiskError(fmt::format("{}: cannot create a folder in {}: {}", spec_.name, parent.string(), error.message()));
   pending.temporary = pending.temporary_folder / pending.final_path.filename();
-  for (const Port& p : spec_.outputs)
-    if (p.name == port && p.kind == "folder") fs::create_directories(pending.temporary);
+  if (pending.is_folder) fs::create_directories(pending.temporary);
   pending_.push_back(pending);
   return pending.temporary;
 }
@@ -72,8 +72,8 @@ void RunningStage::Report(std::string_view name, double value) {
   measurements_[std::string(name)] = std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-void RunningStage::ReportJson(std::string_view name, const std::string& json) {
-  measurements_[std::string(name)] = nlohmann::json::parse(json);
+void RunningStage::ReportJson(std::string_view name, const std::string& text) {
+  measurements_[std::string(name)] = nlohmann::json::parse(text);
 }
 
 void RunningStage::Note(const std::string& line) {
@@ -91,25 +91,42 @@ void RunningStage::Verdict(const std::string& about, const std::string& grade, c
 }
 
 void RunningStage::Commit() {
-  for (const Pending& pending : pending_)
+  for (const Pending& pending : pending_) {
     if (!fs::exists(pending.temporary))
       throw std::logic_error(fmt::format("stage {} did not write its output '{}'", spec_.name, pending.port));
-  for (const Pending& pending : pending_) {
-    std::error_code error;
-    // rename(2) does not replace a folder that has content: move the old one aside first, so that one of the two always stands.
-    fs::path aside;
-    if (fs::is_directory(pending.final_path)) {
-      aside = pending.temporary_folder / ".old";
-      fs::rename(pending.final_path, aside, error);
-    }
-    if (!error) fs::rename(pending.temporary, pending.final_path, error);
-    if (error) throw DiskError(fmt::format("{}: cannot put {} into place: {}", spec_.name, pending.final_path.string(), error.message()));
-    // Companions that a format needs, such as an OBJ's .mtl.
-    for (const auto& entry : fs::directory_iterator(pending.temporary_folder))
-      if (entry.path() != aside) fs::rename(entry.path(), pending.final_path.parent_path() / entry.path().filename(), error);
-    fs::remove_all(pending.temporary_folder, error);
+    CheckPlace(spec_, pending.final_path, pending.is_folder, placing_.overwrite);
+    if (pending.is_folder && placing_.mark) MarkFolder(pending.temporary, spec_.name);
   }
+  for (const Pending& pending : pending_) Place(pending);
   pending_.clear();
+}
+
+void RunningStage::Place(const Pending& pending) const {
+  std::error_code error;
+  const auto check = [&](const fs::path& what) {
+    if (error) throw DiskError(fmt::format("{}: cannot put {} into place: {}", spec_.name, what.string(), error.message()));
+  };
+  // rename(2) does not replace a folder that has content: move the old one aside first, so that one of the two always stands.
+  fs::path aside;
+  if (pending.is_folder && fs::is_directory(pending.final_path)) {
+    aside = pending.temporary_folder / ".old";
+    fs::rename(pending.final_path, aside, error);
+    check(pending.final_path);
+  }
+  fs::rename(pending.temporary, pending.final_path, error);
+  if (error && !aside.empty()) {
+    std::error_code ignored;
+    fs::rename(aside, pending.final_path, ignored);
+  }
+  check(pending.final_path);
+  // Companions that a format needs, such as an OBJ's .mtl.
+  for (const auto& entry : fs::directory_iterator(pending.temporary_folder)) {
+    if (entry.path() == aside) continue;
+    const fs::path companion = pending.final_path.parent_path() / entry.path().filename();
+    fs::rename(entry.path(), companion, error);
+    check(companion);
+  }
+  fs::remove_all(pending.temporary_folder, error);
 }
 
 }  // namespace keypose::internal

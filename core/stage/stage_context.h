@@ -10,10 +10,16 @@ namespace keypose::internal {
 
 using PortPaths = std::map<std::string, std::vector<std::filesystem::path>, std::less<>>;
 
+/// How outputs come to their places.
+struct Placing {
+  bool overwrite = false;  ///< folders that this stage did not write may be replaced
+  bool mark = false;       ///< folders say who wrote them, see MarkFolder; the runner's are its own, and are kept by their content alone
+};
+
 /// Outputs are written under hidden temporary folders beside their final place, and renamed by Commit.
 class RunningStage final : public StageContext {
  public:
-  RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Progress* progress);
+  RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Placing placing, Progress* progress);
   ~RunningStage() override;  ///< removes what was not committed, and the scratch folder
 
   bool Has(std::string_view port) const override;
@@ -42,9 +48,13 @@ class RunningStage final : public StageContext {
   struct Pending {
     std::string port;
     std::filesystem::path temporary_folder, temporary, final_path;
+    bool is_folder = false;
   };
+  void Place(const Pending& pending) const;
+
   const StageSpec& spec_;
   PortPaths inputs_, outputs_;
+  Placing placing_;
   Progress* progress_;
   std::vector<Pending> pending_;
   std::filesystem::path scratch_;

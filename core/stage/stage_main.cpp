@@ -15,6 +15,7 @@
 
 #include "core/io/files.h"
 #include "core/parallel.h"
+#include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
 
@@ -30,8 +31,12 @@ void OnSignal(int) { g_interrupted = true; }
 void CatchSignals() {
   struct sigaction action {};
   action.sa_handler = OnSignal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction inherited {};
+    // nohup, and a shell's `&`: who starts us so wants us to go on.
+    if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
   signal(SIGPIPE, SIG_IGN);
 }
 
@@ -146,6 +151,7 @@ struct Arguments {
   fs::path report;
   const BoundAction* action = nullptr;  // to do instead of the run
   fs::path action_file;
+  bool overwrite = false;
 };
 
 /// Parses argv. @return an exit code when the run ends here (help, describe, usage error)
@@ -161,6 +167,7 @@ class CommandLine {
     AddOptions();
     const char* rest = "Report and help";
     if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group(rest)->type_name("FILE");
+    app_.add_flag("--overwrite", overwrite_, "replace folders of outputs even if they hold what this stage did not write")->group(rest);
     app_.set_help_flag("-h,--help", "print this help")->group(rest);
     app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version, "print the stage's version")->group(rest);
     app_.add_flag("--describe", describe_, "print ports and options as JSON")->group(rest);
@@ -185,6 +192,7 @@ class CommandLine {
     if (TakeAction(arguments)) return std::nullopt;
     TakeReportFile();
     arguments.report = report_;
+    arguments.overwrite = overwrite_;
     Bind(spec_.inputs, true, arguments.inputs);
     Bind(spec_.outputs, false, arguments.outputs);
     CheckOptions();
@@ -288,7 +296,7 @@ class CommandLine {
   std::map<std::string, std::vector<std::string>> paths_;
   std::map<std::string, std::string> action_files_;
   std::string report_;
-  bool describe_ = false;
+  bool describe_ = false, overwrite_ = false;
   int common_added_ = 0;
 };
 
@@ -324,9 +332,10 @@ int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& option
     arguments.action->run(arguments.action_file);
     return 0;
   }
+  CheckOutputs(spec, arguments.inputs, arguments.outputs, arguments.report, arguments.overwrite);
   CatchSignals();
   StageProgress progress(spec.name);
-  RunningStage stage(spec, arguments.inputs, arguments.outputs, &progress);
+  RunningStage stage(spec, arguments.inputs, arguments.outputs, {arguments.overwrite, !std::getenv("KEYPOSE_PROGRESS_FD")}, &progress);
   run(stage);
   if (g_interrupted) throw Cancelled();
   stage.Commit();

@@ -90,6 +90,10 @@ Finished RunToEnd(const std::string& path, const std::vector<std::string>& argum
   return finished;
 }
 
+std::string HowItEnded(int status) {
+  return WIFSIGNALED(status) ? fmt::format("was killed by signal {}", WTERMSIG(status)) : fmt::format("failed with exit code {}", WEXITSTATUS(status));
+}
+
 std::string LastLines(const std::string& text, int count) {
   std::size_t at = text.size();
   while (at > 0 && text[at - 1] == '\n') --at;
@@ -114,10 +118,8 @@ std::string RunTool(StageContext& stage, const std::string& program, const std::
   Finished finished = RunToEnd(path, arguments, environment, cancelled, true);
   if (finished.interrupted || cancelled()) throw Cancelled();
   if (!WIFEXITED(finished.status) || WEXITSTATUS(finished.status) != 0) {
-    const std::string how = WIFSIGNALED(finished.status) ? fmt::format("was killed by signal {}", WTERMSIG(finished.status))
-                                                         : fmt::format("failed with exit code {}", WEXITSTATUS(finished.status));
-    throw ToolError(fmt::format("{} {} {}; its last lines:\n{}", program, arguments.empty() ? "" : arguments.front(), how,
-                                LastLines(finished.output, 12)));
+    throw ToolError(fmt::format("{} {} {}; its last lines:\n{}", program, arguments.empty() ? "" : arguments.front(),
+                                HowItEnded(finished.status), LastLines(finished.output, 12)));
   }
   return std::move(finished.output);
 }
@@ -129,10 +131,15 @@ std::string ToolVersion(const std::string& program) {
   const std::string flag = program == "colmap" ? "help" : "--version";
   const Finished finished = RunToEnd(
       path, {flag}, {"QT_QPA_PLATFORM=offscreen"}, [] { return false; }, false);
+  // What a program that failed says is not its version: it would enter fingerprints, and all that hangs on the tool would be made anew twice.
+  if (!WIFEXITED(finished.status) || WEXITSTATUS(finished.status) != 0)
+    throw ToolError(fmt::format("{} {} failed, so its version is not known ({}); its last lines:\n{}\nmend or install {} anew, or run again if the "
+                                "machine was short of memory",
+                                path, flag, HowItEnded(finished.status), LastLines(finished.output, 6), program));
   std::istringstream lines(finished.output);
   for (std::string line; std::getline(lines, line);)
     if (line.find_first_not_of(" \t\r-") != std::string::npos) return line.substr(0, 200);
-  return "unknown";
+  throw ToolError(fmt::format("{} {} says nothing, so its version is not known; install {} anew", path, flag, program));
 }
 
 }  // namespace keypose

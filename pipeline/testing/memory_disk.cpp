@@ -25,9 +25,9 @@ void MemoryDisk::CheckSpace(const Path& path) const {
 std::optional<FileStat> MemoryDisk::Stat(const Path& path) const {
   const std::string key = Key(path);
   if (const auto it = files_.find(key); it != files_.end()) {
-    return FileStat{false, it->second.text.size(), it->second.mtime_ns, it->second.inode};
+    return FileStat{false, it->second.text.size(), it->second.mtime_ns, it->second.inode, it->second.mtime_ns};
   }
-  if (folders_.contains(key)) return FileStat{true, 0, 0, 0};
+  if (folders_.contains(key)) return FileStat{true, 0, 0, 0, 0};
   return std::nullopt;
 }
 
@@ -108,6 +108,8 @@ void MemoryDisk::Remove(const Path& path) {
   std::erase_if(files_, [&](const auto& file) { return Below(file.first, key); });
   std::erase_if(folders_, [&](const std::string& name) { return name == key || Below(name, key); });
 }
+
+void MemoryDisk::Rot(const Path& path) { files_.at(Key(path)).text.front() ^= 1; }
 
 void MemoryDisk::Touch(const Path& path) { files_.at(Key(path)).mtime_ns = ++time_ns_; }
 

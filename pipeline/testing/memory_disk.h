@@ -13,6 +13,7 @@ namespace keypose::pipeline {
 class MemoryDisk final : public Disk {
  public:
   std::optional<FileStat> Stat(const Path& path) const override;
+  bool LeadsOutside(const Path&, const Path&) const override { return false; }
   std::vector<std::string> FilesBelow(const Path& folder) const override;
   std::vector<std::string> Children(const Path& folder) const override;
   std::string Read(const Path& path) const override;
@@ -26,6 +27,8 @@ class MemoryDisk final : public Disk {
 
   /// A new time for a file, same content.
   void Touch(const Path& path);
+  /// What an ageing disk does: another bit, and no word of it.
+  void Rot(const Path& path);
   /// Every write from now on fails as on a full disk.
   void SetFull(bool full) { full_ = full; }
   int hashed() const { return hashed_; }  ///< files that were read for their hash

@@ -1,0 +1,18 @@
+#include "core/file_names.h"
+
+namespace keypose {
+
+bool IsOneName(std::string_view name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string_view::npos && name.find('\0') == std::string_view::npos;
+}
+
+bool StaysBelow(std::string_view path) {
+  for (;;) {
+    const std::size_t slash = path.find('/');
+    if (!IsOneName(path.substr(0, slash))) return false;
+    if (slash == std::string_view::npos) return true;
+    path.remove_prefix(slash + 1);
+  }
+}
+
+}  // namespace keypose
