@@ -119,7 +119,7 @@ Forecast Builder::MakeForecast() const {
     const Step& step = steps[static_cast<std::size_t>(i)];
     Expected& expected = forecast.steps[step.id];
     expected.threads = std::max(1, limits_.cores / side_by_side[step.rule]);
-    if (step.info.cores > 0) expected.threads = std::min(expected.threads, step.info.cores);
+    if (step.info->cores > 0) expected.threads = std::min(expected.threads, step.info->cores);
     for (const int need : step.needs) expected.needs.push_back(steps[static_cast<std::size_t>(need)].id);
     const auto sibling = of_rule.find(step.rule);
     expected.measured = known(i) || sibling != of_rule.end();
@@ -187,7 +187,7 @@ std::int64_t Builder::MemoryOf(int step) const {
   const StepPlan& plan = plan_[step];
   // What it took last time, and some room, is better than what it says of itself.
   if (plan.last && plan.last->peak_bytes > 0) return plan.last->peak_bytes + plan.last->peak_bytes / 4;
-  return plan_.graph().steps[static_cast<std::size_t>(step)].info.memory_bytes;
+  return plan_.graph().steps[static_cast<std::size_t>(step)].info->memory_bytes;
 }
 
 bool Builder::MayStart(int step, std::int64_t memory) const {
@@ -207,7 +207,7 @@ bool Builder::MayStart(int step, std::int64_t memory) const {
 int Builder::ThreadsFor(int step, int ready) const {
   int free = limits_.cores;
   for (const auto& [id, running] : running_) free -= running.threads;
-  const int usable = plan_.graph().steps[static_cast<std::size_t>(step)].info.cores;
+  const int usable = plan_.graph().steps[static_cast<std::size_t>(step)].info->cores;
   const int share = std::max(1, free / std::max(1, ready));
   return usable > 0 ? std::min(usable, share) : share;
 }
@@ -263,7 +263,7 @@ std::vector<std::string> Builder::ArgumentsOf(int step) {
       for (const fs::path& path : PathsOf(flow, port, step)) add(port.port, path.string());
     }
   }
-  for (const PortInfo& port : what.info.outputs) add(port.name, (made / port.file).string());
+  for (const PortInfo& port : what.info->outputs) add(port.name, (made / port.file).string());
   for (const auto& [name, value] : what.options) add(name, value);
   add("report", (made / "report.json").string());
   return arguments;
@@ -325,7 +325,7 @@ bool Builder::WasSpoilt(const Running& running) {
 void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
   const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
   const double seconds = clock_.Now() - running.begin;
-  Artifact artifact = workshop_.store.Commit(WorkFolder(running.step) / "made", what.info, plan_[running.step].recipe, seconds, peak_bytes);
+  Artifact artifact = workshop_.store.Commit(WorkFolder(running.step) / "made", *what.info, plan_[running.step].recipe, seconds, peak_bytes);
   workshop_.disk.Remove(WorkFolder(running.step));
   workshop_.disk.Remove(FailedFolder(running.step));
   plan_.SetDone(running.step, std::move(artifact), true);

@@ -38,10 +38,12 @@ void CheckPose(const PipelineFile& file, const Setting& pose, const std::string&
 
 /// Template first, then as the timeline has them, then as the file has them.
 std::vector<std::string> PoseOrder(const PipelineFile& file, const std::string& template_pose) {
-  std::vector<std::string> order = {template_pose};
+  std::vector<std::string> order;
+  std::set<std::string> seen;
   const auto add = [&](const std::string& pose) {
-    if (std::find(order.begin(), order.end(), pose) == order.end()) order.push_back(pose);
+    if (seen.insert(pose).second) order.push_back(pose);
   };
+  add(template_pose);
   for (const TimelineKey& key : file.timeline) {
     CheckPose(file, key.pose, "timeline pose");
     add(key.pose.text);
@@ -122,7 +124,13 @@ class GraphBuilder {
       const fs::path folder = places_.project / OnDisk(disk_, places_.project, PhotographsOf(pose));
       folders.push_back({pose.name, folder.lexically_normal()});
       if (!folders.back().folder.has_filename()) folders.back().folder = folders.back().folder.parent_path();
-      if (const std::string fault = SharedPhotographs(folders); !fault.empty()) Fail(pose.where, fault);
+    }
+    if (SharedPhotographs(folders).empty()) return;
+    // The line to blame is the first pose that shares with one before it.
+    std::vector<PhotoFolder> before;
+    for (std::size_t i = 0; i < folders.size(); ++i) {
+      before.push_back(folders[i]);
+      if (const std::string fault = SharedPhotographs(before); !fault.empty()) Fail(file_.poses[i].where, fault);
     }
   }
 
@@ -141,7 +149,7 @@ class GraphBuilder {
     step.source_pose = source_pose;
     step.id = pose.empty() ? rule.name : rule.name + "/" + pose;
     step.program = program_of_.at(rule.name);
-    step.info = catalog_.Get(step.program);
+    step.info = &catalog_.Get(step.program);
     step.cost = rule.cost;
     step.where = rule.where;
     graph_.steps.push_back(std::move(step));
@@ -180,14 +188,14 @@ class GraphBuilder {
 
   void SetOption(Step* step, const std::string& name, const std::string& text, const Where& where) const {
     try {
-      step->options[name] = CanonicalOption(OptionOf(step->info, name), OptionText(text));
+      step->options[name] = CanonicalOption(OptionOf(*step->info, name), OptionText(text));
     } catch (const UsageError& error) {
       Fail(where, fmt::format("step '{}': {}", step->rule, error.what()));
     }
   }
 
   void SetOptions(const StepRule& rule, Step* step) const {
-    for (const OptionInfo& option : step->info.options) step->options[option.name] = option.default_value;
+    for (const OptionInfo& option : step->info->options) step->options[option.name] = option.default_value;
     const auto apply = [&](const OptionSettings& settings) {
       for (const auto& [name, value] : settings) SetOption(step, name, value.text, value.where);
     };
@@ -199,7 +207,7 @@ class GraphBuilder {
     for (const Override& over : overrides_) {
       if (over.step != step->rule || (!over.pose.empty() && over.pose != step->pose)) continue;
       try {
-        step->options[over.option] = CanonicalOption(OptionOf(step->info, over.option), over.value);
+        step->options[over.option] = CanonicalOption(OptionOf(*step->info, over.option), over.value);
       } catch (const UsageError& error) {
         throw UsageError(fmt::format("--set {}.{}={}: {}", over.step, over.option, over.value, error.what()));
       }
@@ -233,11 +241,11 @@ class GraphBuilder {
       result.port = port_text.substr(0, slash);
       if (slash != std::string::npos) result.inside = port_text.substr(slash + 1);
       result.where = path_text.where;
-      const PortInfo* port = step->info.FindOutput(result.port);
+      const PortInfo* port = step->info->FindOutput(result.port);
       std::vector<std::string> known;
-      for (const PortInfo& output : step->info.outputs) known.push_back(output.name);
+      for (const PortInfo& output : step->info->outputs) known.push_back(output.name);
       if (!port)
-        Fail(result.where, fmt::format("step '{}': stage '{}' has no output '{}'{}", step->rule, step->info.stage, result.port,
+        Fail(result.where, fmt::format("step '{}': stage '{}' has no output '{}'{}", step->rule, step->info->stage, result.port,
                                        Suggestion(result.port, known)));
       const std::string path = WithNames(path_text.text, *step);
       result.path = fs::path(path).lexically_normal();
@@ -255,14 +263,13 @@ class GraphBuilder {
     const auto contains = [](const fs::path& outer, const fs::path& inner) {
       return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
     };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        const fs::path &a = all[i].second->path, &b = all[j].second->path;
-        if (!contains(a, b) && !contains(b, a)) continue;
-        Fail(all[i].second->where,
-             fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path",
-                         all[j].first->id, all[i].first->id, a.generic_string(), all[j].second->where.Text()));
-      }
+    // In the order of paths, what lies inside a folder comes right after it.
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second->path < b.second->path; });
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      const auto &[first, outer] = all[i - 1], &[second, inner] = all[i];
+      if (!contains(outer->path, inner->path)) continue;
+      Fail(inner->where, fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path", first->id,
+                                     second->id, inner->path.generic_string(), outer->where.Text()));
     }
   }
 
@@ -324,14 +331,17 @@ class GraphBuilder {
 std::vector<int> Graph::Find(const std::string& text) const {
   const std::string selector = Composed(text);
   std::vector<int> found;
-  std::vector<std::string> known;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (steps[i].id == selector || steps[i].rule == selector) found.push_back(static_cast<int>(i));
-    const std::string& one = selector.find('/') == std::string::npos ? steps[i].rule : steps[i].id;
-    if (std::find(known.begin(), known.end(), one) == known.end()) known.push_back(one);
   }
-  if (found.empty()) throw UsageError(fmt::format("there is no step '{}' in this project{}", selector, Suggestion(selector, known)));
-  return found;
+  if (!found.empty()) return found;
+  std::vector<std::string> known;
+  std::set<std::string> seen;
+  for (const Step& step : steps) {
+    const std::string& one = selector.find('/') == std::string::npos ? step.rule : step.id;
+    if (seen.insert(one).second) known.push_back(one);
+  }
+  throw UsageError(fmt::format("there is no step '{}' in this project{}", selector, Suggestion(selector, known)));
 }
 
 Override ParseOverride(const std::string& text) {

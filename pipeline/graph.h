@@ -53,7 +53,7 @@ struct Step {
   std::string pose;         ///< empty for steps of the animation and the project
   std::string source_pose;  ///< of a pair: the template
   std::filesystem::path program;
-  StageInfo info;
+  const StageInfo* info = nullptr;  ///< the catalog's: a project of a thousand poses has thirteen thousand steps, and a dozen stages
   std::vector<PortFlows> inputs;               ///< in the stage's order of ports
   std::map<std::string, std::string> options;  ///< all of them, canonical
   std::vector<NamedResult> results;

@@ -49,14 +49,14 @@ Stamps InputWatch::Look(int step) const {
   for (const PortFlows& port : what.inputs)
     for (const Flow& flow : port.flows)
       if (flow.kind == Flow::Kind::kSource) AddAllBelow(workshop_.disk, plan_.SourceOf(flow), &stamps);
-  for (const auto& [program, stat] : what.info.programs) Add(workshop_.disk, program, &stamps);
+  for (const auto& [program, stat] : what.info->programs) Add(workshop_.disk, program, &stamps);
   return stamps;
 }
 
 std::string InputWatch::Changed(int step, const Stamps& before) const {
   const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
   if (std::string difference = Difference(before, Look(step)); !difference.empty()) return difference;
-  for (const auto& [program, stat] : what.info.programs)
+  for (const auto& [program, stat] : what.info->programs)
     if (workshop_.disk.Stat(program) != stat) return program + " was replaced";
   const Recipe& recipe = plan_[step].recipe;
   std::size_t input = 0;

@@ -340,8 +340,9 @@ const StepRule* PipelineFile::FindStep(const std::string& step) const {
 }
 
 const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
-  const auto it = std::find_if(poses.begin(), poses.end(), [&](const PoseRule& rule) { return rule.name == pose; });
-  return it == poses.end() ? nullptr : &*it;
+  for (; indexed_ < poses.size(); ++indexed_) pose_index_.emplace(poses[indexed_].name, indexed_);
+  const auto it = pose_index_.find(pose);
+  return it == pose_index_.end() ? nullptr : &poses[it->second];
 }
 
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace keypose::pipeline {
@@ -95,6 +96,10 @@ struct PipelineFile {
 
   const StepRule* FindStep(const std::string& step) const;
   const PoseRule* FindPose(const std::string& pose) const;
+
+ private:
+  mutable std::unordered_map<std::string, std::size_t> pose_index_;  ///< of the first `indexed_` poses
+  mutable std::size_t indexed_ = 0;
 };
 
 /// @param file  how messages name it

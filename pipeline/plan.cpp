@@ -151,7 +151,7 @@ bool Plan::TakeLastMade(int i) {
 
 Recipe Plan::MakeRecipe(int i) const {
   const Step& step = graph_.steps[static_cast<std::size_t>(i)];
-  Recipe recipe{step.info.stage, step.info.version, step.info.tools, step.options, {}};
+  Recipe recipe{step.info->stage, step.info->version, step.info->tools, step.options, {}};
   for (const PortFlows& port : step.inputs) {
     for (const Flow& flow : port.flows) recipe.inputs.push_back({port.port, flow.origin, ContentOf(flow, i)});
   }
@@ -257,7 +257,7 @@ std::string Plan::RunJson(int i) const {
     }
     steps.push_back({{"id", step.id},
                      {"step", step.rule},
-                     {"stage", step.info.stage},
+                     {"stage", step.info->stage},
                      {"pose", step.pose},
                      {"source_pose", step.source_pose},
                      {"status", "done"},

@@ -151,7 +151,7 @@ ExitCode GraphCommand(const std::string& folder, bool dot) {
   Session session = Open(folder);
   if (dot) fmt::print("digraph keypose {{\n  rankdir=LR;\n  node [shape=box];\n");
   for (const Step& step : session.graph().steps) {
-    if (!dot) fmt::print("{} ({} {})\n", step.id, step.info.stage, step.info.version);
+    if (!dot) fmt::print("{} ({} {})\n", step.id, step.info->stage, step.info->version);
     if (dot) fmt::print("  \"{}\";\n", step.id);
     for (const PortFlows& port : step.inputs) {
       for (const Flow& flow : port.flows) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 
 #include "core/errors.h"
 #include "pipeline/text.h"
@@ -42,19 +43,21 @@ std::string SharedPhotographs(const std::vector<PhotoFolder>& folders) {
   const auto inside = [](const fs::path& inner, const fs::path& outer) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
   };
-  for (std::size_t i = 0; i < folders.size(); ++i) {
-    for (std::size_t j = 0; j < folders.size(); ++j) {
-      const PhotoFolder &a = folders[i], &b = folders[j];
-      if (i == j || !inside(a.folder, b.folder)) continue;
-      if (a.folder == b.folder) {
-        return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own",
-                           folders[std::min(i, j)].pose, folders[std::max(i, j)].pose, a.folder.string());
-      }
-      return fmt::format(
-          "the photographs of pose '{}', {}, lie inside the folder of pose '{}', {}; name the folder that has only the "
-          "photographs of '{}'",
-          a.pose, a.folder.string(), b.pose, b.folder.string(), b.pose);
+  // In the order of paths, what lies inside a folder comes right after it.
+  std::vector<std::size_t> order(folders.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return folders[i].folder < folders[j].folder; });
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const PhotoFolder &b = folders[order[k - 1]], &a = folders[order[k]];
+    if (!inside(a.folder, b.folder)) continue;
+    if (a.folder == b.folder) {
+      return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own", b.pose, a.pose,
+                         a.folder.string());
     }
+    return fmt::format(
+        "the photographs of pose '{}', {}, lie inside the folder of pose '{}', {}; name the folder that has only the "
+        "photographs of '{}'",
+        a.pose, a.folder.string(), b.pose, b.folder.string(), b.pose);
   }
   return "";
 }

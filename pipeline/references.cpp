@@ -35,25 +35,27 @@ Flow References::Source(const Setting& path) const {
 }
 
 References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk)
-    : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {}
+    : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {
+  for (std::size_t i = 0; i < graph.steps.size(); ++i) index_[graph.steps[i].id] = static_cast<int>(i);
+}
 
 void References::Connect(const StepRule& rule, int index, Step* step) const {
   std::vector<std::string> known;
-  for (const PortInfo& port : step->info.inputs) known.push_back(port.name);
+  for (const PortInfo& port : step->info->inputs) known.push_back(port.name);
   for (const auto& [port, input] : rule.inputs) {
-    if (!step->info.FindInput(port)) {
+    if (!step->info->FindInput(port)) {
       Refuse(input.where,
-           fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name, step->info.stage, port, Suggestion(port, known)));
+           fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name, step->info->stage, port, Suggestion(port, known)));
     }
   }
-  for (const PortInfo& port : step->info.inputs) {
+  for (const PortInfo& port : step->info->inputs) {
     PortFlows result{port.name, port.Kind(), {}};
     const auto it = rule.inputs.find(port.name);
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
     if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty()) step->warnings = LandmarkWarnings(*step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
-      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info.stage));
+      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info->stage));
     if (result.flows.size() > 1 && !port.repeatable)
       Refuse(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id, port.name, result.flows.size()));
     if (result.flows.empty()) continue;
@@ -93,7 +95,7 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
 void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
   const bool wants_folder = port.kind == PortKind::kFolder;
   bool folder = wants_folder;
-  if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info.FindOutput(flow.port)->kind == "folder";
+  if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info->FindOutput(flow.port)->kind == "folder";
   if (flow.kind == Flow::Kind::kTimeline) folder = false;
   if (port.kind == PortKind::kEither || folder == wants_folder) return;
   Refuse(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
@@ -237,18 +239,19 @@ std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step
   std::vector<Flow> flows;
   for (const std::string& pose : SelectedPoses(reference, selector, *rule->fan_out, step)) {
     const std::string id = pose.empty() ? name : name + "/" + pose;
-    const auto it = std::find_if(graph_.steps.begin(), graph_.steps.end(), [&](const Step& other) { return other.id == id; });
-    if (it == graph_.steps.end())
+    const auto it = index_.find(id);
+    if (it == index_.end())
       Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id, reference.text, id));
-    std::vector<std::string> outputs;
-    for (const PortInfo& output : it->info.outputs) outputs.push_back(output.name);
-    if (!it->info.FindOutput(port)) {
+    const StageInfo& info = *graph_.steps[static_cast<std::size_t>(it->second)].info;
+    if (!info.FindOutput(port)) {
+      std::vector<std::string> outputs;
+      for (const PortInfo& output : info.outputs) outputs.push_back(output.name);
       Refuse(reference.where,
-           fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule, it->info.stage, port, Suggestion(port, outputs)));
+           fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule, info.stage, port, Suggestion(port, outputs)));
     }
     Flow flow;
     flow.kind = Flow::Kind::kOutput;
-    flow.step = static_cast<int>(it - graph_.steps.begin());
+    flow.step = it->second;
     flow.port = port;
     flow.origin = id + "." + port;
     flow.where = reference.where;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <unordered_map>
 
 #include "pipeline/graph.h"
 
@@ -36,6 +38,7 @@ class References {
   const Graph& graph_;
   std::filesystem::path project_;
   const Disk& disk_;
+  std::unordered_map<std::string, int> index_;  ///< of steps, by id
 };
 
 }  // namespace keypose::pipeline

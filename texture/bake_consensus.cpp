@@ -162,6 +162,7 @@ void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view, c
   out->hidden = Believed(blocks, bad, all, options.least_hidden * static_cast<double>(of_view.size()), &held);
   out->block_px = side;
   out->hidden_share = held / static_cast<double>(of_view.size());
+  out->told = !out->hidden.empty() && out->hidden_share >= options.told_hidden;
 }
 
 /// The middle of the half of the values that lie closest together: the majority's, where a minority lies all to one side.

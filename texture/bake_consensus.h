@@ -17,6 +17,7 @@ struct ConsensusOptions {
   double block = 0.035;        ///< side of the squares that are hidden together, over the picture's longer side
   double contrary_block = 0.6; ///< share of a square's places that contradict the others, from which on it shows something else
   double least_hidden = 0.012; ///< share of a view's places that hidden squares must hold to be believed
+  double told_hidden = 0.02;   ///< share from which on a person is told: less is a highlight or fur in the light as often as a hand
   double most_contrary = 0.4;  ///< share of contrary places, from which on a view is not believed at all
   double light = 0.3;          ///< change of log brightness over a unit of the normal's turn, by which a view's lamp stands elsewhere
   double other_light_say = 0.15;  ///< what views under another lamp weigh
@@ -30,6 +31,7 @@ struct ViewColors {
   Image8 hidden;           ///< one pixel a square: 255 where something else is before the figure; empty: nowhere
   double block_px = 0;     ///< side of a square
   double hidden_share = 0; ///< of its places
+  bool told = false;       ///< so much is hidden that a person should look at the photograph
   Eigen::Vector2d light = Eigen::Vector2d::Zero();  ///< growth of log brightness with the normal's part to the right and down
   bool other_light = false;                         ///< its lamp stands elsewhere than most views' does
 };

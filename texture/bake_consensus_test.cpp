@@ -58,6 +58,7 @@ TEST(JudgeColors, PhotographsOfOneFigureUnderOneLampAreAllBelieved) {
     EXPECT_FALSE(colors.distrusted);
     EXPECT_FALSE(colors.other_light);
     EXPECT_TRUE(colors.hidden.empty());
+    EXPECT_FALSE(colors.told);
     EXPECT_LT(colors.contrary, 0.02);
   }
 }
@@ -69,6 +70,7 @@ TEST(JudgeColors, WhatCoversTheFigureInOnePhotographIsFoundAndNotPainted) {
   const BakeResult covered = BakeAll(set.mesh, set.views, set.photographs, Quick());
   for (std::size_t v = 0; v < set.views.size(); ++v) EXPECT_EQ(covered.colors[v].hidden.empty(), v != 3) << v;
   EXPECT_FALSE(covered.colors[3].distrusted);
+  EXPECT_TRUE(covered.colors[3].told);
   // 51 dB without the disc; one of the views that showed the place is gone, and the squares leave some of the disc's rim to the votes.
   EXPECT_GT(PsnrAgainst(set.mesh, covered.texture, Smooth), 45);
 }

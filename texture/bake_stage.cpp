@@ -18,7 +18,7 @@ namespace {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "bake";
-  spec.version = "7";
+  spec.version = "8";
   spec.summary = "Paints a pose's photographs into the texture of its mesh.";
   spec.inputs = {{"mesh", "file", "mesh with texture coordinates, in the model's frame", ""},
                  {"images", "folder", "photographs and masks, as capture makes them", ""},
@@ -124,6 +124,7 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
                  "; it was left out of the texture. It shows something else, or its camera is wrong: shoot it again, or delete it");
     } else if (!c.hidden.empty()) {
       hidden.push_back({{"name", name}, {"share", c.hidden_share}});
+      if (!c.told) continue;
       stage.Warn("something lies before the figure in " + name + " (a hand, a tool, a lamp's mirror image): " + Percent(c.hidden_share) +
                  " of what it shows has other colours than the other photographs show there, and was left out of the texture; "
                  "look at it, and shoot it again without");
