@@ -73,6 +73,8 @@ CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options, const 
   return keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, ground);
 } catch (const keypose::InputError& error) {
   throw keypose::InputError(stage.Input("surface").string() + ": " + error.what());
+} catch (const keypose::QualityError& error) {
+  throw keypose::QualityError(stage.Input("surface").string() + ": " + error.what());
 }
 
 void Run(StageContext& stage, const CleanupOptions& options) {

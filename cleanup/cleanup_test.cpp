@@ -333,6 +333,27 @@ TEST(MakeClosedManifold, FacesWithoutDistinctCornersThrowInputError) {
   EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
 }
 
+TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
+  const auto message = [](const Mesh& mesh) -> std::string {
+    try {
+      MakeClosedManifold(mesh, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Mesh doubled = MakeIcosphere(1);
+  doubled.faces.col(1) = doubled.faces.col(0);
+  const std::string corner = std::to_string(doubled.faces(0, 0));
+  EXPECT_NE(message(doubled).find("face 0 with its vertices " + corner + " and " + corner), std::string::npos) << message(doubled);
+  Mesh needle = MakeIcosphere(3);  // its third axis in another unit; the wrap took a minute for its like
+  needle.points.col(2) *= 1e7;
+  EXPECT_NE(message(needle).find("on a line"), std::string::npos) << message(needle);
+  Mesh far = MakeIcosphere(1);
+  far.points(5, 1) = 1e30;
+  EXPECT_NE(message(far).find("vertex 5"), std::string::npos) << message(far);
+}
+
 TEST(MakeClosedManifold, WithoutTheWrapATangleIsAQualityError) {
   const Mesh pair = Together(MakeIcosphere(3), Moved(MakeIcosphere(3), {0.05, 0, 0}));
   CleanupOptions options = Faces(3000);
