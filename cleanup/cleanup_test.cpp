@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "cleanup/components.h"
 #include "cleanup/damage.h"
+#include "cleanup/holes.h"
 #include "cleanup/intersections.h"
 #include "cleanup/soup.h"
 #include "cleanup/testing_damage.h"
@@ -331,6 +333,26 @@ TEST(MakeClosedManifold, FacesWithoutDistinctCornersThrowInputError) {
   Mesh mesh = MakeIcosphere(1);
   mesh.faces.col(1) = mesh.faces.col(0);
   EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
+}
+
+TEST(FillHoles, RimWithCornersBehindEachOtherIsFilled) {
+  // CGAL looks at this rim along y, where its first corner lies behind its last one.
+  std::vector<Eigen::RowVector3d> rim = {{-1, 0, 0}, {-1, 1, 3}, {1, 0, 0}, {-1, 1, 0}};
+  for (int turn = 0; turn < 8; ++turn) {
+    std::rotate(rim.begin(), rim.begin() + (turn % 2), rim.end());
+    std::reverse(rim.begin(), rim.end());
+    Mesh cone;
+    cone.points.resize(5, 3);
+    cone.faces.resize(4, 3);
+    cone.points.row(4) << 0.3, -7, 5;
+    for (int k = 0; k < 4; ++k) {
+      cone.points.row(k) = rim[static_cast<std::size_t>(k)];
+      cone.faces.row(k) << (k + 1) % 4, k, 4;
+    }
+    const HolesResult result = FillHoles(cone, nullptr);
+    EXPECT_EQ(result.filled, 1);
+    EXPECT_EQ(CheckClosed(result.mesh).bad_edges, 0);
+  }
 }
 
 TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
