@@ -15,6 +15,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_kind.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace keypose {
@@ -65,6 +66,14 @@ void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
   if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.nchannels > kMostChannels)
     throw InputError("image " + path.string() + " is not a flat picture of 1 to 4 channels (depth " + std::to_string(spec.depth) + ", " +
                      std::to_string(spec.nchannels) + " channels); save it as JPEG or PNG");
+}
+
+/// Twice the pixels as they are read: while they are turned or get other channels, there are two. Small pictures are not worth the question.
+void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
+  constexpr std::int64_t kSmall = 64 << 20;
+  const std::int64_t bytes = std::int64_t{2} * spec.width * spec.height * std::max(3, spec.nchannels);
+  if (bytes > kSmall)
+    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels)");
 }
 
 /// Of the kind that its bytes say and of no other: the library itself would take any file to whichever of its readers likes it, and some of
@@ -184,6 +193,7 @@ ImageInfo ReadImageInfo(const fs::path& path) {
 Image8 ReadImage(const fs::path& path, int channels) try {
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
+  RequireMemoryFor(path, spec);
   Image8 raw(spec.width, spec.height, spec.nchannels);
   const bool complete = input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
   // libjpeg fills what is missing with grey and only warns.
