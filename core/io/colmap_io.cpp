@@ -255,11 +255,11 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
 }  // namespace
 
 void RequireUsableCamera(const Camera& camera, const std::string& where) {
-  constexpr double kMost = 1e7;  // pixels, and far more than any lens distorts
+  constexpr double kMost = 1e7, kLeastFocal = 1e-2;  // pixels, and far more than any lens distorts
   const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2};
   const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for what is no number
-  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > 0) || !(camera.fy > 0))
-    throw InputError(where + " has a focal length, centre or distortion that no lens has (not finite, or beyond 1e7); it is damaged: run sfm "
+  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) || !(camera.fy > kLeastFocal))
+    throw InputError(where + " has a focal length, centre or distortion that no lens has (not finite, 0, or beyond 1e7); it is damaged: run sfm "
                              "again");
   if (camera.width < 1 || camera.height < 1 || std::int64_t{camera.width} * camera.height > kMostPixels)
     throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +

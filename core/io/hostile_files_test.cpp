@@ -269,7 +269,8 @@ TEST_F(HostileModel, CamerasAndPosesThatCannotBeAreInputErrors) {
   EXPECT_EQ(ReadColmapModel(model(good_camera, good_pose, "0 0 0")).views.size(), 1u);
   for (const char* bad : {"640 480 0 500 320 240 0 0 0 0", "640 480 1e300 500 320 240 0 0 0 0", "640 480 500 500 320 240 1e30 0 0 0",
                           "0 480 500 500 320 240 0 0 0 0", "4294967297 480 500 500 320 240 0 0 0 0", "60000 60000 500 500 320 240 0 0 0 0",
-                          "640 480 -500 500 320 240 0 0 0 0", "640 480 nan 500 320 240 0 0 0 0"})
+                          "640 480 -500 500 320 240 0 0 0 0", "640 480 500 1e-300 320 240 0 0 0 0",
+                          "640 480 nan 500 320 240 0 0 0 0"})
     Message<InputError>("cameras.txt", [&] { ReadColmapModel(model(bad, good_pose, "0 0 0")); });
   for (const char* bad : {"0 0 0 0 0 0 3", "1 0 0 0 0 0 1e200", "nan 0 0 0 0 0 3", "1e200 0 0 0 0 0 3"})
     Message<InputError>("images.txt", [&] { ReadColmapModel(model(good_camera, bad, "0 0 0")); });

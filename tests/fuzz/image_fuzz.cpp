@@ -1,5 +1,5 @@
 // Photographs of all kinds, by content.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/image_io.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,5 +1,5 @@
 // Picks (JSON, MeshLab) and pairs of landmarks (JSON, text).
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/landmarks_io.h"
 #include "core/testing_shapes.h"
 

@@ -1,5 +1,5 @@
 // Regions of a timeline that are bound to a mesh.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/regions_io.h"
 #include "core/testing_shapes.h"
 

@@ -1,5 +1,5 @@
 // PLY point clouds.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/mesh_io.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

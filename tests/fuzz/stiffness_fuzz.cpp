@@ -1,5 +1,5 @@
 // Stiffness as text and as JSON that is bound to its mesh.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/stiffness_io.h"
 #include "core/testing_shapes.h"
 

@@ -1,5 +1,5 @@
 // Meshes of all kinds, by content.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
 

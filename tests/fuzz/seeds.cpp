@@ -1,7 +1,7 @@
 // Writes one folder of small valid files for each fuzz program: what Keypose's own writers make, and what people write by hand.
 #include <iostream>
 
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"

@@ -1,5 +1,5 @@
 // A COLMAP model, text or binary: cameras, images and points end to end, apart by a line that says so.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/colmap_io.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

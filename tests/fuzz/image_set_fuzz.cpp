@@ -1,5 +1,5 @@
 // capture.json of an images folder.
-#include "core/fuzz/fuzz_folder.h"
+#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/image_set.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
