@@ -116,9 +116,10 @@ class Inputs:
         out.mkdir(exist_ok=True)
         for image in self.capture['images']:
             image['mask'] = ''
-            link = out / image['name']
-            if not link.is_symlink():
-                link.symlink_to(self.folder / 'images' / image['name'])
+            # A copy: names in capture.json may not lead out of the folder, links neither.
+            copy = out / image['name']
+            if not copy.exists():
+                shutil.copy(self.folder / 'images' / image['name'], copy)
         (out / 'capture.json').write_text(json.dumps(self.capture))
         return out
 

@@ -39,9 +39,10 @@ class CaptureProgram : public testing::Test {
       WriteImage(photos / ("p" + std::to_string(10 + i) + ".jpg"), MakeTestPhoto(i, width, height, TestWall::kDark).image, 95, exif);
   }
 
-  Outcome Run(const std::string& more = "") const {
+  /// @param first  what the shell does before, such as setting limits
+  Outcome Run(const std::string& more = "", const std::string& first = "") const {
     const fs::path log = root / "log.txt";
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --photos " + photos.string() + " --images " +
+    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " + photos.string() + " --images " +
                                 images.string() + " --report " + (root / "report.json").string() + " " + more + " > " + log.string() +
                                 " 2>&1";
     const int status = std::system(command.c_str());
@@ -216,6 +217,43 @@ TEST_F(CaptureProgram, TruncatedJpegsAreAllNamed) {
   EXPECT_THAT(outcome.output, HasSubstr("p11.jpg"));
   EXPECT_THAT(outcome.output, HasSubstr("p15.jpg"));
   EXPECT_FALSE(fs::exists(images));
+}
+
+TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 20000), std::pair(30, 700)}) {
+    WritePhotos(8);
+    WriteImage(photos / "odd.png", Image8(width, height, 3, 128));
+    const Outcome outcome = Run();
+    EXPECT_EQ(outcome.code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr("odd.png (" + std::to_string(width) + " x " + std::to_string(height) + ")"));
+    EXPECT_FALSE(fs::exists(images));
+  }
+}
+
+TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
+  WritePhotos(8);
+  WriteImage(photos / "giant.jpg", Image8(8000, 6000, 3, 128));
+  const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, and it takes 4.3
+  EXPECT_EQ(outcome.code, 4) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("giant.jpg (8000 x 6000 pixels) needs 4.3 GB"));
+}
+
+TEST_F(CaptureProgram, NamesThatAreNotUtf8AreAnInputErrorThatShowsThem) {
+  WritePhotos(8);
+  fs::copy_file(photos / "p10.jpg", photos / "T\xf6pf.jpg");
+  const Outcome outcome = Run();
+  EXPECT_EQ(outcome.code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("T\\xf6pf.jpg"));
+}
+
+TEST_F(CaptureProgram, LinksToFoldersAboveAndToDevicesAreLeftOut) {
+  WritePhotos(8);
+  fs::create_directories(photos / "notes");
+  for (const char* name : {"a", "b", "c"}) fs::create_symlink(".", photos / "notes" / name);
+  fs::create_symlink("/dev/zero", photos / "zero.jpg");
+  const Outcome outcome = Run("", "ulimit -t 60; ");
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
+  EXPECT_FALSE(fs::exists(images / "zero.jpg"));
 }
 
 TEST_F(CaptureProgram, FilesThatAreNoImagesAreNamed) {

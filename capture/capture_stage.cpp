@@ -17,6 +17,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/stage/stage.h"
 
@@ -81,15 +82,35 @@ void ForEach(const Import& import, Progress* progress, const std::string& what, 
   if (!faults.empty()) throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " + JoinNames(faults, 200));
 }
 
+/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for the plate and the mask). Where there is no
+/// room for one a core, fewer are worked on at a time; the result is the same.
+void FitIntoMemory(StageContext& stage, const Import& import) {
+  constexpr std::int64_t kBytesAPixel = 90;
+  std::size_t largest = 0;
+  const auto pixels = [&](std::size_t i) { return std::int64_t{import.photographs[i].width} * import.photographs[i].height; };
+  for (std::size_t i = 1; i < import.photographs.size(); ++i)
+    if (pixels(i) > pixels(largest)) largest = i;
+  const std::int64_t need = kBytesAPixel * pixels(largest);
+  const Photograph& photograph = import.photographs[largest];
+  RequireMemory(need, "capture: photograph " + photograph.name + " (" + std::to_string(photograph.width) + " x " +
+                          std::to_string(photograph.height) + " pixels)");
+  const std::int64_t at_once = FreeMemory() / std::max<std::int64_t>(1, need);
+  if (at_once >= ThreadCount()) return;
+  SetThreadCount(static_cast<int>(std::max<std::int64_t>(1, at_once)));
+  stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
+}
+
 Import Open(StageContext& stage, const CaptureOptions& options) {
   Import import;
   import.folder = stage.Input("photos");
   import.groups = ListPhotographs(import.folder);
   for (const PhotographGroup& group : import.groups) import.files.insert(import.files.end(), group.files.begin(), group.files.end());
   if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
-    stage.Warn("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored));
+    stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored)));
   import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
+  RequireUsableSizes(import.photographs);
+  FitIntoMemory(stage, import);
   import.quarter_turns = QuarterTurns(import.photographs);
   const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
   if (options.max_size > 0 && longer > options.max_size) import.factor = static_cast<double>(options.max_size) / longer;

@@ -69,6 +69,18 @@ void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int mi
   if (!twins.empty()) throw InputError("capture: photographs are there twice, byte for byte: " + JoinNames(twins) + "; delete the copies");
 }
 
+void RequireUsableSizes(const std::vector<Photograph>& photographs) {
+  constexpr int kLeastSide_px = 16, kLongest = 20;  // times as long as wide: of such a strip nothing is left at the size where masks are found
+  std::vector<std::string> odd;
+  for (const Photograph& p : photographs) {
+    const auto [shorter, longer] = std::minmax(p.width, p.height);
+    if (shorter < kLeastSide_px || longer / kLongest > shorter) odd.push_back(p.name + " (" + SizeText(p.width, p.height) + ")");
+  }
+  if (!odd.empty())
+    throw InputError("capture: these are too small or too narrow to be photographs of anything: " + JoinNames(odd) +
+                     "; at least 16 pixels each way, and at most 20 times as long as wide; leave them out");
+}
+
 double MedianFocalPx(const std::vector<Photograph>& photographs) {
   const auto focals = KnownFocals(photographs);
   return focals.empty() ? 0 : focals[focals.size() / 2];

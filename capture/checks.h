@@ -30,6 +30,9 @@ std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
 /// @throws InputError  fewer than `min_images`, or two files with the same bytes; names them
 void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images, const std::string& folder);
 
+/// @throws InputError  a photograph that is too small or too narrow for anything to be found in it; names all of them
+void RequireUsableSizes(const std::vector<Photograph>& photographs);
+
 /// The largest difference of a known focal length from their median, over that median; 0 when fewer than two are known.
 double FocalSpread(const std::vector<Photograph>& photographs);
 double MedianFocalPx(const std::vector<Photograph>& photographs);

@@ -74,6 +74,18 @@ std::vector<PhotographGroup> SplitByName(const fs::path& folder, const std::vect
   return {lying, upright};
 }
 
+/// Their names go into capture.json and reports, which hold UTF-8 alone.
+void RequireNamesInUtf8(const std::vector<PhotographGroup>& groups) {
+  std::vector<std::string> odd;
+  for (const PhotographGroup& group : groups) {
+    if (!IsValidUtf8(group.name)) odd.push_back(PrintableName(group.name));
+    for (const fs::path& file : group.files)
+      if (!IsValidUtf8(file.filename().string())) odd.push_back(PrintableName(file));
+  }
+  if (!odd.empty())
+    throw InputError("capture: these names are not in UTF-8: " + JoinNames(odd) + "; rename them (another system wrote them in its own code)");
+}
+
 /// Two photographs of one name after HEIC became JPEG: a phone or a program has written both.
 void RequireDifferentNames(const std::vector<Photograph>& photographs) {
   std::set<std::string> names;
@@ -88,7 +100,8 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path())) ignored->push_back(entry.path());
-    if (with_subfolders && entry.is_directory() && PhotographsIn(entry.path()).empty()) AddIgnored(entry.path(), true, ignored);
+    // A link to a folder above would be walked again and again.
+    if (with_subfolders && entry.is_directory() && !entry.is_symlink() && PhotographsIn(entry.path()).empty()) AddIgnored(entry.path(), true, ignored);
   }
 }
 
@@ -135,6 +148,7 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
   std::vector<std::pair<const PhotographGroup*, fs::path>> files;
   for (const PhotographGroup& group : groups)
     for (const fs::path& file : group.files) files.emplace_back(&group, file);
+  RequireNamesInUtf8(groups);
   const bool in_subfolders = groups.size() > 1 && groups[0].folder != groups[1].folder;
   std::vector<Photograph> photographs(files.size());
   std::vector<std::string> faults(files.size());

@@ -1,5 +1,6 @@
 #include "cleanup/cleanup.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -70,6 +71,17 @@ void SetDown(double ground, double diagonal, Mesh& mesh) {
     if (mesh.points(v, 2) < ground + kRounding * diagonal) mesh.points(v, 2) = ground;
 }
 
+// The wrap takes minutes to close what is hardly more than a line, and what it makes has the wrap's own thickness.
+void RequireWidth(const Mesh& surface, const Frame& frame) {
+  constexpr double kLeastWidth = 1e-5;  // of the diagonal
+  const PointsX3 x = (surface.points.rowwise() - frame.center) / frame.diagonal;
+  const Eigen::Matrix3d spread = (x.rowwise() - x.colwise().mean()).transpose() * (x.rowwise() - x.colwise().mean());
+  const Eigen::Vector3d squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / x.rows();
+  if (std::sqrt(std::max(0.0, squares[1])) < kLeastWidth)
+    throw InputError("cleanup: all vertices lie on a line but for 1e-5 of its length; nothing with a volume can be made of it. Look whether "
+                     "one axis has another unit than the others");
+}
+
 void RequireHandles(const CleanupResult& result, const CleanupOptions& options) {
   if (result.genus >= options.genus) return;
   throw InputError("cleanup: genus is " + std::to_string(options.genus) + ", but the surface has " + std::to_string(result.genus) +
@@ -120,6 +132,7 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
   if (!(frame.diagonal > 0) || !std::isfinite(frame.diagonal)) {
     throw InputError("cleanup: the surface has no extent (all vertices coincide, or coordinates overflow); nothing can be closed");
   }
+  RequireWidth(surface, frame);
   CleanupResult result;
   const std::vector<SightLine> seen = Normalized(lines, frame);
   if (KeptAsIs(surface, frame, options, seen, ground)) {

@@ -68,12 +68,21 @@ std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
   return std::nullopt;
 }
 
+CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface, const keypose::Sight& sight,
+                      const std::optional<double>& ground) try {
+  return keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, ground);
+} catch (const keypose::InputError& error) {
+  throw keypose::InputError(stage.Input("surface").string() + ": " + error.what());
+} catch (const keypose::QualityError& error) {
+  throw keypose::QualityError(stage.Input("surface").string() + ": " + error.what());
+}
+
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
   keypose::RequireUsable(surface, stage.Input("surface").string());
   const keypose::Sight sight = SightOf(stage);
   const std::optional<double> ground = Ground(stage, options, surface, sight);
-  const CleanupResult result = keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, ground);
+  const CleanupResult result = Cleaned(stage, options, surface, sight, ground);
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "cleanup/components.h"
 #include "cleanup/damage.h"
+#include "cleanup/holes.h"
 #include "cleanup/intersections.h"
 #include "cleanup/soup.h"
 #include "cleanup/testing_damage.h"
@@ -331,6 +333,47 @@ TEST(MakeClosedManifold, FacesWithoutDistinctCornersThrowInputError) {
   Mesh mesh = MakeIcosphere(1);
   mesh.faces.col(1) = mesh.faces.col(0);
   EXPECT_THROW(MakeClosedManifold(mesh, {}), InputError);
+}
+
+TEST(FillHoles, RimWithCornersBehindEachOtherIsFilled) {
+  // CGAL looks at this rim along y, where its first corner lies behind its last one.
+  std::vector<Eigen::RowVector3d> rim = {{-1, 0, 0}, {-1, 1, 3}, {1, 0, 0}, {-1, 1, 0}};
+  for (int turn = 0; turn < 8; ++turn) {
+    std::rotate(rim.begin(), rim.begin() + (turn % 2), rim.end());
+    std::reverse(rim.begin(), rim.end());
+    Mesh cone;
+    cone.points.resize(5, 3);
+    cone.faces.resize(4, 3);
+    cone.points.row(4) << 0.3, -7, 5;
+    for (int k = 0; k < 4; ++k) {
+      cone.points.row(k) = rim[static_cast<std::size_t>(k)];
+      cone.faces.row(k) << (k + 1) % 4, k, 4;
+    }
+    const HolesResult result = FillHoles(cone, nullptr);
+    EXPECT_EQ(result.filled, 1);
+    EXPECT_EQ(CheckClosed(result.mesh).bad_edges, 0);
+  }
+}
+
+TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
+  const auto message = [](const Mesh& mesh) -> std::string {
+    try {
+      MakeClosedManifold(mesh, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  Mesh doubled = MakeIcosphere(1);
+  doubled.faces.col(1) = doubled.faces.col(0);
+  const std::string corner = std::to_string(doubled.faces(0, 0));
+  EXPECT_NE(message(doubled).find("face 0 with its vertices " + corner + " and " + corner), std::string::npos) << message(doubled);
+  Mesh needle = MakeIcosphere(3);  // its third axis in another unit; the wrap took a minute for its like
+  needle.points.col(2) *= 1e7;
+  EXPECT_NE(message(needle).find("on a line"), std::string::npos) << message(needle);
+  Mesh far = MakeIcosphere(1);
+  far.points(5, 1) = 1e30;
+  EXPECT_NE(message(far).find("vertex 5"), std::string::npos) << message(far);
 }
 
 TEST(MakeClosedManifold, WithoutTheWrapATangleIsAQualityError) {

@@ -9,6 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "cleanup/cgal_convert.h"
@@ -32,6 +35,7 @@ struct Rim {
   double extent = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   bool flat = false;
+  bool apart = false;  // see ApartInPlanarView
 };
 
 // Whether all points lie in one plane, as only a cut makes them.
@@ -42,13 +46,46 @@ bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center
   return std::all_of(rim.begin(), rim.end(), [&](const Eigen::Vector3d& x) { return std::abs(normal.dot(x - center)) <= tolerance; });
 }
 
+// The direction from which CGAL's planar triangulation looks at a rim: a mean of normals of its fan, each turned to one half of the sphere.
+Eigen::Vector3d PlanarView(const std::vector<Kernel::Point_3>& rim) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 1; i + 1 < rim.size(); ++i) {
+    if (CGAL::collinear(rim[0], rim[i], rim[i + 1])) continue;
+    const Kernel::Vector_3 across = CGAL::normal(rim[0], rim[i], rim[i + 1]);
+    const Eigen::Vector3d normal(across.x(), across.y(), across.z());
+    const bool kept = std::tuple(normal.x(), normal.y(), normal.z()) > std::tuple(0.0, 0.0, 0.0);
+    sum += kept ? normal : Eigen::Vector3d(-normal);
+  }
+  return sum;
+}
+
+// Whether no two points of a rim come to lie on each other where CGAL looks from. It tells them apart in space alone, and those that it then
+// takes for one end in a crash (CGAL 5.5, is_simple_polygon).
+bool ApartInPlanarView(const std::vector<Kernel::Point_3>& rim, double extent) {
+  const double cell = 1e-9 * extent;
+  const Eigen::Vector3d view = PlanarView(rim);
+  if (!(view.norm() > 0) || !(cell > 0)) return false;
+  const Eigen::Vector3d across = view.unitOrthogonal(), up = view.normalized().cross(across);
+  std::set<std::pair<double, double>> taken;
+  for (const Kernel::Point_3& p : rim) {
+    const Eigen::Vector3d x(p.x() - rim[0].x(), p.y() - rim[0].y(), p.z() - rim[0].z());
+    const double u = std::floor(x.dot(across) / cell), v = std::floor(x.dot(up) / cell);
+    for (int k = 0; k < 9; ++k)
+      if (taken.count({u + k % 3 - 1, v + k / 3 - 1}) > 0) return false;
+    taken.insert({u, v});
+  }
+  return true;
+}
+
 Rim Measure(const RepairMesh& mesh, Halfedge border) {
   Rim rim;
   Eigen::AlignedBox3d box;
   std::vector<Eigen::Vector3d> points;
+  std::vector<Kernel::Point_3> rim_points;
   Halfedge h = border;
   do {
     const auto& p = mesh.point(mesh.target(h));
+    rim_points.push_back(p);
     const Eigen::Vector3d x(p.x(), p.y(), p.z());
     box.extend(x);
     rim.center += x;
@@ -59,6 +96,7 @@ Rim Measure(const RepairMesh& mesh, Halfedge border) {
   rim.center /= static_cast<double>(rim.vertices);
   rim.extent = box.diagonal().norm();
   rim.flat = Flat(points, rim.center, kFlatRim * rim.extent);
+  rim.apart = ApartInPlanarView(rim_points, rim.extent);
   return rim;
 }
 
@@ -82,7 +120,7 @@ bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large)
   std::vector<Vertex> vertices;
   const bool no_cubic = rim.vertices > kCubicLimit;
   PMP::triangulate_hole(mesh, border, std::back_inserter(faces),
-                        CGAL::parameters::use_2d_constrained_delaunay_triangulation(large).do_not_use_cubic_algorithm(no_cubic));
+                        CGAL::parameters::use_2d_constrained_delaunay_triangulation(large && rim.apart).do_not_use_cubic_algorithm(no_cubic));
   if (faces.empty()) return false;
   if (rim.vertices <= 4) return true;
   std::vector<Face> refined = faces;

@@ -155,6 +155,14 @@ std::vector<Triangle> DistinctTriangles(const FacesX3& faces, const std::vector<
   return out;
 }
 
+/// Two corners of the first face that are welded to one place.
+[[noreturn]] void ThrowNoTriangle(const FacesX3& faces, const std::vector<int>& target) {
+  int k = 0;
+  while (k < 2 && target[faces(0, k)] != target[faces(0, k + 1)]) ++k;
+  throw InputError("cleanup: every face has two corners at the same place, such as face 0 with its vertices " + std::to_string(faces(0, k)) +
+                   " and " + std::to_string(faces(0, (k + 1) % 3)) + "; there is no surface to repair");
+}
+
 }  // namespace
 
 SoupResult OrientedManifold(const Mesh& soup, double weld_radius) {
@@ -168,7 +176,7 @@ SoupResult OrientedManifold(const Mesh& soup, double weld_radius) {
   }
   std::vector<Triangle> triangles = DistinctTriangles(soup.faces, target);
   result.dropped_faces = soup.face_count() - static_cast<int>(triangles.size());
-  if (triangles.empty()) throw InputError("cleanup: every face has two corners at the same place; there is no surface to repair");
+  if (triangles.empty()) ThrowNoTriangle(soup.faces, target);
 
   std::vector<Kernel::Point_3> points;
   points.reserve(soup.points.rows());

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "core/errors.h"
+#include "core/limits.h"
 
 namespace keypose {
 namespace {
@@ -197,10 +198,15 @@ ClosedReport CheckClosed(const Mesh& mesh) {
 void RequireUsable(const Mesh& mesh, const std::string& what) {
   if (mesh.vertex_count() == 0) throw InputError(what + ": the mesh has no vertices; check that the file is the one you meant");
   if (mesh.face_count() == 0) throw InputError(what + ": the mesh has no faces; a point cloud must go through 'keypose mesh' first");
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
+  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
     if (!mesh.points.row(v).allFinite())
       throw InputError(what + ": vertex " + std::to_string(v) +
                        " is not finite (NaN or infinity); remove that vertex and its faces, or run the step that wrote the file again");
+    if (mesh.points.row(v).cwiseAbs().maxCoeff() > kMostCoordinate)
+      throw InputError(what + ": vertex " + std::to_string(v) +
+                       " lies more than 1e12 from the origin, where single precision has no room for its squares; remove that vertex and "
+                       "its faces, or bring the mesh nearer");
+  }
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)
       if (mesh.faces(f, k) < 0 || mesh.faces(f, k) >= mesh.vertex_count())

@@ -106,6 +106,13 @@ struct RayScene::Impl {
     return false;
   }
 
+  /// Embree stops the program at rays that are not finite, or so long that their squares are not; such rays hit nothing.
+  static bool CanBeCast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near) {
+    constexpr double kMost = 1e18;
+    return origin.allFinite() && direction.allFinite() && origin.cwiseAbs().maxCoeff() < kMost && direction.cwiseAbs().maxCoeff() < kMost &&
+           near < kMost;
+  }
+
   static RTCRay MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) {
     RTCRay ray{};
     ray.org_x = static_cast<float>(origin.x());
@@ -137,6 +144,7 @@ RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
 RayScene::Hit RayScene::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) const {
+  if (!Impl::CanBeCast(origin, direction, near)) return {};
   RTCRayHit query{};
   query.ray = Impl::MakeRay(origin, direction, near, far);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -148,6 +156,7 @@ RayScene::Hit RayScene::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3
 }
 
 bool RayScene::Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) const {
+  if (!Impl::CanBeCast(origin, direction, near)) return false;
   RTCRay ray = Impl::MakeRay(origin, direction, near, far);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -156,6 +165,7 @@ bool RayScene::Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& di
 }
 
 RayScene::Foot RayScene::ClosestPoint(const Eigen::Vector3d& point, double radius) const {
+  if (!Impl::CanBeCast(point, Eigen::Vector3d::UnitX(), 0)) return {};
   Impl::Query query{impl_.get(), point, {}};
   query.best.squared_distance = radius * radius;
   RTCPointQuery rtc_query{};

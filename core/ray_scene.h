@@ -29,7 +29,7 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
-  /// First hit in [near, far] along the ray. Single precision: expect 1e-6 of the scene's size.
+  /// First hit in [near, far] along the ray. Single precision: expect 1e-6 of the scene's size. Rays not finite, or beyond 1e18, hit none.
   Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near = 0,
            double far = std::numeric_limits<double>::infinity()) const;
   /// Whether anything lies in [near, far] along the ray.

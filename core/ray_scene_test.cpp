@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <mutex>
 #include <random>
 #include <set>
@@ -25,6 +27,19 @@ TEST(RayScene, CastHitsTheSphereWhereItMust) {
   EXPECT_LT(scene.Cast({3, 0, 2}, {-1, 0, 0}).face, 0);
   EXPECT_TRUE(scene.Occluded({3, 0, 0}, {-1, 0, 0}, 0, 10));
   EXPECT_FALSE(scene.Occluded({3, 0, 0}, {-1, 0, 0}, 0, 1.5));
+}
+
+TEST(RayScene, RaysThatAreNotFiniteHitNothing) {
+  const Mesh sphere = MakeIcosphere(1);
+  const RayScene scene(sphere.points, sphere.faces);
+  const Eigen::Vector3d good(3, 0, 0);
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
+    EXPECT_LT(scene.Cast({bad, 0, 0}, {-1, 0, 0}).face, 0);
+    EXPECT_LT(scene.Cast(good, {bad, 0, 0}).face, 0);
+    EXPECT_FALSE(scene.Occluded({0, bad, 0}, {-1, 0, 0}, 0, 10));
+    EXPECT_FALSE(scene.Occluded(good, {-1, bad, 0}, 0, 10));
+    EXPECT_LT(scene.ClosestPoint({0, 0, bad}).face, 0);
+  }
 }
 
 TEST(RayScene, ClosestPointEqualsBruteForce) {

@@ -294,7 +294,7 @@ void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name)
 }
 
 void AutoRegistration::TrySkeleton() {
-  const SkeletonStart skeleton = StartFromSkeletons(source_, target_, landmarks_, place_);
+  const SkeletonStart skeleton = StartFromSkeletons(source_, target_, landmarks_, place_, {}, progress_);
   StartTrial trial{.name = "skeleton", .words = skeleton.words};
   if (!skeleton.usable()) {
     trial.score = trial.gap = 1;

@@ -3,7 +3,9 @@
 // Before the allocator below is named, so that it reaches the halfedge list alone and no other class of CGAL's.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/compute_normal.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/Surface_mesh.h>
@@ -12,12 +14,14 @@
 #include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Midpoint_placement.h>
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <exception>
 #include <map>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 
@@ -90,7 +94,27 @@ using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr std::size_t kArenaBytes = 16 << 20, kArenaBytesAFace = 8 << 10;  // many times what it takes; only what is used becomes real
 
+/// CGAL asks whether a point is inside by a ray, and casts others as long as the last one only touched an edge. All do for a point that lies
+/// on an edge itself, as it may where vertices lie on a grid: then this kernel, which makes the rays, ends it.
+struct PatientKernel : Kernel {
+  struct Construct_ray_3 : Kernel::Construct_ray_3 {
+    using Base = Kernel::Construct_ray_3;
+    Kernel::Ray_3 operator()(const Kernel::Point_3& from, const Kernel::Vector_3& along) const {
+      const bool first = along.x() == 0 && along.y() == 0;  // goes straight up or down; all others are drawn from the sphere
+      others = first ? 0 : others + 1;
+      if (others > kMostOthers) throw std::runtime_error("a point on an edge is neither inside nor outside");
+      return Base::operator()(from, along);
+    }
+    static constexpr int kMostOthers = 100;
+    static thread_local int others;
+  };
+  Construct_ray_3 construct_ray_3_object() const { return {}; }
+};
+thread_local int PatientKernel::Construct_ray_3::others = 0;
+
 constexpr double kMedial = 1;
+constexpr double kLeastVolume = 1e-9;  // over the diagonal's cube
+constexpr std::size_t kMostGrowth = 4;  // of the vertices while they contract
 
 template <class T>
 constexpr bool kOrdered = false;
@@ -178,25 +202,63 @@ std::string Prepare(const PointsX3& points, const FacesX3& faces, int proxy_face
   const auto count = [](auto n) { return static_cast<long>(n); };
   const long euler = count(surface.number_of_vertices()) - count(surface.number_of_edges()) + count(surface.number_of_faces());
   if (euler != 2) return "has " + std::to_string((2 - euler) / 2) + " handles (parts that touch and are merged?)";
-  return Decimate(surface, proxy_faces);
+  if (std::string fault = Decimate(surface, proxy_faces); !fault.empty()) return fault;
+  // Without volume there are no centres of balls within, and CGAL goes on with what was in memory where they should be.
+  const auto box = CGAL::Polygon_mesh_processing::bbox(surface);
+  const double diagonal = Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+  const double volume = CGAL::Polygon_mesh_processing::volume(surface);
+  return std::abs(volume) > kLeastVolume * diagonal * diagonal * diagonal ? "" : "is flat";
+}
+
+/// CGAL asks whether points are inside by rays, and casts new ones as long as none gives an answer: none ever does for what is no number.
+template <class Polyhedron>
+void RequireFinite(const Polyhedron& meso_skeleton) {
+  for (auto v = meso_skeleton.points_begin(); v != meso_skeleton.points_end(); ++v)
+    if (!std::isfinite(v->x()) || !std::isfinite(v->y()) || !std::isfinite(v->z())) throw std::runtime_error("its places are not finite");
+}
+
+/// As CGAL's contract_until_convergence, step by step: it can be stopped, and ends where faces split faster than they collapse, as on shapes
+/// without volume.
+/// @throws Cancelled @throws std::runtime_error  it does not converge
+template <class Flow>
+void Contract(Flow& flow, Progress* progress) {
+  const auto area = [&] { return CGAL::Polygon_mesh_processing::area(flow.meso_skeleton()); };
+  const std::size_t most_vertices = kMostGrowth * num_vertices(flow.meso_skeleton());
+  const double whole = area();
+  double before = 0;
+  for (std::size_t round = 0; round < flow.max_iterations(); ++round) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    flow.contract_geometry();
+    RequireFinite(flow.meso_skeleton());
+    flow.collapse_edges();
+    flow.split_faces();
+    flow.detect_degeneracies();
+    const double now = area();
+    if (std::abs(before - now) / whole < flow.area_variation_factor()) return;
+    if (num_vertices(flow.meso_skeleton()) > most_vertices) throw std::runtime_error("its faces split without end");
+    before = now;
+  }
 }
 
 }  // namespace
 
-CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces) {
+CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces, Progress* progress) {
   CurveSkeleton result;
   Surface surface;
   result.fault = Prepare(points, faces, proxy_faces, surface);
   if (!result.fault.empty()) return result;
-  using Flow = CGAL::Mean_curvature_flow_skeletonization<Surface>;
-  static_assert(kOrdered<CGAL::Polyhedron_3<Kernel>>);
+  using Flow = CGAL::Mean_curvature_flow_skeletonization<Surface, PatientKernel>;
+  static_assert(kOrdered<CGAL::Polyhedron_3<PatientKernel>>);
   const Arena arena(kArenaBytes + kArenaBytesAFace * surface.number_of_faces());
   Flow::Skeleton skeleton;
   try {
     Flow flow(surface);
     // At the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
     flow.set_medially_centered_speed_tradeoff(kMedial);
-    flow(skeleton);
+    Contract(flow, progress);
+    flow.convert_to_skeleton(skeleton);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::exception& e) {  // of CGAL's own checks, where they are compiled in
     result.fault = std::string("could not be contracted: ") + e.what();
     return result;

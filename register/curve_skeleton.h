@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/progress.h"
 
 namespace keypose::registration {
 
@@ -20,8 +21,10 @@ struct CurveSkeleton {
 /// Contracts a decimated copy of the mesh by mean curvature flow until only curves are left. Holes are capped first.
 ///
 /// @param proxy_faces  faces of the decimated copy; 1,000 take about 30 ms of processor time
-/// Sets `fault` (and throws nothing) for a mesh that is not a manifold, has several parts or handles, or contracts to nothing.
+/// @param progress     asked whether to stop, once a round
+/// Sets `fault` (and throws nothing) for a mesh that is not a manifold, is flat, has several parts or handles, or contracts to nothing.
+/// @throws Cancelled
 /// Deterministic. Source: Tagliasacchi, Alhashim, Olson and Zhang, Mean Curvature Skeletons, SGP 2012 (CGAL's implementation).
-CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces);
+CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces, Progress* progress = nullptr);
 
 }  // namespace keypose::registration

@@ -40,8 +40,9 @@ void CheckInput(const Mesh& source, const Mesh& target, const std::vector<Landma
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (source.vertex_count() < 4) throw InputError("register: the source has fewer than 4 vertices; a template needs a surface");
-  if (!(SurfaceArea(source.points, source.faces) > 0) || !(SurfaceArea(target.points, target.faces) > 0))
-    throw InputError("register: a mesh has no area");
+  for (const auto& [mesh, name] : {std::pair(&source, "source"), std::pair(&target, "target")})
+    if (!(SurfaceArea(mesh->points, mesh->faces) > 0))
+      throw InputError("register: the " + std::string(name) + " has no area: the corners of each face lie on a line, as those of face 0 do");
   if (stiffness.size() != 0 && stiffness.size() != source.vertex_count())
     throw InputError("register: stiffness has " + std::to_string(stiffness.size()) + " values, but the source has " +
                      std::to_string(source.vertex_count()) + " vertices");

@@ -166,18 +166,18 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target, const std::vec
 }  // namespace
 
 SkeletonStart StartFromSkeletons(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
-                                 const Similarity3& target_from_source, const SkeletonOptions& options) {
+                                 const Similarity3& target_from_source, const SkeletonOptions& options, Progress* progress) {
   const double before = CpuSeconds();
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   std::vector<MarkPair> marks;
   for (const LandmarkGoal& goal : landmarks) marks.emplace_back(PositionOf(goal.source, source.points), goal.target);
   SkeletonStart start;
-  LimbedBody from(source, options.proxy_faces);
+  LimbedBody from(source, options.proxy_faces, progress);
   if (!from.skeleton.fault.empty()) {
     start = Refused("skeletons: the source " + from.skeleton.fault);
   } else {
-    LimbedBody to(target, options.proxy_faces);
+    LimbedBody to(target, options.proxy_faces, progress);
     start = to.skeleton.fault.empty() ? MatchBodies(from, to, marks, target_from_source, options)
                                       : Refused("skeletons: the target " + to.skeleton.fault);
   }

@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "core/mesh.h"
+#include "core/progress.h"
 #include "register/nricp.h"
 
 namespace keypose::registration {
@@ -39,6 +40,7 @@ struct SkeletonStart {
 /// count.
 /// Source: Tagliasacchi et al., Mean Curvature Skeletons, SGP 2012 (CGAL's implementation), Wang et al., rotation minimizing frames, 2008.
 SkeletonStart StartFromSkeletons(const Mesh& source, const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
-                                 const Similarity3& target_from_source = {}, const SkeletonOptions& options = {});
+                                 const Similarity3& target_from_source = {}, const SkeletonOptions& options = {},
+                                 Progress* progress = nullptr);
 
 }  // namespace keypose::registration

@@ -30,11 +30,11 @@ struct LimbedBody {
   std::optional<KdTree> surface_tree;  // of skeleton.surface
   std::optional<SkeletonTree> tree;
 
-  LimbedBody(const Mesh& whole, int proxy_faces)
+  LimbedBody(const Mesh& whole, int proxy_faces, Progress* progress)
       : loose(FindLooseParts(whole)),
         mesh(HostOf(whole, loose)),
         scene(mesh.points, mesh.faces),
-        skeleton(ExtractCurveSkeleton(mesh.points, mesh.faces, proxy_faces)) {
+        skeleton(ExtractCurveSkeleton(mesh.points, mesh.faces, proxy_faces, progress)) {
     if (!skeleton.fault.empty()) return;
     surface_tree.emplace(skeleton.surface);
     tree.emplace(skeleton, scene);

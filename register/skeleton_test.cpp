@@ -177,6 +177,36 @@ TEST(StartFromSkeletons, AShapelessLumpGivesNoNan) {
   }
 }
 
+/// A cylinder of nine units on the grid of whole numbers, where vertices lie on each other and centres of balls on edges.
+Mesh OnGrid(double radius) {
+  Mesh mesh = MakeCylinder(radius, 9, 20, 24);
+  mesh.points = mesh.points.array().round();
+  return mesh;
+}
+
+TEST(StartFromSkeletons, DegenerateShapesEnd) {
+  const Pair pair(1.0);
+  Mesh flat = pair.target, line = pair.target;
+  flat.points.col(1).setZero();
+  line.points.leftCols(2) *= 1e-12;
+  EXPECT_NE(StartFromSkeletons(pair.source, flat, {}).words.find("the target is flat"), std::string::npos);
+  EXPECT_NE(StartFromSkeletons(flat, pair.target, {}).words.find("the source is flat"), std::string::npos);
+  for (const Mesh& target : {line, OnGrid(0.7), OnGrid(1.0), OnGrid(1.3), OnGrid(1.5)}) {
+    const SkeletonStart start = StartFromSkeletons(pair.source, target, {});
+    EXPECT_TRUE(!start.usable() || start.points.allFinite());
+    EXPECT_FALSE(start.words.empty());
+  }
+}
+
+TEST(StartFromSkeletons, StopsWhenAsked) {
+  struct Stopped final : Progress {
+    void Update(double, std::string_view) override {}
+    bool cancelled() const override { return true; }
+  } stopped;
+  const Pair pair(1.0);
+  EXPECT_THROW(StartFromSkeletons(pair.source, pair.target, {}, {}, {}, &stopped), Cancelled);
+}
+
 TEST(StartFromSkeletons, SameBitsAtAnyThreadCountAndAnyState) {
   const Pair pair(3.5);
   SetThreadCount(1);

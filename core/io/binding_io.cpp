@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/limits.h"
 
 namespace keypose {
 
@@ -44,7 +47,8 @@ void ShapeFrom(const json& shape, MeshBinding& binding, const std::filesystem::p
     std::vector<double> values;
     for (double value; line >> value;) values.push_back(value);
     const bool colored = values.size() == 9;
-    if (!line.eof() || (values.size() != 6 && !colored) || (i > 0 && colored != (binding.colors.rows() > 0)))
+    const bool usable = std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) <= kMostCoordinate; });
+    if (!usable || !line.eof() || (values.size() != 6 && !colored) || (i > 0 && colored != (binding.colors.rows() > 0)))
       throw InputError(fmt::format("{}: line {} of `shape` does not hold a point, its normal and its colour; pick again", file.string(), i));
     if (colored) binding.colors.conservativeResize(count, 3);
     for (Eigen::Index k = 0; k < 3; ++k) {
@@ -76,6 +80,8 @@ MeshBinding BindingFrom(const json& object, const std::filesystem::path& file) {
   if (!binding.known()) return binding;
   if (!object.contains("shape") || object["shape"].size() < 50)
     throw InputError(file.string() + ": `shape` must hold 50 points or more of the mesh that was picked on; pick again");
+  if (!(binding.diagonal > 0 && binding.diagonal <= kMostCoordinate))
+    throw InputError(file.string() + ": `diagonal` of the mesh that was picked on is no size; pick again");
   ShapeFrom(object["shape"], binding, file);
   return binding;
 }
@@ -90,7 +96,7 @@ void AddPlace(const SurfacePlace& place, json& pick) {
 template <>
 std::optional<SurfacePlace> PlaceFrom(const json& pick) {
   const auto position = VectorFrom(pick, "position"), normal = VectorFrom(pick, "normal");
-  if (!position || !normal || !position->allFinite() || !normal->allFinite() || normal->norm() < 1e-9) return std::nullopt;
+  if (!position || !normal || !position->allFinite() || position->cwiseAbs().maxCoeff() > kMostCoordinate || !normal->allFinite() || normal->norm() < 1e-9) return std::nullopt;
   return SurfacePlace{*position, normal->normalized(), VectorFrom(pick, "color")};
 }
 

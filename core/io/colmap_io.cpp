@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -10,6 +11,8 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/image_kind.h"
+#include "core/limits.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -24,10 +27,10 @@ struct Model {
 constexpr std::array<Model, 5> kModels{
     {{0, "SIMPLE_PINHOLE", 3}, {1, "PINHOLE", 4}, {2, "SIMPLE_RADIAL", 4}, {3, "RADIAL", 5}, {4, "OPENCV", 8}}};
 
-Camera CameraFrom(int model, int width, int height, const std::vector<double>& p) {
+Camera CameraFrom(int model, std::uint64_t width, std::uint64_t height, const std::vector<double>& p) {
   Camera camera;
-  camera.width = width;
-  camera.height = height;
+  camera.width = static_cast<int>(std::min(width, std::uint64_t{kMostPixels}));
+  camera.height = static_cast<int>(std::min(height, std::uint64_t{kMostPixels}));
   const bool one_focal = model == 0 || model == 2 || model == 3;
   camera.fx = p[0];
   camera.fy = one_focal ? p[0] : p[1];
@@ -108,12 +111,19 @@ Cameras ReadCamerasBinary(const fs::path& path) {
     const auto width = in.Get<std::uint64_t>(), height = in.Get<std::uint64_t>();
     std::vector<double> parameters(model.parameters);
     for (double& p : parameters) p = in.Get<double>();
-    cameras[id] = CameraFrom(model.id, static_cast<int>(width), static_cast<int>(height), parameters);
+    cameras[id] = CameraFrom(model.id, width, height, parameters);
+    RequireUsableCamera(cameras[id], path.string() + ": camera " + std::to_string(id));
   }
   return cameras;
 }
 
-Rigid3 PoseFrom(const std::array<double, 7>& q) {
+Rigid3 PoseFrom(const std::array<double, 7>& q, const std::string& where) {
+  constexpr double kLeastNorm = 1e-6;  // of the quaternion, which is 1 but for rounding
+  for (const double number : q)
+    if (!(std::abs(number) <= kMostCoordinate))
+      throw InputError(where + " has a pose that is not finite or beyond 1e12; the file is damaged: run sfm again");
+  if (!(Eigen::Vector4d(q[0], q[1], q[2], q[3]).norm() > kLeastNorm))
+    throw InputError(where + " has no rotation (its quaternion is 0); the file is damaged: run sfm again");
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), Eigen::Vector3d(q[4], q[5], q[6])};
 }
 
@@ -133,7 +143,7 @@ std::vector<NamedView> ReadImagesBinary(const fs::path& path, const Cameras& cam
     named.id = in.Get<std::uint32_t>();
     std::array<double, 7> pose{};
     for (double& p : pose) p = in.Get<double>();
-    named.view.camera_from_world = PoseFrom(pose);
+    named.view.camera_from_world = PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
     named.view.camera = CameraOf(cameras, in.Get<std::uint32_t>(), path);
     named.view.name = in.GetString();
     const auto features = in.Get<std::uint64_t>();
@@ -142,6 +152,11 @@ std::vector<NamedView> ReadImagesBinary(const fs::path& path, const Cameras& cam
     views.push_back(std::move(named));
   }
   return views;
+}
+
+void RequireUsablePoint(const SparsePoint& point, const fs::path& path, std::uint64_t number) {
+  if (!point.position.allFinite() || point.position.cwiseAbs().maxCoeff() > kMostCoordinate)
+    throw InputError(path.string() + ": point " + std::to_string(number) + " is not finite or beyond 1e12; the file is damaged: run sfm again");
 }
 
 struct RawPoint {
@@ -159,6 +174,7 @@ std::vector<RawPoint> ReadPointsBinary(const fs::path& path) {
     for (int k = 0; k < 3; ++k) raw.point.position(k) = in.Get<double>();
     for (int k = 0; k < 3; ++k) raw.point.color(k) = in.Get<std::uint8_t>();
     raw.point.error_px = in.Get<double>();
+    RequireUsablePoint(raw.point, path, i);
     const auto track = in.Get<std::uint64_t>();
     for (std::uint64_t t = 0; t < track; ++t) {
       raw.image_ids.push_back(in.Get<std::uint32_t>());
@@ -188,13 +204,14 @@ Cameras ReadCamerasText(const fs::path& path) {
     std::istringstream in(line);
     std::uint32_t id = 0;
     std::string name;
-    int width = 0, height = 0;
+    std::uint64_t width = 0, height = 0;
     if (!(in >> id >> name >> width >> height)) ThrowLine(path, line);
     const Model& model = FindModel(name, path);
     std::vector<double> parameters(model.parameters);
     for (double& p : parameters)
       if (!(in >> p)) ThrowLine(path, line);
     cameras[id] = CameraFrom(model.id, width, height, parameters);
+    RequireUsableCamera(cameras[id], path.string() + ": camera " + std::to_string(id));
   }
   return cameras;
 }
@@ -211,7 +228,7 @@ std::vector<NamedView> ReadImagesText(const fs::path& path, const Cameras& camer
     in >> named.id;
     for (double& p : pose) in >> p;
     if (!(in >> camera >> std::ws) || !std::getline(in, named.view.name)) ThrowLine(path, lines[i]);
-    named.view.camera_from_world = PoseFrom(pose);
+    named.view.camera_from_world = PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
     named.view.camera = CameraOf(cameras, camera, path);
     views.push_back(std::move(named));
   }
@@ -227,6 +244,7 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
     int r = 0, g = 0, b = 0;
     Eigen::Vector3d& x = raw.point.position;
     if (!(in >> id >> x(0) >> x(1) >> x(2) >> r >> g >> b >> raw.point.error_px)) ThrowLine(path, line);
+    RequireUsablePoint(raw.point, path, id);
     raw.point.color << static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b);
     for (std::uint32_t image = 0, feature = 0; in >> image >> feature;) raw.image_ids.push_back(image);
     points.push_back(std::move(raw));
@@ -235,6 +253,18 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
 }
 
 }  // namespace
+
+void RequireUsableCamera(const Camera& camera, const std::string& where) {
+  constexpr double kMost = 1e7, kLeastFocal = 1e-2;  // pixels, and far more than any lens distorts
+  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2};
+  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for what is no number
+  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) || !(camera.fy > kLeastFocal))
+    throw InputError(where + " has a focal length, centre or distortion that no lens has (not finite, 0, or beyond 1e7); it is damaged: run sfm "
+                             "again");
+  if (camera.width < 1 || camera.height < 1 || std::int64_t{camera.width} * camera.height > kMostPixels)
+    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                     " pixels, which cannot be; it is damaged: run sfm again");
+}
 
 Scene ReadColmapModel(const fs::path& folder) {
   const bool binary = fs::exists(folder / "images.bin");

@@ -7,6 +7,10 @@
 
 namespace keypose {
 
+/// @param where  file and camera, for the message
+/// @throws InputError  a number that is not finite or that no lens has; no pixels, or more than kMostPixels
+void RequireUsableCamera(const Camera& camera, const std::string& where);
+
 /// Reads .bin when present, else .txt. Camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV.
 /// A missing points3D file gives no points. Views come out sorted by name.
 /// @throws InputError  files missing, truncated, or of another camera model

@@ -14,8 +14,81 @@
 namespace keypose {
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Bytes of the UTF-8 character at the start of `text`, 0 when there is none. Table 3-7 of the Unicode standard.
+std::size_t Utf8Length(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const auto follows = [&](std::size_t k, unsigned low = 0x80, unsigned high = 0xbf) { return byte(k) >= low && byte(k) <= high; };
+  const unsigned lead = byte(0);
+  if (lead < 0x80) return 1;
+  if (lead >= 0xc2 && lead <= 0xdf) return follows(1) ? 2 : 0;
+  if (lead >= 0xe0 && lead <= 0xef)
+    return follows(1, lead == 0xe0 ? 0xa0 : 0x80, lead == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
+  if (lead >= 0xf0 && lead <= 0xf4)
+    return follows(1, lead == 0xf0 ? 0x90 : 0x80, lead == 0xf4 ? 0x8f : 0xbf) && follows(2) && follows(3) ? 4 : 0;
+  return 0;
+}
+
+/// `text` with each byte that is no UTF-8 as `instead` says it.
+template <class Instead>
+std::string WithOddBytesAs(std::string_view text, const Instead& instead) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = Utf8Length(text);
+    out += length > 0 ? std::string(text.substr(0, length)) : instead(static_cast<unsigned char>(text[0]));
+    text.remove_prefix(std::max<std::size_t>(1, length));
+  }
+  return out;
+}
+
+}  // namespace
+
+bool IsValidUtf8(std::string_view text) {
+  for (std::size_t length = 0; !text.empty(); text.remove_prefix(length)) {
+    length = Utf8Length(text);
+    if (length == 0) return false;
+  }
+  return true;
+}
+
+std::string WithoutOddBytes(std::string text) {
+  if (IsValidUtf8(text)) return text;
+  return WithOddBytesAs(text, [](unsigned char) { return std::string("?"); });
+}
+
+std::string PrintableName(const fs::path& path) {
+  return WithOddBytesAs(path.filename().string(), [](unsigned char byte) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    return std::string("\\x") + kDigits[byte >> 4] + kDigits[byte & 15];
+  });
+}
+
+bool IsShallowJson(std::string_view text) {
+  constexpr int kMostLevels = 100;
+  int level = 0;
+  bool quoted = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (quoted && c == '\\') ++at;  // the next one is no quote
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    level += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (level > kMostLevels) return false;
+  }
+  return true;
+}
+
+void RequireShallowJson(std::string_view text, const std::string& where) {
+  if (!IsShallowJson(text)) throw InputError(where + " is nested more than 100 levels deep; it is damaged, or no file of Keypose");
+}
+
 std::string ReadFile(const fs::path& path) {
-  if (fs::is_directory(path)) throw DiskError(path.string() + " is a folder, but a file is needed");
+  std::error_code missing;
+  const fs::file_status status = fs::status(path, missing);
+  if (fs::is_directory(status)) throw DiskError(path.string() + " is a folder, but a file is needed");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw DiskError(path.string() + " is a pipe or a device, but a file is needed; save it as one");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw DiskError("cannot open " + path.string() + ": " + std::strerror(errno));
   std::ostringstream text;

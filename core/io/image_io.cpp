@@ -9,8 +9,13 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <new>
 
 #include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_kind.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace keypose {
@@ -22,6 +27,9 @@ using OIIO::TypeDesc;
 
 namespace {
 
+constexpr int kMostChannels = 4;
+constexpr const char* kKinds = "JPEG, PNG, TIFF or HEIC";
+
 void RequireReadable(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw DiskError("image " + path.string() + " does not exist");
@@ -29,31 +37,70 @@ void RequireReadable(const fs::path& path) {
   if (fs::file_size(path, error) == 0) throw InputError("image " + path.string() + " is empty (0 bytes): copy it from the camera again");
 }
 
+/// @throws InputError  told by its bytes, it is none of the kinds that are read
+std::string RequireKnownKind(const fs::path& path) {
+  std::string head(4096, '\0');
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw DiskError("cannot open image " + path.string());
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string kind = ImageKindOf(head);
+  if (kind.empty())
+    throw InputError("cannot read image " + path.string() + ": its first bytes are not those of a " + kKinds +
+                     ", whatever its name says; save it as JPEG or PNG, or leave it out");
+  return kind;
+}
+
+[[noreturn]] void ThrowTooLarge(const fs::path& path, const std::string& size) {
+  throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " + std::to_string(kMostPixels / 1000000) +
+                   " million pixels are read; it is damaged, or make it smaller");
+}
+
+/// Sizes as the header claims them, before memory is taken for them.
+void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
+  const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
+  if (spec.width < 1 || spec.height < 1) throw InputError("image " + path.string() + " has no pixels (" + size + "); leave it out");
+  const auto pixels = [](int width, int height) { return static_cast<std::int64_t>(width) * height; };
+  if (pixels(spec.width, spec.height) > kMostPixels || pixels(spec.tile_width, spec.tile_height) > kMostPixels)
+    ThrowTooLarge(path, size);
+  if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.nchannels > kMostChannels)
+    throw InputError("image " + path.string() + " is not a flat picture of 1 to 4 channels (depth " + std::to_string(spec.depth) + ", " +
+                     std::to_string(spec.nchannels) + " channels); save it as JPEG or PNG");
+}
+
+/// Twice the pixels as they are read: while they are turned or get other channels, there are two. Small pictures are not worth the question.
+void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
+  constexpr std::int64_t kSmall = 64 << 20;
+  const std::int64_t bytes = std::int64_t{2} * spec.width * spec.height * std::max(3, spec.nchannels);
+  if (bytes > kSmall)
+    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels)");
+}
+
+/// Of the kind that its bytes say and of no other: the library itself would take any file to whichever of its readers likes it, and some of
+/// those write past their buffers.
 std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
-  auto input = ImageInput::open(path.string());
-  if (!input)
-    throw InputError("cannot read image " + path.string() + ": " + OIIO::geterror() + "; it is truncated or not a JPEG, PNG, TIFF or HEIC");
+  const std::string kind = RequireKnownKind(path);
+  if (kind == "heif" && ClaimedHeifPixels(ReadFile(path)) > kMostPixels) ThrowTooLarge(path, "more");
+  ImageSpec spec;
+  auto input = ImageInput::create(kind);
+  if (!input || !input->open(path.string(), spec)) {
+    const std::string reason = input ? input->geterror() : OIIO::geterror();
+    throw InputError("cannot read image " + path.string() + ": " + reason + "; it is truncated or not a " + kKinds);
+  }
+  RequireModestSize(path, input->spec());
   return input;
 }
 
-/// JPEG and PNG end with a fixed mark; libjpeg fills what is missing with grey and only warns, so look for the mark itself.
-bool HasEnd(const fs::path& path, const std::string& format) {
-  if (format != "jpeg" && format != "png") return true;
-  FILE* file = std::fopen(path.c_str(), "rb");
-  if (!file) return false;
-  std::array<unsigned char, 65536> tail{};
-  std::fseek(file, 0, SEEK_END);
-  const long size = std::ftell(file);
-  const long take = std::min<long>(size, static_cast<long>(tail.size()));
-  std::fseek(file, size - take, SEEK_SET);
-  const std::size_t got = std::fread(tail.data(), 1, static_cast<std::size_t>(take), file);
-  std::fclose(file);
-  const auto end = tail.begin() + static_cast<std::ptrdiff_t>(got);
-  const std::array<unsigned char, 2> eoi{0xff, 0xd9};
-  const std::array<unsigned char, 4> iend{'I', 'E', 'N', 'D'};
-  if (format == "jpeg") return std::search(tail.begin(), end, eoi.begin(), eoi.end()) != end;
-  return std::search(tail.begin(), end, iend.begin(), iend.end()) != end;
+bool IsWholeFile(const fs::path& path, const std::string& kind) {
+  const bool has_end_mark = kind == "jpeg" || kind == "png";
+  return !has_end_mark || IsWholeImage(ReadFile(path), kind);
+}
+
+/// EXIF orientation; 1 (upright) where it is none of the eight.
+int OrientationOf(const ImageSpec& spec) {
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  return orientation >= 1 && orientation <= 8 ? orientation : 1;
 }
 
 std::optional<double> PositiveAttribute(const ImageSpec& spec, const char* name) {
@@ -73,7 +120,7 @@ std::optional<double> SensorWidth(const ImageSpec& spec) {
 }
 
 Image8 Oriented(const Image8& in, int orientation) {
-  if (orientation <= 1 || orientation > 8) return in;
+  if (orientation == 1) return in;
   const bool swap = orientation >= 5;
   Image8 out(swap ? in.height : in.width, swap ? in.width : in.height, in.channels);
   for (int y = 0; y < in.height; ++y)
@@ -129,7 +176,7 @@ ImageInfo ReadImageInfo(const fs::path& path) {
   const auto input = Open(path);
   const ImageSpec& spec = input->spec();
   ImageInfo info;
-  info.orientation = spec.get_int_attribute("Orientation", 1);
+  info.orientation = OrientationOf(spec);
   info.width = info.orientation >= 5 ? spec.height : spec.width;
   info.height = info.orientation >= 5 ? spec.width : spec.height;
   info.channels = spec.nchannels;
@@ -137,24 +184,28 @@ ImageInfo ReadImageInfo(const fs::path& path) {
   info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
   info.sensor_width_mm = SensorWidth(spec);
   const std::string make(spec.get_string_attribute("Make")), model(spec.get_string_attribute("Model"));
-  info.camera_model = model.empty() || make.empty() ? make + model : make + " " + model;
-  info.date_time = std::string(spec.get_string_attribute("DateTime"));
+  info.camera_model = WithoutOddBytes(model.empty() || make.empty() ? make + model : make + " " + model);
+  info.date_time = WithoutOddBytes(std::string(spec.get_string_attribute("DateTime")));
   info.format = input->format_name();
   return info;
 }
 
-Image8 ReadImage(const fs::path& path, int channels) {
+Image8 ReadImage(const fs::path& path, int channels) try {
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
+  RequireMemoryFor(path, spec);
   Image8 raw(spec.width, spec.height, spec.nchannels);
   const bool complete = input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
-  if (!complete || !HasEnd(path, input->format_name())) {
+  // libjpeg fills what is missing with grey and only warns.
+  if (!complete || !IsWholeFile(path, input->format_name())) {
     const std::string reason = input->geterror();
     throw InputError("image " + path.string() + " is truncated or damaged" + (reason.empty() ? "" : " (" + reason + ")") +
                      ": copy it from the camera again, or leave it out");
   }
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
-  return Oriented(WithChannels(raw, wanted), spec.get_int_attribute("Orientation", 1));
+  return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
+} catch (const std::bad_alloc&) {
+  throw DiskError("not enough memory to read image " + path.string() + "; close other programs, or make the pictures smaller");
 }
 
 void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {

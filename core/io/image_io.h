@@ -1,4 +1,5 @@
 // Reads and writes images (JPEG, PNG, TIFF; HEIC is read; OpenEXR is written) and the EXIF that matters here, by OpenImageIO.
+// What is read is told by its bytes (image_kind.h), is flat, has 1 to 4 channels and at most kMostPixels pixels.
 #pragma once
 
 #include <filesystem>
@@ -25,8 +26,8 @@ struct ImageInfo {
 ImageInfo ReadImageInfo(const std::filesystem::path& path);
 
 /// Pixels with EXIF orientation applied, as 8 bit with `channels` (1: luma, 3: RGB; alpha is dropped). 0 keeps 1 or 3.
-/// @throws DiskError   cannot be opened
-/// @throws InputError  not an image, or truncated; names the file
+/// @throws DiskError   cannot be opened; not enough memory
+/// @throws InputError  not an image of a known kind, larger than kMostPixels, or truncated; names the file
 Image8 ReadImage(const std::filesystem::path& path, int channels = 0);
 
 /// EXIF to write into a JPEG.

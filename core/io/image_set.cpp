@@ -1,10 +1,12 @@
 #include "core/io/image_set.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/image_kind.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -34,6 +36,34 @@ PlateLayout PlateFrom(const json& entry) {
   return plate;
 }
 
+/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that leads outside. What does not exist yet is
+/// judged by the part that does.
+bool IsWithin(const fs::path& folder, const fs::path& relative) {
+  if (relative.empty() || relative.has_root_path() || relative.native().find('\0') != std::string::npos) return false;
+  std::error_code error;
+  const fs::path base = fs::canonical(folder, error);
+  if (error) return false;
+  const fs::path resolved = fs::weakly_canonical(base / relative, error);
+  if (error || std::find(relative.begin(), relative.end(), "..") != relative.end()) return false;
+  const fs::path inside = resolved.lexically_relative(base);
+  return !inside.empty() && inside != "." && *inside.begin() != "..";
+}
+
+/// What capture.json says of an image decides what is read and, by stages that copy the set, what is written: a name with a step upwards or a
+/// link must not lead them elsewhere.
+void RequireBelow(const fs::path& folder, const CapturedImage& image) {
+  if (fs::path(image.name).filename() != image.name || !IsWithin(folder, image.name))
+    throw InputError("the photograph '" + image.name + "' is not a file of the folder (links are followed)");
+  if (!image.mask.empty() && !IsWithin(folder, image.mask))
+    throw InputError("the mask '" + image.mask + "' of " + image.name + " lies outside of the folder (links are followed)");
+}
+
+void RequireUsableNumbers(const CapturedImage& image) {
+  if (image.width < 0 || image.height < 0 || std::int64_t{image.width} * image.height > kMostPixels)
+    throw InputError(image.name + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels");
+  if (!(image.focal_px >= 0 && image.focal_px < 1e7)) throw InputError(image.name + " has a focal length that no lens has");
+}
+
 }  // namespace
 
 int ImageSet::Find(const std::string& name) const {
@@ -49,8 +79,10 @@ ImageSet ReadImageSet(const fs::path& folder) {
                      folder.string() + "'");
   ImageSet set;
   set.folder = folder;
+  const std::string text = ReadFile(file);
+  RequireShallowJson(text, file.string());
   try {
-    const json root = json::parse(ReadFile(file));
+    const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
     if (root.contains("plate")) set.plate = PlateFrom(root.at("plate"));
     for (const json& entry : root.at("images")) {
@@ -68,6 +100,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
       image.mask_fraction = entry.value("mask_fraction", 0.0);
       image.group = entry.value("group", "");
       if (set.plate && entry.contains("plate_corners")) image.plate_corners = CornersFrom(entry.at("plate_corners"), *set.plate);
+      RequireUsableNumbers(image);
       set.images.push_back(std::move(image));
     }
   } catch (const InputError& error) {
@@ -76,9 +109,16 @@ ImageSet ReadImageSet(const fs::path& folder) {
     throw InputError(file.string() + " is damaged (" + error.what() + "); run 'keypose capture' again");
   }
   std::sort(set.images.begin(), set.images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
-  for (std::size_t i = 0; i < set.images.size(); ++i)
-    if (!fs::exists(folder / set.images[i].name))
-      throw InputError(file.string() + " names " + set.images[i].name + ", but that photograph is not in the folder");
+  for (std::size_t i = 0; i < set.images.size(); ++i) {
+    const std::string& name = set.images[i].name;
+    if (i > 0 && set.images[i - 1].name == name) throw InputError(file.string() + " names " + name + " twice; run 'keypose capture' again");
+    try {
+      RequireBelow(folder, set.images[i]);
+    } catch (const InputError& error) {
+      throw InputError(file.string() + ": " + error.what() + "; run 'keypose capture' again, and trust no folder that says such things");
+    }
+    if (!fs::exists(folder / name)) throw InputError(file.string() + " names " + name + ", but that photograph is not in the folder");
+  }
   return set;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
+#include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -13,6 +14,7 @@
 #include "core/geometry.h"
 #include "core/io/binding_io.h"
 #include "core/io/files.h"
+#include "core/limits.h"
 #include "core/ray_scene.h"
 
 namespace keypose {
@@ -157,6 +159,7 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
 std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text, const Mesh& source, const Mesh& target,
                                         CarryLog* log) {
   std::vector<LandmarkPair> pairs;
+  RequireShallowJson(text, path.string());
   try {
     const json root = json::parse(text);
     if (!root.contains("pairs") && root.contains("landmarks"))
@@ -186,25 +189,60 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
                                               side));
 }
 
+/// The XML library calls itself for each level. Comments and quoted values are stepped over as it does; what else begins with '<!' is not,
+/// so that a level may be counted twice, and none is missed.
+void RequireShallowXml(const std::string& text, const fs::path& path) {
+  constexpr int kMostLevels = 100;
+  int level = 0;
+  for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
+    const auto begins = [&](const char* mark) { return text.compare(at, std::strlen(mark), mark) == 0; };
+    const auto behind = [&](const char* mark) { return std::min(text.size(), text.find(mark, at)); };
+    if (begins("<!--")) {
+      at = behind("-->");
+    } else if (begins("<![CDATA[")) {
+      at = behind("]]>");
+    } else if (begins("</")) {
+      --level;
+      at += 2;
+    } else if (begins("<!") || begins("<?")) {
+      at += 2;
+    } else {
+      char quote = 0;
+      for (++at; at < text.size() && (quote || text[at] != '>'); ++at) {
+        if (quote ? text[at] == quote : text[at] == '"' || text[at] == '\'') quote = quote ? 0 : text[at];
+      }
+      level += at == text.size() || text[at - 1] != '/';
+    }
+    if (level > kMostLevels)
+      throw InputError(path.string() + " is not a MeshLab picked-points file: its elements are nested more than 100 levels deep");
+  }
+}
+
 std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
   boost::property_tree::ptree tree;
-  std::istringstream in(ReadFile(path));
+  std::string text = ReadFile(path);
+  RequireShallowXml(text, path);
+  std::istringstream in(std::move(text));
   try {
     boost::property_tree::read_xml(in, tree);
   } catch (const boost::property_tree::xml_parser_error& error) {
     throw InputError(fmt::format("{}:{}: not a MeshLab picked-points file: {}", path.string(), error.line(), error.message()));
   }
+  const auto picked = tree.get_child_optional("PickedPoints");
+  if (!picked)
+    throw InputError(path.string() + " is not a MeshLab picked-points file: it has no element PickedPoints; save the points from MeshLab again");
   const RayScene scene(mesh.points, mesh.faces);
   const double diagonal = BoundingDiagonal(mesh.points);
   std::vector<double> off;
   std::vector<Landmark> landmarks;
-  for (const auto& [tag, node] : tree.get_child("PickedPoints", {})) {
+  for (const auto& [tag, node] : *picked) {
     if (tag != "point" || node.get<int>("<xmlattr>.active", 1) == 0) continue;
     Landmark landmark;
     landmark.name = node.get<std::string>("<xmlattr>.name", "");
     const Eigen::Vector3d position(node.get<double>("<xmlattr>.x", NAN), node.get<double>("<xmlattr>.y", NAN),
                                    node.get<double>("<xmlattr>.z", NAN));
-    if (!position.allFinite()) throw InputError(fmt::format("{}: point '{}' has no x, y, z", path.string(), landmark.name));
+    if (!position.allFinite() || position.cwiseAbs().maxCoeff() > kMostCoordinate)
+      throw InputError(fmt::format("{}: point '{}' has no x, y, z that can be used", path.string(), landmark.name));
     const RayScene::Foot foot = scene.ClosestPoint(position);
     off.push_back(std::sqrt(foot.squared_distance) / diagonal);
     if (off.back() > kFurthestSnap)
@@ -231,8 +269,10 @@ std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog
 
 std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
   std::vector<Landmark> landmarks;
+  const std::string text = ReadFile(path);
+  RequireShallowJson(text, path.string());
   try {
-    const json root = json::parse(ReadFile(path));
+    const json root = json::parse(text);
     FollowPicks follow(BindingIn(root, "mesh", path), mesh, path.string(), side);
     for (const json& entry : root.at("landmarks"))
       if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow)) landmarks.push_back(std::move(*landmark));

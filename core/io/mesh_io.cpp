@@ -1,7 +1,7 @@
 #include "core/io/mesh_io.h"
 
 #define TINYOBJLOADER_USE_DOUBLE
-#include <CGAL/IO/OFF.h>
+#include <CGAL/IO/OFF/File_scanner_OFF.h>
 #include <CGAL/IO/STL.h>
 #include <CGAL/Simple_cartesian.h>
 #include <tiny_obj_loader.h>
@@ -35,7 +35,7 @@ class Fan {
   explicit Fan(const fs::path& path, std::int64_t vertex_count) : path_(path), vertex_count_(vertex_count) {}
   template <class Corner>
   void Add(const Corner* corners, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) Check(static_cast<std::int64_t>(corners[k]));
+    for (std::size_t k = 0; k < count; ++k) Check(corners[k]);
     for (std::size_t k = 1; k + 1 < count; ++k)
       triangles_.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k]), static_cast<int>(corners[k + 1])});
     ++polygons_;
@@ -48,8 +48,10 @@ class Fan {
   }
 
  private:
-  void Check(std::int64_t v) const {
-    if (v < 0 || v >= vertex_count_)
+  template <class Corner>
+  void Check(Corner v) const {
+    const auto number = static_cast<double>(v);  // PLY may hold fractions and what is no number at all
+    if (!(number >= 0 && number < static_cast<double>(vertex_count_)))
       throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}", path_.string(), polygons_, v, vertex_count_));
   }
   const fs::path& path_;
@@ -134,11 +136,6 @@ Mesh ReadPlyMesh(const fs::path& path) {
   return mesh;
 }
 
-void FillFromObj(const tinyobj::attrib_t& attributes, Mesh& mesh) {
-  mesh.points = Eigen::Map<const PointsX3>(attributes.vertices.data(), static_cast<Eigen::Index>(attributes.vertices.size() / 3), 3);
-  mesh.uvs = Eigen::Map<const UvsX2>(attributes.texcoords.data(), static_cast<Eigen::Index>(attributes.texcoords.size() / 2), 2);
-}
-
 /// Reads a number at `at` as strtod does, and most of them much faster; nullptr where there is none or it is not finite.
 const char* SkipNumber(const char* at, const char* end) {
   while (at < end && (*at == ' ' || *at == '\t')) ++at;
@@ -189,40 +186,74 @@ void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   }
 }
 
+/// What the OBJ library calls back with. Its ready-made arrays count a polygon's corners in a byte; its callbacks do not.
+class ObjCollector {
+ public:
+  explicit ObjCollector(const fs::path& path) : path_(path) {}
+
+  void Read(std::istream& in) {
+    tinyobj::callback_t calls;
+    calls.vertex_cb = [](void* self, double x, double y, double z, double) { Of(self).Put(Of(self).points_, {x, y, z}); };
+    calls.texcoord_cb = [](void* self, double u, double v, double) { Of(self).Put(Of(self).uvs_, {u, v}); };
+    calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) { Of(self).AddFace(corners, count); };
+    std::string warning, error;
+    const bool read = tinyobj::LoadObjWithCallback(in, calls, this, nullptr, &warning, &error);
+    if (!read || !error.empty())
+      throw InputError("cannot read OBJ file " + path_.string() + ": " + (error.empty() ? "malformed" : error));
+  }
+
+  Mesh Take() const {
+    Mesh mesh;
+    mesh.points = Eigen::Map<const PointsX3>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+    mesh.faces = Fanned(corners_, mesh.points.rows());
+    if (uvs_.empty() || uv_corners_.size() != corners_.size()) return mesh;
+    mesh.uvs = Eigen::Map<const UvsX2>(uvs_.data(), static_cast<Eigen::Index>(uvs_.size() / 2), 2);
+    mesh.uv_faces = Fanned(uv_corners_, mesh.uvs.rows());
+    return mesh;
+  }
+
+ private:
+  static ObjCollector& Of(void* self) { return *static_cast<ObjCollector*>(self); }
+
+  void Put(std::vector<double>& values, std::initializer_list<double> more) { values.insert(values.end(), more); }
+
+  /// From 0. In the file they count from 1, or backwards from the last one before the face.
+  static int FromZero(int index, std::size_t so_far) { return index > 0 ? index - 1 : index + static_cast<int>(so_far); }
+
+  void AddFace(const tinyobj::index_t* corners, int count) {
+    for (int k = 0; k < count; ++k) {
+      if (corners[k].vertex_index == 0)
+        throw InputError(fmt::format("{}: face {} has a corner that names no vertex (they count from 1)", path_.string(), sizes_.size()));
+      corners_.push_back(FromZero(corners[k].vertex_index, points_.size() / 3));
+      // Coordinates on a texture count only when all faces have them.
+      if (corners[k].texcoord_index != 0) uv_corners_.push_back(FromZero(corners[k].texcoord_index, uvs_.size() / 2));
+    }
+    sizes_.push_back(static_cast<std::size_t>(count));
+  }
+
+  FacesX3 Fanned(const std::vector<int>& corners, Eigen::Index vertices) const {
+    Fan fan(path_, vertices);
+    std::size_t at = 0;
+    for (const std::size_t size : sizes_) {
+      fan.Add(corners.data() + at, size);
+      at += size;
+    }
+    return fan.Take();
+  }
+
+  const fs::path& path_;
+  std::vector<double> points_, uvs_;       // 3 and 2 a vertex
+  std::vector<int> corners_, uv_corners_;  // of all faces, end to end
+  std::vector<std::size_t> sizes_;         // corners of each face
+};
+
 Mesh ReadObjMesh(const fs::path& path) {
   std::string text = WithWholeLines(ReadFile(path));
   RequireNumbersInObj(path, text);
   std::istringstream in(std::move(text));
-  tinyobj::attrib_t attributes;
-  std::vector<tinyobj::shape_t> shapes;
-  std::string warning, error;
-  // Polygons are fanned here, not by the library: its ear clipping drops faces that it finds degenerate.
-  const bool read = tinyobj::LoadObj(&attributes, &shapes, nullptr, &warning, &error, &in, nullptr, false, false);
-  if (!read || !error.empty()) throw InputError("cannot read OBJ file " + path.string() + ": " + (error.empty() ? "malformed" : error));
-  Mesh mesh;
-  FillFromObj(attributes, mesh);
-  Fan faces(path, mesh.points.rows()), uv_faces(path, mesh.uvs.rows());
-  bool all_have_uvs = mesh.uvs.rows() > 0;
-  for (const auto& shape : shapes) {
-    std::size_t at = 0;
-    for (const unsigned corners : shape.mesh.num_face_vertices) {
-      std::vector<int> polygon(corners), uv_polygon(corners);
-      for (unsigned k = 0; k < corners; ++k, ++at) {
-        polygon[k] = shape.mesh.indices[at].vertex_index;
-        uv_polygon[k] = shape.mesh.indices[at].texcoord_index;
-        all_have_uvs &= uv_polygon[k] >= 0;
-      }
-      faces.Add(polygon.data(), corners);
-      if (all_have_uvs) uv_faces.Add(uv_polygon.data(), corners);
-    }
-  }
-  mesh.faces = faces.Take();
-  if (all_have_uvs) mesh.uv_faces = uv_faces.Take();
-  if (mesh.uv_faces.rows() != mesh.faces.rows()) {
-    mesh.uvs.resize(0, 2);
-    mesh.uv_faces.resize(0, 3);
-  }
-  return mesh;
+  ObjCollector collector(path);
+  collector.Read(in);
+  return collector.Take();
 }
 
 template <class Polygons>
@@ -237,14 +268,68 @@ Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Poly
   return mesh;
 }
 
-Mesh ReadOffMesh(const fs::path& path) {
-  std::vector<Point> points;
-  std::vector<std::vector<std::size_t>> polygons;
-  std::ifstream in(path);
-  if (!CGAL::IO::read_OFF(in, points, polygons))
-    throw InputError("cannot read OFF file " + path.string() + ": it is malformed or truncated");
-  return FromSoup(path, points, polygons);
-}
+/// CGAL's own loop over its scanner takes memory for whatever the header and each face claim; here nothing may claim more than the rest of
+/// the file can hold.
+class OffReader {
+ public:
+  explicit OffReader(const fs::path& path)
+      : path_(path), bytes_(fs::file_size(path)), in_(path, std::ios::binary), scanner_(in_) {
+    if (!in_) Fail("its header is malformed");
+    // The shortest vertex is "0 0 0", the shortest face "0", each with its line end.
+    if (scanner_.size_of_vertices() > bytes_ / 6 || scanner_.size_of_facets() > bytes_ / 2)
+      Fail(fmt::format("it claims {} vertices and {} faces, more than its {} bytes can hold; it is truncated or damaged",
+                       scanner_.size_of_vertices(), scanner_.size_of_facets(), bytes_));
+  }
+
+  Mesh Read() {
+    Mesh mesh;
+    mesh.points.resize(static_cast<Eigen::Index>(scanner_.size_of_vertices()), 3);
+    for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) ReadVertex(v, mesh.points);
+    Fan fan(path_, mesh.points.rows());
+    std::vector<std::size_t> corners;
+    for (std::size_t f = 0; f < scanner_.size_of_facets(); ++f) {
+      ReadFace(f, corners);
+      fan.Add(corners.data(), corners.size());
+    }
+    mesh.faces = fan.Take();
+    return mesh;
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& why) const { throw InputError("cannot read OFF file " + path_.string() + ": " + why); }
+
+  void ReadVertex(Eigen::Index v, PointsX3& points) {
+    double x = 0, y = 0, z = 0, w = 1;
+    scanner_.scan_vertex(x, y, z, w);
+    if (scanner_.binary()) scanner_.skip_to_next_vertex(static_cast<std::size_t>(v));  // a line of text is behind us anyway
+    if (!in_ && !in_.eof()) Fail(fmt::format("vertex {} is malformed", v));
+    if (in_.eof() && scanner_.size_of_facets() > 0) Fail(fmt::format("it ends at vertex {}; it is truncated", v));
+    if (w == 0) Fail(fmt::format("vertex {} lies at infinity (its fourth coordinate is 0)", v));
+    points.row(v) << x / w, y / w, z / w;
+  }
+
+  void ReadFace(std::size_t f, std::vector<std::size_t>& corners) {
+    std::size_t count = 0;
+    scanner_.scan_facet(count, f);
+    if (!in_ && !in_.eof()) Fail(fmt::format("face {} is malformed", f));
+    if (count > bytes_ / 2) Fail(fmt::format("face {} claims {} corners, which the file cannot hold", f, static_cast<std::int64_t>(count)));
+    corners.assign(count, 0);
+    for (std::size_t k = 0; k < count; ++k) {
+      scanner_.scan_facet_vertex_index(corners[k], k + 1, f);
+      if (!in_) Fail(fmt::format("it ends or is malformed at face {}", f));
+    }
+    if (!scanner_.binary()) return;
+    scanner_.skip_to_next_facet(f);
+    if (!in_) Fail(fmt::format("it ends or is malformed at face {}", f));
+  }
+
+  const fs::path& path_;
+  std::uintmax_t bytes_;
+  std::ifstream in_;
+  CGAL::File_scanner_OFF scanner_;
+};
+
+Mesh ReadOffMesh(const fs::path& path) { return OffReader(path).Read(); }
 
 Mesh ReadStlMesh(const fs::path& path) {
   std::vector<Point> points;
@@ -342,8 +427,9 @@ std::string ObjText(const Mesh& mesh, const std::string& material_library) {
 
 Mesh ReadMesh(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("mesh " + path.string() + " does not exist");
+  if (!fs::is_regular_file(path)) throw DiskError("mesh " + path.string() + " is not a file");
   std::ifstream in(path, std::ios::binary);
-  if (!in || fs::is_directory(path)) throw DiskError("cannot open mesh " + path.string());
+  if (!in) throw DiskError("cannot open mesh " + path.string());
   std::string head(4096, '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(in.gcount()));
@@ -392,6 +478,7 @@ void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
 
 PointCloud ReadPointCloud(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("point cloud " + path.string() + " does not exist");
+  if (!fs::is_regular_file(path)) throw DiskError("point cloud " + path.string() + " is not a file");
   const PlyTable table = ReadPly(path);
   const PlyElement& vertex = VertexElement(table, path);
   PointCloud cloud;

@@ -2,6 +2,9 @@
 
 #include <pcl/io/ply/ply_parser.h>
 
+#include <charconv>
+#include <cstdint>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <sstream>
@@ -76,9 +79,29 @@ class Collector {
   std::string fault_;
 };
 
+/// PCL reads a count of -1 as 2^64 - 1, and goes through an element without properties without reading anything: each row takes a byte or
+/// more of the file, or the header is damaged.
+void RequireCountsThatFit(const std::filesystem::path& path) {
+  const std::uintmax_t bytes = std::filesystem::file_size(path);
+  std::ifstream in(path, std::ios::binary);
+  int number = 0;
+  for (std::string line; std::getline(in, line) && line.rfind("end_header", 0) != 0;) {
+    ++number;
+    std::istringstream words(line);
+    std::string keyword, name, count;
+    if (!(words >> keyword >> name >> count) || keyword != "element") continue;
+    std::uintmax_t rows = 0;
+    const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), rows);
+    if (error != std::errc() || end != count.data() + count.size() || rows > bytes)
+      throw InputError("cannot read PLY file " + path.string() + ": line " + std::to_string(number) + " claims " + count + " of '" + name +
+                       "', more than the file's " + std::to_string(bytes) + " bytes can hold; it is truncated or damaged");
+  }
+}
+
 }  // namespace
 
 PlyTable ReadPly(const std::filesystem::path& path) {
+  RequireCountsThatFit(path);
   PlyTable table;
   Collector collector(table);
   ply::ply_parser parser;

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
+#include "core/limits.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -21,10 +22,16 @@ double Number(const json& root, const json& frame, const char* name, double none
   return root.contains(name) ? root.at(name).get<double>() : none;
 }
 
-Camera CameraOfFrame(const json& root, const json& frame) {
+Camera CameraOfFrame(const json& root, const json& frame, const std::string& where) {
+  constexpr double kMostSide = 1e6;
   Camera camera;
-  camera.width = static_cast<int>(Number(root, frame, "w", 0));
-  camera.height = static_cast<int>(Number(root, frame, "h", 0));
+  const auto pixels = [&](const char* name) {
+    const double number = Number(root, frame, name, 0);
+    if (!(number >= 0 && number <= kMostSide)) throw InputError(where + ": `" + name + "` is no number of pixels");
+    return static_cast<int>(number);
+  };
+  camera.width = pixels("w");
+  camera.height = pixels("h");
   camera.fx = Number(root, frame, "fl_x", 0);
   const double angle = Number(root, frame, "camera_angle_x", 0);
   if (camera.fx <= 0 && angle > 0 && camera.width > 0) camera.fx = camera.width / (2 * std::tan(angle / 2));
@@ -36,6 +43,11 @@ Camera CameraOfFrame(const json& root, const json& frame) {
   camera.k2 = Number(root, frame, "k2", 0);
   camera.p1 = Number(root, frame, "p1", 0);
   camera.p2 = Number(root, frame, "p2", 0);
+  Camera sized = camera;  // where the file gives no size or an angle alone, the caller knows the photograph's size
+  if (sized.width == 0 || sized.height == 0) sized.width = sized.height = 1;
+  sized.fx = std::abs(sized.fx);
+  sized.fy = std::abs(sized.fy);
+  if (camera.fx != 0) RequireUsableCamera(sized, where);
   return camera;
 }
 
@@ -48,7 +60,7 @@ Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
                                 : matrix.at(static_cast<std::size_t>(r)).at(static_cast<std::size_t>(c)).get<double>();
   Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
   const double off = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!world_from_gl.allFinite() || !(off < 1e-3) || rotation.determinant() < 0)
+  if (!world_from_gl.allFinite() || world_from_gl.cwiseAbs().maxCoeff() > kMostCoordinate || !(off < 1e-3) || rotation.determinant() < 0)
     throw InputError(where + ": transform_matrix is no rotation and translation (off by " + std::to_string(off) +
                      "); write the camera-to-world matrix without scale");
   rotation.col(1) = -rotation.col(1).eval();  // y down and z forward
@@ -59,13 +71,15 @@ Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
 
 std::vector<View> ReadTransforms(const fs::path& path) {
   std::vector<View> views;
+  const std::string text = ReadFile(path);
+  RequireShallowJson(text, path.string());
   try {
-    const json root = json::parse(ReadFile(path));
+    const json root = json::parse(text);
     for (const json& frame : root.at("frames")) {
       View view;
       view.name = fs::path(frame.at("file_path").get<std::string>()).filename().string();
       const std::string where = path.string() + ", frame " + view.name;
-      view.camera = CameraOfFrame(root, frame);
+      view.camera = CameraOfFrame(root, frame, where);
       if (view.camera.fx == 0) throw InputError(where + " has no focal length; give fl_x or camera_angle_x");
       view.camera_from_world = CameraFromWorld(frame.at("transform_matrix"), where);
       views.push_back(std::move(view));

@@ -52,8 +52,10 @@ std::vector<std::pair<int, int>> CornersOfVertices(const Mesh& mesh) {
 
 RegionsFile ReadRegions(const std::filesystem::path& path) {
   RegionsFile file;
+  const std::string text = ReadFile(path);
+  RequireShallowJson(text, path.string());
   try {
-    const json root = json::parse(ReadFile(path));
+    const json root = json::parse(text);
     file.binding = BindingFrom(root.at("mesh"), path);
     if (!file.binding.known()) throw InputError(path.string() + " does not say which mesh its regions are of; bind them again");
     for (const json& entry : root.at("regions")) {

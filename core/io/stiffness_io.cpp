@@ -9,7 +9,9 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/binding_io.h"
+#include "core/io/files.h"
 #include "core/io/stiffness_map.h"
+#include "core/limits.h"
 
 namespace keypose {
 
@@ -28,6 +30,7 @@ struct Painted {
 
 Painted PaintedFromJson(const std::string& text, const std::string& name) {
   Painted painted;
+  RequireShallowJson(text, name);
   try {
     const json root = json::parse(text);
     painted.binding = BindingFrom(root.at("mesh"), name);
@@ -38,7 +41,8 @@ Painted PaintedFromJson(const std::string& text, const std::string& name) {
       std::istringstream line(lines[static_cast<std::size_t>(i)].get<std::string>());
       double factor = 0;
       for (int k = 0; k < 3; ++k) line >> painted.points(i, k);
-      if (!(line >> factor) || !std::isfinite(factor) || factor <= 0)
+      const bool near = painted.points.row(i).cwiseAbs().maxCoeff() <= kMostCoordinate;
+      if (!(line >> factor) || !near || !std::isfinite(factor) || factor <= 0)
         throw InputError(fmt::format("{}: entry {} of `stiffness` must be a place and a positive number", name, i));
       painted.stiffness[i] = factor;
     }

@@ -310,7 +310,7 @@ std::optional<Ease> EaseNamed(const std::string& name) {
 }
 
 Timeline ParseTimeline(const std::string& text, const std::string& source) {
-  const json root = json::parse(text, nullptr, false);
+  const json root = IsShallowJson(text) ? json::parse(text, nullptr, false) : json(json::value_t::discarded);
   if (root.is_discarded() || !root.is_object())
     throw TimelineError(source + ": not a timeline; write {\"schema\": 2, \"fps\": 24, \"keys\": [{\"pose\": \"rest\", \"time\": 0}, ...]}",
                         -1);

@@ -1,0 +1,97 @@
+#include "core/io/image_kind.h"
+
+#include <algorithm>
+#include <array>
+
+namespace keypose {
+
+namespace {
+
+constexpr auto kNone = std::string_view::npos;
+
+std::uint32_t BigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
+  std::uint32_t value = 0;
+  for (std::size_t k = 0; k < count; ++k) value = (value << 8) | static_cast<unsigned char>(bytes[at + k]);
+  return value;
+}
+
+/// The brands of the first box: HEVC pictures as phones write them, and no AVIF, which shares the container.
+bool IsHeif(std::string_view head) {
+  if (head.size() < 16 || head.substr(4, 4) != "ftyp") return false;
+  const std::size_t end = std::min<std::size_t>(head.size(), BigEndian(head, 0, 4));
+  bool hevc = false, other = false, container = false;
+  for (std::size_t at = 8; at + 4 <= end; at += 4) {
+    if (at == 12) continue;  // the version of the major brand
+    const std::string_view brand = head.substr(at, 4);
+    for (const std::string_view known : {"heic", "heix", "heim", "heis", "hevc", "hevx"}) hevc |= brand == known;
+    for (const std::string_view known : {"mif1", "msf1"}) container |= brand == known;
+    for (const std::string_view known : {"avif", "avis", "avci", "jpeg"}) other |= brand == known;
+  }
+  return hevc || (container && !other);
+}
+
+/// The place behind a marker's segment; kNone when the file ends within it.
+std::size_t BehindSegment(std::string_view bytes, std::size_t at) {
+  if (at + 2 > bytes.size()) return kNone;
+  const std::size_t length = BigEndian(bytes, at, 2);
+  return length < 2 || at + length > bytes.size() ? kNone : at + length;
+}
+
+/// Walks from marker to marker: what lies in a segment, such as a thumbnail with an end mark of its own, is stepped over.
+bool IsWholeJpeg(std::string_view bytes) {
+  constexpr unsigned kEnd = 0xd9, kStart = 0xd8, kFirstRestart = 0xd0, kTemporary = 0x01;
+  for (std::size_t at = bytes.find('\xff', 2); at != kNone && at + 1 < bytes.size(); at = bytes.find('\xff', at)) {
+    const unsigned marker = static_cast<unsigned char>(bytes[at + 1]);
+    if (marker == kEnd) return true;
+    if (marker == 0xff) {  // a fill byte
+      ++at;
+      continue;
+    }
+    at += 2;
+    // A zero is a stuffed byte of the picture itself; restarts and the like have no segment.
+    if (marker == 0 || marker == kTemporary || (marker >= kFirstRestart && marker <= kStart)) continue;
+    at = BehindSegment(bytes, at);
+    if (at == kNone) return false;
+  }
+  return false;
+}
+
+bool IsWholePng(std::string_view bytes) {
+  constexpr std::size_t kSignature = 8, kAround = 12;  // bytes of a chunk that are not its data
+  for (std::size_t at = kSignature; at + kAround <= bytes.size();) {
+    const std::size_t length = BigEndian(bytes, at, 4);
+    if (length > bytes.size() - at - kAround) return false;
+    if (bytes.substr(at + 4, 4) == "IEND") return true;
+    at += kAround + length;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string ImageKindOf(std::string_view head) {
+  using std::string_view_literals::operator""sv;
+  if (head.starts_with("\xff\xd8\xff"sv)) return "jpeg";
+  if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
+  for (const std::string_view mark : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+    if (head.starts_with(mark)) return "tiff";
+  return IsHeif(head) ? "heif" : "";
+}
+
+bool IsWholeImage(std::string_view bytes, const std::string& kind) {
+  if (kind == "jpeg") return IsWholeJpeg(bytes);
+  return kind != "png" || IsWholePng(bytes);
+}
+
+std::int64_t ClaimedHeifPixels(std::string_view bytes) {
+  // Each picture has its size in a box 'ispe': type, four bytes of version and flags, width, height. What only looks like one, within a
+  // picture's own bytes, is told by the length before it, which is always 20.
+  std::int64_t most = 0;
+  for (std::size_t at = bytes.find("ispe"); at != kNone; at = bytes.find("ispe", at + 4)) {
+    if (at < 4 || at + 16 > bytes.size() || BigEndian(bytes, at - 4, 4) != 20) continue;
+    most = std::max(most, std::int64_t{BigEndian(bytes, at + 8, 4)} * BigEndian(bytes, at + 12, 4));
+  }
+  return most;
+}
+
+}  // namespace keypose

@@ -1,0 +1,22 @@
+// A COLMAP model, text or binary: cameras, images and points end to end, apart by a line that says so.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/io/colmap_io.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  constexpr std::string_view kApart = "\n=====\n";
+  std::string_view rest = fuzz::Bytes(data, size);
+  const bool text = !rest.empty() && rest.front() == '#';
+  const auto next = [&] {
+    const std::string_view part = rest.substr(0, rest.find(kApart));
+    rest.remove_prefix(std::min(rest.size(), part.size() + kApart.size()));
+    return part;
+  };
+  return fuzz::Expect([&] {
+    for (const char* name : {"cameras", "images", "points3D"}) {
+      std::filesystem::remove(fuzz::Folder() / (std::string(name) + (text ? ".bin" : ".txt")));
+      fuzz::Put(std::string(name) + (text ? ".txt" : ".bin"), next());
+    }
+    ReadColmapModel(fuzz::Folder());
+  });
+}

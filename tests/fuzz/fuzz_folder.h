@@ -1,0 +1,44 @@
+// Shared by the fuzz programs: what a reader is given is a file, and only its documented errors may come out.
+#pragma once
+
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+
+namespace keypose::fuzz {
+
+/// A folder in memory, of this process alone.
+inline const std::filesystem::path& Folder() {
+  static const std::filesystem::path folder = [] {
+    const std::filesystem::path made = "/dev/shm/keypose_fuzz_" + std::to_string(::getpid());
+    std::filesystem::create_directories(made);
+    return made;
+  }();
+  return folder;
+}
+
+inline std::filesystem::path Put(const std::string& name, std::string_view bytes) {
+  WriteFile(Folder() / name, bytes);
+  return Folder() / name;
+}
+
+inline std::string_view Bytes(const std::uint8_t* data, std::size_t size) { return {reinterpret_cast<const char*>(data), size}; }
+
+/// Runs a reader; an exception that is no keypose::Error ends the program, and libFuzzer keeps the input.
+template <class Read>
+int Expect(const Read& read) {
+  try {
+    read();
+  } catch (const Error&) {
+  }
+  return 0;
+}
+
+}  // namespace keypose::fuzz

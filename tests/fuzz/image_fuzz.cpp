@@ -1,0 +1,13 @@
+// Photographs of all kinds, by content.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/io/image_io.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  constexpr std::int64_t kManyPixels = 1 << 22;  // more would be slow, not wrong
+  return fuzz::Expect([&] {
+    const auto path = fuzz::Put("image", fuzz::Bytes(data, size));
+    const ImageInfo info = ReadImageInfo(path);
+    if (std::int64_t{info.width} * info.height <= kManyPixels) ReadImage(path, 3);
+  });
+}

@@ -1,0 +1,12 @@
+// capture.json of an images folder.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/io/image_set.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  fuzz::Put("a.jpg", "x");
+  return fuzz::Expect([&] {
+    fuzz::Put("capture.json", fuzz::Bytes(data, size));
+    WriteImageSet(ReadImageSet(fuzz::Folder()));
+  });
+}

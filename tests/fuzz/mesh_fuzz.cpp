@@ -1,0 +1,13 @@
+// Meshes of all kinds, by content.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/geometry.h"
+#include "core/io/mesh_io.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  return fuzz::Expect([&] {
+    const Mesh mesh = ReadMesh(fuzz::Put("mesh", fuzz::Bytes(data, size)));
+    RequireUsable(mesh, "mesh");
+    CheckClosed(mesh);
+  });
+}

@@ -1,0 +1,8 @@
+// Cameras as transforms.json.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/io/poses_io.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  return fuzz::Expect([&] { ReadPoses(fuzz::Put("transforms.json", fuzz::Bytes(data, size))); });
+}

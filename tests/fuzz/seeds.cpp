@@ -1,0 +1,131 @@
+// Writes one folder of small valid files for each fuzz program: what Keypose's own writers make, and what people write by hand.
+#include <iostream>
+
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/geometry.h"
+#include "core/io/colmap_io.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/regions_io.h"
+#include "core/io/stiffness_io.h"
+#include "core/testing_shapes.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace keypose;
+
+fs::path g_root;
+
+fs::path In(const std::string& target, const std::string& name) {
+  fs::create_directories(g_root / target);
+  return g_root / target / name;
+}
+
+void Meshes() {
+  Mesh mesh = MakeIcosphere(0);
+  mesh.colors = ColorsX3::Constant(mesh.points.rows(), 3, 77);
+  mesh.normals = VertexNormals(mesh.points, mesh.faces);
+  WriteMesh(In("mesh", "ico.ply"), mesh);
+  mesh.uvs = (mesh.points.leftCols(2).array() * 0.5 + 0.5).matrix();
+  mesh.uv_faces = mesh.faces;
+  WriteMesh(In("mesh", "uv.ply"), mesh);
+  WriteMesh(In("mesh", "uv.obj"), mesh);
+  WriteFile(In("mesh", "quad.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 \\\n 0\nv 0 1 0\nvt 0 0\nf -4/1 -3/1 -2/1 -1/1\n");
+  WriteFile(In("mesh", "t.off"), "OFF\n# a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  WriteFile(In("mesh", "c.off"), "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0 0\n1 0 0 0 0 1 0 255 0 255 1 0\n0 1 0 0 0 1 0 0 255 255 0 1\n3 0 1 2 9 9 9\n");
+  WriteFile(In("mesh", "b.off"), std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) + std::string(36, '\0') +
+                                     std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\0", 20));
+  WriteFile(In("mesh", "t.stl"),
+            "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n");
+  WriteFile(In("mesh", "b.stl"), std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'));
+  WriteFile(In("mesh", "a.ply"),
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+            "property list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  PointCloud cloud;
+  cloud.points = mesh.points;
+  cloud.normals = mesh.normals;
+  cloud.colors = mesh.colors;
+  cloud.confidence = Eigen::VectorXf::Ones(cloud.points.rows());
+  WritePointCloud(In("cloud", "cloud.ply"), cloud);
+}
+
+void Images() {
+  Image8 image(24, 16, 3);
+  for (std::size_t k = 0; k < image.data.size(); ++k) image.data[k] = static_cast<std::uint8_t>(7 * k);
+  const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};
+  for (const char* name : {"a.jpg", "a.png", "a.tif", "a.heic"}) WriteImage(In("image", name), image, 90, &exif);
+  WriteImage(In("image", "grey.png"), Image8(9, 7, 1, 100));
+}
+
+void Models() {
+  Scene scene;
+  View view;
+  view.name = "a.jpg";
+  view.camera = {640, 480, 500, 501, 320, 240, 0.01, 0, 0, 0};
+  scene.views = {view};
+  SparsePoint point;
+  point.position = {0, 0, 3};
+  point.color << 1, 2, 3;
+  point.views = {0};
+  scene.points = {point};
+  WriteColmapModel(fuzz::Folder(), scene);
+  std::string whole;
+  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) whole += (whole.empty() ? "" : "\n=====\n") + ReadFile(fuzz::Folder() / name);
+  WriteFile(In("colmap", "binary"), whole);
+  WriteFile(In("colmap", "text"), "# text\n1 OPENCV 640 480 500 501 320 240 0 0 0 0\n=====\n1 1 0 0 0 0 0 3 1 a.jpg\n1 2 -1\n=====\n1 0 0 3 9 9 9 0.5 1 0\n");
+  WriteFile(In("poses", "transforms.json"),
+            R"({"fl_x":900,"w":640,"h":480,"k1":0.01,"frames":[{"file_path":"a.jpg","transform_matrix":[[1,0,0,0],[0,0,-1,-2],[0,1,0,0],[0,0,0,1]]}]})");
+}
+
+void Landmarks() {
+  const Mesh mesh = MakeIcosphere(1), other = MakeIcosphere(2);
+  WriteLandmarks(In("landmarks", "picks.json"), mesh, {{"nose", 3, {0.2, 0.3, 0.5}}});
+  WriteLandmarks(In("landmarks", "carried.json"), other, {{"nose", 3, {0.2, 0.3, 0.5}}});
+  WriteLandmarkPairs(In("landmarks", "pairs.json"), mesh, mesh, {{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 30, {1, 0, 0}}, true, 1, ""}});
+  WriteFile(In("landmarks", "pairs.txt"), "# two\n3 5\n7 9\n");
+  WriteFile(In("landmarks", "picks.pp"),
+            "<!DOCTYPE PickedPoints>\n<PickedPoints>\n<point x=\"1\" y=\"0\" z=\"0\" name=\"tip\" active=\"1\"/>\n</PickedPoints>\n");
+  WriteFile(In("stiffness", "bound.json"), BoundStiffnessText(mesh, Eigen::VectorXd::Ones(mesh.vertex_count())));
+  WriteFile(In("stiffness", "numbers.txt"), "1 2 0.5 # stiff\n1e3\n");
+  TimelineRegion tip, ball;
+  tip.name = "tip";
+  tip.vertices = {0, 1, 2};
+  ball.name = "ball";
+  ball.radius = 0.5;
+  WriteRegions(In("regions", "same.json"), mesh, {tip, ball});
+  WriteRegions(In("regions", "other.json"), other, {tip, ball});
+}
+
+void Sets() {
+  ImageSet set;
+  set.folder = fuzz::Folder();
+  set.plate = PlateLayout{};
+  CapturedImage image;
+  image.name = "a.jpg";
+  image.width = 4;
+  image.height = 3;
+  image.plate_corners = {{4, Eigen::Vector2d(1, 2)}};
+  set.images = {image};
+  WriteImageSet(set);
+  WriteFile(In("image_set", "capture.json"), ReadFile(fuzz::Folder() / "capture.json"));
+  WriteFile(In("timeline", "t.json"), R"({"schema":2,"fps":24,"loop":true,"volume":[{"time":0.5,"ratio":0.9}],"regions":[{"name":"tip","vertices":[1,2]}],)"
+                                      R"("pins":[{"region":"tip","from":0}],"keys":[{"pose":"a","time":0,"ease":[0,0,1,1]},{"pose":"b","time":1,"turns":{"tip":1}}]})");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "fuzz_seeds FOLDER: writes a folder of seeds for each fuzz program\n";
+    return 2;
+  }
+  g_root = argv[1];
+  Meshes();
+  Images();
+  Models();
+  Landmarks();
+  Sets();
+}

@@ -1,0 +1,8 @@
+// Timelines.
+#include "tests/fuzz/fuzz_folder.h"
+#include "core/io/timeline.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  return fuzz::Expect([&] { ParseTimeline(std::string(fuzz::Bytes(data, size)), "timeline.json"); });
+}
