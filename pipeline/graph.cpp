@@ -266,7 +266,8 @@ class GraphBuilder {
     // In the order of paths, what lies inside a folder comes right after it.
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second->path < b.second->path; });
     for (std::size_t i = 1; i < all.size(); ++i) {
-      const auto &[first, outer] = all[i - 1], &[second, inner] = all[i];
+      const auto& [first, outer] = all[i - 1];
+      const auto& [second, inner] = all[i];
       if (!contains(outer->path, inner->path)) continue;
       Fail(inner->where, fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path", first->id,
                                      second->id, inner->path.generic_string(), outer->where.Text()));

@@ -366,8 +366,8 @@ TEST_F(FullDisk, RunSaysSoAndGoesOnWhenThereIsSpace) {
 }
 
 TEST_F(BadInput, AStageByHandRemovesNothingThatItDidNotWrite) {
-  WriteMesh(here() / "source.ply", testing::Icosphere(2));
-  WriteMesh(here() / "truth.ply", testing::Icosphere(2));
+  WriteMesh(here() / "source.ply", MakeIcosphere(2));
+  WriteMesh(here() / "truth.ply", MakeIcosphere(2));
   WriteText(here() / "notes.txt", "a week of work");
   const std::vector<std::string> interpolate = {"interpolate", "--keys", "source.ply", "--keys", "truth.ply", "--steps", "1", "--frames"};
   for (const char* place : {".", "..", "./"}) {
