@@ -8,6 +8,7 @@ bin=build/fuzz/bin
 if [ "$1" = build ]; then
   cmake --preset fuzz >/dev/null
   cmake --build build/fuzz --target fuzz
+  rm -rf build/fuzz/seeds
   exec "$bin/fuzz_seeds" build/fuzz/seeds
 fi
 

@@ -81,9 +81,8 @@ void Models() {
 }
 
 void Landmarks() {
-  const Mesh mesh = MakeIcosphere(1), other = MakeIcosphere(2);
+  const Mesh mesh = MakeIcosphere(1);
   WriteLandmarks(In("landmarks", "picks.json"), mesh, {{"nose", 3, {0.2, 0.3, 0.5}}});
-  WriteLandmarks(In("landmarks", "carried.json"), other, {{"nose", 3, {0.2, 0.3, 0.5}}});
   WriteLandmarkPairs(In("landmarks", "pairs.json"), mesh, mesh, {{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 30, {1, 0, 0}}, true, 1, ""}});
   WriteFile(In("landmarks", "pairs.txt"), "# two\n3 5\n7 9\n");
   WriteFile(In("landmarks", "picks.pp"),
@@ -96,7 +95,6 @@ void Landmarks() {
   ball.name = "ball";
   ball.radius = 0.5;
   WriteRegions(In("regions", "same.json"), mesh, {tip, ball});
-  WriteRegions(In("regions", "other.json"), other, {tip, ball});
 }
 
 void Sets() {
