@@ -228,10 +228,12 @@ std::string PngOf(std::uint32_t width, std::uint32_t height) {
 }
 
 TEST_F(HostileImage, ClaimedSizesBeyondTheLimitTakeNoMemory) {
-  const std::string data = BigEndian32(16) + "IDAT" + std::string(20, '\0');
+  const std::string data = BigEndian32(16) + "IDAT" + std::string(20, '\0') + BigEndian32(0) + "IEND" + std::string(4, '\0');
   const std::int64_t growth = GrowthBytes([&] {
     EXPECT_TRUE(Says(ImageMessage(Put("giant.png", PngOf(20000, 15000) + data)), "20000 x 15000"));
     ImageMessage(Put("giants.png", PngOf(1000000, 1000000) + data));
+    const std::string chunk = BigEndian32(0x7f000000) + "eXIf" + std::string(40, '\0');  // two gigabytes, it says
+    EXPECT_TRUE(Says(ImageMessage(Put("chunk.png", PngOf(64, 16) + chunk + data)), "truncated"));
     std::string claim = "....ftypheic....mif1heic", box = BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(60000) + BigEndian32(60000);
     claim.replace(0, 4, BigEndian32(24));
     EXPECT_TRUE(Says(ImageMessage(Put("giant.heic", claim + box)), "claims more"));
