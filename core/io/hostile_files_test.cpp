@@ -239,6 +239,7 @@ TEST_F(HostileImage, ClaimedSizesBeyondTheLimitTakeNoMemory) {
     EXPECT_TRUE(Says(ImageMessage(Put("giant.heic", claim + box)), "claims more"));
   });
   EXPECT_LT(growth, 100 << 20);
+  EXPECT_GT(ClaimedHeifPixels(BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(0xffffffff) + BigEndian32(0xffffffff)), kMostPixels);
   EXPECT_EQ(ReadImage(PutJpeg("strip.jpg", 1, 20000)).height, 20000);  // odd, but a picture
 }
 
