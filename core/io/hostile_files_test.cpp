@@ -215,6 +215,16 @@ TEST_F(HostileImage, PhotographUnderAnotherKindsNameIsRead) {
   EXPECT_EQ(ReadImage(folder_ / "photo.png").width, 320);
 }
 
+TEST_F(HostileImage, HeicThatClaimsMoreThanItsPictureHasIsDamaged) {
+  const fs::path photo = folder_ / "photo.heic";
+  WriteImage(photo, Image8(64, 48, 3, 90));
+  EXPECT_EQ(ReadImage(photo).width, 64);
+  std::string bytes = ReadFile(photo);
+  for (std::size_t at = bytes.find("ispe"); at != std::string::npos; at = bytes.find("ispe", at + 4)) bytes.replace(at + 8, 4, BigEndian32(4160));
+  const fs::path wide = Put("wide.heic", bytes);
+  Message<InputError>(wide, [&] { ReadImage(wide, 3); });
+}
+
 /// A PNG's first bytes, with a header of that size.
 std::string PngOf(std::uint32_t width, std::uint32_t height) {
   // The sum of the header counts for libpng, so it is taken from a table that it would make: CRC-32 bit by bit.

@@ -14,6 +14,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/heif_io.h"
 #include "core/io/image_kind.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -81,12 +82,19 @@ void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
     RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels)");
 }
 
+/// HEIC's decoder takes memory for the pixels before it tells their number.
+void RequireModestHeif(const fs::path& path) {
+  const std::int64_t pixels = ClaimedHeifPixels(ReadFile(path));
+  if (pixels > kMostPixels) ThrowTooLarge(path, "more");
+  RequireMemory(6 * pixels, "image " + path.string());
+}
+
 /// Of the kind that its bytes say and of no other: the library itself would take any file to whichever of its readers likes it, and some of
 /// those write past their buffers.
 std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
-  if (kind == "heif" && ClaimedHeifPixels(ReadFile(path)) > kMostPixels) ThrowTooLarge(path, "more");
+  if (kind == "heif") RequireModestHeif(path);
   // libpng takes memory for whatever length a chunk claims.
   if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
   ImageSpec spec;
@@ -193,6 +201,11 @@ ImageInfo ReadImageInfo(const fs::path& path) {
 }
 
 Image8 ReadImage(const fs::path& path, int channels) try {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") {
+    RequireModestHeif(path);
+    return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
+  }
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
   RequireMemoryFor(path, spec);
