@@ -45,10 +45,12 @@ Image8 ReadHeif(const std::filesystem::path& path) {
             height = heif_image_get_height(picture.get(), heif_channel_interleaved);
   int stride = 0;
   const std::uint8_t* rows = heif_image_get_plane_readonly(picture.get(), heif_channel_interleaved, &stride);
-  if (!rows || width != heif_image_handle_get_width(handle.get()) || height != heif_image_handle_get_height(handle.get()) || stride < 3 * width)
+  if (!rows || width != heif_image_handle_get_width(handle.get()) || height != heif_image_handle_get_height(handle.get()) ||
+      stride < 3 * width)
     throw InputError("image " + path.string() + " is damaged: its picture has another size than its container says; leave it out");
   Image8 image(width, height, 3);
-  for (int y = 0; y < height; ++y) std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width), image.at(0, y));
+  for (int y = 0; y < height; ++y)
+    std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width), image.at(0, y));
   return image;
 }
 

@@ -1,8 +1,8 @@
 // Regions of a timeline that are bound to a mesh.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/regions_io.h"
 #include "core/mesh_binding.h"
 #include "core/testing_shapes.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

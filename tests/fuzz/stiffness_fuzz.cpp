@@ -1,8 +1,8 @@
 // Stiffness as text and as JSON that is bound to its mesh.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/stiffness_io.h"
 #include "core/mesh_binding.h"
 #include "core/testing_shapes.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;
