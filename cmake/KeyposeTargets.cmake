@@ -12,7 +12,7 @@ target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)
 # Libraries that a program does not call are not loaded: a mesh stage starts in a tenth of the time without the image libraries.
 target_link_options(keypose_flags INTERFACE -Wl,--as-needed)
 find_program(KEYPOSE_GOLD ld.gold)
-if(KEYPOSE_GOLD)
+if(KEYPOSE_GOLD AND NOT KEYPOSE_FUZZ)  # it warns of each of address sanitizer's symbols
   # A quarter of bfd's time. mold 1.10 is as fast but cannot be trusted: programs that fail to load with relro, links that never end without.
   target_link_options(keypose_flags INTERFACE -fuse-ld=gold)
 endif()

@@ -1,5 +1,5 @@
-// Files that once broke a reader or a solver (../shared/data/mutants), through the programs that read them: each ends in a documented exit code,
-// in bounded time and memory, and where it fails, the message names the file.
+// Files that once broke a reader or a solver (../shared/data/mutants), through the programs that read them: each ends in a documented exit
+// code, in bounded time and memory, and where it fails, the message names the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,7 +72,8 @@ class Mutants : public ::testing::Test {
     command.push_back(std::string(KEYPOSE_BIN_DIR) + "/" + arguments[0]);
     command.insert(command.end(), arguments.begin() + 1, arguments.end());
     const RunResult result = RunProgram(command, folder_.path(), {}, kSeconds);
-    EXPECT_TRUE(codes.count(result.exit_code)) << arguments[0] << " on " << name << " ended with " << result.exit_code << "\n" << result.output;
+    EXPECT_TRUE(codes.count(result.exit_code)) << arguments[0] << " on " << name << " ended with " << result.exit_code << "\n"
+                                               << result.output;
     EXPECT_THAT(result.output, Not(HasSubstr("this is a bug")));
     if (result.exit_code == 0) return;
     EXPECT_THAT(result.output, HasSubstr(name));
@@ -114,8 +115,9 @@ TEST_F(Mutants, MeshesThroughRegisterOnBothSides) {
 TEST_F(Mutants, PicksThroughRegister) {
   for (const char* prefix : {"foo.pp", "lm_pp", "sanitizer_landmarks"})
     for (const fs::path& file : FilesThatBegin(prefix))
-      Expect({"keypose-register", "--source", Good(), "--target", Good(), "--landmarks", file, "--landmarks", file, "--registered", "out.ply"},
-             file.filename(), kRefused);
+      Expect(
+          {"keypose-register", "--source", Good(), "--target", Good(), "--landmarks", file, "--landmarks", file, "--registered", "out.ply"},
+          file.filename(), kRefused);
 }
 
 TEST_F(Mutants, CamerasThroughBakeAndSfm) {

@@ -193,8 +193,18 @@ std::string VolumeTexture() {
   std::string bytes(128, '\0');
   const auto put = [&](std::size_t at, std::uint32_t value) { std::memcpy(bytes.data() + at, &value, 4); };
   bytes.replace(0, 4, "DDS ");
-  const std::array<std::pair<std::size_t, std::uint32_t>, 12> fields{{{4, 124}, {8, 0x80100f}, {12, 240}, {16, 320}, {20, 1280}, {24, 8}, {76, 32},
-                                                                      {80, 0x40}, {88, 24}, {92, 0xff0000}, {96, 0xff00}, {100, 0xff}}};
+  const std::array<std::pair<std::size_t, std::uint32_t>, 12> fields{{{4, 124},
+                                                                      {8, 0x80100f},
+                                                                      {12, 240},
+                                                                      {16, 320},
+                                                                      {20, 1280},
+                                                                      {24, 8},
+                                                                      {76, 32},
+                                                                      {80, 0x40},
+                                                                      {88, 24},
+                                                                      {92, 0xff0000},
+                                                                      {96, 0xff00},
+                                                                      {100, 0xff}}};
   for (const auto& [at, value] : fields) put(at, value);
   put(108, 0x1008);
   put(112, 0x200000);
@@ -215,6 +225,17 @@ TEST_F(HostileImage, PhotographUnderAnotherKindsNameIsRead) {
   EXPECT_EQ(ReadImage(folder_ / "photo.png").width, 320);
 }
 
+TEST_F(HostileImage, HeicThatClaimsMoreThanItsPictureHasIsDamaged) {
+  const fs::path photo = folder_ / "photo.heic";
+  WriteImage(photo, Image8(64, 48, 3, 90));
+  EXPECT_EQ(ReadImage(photo).width, 64);
+  std::string bytes = ReadFile(photo);
+  for (std::size_t at = bytes.find("ispe"); at != std::string::npos; at = bytes.find("ispe", at + 4))
+    bytes.replace(at + 8, 4, BigEndian32(4160));
+  const fs::path wide = Put("wide.heic", bytes);
+  Message<InputError>(wide, [&] { ReadImage(wide, 3); });
+}
+
 /// A PNG's first bytes, with a header of that size.
 std::string PngOf(std::uint32_t width, std::uint32_t height) {
   // The sum of the header counts for libpng, so it is taken from a table that it would make: CRC-32 bit by bit.
@@ -228,15 +249,19 @@ std::string PngOf(std::uint32_t width, std::uint32_t height) {
 }
 
 TEST_F(HostileImage, ClaimedSizesBeyondTheLimitTakeNoMemory) {
-  const std::string data = BigEndian32(16) + "IDAT" + std::string(20, '\0');
+  const std::string data = BigEndian32(16) + "IDAT" + std::string(20, '\0') + BigEndian32(0) + "IEND" + std::string(4, '\0');
   const std::int64_t growth = GrowthBytes([&] {
     EXPECT_TRUE(Says(ImageMessage(Put("giant.png", PngOf(20000, 15000) + data)), "20000 x 15000"));
     ImageMessage(Put("giants.png", PngOf(1000000, 1000000) + data));
-    std::string claim = "....ftypheic....mif1heic", box = BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(60000) + BigEndian32(60000);
+    const std::string chunk = BigEndian32(0x7f000000) + "eXIf" + std::string(40, '\0');  // two gigabytes, it says
+    EXPECT_TRUE(Says(ImageMessage(Put("chunk.png", PngOf(64, 16) + chunk + data)), "truncated"));
+    std::string claim = "....ftypheic....mif1heic",
+                box = BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(60000) + BigEndian32(60000);
     claim.replace(0, 4, BigEndian32(24));
     EXPECT_TRUE(Says(ImageMessage(Put("giant.heic", claim + box)), "claims more"));
   });
   EXPECT_LT(growth, 100 << 20);
+  EXPECT_GT(ClaimedHeifPixels(BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(0xffffffff) + BigEndian32(0xffffffff)), kMostPixels);
   EXPECT_EQ(ReadImage(PutJpeg("strip.jpg", 1, 20000)).height, 20000);  // odd, but a picture
 }
 
@@ -244,8 +269,8 @@ TEST_F(HostileImage, ThumbnailsEndMarkDoesNotStandForThePhotographs) {
   const std::string photo = ReadFile(PutJpeg("photo.jpg")), thumbnail = ReadFile(PutJpeg("thumbnail.jpg", 64, 48));
   ASSERT_LT(thumbnail.size(), 60000u);
   const std::string segment = "Exif" + std::string(2, '\0') + thumbnail;
-  const std::string with = photo.substr(0, 2) + "\xff\xe1" + BigEndian32(static_cast<std::uint32_t>(segment.size() + 2)).substr(2) + segment +
-                           photo.substr(2);
+  const std::string with =
+      photo.substr(0, 2) + "\xff\xe1" + BigEndian32(static_cast<std::uint32_t>(segment.size() + 2)).substr(2) + segment + photo.substr(2);
   EXPECT_EQ(ReadImage(Put("with.jpg", with)).data, ReadImage(folder_ / "photo.jpg").data);
   const std::string cut = with.substr(0, with.size() - photo.size() / 3);
   ASSERT_LT(cut.size(), 65536u) << "the thumbnail's mark must lie where the end is looked for";
@@ -269,8 +294,7 @@ TEST_F(HostileModel, CamerasAndPosesThatCannotBeAreInputErrors) {
   EXPECT_EQ(ReadColmapModel(model(good_camera, good_pose, "0 0 0")).views.size(), 1u);
   for (const char* bad : {"640 480 0 500 320 240 0 0 0 0", "640 480 1e300 500 320 240 0 0 0 0", "640 480 500 500 320 240 1e30 0 0 0",
                           "0 480 500 500 320 240 0 0 0 0", "4294967297 480 500 500 320 240 0 0 0 0", "60000 60000 500 500 320 240 0 0 0 0",
-                          "640 480 -500 500 320 240 0 0 0 0", "640 480 500 1e-300 320 240 0 0 0 0",
-                          "640 480 nan 500 320 240 0 0 0 0"})
+                          "640 480 -500 500 320 240 0 0 0 0", "640 480 500 1e-300 320 240 0 0 0 0", "640 480 nan 500 320 240 0 0 0 0"})
     Message<InputError>("cameras.txt", [&] { ReadColmapModel(model(bad, good_pose, "0 0 0")); });
   for (const char* bad : {"0 0 0 0 0 0 3", "1 0 0 0 0 0 1e200", "nan 0 0 0 0 0 3", "1e200 0 0 0 0 0 3"})
     Message<InputError>("images.txt", [&] { ReadColmapModel(model(good_camera, bad, "0 0 0")); });
@@ -301,7 +325,8 @@ TEST_F(HostileModel, TransformsWithCamerasThatCannotBeAreInputErrors) {
                                       "],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]}");
   };
   EXPECT_EQ(ReadPoses(file(R"("fl_x": 900, "w": 640, "h": 480)")).size(), 1u);
-  for (const char* bad : {R"("fl_x": 900, "w": 1e300, "h": 480)", R"("fl_x": 900, "w": -5, "h": 480)", R"("fl_x": 1e300, "w": 640, "h": 480)"})
+  for (const char* bad :
+       {R"("fl_x": 900, "w": 1e300, "h": 480)", R"("fl_x": 900, "w": -5, "h": 480)", R"("fl_x": 1e300, "w": 640, "h": 480)"})
     Message<InputError>("transforms.json", [&] { ReadPoses(file(bad)); });
   Message<InputError>("transforms.json", [&] { ReadPoses(file(R"("fl_x": 900, "w": 640, "h": 480)", "1e200")); });
 }

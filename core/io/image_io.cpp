@@ -14,6 +14,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/heif_io.h"
 #include "core/io/image_kind.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -51,6 +52,11 @@ std::string RequireKnownKind(const fs::path& path) {
   return kind;
 }
 
+[[noreturn]] void ThrowDamaged(const fs::path& path, const std::string& reason) {
+  throw InputError("image " + path.string() + " is truncated or damaged" + (reason.empty() ? "" : " (" + reason + ")") +
+                   ": copy it from the camera again, or leave it out");
+}
+
 [[noreturn]] void ThrowTooLarge(const fs::path& path, const std::string& size) {
   throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " + std::to_string(kMostPixels / 1000000) +
                    " million pixels are read; it is damaged, or make it smaller");
@@ -76,12 +82,21 @@ void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
     RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels)");
 }
 
+/// HEIC's decoder takes memory for the pixels before it tells their number.
+void RequireModestHeif(const fs::path& path) {
+  const std::int64_t pixels = ClaimedHeifPixels(ReadFile(path));
+  if (pixels > kMostPixels) ThrowTooLarge(path, "more");
+  RequireMemory(6 * pixels, "image " + path.string());
+}
+
 /// Of the kind that its bytes say and of no other: the library itself would take any file to whichever of its readers likes it, and some of
 /// those write past their buffers.
 std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
-  if (kind == "heif" && ClaimedHeifPixels(ReadFile(path)) > kMostPixels) ThrowTooLarge(path, "more");
+  if (kind == "heif") RequireModestHeif(path);
+  // libpng takes memory for whatever length a chunk claims.
+  if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
   ImageSpec spec;
   auto input = ImageInput::create(kind);
   if (!input || !input->open(path.string(), spec)) {
@@ -90,11 +105,6 @@ std::unique_ptr<ImageInput> Open(const fs::path& path) {
   }
   RequireModestSize(path, input->spec());
   return input;
-}
-
-bool IsWholeFile(const fs::path& path, const std::string& kind) {
-  const bool has_end_mark = kind == "jpeg" || kind == "png";
-  return !has_end_mark || IsWholeImage(ReadFile(path), kind);
 }
 
 /// EXIF orientation; 1 (upright) where it is none of the eight.
@@ -191,17 +201,19 @@ ImageInfo ReadImageInfo(const fs::path& path) {
 }
 
 Image8 ReadImage(const fs::path& path, int channels) try {
+  RequireReadable(path);
+  if (RequireKnownKind(path) == "heif") {
+    RequireModestHeif(path);
+    return WithChannels(ReadHeif(path), channels > 0 ? channels : 3);
+  }
   const auto input = Open(path);
   const ImageSpec spec = input->spec();
   RequireMemoryFor(path, spec);
   Image8 raw(spec.width, spec.height, spec.nchannels);
   const bool complete = input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
   // libjpeg fills what is missing with grey and only warns.
-  if (!complete || !IsWholeFile(path, input->format_name())) {
-    const std::string reason = input->geterror();
-    throw InputError("image " + path.string() + " is truncated or damaged" + (reason.empty() ? "" : " (" + reason + ")") +
-                     ": copy it from the camera again, or leave it out");
-  }
+  const bool is_jpeg = std::string_view(input->format_name()) == "jpeg";
+  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg"))) ThrowDamaged(path, input->geterror());
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
   return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
 } catch (const std::bad_alloc&) {

@@ -86,10 +86,12 @@ bool IsWholeImage(std::string_view bytes, const std::string& kind) {
 std::int64_t ClaimedHeifPixels(std::string_view bytes) {
   // Each picture has its size in a box 'ispe': type, four bytes of version and flags, width, height. What only looks like one, within a
   // picture's own bytes, is told by the length before it, which is always 20.
+  // A side is cut off at 2^30, so that two of them have a product.
+  const auto side = [&](std::size_t at) { return std::min(std::int64_t{1} << 30, std::int64_t{BigEndian(bytes, at, 4)}); };
   std::int64_t most = 0;
   for (std::size_t at = bytes.find("ispe"); at != kNone; at = bytes.find("ispe", at + 4)) {
     if (at < 4 || at + 16 > bytes.size() || BigEndian(bytes, at - 4, 4) != 20) continue;
-    most = std::max(most, std::int64_t{BigEndian(bytes, at + 8, 4)} * BigEndian(bytes, at + 12, 4));
+    most = std::max(most, side(at + 8) * side(at + 12));
   }
   return most;
 }

@@ -1,6 +1,6 @@
 // PLY point clouds.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/mesh_io.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

@@ -1,6 +1,6 @@
 // A COLMAP model, text or binary: cameras, images and points end to end, apart by a line that says so.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/colmap_io.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

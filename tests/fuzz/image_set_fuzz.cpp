@@ -1,6 +1,6 @@
 // capture.json of an images folder.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/image_set.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

@@ -1,7 +1,7 @@
 // Meshes of all kinds, by content.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

@@ -1,6 +1,6 @@
 // Cameras as transforms.json.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/poses_io.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;

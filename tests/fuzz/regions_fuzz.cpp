@@ -1,11 +1,13 @@
 // Regions of a timeline that are bound to a mesh.
-#include "tests/fuzz/fuzz_folder.h"
 #include "core/io/regions_io.h"
+#include "core/mesh_binding.h"
 #include "core/testing_shapes.h"
+#include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;
   static const Mesh mesh = MakeIcosphere(1);
+  if (fuzz::IsOfAnotherMesh(fuzz::Bytes(data, size), NumberingHash(mesh))) return 0;
   const auto path = fuzz::Put("regions.json", fuzz::Bytes(data, size));
   Timeline timeline;
   timeline.regions.resize(2);
