@@ -325,7 +325,8 @@ bool Builder::WasSpoilt(const Running& running) {
 void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
   const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
   const double seconds = clock_.Now() - running.begin;
-  Artifact artifact = workshop_.store.Commit(WorkFolder(running.step) / "made", *what.info, plan_[running.step].recipe, seconds, peak_bytes);
+  Artifact artifact =
+      workshop_.store.Commit(WorkFolder(running.step) / "made", *what.info, plan_[running.step].recipe, seconds, peak_bytes);
   workshop_.disk.Remove(WorkFolder(running.step));
   workshop_.disk.Remove(FailedFolder(running.step));
   plan_.SetDone(running.step, std::move(artifact), true);
@@ -341,7 +342,7 @@ void Builder::Fail(const Running& running, int raw_code, const std::string& mess
   std::string said = message;
   try {
     if (workshop_.disk.Stat(log)) {
-      if (said.empty()) said = LastLines(workshop_.disk.Read(log), 6);
+      if (said.empty()) said = LastLines(workshop_.disk.ReadEnd(log, 1 << 16), 6);
       workshop_.disk.Remove(FailedFolder(running.step));
       workshop_.disk.Move(log, FailedFolder(running.step) / "log.txt");
     }

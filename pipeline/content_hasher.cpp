@@ -18,12 +18,12 @@ bool SettledAt(const FileStat& stat) {
   return now - std::max(stat.mtime_ns, stat.ctime_ns) > kTickNs;
 }
 
-bool Ignored(const std::string& name) {
-  const std::string base = name.substr(name.rfind('/') + 1);
-  return name.starts_with('.') || name.find("/.") != std::string::npos || base == "Thumbs.db" || base == "desktop.ini";
-}
-
 }  // namespace
+
+bool CountsAsContent(const std::string& name) {
+  const std::string base = name.substr(name.rfind('/') + 1);
+  return !name.starts_with('.') && name.find("/.") == std::string::npos && base != "Thumbs.db" && base != "desktop.ini";
+}
 
 ContentHasher::ContentHasher(Disk& disk, std::filesystem::path memory_file, std::filesystem::path root)
     : disk_(disk), memory_file_(std::move(memory_file)), root_(std::move(root)) {}
@@ -34,7 +34,7 @@ Content ContentHasher::Of(const std::filesystem::path& path) {
   if (!stat->folder) return {OfFile(path), {}};
   std::map<std::string, std::string> files;
   for (const std::string& name : disk_.FilesBelow(path)) {
-    if (!Ignored(name)) files[name] = OfFile(path / name);
+    if (CountsAsContent(name)) files[name] = OfFile(path / name);
   }
   return FolderContent(std::move(files));
 }
@@ -78,15 +78,17 @@ void ContentHasher::Load() {
   for (const auto& [name, entry] : memory.items()) {
     if (!entry.is_array() || entry.size() != 5 || !entry[4].is_string()) continue;
     if (!std::all_of(entry.begin(), entry.begin() + 4, [](const json& number) { return number.is_number_integer(); })) continue;
-    entries_[name] = {{false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(), entry[2].get<std::uint64_t>(), entry[3].get<std::int64_t>()},
-                      entry[4].get<std::string>()};
+    entries_[name] = {
+        {false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(), entry[2].get<std::uint64_t>(), entry[3].get<std::int64_t>()},
+        entry[4].get<std::string>()};
   }
 }
 
 void ContentHasher::Save() {
   if (!changed_) return;
   json memory = json::object();
-  for (const auto& [name, entry] : entries_) memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.stat.ctime_ns, entry.hash};
+  for (const auto& [name, entry] : entries_)
+    memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.stat.ctime_ns, entry.hash};
   changed_ = false;
   try {
     disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));

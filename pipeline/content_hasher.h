@@ -11,6 +11,10 @@
 
 namespace keypose::pipeline {
 
+/// Whether a file below a folder of the project counts as its content: not what file managers write (names that start with '.', Thumbs.db,
+/// desktop.ini).
+bool CountsAsContent(const std::string& name);
+
 class ContentHasher {
  public:
   /// @param memory_file  where hashes are remembered

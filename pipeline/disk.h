@@ -29,11 +29,14 @@ class Disk {
   virtual std::optional<FileStat> Stat(const Path& path) const = 0;
   /// Whether links on the way to a path, which need not exist, lead out of a folder.
   virtual bool LeadsOutside(const Path& path, const Path& folder) const = 0;
-  /// Names of all files (not folders) below a folder, relative, with '/', sorted by bytes. A missing folder has none.
+  /// Names of all files (not folders, pipes or devices) below a folder, relative, with '/', sorted by bytes. A missing folder has none.
+  /// Links to folders are followed, each folder once.
   virtual std::vector<std::string> FilesBelow(const Path& folder) const = 0;
   /// Names of the entries right in a folder, sorted. A missing folder has none.
   virtual std::vector<std::string> Children(const Path& folder) const = 0;
   virtual std::string Read(const Path& path) const = 0;
+  /// The last bytes of a file, at most so many: a log may be larger than the memory.
+  virtual std::string ReadEnd(const Path& path, std::size_t most) const = 0;
   /// SHA-256 of a file's content, 64 hexadecimal digits.
   virtual std::string ContentHash(const Path& path) const = 0;
 

@@ -1,4 +1,5 @@
 // What is wrong with a pipeline.yaml or a command line, each with its place and what to do.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,6 +17,23 @@ struct BadFile {
   const char* message;
 };
 class BadFiles : public ::testing::TestWithParam<BadFile> {};
+
+TEST(Faults, AliasesThatNeverEndOrGrowAreRefused) {
+  FakeHouse house;
+  for (const char* yaml :
+       {"poses: {rest: photos/rest}\ntimeline: &t [*t]\n", "poses: {rest: photos/rest}\ntimeline: &t\n  - {pose: rest, more: *t}\n"}) {
+    house.WriteProject(yaml);
+    EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }), HasSubstr("does an alias (`*name`) hold itself?"));
+  }
+  std::string growing = "poses: {rest: photos/rest}\noptions:\n  a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";
+  for (int i = 1; i < 9; ++i) {
+    std::string line = fmt::format("  a{}: &a{} [", i, i);
+    for (int k = 0; k < 10; ++k) line += fmt::format("{}*a{}", k ? ", " : "", i - 1);
+    growing += line + "]\n";
+  }
+  house.WriteProject(growing);
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }), HasSubstr("millions of values"));
+}
 
 TEST_P(BadFiles, IsAnErrorWithFileAndLine) {
   FakeHouse house;

@@ -21,6 +21,7 @@ void AddAllBelow(const Disk& disk, const fs::path& path, Stamps* stamps) {
   if (!stat || !stat->folder) return;
   std::set<fs::path> folders;
   for (const std::string& name : disk.FilesBelow(path)) {
+    if (!CountsAsContent(name)) continue;
     Add(disk, path / name, stamps);
     for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path()) folders.insert(folder);
   }

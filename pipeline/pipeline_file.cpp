@@ -345,9 +345,35 @@ const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
   return it == pose_index_.end() ? nullptr : &poses[it->second];
 }
 
+namespace {
+
+/// Aliases can hold themselves, and a few lines of them stand for more values than fit in any memory; who walks the tree must know that it
+/// ends.
+/// @param left  values that may still come
+void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, std::size_t* left) {
+  constexpr int kMostLevels = 50;
+  if (level > kMostLevels)
+    reader.Fail(
+        node, fmt::format("lists and maps lie in each other more than {} levels deep; does an alias (`*name`) hold itself?", kMostLevels));
+  if ((*left)-- == 0) reader.Fail(node, "aliases (`*name`) repeat so much that the file stands for millions of values; write less of it");
+  if (node.IsSequence())
+    for (const YAML::Node& item : node) RequireThatItEnds(reader, item, level + 1, left);
+  if (node.IsMap())
+    for (const auto& pair : node) {
+      RequireThatItEnds(reader, pair.first, level + 1, left);
+      RequireThatItEnds(reader, pair.second, level + 1, left);
+    }
+}
+
+}  // namespace
+
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {
   try {
-    return Reader(file).File(YAML::Load(text));
+    const Reader reader(file);
+    const YAML::Node root = YAML::Load(text);
+    std::size_t left = 3'000'000;
+    RequireThatItEnds(reader, root, 0, &left);
+    return reader.File(root);
   } catch (const YAML::Exception& error) {
     throw UsageError(fmt::format("{}:{}: this is not YAML: {}", file, error.mark.line + 1, error.msg));
   }

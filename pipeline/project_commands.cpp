@@ -140,8 +140,10 @@ ExitCode LogCommand(const std::string& folder, const std::string& step) {
     } else if (log.empty() || !fs::exists(log)) {
       fmt::print("--- {} has no log any more{}\n", id, last->failed ? "; it failed with\n" + last->error : "");
     } else {
-      fmt::print("--- {} {} at {}: {}\n{}", id, last->failed ? "failed" : "was made", TimeText(last->when), log.string(),
-                 session.disk().Read(log));
+      constexpr std::uintmax_t kShown = 4'000'000;
+      const bool cut = fs::file_size(log) > kShown;
+      fmt::print("--- {} {} at {}: {}\n{}{}", id, last->failed ? "failed" : "was made", TimeText(last->when), log.string(),
+                 cut ? fmt::format("... (its last {}; the file has all)\n", SizeText(kShown)) : "", session.disk().ReadEnd(log, kShown));
     }
   }
   return ExitCode::kOk;
@@ -220,7 +222,8 @@ ExitCode VerifyCommand(const std::string& folder) {
   for (const std::string& note : notes) fmt::print("{}\n", note);
   results.Save();
   if (damaged > 0) fmt::print("the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
-  fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes), damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
+  fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes),
+             damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
   return damaged > 0 || !notes.empty() ? ExitCode::kDisk : ExitCode::kOk;
 }
 

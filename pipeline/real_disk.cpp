@@ -10,6 +10,8 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <set>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/sha256.h"
@@ -58,8 +60,12 @@ void WriteAll(int fd, const char* data, std::size_t size, const fs::path& path) 
 
 template <class Consume>
 void ReadAll(const fs::path& path, const Consume& consume) {
-  Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Not blocking: opening a pipe would wait for somebody who writes to it.
+  Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (fd.get() < 0) FailOnDisk("read", path, errno);
+  struct stat info;
+  if (fstat(fd.get(), &info) != 0) FailOnDisk("read", path, errno);
+  if (!S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) throw DiskError(path.string() + " is a pipe or a device, but a file is needed");
   std::vector<char> buffer(1 << 18);
   for (;;) {
     const ssize_t n = read(fd.get(), buffer.data(), buffer.size());
@@ -80,6 +86,33 @@ void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to
     if (n < 0) FailOnDisk("read", from_path, errno);
     if (n == 0) return;
     WriteAll(to, buffer.data(), static_cast<std::size_t>(n), to_path);
+  }
+}
+
+/// Links to folders are followed, each folder once, and none above where it began: these would go on for ever. Pipes and devices are left
+/// out, as by all who read photographs.
+void AddFilesBelow(const fs::path& folder, const std::string& prefix, std::set<std::pair<dev_t, ino_t>>* seen,
+                   std::vector<std::string>* names) {
+  struct stat info;
+  if (stat(folder.c_str(), &info) != 0) {
+    if (errno == ENOENT) return;
+    FailOnDisk("list", folder, errno);
+  }
+  if (!S_ISDIR(info.st_mode) || !seen->insert({info.st_dev, info.st_ino}).second) return;
+  std::vector<std::string> children;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
+    children.push_back(it->path().filename().string());
+  if (error) FailOnDisk("list", folder, error.value());
+  // In order, so that of two links to one folder it is always the same one that counts.
+  std::sort(children.begin(), children.end());
+  for (const std::string& name : children) {
+    const fs::path path = folder / name;
+    // A link to nowhere is listed: who reads it says so.
+    if (stat(path.c_str(), &info) != 0 || S_ISREG(info.st_mode))
+      names->push_back(prefix + name);
+    else if (S_ISDIR(info.st_mode))
+      AddFilesBelow(path, prefix + name + "/", seen, names);
   }
 }
 
@@ -108,13 +141,14 @@ bool RealDisk::LeadsOutside(const Path& path, const Path& folder) const {
 
 std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {
   std::vector<std::string> names;
+  std::set<std::pair<dev_t, ino_t>> seen;
   std::error_code error;
-  fs::recursive_directory_iterator it(folder, fs::directory_options::follow_directory_symlink, error);
-  if (error == std::errc::no_such_file_or_directory) return names;
-  for (; !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
-    if (!it->is_directory(error)) names.push_back(it->path().lexically_relative(folder).generic_string());
+  const Path resolved = fs::weakly_canonical(folder, error);
+  for (Path above = resolved.parent_path(); !error && !above.empty() && above != above.parent_path(); above = above.parent_path()) {
+    struct stat info;
+    if (stat(above.c_str(), &info) == 0) seen.insert({info.st_dev, info.st_ino});
   }
-  if (error) FailOnDisk("list", folder, error.value());
+  AddFilesBelow(folder, "", &seen, &names);
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -133,6 +167,18 @@ std::vector<std::string> RealDisk::Children(const Path& folder) const {
 std::string RealDisk::Read(const Path& path) const {
   std::string text;
   ReadAll(path, [&](const char* data, std::size_t size) { text.append(data, size); });
+  return text;
+}
+
+std::string RealDisk::ReadEnd(const Path& path, std::size_t most) const {
+  Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (fd.get() < 0) FailOnDisk("read", path, errno);
+  const off_t size = lseek(fd.get(), 0, SEEK_END);
+  if (size < 0) FailOnDisk("read", path, errno);
+  std::string text(std::min(most, static_cast<std::size_t>(size)), 0);
+  const ssize_t got = pread(fd.get(), text.data(), text.size(), size - static_cast<off_t>(text.size()));
+  if (got < 0) FailOnDisk("read", path, errno);
+  text.resize(static_cast<std::size_t>(got));
   return text;
 }
 

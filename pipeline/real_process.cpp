@@ -1,6 +1,7 @@
 #include "pipeline/real_process.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -192,6 +193,7 @@ void RealProcessRunner::StopAll() {
 
 std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std::vector<std::string>>& commands) {
   constexpr double kPatienceSeconds = 60;
+  constexpr std::size_t kMostSaid = 4 << 20;
   std::vector<Asked> asked;
   for (const auto& command : commands) asked.push_back(StartAsked(command));
   std::vector<Answer> answers(commands.size());
@@ -210,7 +212,13 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std:
     if (poll(fds.data(), fds.size(), 1000) <= 0) continue;
     for (std::size_t n = 0; n < fds.size(); ++n) {
       const auto [i, k] = owners[n];
-      if (!fds[n].revents || Drain(fds[n].fd, k == 0 ? &answers[i].output : &answers[i].error)) continue;
+      if (!fds[n].revents) continue;
+      std::string& text = k == 0 ? answers[i].output : answers[i].error;
+      if (Drain(fds[n].fd, &text) && text.size() <= kMostSaid) continue;
+      if (text.size() > kMostSaid) {
+        answers[i].error = fmt::format("it says more than {} MB and does not come to an end", kMostSaid >> 20);
+        kill(asked[i].pid, SIGKILL);
+      }
       close(fds[n].fd);
       asked[i].fds[k] = -1;
     }

@@ -10,8 +10,8 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
-#include "core/stage/stage.h"
 #include "core/io/stiffness_io.h"
+#include "core/stage/stage.h"
 
 namespace keypose::registration {
 namespace {
@@ -24,14 +24,15 @@ StageSpec BindSpec() {
   StageSpec spec;
   spec.name = "landmarks bind";
   spec.version = "1";
-  spec.summary = "Binds picks, a painted stiffness or a timeline's regions to the mesh they are of, so that they follow when it is made anew.";
+  spec.summary =
+      "Binds picks, a painted stiffness or a timeline's regions to the mesh they are of, so that they follow when it is made anew.";
   spec.inputs = {{"mesh", "file", "the mesh that it was picked, painted or counted on", "", true, false},
                  {"source", "file", "of a file of pairs: the source", "", true, false},
                  {"target", "file", "of a file of pairs: the target", "", true, false},
                  {"picks", "file", "picks of one mesh (.json, .pp), or pairs (.json, text)", "", true, false},
                  {"stiffness", "file", "a number for each vertex", "", true, false},
                  {"timeline", "file", "pipeline.yaml or a timeline, for its regions; --mesh is that of the first key", "", true, false}};
-  spec.outputs = {{"bound", "file", "what was given, bound (.json); may be the same file", "bound.json", false, false}};
+  spec.outputs = {{"bound", "file", "what was given, bound (.json); may be the same file", "bound.json", false, false, true}};
   return spec;
 }
 
@@ -102,7 +103,8 @@ std::vector<TimelineRegion> RegionsOf(const std::filesystem::path& path) {
   } catch (const YAML::Exception& error) {
     throw InputError(path.string() + ": its regions cannot be read: " + error.what());
   }
-  if (regions.empty()) throw InputError(path.string() + " has no regions: `timeline: {regions: [{name: feet, vertices: [...]}], keys: ...}`");
+  if (regions.empty())
+    throw InputError(path.string() + " has no regions: `timeline: {regions: [{name: feet, vertices: [...]}], keys: ...}`");
   return regions;
 }
 

@@ -185,14 +185,19 @@ TEST(AdviseLandmarks, AsksForNothingWhereAllIsWell) {
   EXPECT_TRUE(AdviseLandmarks(pair.source, pair.source.points, pair.target, {}, 0).empty());
 }
 
-TEST(AdviseLandmarks, CoordinatesTooLargeForClosestPointsGiveFiniteNumbers) {
+TEST(AdviseLandmarks, LargeCoordinatesGiveFiniteNumbersAndTooLargeOnesAreRefused) {
   LeftBehind pair;
-  pair.source.points *= 1e25;
-  pair.target.points *= 1e25;
-  PointsX3 stretched = pair.source.points;
-  stretched.col(2) *= 3;
-  const std::vector<LandmarkAdvice> advice = AdviseLandmarks(pair.source, stretched, pair.target, {});
-  ASSERT_FALSE(advice.empty());  // stretch is seen without closest points
+  const auto advise_at = [&](double size) {
+    Mesh source = pair.source, target = pair.target;
+    source.points *= size;
+    target.points *= size;
+    PointsX3 stretched = source.points;
+    stretched.col(2) *= 3;
+    return AdviseLandmarks(source, stretched, target, {});
+  };
+  EXPECT_THROW(advise_at(1e25), InputError) << "closest points are searched in single precision";
+  const std::vector<LandmarkAdvice> advice = advise_at(1e10);
+  ASSERT_FALSE(advice.empty());
   for (const LandmarkAdvice& a : advice) EXPECT_TRUE(std::isfinite(a.misfit) && std::isfinite(a.score)) << a.reason;
 }
 

@@ -32,9 +32,8 @@ bool IsWithin(const fs::path& inner, const fs::path& outer) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
-bool IsFolderPort(const StageSpec& spec, const std::string& name) {
-  return std::any_of(spec.outputs.begin(), spec.outputs.end(),
-                     [&](const Port& port) { return port.name == name && port.kind == "folder"; });
+const Port& PortOf(const StageSpec& spec, const std::string& name) {
+  return *std::find_if(spec.outputs.begin(), spec.outputs.end(), [&](const Port& port) { return port.name == name; });
 }
 
 json StampOf(const fs::directory_entry& entry) {
@@ -59,8 +58,8 @@ std::string ForeignFile(const fs::path& folder, const std::string& stage) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().lexically_relative(folder).generic_string();
     if (name == kMark || (own && entry.is_directory() && !entry.is_symlink())) continue;
-    const bool as_written = own && entry.is_regular_file() && !entry.is_symlink() && made["files"].contains(name) &&
-                            made["files"][name] == StampOf(entry);
+    const bool as_written =
+        own && entry.is_regular_file() && !entry.is_symlink() && made["files"].contains(name) && made["files"][name] == StampOf(entry);
     if (!as_written) return name;
   }
   return {};
@@ -109,10 +108,11 @@ void CheckAgainstEachOther(const std::vector<Output>& outputs) {
     for (std::size_t k = 0; k < outputs.size(); ++k) {
       const fs::path a = Resolved(outputs[i].place), b = Resolved(outputs[k].place);
       if (i < k && a == b)
-        throw UsageError(fmt::format("--{} and --{} have the same place, {}; give each its own", outputs[i].port, outputs[k].port, a.string()));
+        throw UsageError(
+            fmt::format("--{} and --{} have the same place, {}; give each its own", outputs[i].port, outputs[k].port, a.string()));
       if (i != k && outputs[i].folder && IsWithin(b, a))
-        throw UsageError(fmt::format("--{} {} lies in the folder of --{}, which is replaced as a whole; give each its own place", outputs[k].port,
-                                     b.string(), outputs[i].port));
+        throw UsageError(fmt::format("--{} {} lies in the folder of --{}, which is replaced as a whole; give each its own place",
+                                     outputs[k].port, b.string(), outputs[i].port));
     }
 }
 
@@ -134,21 +134,23 @@ void CheckPlace(const StageSpec& spec, const fs::path& place, bool is_folder, bo
   if (!fs::is_directory(place)) Refuse(spec, place, "is a file, but a folder goes there; name a folder");
   const std::string foreign = ForeignFile(place, spec.name);
   if (!foreign.empty() && !overwrite)
-    Refuse(spec, place,
-           fmt::format("exists and holds what this stage did not write, or what was changed since ({}); name a folder that is empty or not there, or "
-                       "say --overwrite to replace it with all that is in it",
-                       foreign));
+    Refuse(
+        spec, place,
+        fmt::format(
+            "exists and holds what this stage did not write, or what was changed since ({}); name a folder that is empty or not there, or "
+            "say --overwrite to replace it with all that is in it",
+            foreign));
 }
 
 void CheckOutputs(const StageSpec& spec, const PortPaths& inputs, const PortPaths& outputs, const fs::path& report, bool overwrite) {
   std::vector<Output> all;
   for (const auto& [port, paths] : outputs) {
-    const bool is_folder = IsFolderPort(spec, port);
+    const bool is_folder = PortOf(spec, port).kind == "folder";
     all.push_back({port, PlaceOf(paths.front(), is_folder), is_folder});
   }
   CheckAgainstEachOther(all);
   for (const Output& output : all) {
-    CheckAgainstInputs(spec, output.place, output.folder, inputs);
+    if (!PortOf(spec, output.port).in_place) CheckAgainstInputs(spec, output.place, output.folder, inputs);
     if (output.folder) CheckNotPartOfInput(spec, output.place, inputs);
     CheckPlace(spec, output.place, output.folder, overwrite);
   }

@@ -8,9 +8,10 @@
 
 namespace keypose::internal {
 
-/// Refuses outputs that would remove what this stage did not write. A file may take the place of a file that is no input. A folder may take the
-/// place of an empty one, and of one that this stage wrote and nobody changed since (MarkFolder); with `overwrite` of any other one too, but
-/// never of the working folder, the home folder, one that holds or lies around an input, and none that lies within an input.
+/// Refuses outputs that would remove what this stage did not write. A file may take the place of a file that is no input. A folder may take
+/// the place of an empty one, and of one that this stage wrote and nobody changed since (MarkFolder); with `overwrite` of any other one
+/// too, but never of the working folder, the home folder, one that holds or lies around an input, and none that lies within an input. A
+/// file of a port that is `in_place` may replace its input.
 /// @param report  file of measurements; empty: none
 /// @throws UsageError  two outputs have the same place, or one lies within another  @throws DiskError  names the path, why, and what to do
 void CheckOutputs(const StageSpec& spec, const PortPaths& inputs, const PortPaths& outputs, const std::filesystem::path& report,

@@ -21,6 +21,7 @@ struct Port {
   std::string file = {};  ///< outputs: name that the runner gives it, e.g. "clean.ply", "images"
   bool optional = false;
   bool repeatable = false;
+  bool in_place = false;  ///< file outputs: may take the place of an input, which it is made from
 };
 
 /// What a stage says of itself.

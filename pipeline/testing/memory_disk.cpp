@@ -57,6 +57,11 @@ std::string MemoryDisk::Read(const Path& path) const {
   return it->second.text;
 }
 
+std::string MemoryDisk::ReadEnd(const Path& path, std::size_t most) const {
+  const std::string text = Read(path);
+  return text.substr(text.size() - std::min(most, text.size()));
+}
+
 std::string MemoryDisk::ContentHash(const Path& path) const {
   ++hashed_;
   return Sha256Of(Read(path));

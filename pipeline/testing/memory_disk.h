@@ -17,6 +17,7 @@ class MemoryDisk final : public Disk {
   std::vector<std::string> FilesBelow(const Path& folder) const override;
   std::vector<std::string> Children(const Path& folder) const override;
   std::string Read(const Path& path) const override;
+  std::string ReadEnd(const Path& path, std::size_t most) const override;
   std::string ContentHash(const Path& path) const override;
   void Write(const Path& path, std::string_view text) override;
   void MakeFolder(const Path& path) override;
