@@ -233,7 +233,7 @@ def spoil_result(project, chance):
 def spoil_state(project, chance):
     state = project.folder / '.keypose'
     files = [state / name for name in ('hashes.json', 'out.json', 'stages.json', 'lock')] + sorted((state / 'steps').rglob('*.json')) + sorted((state / 'runs').glob('*.json'))
-    path = chance.choice(files)
+    path = chance.choice([file for file in files if file.exists()])  # hashes of files that are a moment old are not remembered
     damage = chance.randrange(4)
     if damage == 0:
         path.unlink()
