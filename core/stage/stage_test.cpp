@@ -211,5 +211,19 @@ TEST_F(StageTest, ExternalToolsFailWithExitCodeFive) {
   EXPECT_NE(error_.find("not installed"), std::string::npos);
 }
 
+TEST_F(StageTest, ToolThatFailsToSayItsVersionHasNone) {
+  const auto version_of = [&](const std::string& script) {
+    WriteFile(folder_ / "tool", "#!/bin/sh\n" + script + "\n");
+    fs::permissions(folder_ / "tool", fs::perms::owner_all);
+    ::setenv("KEYPOSE_TOOL", (folder_ / "tool").c_str(), 1);
+    return ToolVersion("tool");
+  };
+  EXPECT_EQ(version_of("echo tool 2.1"), "tool 2.1");
+  EXPECT_THROW(version_of("echo cannot allocate memory; exit 1"), ToolError) << "else its complaint would enter fingerprints";
+  EXPECT_THROW(version_of("kill -9 $$"), ToolError);
+  EXPECT_THROW(version_of("true"), ToolError);
+  ::unsetenv("KEYPOSE_TOOL");
+}
+
 }  // namespace
 }  // namespace keypose
