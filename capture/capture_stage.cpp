@@ -100,6 +100,22 @@ void FitIntoMemory(StageContext& stage, const Import& import) {
   stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
 }
 
+/// Masks that somebody painted must not be passed over because they are named otherwise.
+void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
+  if (import.masks.empty()) return;
+  std::vector<std::string> strangers;
+  for (const fs::path& file : ImagesIn(import.masks))
+    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) == import.user_masks.end()) strangers.push_back(file.filename().string());
+  const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(), [](const fs::path& mask) { return !mask.empty(); });
+  const std::string example = import.photographs[0].name + ".png";
+  if (!any && !strangers.empty())
+    throw InputError("capture: none of the masks in " + import.masks.string() + " has a photograph's name; name that of " + import.photographs[0].name +
+                     ": " + example);
+  if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
+  if (any && !strangers.empty())
+    stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) + "; a mask is named like its photograph, as in " + example);
+}
+
 Import Open(StageContext& stage, const CaptureOptions& options) {
   Import import;
   import.folder = stage.Input("photos");
@@ -127,6 +143,7 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
     if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
       import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
   }
+  RequireMasksOfPhotographs(stage, import);
   return import;
 }
 

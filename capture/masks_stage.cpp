@@ -122,14 +122,19 @@ void ReportStanding(StageContext& stage, const Placed& placed, const Standing& s
 /// Names the photographs in which a hand or the like touches the figure.
 void ReportTouched(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined) {
   nlohmann::json touched = nlohmann::json::array();
+  std::string names;
+  double largest = 0;
   for (const std::size_t i : Touched(refined.standing_before, {})) {
     const std::string& name = set.images[placed.index[i]].name;
     const double excess = refined.standing_before.fits[i].excess;
     touched.push_back({{"name", name}, {"share", excess}});
     if (!refined.standing.say[i]) continue;
-    stage.Warn("something touches the figure in " + name + " that the other photographs see past (a hand, a tool, a stand), as large as " +
-               Percent(excess) + " of the figure; it was cut off. Shoot it again without, or delete it");
+    names += (names.empty() ? "" : ", ") + name;
+    largest = std::max(largest, excess);
   }
+  if (!names.empty())
+    stage.Warn("something touches the figure in " + names + " that the other photographs see past (a hand, a tool, a stand), as large as " +
+               Percent(largest) + " of the figure; it was cut off. If it is no stand, shoot such photographs again without, or delete them");
   stage.ReportJson("touched", touched.dump());
 }
 
@@ -182,7 +187,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "11",
+    .version = "12",
     .summary = "Segments the photographs again, with what all views together know of the figure's place in space.",
     .inputs = {{.name = "images", .kind = "folder", .help = "photographs and masks, as capture makes them", .file = ""},
                {.name = "model", .kind = "folder", .help = "COLMAP model of the cameras, as sfm makes it", .file = ""}},

@@ -35,6 +35,9 @@ std::filesystem::path FindBackground(const std::filesystem::path& folder);
 /// @throws InputError  files that are no images; names all of them. A photograph that is there as HEIC and as JPEG
 std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups);
 
+/// The pictures of a folder itself, hidden ones aside, by name.
+std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& folder);
+
 /// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when there is none.
 std::filesystem::path FindMask(const std::filesystem::path& folder, const std::string& photograph_name);
 

@@ -25,14 +25,6 @@ std::uint64_t Fnv1a(const std::string& bytes) {
   return hash;
 }
 
-std::vector<fs::path> ImagesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path())) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 Photograph Inspect(const fs::path& file) {
   const ImageInfo info = ReadImageInfo(file);
   const std::string bytes = ReadFile(file);
@@ -116,6 +108,14 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
 
 }  // namespace
 
+std::vector<fs::path> ImagesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 std::string WrittenName(const fs::path& file) { return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string(); }
 
 std::vector<fs::path> IgnoredFiles(const fs::path& folder, const std::vector<PhotographGroup>& groups) {
@@ -151,7 +151,7 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
   RequireNamesInUtf8(groups);
   const bool in_subfolders = groups.size() > 1 && groups[0].folder != groups[1].folder;
   std::vector<Photograph> photographs(files.size());
-  std::vector<std::string> faults(files.size());
+  std::vector<std::string> faults(files.size()), reasons(files.size());
   ParallelFor(static_cast<std::int64_t>(files.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     const auto& [group, file] = files[i];
@@ -161,13 +161,15 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
       if (in_subfolders) photographs[i].name = group->name + "_" + photographs[i].name;
     } catch (const InputError& error) {
       faults[i] = file.filename().string();
+      reasons[i] = error.what();
     }
   });
   std::erase(faults, "");
+  std::erase(reasons, "");
+  if (faults.size() == 1) throw InputError("capture: " + reasons[0]);
   if (!faults.empty())
-    throw InputError("capture: " + std::to_string(faults.size()) + " of " + std::to_string(files.size()) +
-                     " photographs cannot be read (truncated, or not images): " + JoinNames(faults) +
-                     "; copy them from the camera again, or leave them out");
+    throw InputError("capture: " + std::to_string(faults.size()) + " of " + std::to_string(files.size()) + " photographs cannot be read: " +
+                     JoinNames(faults) + "; copy them from the camera again, or leave them out. The first: " + reasons[0]);
   RequireDifferentNames(photographs);
   return photographs;
 }

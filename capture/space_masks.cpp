@@ -93,26 +93,35 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks, const std::ve
 }
 
 /// One round at one size: what the others deny, weighed, leans the forest's odds.
+/// @param hearing  one a view: 0 is told nothing of the others
 std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks, const std::vector<Image8>& denials,
-                               const std::vector<char>& say, const std::vector<BoardOdds>& boards, const MaskOptions& masking,
-                               const SpaceOptions& options, double weight) {
+                               const std::vector<char>& say, const std::vector<char>& hearing, const std::vector<BoardOdds>& boards,
+                               const MaskOptions& masking, const SpaceOptions& options, double weight) {
   constexpr double kManyViews = 48;
   // A hull is larger than its figure, the more so the fewer the views: that nobody denies a place says less than that some do.
   std::vector<float> leaning_of = OddsOfDenials(masks, denials, say, options.most_denials);
   const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
-  // Views that are not heard are told nothing either: a last kind of pixel, of which nothing is known.
+  // Views that are told nothing: a last kind of pixel, of which nothing is known.
   const auto untold = static_cast<std::uint8_t>(leaning_of.size());
   leaning_of.push_back(0);
   std::vector<Image8> told = denials;
   for (std::size_t i = 0; i < told.size(); ++i)
-    if (!say[i]) std::fill(told[i].data.begin(), told[i].data.end(), untold);
+    if (!hearing[i]) std::fill(told[i].data.begin(), told[i].data.end(), untold);
   Round round{images, {}, {}, FindTakes(images, masking.border_share), &told, std::move(leaning_of)};
   for (std::size_t i = 0; i < images.size(); ++i) {
     round.lab.push_back(LabOf(images[i]));
     round.zones.push_back(ZonesOf(masks[i]));
   }
   return SegmentByForest(round, boards, masking);
+}
+
+/// Views that contradict the others in outline, and not in colour.
+std::vector<std::size_t> SilentByOutline(const Standing& standing, const ColorOptions& options) {
+  std::vector<std::size_t> silent;
+  for (std::size_t i = 0; i < standing.say.size(); ++i)
+    if (!standing.say[i] && standing.colors[i].contrary <= options.most_contrary) silent.push_back(i);
+  return silent;
 }
 
 Image8 Binary(Image8 mask) {
@@ -257,12 +266,22 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   // At first the others' word is only as good as masks that are partly wrong.
   for (const double weight : {1.0, options.weight, options.weight}) {
     Step(progress, 0.15 * weight, "masks in space");
-    small_masks = SpaceRound(small, small_masks, denials.pictures, say, small_boards, masking, coarse, weight);
+    small_masks = SpaceRound(small, small_masks, denials.pictures, say, say, small_boards, masking, coarse, weight);
     denials = denials_by(say);
   }
   refined.agreement = AgreementInSpace(small_masks, denials.pictures);
   denials = denials_by({});
   refined.standing = judge();
+  if (const std::vector<std::size_t> again = SilentByOutline(refined.standing, options.colors); !again.empty()) {
+    const std::vector<Image8> unled = small_masks;
+    const std::vector<Image8> led = SpaceRound(small, small_masks, denials.pictures, refined.standing.say, std::vector<char>(views.size(), 1),
+                                               small_boards, masking, coarse, options.weight);
+    for (const std::size_t i : again) small_masks[i] = led[i];
+    denials = denials_by({});
+    refined.standing = judge();
+    for (const std::size_t i : again)
+      if (!refined.standing.say[i]) small_masks[i] = unled[i];
+  }
   say = refined.standing.say;
   Step(progress, 0.6, "masks in space");
   std::vector<Image8> large;
@@ -271,7 +290,7 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   for (const Image8& image : images) lab.push_back(LabOf(image));
   const std::vector<Take> takes = FindTakes(images, masking.border_share);
   const auto round = [&](const std::vector<Image8>& from) {
-    refined.masks = SpaceRound(images, from, DenialsByOthers(views, from, options, say), say, known, masking, options, options.weight);
+    refined.masks = SpaceRound(images, from, DenialsByOthers(views, from, options, say), say, say, known, masking, options, options.weight);
     std::vector<Image8> zones;
     for (const Image8& mask : refined.masks) zones.push_back(ZonesOf(mask));
     return BackdropsOf(lab, zones, takes, masking.largest_misfit);

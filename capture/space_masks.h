@@ -64,7 +64,8 @@ std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std
 /// the figure that one view missed is upheld by all others.
 ///
 /// A view whose first mask, or whose colours, contradict the others is not heard, and nobody leans its own: its next masks are what its photograph shows by
-/// itself, with what the others taught of colours. If these contradict too, it has no say in the end; if not, it is heard again.
+/// itself, with what the others taught of colours. If these contradict too, and still when the others' word leans them (a dark side before a
+/// dark set gives way to it, a place where the photograph clearly shows the set does not), it has no say in the end; else it is heard again.
 /// @param images  RGB at working size
 /// @param masks   of the same size
 /// @param views   with cameras of that size

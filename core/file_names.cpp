@@ -1,5 +1,7 @@
 #include "core/file_names.h"
 
+#include <algorithm>
+
 namespace keypose {
 
 bool IsOneName(std::string_view name) {
@@ -13,6 +15,10 @@ bool StaysBelow(std::string_view path) {
     if (slash == std::string_view::npos) return true;
     path.remove_prefix(slash + 1);
   }
+}
+
+bool IsWithin(const std::filesystem::path& inner, const std::filesystem::path& outer) {
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
 }  // namespace keypose

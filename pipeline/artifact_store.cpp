@@ -6,6 +6,8 @@
 
 #include "core/errors.h"
 #include "core/file_names.h"
+#include "pipeline/content_hasher.h"
+#include "pipeline/stamp_json.h"
 
 namespace keypose::pipeline {
 
@@ -28,8 +30,6 @@ struct KeptFile {
   std::string hash;
   json stamp;  ///< as StampOf; null: not known
 };
-
-json StampOf(const FileStat& stat) { return {stat.size, stat.mtime_ns, stat.ctime_ns, stat.inode}; }
 
 std::map<std::string, std::string> FilesOf(const std::map<std::string, ArtifactOutput>& outputs) {
   std::map<std::string, std::string> files;
@@ -90,7 +90,7 @@ std::string ArtifactStore::Verify(const std::string& fingerprint) const {
   const std::map<std::string, std::string> known = FilesOf(artifact->outputs);
   for (const auto& [port, output] : artifact->outputs)
     for (const std::string& name : output.folder ? disk_.FilesBelow(artifact->folder / output.file) : std::vector<std::string>())
-      if (!known.contains(output.file + "/" + name)) return output.file + "/" + name + " was put there by another program";
+      if (CountsAsContent(name) && !known.contains(output.file + "/" + name)) return output.file + "/" + name + " was put there by another program";
   return "";
 }
 
@@ -186,6 +186,8 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
   // On the device before it gets its name: after a power cut an artifact is whole or absent.
   disk_.Sync(made);
   artifact.folder = FolderOf(artifact.fingerprint);
+  if (disk_.LeadsOutside(artifact.folder, state_folder_ / "cache"))
+    throw DiskError(artifact.folder.string() + " is behind a link that leads out of the cache; remove the link");
   disk_.Move(made, artifact.folder);
   return artifact;
 }

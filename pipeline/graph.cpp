@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/references.h"
 #include "pipeline/text.h"
@@ -226,7 +227,7 @@ class GraphBuilder {
     for (const ShownSetting& shown : rule.show) {
       const fs::path path = fs::path(WithNames(shown.path.text, *step)).lexically_normal();
       const auto holds = [&](const NamedResult& result) {
-        return std::mismatch(result.path.begin(), result.path.end(), path.begin(), path.end()).first == result.path.end();
+        return IsWithin(path, result.path);
       };
       if (std::none_of(step->results.begin(), step->results.end(), holds))
         Fail(shown.path.where, fmt::format("step '{}' shows {}, which is not among its results (`out`)", step->rule, path.string()));
@@ -260,15 +261,12 @@ class GraphBuilder {
     for (const Step& step : graph_.steps) {
       for (const NamedResult& result : step.results) all.emplace_back(&step, &result);
     }
-    const auto contains = [](const fs::path& outer, const fs::path& inner) {
-      return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-    };
     // In the order of paths, what lies inside a folder comes right after it.
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second->path < b.second->path; });
     for (std::size_t i = 1; i < all.size(); ++i) {
       const auto& [first, outer] = all[i - 1];
       const auto& [second, inner] = all[i];
-      if (!contains(outer->path, inner->path)) continue;
+      if (!IsWithin(inner->path, outer->path)) continue;
       Fail(inner->where, fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path", first->id,
                                      second->id, inner->path.generic_string(), outer->where.Text()));
     }

@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/io/timeline.h"
+#include "pipeline/project_paths.h"
 #include "pipeline/stage_info.h"
 #include "pipeline/text.h"
 #include "pipeline/timeline_yaml.h"
@@ -47,6 +48,17 @@ class Reader {
     return {node.Scalar(), At(node)};
   }
 
+  /// A path; what `~` in it stands for is settled later, but complaints have their place here.
+  Setting PathText(const YAML::Node& node, const std::string& what) const {
+    Setting setting = Text(node, what);
+    try {
+      WithHome(setting.text);
+    } catch (const UsageError& error) {
+      Fail(node, error.what());
+    }
+    return setting;
+  }
+
   void Unknown(const YAML::Node& key, const std::string& what, const std::vector<std::string>& known) const {
     Fail(key, fmt::format("{} has no key '{}'{}", what, key.Scalar(), Suggestion(key.Scalar(), known)));
   }
@@ -77,21 +89,21 @@ class Reader {
     pose.name = name;
     pose.where = At(key);
     if (node.IsScalar()) {
-      pose.photos = Text(node, "photos");
+      pose.photos = PathText(node, "photos");
       return pose;
     }
     const std::string what = "pose '" + name + "'";
     Map(node, what, [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
       if (field == "photos")
-        pose.photos = Text(value, field);
+        pose.photos = PathText(value, field);
       else if (field == "masks")
-        pose.masks = Text(value, field);
+        pose.masks = PathText(value, field);
       else if (field == "background")
-        pose.background = Text(value, field);
+        pose.background = PathText(value, field);
       else if (field == "landmarks")
-        pose.landmarks = Text(value, field);
+        pose.landmarks = PathText(value, field);
       else if (field == "cameras")
-        pose.cameras = Text(value, field);
+        pose.cameras = PathText(value, field);
       else if (field == "options")
         pose.options = StepOptions(value, what + ".options");
       else
@@ -181,9 +193,9 @@ class Reader {
 
   std::vector<Setting> References(const YAML::Node& node, const std::string& what) const {
     if (node.IsNull()) return {};
-    if (!node.IsSequence()) return {Text(node, what)};
+    if (!node.IsSequence()) return {PathText(node, what)};
     std::vector<Setting> references;
-    for (const YAML::Node& item : node) references.push_back(Text(item, what));
+    for (const YAML::Node& item : node) references.push_back(PathText(item, what));
     return references;
   }
 
@@ -259,7 +271,7 @@ class Reader {
       if (field == "stage")
         step.stage = Text(value, field);
       else if (field == "program")
-        step.program = Text(value, field);
+        step.program = PathText(value, field);
       else if (field == "for")
         step.fan_out = Fan(value);
       else if (field == "enabled")
@@ -367,10 +379,25 @@ void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, 
 
 }  // namespace
 
+namespace {
+
+/// UTF-16, which YAML knows by its first two bytes, is read too.
+void RequireUtf8(const std::string& text, const std::string& file) {
+  if (IsUtf8(text) || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return;
+  std::size_t line = 1, begin = 0;
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos && IsUtf8(text.substr(begin, end - begin)); begin = end + 1) ++line;
+  throw UsageError(fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
+}
+
+}  // namespace
+
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {
+  RequireUtf8(text, file);
   try {
     const Reader reader(file);
-    const YAML::Node root = YAML::Load(text);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) reader.Fail(documents[1], "a second document (after `---`) is not read; write all in one");
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents[0];
     std::size_t left = 3'000'000;
     RequireThatItEnds(reader, root, 0, &left);
     return reader.File(root);

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "pipeline/text.h"
 
 namespace keypose::pipeline {
@@ -40,16 +41,13 @@ fs::path OnDisk(const Disk& disk, const fs::path& root, const fs::path& path) {
 }
 
 std::string SharedPhotographs(const std::vector<PhotoFolder>& folders) {
-  const auto inside = [](const fs::path& inner, const fs::path& outer) {
-    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
-  };
   // In the order of paths, what lies inside a folder comes right after it.
   std::vector<std::size_t> order(folders.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return folders[i].folder < folders[j].folder; });
   for (std::size_t k = 1; k < order.size(); ++k) {
     const PhotoFolder &b = folders[order[k - 1]], &a = folders[order[k]];
-    if (!inside(a.folder, b.folder)) continue;
+    if (!IsWithin(a.folder, b.folder)) continue;
     if (a.folder == b.folder) {
       return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own", b.pose, a.pose,
                          a.folder.string());

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/sha256.h"
 
 namespace keypose::pipeline {
@@ -136,7 +137,7 @@ std::optional<FileStat> RealDisk::Stat(const Path& path) const {
 bool RealDisk::LeadsOutside(const Path& path, const Path& folder) const {
   std::error_code error;
   const Path inner = fs::weakly_canonical(path, error), outer = fs::weakly_canonical(folder, error);
-  return error || std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first != outer.end();
+  return error || !IsWithin(inner, outer);
 }
 
 std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {

@@ -12,6 +12,13 @@ using nlohmann::json;
 
 Records::Records(Disk& disk, std::filesystem::path state_folder) : disk_(disk), state_folder_(std::move(state_folder)) {}
 
+namespace {
+
+/// Folders are named by it.
+bool IsFingerprint(const std::string& text) { return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos; }
+
+}  // namespace
+
 std::filesystem::path Records::StepFile(const std::string& step_id) const { return state_folder_ / "steps" / (step_id + ".json"); }
 
 std::optional<StepRecord> Records::Last(const std::string& step_id) const {
@@ -30,6 +37,7 @@ std::optional<StepRecord> Records::Last(const std::string& step_id) const {
     record.exit_code = value.at("exit_code").get<int>();
     record.failed_fingerprint = value.at("failed_fingerprint").get<std::string>();
     record.error = value.at("error").get<std::string>();
+    if (!record.fingerprint.empty() && !IsFingerprint(record.fingerprint)) return std::nullopt;
     return record;
   } catch (const json::exception&) {
     return std::nullopt;
@@ -88,7 +96,10 @@ std::set<std::string> Records::Mentioned(int runs) const {
   for (const std::string& name : names) {
     const json value = json::parse(disk_.Read(state_folder_ / "runs" / name), nullptr, false);
     if (!value.is_object()) continue;
-    for (const json& step : value.value("steps", json::array())) mentioned.insert(step.value("fingerprint", ""));
+    const auto steps = value.find("steps");
+    if (steps == value.end() || !steps->is_array()) continue;
+    for (const json& step : *steps)
+      if (step.is_object() && step.contains("fingerprint") && step["fingerprint"].is_string()) mentioned.insert(step["fingerprint"]);
   }
   for (const std::string& name : disk_.FilesBelow(state_folder_ / "steps")) {
     if (!name.ends_with(".json")) continue;

@@ -178,7 +178,7 @@ void ResultsFolder::Drop(const std::string& name, std::vector<std::string>* note
 std::vector<std::string> ResultsFolder::DropStepsOutside(const Graph& graph) {
   std::vector<std::string> notes, stale;
   for (const auto& [name, entry] : entries_) {
-    const bool known = std::any_of(graph.steps.begin(), graph.steps.end(), [&](const Step& step) { return step.id == entry.step; });
+    const bool known = std::any_of(graph.steps.begin(), graph.steps.end(), [&name_of = entry.step](const Step& step) { return step.id == name_of; });
     if (!known) stale.push_back(name);
   }
   for (const std::string& name : stale) Drop(name, &notes);

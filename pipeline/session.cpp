@@ -20,12 +20,32 @@ fs::path DefaultPipelineFile() {
   return file;
 }
 
+namespace {
+
+/// A received project must not have its caches and locks written, or its temporary files emptied, elsewhere.
+void RequireOwnState(const fs::path& project) {
+  const fs::path state = project / ".keypose";
+  for (const char* name : {"", "cache", "failed", "runs", "steps", "tmp", "writing"}) {
+    const fs::path folder = *name ? state / name : state;
+    if (!RealDisk().LeadsOutside(folder, project)) continue;
+    throw DiskError(fmt::format("{} is a link that leads to {}, outside of the project; remove the link, or move the whole project there",
+                                folder.string(), fs::weakly_canonical(folder).string()));
+  }
+}
+
+}  // namespace
+
 fs::path FindProject(const std::string& folder) {
   const fs::path start = fs::absolute(folder.empty() ? fs::path(".") : fs::path(folder)).lexically_normal();
   for (fs::path candidate = start;; candidate = candidate.parent_path()) {
     // "a/b/" has an empty file name at its end, which would make the loop look at the same folder twice.
     if (!candidate.has_filename() && candidate != candidate.root_path()) continue;
-    if (fs::is_regular_file(candidate / "pipeline.yaml")) return candidate;
+    if (fs::is_regular_file(candidate / "pipeline.yaml")) {
+      RequireOwnState(candidate);
+      return candidate;
+    }
+    if (fs::exists(candidate / "pipeline.yaml"))
+      throw DiskError((candidate / "pipeline.yaml").string() + " is a folder, a pipe or a device, but a file is needed");
     if (!folder.empty() || candidate == candidate.root_path()) break;
   }
   throw UsageError(

@@ -23,6 +23,7 @@ std::filesystem::path DefaultPipelineFile();
 
 /// The project's root: `folder`, or when that is empty the current folder or the nearest one above with a pipeline.yaml.
 /// @throws UsageError  there is none
+/// @throws DiskError  its pipeline.yaml is no file, or a link leads its .keypose folder out of it
 std::filesystem::path FindProject(const std::string& folder);
 
 class Session {

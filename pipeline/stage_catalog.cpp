@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "pipeline/stamp_json.h"
 
 namespace keypose::pipeline {
 
@@ -19,14 +20,10 @@ StageCatalog::StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem
 
 namespace {
 
-json StampOf(const std::optional<FileStat>& stat) {
-  return stat ? json{stat->size, stat->mtime_ns, stat->ctime_ns, stat->inode} : json();
-}
-
 /// By path. A tool that is not installed has its name in place of a path.
 json StampsOf(const std::map<std::string, std::optional<FileStat>>& programs) {
   json stamps = json::object();
-  for (const auto& [path, stat] : programs) stamps[path] = StampOf(stat);
+  for (const auto& [path, stat] : programs) stamps[path] = stat ? StampOf(*stat) : json();
   return stamps;
 }
 

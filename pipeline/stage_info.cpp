@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 
 namespace keypose::pipeline {
@@ -34,8 +35,8 @@ PortInfo ParsePort(const json& value, bool output) {
   if (output && port.kind == "path")
     throw std::runtime_error(fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
   if (output && port.file.empty()) port.file = port.name;
-  if (output && (port.file.find('/') != std::string::npos || port.file == ".."))
-    throw std::runtime_error("an output's file is a plain name");
+  if (output && (!IsOneName(port.file) || port.file == "manifest.json" || port.file == "report.json" || port.file == "log.txt"))
+    throw std::runtime_error(fmt::format("the file '{}' of an output is no plain name, or one that the cache uses itself", port.file));
   return port;
 }
 
@@ -131,11 +132,11 @@ StageInfo ParseStageInfo(const std::string& text, const std::string& program) {
       }
     }
     info.cores = resources.value("cores", 0);
-    info.memory_bytes = static_cast<std::int64_t>(resources.value("memory_bytes", 0.0));
+    info.memory_bytes = static_cast<std::int64_t>(std::clamp(resources.value("memory_bytes", 0.0), 0.0, 1e15));
     return info;
   } catch (const std::exception& error) {
     throw ToolError(fmt::format("{}: what `--describe` prints is not the stage contract's JSON: {}; see docs/stage-contract.md", program,
-                                error.what()));
+                                JsonFault(error)));
   }
 }
 

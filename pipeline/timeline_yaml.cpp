@@ -64,7 +64,7 @@ std::string TimelineJson(const YAML::Node& node, double fps) {
   timeline["schema"] = 2;
   timeline["fps"] = fps;
   timeline["keys"] = std::move(keys);
-  return says_more ? timeline.dump(1) : "";
+  return says_more ? timeline.dump(1, ' ', false, Json::error_handler_t::replace) : "";
 }
 
 }  // namespace keypose::pipeline

@@ -83,6 +83,12 @@ void RequireShallowJson(std::string_view text, const std::string& where) {
   if (!IsShallowJson(text)) throw InputError(where + " is nested more than 100 levels deep; it is damaged, or no file of Keypose");
 }
 
+std::string JsonFault(const std::exception& error) {
+  const std::string message = error.what();
+  const std::size_t end = message.starts_with("[") ? message.find("] ") : std::string::npos;
+  return end == std::string::npos ? message : message.substr(end + 2);
+}
+
 std::string ReadFile(const fs::path& path) {
   std::error_code missing;
   const fs::file_status status = fs::status(path, missing);

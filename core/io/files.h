@@ -1,6 +1,7 @@
 // Whole files in and out, and folders that appear complete or not at all.
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -26,6 +27,8 @@ std::string PrintableName(const std::filesystem::path& path);
 bool IsShallowJson(std::string_view text);
 /// @throws InputError  !IsShallowJson(text); names `where`
 void RequireShallowJson(std::string_view text, const std::string& where);
+/// What a JSON reader says is wrong, for a person: without the library's own name, which comes first in brackets.
+std::string JsonFault(const std::exception& error);
 
 /// Edit distance, for "did you mean".
 std::string NearestWord(const std::string& word, const std::vector<std::string>& words);

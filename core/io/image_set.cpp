@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_kind.h"
 
@@ -38,23 +39,22 @@ PlateLayout PlateFrom(const json& entry) {
 
 /// Whether `relative` names something below `folder`: no step upwards, and no link on the way that leads outside. What does not exist yet is
 /// judged by the part that does.
-bool IsWithin(const fs::path& folder, const fs::path& relative) {
+bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   if (relative.empty() || relative.has_root_path() || relative.native().find('\0') != std::string::npos) return false;
   std::error_code error;
   const fs::path base = fs::canonical(folder, error);
   if (error) return false;
   const fs::path resolved = fs::weakly_canonical(base / relative, error);
   if (error || std::find(relative.begin(), relative.end(), "..") != relative.end()) return false;
-  const fs::path inside = resolved.lexically_relative(base);
-  return !inside.empty() && inside != "." && *inside.begin() != "..";
+  return resolved != base && IsWithin(resolved, base);
 }
 
 /// What capture.json says of an image decides what is read and, by stages that copy the set, what is written: a name with a step upwards or a
 /// link must not lead them elsewhere.
 void RequireBelow(const fs::path& folder, const CapturedImage& image) {
-  if (fs::path(image.name).filename() != image.name || !IsWithin(folder, image.name))
+  if (fs::path(image.name).filename() != image.name || !LiesBelow(folder, image.name))
     throw InputError("the photograph '" + image.name + "' is not a file of the folder (links are followed)");
-  if (!image.mask.empty() && !IsWithin(folder, image.mask))
+  if (!image.mask.empty() && !LiesBelow(folder, image.mask))
     throw InputError("the mask '" + image.mask + "' of " + image.name + " lies outside of the folder (links are followed)");
 }
 
@@ -106,7 +106,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
   } catch (const InputError& error) {
     throw InputError(file.string() + " is damaged (" + error.what() + "); run 'keypose capture' again");
   } catch (const json::exception& error) {
-    throw InputError(file.string() + " is damaged (" + error.what() + "); run 'keypose capture' again");
+    throw InputError(file.string() + " is damaged (" + JsonFault(error) + "); run 'keypose capture' again");
   }
   std::sort(set.images.begin(), set.images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   for (std::size_t i = 0; i < set.images.size(); ++i) {

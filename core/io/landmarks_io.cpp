@@ -166,7 +166,7 @@ std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string&
       throw InputError(path.string() + " holds the picks of one mesh; give the other mesh's picks as a second file");
     pairs = PairsFrom(root, path, source, target, log);
   } catch (const json::exception& error) {
-    throw InputError(path.string() + " is not a file of landmark pairs: " + error.what());
+    throw InputError(path.string() + " is not a file of landmark pairs: " + JsonFault(error));
   }
   if (pairs.empty()) throw InputError(path.string() + " holds no landmark");
   return pairs;
@@ -278,7 +278,7 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, Carr
       if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow)) landmarks.push_back(std::move(*landmark));
     follow.Finish(log);
   } catch (const json::exception& error) {
-    throw InputError(path.string() + " is not a landmarks file: " + error.what());
+    throw InputError(path.string() + " is not a landmarks file: " + JsonFault(error));
   }
   RequireUniqueNames(landmarks, path);
   return landmarks;

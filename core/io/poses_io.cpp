@@ -85,7 +85,7 @@ std::vector<View> ReadTransforms(const fs::path& path) {
       views.push_back(std::move(view));
     }
   } catch (const json::exception& error) {
-    throw InputError(path.string() + " is no transforms.json (" + error.what() + ")");
+    throw InputError(path.string() + " is no transforms.json (" + JsonFault(error) + ")");
   }
   return views;
 }

@@ -71,7 +71,7 @@ RegionsFile ReadRegions(const std::filesystem::path& path) {
       file.regions[entry.at("name").get<std::string>()] = std::move(region);
     }
   } catch (const json::exception& error) {
-    throw InputError(fmt::format("{} is not a file of regions: {}", path.string(), error.what()));
+    throw InputError(fmt::format("{} is not a file of regions: {}", path.string(), JsonFault(error)));
   }
   return file;
 }

@@ -47,7 +47,7 @@ Painted PaintedFromJson(const std::string& text, const std::string& name) {
       painted.stiffness[i] = factor;
     }
   } catch (const json::exception& error) {
-    throw InputError(name + " is not a bound stiffness: " + error.what());
+    throw InputError(name + " is not a bound stiffness: " + JsonFault(error));
   }
   if (!painted.binding.known() || painted.points.rows() != painted.binding.vertex_count)
     throw InputError(name + ": it does not have one entry for each vertex of the mesh that it names; bind it again");

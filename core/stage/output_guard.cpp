@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/errors.h"
+#include "core/file_names.h"
 #include "core/io/files.h"
 
 namespace keypose::internal {
@@ -25,11 +26,6 @@ fs::path Resolved(const fs::path& path) {
   fs::path resolved = fs::weakly_canonical(fs::absolute(path), error);
   if (error) resolved = fs::absolute(path).lexically_normal();
   return resolved.has_filename() ? resolved : resolved.parent_path();
-}
-
-/// Whether `inner` is `outer` or lies below it. @pre both resolved
-bool IsWithin(const fs::path& inner, const fs::path& outer) {
-  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
 const Port& PortOf(const StageSpec& spec, const std::string& name) {

@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 bin=build/fuzz/bin
 # The image library leaks the text of an error, HEIC's encoder some of its memory; the readers own nothing by hand.
 export ASAN_OPTIONS=detect_leaks=0
-trap 'rm -rf /dev/shm/keypose_fuzz_$!' EXIT
+trap 'rm -rf "/dev/shm/keypose_fuzz_${!:-none}"' EXIT
 
 if [ "$1" = build ]; then
   cmake --preset fuzz >/dev/null

@@ -1,0 +1,8 @@
+// A project's pipeline.yaml, its timeline included.
+#include "pipeline/pipeline_file.h"
+#include "tests/fuzz/fuzz_folder.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace keypose;
+  return fuzz::Expect([&] { pipeline::ParsePipelineFile(std::string(fuzz::Bytes(data, size)), "pipeline.yaml"); });
+}
