@@ -19,15 +19,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> BadMeshes() {
+fs::path Data() {
   const char* data = std::getenv("KEYPOSE_DATA");
-  const fs::path folder = fs::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "bad_meshes";
+  return data ? data : KEYPOSE_SOURCE_DIR "/../shared/data";
+}
+
+std::vector<fs::path> BadMeshes() {
+  const fs::path folder = Data() / "bad_meshes";
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().extension() != ".tsv") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+// Its local repair crosses itself once it is rounded in the file's own unit; a wrap is right. What the tries before counted is not told.
+TEST(BadMeshes, ATryThatCrossesItselfGivesWayToTheNextAndCountsForNothing) {
+  const fs::path file = Data() / "mutants" / "nc.obj";
+  if (!fs::exists(file)) GTEST_SKIP() << "no " << file << "; set KEYPOSE_DATA to the data folder";
+  const CleanupResult result = MakeClosedManifold(ReadMesh(file), CleanupOptions{});
+  EXPECT_EQ(result.self_intersections, 0);
+  EXPECT_LE(result.handles_cut, result.genus_before - result.genus);
+  EXPECT_EQ(result.rung.substr(0, 2), "R4");
 }
 
 TEST(BadMeshes, EachComesOutClosedOrIsRefused) {

@@ -20,12 +20,6 @@ namespace {
 
 constexpr double kCountTolerance = 0.01;
 
-// Everything between input and result happens in a frame where the diagonal is 1, so that no tolerance depends on the unit.
-struct Frame {
-  Eigen::RowVector3d center;
-  double diagonal;
-};
-
 // Onto a grid far below the weld radius: the rounding of another unit must not decide which edge goes first.
 Mesh Normalized(const Mesh& mesh, const Frame& frame) {
   constexpr double kGrid = 0x1.0p-26;
@@ -145,13 +139,13 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
     return result;
   }
   const Mesh normalized = Normalized(surface, frame);
-  Ladder ladder(normalized, options, seen, Normalized(ground, frame), progress, result);
+  Ladder ladder(normalized, options, seen, Normalized(ground, frame), frame, progress, result);
   result.mesh = ladder.OnGround(ladder.Climb());
   Step(progress, 0.9, "measuring");
   MeasureDistances(result.mesh, normalized, ladder.kept(), result);
   const double edge = std::sqrt(4 / std::sqrt(3.0) * SurfaceArea(result.mesh.points, result.mesh.faces) / result.mesh.face_count());
   MeasureUndamaged(result.mesh, ladder.kept(), ladder.Changed(), edge, result);
-  result.mesh.points = (result.mesh.points * frame.diagonal).rowwise() + frame.center;
+  result.mesh.points = frame.Of(result.mesh.points);
   if (ground) SetDown(*ground, frame.diagonal, result.mesh);
   if (surface.colors.rows() == surface.points.rows()) result.mesh.colors = ColorsFrom(surface, result.mesh.points);
   Measure(result.mesh, frame.diagonal, result);

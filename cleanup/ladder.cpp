@@ -56,16 +56,28 @@ bool Ladder::MayStay(int faces) const { return GoodSize(faces) || (faces < optio
 
 bool Ladder::Apart(const Mesh& mesh) const { return options_.keep_components == 1 && FindPieces(mesh).list.size() > 1; }
 
+bool Ladder::AcceptableInFrame(const Mesh& mesh) const {
+  Mesh there = mesh;
+  there.points = frame_.Of(mesh.points) / frame_.diagonal;
+  return Acceptable(there);
+}
+
 // CGAL reports a broken precondition as std::logic_error; that rung has failed then, not the whole.
+// What it counted goes with it.
 std::optional<Mesh> Ladder::Try(const char* rung, const std::function<std::optional<Mesh>()>& step) {
+  const CleanupResult before = result_;
   try {
     std::optional<Mesh> mesh = step();
-    if (mesh) result_.rung = rung;
-    return mesh;
+    if (mesh && AcceptableInFrame(*mesh)) {
+      result_.rung = rung;
+      return mesh;
+    }
+    if (mesh) last_fault_ = std::string(rung) + ": the mesh crosses itself";
   } catch (const std::logic_error& error) {
     last_fault_ = std::string(rung) + ": " + error.what();
-    return std::nullopt;
   }
+  result_ = before;
+  return std::nullopt;
 }
 
 void Ladder::Weld() {
@@ -171,17 +183,21 @@ std::optional<Mesh> Ladder::AtWantedSize(const Mesh& base) {
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces ? Thinned(base, static_cast<int>(kStartFaces * rules.faces)) : base;
   std::optional<Mesh> with_slivers;
+  const CleanupResult before = result_;
+  CleanupResult result_with_slivers;
   for (int attempt = 0; attempt < kRemeshings; ++attempt) {
     Step(progress_, 0.7 + 0.05 * attempt, "remeshing");
+    result_ = before;
     const Mesh mesh = Remeshed(start, base, sizes, rules.faces);
     if (!GoodSize(mesh.face_count())) break;
     if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
       Mesh better = WithBetterAngles(*mended, kGoodAngleDeg);
       if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
-      if (!with_slivers) with_slivers = std::move(better);
+      if (!with_slivers) with_slivers = std::move(better), result_with_slivers = result_;
     }
     Refine(base, FaceCenters(mesh, IntersectingFaces(mesh)), 3, sizes);
   }
+  result_ = with_slivers ? result_with_slivers : before;
   if (with_slivers) return with_slivers;
   // Collapses only: more of the shape's sharpness, less even triangles.
   Mesh thinned = base.face_count() > rules.faces ? Thinned(base, rules.faces) : SplitTo(base, rules.faces);
@@ -211,8 +227,10 @@ std::optional<Mesh> Ladder::Wrap(double alpha, double offset_share, bool project
 
 // A wrap of a larger ball has fewer faces, so that one at last needs no remeshing, and a wrap never crosses itself.
 std::optional<Mesh> Ladder::CoarseWraps(double alpha) {
+  const CleanupResult before = result_;
   for (; alpha < 2; alpha *= 1.5) {
     Step(progress_, 0.6, "wrapping coarsely");
+    result_ = before;
     const Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, alpha / 2), options_.keep_components, &result_.components_removed);
     if (!Acceptable(wrap)) continue;
     repaired_ = wrap;
@@ -237,16 +255,18 @@ std::optional<Mesh> Ladder::WrapRungs() {
       {"R4 coarse wrap", [&] { return CoarseWraps(2 * alpha); }},
   };
   std::optional<Mesh> with_slivers;
-  std::string rung_with_slivers;
+  const CleanupResult before = result_;
+  CleanupResult result_with_slivers;
   for (const auto& [name, step] : rungs) {
+    result_ = before;
     std::optional<Mesh> mesh = Try(name, step);
     if (!mesh) continue;
     if (LeastAngleDeg(*mesh) >= kLeastAngleDeg) return mesh;
     if (with_slivers) continue;
     with_slivers = std::move(mesh);
-    rung_with_slivers = name;
+    result_with_slivers = result_;
   }
-  if (with_slivers) result_.rung = rung_with_slivers;
+  if (with_slivers) result_ = result_with_slivers;
   return with_slivers;
 }
 

@@ -13,14 +13,22 @@ namespace keypose::cleanup {
 /// Whether a mesh is what the clean-up promises: closed, oriented, one fan a vertex, volume, no face without area, nothing crosses.
 bool Acceptable(const Mesh& mesh);
 
+/// Where the surface lies in its own unit.
+struct Frame {
+  Eigen::RowVector3d center;
+  double diagonal = 1;
+  PointsX3 Of(const PointsX3& normalized) const { return (normalized * diagonal).rowwise() + center; }
+};
+
 /// One climb; everything happens in a frame where the diagonal is 1, so that no tolerance depends on the unit.
 class Ladder {
  public:
   /// @param lines   of sight through the figure, in the same frame
   /// @param ground  height along z below which nothing stays, in the same frame
+  /// @param frame   where the result goes: what crosses itself by its rounding there is no result
   Ladder(const Mesh& surface, const CleanupOptions& options, const std::vector<SightLine>& lines, std::optional<double> ground,
-         Progress* progress, CleanupResult& result)
-      : input_(surface), options_(options), lines_(lines), ground_(ground), progress_(progress), result_(result) {}
+         const Frame& frame, Progress* progress, CleanupResult& result)
+      : input_(surface), options_(options), lines_(lines), ground_(ground), frame_(frame), progress_(progress), result_(result) {}
 
   /// The finished mesh. @throws InputError @throws QualityError
   Mesh Climb();
@@ -52,11 +60,13 @@ class Ladder {
   bool MustHitCount() const { return options_.refine || kept_.face_count() > options_.faces; }
   bool MayStay(int faces) const;
   bool Apart(const Mesh& mesh) const;
+  bool AcceptableInFrame(const Mesh& mesh) const;
 
   const Mesh& input_;
   const CleanupOptions& options_;
   const std::vector<SightLine>& lines_;
   std::optional<double> ground_;
+  Frame frame_;
   Progress* progress_;
   CleanupResult& result_;
   Mesh kept_;      // welded, without bits and stand; all of its detail

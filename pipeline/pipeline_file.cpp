@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "core/errors.h"
 #include "core/io/timeline.h"
@@ -389,15 +390,29 @@ void RequireUtf8(const std::string& text, const std::string& file) {
   throw UsageError(fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
 }
 
+/// What follows a `---` would be passed over. Such a line begins a document wherever it stands, in quotes too. (The library's own reader of
+/// all documents never ends on some texts.)
+void RequireOneDocument(const std::string& text, const std::string& file) {
+  std::istringstream lines(text);
+  bool content = false;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const bool marker = line.starts_with("---") && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
+    if (marker && content) throw UsageError(fmt::format("{}:{}: a second document (after `---`) is not read; write all in one", file, number));
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    content = content || marker || (first != std::string::npos && line[first] != '#' && line[first] != '%');
+  }
+}
+
 }  // namespace
 
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file) {
   RequireUtf8(text, file);
   try {
     const Reader reader(file);
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) reader.Fail(documents[1], "a second document (after `---`) is not read; write all in one");
-    const YAML::Node root = documents.empty() ? YAML::Node() : documents[0];
+    RequireOneDocument(text, file);
+    const YAML::Node root = YAML::Load(text);
     std::size_t left = 3'000'000;
     RequireThatItEnds(reader, root, 0, &left);
     return reader.File(root);

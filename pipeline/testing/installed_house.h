@@ -1,0 +1,143 @@
+// The program `keypose` as an installation of its own, with a project of two poses; its stages are small text programs.
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/io/files.h"
+
+namespace keypose::pipeline {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+inline constexpr char kTestPipeline[] = R"(steps:
+  gather: {stage: gather, for: pose, inputs: {photos: $photos}}
+  join: {stage: join, for: pose, inputs: {images: gather.images}, out: {text: "{pose}/text.txt"}}
+  merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}, show: {all: all texts, all/9.txt: the tenth}}
+)";
+
+inline double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+inline void SleepSeconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+
+/// All files below a folder with their content; times and the run records do not count.
+inline std::map<std::string, std::string> Snapshot(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
+  }
+  return files;
+}
+
+/// What a run says that has nothing to do.
+inline std::string AllUpToDate(const fs::path& project) {
+  return "5 steps up to date\n\nresults\n  all texts  " + (project / "out/all").string() + "\n";
+}
+
+struct Ended {
+  int code = -1;
+  std::string text;  ///< standard output and error
+};
+
+class RunTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    char name[] = "/tmp/keypose-run-test-XXXXXX";
+    root_ = mkdtemp(name);
+    Install(root_);
+    MakeProject(root_ / "hero");
+  }
+  void TearDown() override {
+    if (mounted_) umount2((root_ / "small").c_str(), MNT_DETACH);
+    fs::remove_all(root_);
+  }
+
+  /// keypose and its test stages as an installation of their own.
+  static void Install(const fs::path& root) {
+    fs::create_directories(root / "bin");
+    fs::create_directories(root / "share/keypose");
+    fs::copy_file(KEYPOSE_PROGRAM, root / "bin/keypose");
+    for (const std::string stage : {"gather", "join", "merge"}) fs::copy_file(KEYPOSE_TEXT_STAGE, root / ("bin/keypose-" + stage));
+    WriteFile(root / "share/keypose/pipeline.yaml", kTestPipeline);
+  }
+  static void MakeProject(const fs::path& project) {
+    for (const std::string pose : {"rest", "bent"}) {
+      fs::create_directories(project / "photos" / pose);
+      for (int i = 0; i < 4; ++i)
+        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"), pose + " picture " + std::to_string(i) + "\n");
+    }
+    WriteFile(project / "pipeline.yaml", "poses: {rest: photos/rest, bent: photos/bent}\n");
+  }
+
+  pid_t Start(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+    const pid_t pid = fork();
+    if (pid != 0) return pid;
+    const int out = open((root_ / ("output" + std::to_string(getpid()))).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    dup2(out, 1);
+    dup2(out, 2);
+    for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
+    std::vector<std::string> all = {(root_ / "bin/keypose").string()};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& text : all) argv.push_back(text.data());
+    argv.push_back(nullptr);
+    execv(argv[0], argv.data());
+    _exit(126);
+  }
+  Ended Finish(pid_t pid) const {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadFile(root_ / ("output" + std::to_string(pid)))};
+  }
+  Ended Keypose(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+    return Finish(Start(arguments, environment));
+  }
+  Ended Run(const std::vector<std::string>& more = {}, const std::map<std::string, std::string>& environment = {}) const {
+    std::vector<std::string> arguments = {"run", "-C", (root_ / "hero").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return Keypose(arguments, environment);
+  }
+
+  /// Processes whose program lies in this test's bin/.
+  int StagesAlive() const {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator("/proc")) {
+      std::error_code error;
+      const fs::path program = fs::read_symlink(entry.path() / "exe", error);
+      count += !error && program.string().starts_with((root_ / "bin/keypose-").string());
+    }
+    return count;
+  }
+  static std::vector<pid_t> ChildrenOf(pid_t parent) {
+    std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
+    std::vector<pid_t> children;
+    for (pid_t child = 0; in >> child;) children.push_back(child);
+    return children;
+  }
+  bool NoStageAliveSoon() const {
+    for (int i = 0; i < 100 && StagesAlive() > 0; ++i) SleepSeconds(0.02);
+    return StagesAlive() == 0;
+  }
+  /// Until a step is at work (a program that only describes itself does not count).
+  bool WaitForStage() const {
+    const auto at_work = [&] { return fs::exists(root_ / "hero/.keypose/tmp/gather.rest/made/log.txt"); };
+    for (int i = 0; i < 1000 && !at_work(); ++i) SleepSeconds(0.01);
+    return at_work();
+  }
+
+  fs::path root_;
+  bool mounted_ = false;
+};
+
+}  // namespace keypose::pipeline
