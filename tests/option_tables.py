@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Writes the table of all options into each stage's page, from what the stage says of itself (`keypose STAGE --describe`).
+
+    option_tables.py --bin build/release/bin [--write]
+
+Each page docs/stages/STAGE.md ends its options with a table between two marks. Without --write the pages are compared, and exit code 1 says which one is
+out of date. Needs nothing beyond Python.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+STAGES = ('capture', 'sfm', 'masks', 'dense', 'mesh', 'refine', 'cleanup', 'unwrap', 'register', 'bake', 'complete', 'interpolate', 'export', 'report')
+DOCS = pathlib.Path(__file__).resolve().parent.parent / 'docs/stages'
+BEGIN = '<!-- All options, written by tests/option_tables.py from `keypose {stage} --describe`; do not edit. -->\n'
+END = '<!-- End of all options. -->\n'
+
+
+def number(value):
+    return f'{value:g}' if value < 1e6 else f'{int(value):,}'
+
+
+def values_of(option):
+    """What the option may be, in words."""
+    if option['choices']:
+        return ', '.join(f'`{choice}`' for choice in option['choices'])
+    if option['type'] == 'bool':
+        return '`true`, `false`'
+    if option['type'] == 'string':
+        return 'text'
+    low, high, unit = option['min'], option['max'], option['unit']
+    text = f'{number(low)} to {number(high)}' if low is not None and high is not None else 'any number'
+    return text + (f' {unit}' if unit else '')
+
+
+def default_of(option):
+    value = option['default']
+    if option['type'] == 'bool':
+        return f'`{str(value).lower()}`'
+    if isinstance(value, float):
+        return f'`{value:g}`'
+    return f'`{value}`' if value != '' else 'none'
+
+
+def table(described):
+    rows = ['| option | default | may be | what it does |', '|---|---|---|---|']
+    # Those that people set come first.
+    for option in sorted(described['options'], key=lambda option: not option['common']):
+        help_text = option['help'].replace('|', '\\|')
+        rows.append(f"| `{option['name']}` | {default_of(option)} | {values_of(option)} | {help_text} |")
+    return '\n'.join(rows) + '\n'
+
+
+def page_with(text, stage, described):
+    """@return the page with its table renewed, or with a new section at its end"""
+    begin = BEGIN.format(stage=stage)
+    section = begin + '\n' + table(described) + '\n' + END
+    if begin not in text:
+        return text.rstrip('\n') + '\n\n## All options\n\n' + section
+    head, rest = text.split(begin, 1)
+    return head + section + rest.split(END, 1)[1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('--bin', type=pathlib.Path, required=True)
+    parser.add_argument('--write', action='store_true')
+    given = parser.parse_args()
+    stale = []
+    for stage in STAGES:
+        described = json.loads(subprocess.run([given.bin / 'keypose', stage, '--describe'], stdout=subprocess.PIPE, check=True).stdout)
+        page = DOCS / f'{stage}.md'
+        text = page.read_text(encoding='utf-8')
+        wanted = page_with(text, stage, described)
+        if wanted == text:
+            continue
+        stale.append(f'docs/stages/{stage}.md')
+        if given.write:
+            page.write_text(wanted, encoding='utf-8')
+    if given.write:
+        print('written: ' + (', '.join(stale) or 'nothing, all pages are up to date'))
+        return 0
+    if stale:
+        print(f'out of date: {", ".join(stale)}; run tests/option_tables.py --bin {given.bin} --write')
+    return 1 if stale else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
