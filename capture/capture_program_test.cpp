@@ -232,6 +232,9 @@ TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
 }
 
 TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's shadow needs all of the address space";
+#endif
   WritePhotos(8);
   WriteImage(photos / "giant.jpg", Image8(8000, 6000, 3, 128));
   const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, and it takes 4.3

@@ -200,7 +200,8 @@ Preview Patches(int pattern, int shift) {
   Preview preview{Image8(320, 240, 1), Image8(320, 240, 1, 255)};
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
-      const auto cell = static_cast<std::uint32_t>(((x + shift) / 9) * 73856093 ^ (y / 9) * 19349663 ^ pattern * 83492791);
+      const auto column = static_cast<std::uint32_t>((x + shift) / 9), row = static_cast<std::uint32_t>(y / 9);
+      const std::uint32_t cell = column * 73856093U ^ row * 19349663U ^ static_cast<std::uint32_t>(pattern) * 83492791U;
       const std::uint32_t mixed = (cell ^ (cell >> 13)) * 0x5bd1e995U;
       *preview.grey.at(x, y) = static_cast<std::uint8_t>(60 + (mixed >> 15) % 140);
     }
