@@ -42,9 +42,8 @@ class CaptureProgram : public testing::Test {
   /// @param first  what the shell does before, such as setting limits
   Outcome Run(const std::string& more = "", const std::string& first = "") const {
     const fs::path log = root / "log.txt";
-    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " + photos.string() + " --images " +
-                                images.string() + " --report " + (root / "report.json").string() + " " + more + " > " + log.string() +
-                                " 2>&1";
+    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " + photos.string() + " --images " + images.string() +
+                                " --report " + (root / "report.json").string() + " " + more + " > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
   }

@@ -82,8 +82,8 @@ void ForEach(const Import& import, Progress* progress, const std::string& what, 
   if (!faults.empty()) throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " + JoinNames(faults, 200));
 }
 
-/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for the plate and the mask). Where there is no
-/// room for one a core, fewer are worked on at a time; the result is the same.
+/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for the plate and the mask). Where there is
+/// no room for one a core, fewer are worked on at a time; the result is the same.
 void FitIntoMemory(StageContext& stage, const Import& import) {
   constexpr std::int64_t kBytesAPixel = 90;
   std::size_t largest = 0;
@@ -105,15 +105,17 @@ void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
   if (import.masks.empty()) return;
   std::vector<std::string> strangers;
   for (const fs::path& file : ImagesIn(import.masks))
-    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) == import.user_masks.end()) strangers.push_back(file.filename().string());
+    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) == import.user_masks.end())
+      strangers.push_back(file.filename().string());
   const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(), [](const fs::path& mask) { return !mask.empty(); });
   const std::string example = import.photographs[0].name + ".png";
   if (!any && !strangers.empty())
-    throw InputError("capture: none of the masks in " + import.masks.string() + " has a photograph's name; name that of " + import.photographs[0].name +
-                     ": " + example);
+    throw InputError("capture: none of the masks in " + import.masks.string() + " has a photograph's name; name that of " +
+                     import.photographs[0].name + ": " + example);
   if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
   if (any && !strangers.empty())
-    stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) + "; a mask is named like its photograph, as in " + example);
+    stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
+               "; a mask is named like its photograph, as in " + example);
 }
 
 Import Open(StageContext& stage, const CaptureOptions& options) {
@@ -122,7 +124,8 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   import.groups = ListPhotographs(import.folder);
   for (const PhotographGroup& group : import.groups) import.files.insert(import.files.end(), group.files.begin(), group.files.end());
   if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
-    stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored)));
+    stage.Warn(
+        WithoutOddBytes("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored)));
   import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
   RequireUsableSizes(import.photographs);

@@ -108,13 +108,15 @@ void ReportStanding(StageContext& stage, const Placed& placed, const Standing& s
     distrusted.push_back({{"name", image.name}, {"why", image.why}});
     names += (names.empty() ? "" : ", ") + image.name;
     stage.Warn(image.name + " contradicts the other photographs: " + image.why +
-               "; it was left out of shape and texture. It shows something else, a moved figure or a hand, or its camera is wrong: shoot it again, "
+               "; it was left out of shape and texture. It shows something else, a moved figure or a hand, or its camera is wrong: shoot "
+               "it again, "
                "or delete it");
   }
   stage.ReportJson("outline_fits", fits.dump());
   stage.ReportJson("distrusted", distrusted.dump());
   if (standing.undecided)
-    throw InputError("masks: the photographs contradict each other in outline, and too many do to tell which are right (among them " + names +
+    throw InputError("masks: the photographs contradict each other in outline, and too many do to tell which are right (among them " +
+                     names +
                      "): the figure or a part of it was moved between them, or cameras are wrong; keep the photographs from before the "
                      "move or those from after it, and shoot the rest again");
 }
@@ -134,7 +136,8 @@ void ReportTouched(StageContext& stage, const ImageSet& set, const Placed& place
   }
   if (!names.empty())
     stage.Warn("something touches the figure in " + names + " that the other photographs see past (a hand, a tool, a stand), as large as " +
-               Percent(largest) + " of the figure; it was cut off. If it is no stand, shoot such photographs again without, or delete them");
+               Percent(largest) +
+               " of the figure; it was cut off. If it is no stand, shoot such photographs again without, or delete them");
   stage.ReportJson("touched", touched.dump());
 }
 

@@ -75,7 +75,8 @@ void RequireNamesInUtf8(const std::vector<PhotographGroup>& groups) {
       if (!IsValidUtf8(file.filename().string())) odd.push_back(PrintableName(file));
   }
   if (!odd.empty())
-    throw InputError("capture: these names are not in UTF-8: " + JoinNames(odd) + "; rename them (another system wrote them in its own code)");
+    throw InputError("capture: these names are not in UTF-8: " + JoinNames(odd) +
+                     "; rename them (another system wrote them in its own code)");
 }
 
 /// Two photographs of one name after HEIC became JPEG: a phone or a program has written both.
@@ -93,7 +94,8 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
     if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path())) ignored->push_back(entry.path());
     // A link to a folder above would be walked again and again.
-    if (with_subfolders && entry.is_directory() && !entry.is_symlink() && PhotographsIn(entry.path()).empty()) AddIgnored(entry.path(), true, ignored);
+    if (with_subfolders && entry.is_directory() && !entry.is_symlink() && PhotographsIn(entry.path()).empty())
+      AddIgnored(entry.path(), true, ignored);
   }
 }
 

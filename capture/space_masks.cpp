@@ -274,8 +274,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   refined.standing = judge();
   if (const std::vector<std::size_t> again = SilentByOutline(refined.standing, options.colors); !again.empty()) {
     const std::vector<Image8> unled = small_masks;
-    const std::vector<Image8> led = SpaceRound(small, small_masks, denials.pictures, refined.standing.say, std::vector<char>(views.size(), 1),
-                                               small_boards, masking, coarse, options.weight);
+    const std::vector<Image8> led = SpaceRound(small, small_masks, denials.pictures, refined.standing.say,
+                                               std::vector<char>(views.size(), 1), small_boards, masking, coarse, options.weight);
     for (const std::size_t i : again) small_masks[i] = led[i];
     denials = denials_by({});
     refined.standing = judge();

@@ -12,10 +12,10 @@
 namespace keypose::capture {
 
 struct SpaceOptions {
-  int resolution = 128;       ///< voxels along the longest side of the space that the masks share
-  int most_denials = 8;       ///< views against a place that are told apart, fewer in sets below 48; more count as this many
-  double margin_px = 1;       ///< a mask denies a place that it shows outside of itself by more than this
-  double weight = 2;          ///< of what the others say against what the photograph shows
+  int resolution = 128;  ///< voxels along the longest side of the space that the masks share
+  int most_denials = 8;  ///< views against a place that are told apart, fewer in sets below 48; more count as this many
+  double margin_px = 1;  ///< a mask denies a place that it shows outside of itself by more than this
+  double weight = 2;     ///< of what the others say against what the photograph shows
   StandingOptions standing{};
   ColorOptions colors{};
 };
@@ -63,9 +63,10 @@ std::vector<double> AgreementInSpace(const std::vector<Image8>& masks, const std
 /// how it goes with the masks. A part of the set that only some views took for the figure is denied by those that see past it; a part of
 /// the figure that one view missed is upheld by all others.
 ///
-/// A view whose first mask, or whose colours, contradict the others is not heard, and nobody leans its own: its next masks are what its photograph shows by
-/// itself, with what the others taught of colours. If these contradict too, and still when the others' word leans them (a dark side before a
-/// dark set gives way to it, a place where the photograph clearly shows the set does not), it has no say in the end; else it is heard again.
+/// A view whose first mask, or whose colours, contradict the others is not heard, and nobody leans its own: its next masks are what its
+/// photograph shows by itself, with what the others taught of colours. If these contradict too, and still when the others' word leans them
+/// (a dark side before a dark set gives way to it, a place where the photograph clearly shows the set does not), it has no say in the end;
+/// else it is heard again.
 /// @param images  RGB at working size
 /// @param masks   of the same size
 /// @param views   with cameras of that size

@@ -72,8 +72,9 @@ void RequireWidth(const Mesh& surface, const Frame& frame) {
   const Eigen::Matrix3d spread = (x.rowwise() - x.colwise().mean()).transpose() * (x.rowwise() - x.colwise().mean());
   const Eigen::Vector3d squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / x.rows();
   if (std::sqrt(std::max(0.0, squares[1])) < kLeastWidth)
-    throw InputError("cleanup: all vertices lie on a line but for 1e-5 of its length; nothing with a volume can be made of it. Look whether "
-                     "one axis has another unit than the others");
+    throw InputError(
+        "cleanup: all vertices lie on a line but for 1e-5 of its length; nothing with a volume can be made of it. Look whether "
+        "one axis has another unit than the others");
 }
 
 void RequireHandles(const CleanupResult& result, const CleanupOptions& options) {

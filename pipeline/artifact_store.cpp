@@ -90,7 +90,8 @@ std::string ArtifactStore::Verify(const std::string& fingerprint) const {
   const std::map<std::string, std::string> known = FilesOf(artifact->outputs);
   for (const auto& [port, output] : artifact->outputs)
     for (const std::string& name : output.folder ? disk_.FilesBelow(artifact->folder / output.file) : std::vector<std::string>())
-      if (CountsAsContent(name) && !known.contains(output.file + "/" + name)) return output.file + "/" + name + " was put there by another program";
+      if (CountsAsContent(name) && !known.contains(output.file + "/" + name))
+        return output.file + "/" + name + " was put there by another program";
   return "";
 }
 
@@ -175,12 +176,8 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
   for (const auto& [name, hash] : FilesOf(artifact.outputs)) files[name] = {hash, StampOf(*disk_.Stat(made / name))};
   if (const auto report = disk_.Stat(made / kReport); report && !report->folder)
     files[kReport] = {disk_.ContentHash(made / kReport), StampOf(*report)};
-  const json manifest = {{"schema", kSchema},
-                         {"fingerprint", artifact.fingerprint},
-                         {"recipe", ToJson(recipe)},
-                         {"outputs", outputs},
-                         {"files", FilesJson(files)},
-                         {"seconds", seconds},
+  const json manifest = {{"schema", kSchema},       {"fingerprint", artifact.fingerprint}, {"recipe", ToJson(recipe)},
+                         {"outputs", outputs},      {"files", FilesJson(files)},           {"seconds", seconds},
                          {"peak_bytes", peak_bytes}};
   disk_.Write(made / "manifest.json", manifest.dump(1));
   // On the device before it gets its name: after a power cut an artifact is whole or absent.

@@ -226,9 +226,7 @@ class GraphBuilder {
   void SetShown(const StepRule& rule, Step* step) const {
     for (const ShownSetting& shown : rule.show) {
       const fs::path path = fs::path(WithNames(shown.path.text, *step)).lexically_normal();
-      const auto holds = [&](const NamedResult& result) {
-        return IsWithin(path, result.path);
-      };
+      const auto holds = [&](const NamedResult& result) { return IsWithin(path, result.path); };
       if (std::none_of(step->results.begin(), step->results.end(), holds))
         Fail(shown.path.where, fmt::format("step '{}' shows {}, which is not among its results (`out`)", step->rule, path.string()));
       step->shown.push_back({path, shown.label});
@@ -267,8 +265,9 @@ class GraphBuilder {
       const auto& [first, outer] = all[i - 1];
       const auto& [second, inner] = all[i];
       if (!IsWithin(inner->path, outer->path)) continue;
-      Fail(inner->where, fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path", first->id,
-                                     second->id, inner->path.generic_string(), outer->where.Text()));
+      Fail(inner->where,
+           fmt::format("two steps write one result: {} and {} both write out/{} (the other at {}); give one of them another path",
+                       first->id, second->id, inner->path.generic_string(), outer->where.Text()));
     }
   }
 

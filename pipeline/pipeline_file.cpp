@@ -386,7 +386,8 @@ namespace {
 void RequireUtf8(const std::string& text, const std::string& file) {
   if (IsUtf8(text) || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return;
   std::size_t line = 1, begin = 0;
-  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos && IsUtf8(text.substr(begin, end - begin)); begin = end + 1) ++line;
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos && IsUtf8(text.substr(begin, end - begin)); begin = end + 1)
+    ++line;
   throw UsageError(fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
 }
 
@@ -399,7 +400,8 @@ void RequireOneDocument(const std::string& text, const std::string& file) {
   for (std::string line; std::getline(lines, line);) {
     ++number;
     const bool marker = line.starts_with("---") && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
-    if (marker && content) throw UsageError(fmt::format("{}:{}: a second document (after `---`) is not read; write all in one", file, number));
+    if (marker && content)
+      throw UsageError(fmt::format("{}:{}: a second document (after `---`) is not read; write all in one", file, number));
     const std::size_t first = line.find_first_not_of(" \t\r");
     content = content || marker || (first != std::string::npos && line[first] != '#' && line[first] != '%');
   }

@@ -58,8 +58,8 @@ void ResultsFolder::Load() {
       entry.step = value.at("step").get<std::string>();
       entry.hash = value.at("sha256").get<std::string>();
       entry.next = value.at("next").get<std::string>();
-      entry.stat = {false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(), value.at("inode").get<std::uint64_t>(),
-                    value.value("ctime_ns", std::int64_t{0})};
+      entry.stat = {false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(),
+                    value.at("inode").get<std::uint64_t>(), value.value("ctime_ns", std::int64_t{0})};
     } catch (const json::exception&) {
       entries_.erase(name);  // damaged: the file is looked at anew
     }
@@ -115,8 +115,8 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   }
   for (const std::string& name : missing)
     if (disk_.LeadsOutside(out_ / name, out_))
-      throw DiskError(fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the project's results; remove the link", name,
-                                  (out_ / name).parent_path().string()));
+      throw DiskError(fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the project's results; remove the link",
+                                  name, (out_ / name).parent_path().string()));
   if (missing.empty()) return notes;
   for (const std::string& name : missing) {
     Entry& entry = entries_[name];
@@ -178,7 +178,8 @@ void ResultsFolder::Drop(const std::string& name, std::vector<std::string>* note
 std::vector<std::string> ResultsFolder::DropStepsOutside(const Graph& graph) {
   std::vector<std::string> notes, stale;
   for (const auto& [name, entry] : entries_) {
-    const bool known = std::any_of(graph.steps.begin(), graph.steps.end(), [&name_of = entry.step](const Step& step) { return step.id == name_of; });
+    const bool known =
+        std::any_of(graph.steps.begin(), graph.steps.end(), [&name_of = entry.step](const Step& step) { return step.id == name_of; });
     if (!known) stale.push_back(name);
   }
   for (const std::string& name : stale) Drop(name, &notes);

@@ -11,9 +11,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using Names = std::vector<std::string>;
-
-const Names kAllSteps = {"blend", "match/bent", "shape/bent", "shape/rest", "shoot/bent", "shoot/rest", "solve/bent", "solve/rest", "tell"};
 
 TEST(Rules, FailedStepKeepsItsLogStopsWhatDependsAndGoesOnAfterRepair) {
   FakeHouse house;
@@ -132,7 +129,8 @@ TEST(Rules, ArtifactsWithoutTheirReportOrInEachOthersFolderAreMadeAgain) {
   house.disk.Move(rest, "/tmp/aside");
   house.disk.Move(bent, rest);
   house.disk.Move("/tmp/aside", bent);
-  EXPECT_EQ(house.Look().Reasons("shape/rest"), "its artifact in the cache was damaged from outside (manifest.json belongs to another artifact)\n");
+  EXPECT_EQ(house.Look().Reasons("shape/rest"),
+            "its artifact in the cache was damaged from outside (manifest.json belongs to another artifact)\n");
   EXPECT_EQ(house.Run().ran, (Names{"shape/bent", "shape/rest"}));
 }
 

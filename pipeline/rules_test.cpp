@@ -14,9 +14,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-using Names = std::vector<std::string>;
-
-const Names kAllSteps = {"blend", "match/bent", "shape/bent", "shape/rest", "shoot/bent", "shoot/rest", "solve/bent", "solve/rest", "tell"};
 
 TEST(Rules, FirstRunMakesEveryStepOnceAndNamesItsResults) {
   FakeHouse house;

@@ -159,7 +159,7 @@ def timeline_cases():
         case('key without a pose', 4, ('needs a pose',), ': [{at: 0}, {pose: bent, at: 1}]\n'),
         case('time of a word', 4, ("'soon'", 'number'), ': [{pose: rest, at: soon}, {pose: bent, at: 1}]\n'),
         case('`time` for `at`', 4, ("no key 'time'", "'at'"), ': [{pose: rest, time: 0}, {pose: bent, time: 1}]\n'),
-        case('times fall', 5, ('in the order of time',), ':\n  - {pose: rest, at: 1}\n  - {pose: bent, at: 0}\n'.replace('\n  - {pose: rest', ' [{pose: rest').replace('1}\n  - ', '1},\n  ').replace('0}\n', '0}]\n')),
+        case('times fall', 5, ('in the order of time',), ': [{pose: rest, at: 1},\n  {pose: bent, at: 0}]\n'),
         case('times the same', 4, ('each later',), ': [{pose: rest, at: 1}, {pose: bent, at: 1}]\n'),
         case('one key has a time', 4, ("all timeline keys have an 'at'",), ': [{pose: rest, at: 1}, bent]\n'),
         case('hold of a word', 6, ("'hold'", 'number'), timed(', hold: long')),
@@ -173,14 +173,14 @@ def timeline_cases():
         case('on noughts', 5, ("'step' is 0",), whole('step: 0')),
         case('loop is a number', 5, ("'loop' is 3", 'true or false'), whole('loop: 3')),
         case('turn of no region', 6, ("'arm'", 'not among `regions`'), timed(', turns: {arm: 1}')),
-        case('turn by halves', 0 or 6, ("'turns'", 'whole numbers'), timed(', turns: {arm: 0.5}')),
+        case('turn by halves', 6, ("'turns'", 'whole numbers'), timed(', turns: {arm: 0.5}')),
         case('region without a place', 5, ('region', 'vertices'), whole('regions: [{name: arm}]')),
         case('region without a name', 5, ('has no name',), whole('regions: [{center: [0, 0, 0], radius: 1}]')),
         case('region twice', 5, ("'arm' is there twice",), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}, {name: arm, center: [0, 0, 0], radius: 1}]')),
         case('ball without a size', 5, ('radius above 0',), whole('regions: [{name: arm, center: [0, 0, 0], radius: 0}]')),
         case('center of two numbers', 5, ('three numbers',), whole('regions: [{name: arm, center: [0, 0], radius: 1}]')),
         case('pin of no region', 5, ("'foot'", 'regions'), whole('pins: [{region: foot}]')),
-        case('pin ends before it begins', 5, ('later than from',), whole('{regions: [{name: arm, center: [0, 0, 0], radius: 1}], pins: [{region: arm, from: 1, to: 0}]'.replace('{regions', 'regions').replace('], pins', ']\n  pins'))),
+        case('pin ends before it begins', 5, ('later than from',), whole('regions: [{name: arm, center: [0, 0, 0], radius: 1}]\n  pins: [{region: arm, from: 1, to: 0}]')),
         case('volume of a word', 5, ("'volume'",), whole('volume: kept')),
         case('table of a word', 5, ("'table'", 'number'), whole('table: oak')),
     ]
@@ -337,9 +337,9 @@ def photo_cases():
         case('one pixel wide', ('pixel',), each(lambda photo: photo.write_bytes(whole_png(1, 2000, number_of(photo))))),
         case('all of one colour', ('rest',), each(lambda photo: photo.write_bytes(whole_png(320, 240, 90 + number_of(photo))))),
         case('all the same', ('byte for byte', 'delete the copies'), each(lambda photo: photo.write_bytes(whole_png(320, 240, 0)))),
-        case('masks all black', ('black', 'FIRST'), masks_of(whole_png_grey(320, 240, 0)), yaml=with_masks),
-        case('masks of another size', ('mask', 'FIRST', '64 x 48'), masks_of(whole_png_grey(64, 48, 255)), yaml=with_masks),
-        case('masks of no photograph', ('masks/rest', 'FIRST'), masks_of(whole_png_grey(320, 240, 255), lambda photo: 'x' + photo.name + '.png'), yaml=with_masks),
+        case('masks all black', ('black', 'FIRST'), masks_of(whole_png(320, 240, 0)), yaml=with_masks),
+        case('masks of another size', ('mask', 'FIRST', '64 x 48'), masks_of(whole_png(64, 48, 255)), yaml=with_masks),
+        case('masks of no photograph', ('masks/rest', 'FIRST'), masks_of(whole_png(320, 240, 255), lambda photo: 'x' + photo.name + '.png'), yaml=with_masks),
         case('masks that are texts', ('mask', 'FIRST'), masks_of(b'white'), yaml=with_masks),
         case('masks empty', ('masks/rest', 'no mask in it'), lambda folder: (folder / 'masks/rest').mkdir(parents=True), yaml=with_masks, code=0),
         case('background a text', ('empty.jpg',), lambda folder: write(folder / 'empty.jpg', b'nothing'), yaml=with_background),
@@ -414,10 +414,6 @@ def png(width, height, payload=b''):
 
 def whole_png(width, height, grey):
     return png(width, height, (b'\0' + bytes([grey]) * 3 * width) * height)
-
-
-def whole_png_grey(width, height, grey):
-    return whole_png(width, height, grey)
 
 
 class Bench:

@@ -37,8 +37,8 @@ PlateLayout PlateFrom(const json& entry) {
   return plate;
 }
 
-/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that leads outside. What does not exist yet is
-/// judged by the part that does.
+/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that leads outside. What does not exist yet
+/// is judged by the part that does.
 bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   if (relative.empty() || relative.has_root_path() || relative.native().find('\0') != std::string::npos) return false;
   std::error_code error;
@@ -49,8 +49,8 @@ bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   return resolved != base && IsWithin(resolved, base);
 }
 
-/// What capture.json says of an image decides what is read and, by stages that copy the set, what is written: a name with a step upwards or a
-/// link must not lead them elsewhere.
+/// What capture.json says of an image decides what is read and, by stages that copy the set, what is written: a name with a step upwards or
+/// a link must not lead them elsewhere.
 void RequireBelow(const fs::path& folder, const CapturedImage& image) {
   if (fs::path(image.name).filename() != image.name || !LiesBelow(folder, image.name))
     throw InputError("the photograph '" + image.name + "' is not a file of the folder (links are followed)");

@@ -42,8 +42,8 @@ Mesh ColoredSphereWithUvs() {
   return mesh;
 }
 
-/// A HEIC photograph of 128 x 80 (the library's writer reads beyond rows whose bytes are no multiple of 16), red in its upper left quarter as it was shot, that says how it is to be turned as a phone does: in the
-/// container (irot), which decoders apply, and again in EXIF.
+/// A HEIC photograph of 128 x 80, red in its upper left quarter as it was shot, that says how it is to be turned as a phone does: in the
+/// container (irot), which decoders apply, and again in EXIF. (The library's writer reads beyond rows whose bytes are no multiple of 16.)
 fs::path PutHeic(const fs::path& path, int orientation) {
   Image8 image(128, 80, 3, 30);
   for (int y = 0; y < 40; ++y)

@@ -150,9 +150,10 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
   on_source.Finish(log);
   on_target.Finish(log);
   if (dropped > 0 && log)
-    log->warnings.push_back(fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that was made anew, and are "
-                                        "left out",
-                                        path.string(), dropped));
+    log->warnings.push_back(
+        fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that was made anew, and are "
+                    "left out",
+                    path.string(), dropped));
   return pairs;
 }
 
@@ -178,15 +179,16 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
   std::sort(off.begin(), off.end());
   const double median = off[off.size() / 2], furthest = off.back();
   if (furthest < kClickedOn) return;
-  const std::string how = fmt::format("{}: its points do not lie on the {}: half of them are {:.2f} % of its diagonal or more away, one {:.2f} %",
-                                      path.string(), side, 100 * median, 100 * furthest);
+  const std::string how =
+      fmt::format("{}: its points do not lie on the {}: half of them are {:.2f} % of its diagonal or more away, one {:.2f} %",
+                  path.string(), side, 100 * median, 100 * furthest);
   if (median > kMostSnap)
     throw InputError(how + fmt::format("; they were picked on another mesh: pick them again. Or, while you still have that mesh: keypose "
                                        "landmarks bind --mesh THAT_MESH --picks {} --bound FILE.json",
                                        path.string()));
   if (log)
-    log->warnings.push_back(how + fmt::format("; the nearest places are taken. If the {} was made anew since, look at them, or pick again",
-                                              side));
+    log->warnings.push_back(
+        how + fmt::format("; the nearest places are taken. If the {} was made anew since, look at them, or pick again", side));
 }
 
 /// The XML library calls itself for each level. Comments and quoted values are stepped over as it does; what else begins with '<!' is not,
@@ -230,7 +232,8 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
   }
   const auto picked = tree.get_child_optional("PickedPoints");
   if (!picked)
-    throw InputError(path.string() + " is not a MeshLab picked-points file: it has no element PickedPoints; save the points from MeshLab again");
+    throw InputError(path.string() +
+                     " is not a MeshLab picked-points file: it has no element PickedPoints; save the points from MeshLab again");
   const RayScene scene(mesh.points, mesh.faces);
   const double diagonal = BoundingDiagonal(mesh.points);
   std::vector<double> off;
@@ -315,8 +318,7 @@ void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& ta
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
-std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target,
-                                            CarryLog* log) {
+std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target, CarryLog* log) {
   if (paths.empty()) return {};
   if (paths.size() == 1) {
     const std::string text = ReadFile(paths[0]);

@@ -119,10 +119,11 @@ std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carri
 
 void Unbound(const TimelineRegion& region, CarryLog* log) {
   if (!log || region.vertices.empty()) return;
-  log->warnings.push_back(fmt::format("the timeline's region '{}' is a list of vertices that nothing binds to a mesh: made anew, the template "
-                                      "has other vertices under these numbers. Bind it (keypose landmarks bind --mesh FIRST_KEY --timeline "
-                                      "pipeline.yaml --bound regions.json), or give it as a ball (center, radius)",
-                                      region.name));
+  log->warnings.push_back(
+      fmt::format("the timeline's region '{}' is a list of vertices that nothing binds to a mesh: made anew, the template "
+                  "has other vertices under these numbers. Bind it (keypose landmarks bind --mesh FIRST_KEY --timeline "
+                  "pipeline.yaml --bound regions.json), or give it as a ball (center, radius)",
+                  region.name));
 }
 
 void CarryRegion(const BoundRegion& bound, const Carrier& carrier, const Mesh& now, TimelineRegion& region,
@@ -158,9 +159,10 @@ void WriteRegions(const std::filesystem::path& path, const Mesh& mesh, const std
     }
     for (const int v : region.vertices) {
       if (v < 0 || v >= mesh.vertex_count() || corners[static_cast<std::size_t>(v)].first < 0)
-        throw InputError(fmt::format("region '{}' has vertex {}, but the mesh has no such vertex on a face ({} vertices); it was counted on "
-                                     "another mesh",
-                                     region.name, v, mesh.vertex_count()));
+        throw InputError(
+            fmt::format("region '{}' has vertex {}, but the mesh has no such vertex on a face ({} vertices); it was counted on "
+                        "another mesh",
+                        region.name, v, mesh.vertex_count()));
       const auto [face, corner] = corners[static_cast<std::size_t>(v)];
       json place = json::object();
       AddPlace(places.At(face, Eigen::Vector3d::Unit(corner)), place);
@@ -189,20 +191,22 @@ void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Tim
     }
     const bool moved_ball = (bound->second.center - region.center).norm() > 0 || bound->second.radius != region.radius;
     if (!SameSet(bound->second.vertices, region.vertices) || (region.vertices.empty() && moved_ball))
-      throw InputError(fmt::format("the timeline's region '{}' was changed since {} was written; bind the regions again: keypose landmarks "
-                                   "bind --mesh FIRST_KEY --timeline pipeline.yaml --bound {}",
-                                   region.name, path.filename().string(), path.filename().string()));
+      throw InputError(
+          fmt::format("the timeline's region '{}' was changed since {} was written; bind the regions again: keypose landmarks "
+                      "bind --mesh FIRST_KEY --timeline pipeline.yaml --bound {}",
+                      region.name, path.filename().string(), path.filename().string()));
     if (!carrier) continue;
     CarryRegion(bound->second, *carrier, first_key, region, lost);
     carried.push_back("'" + region.name + "'");
   }
   if (!lost.empty())
-    throw InputError(fmt::format("{}: the template was made anew since, and these regions of the timeline could not follow: {}; list their "
-                                 "vertices again and bind them (keypose landmarks bind --timeline)",
-                                 path.filename().string(), fmt::join(lost, ", ")));
+    throw InputError(
+        fmt::format("{}: the template was made anew since, and these regions of the timeline could not follow: {}; list their "
+                    "vertices again and bind them (keypose landmarks bind --timeline)",
+                    path.filename().string(), fmt::join(lost, ", ")));
   if (!carried.empty() && log)
-    log->notes.push_back(fmt::format("{}: the template was made anew since ({}); the regions {} were carried over", path.filename().string(),
-                                     carrier->change().Words(), fmt::join(carried, ", ")));
+    log->notes.push_back(fmt::format("{}: the template was made anew since ({}); the regions {} were carried over",
+                                     path.filename().string(), carrier->change().Words(), fmt::join(carried, ", ")));
 }
 
 }  // namespace keypose

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kNoCounterpart = 0.02;   // of the diagonal: a vertex of the source lies so far from all that was painted
+constexpr double kNoCounterpart = 0.02;      // of the diagonal: a vertex of the source lies so far from all that was painted
 constexpr double kMayLackCounterpart = 0.1;  // share of vertices
 
 struct Painted {
@@ -68,20 +68,22 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
   }
   const double share = static_cast<double>(far) / source.vertex_count();
   if (!change.found() || share > kMayLackCounterpart)
-    throw InputError(fmt::format("register: the source was made anew since {} was painted, and the stiffness could not follow: {}; paint it "
-                                 "again on the source mesh",
-                                 name,
-                                 change.found() ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
-                                 : change.ambiguous ? "the thing looks the same from several sides"
-                                                    : fmt::format("{:.0f} % of both shapes agree at best", 100 * change.agreeing)));
+    throw InputError(
+        fmt::format("register: the source was made anew since {} was painted, and the stiffness could not follow: {}; paint it "
+                    "again on the source mesh",
+                    name,
+                    change.found()     ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
+                    : change.ambiguous ? "the thing looks the same from several sides"
+                                       : fmt::format("{:.0f} % of both shapes agree at best", 100 * change.agreeing)));
   if (!log) return stiffness;
   const std::string how = fmt::format("{}: the source was made anew since ({}); the stiffness was carried over", name, change.Words());
   if (far == 0)
     log->notes.push_back(how);
   else
-    log->warnings.push_back(fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; look whether stiff parts "
-                                        "still are",
-                                        how, 100 * share));
+    log->warnings.push_back(
+        fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; look whether stiff parts "
+                    "still are",
+                    how, 100 * share));
   return stiffness;
 }
 
@@ -111,8 +113,9 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
     return CarriedOver(bound, source, name, log);
   }
   if (log)
-    log->warnings.push_back(name + " does not say on which mesh its stiffness was painted; if the source was made anew since, stiff parts are "
-                                   "elsewhere now. Bind it: keypose landmarks bind --mesh SOURCE --stiffness FILE --bound FILE.json");
+    log->warnings.push_back(name +
+                            " does not say on which mesh its stiffness was painted; if the source was made anew since, stiff parts are "
+                            "elsewhere now. Bind it: keypose landmarks bind --mesh SOURCE --stiffness FILE --bound FILE.json");
   return ParseStiffness(text, source.vertex_count(), name);
 }
 

@@ -12,6 +12,11 @@
 
 namespace keypose::pipeline {
 
+using Names = std::vector<std::string>;
+/// The steps of its project, sorted.
+inline const Names kAllSteps = {"blend",      "match/bent", "shape/bent", "shape/rest", "shoot/bent",
+                                "shoot/rest", "solve/bent", "solve/rest", "tell"};
+
 /// The default pipeline of the fake house: shoot (folder) -> solve -> shape -> match (pair) -> blend (animation) -> tell (project).
 /// `solve` depends on the number of photographs and on their first letters only, so that other changes are cut off there.
 extern const char* const kFakePipeline;

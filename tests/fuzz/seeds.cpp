@@ -122,26 +122,34 @@ void Sets() {
 
 void Projects() {
   WriteFile(In("pipeline_file", "whole.yaml"),
-            "name: hero\nposes:\n  rest: photos/rest\n  bent: {photos: p, masks: m, background: b.jpg, landmarks: l.json, cameras: c, options: {dense: {levels: 4}}}\n"
+            "name: hero\nposes:\n  rest: photos/rest\n  bent: {photos: p, masks: m, background: b.jpg, landmarks: l.json, cameras: c, "
+            "options: {dense: {levels: 4}}}\n"
             "template: rest\nfps: 24\noptions: {cleanup: {faces: 9000}}\n"
             "timeline:\n  loop: true\n  regions: [{name: tip, center: [0, 0, 1], radius: .2}]\n"
             "  keys: [{pose: rest, at: 0, ease: in-out, turns: {tip: 1}}, &k {pose: bent, at: 0.5, hold: .2}, {pose: rest, at: 2}]\n"
-            "steps:\n  smooth: {stage: cleanup, for: pose, inputs: {surface: {template: a.b@all, others: [c.d]}}, options: {faces: 9}, out: {clean: \"{pose}/s.ply\"},\n"
+            "steps:\n  smooth: {stage: cleanup, for: pose, inputs: {surface: {template: a.b@all, others: [c.d]}}, options: {faces: 9}, "
+            "out: {clean: \"{pose}/s.ply\"},\n"
             "    show: {\"{pose}/s.ply\": it}, cost: {fixed: 1}, enabled: false, program: ./x}\n");
   WriteFile(In("pipeline_file", "short.yaml"), "poses: {rest: photos/rest}\ntimeline: [rest, rest]\n");
   const std::string recipe = R"({"stage":"mesh","version":"1","tools":{"colmap":"3.8"},"options":{"depth":"9"},)"
                              R"("inputs":[{"port":"cloud","origin":"dense/rest.cloud","sha256":"00","files":{"a":"11"}}]})";
-  WriteFile(In("state", "manifest"), R"(m{"schema":2,"fingerprint":"0","recipe":)" + recipe +
-                R"(,"outputs":{"text":{"file":"text","folder":true,"sha256":"0","files":{"a":"1"}}},"files":{"text/a":{"sha256":"1","stamp":[1,2,3,4]}},)"
-                R"("seconds":1.5,"peak_bytes":1000})");
+  WriteFile(
+      In("state", "manifest"),
+      R"(m{"schema":2,"fingerprint":"0","recipe":)" + recipe +
+          R"(,"outputs":{"text":{"file":"text","folder":true,"sha256":"0","files":{"a":"1"}}},"files":{"text/a":{"sha256":"1","stamp":[1,2,3,4]}},)"
+          R"("seconds":1.5,"peak_bytes":1000})");
   WriteFile(In("state", "out"), R"(o{"a":{"step":"mesh","sha256":"00","next":"","size":1,"mtime_ns":2,"inode":3,"ctime_ns":4}})");
   WriteFile(In("state", "hashes"), R"(h{"a":[1,2,3,4,"00"]})");
-  WriteFile(In("state", "record"), R"(r{"schema":1,"fingerprint":"","recipe":)" + recipe +
-                R"(,"seconds":1,"peak_bytes":1,"when":1,"reasons":["new"],"found":false,"failed":false,"exit_code":0,"failed_fingerprint":"",)"
-                R"("error":"","steps":[{"fingerprint":"00"}]})");
-  WriteFile(In("state", "describe"), R"(d{"schema":1,"stage":"mesh","version":"1","inputs":[{"name":"cloud","kind":"file"}],)"
-                R"("outputs":[{"name":"surface","kind":"file","file":"surface.ply"}],"options":[{"name":"depth","type":"int","default":9,"min":1,"max":12}],)"
-                R"("tools":[{"name":"colmap","version":"3.8"}],"resources":{"cores":0,"memory_bytes":1e9}})");
+  WriteFile(
+      In("state", "record"),
+      R"(r{"schema":1,"fingerprint":"","recipe":)" + recipe +
+          R"(,"seconds":1,"peak_bytes":1,"when":1,"reasons":["new"],"found":false,"failed":false,"exit_code":0,"failed_fingerprint":"",)"
+          R"("error":"","steps":[{"fingerprint":"00"}]})");
+  WriteFile(
+      In("state", "describe"),
+      R"(d{"schema":1,"stage":"mesh","version":"1","inputs":[{"name":"cloud","kind":"file"}],)"
+      R"("outputs":[{"name":"surface","kind":"file","file":"surface.ply"}],"options":[{"name":"depth","type":"int","default":9,"min":1,"max":12}],)"
+      R"("tools":[{"name":"colmap","version":"3.8"}],"resources":{"cores":0,"memory_bytes":1e9}})");
 }
 
 }  // namespace

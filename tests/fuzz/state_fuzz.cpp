@@ -24,7 +24,8 @@ void LookAtManifest(MemoryDisk& disk, const std::string& text) {
   } catch (const nlohmann::json::exception&) {
   }
   ArtifactStore store(disk, "/state");
-  disk.Write(store.FolderOf(fingerprint) / "manifest.json", manifest.is_discarded() ? text : manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  disk.Write(store.FolderOf(fingerprint) / "manifest.json",
+             manifest.is_discarded() ? text : manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   disk.Write(store.FolderOf(fingerprint) / "text/a", "a");
   std::string damage;
   store.Find(fingerprint, &damage);
@@ -64,11 +65,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   MemoryDisk disk;
   return fuzz::Expect([&] {
     switch (data[0]) {
-      case 'm': return LookAtManifest(disk, text);
-      case 'o': return LookAtResults(disk, text);
-      case 'h': return LookAtHashes(disk, text);
-      case 'r': return LookAtRecords(disk, text);
-      case 'd': ParseStageInfo(text, "keypose-mesh"); return;
+      case 'm':
+        return LookAtManifest(disk, text);
+      case 'o':
+        return LookAtResults(disk, text);
+      case 'h':
+        return LookAtHashes(disk, text);
+      case 'r':
+        return LookAtRecords(disk, text);
+      case 'd':
+        ParseStageInfo(text, "keypose-mesh");
+        return;
     }
   });
 }
