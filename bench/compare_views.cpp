@@ -1,7 +1,9 @@
-// Photographs beside renders of the textured mesh from the same cameras, or the mesh from all round: the pictures of docs/.
+// Photographs beside renders of the textured mesh from the same cameras, or the mesh from all
+// round: the pictures of docs/.
 //
-//   compare_views OUT.png WIDTH MESH TEXTURE MODEL IMAGES NAME...   one row a photograph: photograph, render
-//   compare_views OUT.png WIDTH MESH TEXTURE AZIMUTH...             one row: renders from these directions [deg]
+//   compare_views OUT.png WIDTH MESH TEXTURE MODEL IMAGES NAME...   one row a photograph:
+//   photograph, render compare_views OUT.png WIDTH MESH TEXTURE AZIMUTH...             one row:
+//   renders from these directions [deg]
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -20,7 +22,8 @@ namespace {
 const View& ViewNamed(const Scene& scene, const std::string& name) {
   for (const View& view : scene.views)
     if (view.name == name) return view;
-  throw InputError("the model has no view of '" + name + "'; it places " + std::to_string(scene.views.size()) + " photographs");
+  throw InputError("the model has no view of '" + name + "'; it places " +
+                   std::to_string(scene.views.size()) + " photographs");
 }
 
 std::vector<Image8> BesidePhotographs(const Mesh& mesh, const RenderOptions& options, int width,
@@ -38,16 +41,20 @@ std::vector<Image8> BesidePhotographs(const Mesh& mesh, const RenderOptions& opt
   return tiles;
 }
 
-std::vector<Image8> FromAllRound(const Mesh& mesh, const RenderOptions& options, int width, const std::vector<std::string>& azimuths) {
+std::vector<Image8> FromAllRound(const Mesh& mesh, const RenderOptions& options, int width,
+                                 const std::vector<std::string>& azimuths) {
   const RayScene rays(mesh.points, mesh.faces);
   std::vector<Image8> tiles;
   for (const std::string& azimuth : azimuths)
-    tiles.push_back(Render(mesh, rays, FitView(mesh.points, std::stod(azimuth), 15, width, width), options));
+    tiles.push_back(
+        Render(mesh, rays, FitView(mesh.points, std::stod(azimuth), 15, width, width), options));
   return tiles;
 }
 
 int Run(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 5) throw UsageError("compare_views OUT.png WIDTH MESH TEXTURE (MODEL IMAGES NAME... | AZIMUTH...)");
+  if (arguments.size() < 5)
+    throw UsageError(
+        "compare_views OUT.png WIDTH MESH TEXTURE (MODEL IMAGES NAME... | AZIMUTH...)");
   const int width = std::atoi(arguments[1].c_str());
   const Mesh mesh = ReadMesh(arguments[2]);
   const Image8 texture = ReadImage(arguments[3], 3);
@@ -56,7 +63,8 @@ int Run(const std::vector<std::string>& arguments) {
   options.shading = 0;
   const std::vector<std::string> rest(arguments.begin() + 4, arguments.end());
   const bool photographs = std::filesystem::is_directory(rest.front());
-  const std::vector<Image8> tiles = photographs ? BesidePhotographs(mesh, options, width, rest) : FromAllRound(mesh, options, width, rest);
+  const std::vector<Image8> tiles = photographs ? BesidePhotographs(mesh, options, width, rest)
+                                                : FromAllRound(mesh, options, width, rest);
   WriteImage(arguments[0], TileImages(tiles, photographs ? 2 : static_cast<int>(tiles.size())), 88);
   return 0;
 }

@@ -1,13 +1,18 @@
-// How well a coloured mesh repeats photographs with known cameras: silhouettes against masks, colours of the render against pixels.
+// How well a coloured mesh repeats photographs with known cameras: silhouettes against masks,
+// colours of the render against pixels.
 //
-//   score_views --mesh MESH [--texture PNG] --model COLMAP_MODEL --photographs FOLDER [--masks FOLDER] [--held-out NAMES] [--json FILE]
-//               [--colors auto|all|none] [--samples 2] [--picture OUT.png] [--picture-views NAMES] [--picture-width 480]
+//   score_views --mesh MESH [--texture PNG] --model COLMAP_MODEL --photographs FOLDER [--masks
+//   FOLDER] [--held-out NAMES] [--json FILE]
+//               [--colors auto|all|none] [--samples 2] [--picture OUT.png] [--picture-views NAMES]
+//               [--picture-width 480]
 //
-// MESH: OBJ whose MTL names one or several textures, any mesh with UVs and --texture, or a PLY with colours at its vertices; in the model's
-// frame. Masks: MASKS/NAME.png for photograph NAME, object where >= 128; without --masks FOLDER/masks. NAMES: a,b,c or a file of names.
-// Silhouettes are compared in all views; colours in the held-out ones, in all where none are named. What is measured how: view_score.h.
-// The picture has a row for each of --picture-views (without: of the held-out ones, or of four views): photograph, render, silhouettes
-// (grey both, red only the mask, blue only the mesh).
+// MESH: OBJ whose MTL names one or several textures, any mesh with UVs and --texture, or a PLY with
+// colours at its vertices; in the model's frame. Masks: MASKS/NAME.png for photograph NAME, object
+// where >= 128; without --masks FOLDER/masks. NAMES: a,b,c or a file of names. Silhouettes are
+// compared in all views; colours in the held-out ones, in all where none are named. What is
+// measured how: view_score.h. The picture has a row for each of --picture-views (without: of the
+// held-out ones, or of four views): photograph, render, silhouettes (grey both, red only the mask,
+// blue only the mesh).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -30,7 +35,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct Arguments {
-  std::string mesh, texture, model, photographs, masks, held_out, json_file, colors = "auto", picture, picture_views;
+  std::string mesh, texture, model, photographs, masks, held_out, json_file, colors = "auto",
+                                                                             picture, picture_views;
   int samples = 2, picture_width = 480;
 };
 
@@ -62,8 +68,10 @@ bool Contains(const std::vector<std::string>& names, const std::string& name) {
 
 void RequireViews(const Scene& scene, const std::vector<std::string>& names) {
   for (const std::string& name : names)
-    if (std::none_of(scene.views.begin(), scene.views.end(), [&](const View& view) { return view.name == name; }))
-      throw InputError("the model has no view of '" + name + "'; it places " + std::to_string(scene.views.size()) + " photographs");
+    if (std::none_of(scene.views.begin(), scene.views.end(),
+                     [&](const View& view) { return view.name == name; }))
+      throw InputError("the model has no view of '" + name + "'; it places " +
+                       std::to_string(scene.views.size()) + " photographs");
 }
 
 /// Reads what belongs to views, and scores them.
@@ -76,7 +84,8 @@ class Scorer {
         held_out_(Names(arguments.held_out)),
         rays_(mesh_.mesh.points, mesh_.mesh.faces) {
     RequireViews(scene_, held_out_);
-    if (arguments.masks.empty()) arguments_.masks = (fs::path(arguments.photographs) / "masks").string();
+    if (arguments.masks.empty())
+      arguments_.masks = (fs::path(arguments.photographs) / "masks").string();
   }
 
   std::vector<ViewScore> ScoreAll() const {
@@ -88,14 +97,17 @@ class Scorer {
       const Image8 mask = Mask(view);
       score.silhouette = CompareSilhouettes(mask, CoveredPixels(mesh_, rays_, view));
       score.has_colors = WantsColors(score.held_out);
-      if (score.has_colors) score.colors = CompareColors(Photograph(view), mask, RenderColors(mesh_, rays_, view, arguments_.samples));
+      if (score.has_colors)
+        score.colors = CompareColors(Photograph(view), mask,
+                                     RenderColors(mesh_, rays_, view, arguments_.samples));
       scores.push_back(std::move(score));
     }
     return scores;
   }
 
   Image8 Picture() const {
-    std::vector<std::string> names = arguments_.picture_views.empty() ? held_out_ : Names(arguments_.picture_views);
+    std::vector<std::string> names =
+        arguments_.picture_views.empty() ? held_out_ : Names(arguments_.picture_views);
     RequireViews(scene_, names);
     const std::size_t count = scene_.views.size(), rows = std::min<std::size_t>(4, count);
     if (names.empty())
@@ -111,20 +123,29 @@ class Scorer {
     if (!mesh_.colored() || arguments_.colors == "none") return false;
     return arguments_.colors == "all" || held_out_.empty() || held_out;
   }
-  Image8 Photograph(const View& view) const { return ReadImage(fs::path(arguments_.photographs) / view.name, 3); }
-  Image8 Mask(const View& view) const { return ReadImage(fs::path(arguments_.masks) / (view.name + ".png"), 1); }
+  Image8 Photograph(const View& view) const {
+    return ReadImage(fs::path(arguments_.photographs) / view.name, 3);
+  }
+  Image8 Mask(const View& view) const {
+    return ReadImage(fs::path(arguments_.masks) / (view.name + ".png"), 1);
+  }
 
   void AddRow(const View& view, std::vector<Image8>& tiles) const {
-    const Image8 photograph = Photograph(view), mask = Mask(view), covered = CoveredPixels(mesh_, rays_, view);
+    const Image8 photograph = Photograph(view), mask = Mask(view),
+                 covered = CoveredPixels(mesh_, rays_, view);
     Image8 difference(mask.width, mask.height, 3, 255);
     for (std::size_t i = 0; i < mask.data.size(); ++i) {
       const bool in_mask = mask.data[i] >= 128, in_mesh = covered.data[i] != 0;
-      const std::uint8_t colors[4][3] = {{255, 255, 255}, {40, 80, 220}, {220, 40, 40}, {205, 205, 205}};
+      const std::uint8_t colors[4][3] = {
+          {255, 255, 255}, {40, 80, 220}, {220, 40, 40}, {205, 205, 205}};
       std::copy_n(colors[2 * in_mask + in_mesh], 3, &difference.data[3 * i]);
     }
     Image8 render = difference;
-    if (mesh_.colored()) render = Composed(RenderColors(mesh_, rays_, view, arguments_.samples), Eigen::Vector3d::Constant(255));
-    const int width = arguments_.picture_width, height = std::max(1, width * mask.height / mask.width);
+    if (mesh_.colored())
+      render = Composed(RenderColors(mesh_, rays_, view, arguments_.samples),
+                        Eigen::Vector3d::Constant(255));
+    const int width = arguments_.picture_width,
+              height = std::max(1, width * mask.height / mask.width);
     tiles.push_back(Resized(photograph, width, height));
     tiles.push_back(Resized(render, width, height));
     tiles.push_back(Resized(difference, width, height));
@@ -155,7 +176,8 @@ json ToJson(const ViewScore& score) {
   return row;
 }
 
-constexpr const char* kFigures[] = {"iou", "precision", "recall", "psnr_db", "ssim", "gained_psnr_db", "gained_ssim", "filled_psnr_db"};
+constexpr const char* kFigures[] = {"iou",  "precision",      "recall",      "psnr_db",
+                                    "ssim", "gained_psnr_db", "gained_ssim", "filled_psnr_db"};
 
 /// Mean of each figure over the rows that have it.
 json Means(const json& rows, bool only_held_out) {
@@ -164,10 +186,13 @@ json Means(const json& rows, bool only_held_out) {
     double sum = 0;
     int count = 0;
     for (const json& row : rows)
-      if (row.contains(figure) && (!only_held_out || row["held_out"])) sum += row[figure].get<double>(), ++count;
+      if (row.contains(figure) && (!only_held_out || row["held_out"]))
+        sum += row[figure].get<double>(), ++count;
     if (count > 0) means[figure] = sum / count;
   }
-  means["views"] = std::count_if(rows.begin(), rows.end(), [&](const json& row) { return !only_held_out || row["held_out"].get<bool>(); });
+  means["views"] = std::count_if(rows.begin(), rows.end(), [&](const json& row) {
+    return !only_held_out || row["held_out"].get<bool>();
+  });
   return means;
 }
 
@@ -188,13 +213,16 @@ void Run(const Arguments& arguments) {
   for (const ViewScore& score : scorer.ScoreAll()) result["views"].push_back(ToJson(score));
   result["all"] = Means(result["views"], false);
   if (!arguments.held_out.empty()) result["held_out"] = Means(result["views"], true);
-  std::printf("%-28s %9s %9s %9s %9s %9s %9s %9s %9s\n", "view", "IoU", "precision", "recall", "PSNR", "SSIM", "PSNR gain", "SSIM gain",
-              "filled");
-  for (const json& row : result["views"]) PrintRow(row["name"].get<std::string>() + (row["held_out"] ? " (held out)" : ""), row);
+  std::printf("%-28s %9s %9s %9s %9s %9s %9s %9s %9s\n", "view", "IoU", "precision", "recall",
+              "PSNR", "SSIM", "PSNR gain", "SSIM gain", "filled");
+  for (const json& row : result["views"])
+    PrintRow(row["name"].get<std::string>() + (row["held_out"] ? " (held out)" : ""), row);
   PrintRow("mean of " + std::to_string(result["all"]["views"].get<int>()), result["all"]);
   if (result.contains("held_out"))
-    PrintRow("mean of " + std::to_string(result["held_out"]["views"].get<int>()) + " held out", result["held_out"]);
-  if (!arguments.json_file.empty() && !(std::ofstream(arguments.json_file) << result.dump(1) << '\n').flush())
+    PrintRow("mean of " + std::to_string(result["held_out"]["views"].get<int>()) + " held out",
+             result["held_out"]);
+  if (!arguments.json_file.empty() &&
+      !(std::ofstream(arguments.json_file) << result.dump(1) << '\n').flush())
     throw DiskError(arguments.json_file + " cannot be written");
   if (!arguments.picture.empty()) WriteImage(arguments.picture, scorer.Picture());
 }

@@ -15,7 +15,8 @@ namespace {
 
 std::ifstream Open(const fs::path& path) {
   std::ifstream file(path);
-  if (!file) throw DiskError(path.string() + " cannot be opened; it is named by the mesh: put it beside it");
+  if (!file)
+    throw DiskError(path.string() + " cannot be opened; it is named by the mesh: put it beside it");
   return file;
 }
 
@@ -63,26 +64,33 @@ void ReadPages(const fs::path& path, TexturedMesh& result) {
     if (word == "mtllib") textures.merge(ReadMaterials(path.parent_path() / Rest(line)));
     if (word == "usemtl") {
       material = Rest(line);
-      const auto [entry, is_new] = page_of_material.emplace(material, static_cast<int>(result.pages.size()));
+      const auto [entry, is_new] =
+          page_of_material.emplace(material, static_cast<int>(result.pages.size()));
       if (is_new && textures.count(material) == 0)
-        throw InputError(path.string() + " line " + std::to_string(number) + ": no texture (map_Kd) is known for material '" + material +
-                         "'");
+        throw InputError(path.string() + " line " + std::to_string(number) +
+                         ": no texture (map_Kd) is known for material '" + material + "'");
       if (is_new) result.pages.push_back(ReadImage(textures.at(material), 3));
       page = entry->second;
     }
     if (word == "f")
-      result.page_of_face.insert(result.page_of_face.end(), static_cast<std::size_t>(std::max(0, CountWords(line) - 2)), page);
+      result.page_of_face.insert(result.page_of_face.end(),
+                                 static_cast<std::size_t>(std::max(0, CountWords(line) - 2)), page);
   }
 }
 
 void CheckPages(const fs::path& path, const TexturedMesh& result) {
   if (result.pages.empty()) return;
-  if (!result.mesh.has_uvs()) throw InputError(path.string() + " has a texture, but no texture coordinates; pass the unwrapped mesh");
+  if (!result.mesh.has_uvs())
+    throw InputError(path.string() +
+                     " has a texture, but no texture coordinates; pass the unwrapped mesh");
   if (static_cast<int>(result.page_of_face.size()) != result.mesh.face_count())
-    throw InputError(path.string() + ": materials are given for " + std::to_string(result.page_of_face.size()) + " triangles of " +
+    throw InputError(path.string() + ": materials are given for " +
+                     std::to_string(result.page_of_face.size()) + " triangles of " +
                      std::to_string(result.mesh.face_count()));
   for (std::size_t f = 0; f < result.page_of_face.size(); ++f)
-    if (result.page_of_face[f] < 0) throw InputError(path.string() + ": face " + std::to_string(f) + " comes before the first 'usemtl'");
+    if (result.page_of_face[f] < 0)
+      throw InputError(path.string() + ": face " + std::to_string(f) +
+                       " comes before the first 'usemtl'");
 }
 
 }  // namespace
@@ -91,12 +99,13 @@ Eigen::Vector3d TexturedMesh::ColorAt(int face, double u, double v) const {
   const double w[3] = {1 - u - v, u, v};
   if (pages.empty()) {
     Eigen::Vector3d color = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) color += w[k] * mesh.colors.row(mesh.faces(face, k)).cast<double>().transpose();
+    for (int k = 0; k < 3; ++k)
+      color += w[k] * mesh.colors.row(mesh.faces(face, k)).cast<double>().transpose();
     return color;
   }
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   for (int k = 0; k < 3; ++k) uv += w[k] * mesh.uvs.row(mesh.uv_faces(face, k)).transpose();
-  return SampleTexture(pages[static_cast<std::size_t>(page_of_face[static_cast<std::size_t>(face)])], uv);
+  return SampleTexture(pages[page_of_face[face]], uv);
 }
 
 TexturedMesh ReadTexturedMesh(const fs::path& mesh, const fs::path& texture) {

@@ -1,9 +1,11 @@
-// Masks for programs that want pinhole cameras: the same pixels that `colmap image_undistorter` takes from the photographs.
+// Masks for programs that want pinhole cameras: the same pixels that `colmap image_undistorter`
+// takes from the photographs.
 //
 //   undistort_masks MODEL UNDISTORTED_MODEL MASKS OUT [SUFFIX]
 //
-// MASKS/NAME.png for each view NAME of both models; writes OUT/STEM SUFFIX, STEM being NAME without its extension; SUFFIX is .png when not
-// given. 255 where the mask, interpolated, is at least one half, else 0; 0 beyond the photograph.
+// MASKS/NAME.png for each view NAME of both models; writes OUT/STEM SUFFIX, STEM being NAME without
+// its extension; SUFFIX is .png when not given. 255 where the mask, interpolated, is at least one
+// half, else 0; 0 beyond the photograph.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -38,15 +40,18 @@ Image8 Undistorted(const Image8& mask, const Camera& from, const Camera& to) {
   ParallelFor(to.height, [&](std::int64_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < to.width; ++x)
-      *result.at(x, y) = Interpolated(mask, from.Project(to.Unproject({x + 0.5, y + 0.5}))) >= 127.5 ? 255 : 0;
+      *result.at(x, y) =
+          Interpolated(mask, from.Project(to.Unproject({x + 0.5, y + 0.5}))) >= 127.5 ? 255 : 0;
   });
   return result;
 }
 
 int Run(const std::vector<std::string>& arguments) {
-  if (arguments.size() < 4 || arguments.size() > 5) throw UsageError("undistort_masks MODEL UNDISTORTED_MODEL MASKS OUT [SUFFIX]");
+  if (arguments.size() < 4 || arguments.size() > 5)
+    throw UsageError("undistort_masks MODEL UNDISTORTED_MODEL MASKS OUT [SUFFIX]");
   const std::string suffix = arguments.size() == 5 ? arguments[4] : ".png";
-  const Scene photographed = ReadColmapModel(arguments[0]), undistorted = ReadColmapModel(arguments[1]);
+  const Scene photographed = ReadColmapModel(arguments[0]),
+              undistorted = ReadColmapModel(arguments[1]);
   fs::create_directories(arguments[3]);
   std::size_t from = 0;
   for (const View& view : undistorted.views) {  // both sorted by name

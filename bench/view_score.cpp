@@ -17,14 +17,17 @@ namespace {
 template <class A, class B>
 void RequireSameSize(const ImageT<A>& a, const ImageT<B>& b, const char* what) {
   if (a.width != b.width || a.height != b.height)
-    throw InputError(std::string(what) + " differ in size: " + std::to_string(a.width) + " x " + std::to_string(a.height) + " and " +
-                     std::to_string(b.width) + " x " + std::to_string(b.height) + " pixels");
+    throw InputError(std::string(what) + " differ in size: " + std::to_string(a.width) + " x " +
+                     std::to_string(a.height) + " and " + std::to_string(b.width) + " x " +
+                     std::to_string(b.height) + " pixels");
 }
 
 bool Masked(const Image8& mask, int x, int y) { return *mask.at(x, y) >= 128; }
 
 double Ratio(long part, long whole, bool nothing_anywhere) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : nothing_anywhere ? 1 : 0;
+  return whole > 0          ? static_cast<double>(part) / static_cast<double>(whole)
+         : nothing_anywhere ? 1
+                            : 0;
 }
 
 ImageT<double> LumaOf(const Image8& rgb) {
@@ -94,15 +97,19 @@ Silhouette CompareSilhouettes(const Image8& mask, const Image8& covered) {
 Image8 CoveredPixels(const TexturedMesh& mesh, const RayScene& scene, const View& view) {
   const Raster raster = Rasterize(mesh.mesh, scene, view);
   Image8 covered(view.camera.width, view.camera.height, 1);
-  for (std::size_t i = 0; i < covered.data.size(); ++i) covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+  for (std::size_t i = 0; i < covered.data.size(); ++i)
+    covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
   return covered;
 }
 
-ColorRender RenderColors(const TexturedMesh& mesh, const RayScene& scene, const View& view, int samples) {
+ColorRender RenderColors(const TexturedMesh& mesh, const RayScene& scene, const View& view,
+                         int samples) {
   const Camera& camera = view.camera;
-  ColorRender render{ImageF(camera.width, camera.height, 3), ImageF(camera.width, camera.height, 1)};
+  ColorRender render{ImageF(camera.width, camera.height, 3),
+                     ImageF(camera.width, camera.height, 1)};
   const PixelBox box = ProjectedBounds(mesh.mesh.points, view);
-  const Eigen::Matrix3d world_from_camera = view.camera_from_world.rotation.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d world_from_camera =
+      view.camera_from_world.rotation.conjugate().toRotationMatrix();
   const Eigen::Vector3d eye = view.Center();
   ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
     const int y = box.y0 + static_cast<int>(row);
@@ -110,13 +117,15 @@ ColorRender RenderColors(const TexturedMesh& mesh, const RayScene& scene, const 
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       int hits = 0;
       for (int s = 0; s < samples * samples; ++s) {
-        const Eigen::Vector2d pixel(x + (s % samples + 0.5) / samples, y + (s / samples + 0.5) / samples);
+        const Eigen::Vector2d pixel(x + (s % samples + 0.5) / samples,
+                                    y + (s / samples + 0.5) / samples);
         const RayScene::Hit hit = scene.Cast(eye, world_from_camera * camera.Unproject(pixel));
         if (hit.face < 0) continue;
         sum += mesh.ColorAt(hit.face, hit.u, hit.v);
         ++hits;
       }
-      for (int c = 0; c < 3; ++c) render.color.at(x, y)[c] = static_cast<float>(sum[c] / (samples * samples));
+      for (int c = 0; c < 3; ++c)
+        render.color.at(x, y)[c] = static_cast<float>(sum[c] / (samples * samples));
       *render.covered.at(x, y) = static_cast<float>(hits) / static_cast<float>(samples * samples);
     }
   });
@@ -136,17 +145,19 @@ Eigen::Vector3d BackgroundColor(const Image8& photograph, const Image8& mask) {
   for (int c = 0; c < 3; ++c) {
     long below = 0;
     int value = 0;
-    while (value < 255 && 2 * (below += histogram[static_cast<std::size_t>(c)][static_cast<std::size_t>(value)]) < count) ++value;
+    while (value < 255 && 2 * (below += histogram[c][value]) < count) ++value;
     if (count > 0) median[c] = value;
   }
   return median;
 }
 
-Image8 Composed(const ColorRender& render, const Eigen::Vector3d& background, const Eigen::Vector3d& gain) {
+Image8 Composed(const ColorRender& render, const Eigen::Vector3d& background,
+                const Eigen::Vector3d& gain) {
   Image8 image(render.color.width, render.color.height, 3);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
     const int c = static_cast<int>(i % 3);
-    const double value = gain[c] * render.color.data[i] + (1 - render.covered.data[i / 3]) * background[c];
+    const double value =
+        gain[c] * render.color.data[i] + (1 - render.covered.data[i / 3]) * background[c];
     image.data[i] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
   }
   return image;
@@ -158,7 +169,8 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
   ColorScore score;
   score.pixels = CountMasked(mask);
   if (score.pixels == 0) return score;
-  const Eigen::Vector3d background = BackgroundColor(photograph, mask), gain = BestGain(photograph, mask, render);
+  const Eigen::Vector3d background = BackgroundColor(photograph, mask),
+                        gain = BestGain(photograph, mask, render);
   const Image8 plain = Composed(render, background), gained = Composed(render, background, gain);
   score.psnr_db = MaskedPsnr(photograph, plain, mask, score.pixels);
   score.ssim = Ssim(photograph, plain, mask);
@@ -166,7 +178,8 @@ ColorScore CompareColors(const Image8& photograph, const Image8& mask, const Col
   score.gained_psnr_db = MaskedPsnr(photograph, gained, mask, score.pixels);
   score.gained_ssim = Ssim(photograph, gained, mask);
   const Image8 filled = Filled(mask, render);
-  if (const long pixels = CountMasked(filled)) score.filled_psnr_db = MaskedPsnr(photograph, gained, filled, pixels);
+  if (const long pixels = CountMasked(filled))
+    score.filled_psnr_db = MaskedPsnr(photograph, gained, filled, pixels);
   return score;
 }
 

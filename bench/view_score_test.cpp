@@ -21,7 +21,8 @@ View TestView() {
   return view;
 }
 
-/// Two triangles at z = 1 over the pixels [x0,x1) x [y0,y1) of TestView, with `color` at all corners.
+/// Two triangles at z = 1 over the pixels [x0,x1) x [y0,y1) of TestView, with `color` at all
+/// corners.
 TexturedMesh Quad(double x0, double y0, double x1, double y1, int color) {
   TexturedMesh quad;
   quad.mesh.points.resize(4, 3);
@@ -50,7 +51,9 @@ Image8 PhotographOf(const Image8& mask, int inside, int outside) {
 }
 
 ColorScore Score(const TexturedMesh& mesh, const Image8& photograph, const Image8& mask) {
-  return CompareColors(photograph, mask, RenderColors(mesh, RayScene(mesh.mesh.points, mesh.mesh.faces), TestView(), 2));
+  return CompareColors(
+      photograph, mask,
+      RenderColors(mesh, RayScene(mesh.mesh.points, mesh.mesh.faces), TestView(), 2));
 }
 
 Image8 Noise(int width, int height, unsigned seed) {
@@ -62,7 +65,9 @@ Image8 Noise(int width, int height, unsigned seed) {
 
 /// The definition written out: one window at a time.
 double LiteralSsim(const Image8& a, const Image8& b, const Image8& mask) {
-  const auto luma = [](const std::uint8_t* p) { return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]; };
+  const auto luma = [](const std::uint8_t* p) {
+    return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
+  };
   double total = 0;
   int count = 0;
   for (int y = 0; y < a.height; ++y)
@@ -74,14 +79,17 @@ double LiteralSsim(const Image8& a, const Image8& b, const Image8& mask) {
           for (int dx = -5; dx <= 5; ++dx) {
             const int u = x + dx, v = y + dy;
             if (u < 0 || v < 0 || u >= a.width || v >= a.height || *mask.at(u, v) < 128) continue;
-            const double w = std::exp(-(dx * dx + dy * dy) / 4.5), la = luma(a.at(u, v)), lb = luma(b.at(u, v));
+            const double w = std::exp(-(dx * dx + dy * dy) / 4.5), la = luma(a.at(u, v)),
+                         lb = luma(b.at(u, v));
             if (pass == 0) weight += w, ma += w * la, mb += w * lb;
-            if (pass == 1) aa += w * (la - ma) * (la - ma), bb += w * (lb - mb) * (lb - mb), ab += w * (la - ma) * (lb - mb);
+            if (pass == 1)
+              aa += w * (la - ma) * (la - ma), bb += w * (lb - mb) * (lb - mb),
+                  ab += w * (la - ma) * (lb - mb);
           }
         if (pass == 0) ma /= weight, mb /= weight;
       }
-      total +=
-          (2 * ma * mb + 6.5025) * (2 * ab / weight + 58.5225) / ((ma * ma + mb * mb + 6.5025) * (aa / weight + bb / weight + 58.5225));
+      total += (2 * ma * mb + 6.5025) * (2 * ab / weight + 58.5225) /
+               ((ma * ma + mb * mb + 6.5025) * (aa / weight + bb / weight + 58.5225));
       ++count;
     }
   return total / count;
@@ -90,7 +98,8 @@ double LiteralSsim(const Image8& a, const Image8& b, const Image8& mask) {
 TEST(Silhouette, CountsPixelsOfAKnownOverlap) {
   // 20 x 30 pixels against 20 x 30 that lie 5 to the right: 15 x 30 in common.
   const TexturedMesh quad = Quad(15, 10, 35, 40, 0);
-  const Image8 covered = CoveredPixels(quad, RayScene(quad.mesh.points, quad.mesh.faces), TestView());
+  const Image8 covered =
+      CoveredPixels(quad, RayScene(quad.mesh.points, quad.mesh.faces), TestView());
   const Silhouette s = CompareSilhouettes(MaskOf(10, 10, 30, 40), covered);
   EXPECT_EQ(s.both, 450);
   EXPECT_EQ(s.mask_only, 150);
@@ -111,7 +120,8 @@ TEST(Silhouette, EmptyMaskAndMesh) {
 TEST(Silhouette, FollowsTheLensDistortion) {
   View view = TestView();
   view.camera.k1 = -0.4;
-  // Over the right half of the picture and beyond: its left edge is the middle column, which distortion does not move.
+  // Over the right half of the picture and beyond: its left edge is the middle column, which
+  // distortion does not move.
   const TexturedMesh quad = Quad(40, -10, 100, 70, 0), edge = Quad(70, -10, 100, 70, 0);
   const Image8 half = CoveredPixels(quad, RayScene(quad.mesh.points, quad.mesh.faces), view);
   EXPECT_EQ(CompareSilhouettes(MaskOf(40, 0, 80, 60), half).Iou(), 1);
@@ -142,7 +152,8 @@ TEST(CompareColors, KnownDifferenceAndItsGain) {
 
 TEST(CompareColors, WhatTheMeshLeavesOpenCountsAsBackground) {
   const Image8 mask = MaskOf(10, 10, 50, 40);
-  // Half of the mask shows 30 (the photograph's background) instead of 90, and is no part of the gain.
+  // Half of the mask shows 30 (the photograph's background) instead of 90, and is no part of the
+  // gain.
   const ColorScore score = Score(Quad(10, 10, 30, 40, 45), PhotographOf(mask, 90, 30), mask);
   EXPECT_NEAR(score.psnr_db, 10 * std::log10(255. * 255 / (0.5 * 45 * 45 + 0.5 * 60 * 60)), 1e-9);
   EXPECT_NEAR(score.gain[2], 2, 1e-6);
@@ -155,12 +166,15 @@ TEST(CompareColors, MeshOutsideTheMaskDoesNotCount) {
   EXPECT_EQ(Score(Quad(0, 0, 80, 60, 120), PhotographOf(mask, 120, 7), mask).psnr_db, 99);
 }
 
-TEST(CompareColors, EmptyMaskHasNoPixels) { EXPECT_EQ(Score(Quad(0, 0, 9, 9, 1), Image8(80, 60, 3), Image8(80, 60, 1)).pixels, 0); }
+TEST(CompareColors, EmptyMaskHasNoPixels) {
+  EXPECT_EQ(Score(Quad(0, 0, 9, 9, 1), Image8(80, 60, 3), Image8(80, 60, 1)).pixels, 0);
+}
 
 TEST(Ssim, EqualsItsDefinition) {
   const Image8 a = Noise(37, 23, 1);
   Image8 b = Noise(37, 23, 2);
-  for (std::size_t i = 0; i < b.data.size(); ++i) b.data[i] = static_cast<std::uint8_t>((3 * a.data[i] + b.data[i]) / 4);
+  for (std::size_t i = 0; i < b.data.size(); ++i)
+    b.data[i] = static_cast<std::uint8_t>((3 * a.data[i] + b.data[i]) / 4);
   Image8 mask = Noise(37, 23, 3);
   mask.channels = 1;
   mask.data.resize(37 * 23);
@@ -191,10 +205,13 @@ class TexturedObj : public testing::Test {
     fs::create_directories(folder_);
     WriteImage(folder_ / "red page.png", PhotographOf(MaskOf(0, 0, 80, 60), 200, 0));
     WriteImage(folder_ / "dark.png", PhotographOf(MaskOf(0, 0, 80, 60), 20, 0));
-    std::ofstream(folder_ / "two.mtl") << "newmtl one\nKd 1 1 1\nmap_Kd red page.png\nnewmtl two\nmap_Kd dark.png\nnewmtl bare\nKd 1 1 1\n";
+    std::ofstream(folder_ / "two.mtl") << "newmtl one\nKd 1 1 1\nmap_Kd red page.png\nnewmtl "
+                                          "two\nmap_Kd dark.png\nnewmtl bare\nKd 1 1 1\n";
   }
   TexturedMesh Read(const std::string& faces) const {
-    std::ofstream(folder_ / "mesh.obj") << "mtllib two.mtl\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" << faces;
+    std::ofstream(folder_ / "mesh.obj")
+        << "mtllib two.mtl\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+        << faces;
     return ReadTexturedMesh(folder_ / "mesh.obj");
   }
   fs::path folder_;

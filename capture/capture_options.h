@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/masking.h"
+#include "capture/segmentation/mask_options.h"
+#include "core/calibration_board.h"
 #include "core/options.h"
-#include "core/plate.h"
 
 namespace keypose::capture {
 
@@ -23,14 +23,14 @@ struct CaptureOptions {
   int mask_rounds = 4;
   double mask_smoothness = 12;
   double plate_difference = 6;
-  bool board = true;  ///< look for the printed plate
-  int board_columns = PlateLayout{}.columns, board_rows = PlateLayout{}.rows;
-  double board_square_mm = 1000 * PlateLayout{}.square_m;
+  bool board = true;  ///< look for the calibration board
+  int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
+  double board_square_mm = 1000 * BoardLayout{}.square_m;
   std::string board_page = "A4";
 
-  PlateLayout Board() const {
+  BoardLayout Board() const {
     const double square_m = board_square_mm / 1000;
-    return {board_columns, board_rows, square_m, PlateLayout::kMarkerShare * square_m};
+    return {board_columns, board_rows, square_m, BoardLayout::kMarkerShare * square_m};
   }
 
   MaskOptions Masking() const {
@@ -38,28 +38,42 @@ struct CaptureOptions {
     masking.working_px = mask_px;
     masking.rounds = mask_rounds;
     masking.smoothness = mask_smoothness;
-    masking.plate_difference = plate_difference;
+    masking.clean_plate_difference = plate_difference;
     return masking;
   }
 
   void Describe(OptionVisitor& visit) {
-    visit("max_size", max_size, {"longer side of the images written; 0 keeps the photographs' size", "px", 0, 100000, {}});
+    visit(
+        "max_size", max_size,
+        {"longer side of the images written; 0 keeps the photographs' size", "px", 0, 100000, {}});
     visit("min_images", min_images, {"fewer photographs than this are an error", "", 2, 10000, {}});
-    visit("min_sharpness", min_sharpness, {"a photograph less crisp than this counts as blurred; 0 accepts all", "", 0, 1, {}});
-    visit("sharpness_px", sharpness_px, {"longer side at which sharpness is judged", "px", 64, 100000, {}});
-    visit("min_mask", min_mask, {"a mask that covers less of the image than this counts as black", "", 0, 1, {}});
-    visit("max_bad_share", max_bad_share, {"share of blurred or black photographs from which the set is refused", "", 0, 1, {}});
-    visit("jpeg_quality", jpeg_quality, {"JPEG quality where pixels had to be turned or resized", "", 50, 100, {}});
+    visit("min_sharpness", min_sharpness,
+          {"a photograph less crisp than this counts as blurred; 0 accepts all", "", 0, 1, {}});
+    visit("sharpness_px", sharpness_px,
+          {"longer side at which sharpness is judged", "px", 64, 100000, {}});
+    visit("min_mask", min_mask,
+          {"a mask that covers less of the image than this counts as black", "", 0, 1, {}});
+    visit("max_bad_share", max_bad_share,
+          {"share of blurred or black photographs from which the set is refused", "", 0, 1, {}});
+    visit("jpeg_quality", jpeg_quality,
+          {"JPEG quality where pixels had to be turned or resized", "", 50, 100, {}});
     visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
-    visit("mask_rounds", mask_rounds, {"rounds of segmentation, each learning from the one before", "", 1, 10, {}});
-    visit("mask_smoothness", mask_smoothness, {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
-    visit("plate_difference", plate_difference,
-          {"colour difference to the background plate that tells object from set", "CIE Lab", 1, 50, {}});
-    visit("board", board, {"look for the printed plate under the figure", "", 0, 1, {}});
-    visit("board_columns", board_columns, {"squares along the plate's longer side", "", 3, 100, {}});
+    visit("mask_rounds", mask_rounds,
+          {"rounds of segmentation, each learning from the one before", "", 1, 10, {}});
+    visit("mask_smoothness", mask_smoothness,
+          {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
+    visit(
+        "plate_difference", plate_difference,
+        {"colour difference to the clean plate that tells object from set", "CIE Lab", 1, 50, {}});
+    visit("board", board,
+          {"look for the printed calibration board under the figure", "", 0, 1, {}});
+    visit("board_columns", board_columns,
+          {"squares along the board's longer side", "", 3, 100, {}});
     visit("board_rows", board_rows, {"squares along its shorter side", "", 3, 100, {}});
-    visit("board_square_mm", board_square_mm, {"side of a square, as measured on the print", "mm", 2, 200, {}});
-    visit("board_page", board_page, {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
+    visit("board_square_mm", board_square_mm,
+          {"side of a square, as measured on the print", "mm", 2, 200, {}});
+    visit("board_page", board_page,
+          {"paper of --print-board", "", -INFINITY, INFINITY, {"A4", "A3", "letter"}});
   }
   std::vector<std::string> Problems() const { return Board().Problems(); }
 };

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "capture/capture_test_images.h"
+#include "capture/testing/test_images.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
@@ -34,16 +34,20 @@ class CaptureProgram : public testing::Test {
   }
   void TearDown() override { fs::remove_all(root); }
 
-  void WritePhotos(int count, int width = 180, int height = 120, const ExifToWrite* exif = nullptr) {
+  void WritePhotos(int count, int width = 180, int height = 120,
+                   const ExifToWrite* exif = nullptr) {
     for (int i = 0; i < count; ++i)
-      WriteImage(photos / ("p" + std::to_string(10 + i) + ".jpg"), MakeTestPhoto(i, width, height, TestWall::kDark).image, 95, exif);
+      WriteImage(photos / ("p" + std::to_string(10 + i) + ".jpg"),
+                 MakeTestPhoto(i, width, height, TestWall::kDark).image, 95, exif);
   }
 
   /// @param first  what the shell does before, such as setting limits
   Outcome Run(const std::string& more = "", const std::string& first = "") const {
     const fs::path log = root / "log.txt";
-    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " + photos.string() + " --images " + images.string() +
-                                " --report " + (root / "report.json").string() + " " + more + " > " + log.string() + " 2>&1";
+    const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " +
+                                photos.string() + " --images " + images.string() + " --report " +
+                                (root / "report.json").string() + " " + more + " > " +
+                                log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
   }
@@ -64,9 +68,11 @@ TEST_F(CaptureProgram, KeepsJpegBytesAndWritesMasksListAndSheet) {
   ASSERT_EQ(set.images.size(), 9U);
   EXPECT_DOUBLE_EQ(set.images[0].focal_px, 60.0 / 36 * 180);
   EXPECT_EQ(ReadFile(images / "p10.jpg"), ReadFile(photos / "p10.jpg"));
-  const Image8 mask = ReadImage(images / "masks/p10.jpg.png", 1), truth = MakeTestPhoto(0, 180, 120, TestWall::kDark).truth;
+  const Image8 mask = ReadImage(images / "masks/p10.jpg.png", 1),
+               truth = MakeTestPhoto(0, 180, 120, TestWall::kDark).truth;
   double both = 0, either = 0;
-  for (std::size_t i = 0; i < mask.data.size(); ++i) both += mask.data[i] && truth.data[i], either += mask.data[i] || truth.data[i];
+  for (std::size_t i = 0; i < mask.data.size(); ++i)
+    both += mask.data[i] && truth.data[i], either += mask.data[i] || truth.data[i];
   EXPECT_GT(both / either, 0.94);
   EXPECT_TRUE(fs::exists(images / "contact_sheet.jpg"));
 }
@@ -74,7 +80,8 @@ TEST_F(CaptureProgram, KeepsJpegBytesAndWritesMasksListAndSheet) {
 TEST_F(CaptureProgram, TwoRunsGiveTheSameBytes) {
   WritePhotos(8);
   ASSERT_EQ(Run().code, 0);
-  const std::string first = ReadFile(images / "capture.json") + ReadFile(images / "masks/p12.jpg.png");
+  const std::string first =
+      ReadFile(images / "capture.json") + ReadFile(images / "masks/p12.jpg.png");
   fs::remove_all(images);
   ASSERT_EQ(Run().code, 0);
   EXPECT_EQ(ReadFile(images / "capture.json") + ReadFile(images / "masks/p12.jpg.png"), first);
@@ -108,7 +115,8 @@ TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   exif.model = "iPhone 12";
   for (int i = 0; i < 8; ++i)
     // 192: the image library's HEIC writer reads beyond rows whose bytes are no multiple of 16.
-    WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"), MakeTestPhoto(i, 192, 120, TestWall::kDark).image, 95, &exif);
+    WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"),
+               MakeTestPhoto(i, 192, 120, TestWall::kDark).image, 95, &exif);
   const Outcome outcome = Run();
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   const ImageSet set = ReadImageSet(images);
@@ -131,11 +139,14 @@ TEST_F(CaptureProgram, PhotographAsHeicAndAsJpegIsAnInputError) {
 
 TEST_F(CaptureProgram, FilesThatAreNoPhotographsAreNamedInAWarning) {
   WritePhotos(8);
-  for (const char* name : {"p10.mov", "p11.mov", "p12.mov", "p10.AAE", "notes.txt", ".hidden", "Thumbs.db"}) WriteFile(photos / name, "x");
+  for (const char* name :
+       {"p10.mov", "p11.mov", "p12.mov", "p10.AAE", "notes.txt", ".hidden", "Thumbs.db"})
+    WriteFile(photos / name, "x");
   fs::create_directories(photos / "raw");
   WriteFile(photos / "raw/p10.cr2", "x");
   ASSERT_EQ(Run().code, 0);
-  EXPECT_THAT(Report(), HasSubstr("files in photos that are no photographs were left out: 1 .aae (p10.AAE), 1 .cr2 (p10.cr2), "
+  EXPECT_THAT(Report(), HasSubstr("files in photos that are no photographs were left out: 1 .aae "
+                                  "(p10.AAE), 1 .cr2 (p10.cr2), "
                                   "3 .mov (p10.mov, p11.mov ...), 1 .txt (notes.txt)"));
 }
 
@@ -176,7 +187,7 @@ TEST_F(CaptureProgram, MasksOfTheUserWin) {
   EXPECT_NE(ReadImage(images / "masks/p12.jpg.png", 1).data, mask.data);
 }
 
-TEST_F(CaptureProgram, BackgroundPlateBesideThePhotographsIsUsed) {
+TEST_F(CaptureProgram, CleanPlateBesideThePhotographsIsUsed) {
   WritePhotos(8);
   WriteImage(photos / "background.png", MakeTestWall(180, 120, TestWall::kDark));
   ASSERT_EQ(Run().code, 0);
@@ -225,7 +236,8 @@ TEST_F(CaptureProgram, PhotographsOfOddSizesAreNamed) {
     WriteImage(photos / "odd.png", Image8(width, height, 3, 128));
     const Outcome outcome = Run();
     EXPECT_EQ(outcome.code, 3) << outcome.output;
-    EXPECT_THAT(outcome.output, HasSubstr("odd.png (" + std::to_string(width) + " x " + std::to_string(height) + ")"));
+    EXPECT_THAT(outcome.output, HasSubstr("odd.png (" + std::to_string(width) + " x " +
+                                          std::to_string(height) + ")"));
     EXPECT_FALSE(fs::exists(images));
   }
 }
@@ -285,18 +297,21 @@ TEST_F(CaptureProgram, CopiesAreAnInputError) {
 TEST_F(CaptureProgram, BlurredSetIsAnInputErrorThatNamesThem) {
   for (int i = 0; i < 8; ++i) {
     const TestPhoto photo = MakeTestPhoto(i, 360, 240, TestWall::kDark);
-    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"), i < 4 ? photo.image : Blurred(photo.image, 4));
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"),
+               i < 4 ? photo.image : Blurred(photo.image, 4));
   }
   const Outcome outcome = Run();
   EXPECT_EQ(outcome.code, 3);
-  EXPECT_THAT(outcome.output, HasSubstr("4 of 8 photographs are blurred: p4.jpg, p5.jpg, p6.jpg, p7.jpg"));
+  EXPECT_THAT(outcome.output,
+              HasSubstr("4 of 8 photographs are blurred: p4.jpg, p5.jpg, p6.jpg, p7.jpg"));
   EXPECT_FALSE(fs::exists(images));
 }
 
 TEST_F(CaptureProgram, BlackMasksAreAnInputError) {
   WritePhotos(8);
   fs::create_directories(photos / "masks");
-  for (int i = 0; i < 8; ++i) WriteImage(photos / ("masks/p" + std::to_string(10 + i) + ".png"), Image8(180, 120, 1, 0));
+  for (int i = 0; i < 8; ++i)
+    WriteImage(photos / ("masks/p" + std::to_string(10 + i) + ".png"), Image8(180, 120, 1, 0));
   const Outcome outcome = Run();
   EXPECT_EQ(outcome.code, 3);
   EXPECT_THAT(outcome.output, HasSubstr("masks of 8 of 8 photographs are black"));
@@ -316,12 +331,14 @@ TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
   EXPECT_EQ(Run("--min_sharpnes 0").code, 2);
 }
 
-TEST_F(CaptureProgram, PrintsThePlateAlone) {
+TEST_F(CaptureProgram, PrintsTheBoardAlone) {
   const fs::path pdf = root / "board.pdf";
-  const std::string program = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " + pdf.string();
+  const std::string program =
+      std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " + pdf.string();
   EXPECT_EQ(std::system((program + " > /dev/null 2>&1").c_str()), 0);
   EXPECT_EQ(ReadFile(pdf).substr(0, 5), "%PDF-");
-  EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())), 2);
+  EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())),
+            2);
 }
 
 TEST_F(CaptureProgram, SubfoldersAreGroupsWithPrefixedNames) {
@@ -345,7 +362,8 @@ TEST_F(CaptureProgram, SubfoldersAreGroupsWithPrefixedNames) {
 TEST_F(CaptureProgram, NamesThatBeginWithLyingAreAGroupToo) {
   WritePhotos(6);
   for (int i = 0; i < 4; ++i)
-    WriteImage(photos / ("LYING_" + std::to_string(i) + ".jpg"), MakeTestPhoto(i + 6, 180, 120, TestWall::kDark).image, 95);
+    WriteImage(photos / ("LYING_" + std::to_string(i) + ".jpg"),
+               MakeTestPhoto(i + 6, 180, 120, TestWall::kDark).image, 95);
   ASSERT_EQ(Run().code, 0);
   const ImageSet set = ReadImageSet(images);
   EXPECT_EQ(set.images[set.Find("LYING_2.jpg")].group, "lying");

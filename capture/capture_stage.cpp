@@ -4,14 +4,15 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "capture/board_detection.h"
-#include "capture/board_print.h"
+#include "capture/board/board_detection.h"
+#include "capture/board/board_print.h"
 #include "capture/capture_options.h"
-#include "capture/contact_sheet.h"
-#include "capture/masking.h"
-#include "capture/overlap.h"
 #include "capture/photographs.h"
-#include "capture/quality.h"
+#include "capture/pictures/contact_sheet.h"
+#include "capture/pictures/overlap.h"
+#include "capture/pictures/quality.h"
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/masking.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -41,14 +42,16 @@ struct Import {
   std::vector<Image8> small;  // working images
   std::vector<Image8> small_masks;
   std::vector<fs::path> user_masks;
-  std::vector<std::vector<PlateCorner>> plate_corners;  // of each photograph; empty when no plate is there
-  std::vector<BoardOdds> boards;                        // what these tell of the working images
+  // of each photograph; empty when no board is there
+  std::vector<std::vector<BoardCorner>> board_corners;
+  std::vector<BoardOdds> boards;  // what these tell of the working images
 };
 
 Image8 QuarterTurned(const Image8& image) {
   Image8 turned(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.at(x, y), image.channels, turned.at(image.height - 1 - y, x));
   return turned;
 }
 
@@ -57,8 +60,9 @@ Image8 Load(const Import& import, std::size_t i, const fs::path& file, int chann
   Image8 image = ReadImage(file, channels);
   const Photograph& photograph = import.photographs[i];
   if (image.width != photograph.width || image.height != photograph.height)
-    throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     ", but " + photograph.name + " is " + std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
+    throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +
+                     " x " + std::to_string(image.height) + ", but " + photograph.name + " is " +
+                     std::to_string(photograph.width) + " x " + std::to_string(photograph.height) +
                      "; make the mask at the photograph's size");
   if (import.quarter_turns[i]) image = QuarterTurned(image);
   if (import.factor == 1) return image;
@@ -67,32 +71,39 @@ Image8 Load(const Import& import, std::size_t i, const fs::path& file, int chann
 }
 
 /// Calls body(i) for all photographs at once and gathers what is wrong with them.
-void ForEach(const Import& import, Progress* progress, const std::string& what, const std::function<void(std::size_t)>& body) {
+void ForEach(const Import& import, Progress* progress, const std::string& what,
+             const std::function<void(std::size_t)>& body) {
   std::vector<std::string> faults(import.files.size());
   ParallelFor(static_cast<std::int64_t>(import.files.size()), [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     try {
       body(static_cast<std::size_t>(i));
     } catch (const InputError& error) {
-      faults[static_cast<std::size_t>(i)] = error.what();
+      faults[i] = error.what();
     }
   });
   std::erase(faults, "");
   if (faults.size() == 1) throw InputError(faults.front());
-  if (!faults.empty()) throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " + JoinNames(faults, 200));
+  if (!faults.empty())
+    throw InputError("capture: " + std::to_string(faults.size()) + " files " + what + ":\n  " +
+                     JoinNames(faults, 200));
 }
 
-/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for the plate and the mask). Where there is
-/// no room for one a core, fewer are worked on at a time; the result is the same.
+/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for
+/// the board and the mask). Where there is no room for one a core, fewer are worked on at a time;
+/// the result is the same.
 void FitIntoMemory(StageContext& stage, const Import& import) {
   constexpr std::int64_t kBytesAPixel = 90;
   std::size_t largest = 0;
-  const auto pixels = [&](std::size_t i) { return std::int64_t{import.photographs[i].width} * import.photographs[i].height; };
+  const auto pixels = [&](std::size_t i) {
+    return std::int64_t{import.photographs[i].width} * import.photographs[i].height;
+  };
   for (std::size_t i = 1; i < import.photographs.size(); ++i)
     if (pixels(i) > pixels(largest)) largest = i;
   const std::int64_t need = kBytesAPixel * pixels(largest);
   const Photograph& photograph = import.photographs[largest];
-  RequireMemory(need, "capture: photograph " + photograph.name + " (" + std::to_string(photograph.width) + " x " +
+  RequireMemory(need, "capture: photograph " + photograph.name + " (" +
+                          std::to_string(photograph.width) + " x " +
                           std::to_string(photograph.height) + " pixels)");
   const std::int64_t at_once = FreeMemory() / std::max<std::int64_t>(1, need);
   if (at_once >= ThreadCount()) return;
@@ -105,13 +116,16 @@ void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
   if (import.masks.empty()) return;
   std::vector<std::string> strangers;
   for (const fs::path& file : ImagesIn(import.masks))
-    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) == import.user_masks.end())
+    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) ==
+        import.user_masks.end())
       strangers.push_back(file.filename().string());
-  const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(), [](const fs::path& mask) { return !mask.empty(); });
+  const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(),
+                               [](const fs::path& mask) { return !mask.empty(); });
   const std::string example = import.photographs[0].name + ".png";
   if (!any && !strangers.empty())
-    throw InputError("capture: none of the masks in " + import.masks.string() + " has a photograph's name; name that of " +
-                     import.photographs[0].name + ": " + example);
+    throw InputError("capture: none of the masks in " + import.masks.string() +
+                     " has a photograph's name; name that of " + import.photographs[0].name + ": " +
+                     example);
   if (!any) stage.Warn("the folder of masks " + import.masks.string() + " has no mask in it");
   if (any && !strangers.empty())
     stage.Warn("masks that belong to no photograph were left out: " + JoinNames(strangers) +
@@ -122,27 +136,31 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   Import import;
   import.folder = stage.Input("photos");
   import.groups = ListPhotographs(import.folder);
-  for (const PhotographGroup& group : import.groups) import.files.insert(import.files.end(), group.files.begin(), group.files.end());
+  for (const PhotographGroup& group : import.groups)
+    import.files.insert(import.files.end(), group.files.begin(), group.files.end());
   if (const auto ignored = IgnoredFiles(import.folder, import.groups); !ignored.empty())
-    stage.Warn(
-        WithoutOddBytes("files in " + import.folder.filename().string() + " that are no photographs were left out: " + KindsOf(ignored)));
+    stage.Warn(WithoutOddBytes("files in " + import.folder.filename().string() +
+                               " that are no photographs were left out: " + KindsOf(ignored)));
   import.photographs = InspectPhotographs(import.groups);
   RequireEnoughAndDistinct(import.photographs, options.min_images, import.folder.string());
   RequireUsableSizes(import.photographs);
   FitIntoMemory(stage, import);
   import.quarter_turns = QuarterTurns(import.photographs);
   const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
-  if (options.max_size > 0 && longer > options.max_size) import.factor = static_cast<double>(options.max_size) / longer;
+  if (options.max_size > 0 && longer > options.max_size)
+    import.factor = static_cast<double>(options.max_size) / longer;
   if (stage.Has("masks"))
     import.masks = stage.Input("masks");
   else if (fs::is_directory(import.folder / "masks"))
     import.masks = import.folder / "masks";
   for (const PhotographGroup& group : import.groups)
-    import.backgrounds.push_back(stage.Has("background") ? stage.Input("background") : FindBackground(group.folder));
+    import.backgrounds.push_back(stage.Has("background") ? stage.Input("background")
+                                                         : FindBackground(group.folder));
   import.user_masks.resize(import.files.size());
   for (std::size_t i = 0; i < import.files.size(); ++i) {
     const fs::path beside = import.files[i].parent_path() / "masks";
-    if (!import.masks.empty()) import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
+    if (!import.masks.empty())
+      import.user_masks[i] = FindMask(import.masks, import.photographs[i].name);
     if (import.user_masks[i].empty() && !stage.Has("masks") && fs::is_directory(beside))
       import.user_masks[i] = FindMask(beside, import.files[i].filename().string());
   }
@@ -150,15 +168,15 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   return import;
 }
 
-/// Photographs spread over the set, in which the plate would be seen if there were one.
-bool ShowsPlate(const Import& import, const CaptureOptions& options) {
+/// Photographs spread over the set, in which the calibration board would be seen if there were one.
+bool ShowsBoard(const Import& import, const CaptureOptions& options) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
   std::vector<char> seen(probes, 0);
   ParallelFor(static_cast<std::int64_t>(probes), [&](std::int64_t k) {
     const std::size_t i = static_cast<std::size_t>(k) * import.files.size() / probes;
     try {
-      seen[static_cast<std::size_t>(k)] = !FindPlate(Load(import, i, import.files[i], 3), options.Board()).empty();
+      seen[k] = !FindBoard(Load(import, i, import.files[i], 3), options.Board()).empty();
     } catch (const InputError&) {
       // A damaged photograph is named later, with all the others.
     }
@@ -166,40 +184,49 @@ bool ShowsPlate(const Import& import, const CaptureOptions& options) {
   return std::find(seen.begin(), seen.end(), 1) != seen.end();
 }
 
-/// Decodes everything once, which also finds truncated files, and looks for the plate.
+/// Decodes everything once, which also finds truncated files, and looks for the calibration board.
 void DecodeAll(StageContext& stage, Import& import, const CaptureOptions& options) {
-  const bool with_plate = options.board && ShowsPlate(import, options);
+  const bool with_board = options.board && ShowsBoard(import, options);
   import.small.resize(import.files.size());
-  import.plate_corners.resize(import.files.size());
+  import.board_corners.resize(import.files.size());
   import.boards.resize(import.files.size());
   ForEach(import, stage.progress(), "cannot be used", [&](std::size_t i) {
     const Image8 image = Load(import, i, import.files[i], 3);
     import.small[i] = WorkingImage(image, options.mask_px);
-    if (!with_plate) return;
-    import.plate_corners[i] = FindPlate(image, options.Board());
-    import.boards[i] = OddsOfBoard(import.small[i], import.plate_corners[i], static_cast<double>(import.small[i].width) / image.width,
+    if (!with_board) return;
+    import.board_corners[i] = FindBoard(image, options.Board());
+    import.boards[i] = OddsOfBoard(import.small[i], import.board_corners[i],
+                                   static_cast<double>(import.small[i].width) / image.width,
                                    options.Board(), options.Masking().odds_limit);
   });
 }
 
-/// Segments the groups unless all masks are given: each placement has its own light and its own empty set.
+/// Segments the groups unless all masks are given: each placement has its own light and its own
+/// empty set.
 void SegmentAll(StageContext& stage, Import& import, const CaptureOptions& options) {
   const MaskOptions masking = options.Masking();
   import.small_masks.resize(import.files.size());
-  if (std::none_of(import.user_masks.begin(), import.user_masks.end(), [](const fs::path& mask) { return mask.empty(); })) return;
+  if (std::none_of(import.user_masks.begin(), import.user_masks.end(),
+                   [](const fs::path& mask) { return mask.empty(); }))
+    return;
   std::size_t begin = 0;
   for (std::size_t g = 0; g < import.groups.size(); ++g) {
     const std::size_t end = begin + import.groups[g].files.size();
-    Image8 plate;
-    if (!import.backgrounds[g].empty()) plate = WorkingImage(ReadImage(import.backgrounds[g], 3), masking.working_px);
-    const auto share = [&](std::size_t i) { return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size()); };
+    Image8 clean_plate;
+    if (!import.backgrounds[g].empty())
+      clean_plate = WorkingImage(ReadImage(import.backgrounds[g], 3), masking.working_px);
+    const auto share = [&](std::size_t i) {
+      return 0.2 + 0.5 * static_cast<double>(i) / static_cast<double>(import.files.size());
+    };
     SubProgress progress(stage.progress(), share(begin), share(end));
-    const std::vector<Image8> images(std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(begin)),
-                                     std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(end)));
+    const std::vector<Image8> images(
+        std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(begin)),
+        std::make_move_iterator(import.small.begin() + static_cast<std::ptrdiff_t>(end)));
     const std::vector<BoardOdds> boards(import.boards.begin() + static_cast<std::ptrdiff_t>(begin),
                                         import.boards.begin() + static_cast<std::ptrdiff_t>(end));
-    auto masks = SegmentSet(images, plate, boards, masking, &progress);
-    std::move(masks.begin(), masks.end(), import.small_masks.begin() + static_cast<std::ptrdiff_t>(begin));
+    auto masks = SegmentSet(images, clean_plate, boards, masking, &progress);
+    std::move(masks.begin(), masks.end(),
+              import.small_masks.begin() + static_cast<std::ptrdiff_t>(begin));
     begin = end;
   }
 }
@@ -211,12 +238,16 @@ Image8 MaskOf(const Import& import, std::size_t i, const Image8& image) {
   return mask;
 }
 
-void WritePhotograph(const Import& import, std::size_t i, const Image8& image, const fs::path& to, int quality) {
+void WritePhotograph(const Import& import, std::size_t i, const Image8& image, const fs::path& to,
+                     int quality) {
   const ImageInfo info = ReadImageInfo(import.files[i]);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !IsHeicName(import.files[i])) {
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 &&
+      !IsHeicName(import.files[i])) {
     std::error_code error;
     fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
-    if (error) throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " + error.message());
+    if (error)
+      throw DiskError("cannot copy " + import.files[i].string() + " to " + to.string() + ": " +
+                      error.message());
     return;
   }
   ExifToWrite exif;
@@ -233,7 +264,8 @@ struct Written {
   Preview preview;
 };
 
-Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, const CaptureOptions& options) {
+Written WriteOne(const Import& import, std::size_t i, const fs::path& folder,
+                 const CaptureOptions& options) {
   const Image8 image = Load(import, i, import.files[i], 3);
   const Image8 mask = MaskOf(import, i, image);
   Written written;
@@ -246,9 +278,10 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, co
   entry.mask_fraction = MaskFraction(mask);
   entry.mask_given = !import.user_masks[i].empty();
   entry.group = import.photographs[i].group;
-  entry.plate_corners = import.plate_corners[i];
+  entry.board_corners = import.board_corners[i];
   // Sharpness is judged at a size at which any camera that is in focus is sharp.
-  const Image8 grey = WorkingImage(Grey(image), options.sharpness_px), grey_mask = WorkingImage(mask, options.sharpness_px);
+  const Image8 grey = WorkingImage(Grey(image), options.sharpness_px),
+               grey_mask = WorkingImage(mask, options.sharpness_px);
   written.quality = MeasureQuality(grey, grey_mask);
   entry.sharpness = written.quality.laplacian_variance;
   entry.exposure = written.quality.exposure;
@@ -259,7 +292,8 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder, co
   return written;
 }
 
-std::vector<std::string> NamesWhere(const std::vector<Written>& all, const std::function<bool(const Written&)>& condition) {
+std::vector<std::string> NamesWhere(const std::vector<Written>& all,
+                                    const std::function<bool(const Written&)>& condition) {
   std::vector<std::string> names;
   for (const Written& written : all)
     if (condition(written)) names.push_back(written.image.name);
@@ -267,32 +301,43 @@ std::vector<std::string> NamesWhere(const std::vector<Written>& all, const std::
 }
 
 /// A few bad photographs are numbers in the report; a set of them is an error.
-void RequireFitSet(StageContext& stage, const std::vector<Written>& all, const CaptureOptions& options) {
-  const auto blurred = NamesWhere(all, [&](const Written& w) { return w.quality.crispness < options.min_sharpness; });
-  const auto black = NamesWhere(all, [&](const Written& w) { return w.image.mask_fraction < options.min_mask; });
-  const auto limit = static_cast<std::size_t>(options.max_bad_share * static_cast<double>(all.size()));
+void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
+                   const CaptureOptions& options) {
+  const auto blurred = NamesWhere(
+      all, [&](const Written& w) { return w.quality.crispness < options.min_sharpness; });
+  const auto black =
+      NamesWhere(all, [&](const Written& w) { return w.image.mask_fraction < options.min_mask; });
+  const auto limit =
+      static_cast<std::size_t>(options.max_bad_share * static_cast<double>(all.size()));
   stage.ReportJson("blurred", nlohmann::json(blurred).dump());
   if (!blurred.empty() && blurred.size() <= limit)
-    stage.Warn("these photographs are blurred, and what only they show will be coarse: " + JoinNames(blurred) +
+    stage.Warn("these photographs are blurred, and what only they show will be coarse: " +
+               JoinNames(blurred) +
                "; shoot them again with a tripod, a smaller aperture and fixed focus");
   stage.ReportJson("empty_masks", nlohmann::json(black).dump());
   if (black.size() > limit)
-    throw InputError("capture: the masks of " + std::to_string(black.size()) + " of " + std::to_string(all.size()) +
+    throw InputError("capture: the masks of " + std::to_string(black.size()) + " of " +
+                     std::to_string(all.size()) +
                      " photographs are black (no object found): " + JoinNames(black) +
-                     "; give a photograph of the empty set as --background, or masks (white where the object is) as --masks");
+                     "; give a photograph of the empty set as --background, or masks (white where "
+                     "the object is) as --masks");
   if (blurred.size() > limit)
-    throw InputError("capture: " + std::to_string(blurred.size()) + " of " + std::to_string(all.size()) +
+    throw InputError("capture: " + std::to_string(blurred.size()) + " of " +
+                     std::to_string(all.size()) +
                      " photographs are blurred: " + JoinNames(blurred) +
-                     "; use a tripod, a smaller aperture and fixed focus and shoot them again, or lower --min_sharpness (now " +
+                     "; use a tripod, a smaller aperture and fixed focus and shoot them again, or "
+                     "lower --min_sharpness (now " +
                      nlohmann::json(options.min_sharpness).dump() + ")");
 }
 
-/// What a person can still mend before an hour is spent: too few photographs, or too far apart. sfm has the last word.
+/// What a person can still mend before an hour is spent: too few photographs, or too far apart. sfm
+/// has the last word.
 void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t groups) {
   constexpr std::size_t kFew = 16, kMost = 60;  // of more, all pairs would take longer than seconds
   if (all.size() < kFew)
     stage.Warn("there are only " + std::to_string(all.size()) +
-               " photographs; without the printed plate a turn needs 24 of them, 15 degrees apart, unless the figure is rich in texture");
+               " photographs; without the printed calibration board a turn needs 24 of them, 15 "
+               "degrees apart, unless the figure is rich in texture");
   if (all.size() > kMost || groups > 1) return;
   std::vector<Preview> previews;
   for (Written& written : all) previews.push_back(std::move(written.preview));
@@ -304,27 +349,28 @@ void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t gr
   stage.Report("spacing_groups", static_cast<int>(joined.size()));
   if (!FallsApart(images, ties, kStrong)) return;
   std::vector<std::string> names;
-  for (const int i : joined[0]) names.push_back(all[static_cast<std::size_t>(i)].image.name);
-  stage.Warn("neighbouring photographs share hardly any places: the " + std::to_string(images) + " photographs fall into " +
-             std::to_string(joined.size()) + " groups, such as " + JoinNames(names) + ", as if the table was turned by about " +
+  for (const int i : joined[0]) names.push_back(all[i].image.name);
+  stage.Warn("neighbouring photographs share hardly any places: the " + std::to_string(images) +
+             " photographs fall into " + std::to_string(joined.size()) + " groups, such as " +
+             JoinNames(names) + ", as if the table was turned by about " +
              std::to_string(360 / static_cast<int>(joined.size())) +
              " degrees at a time; turn it by 15 degrees at most, or sfm may find no cameras");
 }
 
-int PlateViews(const Import& import) {
-  return static_cast<int>(
-      std::count_if(import.plate_corners.begin(), import.plate_corners.end(), [](const auto& corners) { return !corners.empty(); }));
+int BoardViews(const Import& import) {
+  return static_cast<int>(std::count_if(import.board_corners.begin(), import.board_corners.end(),
+                                        [](const auto& corners) { return !corners.empty(); }));
 }
 
-void ReportPlate(StageContext& stage, const Import& import) {
-  const int views = PlateViews(import);
+void ReportBoard(StageContext& stage, const Import& import) {
+  const int views = BoardViews(import);
   stage.Report("plate_views", views);
   if (views == 0) return;
   double corners = 0;
   nlohmann::json without = nlohmann::json::array();
-  for (std::size_t i = 0; i < import.plate_corners.size(); ++i) {
-    corners += static_cast<double>(import.plate_corners[i].size());
-    if (import.plate_corners[i].empty()) without.push_back(import.photographs[i].name);
+  for (std::size_t i = 0; i < import.board_corners.size(); ++i) {
+    corners += static_cast<double>(import.board_corners[i].size());
+    if (import.board_corners[i].empty()) without.push_back(import.photographs[i].name);
   }
   stage.Report("plate_mean_corners", corners / views);
   stage.ReportJson("plate_not_seen", without.dump());
@@ -350,11 +396,13 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
   stage.Report("focal_known", MedianFocalPx(import.photographs) > 0);
   stage.Report("focal_px", MedianFocalPx(import.photographs) * import.factor);
   stage.Report("focal_spread", FocalSpread(import.photographs));
-  stage.Report("turned", static_cast<int>(std::count(import.quarter_turns.begin(), import.quarter_turns.end(), 1)));
-  stage.Report("user_masks", static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
-                                                            [](const auto& m) { return !m.empty(); })));
-  stage.Report("background_plate",
-               std::any_of(import.backgrounds.begin(), import.backgrounds.end(), [](const fs::path& file) { return !file.empty(); }));
+  stage.Report("turned", static_cast<int>(std::count(import.quarter_turns.begin(),
+                                                     import.quarter_turns.end(), 1)));
+  stage.Report("user_masks",
+               static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
+                                              [](const auto& m) { return !m.empty(); })));
+  stage.Report("background_plate", std::any_of(import.backgrounds.begin(), import.backgrounds.end(),
+                                               [](const fs::path& file) { return !file.empty(); }));
   if (import.groups.size() > 1) {
     nlohmann::json groups;
     for (const PhotographGroup& group : import.groups) groups[group.name] = group.files.size();
@@ -369,28 +417,30 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
 
 void Run(StageContext& stage, const CaptureOptions& options) {
   Import import = Open(stage, options);
-  Step(stage.progress(), 0.05, "reading photographs");
+  ReportProgress(stage.progress(), 0.05, "reading photographs");
   DecodeAll(stage, import, options);
   SegmentAll(stage, import, options);
   const fs::path folder = stage.Output("images");
   fs::create_directories(folder / "masks");
   std::vector<Written> written(import.files.size());
-  Step(stage.progress(), 0.7, "writing images and masks");
-  ForEach(import, stage.progress(), "cannot be used", [&](std::size_t i) { written[i] = WriteOne(import, i, folder, options); });
+  ReportProgress(stage.progress(), 0.7, "writing images and masks");
+  ForEach(import, stage.progress(), "cannot be used",
+          [&](std::size_t i) { written[i] = WriteOne(import, i, folder, options); });
   ReportSet(stage, import, written);
-  ReportPlate(stage, import);
+  ReportBoard(stage, import);
   RequireFitSet(stage, written, options);
-  if (PlateViews(import) == 0) JudgeSpacing(stage, written, import.groups.size());
+  if (BoardViews(import) == 0) JudgeSpacing(stage, written, import.groups.size());
   ImageSet set;
   set.folder = folder;
   set.camera_model = import.photographs.front().camera_model;
-  if (PlateViews(import) > 0) set.plate = options.Board();
+  if (BoardViews(import) > 0) set.board = options.Board();
   std::vector<Image8> cells;
   for (Written& w : written) {
     set.images.push_back(std::move(w.image));
     cells.push_back(std::move(w.cell));
   }
-  std::sort(set.images.begin(), set.images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  std::sort(set.images.begin(), set.images.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
   WriteImageSet(set);
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
   if (MedianFocalPx(import.photographs) <= 0)
@@ -407,7 +457,8 @@ const StageSpec kSpec = {
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",
-                .help = "photographs of one pose: JPEG, PNG, TIFF or HEIC; or subfolders, one for each placement (upright, lying)",
+                .help = "photographs of one pose: JPEG, PNG, TIFF or HEIC; or subfolders, one for "
+                        "each placement (upright, lying)",
                 .file = ""},
                {.name = "masks",
                 .kind = "folder",
@@ -419,7 +470,10 @@ const StageSpec kSpec = {
                 .help = "a photograph of the empty set, same camera settings",
                 .file = "",
                 .optional = true}},
-    .outputs = {{.name = "images", .kind = "folder", .help = "photographs, masks/, capture.json, contact_sheet.jpg", .file = "images"}},
+    .outputs = {{.name = "images",
+                 .kind = "folder",
+                 .help = "photographs, masks/, capture.json, contact_sheet.jpg",
+                 .file = "images"}},
     .tools = {},
     .cores = 0,
     .memory_gib = 2,
@@ -428,6 +482,8 @@ const StageSpec kSpec = {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return RunStage<CaptureOptions>(argc, argv, kSpec, Run,
-                                  {{"print-board", "write the printable plate (PDF) to this file and stop; see --board_page", PrintBoard}});
+  return RunStage<CaptureOptions>(
+      argc, argv, kSpec, Run,
+      {{"print-board", "write the printable plate (PDF) to this file and stop; see --board_page",
+        PrintBoard}});
 }

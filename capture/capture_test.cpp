@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/capture_test_images.h"
-#include "capture/checks.h"
-#include "capture/contact_sheet.h"
-#include "capture/masking.h"
-#include "capture/overlap.h"
-#include "capture/quality.h"
+#include "capture/pictures/checks.h"
+#include "capture/pictures/contact_sheet.h"
+#include "capture/pictures/overlap.h"
+#include "capture/pictures/quality.h"
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/masking.h"
+#include "capture/testing/test_images.h"
 #include "core/errors.h"
 #include "core/parallel.h"
 
@@ -30,7 +31,8 @@ std::string MessageOf(const Call& call) {
 
 double Iou(const Image8& a, const Image8& b) {
   double both = 0, either = 0;
-  for (std::size_t i = 0; i < a.data.size(); ++i) both += a.data[i] > 127 && b.data[i] > 127, either += a.data[i] > 127 || b.data[i] > 127;
+  for (std::size_t i = 0; i < a.data.size(); ++i)
+    both += a.data[i] > 127 && b.data[i] > 127, either += a.data[i] > 127 || b.data[i] > 127;
   return both / either;
 }
 
@@ -48,7 +50,8 @@ Set MakeSet(int count, int width, int height, TestWall wall) {
   return set;
 }
 
-Photograph Photo(const std::string& name, int width, int height, std::uint64_t digest, double focal_px = 0) {
+Photograph Photo(const std::string& name, int width, int height, std::uint64_t digest,
+                 double focal_px = 0) {
   Photograph photograph;
   photograph.name = name;
   photograph.width = width;
@@ -61,14 +64,16 @@ Photograph Photo(const std::string& name, int width, int height, std::uint64_t d
 
 class SegmentSetOn : public testing::TestWithParam<TestWall> {};
 
-// The outline is known to the pixel; at this size one pixel all round is 2 % of the area, so 0.95 allows a pixel and a little.
+// The outline is known to the pixel; at this size one pixel all round is 2 % of the area, so 0.95
+// allows a pixel and a little.
 TEST_P(SegmentSetOn, FindsTheObjectInEveryPhotograph) {
   const Set set = MakeSet(10, 240, 160, GetParam());
   const auto masks = SegmentSet(set.images, {}, {}, MaskOptions{});
-  for (std::size_t i = 0; i < masks.size(); ++i) EXPECT_GT(Iou(masks[i], set.truths[i]), 0.95) << "photograph " << i;
+  for (std::size_t i = 0; i < masks.size(); ++i)
+    EXPECT_GT(Iou(masks[i], set.truths[i]), 0.95) << "photograph " << i;
 }
 
-TEST_P(SegmentSetOn, PlateFindsTheObjectInASinglePhotograph) {
+TEST_P(SegmentSetOn, CleanPlateFindsTheObjectInASinglePhotograph) {
   const Set set = MakeSet(1, 240, 160, GetParam());
   const auto masks = SegmentSet(set.images, MakeTestWall(240, 160, GetParam()), {}, MaskOptions{});
   EXPECT_GT(Iou(masks[0], set.truths[0]), 0.95);
@@ -86,14 +91,16 @@ TEST(SegmentSet, SameBitsForAnyThreadCount) {
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_EQ(one[i].data, four[i].data);
 }
 
-TEST(SegmentSet, PlateThatEqualsThePhotographGivesABlackMask) {
+TEST(SegmentSet, CleanPlateThatEqualsThePhotographGivesABlackMask) {
   const Image8 wall = MakeTestWall(120, 80, TestWall::kDark);
   EXPECT_EQ(MaskFraction(SegmentSet({wall}, wall, {}, MaskOptions{})[0]), 0);
 }
 
-TEST(SegmentSet, PlateOfAnotherShapeThrows) {
-  const Image8 image = MakeTestWall(120, 80, TestWall::kDark), plate = MakeTestWall(100, 100, TestWall::kDark);
-  EXPECT_THAT(MessageOf([&] { SegmentSet({image}, plate, {}, MaskOptions{}); }), HasSubstr("background plate has another shape"));
+TEST(SegmentSet, CleanPlateOfAnotherShapeThrows) {
+  const Image8 image = MakeTestWall(120, 80, TestWall::kDark),
+               clean_plate = MakeTestWall(100, 100, TestWall::kDark);
+  EXPECT_THAT(MessageOf([&] { SegmentSet({image}, clean_plate, {}, MaskOptions{}); }),
+              HasSubstr("clean plate has another shape"));
 }
 
 TEST(SegmentSet, NoImagesThrow) { EXPECT_THROW(SegmentSet({}, {}, {}, MaskOptions{}), InputError); }
@@ -101,7 +108,9 @@ TEST(SegmentSet, NoImagesThrow) { EXPECT_THROW(SegmentSet({}, {}, {}, MaskOption
 TEST(RefinedMask, FollowsTheEdgeAtFullResolution) {
   const TestPhoto large = MakeTestPhoto(3, 720, 480, TestWall::kDark);
   const Image8 small = WorkingImage(large.image, 240);
-  const auto masks = SegmentSet({small, WorkingImage(MakeTestPhoto(4, 720, 480, TestWall::kDark).image, 240)}, {}, {}, MaskOptions{});
+  const auto masks =
+      SegmentSet({small, WorkingImage(MakeTestPhoto(4, 720, 480, TestWall::kDark).image, 240)}, {},
+                 {}, MaskOptions{});
   const Image8 mask = RefinedMask(large.image, masks[0]);
   ASSERT_EQ(mask.width, 720);
   EXPECT_GT(Iou(mask, large.truth), 0.97);
@@ -111,14 +120,17 @@ TEST(RefinedMask, FollowsTheEdgeAtFullResolution) {
 Image8 Framed(const Image8& image, std::uint8_t value) {
   Image8 framed(2 * image.width, 2 * image.height, image.channels, value);
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, framed.at(x + image.width / 2, y + image.height / 2));
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.at(x, y), image.channels,
+                  framed.at(x + image.width / 2, y + image.height / 2));
   return framed;
 }
 
 TEST(RefinedMask, WhatLiesFarFromTheFigureDoesNotMatter) {
   const TestPhoto photo = MakeTestPhoto(3, 720, 480, TestWall::kDark);
   const Image8 coarse = WorkingImage(photo.truth, 240);
-  const Image8 mask = RefinedMask(photo.image, coarse), framed = RefinedMask(Framed(photo.image, 90), Framed(coarse, 0));
+  const Image8 mask = RefinedMask(photo.image, coarse),
+               framed = RefinedMask(Framed(photo.image, 90), Framed(coarse, 0));
   EXPECT_GT(Iou(mask, photo.truth), 0.97);
   EXPECT_EQ(framed.data, Framed(mask, 0).data);
   EXPECT_EQ(MaskFraction(RefinedMask(photo.image, Image8(240, 160, 1, 0))), 0);
@@ -146,23 +158,28 @@ TEST(MeasureQuality, ExposureAndClippingAreThoseInsideTheMask) {
 
 TEST(FocalPx, ReadsWhatExifOffers) {
   EXPECT_DOUBLE_EQ(FocalPx(3000, 2000, 50, 0, 0), 50.0 / 36 * 3000);
-  EXPECT_DOUBLE_EQ(FocalPx(2000, 3000, 50, 0, 0), 50.0 / 36 * 3000);  // portrait: still the longer side
+  EXPECT_DOUBLE_EQ(FocalPx(2000, 3000, 50, 0, 0),
+                   50.0 / 36 * 3000);  // portrait: still the longer side
   EXPECT_DOUBLE_EQ(FocalPx(4272, 2848, 0, 50, 22.2), 50 / 22.2 * 4272);
-  EXPECT_DOUBLE_EQ(FocalPx(4000, 3000, 0, 4.5, 6.2), 4.5 / 6.2 * 4000);  // a phone: small sensor, small pixels
-  EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 8.0), 50.0 / 23 * 1536);   // shrunk: 8 mm wide with pixels of 5 um cannot be
+  EXPECT_DOUBLE_EQ(FocalPx(4000, 3000, 0, 4.5, 6.2),
+                   4.5 / 6.2 * 4000);  // a phone: small sensor, small pixels
+  EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 8.0),
+                   50.0 / 23 * 1536);  // shrunk: 8 mm wide with pixels of 5 um cannot be
   EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 0), 50.0 / 23 * 1536);
   EXPECT_EQ(FocalPx(4000, 3000, 0, 4.5, 0), 0);
   EXPECT_EQ(FocalPx(4000, 3000, 0, 0, 22), 0);
 }
 
 TEST(QuarterTurns, TurnsPortraitsOfTheSameCamera) {
-  const auto turns = QuarterTurns({Photo("a.jpg", 30, 20, 1), Photo("b.jpg", 20, 30, 2), Photo("c.jpg", 30, 20, 3)});
+  const auto turns = QuarterTurns(
+      {Photo("a.jpg", 30, 20, 1), Photo("b.jpg", 20, 30, 2), Photo("c.jpg", 30, 20, 3)});
   EXPECT_EQ(turns, (std::vector<char>{0, 1, 0}));
 }
 
 TEST(QuarterTurns, OtherSizesThrowAndAreNamed) {
   const std::string message = MessageOf([] {
-    QuarterTurns({Photo("a.jpg", 30, 20, 1), Photo("odd.jpg", 31, 20, 2), Photo("c.jpg", 30, 20, 3)});
+    QuarterTurns(
+        {Photo("a.jpg", 30, 20, 1), Photo("odd.jpg", 31, 20, 2), Photo("c.jpg", 30, 20, 3)});
   });
   EXPECT_THAT(message, HasSubstr("odd.jpg"));
   EXPECT_THAT(message, HasSubstr("31 x 20"));
@@ -170,7 +187,9 @@ TEST(QuarterTurns, OtherSizesThrowAndAreNamed) {
 
 TEST(RequireEnoughAndDistinct, NamesCopies) {
   EXPECT_THAT(MessageOf([] {
-                RequireEnoughAndDistinct({Photo("a.jpg", 3, 2, 7), Photo("b.jpg", 3, 2, 8), Photo("copy.jpg", 3, 2, 7)}, 2, "photos");
+                RequireEnoughAndDistinct(
+                    {Photo("a.jpg", 3, 2, 7), Photo("b.jpg", 3, 2, 8), Photo("copy.jpg", 3, 2, 7)},
+                    2, "photos");
               }),
               HasSubstr("copy.jpg = a.jpg"));
 }
@@ -181,7 +200,8 @@ TEST(RequireEnoughAndDistinct, TooFewThrow) {
 }
 
 TEST(FocalSpread, IsRelativeToTheMedian) {
-  EXPECT_DOUBLE_EQ(FocalSpread({Photo("a", 3, 2, 1, 1000), Photo("b", 3, 2, 2, 1000), Photo("c", 3, 2, 3, 1100), Photo("d", 3, 2, 4)}),
+  EXPECT_DOUBLE_EQ(FocalSpread({Photo("a", 3, 2, 1, 1000), Photo("b", 3, 2, 2, 1000),
+                                Photo("c", 3, 2, 3, 1100), Photo("d", 3, 2, 4)}),
                    0.1);
   EXPECT_EQ(FocalSpread({Photo("a", 3, 2, 1)}), 0);
 }
@@ -200,8 +220,10 @@ Preview Patches(int pattern, int shift) {
   Preview preview{Image8(320, 240, 1), Image8(320, 240, 1, 255)};
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 320; ++x) {
-      const auto column = static_cast<std::uint32_t>((x + shift) / 9), row = static_cast<std::uint32_t>(y / 9);
-      const std::uint32_t cell = column * 73856093U ^ row * 19349663U ^ static_cast<std::uint32_t>(pattern) * 83492791U;
+      const auto column = static_cast<std::uint32_t>((x + shift) / 9),
+                 row = static_cast<std::uint32_t>(y / 9);
+      const std::uint32_t cell =
+          column * 73856093U ^ row * 19349663U ^ static_cast<std::uint32_t>(pattern) * 83492791U;
       const std::uint32_t mixed = (cell ^ (cell >> 13)) * 0x5bd1e995U;
       *preview.grey.at(x, y) = static_cast<std::uint8_t>(60 + (mixed >> 15) % 140);
     }
@@ -209,7 +231,8 @@ Preview Patches(int pattern, int shift) {
 }
 
 TEST(SharedPlaces, JoinsPhotographsOfOneSideAndNotThoseOfTwo) {
-  const std::vector<ImageTie> ties = SharedPlaces({Patches(1, 0), Patches(2, 0), Patches(1, 5), Patches(2, 5)});
+  const std::vector<ImageTie> ties =
+      SharedPlaces({Patches(1, 0), Patches(2, 0), Patches(1, 5), Patches(2, 5)});
   ASSERT_EQ(ties.size(), 2U);
   EXPECT_EQ(ties[0].first, 0);
   EXPECT_EQ(ties[0].second, 2);

@@ -1,8 +1,8 @@
 // Options of keypose-masks.
 #pragma once
 
-#include "capture/masking.h"
-#include "capture/space_masks.h"
+#include "capture/agreement/space_options.h"
+#include "capture/segmentation/mask_options.h"
 #include "core/options.h"
 
 namespace keypose::capture {
@@ -25,8 +25,10 @@ struct MasksOptions {
   }
   void Describe(OptionVisitor& visit) {
     visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
-    visit("mask_smoothness", mask_smoothness, {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
-    visit("resolution", resolution, {"voxels along the longest side of the space that the masks share", "", 16, 256, {}});
+    visit("mask_smoothness", mask_smoothness,
+          {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
+    visit("resolution", resolution,
+          {"voxels along the longest side of the space that the masks share", "", 16, 256, {}});
   }
 };
 

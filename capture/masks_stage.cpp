@@ -4,8 +4,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "capture/contact_sheet.h"
+#include "capture/agreement/space_masks.h"
+#include "capture/board/board_detection.h"
 #include "capture/masks_options.h"
+#include "capture/pictures/contact_sheet.h"
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/masking.h"
 #include "core/errors.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
@@ -21,44 +25,46 @@ using namespace keypose::capture;
 constexpr int kCellWidth = 240;
 
 /// What is known of the photographs that have a camera, at working size.
-struct Placed {
+struct PosedImages {
   std::vector<std::size_t> index;  // in the images folder
   std::vector<View> views;
   std::vector<Image8> images, masks;
   std::vector<BoardOdds> boards;
 };
 
-Placed Load(const ImageSet& set, const Scene& scene, const MasksOptions& options) {
-  Placed placed;
+PosedImages Load(const ImageSet& set, const Scene& scene, const MasksOptions& options) {
+  PosedImages posed;
   for (const View& view : scene.views) {
     const int found = set.Find(view.name);
     if (found < 0)
-      throw InputError("masks: the model names " + view.name + ", which is not in " + set.folder.string() +
-                       "; pass the images that the model was made from");
-    placed.index.push_back(static_cast<std::size_t>(found));
-    placed.views.push_back(view);
+      throw InputError("masks: the model names " + view.name + ", which is not in " +
+                       set.folder.string() + "; pass the images that the model was made from");
+    posed.index.push_back(static_cast<std::size_t>(found));
+    posed.views.push_back(view);
   }
-  if (placed.views.size() < 3) throw InputError("masks: the model has fewer than 3 images; run sfm again");
-  placed.images.resize(placed.views.size());
-  placed.masks.resize(placed.views.size());
-  placed.boards.resize(placed.views.size());
-  ParallelFor(static_cast<std::int64_t>(placed.views.size()), [&](std::int64_t k) {
+  if (posed.views.size() < 3)
+    throw InputError("masks: the model has fewer than 3 images; run sfm again");
+  posed.images.resize(posed.views.size());
+  posed.masks.resize(posed.views.size());
+  posed.boards.resize(posed.views.size());
+  ParallelFor(static_cast<std::int64_t>(posed.views.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    const auto at = static_cast<int>(placed.index[i]);
+    const auto at = static_cast<int>(posed.index[i]);
     const Image8 image = ReadImage(set.ImagePath(at), 3), mask = ReadImage(set.MaskPath(at), 1);
-    if (image.width != mask.width || image.height != mask.height || image.width != placed.views[i].camera.width)
-      throw InputError("masks: " + set.images[placed.index[i]].name +
+    if (image.width != mask.width || image.height != mask.height ||
+        image.width != posed.views[i].camera.width)
+      throw InputError("masks: " + set.images[posed.index[i]].name +
                        ", its mask and its camera have different sizes; run capture and sfm again");
-    placed.images[i] = WorkingImage(image, options.mask_px);
-    placed.masks[i] = WorkingImage(mask, options.mask_px);
-    for (std::uint8_t& m : placed.masks[i].data) m = m > 127 ? 255 : 0;
-    const double factor = static_cast<double>(placed.images[i].width) / image.width;
-    placed.views[i].camera = placed.views[i].camera.Scaled(factor);
-    if (set.plate)
-      placed.boards[i] =
-          OddsOfBoard(placed.images[i], set.images[placed.index[i]].plate_corners, factor, *set.plate, MaskOptions{}.odds_limit);
+    posed.images[i] = WorkingImage(image, options.mask_px);
+    posed.masks[i] = WorkingImage(mask, options.mask_px);
+    for (std::uint8_t& m : posed.masks[i].data) m = m > 127 ? 255 : 0;
+    const double factor = static_cast<double>(posed.images[i].width) / image.width;
+    posed.views[i].camera = posed.views[i].camera.Scaled(factor);
+    if (set.board)
+      posed.boards[i] = OddsOfBoard(posed.images[i], set.images[posed.index[i]].board_corners,
+                                    factor, *set.board, MaskOptions{}.odds_limit);
   });
-  return placed;
+  return posed;
 }
 
 double Mean(const std::vector<double>& values) {
@@ -67,89 +73,110 @@ double Mean(const std::vector<double>& values) {
   return sum;
 }
 
-void ReportAgreement(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined) {
+void ReportAgreement(StageContext& stage, const ImageSet& set, const PosedImages& posed,
+                     const RefinedMasks& refined) {
   nlohmann::json each = nlohmann::json::object(), contrary = nlohmann::json::array();
-  const std::vector<std::size_t> beyond = Touched(refined.standing, {});
+  const std::vector<std::size_t> beyond = Touched(refined.consensus, {});
   for (std::size_t i = 0; i < refined.agreement.size(); ++i) {
-    const std::string& name = set.images[placed.index[i]].name;
+    const std::string& name = set.images[posed.index[i]].name;
     each[name] = {refined.agreement_before[i], refined.agreement[i]};
-    if (!refined.standing.say[i] || std::count(beyond.begin(), beyond.end(), i) > 0) contrary.push_back(name);
+    if (!refined.consensus.inlier[i] || std::count(beyond.begin(), beyond.end(), i) > 0)
+      contrary.push_back(name);
   }
   stage.Report("agreement_before", Mean(refined.agreement_before));
   stage.Report("agreement", Mean(refined.agreement));
-  stage.Report("least_agreement", *std::min_element(refined.agreement.begin(), refined.agreement.end()));
+  stage.Report("least_agreement",
+               *std::min_element(refined.agreement.begin(), refined.agreement.end()));
   stage.ReportJson("views_disagreeing", contrary.dump());
   stage.ReportJson("agreement_of_views", each.dump());
 }
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
+}
 
 /// What is wrong with a view that contradicts the others, for a person.
 std::string WhyNot(const OutlineFit& fit, const ColorFit& color, const ColorOptions& options) {
   if (color.places >= options.least_places && color.contrary > options.most_contrary)
-    return Percent(color.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
+    return Percent(color.contrary) +
+           " of what it shows of the figure has other colours than the other photographs show "
+           "there";
   const double missing = *std::max_element(std::begin(fit.missing), std::end(fit.missing));
-  return "its outline leaves out " + Percent(missing) + " of the figure that the other photographs agree on" +
+  return "its outline leaves out " + Percent(missing) +
+         " of the figure that the other photographs agree on" +
          (fit.excess > 0.02 ? ", and " + Percent(fit.excess) + " lies where they see past it" : "");
 }
 
-/// Takes the say from photographs that contradict the others, and says so.
+/// Marks photographs that contradict the others as not trusted, and says so.
 /// @throws InputError  there are so many that nobody can tell who is right
-void ReportStanding(StageContext& stage, const Placed& placed, const Standing& standing, ImageSet* set) {
+void ReportConsensus(StageContext& stage, const PosedImages& posed, const ViewConsensus& consensus,
+                     ImageSet* set) {
   nlohmann::json distrusted = nlohmann::json::array(), fits = nlohmann::json::object();
   std::string names;
-  for (std::size_t i = 0; i < standing.say.size(); ++i) {
-    CapturedImage& image = set->images[placed.index[i]];
-    const OutlineFit& fit = standing.fits[i];
-    fits[image.name] = {{"missing", fit.missing}, {"excess", fit.excess}, {"other_colors", standing.colors[i].contrary}};
-    if (standing.say[i]) continue;
+  for (std::size_t i = 0; i < consensus.inlier.size(); ++i) {
+    CapturedImage& image = set->images[posed.index[i]];
+    const OutlineFit& fit = consensus.fits[i];
+    fits[image.name] = {{"missing", fit.missing},
+                        {"excess", fit.excess},
+                        {"other_colors", consensus.colors[i].contrary}};
+    if (consensus.inlier[i]) continue;
     image.trusted = false;
-    image.why = WhyNot(fit, standing.colors[i], {});
+    image.why = WhyNot(fit, consensus.colors[i], {});
     distrusted.push_back({{"name", image.name}, {"why", image.why}});
     names += (names.empty() ? "" : ", ") + image.name;
     stage.Warn(image.name + " contradicts the other photographs: " + image.why +
-               "; it was left out of shape and texture. It shows something else, a moved figure or a hand, or its camera is wrong: shoot "
+               "; it was left out of shape and texture. It shows something else, a moved figure or "
+               "a hand, or its camera is wrong: shoot "
                "it again, "
                "or delete it");
   }
   stage.ReportJson("outline_fits", fits.dump());
   stage.ReportJson("distrusted", distrusted.dump());
-  if (standing.undecided)
-    throw InputError("masks: the photographs contradict each other in outline, and too many do to tell which are right (among them " +
-                     names +
-                     "): the figure or a part of it was moved between them, or cameras are wrong; keep the photographs from before the "
-                     "move or those from after it, and shoot the rest again");
+  if (consensus.undecided)
+    throw InputError(
+        "masks: the photographs contradict each other in outline, and too many do to tell which "
+        "are right (among them " +
+        names +
+        "): the figure or a part of it was moved between them, or cameras are wrong; keep the "
+        "photographs from before the "
+        "move or those from after it, and shoot the rest again");
 }
 
 /// Names the photographs in which a hand or the like touches the figure.
-void ReportTouched(StageContext& stage, const ImageSet& set, const Placed& placed, const RefinedMasks& refined) {
+void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& posed,
+                   const RefinedMasks& refined) {
   nlohmann::json touched = nlohmann::json::array();
   std::string names;
   double largest = 0;
-  for (const std::size_t i : Touched(refined.standing_before, {})) {
-    const std::string& name = set.images[placed.index[i]].name;
-    const double excess = refined.standing_before.fits[i].excess;
+  for (const std::size_t i : Touched(refined.consensus_before, {})) {
+    const std::string& name = set.images[posed.index[i]].name;
+    const double excess = refined.consensus_before.fits[i].excess;
     touched.push_back({{"name", name}, {"share", excess}});
-    if (!refined.standing.say[i]) continue;
+    if (!refined.consensus.inlier[i]) continue;
     names += (names.empty() ? "" : ", ") + name;
     largest = std::max(largest, excess);
   }
   if (!names.empty())
-    stage.Warn("something touches the figure in " + names + " that the other photographs see past (a hand, a tool, a stand), as large as " +
+    stage.Warn("something touches the figure in " + names +
+               " that the other photographs see past (a hand, a tool, a stand), as large as " +
                Percent(largest) +
-               " of the figure; it was cut off. If it is no stand, shoot such photographs again without, or delete them");
+               " of the figure; it was cut off. If it is no stand, shoot such photographs again "
+               "without, or delete them");
   stage.ReportJson("touched", touched.dump());
 }
 
 void Copy(const fs::path& from, const fs::path& to) {
   std::error_code error;
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
-  if (error) throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
+  if (error)
+    throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
 }
 
-/// Writes one photograph and its mask, the old one where there is no better. @return cell of the contact sheet
-Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop, const fs::path& folder,
-                CapturedImage& entry) {
+/// Writes one photograph and its mask, the old one where there is no better.
+/// @return cell of the
+/// contact sheet
+Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop,
+                const fs::path& folder, CapturedImage& entry) {
   Copy(set.ImagePath(static_cast<int>(i)), folder / entry.name);
   const Image8 image = ReadImage(set.ImagePath(static_cast<int>(i)), 3);
   Image8 mask = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
@@ -163,22 +190,23 @@ Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const
 void Run(StageContext& stage, const MasksOptions& options) {
   ImageSet set = ReadImageSet(stage.Input("images"));
   const Scene scene = ReadColmapModel(stage.Input("model"));
-  Step(stage.progress(), 0, "reading photographs");
-  const Placed placed = Load(set, scene, options);
+  ReportProgress(stage.progress(), 0, "reading photographs");
+  const PosedImages posed = Load(set, scene, options);
   SubProgress progress(stage.progress(), 0.2, 0.7);
-  const RefinedMasks refined =
-      RefineInSpace(placed.images, placed.masks, placed.views, placed.boards, options.Masking(), options.Space(), &progress);
-  ReportAgreement(stage, set, placed, refined);
-  ReportStanding(stage, placed, refined.standing, &set);
-  ReportTouched(stage, set, placed, refined);
+  const RefinedMasks refined = RefineInSpace(posed.images, posed.masks, posed.views, posed.boards,
+                                             options.Masking(), options.Space(), &progress);
+  ReportAgreement(stage, set, posed, refined);
+  ReportConsensus(stage, posed, refined.consensus, &set);
+  ReportTouched(stage, set, posed, refined);
   const fs::path folder = stage.Output("masked");
   fs::create_directories(folder / "masks");
   std::vector<const Image8*> mask_of(set.images.size(), nullptr);
   std::vector<const Backdrop*> backdrop_of(set.images.size(), nullptr);
   for (std::size_t i = 0; i < refined.masks.size(); ++i)
-    mask_of[placed.index[i]] = &refined.masks[i], backdrop_of[placed.index[i]] = &refined.backdrops[i];
+    mask_of[posed.index[i]] = &refined.masks[i],
+    backdrop_of[posed.index[i]] = &refined.backdrops[i];
   std::vector<Image8> cells(set.images.size());
-  Step(stage.progress(), 0.7, "writing images and masks");
+  ReportProgress(stage.progress(), 0.7, "writing images and masks");
   ParallelFor(static_cast<std::int64_t>(cells.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     cells[i] = WriteOne(set, i, mask_of[i], backdrop_of[i], folder, set.images[i]);
@@ -188,16 +216,26 @@ void Run(StageContext& stage, const MasksOptions& options) {
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
 }
 
-const StageSpec kSpec = {
-    .name = "masks",
-    .version = "12",
-    .summary = "Segments the photographs again, with what all views together know of the figure's place in space.",
-    .inputs = {{.name = "images", .kind = "folder", .help = "photographs and masks, as capture makes them", .file = ""},
-               {.name = "model", .kind = "folder", .help = "COLMAP model of the cameras, as sfm makes it", .file = ""}},
-    .outputs = {{.name = "masked", .kind = "folder", .help = "the same with better masks", .file = "masked"}},
-    .tools = {},
-    .cores = 0,
-    .memory_gib = 1};
+const StageSpec kSpec = {.name = "masks",
+                         .version = "12",
+                         .summary =
+                             "Segments the photographs again, with what all views together know of "
+                             "the figure's place in space.",
+                         .inputs = {{.name = "images",
+                                     .kind = "folder",
+                                     .help = "photographs and masks, as capture makes them",
+                                     .file = ""},
+                                    {.name = "model",
+                                     .kind = "folder",
+                                     .help = "COLMAP model of the cameras, as sfm makes it",
+                                     .file = ""}},
+                         .outputs = {{.name = "masked",
+                                      .kind = "folder",
+                                      .help = "the same with better masks",
+                                      .file = "masked"}},
+                         .tools = {},
+                         .cores = 0,
+                         .memory_gib = 1};
 
 }  // namespace
 

@@ -1,11 +1,11 @@
-// Finds and inspects photograph files. Defined in photographs_stage.cpp, which may touch files.
+// Finds and inspects photograph files.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "capture/checks.h"
+#include "capture/pictures/checks.h"
 
 namespace keypose::capture {
 
@@ -16,29 +16,35 @@ struct PhotographGroup {
   std::vector<std::filesystem::path> files;  ///< sorted
 };
 
-/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among them. Where the folder holds none, its
-/// subfolders (but `masks`) are groups, by name. Where names begin with "lying" (any case), these are group "lying" and the others
-/// "upright".
+/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among
+/// them. Where the folder holds none, its subfolders (but `masks`) are groups, by name. Where names
+/// begin with "lying" (any case), these are group "lying" and the others "upright".
 /// @throws InputError  none there, or some in the folder and some in subfolders
 std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 
-/// Files that lie among the photographs and are none, in the folder, its groups and its other subfolders; hidden ones do not count.
-std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder, const std::vector<PhotographGroup>& groups);
+/// Files that lie among the photographs and are none, in the folder, its groups and its other
+/// subfolders; hidden ones do not count.
+std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder,
+                                                const std::vector<PhotographGroup>& groups);
 
-/// The name that a photograph gets in the images folder: HEIC becomes .jpg, because nothing after capture reads HEIC.
+/// The name that a photograph gets in the images folder: HEIC becomes .jpg, because nothing after
+/// capture reads HEIC.
 std::string WrittenName(const std::filesystem::path& file);
 
-/// The plate beside the photographs (background.jpg, .png, .tif), or empty.
+/// The clean plate beside the photographs (background.jpg, .png, .tif), or empty.
 std::filesystem::path FindBackground(const std::filesystem::path& folder);
 
 /// Reads headers and digests, in parallel.
-/// @throws InputError  files that are no images; names all of them. A photograph that is there as HEIC and as JPEG
+/// @throws InputError  files that are no images; names all of them. A photograph that is there as
+/// HEIC and as JPEG
 std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups);
 
 /// The pictures of a folder itself, hidden ones aside, by name.
 std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& folder);
 
-/// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when there is none.
-std::filesystem::path FindMask(const std::filesystem::path& folder, const std::string& photograph_name);
+/// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when
+/// there is none.
+std::filesystem::path FindMask(const std::filesystem::path& folder,
+                               const std::string& photograph_name);
 
 }  // namespace keypose::capture

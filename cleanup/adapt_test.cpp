@@ -1,4 +1,4 @@
-#include "cleanup/adapt.h"
+#include "cleanup/editing/adapt.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <set>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/decimate.h"
-#include "cleanup/intersections.h"
-#include "cleanup/measure.h"
-#include "cleanup/size_field.h"
-#include "cleanup/testing_damage.h"
+#include "cleanup/editing/decimate.h"
+#include "cleanup/editing/size_field.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/strategies/cleanup.h"
+#include "cleanup/strategies/measure.h"
+#include "cleanup/testing/damage.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
@@ -34,7 +34,8 @@ int FacesRound(const Mesh& mesh, double at) {
 Mesh BallWithThinLimb() {
   std::vector<Eigen::Vector2d> profile;  // radius and height, downwards
   for (int i = 0; i <= 150; ++i) profile.emplace_back(0.02, 3 - 2.0 * i / 150);
-  for (int i = 1; i < 60; ++i) profile.emplace_back(std::sin(EIGEN_PI * i / 60), std::cos(EIGEN_PI * i / 60));
+  for (int i = 1; i < 60; ++i)
+    profile.emplace_back(std::sin(EIGEN_PI * i / 60), std::cos(EIGEN_PI * i / 60));
   Mesh mesh = MakeRevolved(profile, 32);
   mesh.points.col(0).swap(mesh.points.col(2));
   mesh.faces.col(1).swap(mesh.faces.col(2));
@@ -94,7 +95,8 @@ TEST(Remeshed, CurvedPlacesGetSmallerTriangles) {
     if (x > 3.8) tip += areas[f], ++tips;
     if (x < 1) middle += areas[f], ++middles;
   }
-  EXPECT_LT(tip / tips, 0.6 * middle / middles);  // areas go with curvature^(-2/3): 0.4 at the very tip
+  EXPECT_LT(tip / tips,
+            0.6 * middle / middles);  // areas go with curvature^(-2/3): 0.4 at the very tip
 }
 
 TEST(Remeshed, FacesDoNotCutOffSharpEdges) {
@@ -107,7 +109,8 @@ TEST(Remeshed, FacesDoNotCutOffSharpEdges) {
   EXPECT_NEAR(SignedVolume(mesh.points, mesh.faces), 1, 1e-3);
   CleanupResult distance;
   MeasureDistances(mesh, box, box, distance);
-  // Edges are 0.09 long; those that run across the box's would leave 0.006 of the diagonal open in the middle of many faces.
+  // Edges are 0.09 long; those that run across the box's would leave 0.006 of the diagonal open in
+  // the middle of many faces.
   EXPECT_LT(distance.from_input.p99, 0.001);
   EXPECT_LT(distance.to_input.p99, 0.001);
 }
@@ -119,25 +122,26 @@ TEST(MakeClosedManifold, ThinLimbKeepsEightFacesRound) {
     options.remesh = remesh;
     const CleanupResult result = MakeClosedManifold(BallWithThinLimb(), options);
     EXPECT_NEAR(result.mesh.face_count(), 8000, 80);
-    for (double x = 1.2; x < 2.95; x += 0.05) EXPECT_GE(FacesRound(result.mesh, x), 8) << remesh << " " << x;
+    for (double x = 1.2; x < 2.95; x += 0.05)
+      EXPECT_GE(FacesRound(result.mesh, x), 8) << remesh << " " << x;
     EXPECT_GT(result.mesh.points.col(0).maxCoeff(), 2.98) << remesh;
   }
 }
 
-TEST(Thinned, KeepsShapeTopologyAndBorder) {
+TEST(Decimated, KeepsShapeTopologyAndBorder) {
   const Mesh torus = MakeTorus(1, 0.35, 120, 48);
-  const Mesh thin = Thinned(torus, 3000);
-  EXPECT_LE(thin.face_count(), 3000);
-  EXPECT_GT(thin.face_count(), 2900);
-  EXPECT_EQ(CheckClosed(thin).euler, 0);
-  EXPECT_TRUE(CheckClosed(thin).closed());
+  const Mesh coarse = Decimated(torus, 3000);
+  EXPECT_LE(coarse.face_count(), 3000);
+  EXPECT_GT(coarse.face_count(), 2900);
+  EXPECT_EQ(CheckClosed(coarse).euler, 0);
+  EXPECT_TRUE(CheckClosed(coarse).closed());
   const double volume = SignedVolume(torus.points, torus.faces);
-  EXPECT_NEAR(SignedVolume(thin.points, thin.faces), volume, 0.003 * volume);
+  EXPECT_NEAR(SignedVolume(coarse.points, coarse.faces), volume, 0.003 * volume);
   CleanupResult distance;
-  MeasureDistances(thin, torus, torus, distance);
+  MeasureDistances(coarse, torus, torus, distance);
   EXPECT_LT(distance.from_input.max, 0.01);
   const Mesh bowl = Without(MakeIcosphere(5), {0}, 10);
-  const Mesh thin_bowl = Thinned(bowl, 4000);
+  const Mesh coarse_bowl = Decimated(bowl, 4000);
   const auto border = [](const Mesh& mesh) {
     std::set<std::array<double, 3>> points;
     const std::vector<char> on = BoundaryVertices(mesh.vertex_count(), mesh.faces);
@@ -146,15 +150,15 @@ TEST(Thinned, KeepsShapeTopologyAndBorder) {
     return points;
   };
   EXPECT_GE(border(bowl).size(), 30u);
-  EXPECT_EQ(border(thin_bowl), border(bowl));
+  EXPECT_EQ(border(coarse_bowl), border(bowl));
 }
 
-TEST(Thinned, SameBitsForAnyThreadCount) {
+TEST(Decimated, SameBitsForAnyThreadCount) {
   const Mesh mesh = MakeFigure(3, 3);
   SetThreadCount(1);
-  const Mesh one = Thinned(mesh, 500);
+  const Mesh one = Decimated(mesh, 500);
   SetThreadCount(3);
-  const Mesh three = Thinned(mesh, 500);
+  const Mesh three = Decimated(mesh, 500);
   SetThreadCount(0);
   EXPECT_EQ(one.points, three.points);
   EXPECT_EQ(one.faces, three.faces);

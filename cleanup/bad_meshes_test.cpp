@@ -1,4 +1,5 @@
-// Every file of the collection of broken meshes comes out closed, or is refused with a reason; and the same in any unit.
+// Every file of the collection of broken meshes comes out closed, or is refused with a reason; and
+// the same in any unit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 #include <set>
 #include <vector>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/intersections.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/strategies/cleanup.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
@@ -34,14 +35,15 @@ std::vector<fs::path> BadMeshes() {
   return files;
 }
 
-// Its local repair crosses itself once it is rounded in the file's own unit; a wrap is right. What the tries before counted is not told.
+// Its local repair crosses itself once it is rounded in the file's own unit; a wrap is right. What
+// the tries before counted is not told.
 TEST(BadMeshes, ATryThatCrossesItselfGivesWayToTheNextAndCountsForNothing) {
   const fs::path file = Data() / "mutants" / "nc.obj";
   if (!fs::exists(file)) GTEST_SKIP() << "no " << file << "; set KEYPOSE_DATA to the data folder";
   const CleanupResult result = MakeClosedManifold(ReadMesh(file), CleanupOptions{});
   EXPECT_EQ(result.self_intersections, 0);
   EXPECT_LE(result.handles_cut, result.genus_before - result.genus);
-  EXPECT_EQ(result.rung.substr(0, 2), "R4");
+  EXPECT_EQ(result.strategy.substr(0, 2), "R4");
 }
 
 TEST(BadMeshes, EachComesOutClosedOrIsRefused) {
@@ -92,7 +94,8 @@ TEST(BadMeshes, AnotherUnitGivesTheSameFacesAndPlaces) {
       if (!one) continue;
       EXPECT_EQ(one->faces, other->faces);
       if (one->points.rows() != other->points.rows()) continue;
-      EXPECT_LT((other->points / scale - one->points).rowwise().norm().maxCoeff(), 1e-6 * BoundingDiagonal(one->points));
+      EXPECT_LT((other->points / scale - one->points).rowwise().norm().maxCoeff(),
+                1e-6 * BoundingDiagonal(one->points));
     }
   }
 }

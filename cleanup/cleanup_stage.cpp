@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/ground.h"
-#include "cleanup/see_through.h"
+#include "cleanup/strategies/cleanup.h"
+#include "cleanup/support/ground.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/colmap_io.h"
@@ -33,34 +32,48 @@ keypose::Sight SightOf(StageContext& stage) {
   if (stage.Has("images") != stage.Has("model"))
     throw keypose::UsageError("cleanup: images and model belong together; give both, or neither");
   if (!stage.Has("images")) return {};
-  return keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")), keypose::ReadColmapModel(stage.Input("model")));
+  return keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")),
+                            keypose::ReadColmapModel(stage.Input("model")));
 }
 
-void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options, const CleanupResult& result) {
-  constexpr double kSmall = 0.0314;  // of the diagonal: the loop of a tunnel that is 1 % of it wide; smaller ones are noise
-  if (options.genus != -2 || stage.Has("images") || result.handles_cut == 0 || result.largest_handle_cut_over_diag < kSmall) return;
-  stage.Warn("cleanup cut " + std::to_string(result.handles_cut) + " of " + std::to_string(result.genus_before) +
-             " handles, as no photographs say whether one sees through them; if the figure has such a window (a hand on the hip), keep it "
+void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options,
+                      const CleanupResult& result) {
+  constexpr double kSmall = 0.0314;  // of the diagonal: the loop of a tunnel that is 1 % of it
+                                     // wide; smaller ones are noise
+  if (options.genus != -2 || stage.Has("images") || result.handles_cut == 0 ||
+      result.largest_handle_cut_over_diag < kSmall)
+    return;
+  stage.Warn("cleanup cut " + std::to_string(result.handles_cut) + " of " +
+             std::to_string(result.genus_before) +
+             " handles, as no photographs say whether one sees through them; if the figure has "
+             "such a window (a hand on the hip), keep it "
              "with --genus " +
              std::to_string(result.genus_before) + ", or give --images and --model");
 }
 
-void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight, const keypose::Mesh& mesh) {
+void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
+                         const keypose::Mesh& mesh) {
   constexpr std::size_t kEnough = 3;  // one or two are mistaken masks
   const std::vector<int> closed = keypose::ViewsWithClosedWindow(mesh, sight.lines);
   stage.Report("views_with_closed_window", static_cast<int>(closed.size()));
   if (closed.size() < kEnough) return;
   std::string names;
-  for (std::size_t i = 0; i < std::min(closed.size(), kEnough); ++i) names += (i ? ", " : "") + sight.views[closed[i]].name;
-  stage.Warn(std::to_string(closed.size()) + " photographs show background inside of the figure's outline where the mesh is closed (" +
-             names + "); if the figure has a window there, photograph it from more sides or nearer; if not, mend these masks");
+  for (std::size_t i = 0; i < std::min(closed.size(), kEnough); ++i)
+    names += (i ? ", " : "") + sight.views[closed[i]].name;
+  stage.Warn(
+      std::to_string(closed.size()) +
+      " photographs show background inside of the figure's outline where the mesh is closed (" +
+      names +
+      "); if the figure has a window there, photograph it from more sides or nearer; if not, mend "
+      "these masks");
 }
 
 /// The ground, where the figure stands on it.
-std::optional<double> Ground(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface,
-                             const keypose::Sight& sight) {
+std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
+                             const keypose::Mesh& surface, const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
-  const keypose::cleanup::Standing standing = keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks);
+  const keypose::cleanup::Standing standing =
+      keypose::cleanup::StandsOnGround(surface, sight.views, sight.masks);
   stage.Report("stands_on_ground", standing.stands);
   stage.Report("outlines_end_at", standing.contact);
   if (standing.stands) return 0.0;
@@ -68,9 +81,11 @@ std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
   return std::nullopt;
 }
 
-CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options, const keypose::Mesh& surface, const keypose::Sight& sight,
+CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options,
+                      const keypose::Mesh& surface, const keypose::Sight& sight,
                       const std::optional<double>& ground) try {
-  return keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines, ground);
+  return keypose::cleanup::MakeClosedManifold(surface, options, stage.progress(), sight.lines,
+                                              ground);
 } catch (const keypose::InputError& error) {
   throw keypose::InputError(stage.Input("surface").string() + ": " + error.what());
 } catch (const keypose::QualityError& error) {
@@ -86,13 +101,14 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)
-    stage.Warn("the mesh has " + std::to_string(result.genus) + " handles instead of " + std::to_string(options.genus) +
+    stage.Warn("the mesh has " + std::to_string(result.genus) + " handles instead of " +
+               std::to_string(options.genus) +
                ": no cut without crossing was found for the others; try another number of --faces");
   stage.Report("input_faces", surface.face_count());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("vertices", result.mesh.vertex_count());
   stage.Report("closed", true);
-  stage.Report("rung", result.rung);
+  stage.Report("rung", result.strategy);
   stage.Report("holes_filled", result.holes_filled);
   stage.Report("largest_hole_over_diag", result.largest_hole_over_diag);
   stage.Report("components", result.components);
@@ -123,10 +139,21 @@ void Run(StageContext& stage, const CleanupOptions& options) {
 const StageSpec kSpec = {
     .name = "cleanup",
     .version = "6",
-    .summary = "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the wanted size.",
-    .inputs = {{.name = "surface", .kind = "file", .help = "triangles of any quality (.ply, .obj, .off, .stl)", .file = ""},
-               {.name = "images", .kind = "folder", .help = "photographs with masks: handles that they see through stay", .optional = true},
-               {.name = "model", .kind = "folder", .help = "COLMAP model of their cameras, in the surface's frame", .optional = true}},
+    .summary =
+        "Repairs a surface into a closed, oriented 2-manifold without self-intersections at the "
+        "wanted size.",
+    .inputs = {{.name = "surface",
+                .kind = "file",
+                .help = "triangles of any quality (.ply, .obj, .off, .stl)",
+                .file = ""},
+               {.name = "images",
+                .kind = "folder",
+                .help = "photographs with masks: handles that they see through stay",
+                .optional = true},
+               {.name = "model",
+                .kind = "folder",
+                .help = "COLMAP model of their cameras, in the surface's frame",
+                .optional = true}},
     .outputs = {{.name = "clean", .kind = "file", .help = "the closed mesh", .file = "clean.ply"}},
     .tools = {},
     .cores = 1,
@@ -135,4 +162,6 @@ const StageSpec kSpec = {
 
 }  // namespace
 
-int main(int argc, char** argv) { return keypose::RunStage<CleanupOptions>(argc, argv, kSpec, Run); }
+int main(int argc, char** argv) {
+  return keypose::RunStage<CleanupOptions>(argc, argv, kSpec, Run);
+}

@@ -1,4 +1,4 @@
-#include "cleanup/cleanup.h"
+#include "cleanup/strategies/cleanup.h"
 
 #include <gtest/gtest.h>
 
@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "cleanup/components.h"
-#include "cleanup/damage.h"
-#include "cleanup/holes.h"
-#include "cleanup/intersections.h"
-#include "cleanup/soup.h"
-#include "cleanup/testing_damage.h"
+#include "cleanup/repair/components.h"
+#include "cleanup/repair/holes.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/repair/soup.h"
+#include "cleanup/strategies/damage.h"
+#include "cleanup/testing/damage.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -41,7 +41,10 @@ Mesh WithFaces(Mesh mesh, Keep keep) {
 /// Without the faces whose centre lies below z.
 Mesh Above(const Mesh& mesh, double z) {
   return WithFaces(mesh, [&](int f) {
-    return (mesh.points(mesh.faces(f, 0), 2) + mesh.points(mesh.faces(f, 1), 2) + mesh.points(mesh.faces(f, 2), 2)) / 3 >= z;
+    return (mesh.points(mesh.faces(f, 0), 2) + mesh.points(mesh.faces(f, 1), 2) +
+            mesh.points(mesh.faces(f, 2), 2)) /
+               3 >=
+           z;
   });
 }
 
@@ -65,7 +68,8 @@ CleanupOptions Faces(int faces) {
 
 void ExpectClosed(const Mesh& mesh) {
   const ClosedReport report = CheckClosed(mesh);
-  EXPECT_TRUE(report.closed()) << report.bad_edges << " bad edges, " << report.bad_fans << " bad fans, volume " << report.volume;
+  EXPECT_TRUE(report.closed()) << report.bad_edges << " bad edges, " << report.bad_fans
+                               << " bad fans, volume " << report.volume;
   EXPECT_FALSE(SelfIntersects(mesh));
 }
 
@@ -73,7 +77,7 @@ TEST(MakeClosedManifold, GoodMeshComesBackBitForBit) {
   Mesh sphere = MakeIcosphere(3);
   sphere.colors = ColorsX3::Constant(sphere.points.rows(), 3, 77);
   const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
-  EXPECT_EQ(result.rung, "as-is");
+  EXPECT_EQ(result.strategy, "as-is");
   EXPECT_EQ(result.mesh.points, sphere.points);
   EXPECT_EQ(result.mesh.faces, sphere.faces);
   EXPECT_EQ(result.mesh.colors, sphere.colors);
@@ -92,7 +96,8 @@ TEST(MakeClosedManifold, RefineReachesTheCountWithinOnePercent) {
   const CleanupResult result = MakeClosedManifold(MakeIcosphere(3), options);
   ExpectClosed(result.mesh);
   EXPECT_NEAR(result.mesh.face_count(), 3000, 30);
-  EXPECT_LT(result.to_input.max, 2e-3);  // a facet of the input bulges by 2.2e-3 of the diagonal under the sphere
+  EXPECT_LT(result.to_input.max,
+            2e-3);  // a facet of the input bulges by 2.2e-3 of the diagonal under the sphere
 }
 
 TEST(MakeClosedManifold, DenseSphereIsRemeshedEvenlyToTheCount) {
@@ -115,10 +120,11 @@ TEST(MakeClosedManifold, HolesAreFilledWithTheCurvatureAround) {
   const Mesh holed = WithFaces(sphere, [](int f) { return f % 640 > 3; });
   const CleanupResult result = MakeClosedManifold(holed, Faces(6000));
   ExpectClosed(result.mesh);
-  EXPECT_EQ(result.rung, "R2 fill");
+  EXPECT_EQ(result.strategy, "R2 fill");
   EXPECT_EQ(result.holes_filled, 8);
   EXPECT_NEAR(result.volume, kSphereVolume, 0.01 * kSphereVolume);
-  for (int v = 0; v < result.mesh.vertex_count(); ++v) ASSERT_NEAR(result.mesh.points.row(v).norm(), 1, 0.01);
+  for (int v = 0; v < result.mesh.vertex_count(); ++v)
+    ASSERT_NEAR(result.mesh.points.row(v).norm(), 1, 0.01);
 }
 
 TEST(MakeClosedManifold, OpenBowlGetsAFlatLid) {
@@ -136,7 +142,8 @@ TEST(MakeClosedManifold, WhatWasNotRepairedIsMeasuredByItself) {
   const Mesh bowl = Above(MakeIcosphere(5), -0.2);
   const CleanupResult result = MakeClosedManifold(bowl, Faces(3000));
   ExpectClosed(result.mesh);
-  // The lid is far from all of the input; the round part is not, and only a rim of an edge's width (0.07 of a height of 1.2) is left out.
+  // The lid is far from all of the input; the round part is not, and only a rim of an edge's width
+  // (0.07 of a height of 1.2) is left out.
   EXPECT_GT(result.to_input.p99, 0.1);
   EXPECT_LT(result.undamaged_to_input.max, 0.002);
   EXPECT_LT(result.undamaged_from_input.max, 0.002);
@@ -150,7 +157,8 @@ TEST(MakeClosedManifold, WhatWasNotRepairedIsMeasuredByItself) {
 TEST(ChangedFaces, AreThoseThatOnlyOneHas) {
   const Mesh sphere = MakeIcosphere(2);
   Mesh other = sphere;
-  for (int f = 0; f < other.face_count(); ++f) other.faces.row(f) << sphere.faces(f, 1), sphere.faces(f, 2), sphere.faces(f, 0);
+  for (int f = 0; f < other.face_count(); ++f)
+    other.faces.row(f) << sphere.faces(f, 1), sphere.faces(f, 2), sphere.faces(f, 0);
   EXPECT_EQ(ChangedFaces(sphere, other).face_count(), 0);
   other.points(sphere.faces(0, 0), 0) += 0.01;
   int fan = 0;
@@ -162,11 +170,13 @@ TEST(ChangedFaces, AreThoseThatOnlyOneHas) {
 
 TEST(MakeClosedManifold, FlippedFacesAreTurned) {
   Mesh sphere = MakeIcosphere(3);
-  for (int f = 0; f < sphere.face_count(); f += 3) std::swap(sphere.faces(f, 1), sphere.faces(f, 2));
+  for (int f = 0; f < sphere.face_count(); f += 3)
+    std::swap(sphere.faces(f, 1), sphere.faces(f, 2));
   const CleanupResult result = MakeClosedManifold(sphere, Faces(2000));
   ExpectClosed(result.mesh);
-  EXPECT_EQ(result.rung, "R0 weld");
-  EXPECT_NEAR(result.volume, SignedVolume(MakeIcosphere(3).points, MakeIcosphere(3).faces), 1e-7);  // positions sit on a grid of 1.5e-8
+  EXPECT_EQ(result.strategy, "R0 weld");
+  EXPECT_NEAR(result.volume, SignedVolume(MakeIcosphere(3).points, MakeIcosphere(3).faces),
+              1e-7);  // positions sit on a grid of 1.5e-8
 }
 
 TEST(MakeClosedManifold, InsideOutIsTurnedOutward) {
@@ -214,9 +224,10 @@ TEST(MakeClosedManifold, CrossingSpheresBecomeOneSurface) {
   const CleanupResult result = MakeClosedManifold(pair, Faces(3000));
   ExpectClosed(result.mesh);
   EXPECT_EQ(result.components, 1);
-  EXPECT_EQ(result.rung.substr(0, 2), "R4");
+  EXPECT_EQ(result.strategy.substr(0, 2), "R4");
   EXPECT_GT(result.self_intersections_before, 0);
-  // Two spheres less the lens between them; the wrap rounds the groove and polyhedra lie inside of their spheres.
+  // Two spheres less the lens between them; the wrap rounds the groove and polyhedra lie inside of
+  // their spheres.
   const double h = 1 - 0.55, lens = 2 * EIGEN_PI * h * h * (3 - h) / 3;
   EXPECT_NEAR(result.volume, 2 * kSphereVolume - lens, 0.03 * kSphereVolume);
 }
@@ -234,7 +245,8 @@ TEST(MakeClosedManifold, SpikePushedThroughTheOtherSideIsMended) {
 
 TEST(MakeClosedManifold, SmallBitsAreDroppedAndFarPiecesToo) {
   const Mesh main = MakeIcosphere(3);
-  const Mesh scene = Together(Together(main, Moved(MakeIcosphere(1), {3, 0, 0}, 0.02)), Moved(MakeIcosphere(2), {0, 4, 0}, 0.5));
+  const Mesh scene = Together(Together(main, Moved(MakeIcosphere(1), {3, 0, 0}, 0.02)),
+                              Moved(MakeIcosphere(2), {0, 4, 0}, 0.5));
   const CleanupResult one = MakeClosedManifold(scene, Faces(2000));
   ExpectClosed(one.mesh);
   EXPECT_EQ(one.components, 1);
@@ -252,34 +264,39 @@ TEST(MakeClosedManifold, ColoursComeFromTheNearestSurface) {
   Mesh sphere = MakeIcosphere(5);
   sphere.colors.resize(sphere.points.rows(), 3);
   for (int v = 0; v < sphere.vertex_count(); ++v)
-    sphere.colors.row(v).setConstant(static_cast<std::uint8_t>(std::lround(127 + 100 * sphere.points(v, 2))));
+    sphere.colors.row(v).setConstant(
+        static_cast<std::uint8_t>(std::lround(127 + 100 * sphere.points(v, 2))));
   const CleanupResult result = MakeClosedManifold(sphere, Faces(1500));
   ASSERT_EQ(result.mesh.colors.rows(), result.mesh.points.rows());
-  for (int v = 0; v < result.mesh.vertex_count(); ++v) ASSERT_NEAR(result.mesh.colors(v, 1), 127 + 100 * result.mesh.points(v, 2), 3);
+  for (int v = 0; v < result.mesh.vertex_count(); ++v)
+    ASSERT_NEAR(result.mesh.colors(v, 1), 127 + 100 * result.mesh.points(v, 2), 3);
 }
 
 TEST(MakeClosedManifold, AnotherUnitGivesTheSameFacesAndScaledPositions) {
-  const Mesh scene = Together(Above(MakeFigure(4, 3), -0.02), Moved(MakeIcosphere(1), {0.3, 0, 0}, 0.001));
+  const Mesh scene =
+      Together(Above(MakeFigure(4, 3), -0.02), Moved(MakeIcosphere(1), {0.3, 0, 0}, 0.001));
   for (const int faces : {1000, 20000}) {  // remeshed, and only filled
     const CleanupResult unit = MakeClosedManifold(scene, Faces(faces));
     for (const double scale : {1e-3, 1e3}) {
       const CleanupResult scaled = MakeClosedManifold(Moved(scene, {0, 0, 0}, scale), Faces(faces));
-      EXPECT_EQ(scaled.rung, unit.rung);
+      EXPECT_EQ(scaled.strategy, unit.strategy);
       ASSERT_EQ(scaled.mesh.faces, unit.mesh.faces);
       const double diagonal = BoundingDiagonal(unit.mesh.points);
-      EXPECT_LT((scaled.mesh.points / scale - unit.mesh.points).cwiseAbs().maxCoeff(), 1e-12 * diagonal);
+      EXPECT_LT((scaled.mesh.points / scale - unit.mesh.points).cwiseAbs().maxCoeff(),
+                1e-12 * diagonal);
     }
   }
 }
 
 TEST(MakeClosedManifold, CleaningTwiceChangesNothing) {
-  for (const Mesh& mesh : {Above(MakeIcosphere(4), -0.5), Above(MakeFigure(2, 1), -0.02), MakeTorus(1, 0.4, 60, 24)})
+  for (const Mesh& mesh :
+       {Above(MakeIcosphere(4), -0.5), Above(MakeFigure(2, 1), -0.02), MakeTorus(1, 0.4, 60, 24)})
     for (const char* remesh : {"uniform", "adaptive"}) {
       CleanupOptions options = Faces(1500);
       options.remesh = remesh;
       const CleanupResult once = MakeClosedManifold(mesh, options);
       const CleanupResult twice = MakeClosedManifold(once.mesh, options);
-      EXPECT_EQ(twice.rung, "as-is");
+      EXPECT_EQ(twice.strategy, "as-is");
       EXPECT_EQ(twice.mesh.points, once.mesh.points);
       EXPECT_EQ(twice.mesh.faces, once.mesh.faces);
     }
@@ -346,7 +363,7 @@ TEST(FillHoles, RimWithCornersBehindEachOtherIsFilled) {
     cone.faces.resize(4, 3);
     cone.points.row(4) << 0.3, -7, 5;
     for (int k = 0; k < 4; ++k) {
-      cone.points.row(k) = rim[static_cast<std::size_t>(k)];
+      cone.points.row(k) = rim[k];
       cone.faces.row(k) << (k + 1) % 4, k, 4;
     }
     const HolesResult result = FillHoles(cone, nullptr);
@@ -367,8 +384,11 @@ TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
   Mesh doubled = MakeIcosphere(1);
   doubled.faces.col(1) = doubled.faces.col(0);
   const std::string corner = std::to_string(doubled.faces(0, 0));
-  EXPECT_NE(message(doubled).find("face 0 with its vertices " + corner + " and " + corner), std::string::npos) << message(doubled);
-  Mesh needle = MakeIcosphere(3);  // its third axis in another unit; the wrap took a minute for its like
+  EXPECT_NE(message(doubled).find("face 0 with its vertices " + corner + " and " + corner),
+            std::string::npos)
+      << message(doubled);
+  // its third axis in another unit; the wrap took a minute for its like
+  Mesh needle = MakeIcosphere(3);
   needle.points.col(2) *= 1e7;
   EXPECT_NE(message(needle).find("on a line"), std::string::npos) << message(needle);
   Mesh far = MakeIcosphere(1);
@@ -387,7 +407,9 @@ TEST(IntersectingFaces, CountsTheFacesOfTwoCrossingBoxes) {
   int pairs = 0;
   EXPECT_TRUE(IntersectingFaces(MakeBox(1, 1, 1), &pairs).empty());
   EXPECT_EQ(pairs, 0);
-  EXPECT_FALSE(IntersectingFaces(Together(MakeBox(1, 1, 1), Moved(MakeBox(1, 1, 1), {0.5, 0.4, 0.3})), &pairs).empty());
+  EXPECT_FALSE(IntersectingFaces(
+                   Together(MakeBox(1, 1, 1), Moved(MakeBox(1, 1, 1), {0.5, 0.4, 0.3})), &pairs)
+                   .empty());
   EXPECT_GT(pairs, 0);
 }
 

@@ -1,5 +1,6 @@
-// Soles that no photograph shows: cut flat where the figure stands, and left alone where it does not.
-#include "cleanup/ground.h"
+// Soles that no photograph shows: cut flat where the figure stands, and left alone where it does
+// not.
+#include "cleanup/support/ground.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -8,15 +9,15 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/intersections.h"
-#include "cleanup/testing_damage.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/strategies/cleanup.h"
+#include "cleanup/testing/damage.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
-#include "core/io/testing_shots.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -27,10 +28,12 @@ using Eigen::Vector3d;
 
 constexpr double kCap = 0.06;  // about 0.4 tan(12 degrees) less what smoothing takes
 
-/// A pawn that stands at z = 0, and one to whose foot of radius 0.4 a cap of the hull hangs on. @param below  further rows of the profile
+/// A pawn that stands at z = 0, and one to whose foot of radius 0.4 a cap of the hull hangs on.
+/// @param below  further rows of the profile
 Mesh Pawn(const std::vector<Vector2d>& below) {
   std::vector<Vector2d> profile;
-  for (int i = 1; i <= 6; ++i) profile.emplace_back(0.25 * std::sin(0.4 * i), 1.25 + 0.25 * std::cos(0.4 * i));
+  for (int i = 1; i <= 6; ++i)
+    profile.emplace_back(0.25 * std::sin(0.4 * i), 1.25 + 0.25 * std::cos(0.4 * i));
   for (int i = 0; i <= 8; ++i) profile.emplace_back(0.2 + 0.2 * i * i / 64.0, 1.0 - 0.1 * i);
   profile.emplace_back(0.4, 0.1);
   profile.emplace_back(0.4, 0);
@@ -38,7 +41,9 @@ Mesh Pawn(const std::vector<Vector2d>& below) {
   return MakeRevolved(profile, 64);
 }
 Mesh TruePawn() { return Pawn({{0.2, 0}}); }
-Mesh WithCap() { return Pawn({{0.3, -0.25 * kCap}, {0.2, -0.5 * kCap}, {0.1, -0.75 * kCap}, {0.03, -kCap}}); }
+Mesh WithCap() {
+  return Pawn({{0.3, -0.25 * kCap}, {0.2, -0.5 * kCap}, {0.1, -0.75 * kCap}, {0.03, -kCap}});
+}
 /// A thin rod goes on below, of which the lower photographs show a third.
 Mesh WithRod() { return Pawn({{0.2, 0}, {0.06, 0}, {0.05, -0.1}, {0.05, -0.24}}); }
 
@@ -89,24 +94,27 @@ TEST(MakeClosedManifold, SolesAreFlatAtTheGroundAndNothingLiesBelow) {
   EXPECT_EQ(result.mesh.points.col(2).minCoeff(), 0);
   const Mesh truth = TruePawn();
   const double sole = 64.0 / 2 * std::sin(2 * EIGEN_PI / 64) * 0.16;  // of a polygon of 64 corners
-  EXPECT_NEAR(FlatArea(result.mesh), sole, 0.08 * sole);              // the ring of faces at the edge need not lie flat
+  EXPECT_NEAR(FlatArea(result.mesh), sole,
+              0.08 * sole);  // the ring of faces at the edge need not lie flat
   EXPECT_NEAR(result.volume, SignedVolume(truth.points, truth.faces), 0.003 * result.volume);
   EXPECT_GT(result.cut_below_ground_over_diag, 0.02);
   const CleanupResult again = MakeClosedManifold(result.mesh, options, nullptr, {}, 0.0);
-  EXPECT_EQ(again.rung, "as-is");
+  EXPECT_EQ(again.strategy, "as-is");
   EXPECT_EQ(again.mesh.points, result.mesh.points);
   // Without the ground the cap stays.
   EXPECT_LT(MakeClosedManifold(WithCap(), options).mesh.points.col(2).minCoeff(), -0.9 * kCap);
 }
 
 TEST(CleanupProgram, FigureStandsOnTheGroundByItsPhotographs) {
-  const fs::path folder = fs::path(::testing::TempDir()) / ("keypose_cleanup_ground_" + std::to_string(::getpid()));
+  const fs::path folder =
+      fs::path(::testing::TempDir()) / ("keypose_cleanup_ground_" + std::to_string(::getpid()));
   WriteShot(folder, Photograph(TruePawn(), {12, 40}));
   WriteMesh(folder / "pawn.ply", WithCap());
   const std::string at = folder.string();
   const auto lowest = [&](const std::string& more) {
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at + "/pawn.ply --images " + at +
-                                "/images --model " + at + "/model --faces 4000 --clean " + at + "/clean.ply --report " + at +
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at +
+                                "/pawn.ply --images " + at + "/images --model " + at +
+                                "/model --faces 4000 --clean " + at + "/clean.ply --report " + at +
                                 "/report.json " + more + " > " + at + "/log 2>&1";
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << ReadFile(folder / "log");
     return ReadMesh(folder / "clean.ply").points.col(2).minCoeff();

@@ -1,4 +1,5 @@
-// The guarantee: whatever is done to a mesh, it comes out closed, oriented and free of crossings, or is refused with the reason.
+// The guarantee: whatever is done to a mesh, it comes out closed, oriented and free of crossings,
+// or is refused with the reason.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/intersections.h"
-#include "cleanup/testing_damage.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/strategies/cleanup.h"
+#include "cleanup/testing/damage.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 
@@ -30,7 +31,7 @@ TEST(MakeClosedManifold, MutilatedMeshesComeOutClosedOrAreRefused) {
     SCOPED_TRACE(std::to_string(i) + " " + mutilated.story);
     try {
       const CleanupResult once = MakeClosedManifold(mutilated.mesh, options);
-      ++outcomes[once.rung];
+      ++outcomes[once.strategy];
       EXPECT_TRUE(Finite(mutilated.mesh));
       EXPECT_TRUE(CheckClosed(once.mesh).closed());
       EXPECT_EQ(CheckClosed(once.mesh).components, 1);
@@ -39,8 +40,10 @@ TEST(MakeClosedManifold, MutilatedMeshesComeOutClosedOrAreRefused) {
       slivers += once.min_angle_deg < 2;
       handles += once.genus > 0;
       const CleanupResult twice = MakeClosedManifold(once.mesh, options);
-      EXPECT_TRUE(twice.mesh.faces.rows() == once.mesh.faces.rows() && twice.mesh.faces == once.mesh.faces);
-      EXPECT_TRUE(twice.mesh.points.rows() == once.mesh.points.rows() && twice.mesh.points == once.mesh.points);
+      EXPECT_TRUE(twice.mesh.faces.rows() == once.mesh.faces.rows() &&
+                  twice.mesh.faces == once.mesh.faces);
+      EXPECT_TRUE(twice.mesh.points.rows() == once.mesh.points.rows() &&
+                  twice.mesh.points == once.mesh.points);
     } catch (const InputError& error) {
       ++outcomes["refused"];
       EXPECT_FALSE(Finite(mutilated.mesh)) << error.what();

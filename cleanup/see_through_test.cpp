@@ -1,5 +1,5 @@
 // Windows in a slab: which of them the photographs see through decides which handles stay.
-#include "cleanup/see_through.h"
+#include "cleanup/repair/see_through.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -10,16 +10,17 @@
 #include <set>
 #include <tuple>
 
-#include "cleanup/cleanup.h"
-#include "cleanup/handles.h"
+#include "cleanup/repair/handles.h"
+#include "cleanup/repair/topology.h"
+#include "cleanup/strategies/cleanup.h"
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
-#include "core/io/testing_shots.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -27,7 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 using Cell = std::tuple<int, int, int>;
 
-constexpr int kWide = 21, kHigh = 9, kDeep = 2;  // cells of the slab; it stands upright and is seen from the front, -y
+constexpr int kWide = 21, kHigh = 9,
+              kDeep = 2;  // cells of the slab; it stands upright and is seen from the front, -y
 
 /// Cells [x0, x1) x [z0, z1) that are open.
 struct Window {
@@ -43,7 +45,8 @@ Mesh Slab(const std::vector<Window>& windows) {
     for (int y = 0; y < kDeep; ++y)
       for (int z = 0; z < kHigh; ++z) {
         bool open = false;
-        for (const Window& w : windows) open = open || (x >= w.x0 && x < w.x1 && z >= w.z0 && z < w.z1);
+        for (const Window& w : windows)
+          open = open || (x >= w.x0 && x < w.x1 && z >= w.z0 && z < w.z1);
         if (!open) cells.insert({x, y, z});
       }
   std::map<Cell, int> ids;
@@ -61,16 +64,18 @@ Mesh Slab(const std::vector<Window>& windows) {
         next[axis] += 2 * side - 1;
         if (cells.contains({next[0], next[1], next[2]})) continue;
         const Eigen::Vector3i base = Eigen::Vector3i(x, y, z) + side * Eigen::Vector3i::Unit(axis),
-                              u = Eigen::Vector3i::Unit((axis + 1) % 3), v = Eigen::Vector3i::Unit((axis + 2) % 3);
-        const int a = corner(base), b = corner(base + u), c = corner(base + u + v), d = corner(base + v);
+                              u = Eigen::Vector3i::Unit((axis + 1) % 3),
+                              v = Eigen::Vector3i::Unit((axis + 2) % 3);
+        const int a = corner(base), b = corner(base + u), c = corner(base + u + v),
+                  d = corner(base + v);
         faces.push_back(side ? Eigen::RowVector3i(a, b, c) : Eigen::RowVector3i(a, c, b));
         faces.push_back(side ? Eigen::RowVector3i(a, c, d) : Eigen::RowVector3i(a, d, c));
       }
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
   mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i) mesh.points.row(static_cast<Eigen::Index>(i)) = points[i];
-  for (std::size_t i = 0; i < faces.size(); ++i) mesh.faces.row(static_cast<Eigen::Index>(i)) = faces[i];
+  for (std::size_t i = 0; i < points.size(); ++i) mesh.points.row(i) = points[i];
+  for (std::size_t i = 0; i < faces.size(); ++i) mesh.faces.row(i) = faces[i];
   return mesh;
 }
 
@@ -83,7 +88,9 @@ MaskShot Photograph(const Mesh& truth, const std::vector<double>& azimuths_deg) 
   return MasksOf(truth, std::move(views));
 }
 
-std::vector<SightLine> LinesOf(const MaskShot& shot) { return LinesThroughHoles(shot.views, shot.masks); }
+std::vector<SightLine> LinesOf(const MaskShot& shot) {
+  return LinesThroughHoles(shot.views, shot.masks);
+}
 
 bool Open(const Mesh& mesh, const Window& window) {
   const RayScene scene(mesh.points, mesh.faces);
@@ -121,7 +128,8 @@ TEST(WithoutHandles, KeepsTheNarrowWindowThatIsSeenAndFillsTheBroadOne) {
   const Mesh both = Slab({kNarrow, kBroad});
   const Mesh by_length = WithoutHandles(both, 1).mesh;
   EXPECT_FALSE(Open(by_length, kNarrow) && !Open(by_length, kBroad));
-  const HandlesResult result = WithoutHandles(both, 1, LinesOf(Photograph(Slab({kNarrow}), {-15, 0, 15})));
+  const HandlesResult result =
+      WithoutHandles(both, 1, LinesOf(Photograph(Slab({kNarrow}), {-15, 0, 15})));
   EXPECT_EQ(result.cut, 1);
   EXPECT_EQ(Genus(result.mesh), 1);
   EXPECT_TRUE(Open(result.mesh, kNarrow));
@@ -139,7 +147,7 @@ TEST(MakeClosedManifold, PhotographsDecideWhichHandlesStay) {
   EXPECT_EQ(result.handles_seen_through, 1);
   EXPECT_TRUE(Open(result.mesh, kNarrow));
   const CleanupResult again = MakeClosedManifold(result.mesh, options, nullptr, lines);
-  EXPECT_EQ(again.rung, "as-is");
+  EXPECT_EQ(again.strategy, "as-is");
   EXPECT_EQ(again.mesh.points, result.mesh.points);
   EXPECT_EQ(MakeClosedManifold(both, options).genus, 0);
 }
@@ -157,22 +165,26 @@ TEST(MakeClosedManifold, GenusForcesTheNumberOfHandles) {
 }
 
 TEST(CleanupProgram, LooksThroughHandlesAndWarnsWithoutPhotographs) {
-  const fs::path folder = fs::path(::testing::TempDir()) / ("keypose_cleanup_sight_" + std::to_string(::getpid()));
+  const fs::path folder =
+      fs::path(::testing::TempDir()) / ("keypose_cleanup_sight_" + std::to_string(::getpid()));
   WriteShot(folder, Photograph(Slab({kNarrow}), {-15, 0, 15}));
   WriteMesh(folder / "slab.ply", Slab({kNarrow, kBroad}));
   const std::string at = folder.string();
   const auto run = [&](const std::string& more) {
-    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at + "/slab.ply --clean " + at +
-                                "/clean.ply --report " + at + "/report.json " + more + " > " + at + "/log 2>&1";
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-cleanup --surface " + at +
+                                "/slab.ply --clean " + at + "/clean.ply --report " + at +
+                                "/report.json " + more + " > " + at + "/log 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   };
-  ASSERT_EQ(run("--images " + at + "/images --model " + at + "/model"), 0) << ReadFile(folder / "log");
+  ASSERT_EQ(run("--images " + at + "/images --model " + at + "/model"), 0)
+      << ReadFile(folder / "log");
   const Mesh seen = ReadMesh(folder / "clean.ply");
   EXPECT_EQ(Genus(seen), 1);
   EXPECT_TRUE(Open(seen, kNarrow));
   ASSERT_EQ(run(""), 0);
   EXPECT_EQ(Genus(ReadMesh(folder / "clean.ply")), 0);
-  EXPECT_NE(ReadFile(folder / "report.json").find("--genus 2"), std::string::npos) << "the warning says how to keep them";
+  EXPECT_NE(ReadFile(folder / "report.json").find("--genus 2"), std::string::npos)
+      << "the warning says how to keep them";
   ASSERT_EQ(run("--genus 2"), 0);
   EXPECT_EQ(Genus(ReadMesh(folder / "clean.ply")), 2);
   EXPECT_EQ(run("--genus 3"), 3);

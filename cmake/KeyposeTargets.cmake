@@ -26,10 +26,12 @@ endif()
 # (docs/decisions/sources-in-batches.md). A source with flags of its own stays alone. OFF: each source by itself.
 option(KEYPOSE_BATCHES "compile the sources of a room in batches" OFF)
 
-# keypose_room(NAME SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
-# One static library keypose_NAME; LINK stays private to the room's sources.
+# keypose_room(NAME [FILES] SOURCES a.cpp ... [LINK lib ...] [SYSTEM_INCLUDES dir ...])
+# A room or sub-room: one static library keypose_NAME of one concern. LINK stays private to its sources; the
+# keypose_ targets in it are all that they may include besides core, and only those with FILES, and programs,
+# touch files. tests/include_rule_test.cpp holds the sources to both, by build/PRESET/rooms.txt.
 function(keypose_room name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
+  cmake_parse_arguments(ARG "FILES" "" "SOURCES;LINK;SYSTEM_INCLUDES" ${ARGN})
   add_library(keypose_${name} STATIC ${ARG_SOURCES})
   set_target_properties(keypose_${name} PROPERTIES UNITY_BUILD ${KEYPOSE_BATCHES} UNITY_BUILD_BATCH_SIZE 16)
   if(KEYPOSE_BATCHES)  # a batch includes its sources, and the warning takes what is included for a header
@@ -40,6 +42,17 @@ function(keypose_room name)
   if(NOT name STREQUAL core)
     target_link_libraries(keypose_${name} PUBLIC keypose_core)
   endif()
+  list(FILTER ARG_LINK INCLUDE REGEX "^keypose_")
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${CMAKE_SOURCE_DIR} OUTPUT_VARIABLE folder)
+  string(JOIN " " line keypose_${name} ${folder} $<IF:$<BOOL:${ARG_FILES}>,files,values> ${ARG_LINK})
+  set_property(GLOBAL APPEND PROPERTY KEYPOSE_ROOM_LINES "${line}")
+endfunction()
+
+# keypose_write_rooms(): all rooms in rooms.txt, a line each: target, folder, "files" or "values", linked rooms.
+function(keypose_write_rooms)
+  get_property(lines GLOBAL PROPERTY KEYPOSE_ROOM_LINES)
+  list(JOIN lines "\n" text)
+  file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/rooms.txt CONTENT "${text}\n")
 endfunction()
 
 # All that a person runs, without tests and benchmarks: what ./dev demo and ./dev build make, and what is installed.

@@ -8,7 +8,8 @@
 namespace keypose {
 
 Rigid3 Compose(const Rigid3& c_from_b, const Rigid3& b_from_a) {
-  return {(c_from_b.rotation * b_from_a.rotation).normalized(), c_from_b.rotation * b_from_a.translation + c_from_b.translation};
+  return {(c_from_b.rotation * b_from_a.rotation).normalized(),
+          c_from_b.rotation * b_from_a.translation + c_from_b.translation};
 }
 
 Similarity3 Similarity3::Inverse() const {
@@ -25,7 +26,8 @@ PointsX3 Transformed(const Similarity3& b_from_a, const PointsX3& points_in_a) {
   return points_in_b;
 }
 
-Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::VectorXd& weights, bool with_scale) {
+Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::VectorXd& weights,
+                          bool with_scale) {
   if (a.rows() != b.rows() || a.rows() < 3)
     throw InputError("fitting a similarity needs at least 3 pairs of points, but there are " +
                      std::to_string(std::min(a.rows(), b.rows())));
@@ -38,7 +40,8 @@ Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::Vec
   const double variance_a = (da.rowwise().squaredNorm().array() * w.array()).sum() / total;
   if (!(variance_a > 0)) throw InputError("fitting a similarity: all points coincide");
   const Eigen::Matrix3d covariance = db.transpose() * w.asDiagonal() * da / total;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign(1, 1, 1);
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) sign(2) = -1;
   Similarity3 fit;
@@ -79,7 +82,8 @@ Camera Camera::Scaled(double factor) const {
   Camera scaled = *this;
   scaled.width = static_cast<int>(std::lround(width * factor));
   scaled.height = static_cast<int>(std::lround(height * factor));
-  const double sx = static_cast<double>(scaled.width) / width, sy = static_cast<double>(scaled.height) / height;
+  const double sx = static_cast<double>(scaled.width) / width,
+               sy = static_cast<double>(scaled.height) / height;
   scaled.fx *= sx;
   scaled.cx *= sx;
   scaled.fy *= sy;
@@ -91,6 +95,19 @@ Eigen::Matrix3d Camera::K() const {
   Eigen::Matrix3d k;
   k << fx, 0, cx, 0, fy, cy, 0, 0, 1;
   return k;
+}
+
+Scene Transformed(const Similarity3& b_from_a, const Scene& scene_in_a) {
+  Scene scene = scene_in_a;
+  const Eigen::Quaterniond rotation(b_from_a.rotation);
+  for (View& view : scene.views) {
+    Rigid3& pose = view.camera_from_world;
+    const Eigen::Vector3d center = b_from_a * view.Center();
+    pose.rotation = (pose.rotation * rotation.conjugate()).normalized();
+    pose.translation = -(pose.rotation * center);
+  }
+  for (SparsePoint& point : scene.points) point.position = b_from_a * point.position;
+  return scene;
 }
 
 }  // namespace keypose

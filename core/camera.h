@@ -1,4 +1,5 @@
-// Pinhole cameras with Brown distortion, rigid motions, similarities, and a reconstructed scene of views and sparse points.
+// Pinhole cameras with Brown distortion, rigid motions, similarities, and a reconstructed scene of
+// views and sparse points.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,20 +25,25 @@ struct Similarity3 {
   double scale = 1;
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
-  Eigen::Vector3d operator*(const Eigen::Vector3d& x) const { return scale * (rotation * x) + translation; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& x) const {
+    return scale * (rotation * x) + translation;
+  }
   Similarity3 Inverse() const;
 };
 PointsX3 Transformed(const Similarity3& b_from_a, const PointsX3& points_in_a);
 
-/// The similarity (or rigid motion) that maps rows of `a` onto rows of `b` with least weighted squares; det > 0 always.
+/// The similarity (or rigid motion) that maps rows of `a` onto rows of `b` with least weighted
+/// squares; det > 0 always.
 ///
 /// @param a, b     P x 3, P >= 3
 /// @param weights  P, or empty for all one
 /// @throws InputError  fewer than 3 pairs, or all points of `a` coincide
 /// Source: Umeyama, TPAMI 1991.
-Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::VectorXd& weights = {}, bool with_scale = true);
+Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::VectorXd& weights = {},
+                          bool with_scale = true);
 
-/// Intrinsics in pixels; pixel centres lie at .5 (COLMAP's convention). Distortion as in OpenCV and COLMAP's OPENCV model.
+/// Intrinsics in pixels; pixel centres lie at .5 (COLMAP's convention). Distortion as in OpenCV and
+/// COLMAP's OPENCV model.
 struct Camera {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
@@ -46,7 +52,8 @@ struct Camera {
   bool distorted() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
   /// Pixel of a point in the camera's frame (z forward, y down); not meaningful for z <= 0.
   Eigen::Vector2d Project(const Eigen::Vector3d& x_in_camera) const;
-  /// Point with z = 1 in the camera's frame that projects to `pixel`; inverts the distortion by fixed-point iteration.
+  /// Point with z = 1 in the camera's frame that projects to `pixel`; inverts the distortion by
+  /// fixed-point iteration.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel) const;
   /// The same camera for an image scaled by `factor` in both directions, distortion unchanged.
   Camera Scaled(double factor) const;
@@ -58,7 +65,9 @@ struct View {
   Camera camera;
   Rigid3 camera_from_world;
   Eigen::Vector3d Center() const { return camera_from_world.Inverse().translation; }
-  Eigen::Vector2d Project(const Eigen::Vector3d& x_in_world) const { return camera.Project(camera_from_world * x_in_world); }
+  Eigen::Vector2d Project(const Eigen::Vector3d& x_in_world) const {
+    return camera.Project(camera_from_world * x_in_world);
+  }
 };
 
 struct SparsePoint {
@@ -73,5 +82,8 @@ struct Scene {
   std::vector<View> views;  ///< sorted by name
   std::vector<SparsePoint> points;
 };
+
+/// The scene in another frame. Point errors and tracks stay.
+Scene Transformed(const Similarity3& b_from_a, const Scene& scene_in_a);
 
 }  // namespace keypose

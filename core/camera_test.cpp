@@ -38,7 +38,8 @@ PointsX3 SomePoints() {
 TEST(FitSimilarity, RecoversAKnownSimilarity) {
   Similarity3 truth;
   truth.scale = 2.5;
-  truth.rotation = Eigen::AngleAxisd(2.9, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  truth.rotation =
+      Eigen::AngleAxisd(2.9, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
   truth.translation = {3, -1, 7};
   const Similarity3 fit = FitSimilarity(SomePoints(), Transformed(truth, SomePoints()));
   EXPECT_NEAR(fit.scale, truth.scale, 1e-12);

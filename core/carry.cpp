@@ -21,11 +21,13 @@ constexpr double kFar = 0.03;          // a sample so far off costs all it can
 constexpr double kAgrees = 0.012;      // a sample so near lies on the surface
 constexpr double kSameFrame = 0.0015;  // median distance at which no other frame is looked for
 constexpr double kSure = 0.006, kNear = 0.02;
-constexpr double kFacesAlike = 0.7, kFacesAway = 0.25;     // cosines: 45 and 75 degrees
-constexpr double kOtherColor = 35, kWrongColor = 90;       // of 255
-constexpr double kScaleSlack = 0.15;                       // the spread of the samples tells the scale to a few percent
-constexpr double kTie = 1.25, kTieFloor = 0.004;           // costs that are the same for all that can be told
-constexpr double kOtherTurn = 20 * std::numbers::pi / 180;  // turns further apart are different answers
+constexpr double kFacesAlike = 0.7, kFacesAway = 0.25;  // cosines: 45 and 75 degrees
+constexpr double kOtherColor = 35, kWrongColor = 90;    // of 255
+constexpr double kScaleSlack = 0.15;  // the spread of the samples tells the scale to a few percent
+constexpr double kTie = 1.25,
+                 kTieFloor = 0.004;  // costs that are the same for all that can be told
+constexpr double kOtherTurn =
+    20 * std::numbers::pi / 180;  // turns further apart are different answers
 constexpr int kTurnsUpright = 36, kTurnsAny = 120, kCoarseSamples = 80, kRefined = 8;
 
 double AngleOf(const Eigen::Matrix3d& turn) { return Eigen::AngleAxisd(turn).angle(); }
@@ -36,7 +38,9 @@ Eigen::Matrix3d SpreadTurn(int index, int count) {
   const double s = index + 0.5, t = s / count, d = 2 * std::numbers::pi * s;
   const double r = std::sqrt(t), q = std::sqrt(1 - t);
   const double alpha = d / phi, beta = d / psi;
-  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), q * std::sin(beta), q * std::cos(beta)).toRotationMatrix();
+  return Eigen::Quaterniond(r * std::sin(alpha), r * std::cos(alpha), q * std::sin(beta),
+                            q * std::cos(beta))
+      .toRotationMatrix();
 }
 
 struct Spread {
@@ -58,7 +62,8 @@ double MedianOf(std::vector<double> values) {
 
 std::string FrameChange::Words() const {
   if (same_frame) return "in the same frame";
-  return fmt::format("turned by {:.1f} degrees, {:.3f} times as large", AngleOf(now_from_before.rotation) * 180 / std::numbers::pi,
+  return fmt::format("turned by {:.1f} degrees, {:.3f} times as large",
+                     AngleOf(now_from_before.rotation) * 180 / std::numbers::pi,
                      now_from_before.scale);
 }
 
@@ -72,7 +77,8 @@ struct Carrier::Impl {
         sample_now(BindTo(now)) {
     colored = before.colors.rows() > 0 && sample_now.colors.rows() > 0;
     if (colored) {
-      const Eigen::RowVector3d mean_now = sample_now.colors.colwise().mean(), mean_before = before.colors.colwise().mean();
+      const Eigen::RowVector3d mean_now = sample_now.colors.colwise().mean(),
+                               mean_before = before.colors.colwise().mean();
       gain = (mean_now.array().max(1) / mean_before.array().max(1)).matrix().transpose();
     }
     Find();
@@ -113,18 +119,21 @@ struct Carrier::Impl {
     for (Eigen::Index i = 0; i < before.points.rows(); i += stride, ++count) {
       const Foot foot = FootOf(frame, i);
       const double far = std::min(1.0, foot.distance / kFar);
-      cost += far * far + 0.5 * (1 - std::max(0.0, foot.facing)) + (colored ? 0.5 * std::min(1.0, foot.color / kWrongColor) : 0);
+      cost += far * far + 0.5 * (1 - std::max(0.0, foot.facing)) +
+              (colored ? 0.5 * std::min(1.0, foot.color / kWrongColor) : 0);
     }
     return cost / std::max(1, count);
   }
 
-  /// One Gauss-Newton step of a small similarity about the moved samples' centre. Weights: Geman-McClure's of width `reach`.
+  /// One Gauss-Newton step of a small similarity about the moved samples' centre. Weights:
+  /// Geman-McClure's of width `reach`.
   Similarity3 Step(const Similarity3& frame, Eigen::Index stride, double reach) const {
     using Vector7 = Eigen::Matrix<double, 7, 1>;
     const Eigen::Vector3d center = frame * Eigen::Vector3d(before.points.colwise().mean());
     Eigen::Matrix<double, 7, 7> normal_matrix = Eigen::Matrix<double, 7, 7>::Zero();
     Vector7 right = Vector7::Zero();
-    const auto add = [&](const Eigen::Vector3d& arm, const Eigen::Vector3d& along, double residual, double weight) {
+    const auto add = [&](const Eigen::Vector3d& arm, const Eigen::Vector3d& along, double residual,
+                         double weight) {
       Vector7 row;
       row << arm.cross(along), along * diagonal, arm.dot(along);
       normal_matrix += weight * row * row.transpose();
@@ -133,7 +142,8 @@ struct Carrier::Impl {
     for (Eigen::Index i = 0; i < before.points.rows(); i += stride) {
       const Foot foot = FootOf(frame, i);
       if (foot.facing < 0.3) continue;
-      const double ratio = foot.distance / reach, weight = 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
+      const double ratio = foot.distance / reach,
+                   weight = 1 / ((1 + ratio * ratio) * (1 + ratio * ratio));
       const Eigen::Vector3d arm = foot.moved - center, gap = foot.moved - foot.point;
       add(arm, foot.normal, gap.dot(foot.normal), weight);
       for (int k = 0; k < 3; ++k) add(arm, Eigen::Vector3d::Unit(k), gap[k], 0.02 * weight);
@@ -144,15 +154,18 @@ struct Carrier::Impl {
     const double angle = move.head<3>().norm();
     Similarity3 next = frame;
     const Eigen::Matrix3d turn =
-        angle > 1e-15 ? Eigen::AngleAxisd(angle, move.head<3>() / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+        angle > 1e-15 ? Eigen::AngleAxisd(angle, move.head<3>() / angle).toRotationMatrix()
+                      : Eigen::Matrix3d::Identity();
     const double grow = std::clamp(1 + move[6], 0.9, 1.1);
     next.scale = frame.scale * grow;
     next.rotation = turn * frame.rotation;
-    next.translation = center + diagonal * move.segment<3>(3) + grow * (turn * (frame.translation - center));
+    next.translation =
+        center + diagonal * move.segment<3>(3) + grow * (turn * (frame.translation - center));
     return next;
   }
 
-  Similarity3 Refined(Similarity3 frame, Eigen::Index stride, int rounds, double reach_first, double reach_last) const {
+  Similarity3 Refined(Similarity3 frame, Eigen::Index stride, int rounds, double reach_first,
+                      double reach_last) const {
     for (int i = 0; i < rounds; ++i) {
       const double share = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
       frame = Step(frame, stride, reach_first * std::pow(reach_last / reach_first, share));
@@ -184,7 +197,8 @@ struct Carrier::Impl {
       if (AngleOf(other.frame.rotation) < AngleOf(nearest->frame.rotation)) nearest = &other;
     }
     if (!tied) return;
-    if (AngleOf(nearest->frame.rotation) < 0.5 * kOtherTurn && std::abs(std::log(nearest->frame.scale)) < 0.05)
+    if (AngleOf(nearest->frame.rotation) < 0.5 * kOtherTurn &&
+        std::abs(std::log(nearest->frame.scale)) < 0.05)
       Measure(nearest->frame);
     else
       change.ambiguous = true;
@@ -198,14 +212,16 @@ struct Carrier::Impl {
       const int turn = static_cast<int>(i) - 1;
       Similarity3& frame = candidates[i].frame;
       frame.scale = scale;
-      frame.rotation = turn < kTurnsUpright ? Eigen::AngleAxisd(2 * std::numbers::pi * turn / kTurnsUpright, Eigen::Vector3d::UnitZ())
-                                                  .toRotationMatrix()
-                                            : SpreadTurn(turn - kTurnsUpright, kTurnsAny);
+      frame.rotation = turn < kTurnsUpright
+                           ? Eigen::AngleAxisd(2 * std::numbers::pi * turn / kTurnsUpright,
+                                               Eigen::Vector3d::UnitZ())
+                                 .toRotationMatrix()
+                           : SpreadTurn(turn - kTurnsUpright, kTurnsAny);
       frame.translation = to.center - scale * (frame.rotation * from.center);
     }
     const Eigen::Index stride = std::max<Eigen::Index>(1, before.points.rows() / kCoarseSamples);
     ParallelFor(static_cast<std::int64_t>(candidates.size()), [&](std::int64_t i) {
-      Candidate& candidate = candidates[static_cast<std::size_t>(i)];
+      Candidate& candidate = candidates[i];
       candidate.frame = Refined(candidate.frame, stride, 8, 0.1, 0.02);
       candidate.cost = PlausibleCost(candidate.frame, stride, scale);
     });
@@ -213,13 +229,15 @@ struct Carrier::Impl {
     std::stable_sort(candidates.begin(), candidates.end(), cheaper);
     std::vector<Candidate> finalists;
     for (const Candidate& candidate : candidates) {
-      const bool is_new = std::none_of(finalists.begin(), finalists.end(), [&](const Candidate& other) {
-        return AngleOf(other.frame.rotation * candidate.frame.rotation.transpose()) < 0.5 * kOtherTurn;
-      });
+      const bool is_new =
+          std::none_of(finalists.begin(), finalists.end(), [&](const Candidate& other) {
+            return AngleOf(other.frame.rotation * candidate.frame.rotation.transpose()) <
+                   0.5 * kOtherTurn;
+          });
       if (is_new && finalists.size() < kRefined) finalists.push_back(candidate);
     }
     ParallelFor(static_cast<std::int64_t>(finalists.size()), [&](std::int64_t i) {
-      Candidate& candidate = finalists[static_cast<std::size_t>(i)];
+      Candidate& candidate = finalists[i];
       candidate.frame = Refined(candidate.frame, 1, 24, 0.02, 0.004);
       candidate.cost = PlausibleCost(candidate.frame, 1, scale);
     });
@@ -235,7 +253,8 @@ struct Carrier::Impl {
   bool ColorsFit(const Similarity3& frame) const {
     if (!colored) return true;
     std::vector<double> differences;
-    for (Eigen::Index i = 0; i < before.points.rows(); ++i) differences.push_back(FootOf(frame, i).color);
+    for (Eigen::Index i = 0; i < before.points.rows(); ++i)
+      differences.push_back(FootOf(frame, i).color);
     return MedianOf(differences) < 0.5 * kOtherColor;
   }
 
@@ -248,21 +267,26 @@ struct Carrier::Impl {
       distances.push_back(foot.distance);
       agree += foot.distance < kAgrees && foot.facing > 0.5;
     }
-    // The sample is sparse: a point of the mesh is covered where the plane of the nearest sample passes it.
+    // The sample is sparse: a point of the mesh is covered where the plane of the nearest sample
+    // passes it.
     const KdTree tree(Transformed(frame, before.points));
-    const double sparse = 2.5 * std::sqrt(SurfaceArea(now.points, now.faces) / static_cast<double>(before.points.rows()));
+    const double sparse = 2.5 * std::sqrt(SurfaceArea(now.points, now.faces) /
+                                          static_cast<double>(before.points.rows()));
     for (Eigen::Index i = 0; i < sample_now.points.rows(); ++i) {
       const Eigen::Vector3d point = sample_now.points.row(i);
       for (const KdTree::Neighbor& near : tree.Nearest(point, 3)) {
         const Eigen::Vector3d normal = frame.rotation * before.normals.row(near.index).transpose();
-        if (std::sqrt(near.squared_distance) > sparse || normal.dot(sample_now.normals.row(i)) < 0.3) continue;
+        if (std::sqrt(near.squared_distance) > sparse ||
+            normal.dot(sample_now.normals.row(i)) < 0.3)
+          continue;
         ++covered;
         break;
       }
     }
     change.misfit = MedianOf(distances);
-    change.agreeing = std::min(static_cast<double>(agree) / static_cast<double>(before.points.rows()),
-                               static_cast<double>(covered) / static_cast<double>(sample_now.points.rows()));
+    change.agreeing =
+        std::min(static_cast<double>(agree) / static_cast<double>(before.points.rows()),
+                 static_cast<double>(covered) / static_cast<double>(sample_now.points.rows()));
   }
 
   MeshBinding before;
@@ -276,17 +300,22 @@ struct Carrier::Impl {
   FrameChange change;
 };
 
-Carrier::Carrier(const MeshBinding& before, const Mesh& now) : impl_(std::make_unique<Impl>(before, now)) {}
+Carrier::Carrier(const MeshBinding& before, const Mesh& now)
+    : impl_(std::make_unique<Impl>(before, now)) {}
 Carrier::~Carrier() = default;
 
 const FrameChange& Carrier::change() const { return impl_->change; }
 
-Eigen::Vector3d Carrier::BackFrom(const Eigen::Vector3d& now_point) const { return impl_->change.now_from_before.Inverse() * now_point; }
+Eigen::Vector3d Carrier::BackFrom(const Eigen::Vector3d& now_point) const {
+  return impl_->change.now_from_before.Inverse() * now_point;
+}
 
 namespace {
 
-/// The nearest vertex around `point` whose surface faces along `normal`, as a corner of a face; -1 when there is none.
-std::pair<int, int> FacingCorner(const Mesh& mesh, const SurfacePlaces& look, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+/// The nearest vertex around `point` whose surface faces along `normal`, as a corner of a face; -1
+/// when there is none.
+std::pair<int, int> FacingCorner(const Mesh& mesh, const SurfacePlaces& look,
+                                 const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
                                  double radius) {
   for (const KdTree::Neighbor& near : look.vertices().Within(point, radius)) {
     if (normal.dot(look.vertex_normals().row(near.index)) < kFacesAlike) continue;
@@ -303,9 +332,11 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   const Impl& s = *impl_;
   CarriedPlace carried;
   if (!s.change.found()) {
-    carried.why = s.change.ambiguous
-                      ? "the thing looks the same from several sides, and nothing tells which is meant"
-                      : fmt::format("the mesh is of another shape: {:.0f} % of both agree at best", 100 * s.change.agreeing);
+    carried.why =
+        s.change.ambiguous
+            ? "the thing looks the same from several sides, and nothing tells which is meant"
+            : fmt::format("the mesh is of another shape: {:.0f} % of both agree at best",
+                          100 * s.change.agreeing);
     return carried;
   }
   const Eigen::Vector3d goal = s.change.now_from_before * before.position;
@@ -325,7 +356,8 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   }
   carried.off = (here.position - goal).norm() / s.diagonal;
   const double facing = here.normal.dot(normal);
-  const double color = before.color && here.color && s.colored ? s.ColorDifference(*before.color, *here.color) : 0;
+  const double color =
+      before.color && here.color && s.colored ? s.ColorDifference(*before.color, *here.color) : 0;
   if (carried.off > kNear)
     carried.why = fmt::format("the surface is {:.1f} % of the diagonal away", 100 * carried.off);
   else if (facing < kFacesAway)

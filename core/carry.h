@@ -1,4 +1,5 @@
-// Finds places that were picked on one mesh again on another mesh of the same thing in the same pose.
+// Finds places that were picked on one mesh again on another mesh of the same thing in the same
+// pose.
 #pragma once
 
 #include <memory>
@@ -13,9 +14,11 @@ namespace keypose {
 struct FrameChange {
   Similarity3 now_from_before;
   bool same_frame = false;  ///< the meshes lie in each other as they are
-  double agreeing = 0;      ///< share of the one surface that lies on the other and faces the same way; the lower of both directions
-  double misfit = 0;        ///< median distance of the sample from the mesh now, over its diagonal
-  bool ambiguous = false;   ///< the thing looks the same from several sides, and nothing tells which is meant
+  double agreeing = 0;  ///< share of the one surface that lies on the other and faces the same way;
+                        ///< the lower of both directions
+  double misfit = 0;    ///< median distance of the sample from the mesh now, over its diagonal
+  /// the thing looks the same from several sides, and nothing tells which is meant
+  bool ambiguous = false;
   bool found() const { return agreeing >= kLeastAgreeing && !ambiguous; }
   std::string Words() const;  ///< "in the same frame", "turned by 12 degrees, 1.021 times as large"
 
@@ -36,13 +39,15 @@ struct CarriedPlace {
   std::string why;  ///< empty when sure: "the surface is 4.3 % of the diagonal away"
 };
 
-/// Carries places from a mesh that is known by its binding to a mesh that is at hand, which must outlive this.
+/// Carries places from a mesh that is known by its binding to a mesh that is at hand, which must
+/// outlive this.
 ///
-/// The frame as it is comes first. Else the sample is laid onto the mesh by similarity ICP (point to plane, robust) from 156 turns; the one
-/// with the least distance, difference of normals and, where both have them, of colours wins. Colours are compared up to the brightness
-/// of the whole.
+/// The frame as it is comes first. Else the sample is laid onto the mesh by similarity ICP (point
+/// to plane, robust) from 156 turns; the one with the least distance, difference of normals and,
+/// where both have them, of colours wins. Colours are compared up to the brightness of the whole.
 /// @throws InputError  an unusable mesh
-/// Cost: 1 s of processor time where the frame changed, else 10 ms. Same bits for any thread count.
+/// Cost: 1 s of processor time where the frame changed, else 10 ms.
+/// Same bits for any thread count.
 class Carrier {
  public:
   Carrier(const MeshBinding& before, const Mesh& now);

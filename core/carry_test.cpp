@@ -13,19 +13,26 @@
 namespace keypose {
 namespace {
 
-/// A lump without symmetry: a ball whose radius, and colour, vary with direction. `levels` and `turn` give other vertices of the same clay.
+/// A lump without symmetry: a ball whose radius, and colour, vary with direction. `levels` and
+/// `turn` give other vertices of the same clay.
 Mesh Lump(int levels, double turn_rad, bool arm_down = false) {
   Mesh mesh = MakeIcosphere(levels);
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   mesh.points = (turn * mesh.points.transpose()).transpose().eval();
   mesh.colors.resize(mesh.points.rows(), 3);
-  const Eigen::Vector3d arm = arm_down ? Eigen::Vector3d(1, 0, -0.9).normalized() : Eigen::Vector3d(1, 0, 0.9).normalized();
+  const Eigen::Vector3d arm =
+      arm_down ? Eigen::Vector3d(1, 0, -0.9).normalized() : Eigen::Vector3d(1, 0, 0.9).normalized();
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
     const Eigen::Vector3d d = mesh.points.row(v).transpose();
-    const auto bump = [&](const Eigen::Vector3d& at, double width) { return std::exp(-(d - at.normalized()).squaredNorm() / width); };
-    const double r = 1 + 0.9 * bump(arm, 0.08) + 0.5 * bump({-1, 0.3, -0.2}, 0.1) + 0.35 * bump({0, -1, 0.5}, 0.05) + 0.2 * d.z();
+    const auto bump = [&](const Eigen::Vector3d& at, double width) {
+      return std::exp(-(d - at.normalized()).squaredNorm() / width);
+    };
+    const double r = 1 + 0.9 * bump(arm, 0.08) + 0.5 * bump({-1, 0.3, -0.2}, 0.1) +
+                     0.35 * bump({0, -1, 0.5}, 0.05) + 0.2 * d.z();
     mesh.points.row(v) = r * d.transpose();
-    mesh.colors.row(v) << static_cast<std::uint8_t>(120 + 60 * d.x()), static_cast<std::uint8_t>(120 + 60 * d.y()), 90;
+    mesh.colors.row(v) << static_cast<std::uint8_t>(120 + 60 * d.x()),
+        static_cast<std::uint8_t>(120 + 60 * d.y()), 90;
   }
   return mesh;
 }
@@ -33,7 +40,8 @@ Mesh Lump(int levels, double turn_rad, bool arm_down = false) {
 Similarity3 Moved() {
   Similarity3 move;
   move.scale = 1.3;
-  move.rotation = Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.3, -1, 0.5).normalized()).toRotationMatrix();
+  move.rotation =
+      Eigen::AngleAxisd(2.0, Eigen::Vector3d(0.3, -1, 0.5).normalized()).toRotationMatrix();
   move.translation = {4, -2, 1};
   return move;
 }
@@ -48,7 +56,8 @@ std::vector<SurfacePlace> Places(const Mesh& mesh, int stride) {
 
 Eigen::Vector3d PointOf(const CarriedPlace& carried, const Mesh& mesh) {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) point += carried.barycentric[k] * mesh.points.row(mesh.faces(carried.face, k)).transpose();
+  for (int k = 0; k < 3; ++k)
+    point += carried.barycentric[k] * mesh.points.row(mesh.faces(carried.face, k)).transpose();
   return point;
 }
 
@@ -60,7 +69,8 @@ double WorstError(const Mesh& before, const Mesh& now, const Similarity3& now_fr
     const CarriedPlace carried = carrier.Carry(place);
     EXPECT_EQ(carried.grade, CarriedPlace::Grade::kSure) << carried.why;
     if (carried.face < 0) return 1;
-    worst = std::max(worst, (PointOf(carried, now) - now_from_before * place.position).norm() / BoundingDiagonal(now.points));
+    worst = std::max(worst, (PointOf(carried, now) - now_from_before * place.position).norm() /
+                                BoundingDiagonal(now.points));
   }
   return worst;
 }

@@ -17,8 +17,9 @@ namespace keypose {
 
 namespace {
 
-/// While it lives, OpenMP regions met by this thread stay on it. CHOLMOD opens four threads in every supernode, whatever the environment
-/// says, and they spin while they wait: on a busy machine that costs several times the factorisation.
+/// While it lives, OpenMP regions met by this thread stay on it. CHOLMOD opens four threads in
+/// every supernode, whatever the environment says, and they spin while they wait: on a busy machine
+/// that costs several times the factorisation.
 class OneOpenMpThread {
  public:
   OneOpenMpThread() {
@@ -35,11 +36,13 @@ class OneOpenMpThread {
   using GetLevels = int (*)();
   // Found at run time: only the CHOLMOD that was built with OpenMP brings the library.
   static SetLevels Set() {
-    static const auto set = reinterpret_cast<SetLevels>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+    static const auto set =
+        reinterpret_cast<SetLevels>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
     return Get() ? set : nullptr;
   }
   static GetLevels Get() {
-    static const auto get = reinterpret_cast<GetLevels>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
+    static const auto get =
+        reinterpret_cast<GetLevels>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
     return get;
   }
   int levels_ = 1;
@@ -99,7 +102,8 @@ namespace {
 
 /// A view of Eigen's arrays as CHOLMOD's symmetric matrix; the caller keeps them alive.
 cholmod_sparse ViewOfLower(const Eigen::SparseMatrix<double>& lower) {
-  if (!lower.isCompressed() || lower.rows() != lower.cols()) throw SolverError("sparse Cholesky: the matrix must be square and compressed");
+  if (!lower.isCompressed() || lower.rows() != lower.cols())
+    throw SolverError("sparse Cholesky: the matrix must be square and compressed");
   cholmod_sparse view{};
   view.nrow = static_cast<std::size_t>(lower.rows());
   view.ncol = static_cast<std::size_t>(lower.cols());
@@ -128,7 +132,9 @@ void SparseCholesky::Analyze(const Eigen::SparseMatrix<double>& lower) {
   if (impl_->factor) cholmod_free_factor(&impl_->factor, &impl_->common);
   impl_->factor = cholmod_analyze(&view, &impl_->common);
   ++impl_->analyze_calls;
-  if (!impl_->factor) throw SolverError("sparse Cholesky: analysis failed, status " + std::to_string(impl_->common.status));
+  if (!impl_->factor)
+    throw SolverError("sparse Cholesky: analysis failed, status " +
+                      std::to_string(impl_->common.status));
 }
 
 void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
@@ -137,10 +143,12 @@ void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
   const OneOpenMpThread one_thread;
   cholmod_factorize(&view, impl_->factor, &impl_->common);
   if (impl_->common.status == CHOLMOD_NOT_POSDEF || impl_->factor->minor < impl_->factor->n)
-    throw SolverError("sparse Cholesky: the system is not positive definite (at unknown " + std::to_string(impl_->factor->minor) +
+    throw SolverError("sparse Cholesky: the system is not positive definite (at unknown " +
+                      std::to_string(impl_->factor->minor) +
                       "); a part of the mesh is held by nothing");
   if (impl_->common.status < 0)
-    throw SolverError("sparse Cholesky: out of memory or too large, status " + std::to_string(impl_->common.status));
+    throw SolverError("sparse Cholesky: out of memory or too large, status " +
+                      std::to_string(impl_->common.status));
 }
 
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
@@ -148,8 +156,11 @@ Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
   cholmod_dense view = ViewOf(const_cast<double*>(b.data()), b.rows(), b.cols());
   const OneOpenMpThread one_thread;
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, impl_->factor, &view, &impl_->common);
-  if (!x) throw SolverError("sparse Cholesky: solve failed, status " + std::to_string(impl_->common.status));
-  Eigen::MatrixXd result = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols());
+  if (!x)
+    throw SolverError("sparse Cholesky: solve failed, status " +
+                      std::to_string(impl_->common.status));
+  Eigen::MatrixXd result =
+      Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols());
   cholmod_free_dense(&x, &impl_->common);
   if (!result.allFinite()) throw SolverError("sparse Cholesky: the solution is not finite");
   return result;
@@ -157,18 +168,22 @@ Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
 
 void SparseCholesky::SolveInPlace(Eigen::MatrixXd& b) const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
-  // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels. Wide blocks are cheaper a column, and an
-  // even number of them keeps two cores busy.
-  const Eigen::Index blocks = b.cols() <= kNarrow ? 1 : 2 * ((b.cols() + 2 * kWide - 1) / (2 * kWide));
+  // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels.
+  // Wide blocks are cheaper a column, and an even number of them keeps two cores busy.
+  const Eigen::Index blocks =
+      b.cols() <= kNarrow ? 1 : 2 * ((b.cols() + 2 * kWide - 1) / (2 * kWide));
   const Eigen::Index width = (b.cols() + blocks - 1) / std::max<Eigen::Index>(1, blocks);
   std::vector<char> failed(blocks, 0);
   ParallelBlocks(b.cols(), width, [&](std::int64_t begin, std::int64_t end) {
     const OneOpenMpThread one_thread;
     SolveSpace space;
     cholmod_dense columns = ViewOf(b.data() + begin * b.rows(), b.rows(), end - begin);
-    cholmod_dense* x = &columns;  // CHOLMOD copies the right-hand side into y before it writes the solution
-    const int ok = cholmod_solve2(CHOLMOD_A, impl_->factor, &columns, nullptr, &x, nullptr, &space.y, &space.e, &space.common);
-    failed[begin / width] = !ok || x != &columns || !std::isfinite(b.middleCols(begin, end - begin).sum());
+    // CHOLMOD copies the right-hand side into y before it writes the solution
+    cholmod_dense* x = &columns;
+    const int ok = cholmod_solve2(CHOLMOD_A, impl_->factor, &columns, nullptr, &x, nullptr,
+                                  &space.y, &space.e, &space.common);
+    failed[begin / width] =
+        !ok || x != &columns || !std::isfinite(b.middleCols(begin, end - begin).sum());
   });
   for (char f : failed)
     if (f) throw SolverError("sparse Cholesky: the solution is not finite");
@@ -181,7 +196,8 @@ SparseCholesky SparseCholesky::SameAnalysis() const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: copy before analysis");
   copy.impl_->factor = cholmod_copy_factor(impl_->factor, &copy.impl_->common);
   if (!copy.impl_->factor) throw SolverError("sparse Cholesky: out of memory");
-  if (copy.impl_->factor->xtype != CHOLMOD_PATTERN) throw SolverError("sparse Cholesky: copy an analysis before its first factorisation");
+  if (copy.impl_->factor->xtype != CHOLMOD_PATTERN)
+    throw SolverError("sparse Cholesky: copy an analysis before its first factorisation");
   return copy;
 }
 

@@ -7,10 +7,12 @@
 
 namespace keypose {
 
-/// Each point as a square of two pixels, the nearest in front, on near white; grey where the cloud has no colours.
+/// Each point as a square of two pixels, the nearest in front, on near white; grey where the cloud
+/// has no colours.
 /// Same bits for any thread count.
 ///
-/// @param view  its camera says the picture's size; FitView of render.h makes one that holds all points
+/// @param view  its camera says the picture's size; FitView of render.h makes one that holds all
+/// points
 /// @return RGB
 Image8 RenderCloud(const PointCloud& cloud, const View& view);
 

@@ -7,9 +7,20 @@
 namespace keypose {
 
 /// Exit codes of every program, as other programs rely on them.
-enum class ExitCode { kOk = 0, kBug = 1, kUsage = 2, kInput = 3, kDisk = 4, kTool = 5, kQuality = 6, kLocked = 7, kInterrupted = 130 };
+enum class ExitCode {
+  kOk = 0,
+  kBug = 1,
+  kUsage = 2,
+  kInput = 3,
+  kDisk = 4,
+  kTool = 5,
+  kQuality = 6,
+  kLocked = 7,
+  kInterrupted = 130
+};
 
-/// Base of all faults that a user can act on. The message says what is wrong, where, and what to do.
+/// Base of all faults that a user can act on. The message says what is wrong, where, and what to
+/// do.
 class Error : public std::runtime_error {
  public:
   Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

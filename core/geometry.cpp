@@ -17,15 +17,18 @@ namespace keypose {
 namespace {
 
 Eigen::Vector3d FaceCross(const PointsX3& points, const FacesX3& faces, Eigen::Index f) {
-  const Eigen::Vector3d a = points.row(faces(f, 0)), b = points.row(faces(f, 1)), c = points.row(faces(f, 2));
+  const Eigen::Vector3d a = points.row(faces(f, 0)), b = points.row(faces(f, 1)),
+                        c = points.row(faces(f, 2));
   return (b - a).cross(c - a);
 }
 
 std::uint64_t DirectedKey(int a, int b) {
-  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) |
+         static_cast<std::uint32_t>(b);
 }
 
-/// The sides of all faces, by their lower vertex: other[offset[a] .. offset[a + 1]) are the higher ones, sorted, one for each face.
+/// The sides of all faces, by their lower vertex: other[offset[a] .. offset[a + 1]) are the higher
+/// ones, sorted, one for each face.
 struct Sides {
   std::vector<int> offset, other;
 };
@@ -43,7 +46,8 @@ Sides SidesOf(int vertex_count, const FacesX3& faces) {
       const auto [a, b] = std::minmax(faces(f, k), faces(f, (k + 1) % 3));
       sides.other[next[a]++] = b;
     }
-  for (int a = 0; a < vertex_count; ++a) std::sort(sides.other.begin() + sides.offset[a], sides.other.begin() + sides.offset[a + 1]);
+  for (int a = 0; a < vertex_count; ++a)
+    std::sort(sides.other.begin() + sides.offset[a], sides.other.begin() + sides.offset[a + 1]);
   return sides;
 }
 
@@ -83,7 +87,8 @@ int CountComponents(int vertex_count, const FacesX3& faces) {
 void CountFans(int vertex_count, const FacesX3& faces, ClosedReport& report) {
   std::vector<std::vector<std::pair<int, int>>> link(static_cast<std::size_t>(vertex_count));
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) link[faces(f, k)].emplace_back(faces(f, (k + 1) % 3), faces(f, (k + 2) % 3));
+    for (int k = 0; k < 3; ++k)
+      link[faces(f, k)].emplace_back(faces(f, (k + 1) % 3), faces(f, (k + 2) % 3));
   for (auto& arcs : link) {
     if (arcs.empty()) {
       ++report.unused_vertices;
@@ -114,11 +119,14 @@ double BoundingDiagonal(const PointsX3& points) {
 
 Eigen::VectorXd FaceAreas(const PointsX3& points, const FacesX3& faces) {
   Eigen::VectorXd areas(faces.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) areas(f) = 0.5 * FaceCross(points, faces, f).norm();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    areas(f) = 0.5 * FaceCross(points, faces, f).norm();
   return areas;
 }
 
-double SurfaceArea(const PointsX3& points, const FacesX3& faces) { return FaceAreas(points, faces).sum(); }
+double SurfaceArea(const PointsX3& points, const FacesX3& faces) {
+  return FaceAreas(points, faces).sum();
+}
 
 double SignedVolume(const PointsX3& points, const FacesX3& faces) {
   if (points.rows() == 0) return 0;
@@ -126,7 +134,8 @@ double SignedVolume(const PointsX3& points, const FacesX3& faces) {
   const Eigen::Vector3d center = points.colwise().mean();
   double volume = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Eigen::Vector3d a = points.row(faces(f, 0)).transpose() - center, b = points.row(faces(f, 1)).transpose() - center,
+    const Eigen::Vector3d a = points.row(faces(f, 0)).transpose() - center,
+                          b = points.row(faces(f, 1)).transpose() - center,
                           c = points.row(faces(f, 2)).transpose() - center;
     volume += a.dot(b.cross(c));
   }
@@ -160,9 +169,10 @@ std::vector<std::pair<int, int>> UndirectedEdges(const FacesX3& faces) {
   const Sides sides = SidesOf(faces.size() > 0 ? faces.maxCoeff() + 1 : 0, faces);
   std::vector<std::pair<int, int>> edges;
   edges.reserve(sides.other.size() / 2 + 1);
-  for (int a = 0; a + 1 < static_cast<int>(sides.offset.size()); ++a)
+  for (int a = 0; a + 1 < std::ssize(sides.offset); ++a)
     for (int s = sides.offset[a]; s < sides.offset[a + 1]; ++s)
-      if (s == sides.offset[a] || sides.other[s] != sides.other[s - 1]) edges.emplace_back(a, sides.other[s]);
+      if (s == sides.offset[a] || sides.other[s] != sides.other[s - 1])
+        edges.emplace_back(a, sides.other[s]);
   return edges;
 }
 
@@ -188,33 +198,42 @@ ClosedReport CheckClosed(const Mesh& mesh) {
   CountFans(mesh.vertex_count(), mesh.faces, report);
   const double diagonal = BoundingDiagonal(mesh.points);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    report.zero_area_faces += FaceCross(mesh.points, mesh.faces, f).norm() <= 1e-14 * diagonal * diagonal;
+    report.zero_area_faces +=
+        FaceCross(mesh.points, mesh.faces, f).norm() <= 1e-14 * diagonal * diagonal;
   report.components = CountComponents(mesh.vertex_count(), mesh.faces);
-  report.euler = mesh.vertex_count() - report.unused_vertices - mesh.face_count() * 3 / 2 + mesh.face_count();
+  report.euler =
+      mesh.vertex_count() - report.unused_vertices - mesh.face_count() * 3 / 2 + mesh.face_count();
   report.volume = SignedVolume(mesh.points, mesh.faces);
   return report;
 }
 
 void RequireUsable(const Mesh& mesh, const std::string& what) {
-  if (mesh.vertex_count() == 0) throw InputError(what + ": the mesh has no vertices; check that the file is the one you meant");
-  if (mesh.face_count() == 0) throw InputError(what + ": the mesh has no faces; a point cloud must go through 'keypose mesh' first");
+  if (mesh.vertex_count() == 0)
+    throw InputError(what + ": the mesh has no vertices; check that the file is the one you meant");
+  if (mesh.face_count() == 0)
+    throw InputError(what +
+                     ": the mesh has no faces; a point cloud must go through 'keypose mesh' first");
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
     if (!mesh.points.row(v).allFinite())
       throw InputError(what + ": vertex " + std::to_string(v) +
-                       " is not finite (NaN or infinity); remove that vertex and its faces, or run the step that wrote the file again");
+                       " is not finite (NaN or infinity); remove that vertex and its faces, or run "
+                       "the step that wrote the file again");
     if (mesh.points.row(v).cwiseAbs().maxCoeff() > kMostCoordinate)
       throw InputError(what + ": vertex " + std::to_string(v) +
-                       " lies more than 1e12 from the origin, where single precision has no room for its squares; remove that vertex and "
+                       " lies more than 1e12 from the origin, where single precision has no room "
+                       "for its squares; remove that vertex and "
                        "its faces, or bring the mesh nearer");
   }
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)
       if (mesh.faces(f, k) < 0 || mesh.faces(f, k) >= mesh.vertex_count())
-        throw InputError(what + ": face " + std::to_string(f) + " names vertex " + std::to_string(mesh.faces(f, k)) + ", but there are " +
+        throw InputError(what + ": face " + std::to_string(f) + " names vertex " +
+                         std::to_string(mesh.faces(f, k)) + ", but there are " +
                          std::to_string(mesh.vertex_count()) + "; the file is damaged");
 }
 
-SurfaceSamples SampleSurface(const PointsX3& points, const FacesX3& faces, int count, std::uint64_t seed) {
+SurfaceSamples SampleSurface(const PointsX3& points, const FacesX3& faces, int count,
+                             std::uint64_t seed) {
   SurfaceSamples samples;
   if (faces.rows() == 0) return samples;
   const Eigen::VectorXd areas = FaceAreas(points, faces);
@@ -225,11 +244,13 @@ SurfaceSamples SampleSurface(const PointsX3& points, const FacesX3& faces, int c
   samples.points.resize(count, 3);
   samples.faces.resize(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
-    const auto it = std::upper_bound(cumulative.begin(), cumulative.end(), uniform() * cumulative.back());
+    const auto it =
+        std::upper_bound(cumulative.begin(), cumulative.end(), uniform() * cumulative.back());
     const auto f = std::min<Eigen::Index>(it - cumulative.begin(), faces.rows() - 1);
     const double r = std::sqrt(uniform()), s = uniform();
-    samples.points.row(i) = (1 - r) * points.row(faces(f, 0)) + r * (1 - s) * points.row(faces(f, 1)) + r * s * points.row(faces(f, 2));
-    samples.faces[static_cast<std::size_t>(i)] = static_cast<int>(f);
+    samples.points.row(i) = (1 - r) * points.row(faces(f, 0)) +
+                            r * (1 - s) * points.row(faces(f, 1)) + r * s * points.row(faces(f, 2));
+    samples.faces[i] = static_cast<int>(f);
   }
   return samples;
 }

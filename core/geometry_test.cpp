@@ -26,7 +26,8 @@ TEST(Geometry, VolumeOfAFarAwayMeshKeepsItsDigits) {
 TEST(Geometry, SphereNormalsPointOutwards) {
   const Mesh sphere = MakeIcosphere(3);
   const PointsX3 normals = VertexNormals(sphere.points, sphere.faces);
-  for (Eigen::Index v = 0; v < normals.rows(); ++v) EXPECT_GT(normals.row(v).dot(sphere.points.row(v)), 0.999);
+  for (Eigen::Index v = 0; v < normals.rows(); ++v)
+    EXPECT_GT(normals.row(v).dot(sphere.points.row(v)), 0.999);
 }
 
 TEST(CheckClosed, SphereAndCylinderAreClosed) {
@@ -65,7 +66,7 @@ TEST(BoundaryVertices, AreThoseRoundTheHole) {
   open.faces = FacesX3(open.faces.topRows(open.faces.rows() - 1));
   const auto boundary = BoundaryVertices(open.vertex_count(), open.faces);
   EXPECT_EQ(std::count(boundary.begin(), boundary.end(), 1), 3);
-  for (int k = 0; k < 3; ++k) EXPECT_TRUE(boundary[static_cast<std::size_t>(removed(k))]);
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(boundary[removed(k)]);
 }
 
 TEST(RequireUsable, NamesTheFault) {
@@ -76,7 +77,8 @@ TEST(RequireUsable, NamesTheFault) {
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("vertex 7"), std::string::npos);
-    EXPECT_EQ(std::string(error.what()).find("cleanup"), std::string::npos) << "which refuses such files itself";
+    EXPECT_EQ(std::string(error.what()).find("cleanup"), std::string::npos)
+        << "which refuses such files itself";
   }
   EXPECT_THROW(RequireUsable(Mesh{}, "source"), InputError);
 }
@@ -85,7 +87,8 @@ TEST(SampleSurface, IsUniformByArea) {
   const Mesh box = MakeBox(1, 1, 3);
   const SurfaceSamples samples = SampleSurface(box.points, box.faces, 20000, 7);
   int on_top = 0;
-  for (Eigen::Index i = 0; i < samples.points.rows(); ++i) on_top += samples.points(i, 2) > 3 - 1e-9;
+  for (Eigen::Index i = 0; i < samples.points.rows(); ++i)
+    on_top += samples.points(i, 2) > 3 - 1e-9;
   EXPECT_NEAR(on_top / 20000.0, 1.0 / 14, 0.01);  // five standard deviations
 }
 

@@ -18,13 +18,16 @@ constexpr double kDown = 0.05;              // slope of a line of sight that loo
 constexpr int kRimPixels = 300;             // of a view, about
 constexpr int kSteps = 160;                 // along the part of a line of sight near the ground
 constexpr int kHalvings = 6;
-constexpr double kReach = 0.3;       // of the box's height: the ground is sought that far above and below its lower side
+// of the box's height: the ground is sought that far above and below its lower side
+constexpr double kReach = 0.3;
 constexpr double kCrowd = 0.0075;    // of the box's height: what lies so close together ...
 constexpr double kCrowdShare = 0.1;  // ... and is that much of a view's rim is no error of masks
 constexpr std::size_t kCrowdPixels = 4;
 constexpr std::size_t kFewestViews = 3;
-constexpr double kOtherRing = 0.15;  // slopes that differ by so much tell how round the edge of the sole is
-constexpr double kUsualRise = 0.01;  // of the box's height: half of what rounded feet have, as sharp edges have none
+// slopes that differ by so much tell how round the edge of the sole is
+constexpr double kOtherRing = 0.15;
+// of the box's height: half of what rounded feet have, as sharp edges have none
+constexpr double kUsualRise = 0.01;
 
 struct Outline {
   View view;  // of the mask's size
@@ -47,7 +50,8 @@ std::vector<Outline> Outlines(const std::vector<View>& views, const std::vector<
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (masks[i].empty()) continue;
     all.push_back({views[i], &masks[i]});
-    all.back().view.camera = views[i].camera.Scaled(static_cast<double>(masks[i].width) / views[i].camera.width);
+    all.back().view.camera =
+        views[i].camera.Scaled(static_cast<double>(masks[i].width) / views[i].camera.width);
   }
   const std::size_t step = std::max<std::size_t>(1, (all.size() + kMostViews - 1) / kMostViews);
   for (std::size_t i = 0; i < all.size(); i += step) some.push_back(all[i]);
@@ -59,7 +63,9 @@ bool Allows(const Outline& outline, const Vector3d& x) {
   const Vector3d in_camera = outline.view.camera_from_world * x;
   if (!(in_camera.z() > 0)) return true;
   const Vector2d pixel = outline.view.camera.Project(in_camera);
-  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < outline.mask->width && pixel.y() < outline.mask->height)) return true;
+  if (!(pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < outline.mask->width &&
+        pixel.y() < outline.mask->height))
+    return true;
   return *outline.mask->at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) > 127;
 }
 
@@ -75,26 +81,33 @@ bool InHull(const std::vector<Outline>& outlines, const Outline& own, const Vect
 std::vector<Vector2d> LowerRim(const Outline& outline, const Vector3d& middle) {
   const View& view = outline.view;
   const double far = (view.Center() - middle).norm();
-  const Vector2d down = view.Project(middle - 0.01 * far * Vector3d::UnitZ()) - view.Project(middle);
+  const Vector2d down =
+      view.Project(middle - 0.01 * far * Vector3d::UnitZ()) - view.Project(middle);
   const bool upright = std::abs(down.y()) >= std::abs(down.x());
   const int dx = upright ? 0 : (down.x() > 0 ? 1 : -1), dy = upright ? (down.y() > 0 ? 1 : -1) : 0;
   const Image8& mask = *outline.mask;
   std::vector<Vector2d> rim, few;
   for (int y = 1; y + 1 < mask.height; ++y)
     for (int x = 1; x + 1 < mask.width; ++x)
-      if (*mask.at(x, y) > 127 && *mask.at(x + dx, y + dy) <= 127) rim.emplace_back(x + 0.5, y + 0.5);
+      if (*mask.at(x, y) > 127 && *mask.at(x + dx, y + dy) <= 127)
+        rim.emplace_back(x + 0.5, y + 0.5);
   const std::size_t step = rim.size() / kRimPixels + 1;
   for (std::size_t i = 0; i < rim.size(); i += step) few.push_back(rim[i]);
   return few;
 }
 
-/// Where the line of sight first meets the hull between two heights; nothing when it looks up, meets nothing or met it higher up.
-std::optional<Met> FirstMet(const std::vector<Outline>& outlines, const Outline& own, const Vector2d& pixel, double from, double to) {
+/// Where the line of sight first meets the hull between two heights; nothing when it looks up,
+/// meets nothing or met it higher up.
+std::optional<Met> FirstMet(const std::vector<Outline>& outlines, const Outline& own,
+                            const Vector2d& pixel, double from, double to) {
   const Vector3d origin = own.view.Center();
-  const Vector3d ray = own.view.camera_from_world.rotation.conjugate() * own.view.camera.Unproject(pixel);
+  const Vector3d ray =
+      own.view.camera_from_world.rotation.conjugate() * own.view.camera.Unproject(pixel);
   const double slope = -ray.z() / ray.head<2>().norm();
   if (!(slope > kDown) || origin.z() < from) return std::nullopt;
-  const auto at = [&](double height) { return Vector3d(origin + (height - origin.z()) / ray.z() * ray); };
+  const auto at = [&](double height) {
+    return Vector3d(origin + (height - origin.z()) / ray.z() * ray);
+  };
   const double step = (from - to) / kSteps;
   int i = 0;
   while (i <= kSteps && !InHull(outlines, own, at(from - i * step))) ++i;
@@ -112,38 +125,44 @@ std::optional<Met> FirstMet(const std::vector<Outline>& outlines, const Outline&
 /// The lowest height at which lines of sight crowd.
 std::optional<Met> LowestCrowd(std::vector<Met> met, double width) {
   std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.height < b.height; });
-  const std::size_t enough = std::max(kCrowdPixels, static_cast<std::size_t>(kCrowdShare * static_cast<double>(met.size())));
+  const std::size_t enough = std::max(
+      kCrowdPixels, static_cast<std::size_t>(kCrowdShare * static_cast<double>(met.size())));
   for (std::size_t i = 0; i + enough <= met.size(); ++i)
     if (met[i + enough - 1].height - met[i].height < width) return met[i + enough / 2];
   return std::nullopt;
 }
 
-/// By how much views see the ground higher for each unit of slope. A sole with a round edge is seen from above where the edge is as steep
-/// as the line of sight: higher from higher cameras. Median of all pairs (Theil 1950, Sen 1968).
+/// By how much views see the ground higher for each unit of slope. A sole with a round edge is seen
+/// from above where the edge is as steep as the line of sight: higher from higher cameras. Median
+/// of all pairs (Theil 1950, Sen 1968).
 /// @param usual  where all views have one slope, and do not tell
 double RiseOf(const std::vector<Met>& views, double usual) {
   std::vector<double> rises;
   for (std::size_t i = 0; i < views.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double apart = views[i].slope - views[j].slope;
-      if (std::abs(apart) > kOtherRing) rises.push_back((views[i].height - views[j].height) / apart);
+      if (std::abs(apart) > kOtherRing)
+        rises.push_back((views[i].height - views[j].height) / apart);
     }
   return rises.size() < kFewestViews ? usual : std::max(0.0, Median(rises));
 }
 
 }  // namespace
 
-std::optional<GroundContact> FindGroundContact(const std::vector<View>& views, const std::vector<Image8>& masks, const Vector3d& low,
-                                               const Vector3d& high) {
+std::optional<GroundContact> FindGroundContact(const std::vector<View>& views,
+                                               const std::vector<Image8>& masks,
+                                               const Vector3d& low, const Vector3d& high) {
   const std::vector<Outline> outlines = Outlines(views, masks);
   const double tall = high.z() - low.z();
   std::vector<std::optional<Met>> of_view(outlines.size());
   ParallelFor(static_cast<std::int64_t>(outlines.size()), [&](std::int64_t v) {
-    const Outline& outline = outlines[static_cast<std::size_t>(v)];
+    const Outline& outline = outlines[v];
     std::vector<Met> rim;
     for (const Vector2d& pixel : LowerRim(outline, (low + high) / 2))
-      if (const auto met = FirstMet(outlines, outline, pixel, low.z() + kReach * tall, low.z() - kReach * tall)) rim.push_back(*met);
-    of_view[static_cast<std::size_t>(v)] = LowestCrowd(std::move(rim), kCrowd * tall);
+      if (const auto met =
+              FirstMet(outlines, outline, pixel, low.z() + kReach * tall, low.z() - kReach * tall))
+        rim.push_back(*met);
+    of_view[v] = LowestCrowd(std::move(rim), kCrowd * tall);
   });
   std::vector<Met> lowest;
   for (const auto& met : of_view)

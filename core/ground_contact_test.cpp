@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
-#include "core/io/testing_shots.h"
 
 namespace keypose {
 namespace {
@@ -16,18 +16,21 @@ using Eigen::Vector3d;
 
 /// Rings of 12 cameras; a pixel is 0.005 units.
 MaskShot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
-  const Vector3d middle = (mesh.points.colwise().minCoeff() + mesh.points.colwise().maxCoeff()).transpose() / 2;
+  const Vector3d middle =
+      (mesh.points.colwise().minCoeff() + mesh.points.colwise().maxCoeff()).transpose() / 2;
   return MasksFromRings(mesh, middle, elevations_deg, 12, 400);
 }
 
-/// A drum of radius 0.4 and height 1.2 that stands at 0.3: below it the hull of views at 12 degrees goes on for 0.085.
+/// A drum of radius 0.4 and height 1.2 that stands at 0.3: below it the hull of views at 12 degrees
+/// goes on for 0.085.
 Mesh Drum() {
   Mesh drum = MakeCylinder(0.4, 1.2, 48, 8);
   drum.points.col(2).array() += 0.3 - drum.points.col(2).minCoeff();
   return drum;
 }
 
-const Vector3d kLow(-0.4, -0.4, 0.36), kHigh(0.4, 0.4, 1.5);  // roughly: the low side is off by 0.06
+const Vector3d kLow(-0.4, -0.4, 0.36),
+    kHigh(0.4, 0.4, 1.5);  // roughly: the low side is off by 0.06
 
 TEST(FindGroundContact, OutlinesTellWhereADrumStandsToAHundredthOfItsHeight) {
   for (const std::vector<double>& rings : {std::vector<double>{25}, {12, 40}}) {
@@ -41,10 +44,12 @@ TEST(FindGroundContact, OutlinesTellWhereADrumStandsToAHundredthOfItsHeight) {
 }
 
 TEST(FindGroundContact, ARoundSoleIsFoundBelowWhatAnyCameraSees) {
-  // The lower edge of the drum becomes a slope of 45 degrees and 0.04: the upper ring sees its outer end, at 0.34.
+  // The lower edge of the drum becomes a slope of 45 degrees and 0.04: the upper ring sees its
+  // outer end, at 0.34.
   Mesh drum = Drum();
   for (Eigen::Index v = 0; v < drum.points.rows(); ++v)
-    if (drum.points(v, 2) < 0.301 && drum.points.row(v).head<2>().norm() > 0.01) drum.points.row(v).head<2>() *= 0.9;
+    if (drum.points(v, 2) < 0.301 && drum.points.row(v).head<2>().norm() > 0.01)
+      drum.points.row(v).head<2>() *= 0.9;
   for (Eigen::Index v = 0; v < drum.points.rows(); ++v)
     if (std::abs(drum.points(v, 2) - 0.45) < 0.01) drum.points(v, 2) = 0.34;
   const MaskShot shot = Photograph(drum, {12, 50});
@@ -57,7 +62,7 @@ TEST(FindGroundContact, TwoMasksWithoutAFootAndAnEmptyOneDoNotMoveIt) {
   MaskShot shot = Photograph(Drum(), {12, 40});
   for (const int v : {3, 17})
     for (int y = 240; y < 400; ++y)
-      for (int x = 0; x < 400; ++x) *shot.masks[static_cast<std::size_t>(v)].at(x, y) = 0;
+      for (int x = 0; x < 400; ++x) *shot.masks[v].at(x, y) = 0;
   shot.masks[8] = Image8();
   const auto contact = FindGroundContact(shot.views, shot.masks, kLow, kHigh);
   ASSERT_TRUE(contact);

@@ -12,31 +12,39 @@
 namespace keypose {
 
 struct KdTree::Impl {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Impl>, Impl, 3, std::size_t>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Impl>, Impl,
+                                                   3, std::size_t>;
 
-  explicit Impl(const PointsX3& p) : points(p), tree(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+  explicit Impl(const PointsX3& p)
+      : points(p), tree(3, *this, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
     // The points of a leaf lie side by side in memory from now on.
     index.swap(tree.vAcc);
-    for (std::size_t i = 0; i < index.size(); ++i) points.row(static_cast<Eigen::Index>(i)) = p.row(static_cast<Eigen::Index>(index[i]));
+    for (std::size_t i = 0; i < index.size(); ++i) points.row(i) = p.row(index[i]);
     tree.vAcc.resize(index.size());
     std::iota(tree.vAcc.begin(), tree.vAcc.end(), std::size_t{0});
   }
   std::size_t kdtree_get_point_count() const { return static_cast<std::size_t>(points.rows()); }
-  double kdtree_get_pt(std::size_t i, std::size_t d) const { return points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(d)); }
+  double kdtree_get_pt(std::size_t i, std::size_t d) const {
+    return points(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(d));
+  }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
   }
-  Neighbor NeighborAt(std::size_t i, double squared) const { return {static_cast<int>(index[i]), squared}; }
+  Neighbor NeighborAt(std::size_t i, double squared) const {
+    return {static_cast<int>(index[i]), squared};
+  }
   Neighbor Closest(const Eigen::Vector3d& point) const;
-  Neighbor ClosestByNanoflann(const Eigen::Vector3d& point) const;  ///< of trees deeper than any sensible one
+  Neighbor ClosestByNanoflann(
+      const Eigen::Vector3d& point) const;  ///< of trees deeper than any sensible one
 
   PointsX3 points;                 // in the order of the leaves
   std::vector<std::size_t> index;  // of each, in the input
   Tree tree;                       // built when it is made
 };
 
-/// nanoflann's own search for one neighbour, the same places in the same order, but without a call for each node.
+/// nanoflann's own search for one neighbour, the same places in the same order, but without a call
+/// for each node.
 KdTree::Neighbor KdTree::Impl::Closest(const Eigen::Vector3d& point) const {
   struct Branch {
     const Tree::Node* node;
@@ -47,7 +55,8 @@ KdTree::Neighbor KdTree::Impl::Closest(const Eigen::Vector3d& point) const {
   std::array<Branch, kDeepest> open;
   Branch now{tree.root_node, 0, Eigen::Vector3d::Zero()};
   for (int k = 0; k < 3; ++k) {
-    const double off = std::max({tree.root_bbox[k].low - point[k], point[k] - tree.root_bbox[k].high, 0.0});
+    const double off =
+        std::max({tree.root_bbox[k].low - point[k], point[k] - tree.root_bbox[k].high, 0.0});
     now.own[k] = off * off;
     now.squared += now.own[k];
   }
@@ -56,7 +65,8 @@ KdTree::Neighbor KdTree::Impl::Closest(const Eigen::Vector3d& point) const {
   for (int waiting = 0;;) {
     while (now.node->child1) {
       const auto& cut = now.node->node_type.sub;
-      const double before = point[cut.divfeat] - cut.divlow, after = point[cut.divfeat] - cut.divhigh;
+      const double before = point[cut.divfeat] - cut.divlow,
+                   after = point[cut.divfeat] - cut.divhigh;
       const bool first = before + after < 0;
       const double across = first ? after : before;
       if (waiting == kDeepest) return ClosestByNanoflann(point);
@@ -68,7 +78,8 @@ KdTree::Neighbor KdTree::Impl::Closest(const Eigen::Vector3d& point) const {
     }
     for (std::size_t i = now.node->node_type.lr.left; i < now.node->node_type.lr.right; ++i) {
       const double* const p = points.data() + 3 * i;
-      const double x = point[0] - p[0], y = point[1] - p[1], z = point[2] - p[2], squared = x * x + y * y + z * z;
+      const double x = point[0] - p[0], y = point[1] - p[1], z = point[2] - p[2],
+                   squared = x * x + y * y + z * z;
       if (squared < least) least = squared, at = i;
     }
     do {
@@ -94,7 +105,9 @@ KdTree::KdTree(const PointsX3& points) {
 KdTree::~KdTree() = default;
 KdTree::KdTree(KdTree&&) noexcept = default;
 
-KdTree::Neighbor KdTree::Nearest(const Eigen::Vector3d& point) const { return impl_->Closest(point); }
+KdTree::Neighbor KdTree::Nearest(const Eigen::Vector3d& point) const {
+  return impl_->Closest(point);
+}
 
 std::vector<KdTree::Neighbor> KdTree::Nearest(const Eigen::Vector3d& point, int k) const {
   const auto count = static_cast<std::size_t>(std::min<Eigen::Index>(k, impl_->points.rows()));
@@ -110,14 +123,17 @@ std::vector<KdTree::Neighbor> KdTree::Nearest(const Eigen::Vector3d& point, int 
 
 std::vector<KdTree::Neighbor> KdTree::Within(const Eigen::Vector3d& point, double radius) const {
   std::vector<std::pair<std::size_t, double>> found;
-  impl_->tree.radiusSearch(point.data(), radius * radius, found, nanoflann::SearchParams(32, 0, false));
+  impl_->tree.radiusSearch(point.data(), radius * radius, found,
+                           nanoflann::SearchParams(32, 0, false));
   for (auto& near : found) near.first = impl_->index[near.first];
   // Equal distances are ordered by index, so that the order never depends on the tree.
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return std::tie(a.second, a.first) < std::tie(b.second, b.first); });
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second, a.first) < std::tie(b.second, b.first);
+  });
   std::vector<Neighbor> neighbors;
   neighbors.reserve(found.size());
-  for (const auto& [index, squared] : found) neighbors.push_back({static_cast<int>(index), squared});
+  for (const auto& [index, squared] : found)
+    neighbors.push_back({static_cast<int>(index), squared});
   return neighbors;
 }
 

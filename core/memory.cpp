@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
 
-/// The number behind `key` in a file of lines "key number"; kUnknown where there is none. An empty key: the file's first word.
+/// The number behind `key` in a file of lines "key number"; kUnknown where there is none. An empty
+/// key: the file's first word.
 std::int64_t NumberIn(const std::string& file, const std::string& key) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -39,7 +40,8 @@ std::int64_t FreeOfGroup() {
   for (std::string line; std::getline(in, line);) {
     if (line.rfind("0::", 0) != 0) continue;
     const std::string group = "/sys/fs/cgroup" + line.substr(3);
-    const std::int64_t most = NumberIn(group + "/memory.max", ""), now = NumberIn(group + "/memory.current", "");
+    const std::int64_t most = NumberIn(group + "/memory.max", ""),
+                       now = NumberIn(group + "/memory.current", "");
     if (most != kUnknown && now != kUnknown) return std::max<std::int64_t>(0, most - now);
   }
   return kUnknown;
@@ -50,7 +52,8 @@ std::int64_t FreeOfProcess() {
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnknown;
   const std::int64_t pages = NumberIn("/proc/self/statm", "");
   if (pages == kUnknown) return kUnknown;
-  return std::max<std::int64_t>(0, static_cast<std::int64_t>(limit.rlim_cur) - pages * sysconf(_SC_PAGESIZE));
+  return std::max<std::int64_t>(
+      0, static_cast<std::int64_t>(limit.rlim_cur) - pages * sysconf(_SC_PAGESIZE));
 }
 
 std::string Gigabytes(std::int64_t bytes) {

@@ -6,8 +6,8 @@
 
 namespace keypose {
 
-/// Bytes that this process may still take: the least of what the system has free, what its control group allows and its own limit (ulimit
-/// -v). What cannot be asked does not count.
+/// Bytes that this process may still take: the least of what the system has free, what its control
+/// group allows and its own limit (ulimit -v). What cannot be asked does not count.
 std::int64_t FreeMemory();
 
 /// @param what  what needs it, for the message: the file's name and its size

@@ -6,10 +6,13 @@
 
 namespace keypose {
 
-using PointsX3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;        ///< rows are points or vectors
-using FacesX3 = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;            ///< rows are 0-based corners
+/// rows are points or vectors
+using PointsX3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+/// rows are 0-based corners
+using FacesX3 = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using ColorsX3 = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 3, Eigen::RowMajor>;  ///< sRGB, 0..255
-using UvsX2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;           ///< u right, v up, in [0,1]
+/// u right, v up, in [0,1]
+using UvsX2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// An indexed triangle mesh. Optional parts have zero rows when absent.
 struct Mesh {

@@ -15,7 +15,8 @@ constexpr int kSamples = 400;
 constexpr double kAround = 0.015;  // of the diagonal
 
 std::string_view BytesOf(const auto& matrix) {
-  return {reinterpret_cast<const char*>(matrix.data()), static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data())};
+  return {reinterpret_cast<const char*>(matrix.data()),
+          static_cast<std::size_t>(matrix.size()) * sizeof(*matrix.data())};
 }
 
 void AddFaces(Sha256& hash, const Mesh& mesh) {
@@ -30,7 +31,8 @@ Eigen::Vector3d BarycentricOf(const Mesh& mesh, int face, const Eigen::Vector3d&
   const Eigen::Vector3d normal = ab.cross(ac);
   const double area = normal.squaredNorm();
   if (area <= 0) return Eigen::Vector3d::Unit(0);
-  const double v = (point - a).cross(ac).dot(normal) / area, w = ab.cross(point - a).dot(normal) / area;
+  const double v = (point - a).cross(ac).dot(normal) / area,
+               w = ab.cross(point - a).dot(normal) / area;
   return {1 - v - w, v, w};
 }
 
@@ -38,7 +40,8 @@ Eigen::Vector3d BarycentricOf(const Mesh& mesh, int face, const Eigen::Vector3d&
 
 std::string GeometryHash(const Mesh& mesh) {
   // An OBJ loses the last bits of a double; adding zero makes -0 the same as 0.
-  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> points = mesh.points.cast<float>().array() + 0.0f;
+  const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> points =
+      mesh.points.cast<float>().array() + 0.0f;
   Sha256 hash;
   AddFaces(hash, mesh);
   hash.Add(BytesOf(points));
@@ -97,7 +100,7 @@ MeshBinding BindTo(const Mesh& mesh) {
   binding.normals.resize(count, 3);
   if (mesh.colors.rows() == mesh.points.rows()) binding.colors.resize(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const int face = samples.faces[static_cast<std::size_t>(i)];
+    const int face = samples.faces[i];
     const SurfacePlace place = places.At(face, BarycentricOf(mesh, face, samples.points.row(i)));
     binding.normals.row(i) = place.normal.transpose();
     if (place.color) binding.colors.row(i) = place.color->transpose();

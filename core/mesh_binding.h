@@ -1,4 +1,5 @@
-// What a mesh was when a person picked something on it, so that the pick can be found again on a mesh that was made anew.
+// What a mesh was when a person picked something on it, so that the pick can be found again on a
+// mesh that was made anew.
 #pragma once
 
 #include <optional>
@@ -9,16 +10,20 @@
 
 namespace keypose {
 
-/// SHA-256 of the positions, in single precision, and the faces: the same for a PLY, and for an OBJ with texture coordinates, of one mesh.
+/// SHA-256 of the positions, in single precision, and the faces: the same for a PLY, and for an OBJ
+/// with texture coordinates, of one mesh.
 std::string GeometryHash(const Mesh& mesh);
-/// SHA-256 of the number of vertices and the faces: equal where vertex and face numbers mean the same, as in a template and its poses.
+/// SHA-256 of the number of vertices and the faces: equal where vertex and face numbers mean the
+/// same, as in a template and its poses.
 std::string NumberingHash(const Mesh& mesh);
 
 /// How a mesh looks at a point of its surface.
 struct SurfacePlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit; mean over the surface around that faces the same way
-  std::optional<Eigen::Vector3d> color;               ///< mean over the same, 0 to 255; none where the mesh has no colours
+  /// unit; mean over the surface around that faces the same way
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  /// mean over the same, 0 to 255; none where the mesh has no colours
+  std::optional<Eigen::Vector3d> color;
 };
 
 /// Reads places off a mesh, which must outlive it. `Around` is 1.5 % of the bounding diagonal.
@@ -37,7 +42,8 @@ class SurfacePlaces {
   double around_;
 };
 
-/// Which mesh it was, and a sample of its shape: enough to align it with another mesh of the same thing.
+/// Which mesh it was, and a sample of its shape: enough to align it with another mesh of the same
+/// thing.
 struct MeshBinding {
   int vertex_count = 0, face_count = 0;
   std::string geometry, numbering;  ///< the hashes above; empty in files that older programs wrote

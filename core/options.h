@@ -1,4 +1,5 @@
-// Options of a stage: plain structs whose fields name themselves once, for flags, YAML keys, --help and --describe.
+// Options of a stage: plain structs whose fields name themselves once, for flags, YAML keys, --help
+// and --describe.
 #pragma once
 
 #include <limits>
@@ -20,8 +21,9 @@ struct OptionDoc {
 ///
 ///     struct MeshOptions {
 ///       int depth = 9;  ///< octree depth
-///       void Describe(OptionVisitor& visit) { visit("depth", depth, {"octree depth", "levels", 4, 13}); }
-///       std::vector<std::string> Problems() const;   // faults beyond ranges and choices; may be left out
+///       void Describe(OptionVisitor& visit) { visit("depth", depth, {"octree depth", "levels", 4,
+///       13}); } std::vector<std::string> Problems() const;   // faults beyond ranges and choices;
+///       may be left out
 ///     };
 class OptionVisitor {
  public:

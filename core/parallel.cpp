@@ -24,8 +24,8 @@ int DefaultThreads() {
   return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-/// Threads that sleep between loops. Not TBB: Embree shares TBB's one pool of workers and its limits, and was seen to leave our
-/// loops a single thread for the rest of the process.
+/// Threads that sleep between loops. Not TBB: Embree shares TBB's one pool of workers and its
+/// limits, and was seen to leave our loops a single thread for the rest of the process.
 class Pool {
  public:
   ~Pool() {
@@ -38,11 +38,13 @@ class Pool {
   }
 
   /// Calls run_block(b) for b in [0, blocks) on `participants` threads, this one among them.
-  void Run(std::int64_t blocks, int participants, const std::function<void(std::int64_t)>& run_block) {
+  void Run(std::int64_t blocks, int participants,
+           const std::function<void(std::int64_t)>& run_block) {
     const std::lock_guard one_loop(loop_mutex_);
     {
       const std::lock_guard lock(mutex_);
-      while (static_cast<int>(threads_.size()) < participants - 1) threads_.emplace_back([this] { Work(); });
+      while (static_cast<int>(threads_.size()) < participants - 1)
+        threads_.emplace_back([this] { Work(); });
       run_block_ = &run_block;
       blocks_ = blocks;
       next_ = 0;
@@ -111,9 +113,11 @@ int ThreadCount() {
 
 void SetThreadCount(int threads) { g_override = threads; }
 
-void ParallelBlocks(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body) {
+void ParallelBlocks(std::int64_t count, std::int64_t grain,
+                    const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
-  // Blocks are cut here and depend on nothing but count and grain, so that per-block sums have the same extent for any thread count.
+  // Blocks are cut here and depend on nothing but count and grain, so that per-block sums have the
+  // same extent for any thread count.
   const std::int64_t blocks = (count + grain - 1) / grain;
   const auto run_block = [&](std::int64_t b) { body(b * grain, std::min(count, (b + 1) * grain)); };
   const int participants = static_cast<int>(std::min<std::int64_t>(ThreadCount(), blocks));
@@ -125,7 +129,8 @@ void ParallelBlocks(std::int64_t count, std::int64_t grain, const std::function<
   pool.Run(blocks, participants, run_block);
 }
 
-void ParallelFor(std::int64_t count, const std::function<void(std::int64_t)>& body, std::int64_t grain) {
+void ParallelFor(std::int64_t count, const std::function<void(std::int64_t)>& body,
+                 std::int64_t grain) {
   ParallelBlocks(count, grain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) body(i);
   });

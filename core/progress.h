@@ -7,7 +7,8 @@
 
 namespace keypose {
 
-/// Receives progress. Algorithms take a pointer that may be null; they call `Step` once per outer iteration.
+/// Receives progress. Algorithms take a pointer that may be null; they call `ReportProgress` once
+/// per outer iteration.
 class Progress {
  public:
   virtual ~Progress() = default;
@@ -18,7 +19,7 @@ class Progress {
 };
 
 /// Reports and @throws Cancelled when the user asked to stop. Null is fine.
-inline void Step(Progress* progress, double fraction, std::string_view what) {
+inline void ReportProgress(Progress* progress, double fraction, std::string_view what) {
   if (!progress) return;
   if (progress->cancelled()) throw Cancelled();
   progress->Update(fraction, what);
@@ -27,7 +28,8 @@ inline void Step(Progress* progress, double fraction, std::string_view what) {
 /// Maps [0,1] of a part of the work into [begin,end] of the whole.
 class SubProgress final : public Progress {
  public:
-  SubProgress(Progress* whole, double begin, double end) : whole_(whole), begin_(begin), end_(end) {}
+  SubProgress(Progress* whole, double begin, double end)
+      : whole_(whole), begin_(begin), end_(end) {}
   void Update(double fraction, std::string_view what) override {
     if (whole_) whole_->Update(begin_ + (end_ - begin_) * fraction, what);
   }

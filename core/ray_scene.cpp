@@ -12,8 +12,10 @@
 namespace keypose {
 namespace {
 
-/// Closest point of triangle abc to p, with its barycentric coordinates. Source: Ericson, Real-Time Collision Detection, 5.1.5.
-RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+/// Closest point of triangle abc to p, with its barycentric coordinates.
+/// Source: Ericson, Real-Time Collision Detection, 5.1.5.
+RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                                 const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const auto foot = [&](double wa, double wb, double wc) {
     RayScene::Foot result;
     result.barycentric = {wa, wb, wc};
@@ -54,17 +56,21 @@ RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d
 }  // namespace
 
 struct RayScene::Impl {
-  Impl(const PointsX3& p, const FacesX3& f) : points(p), faces(f), device(rtcNewDevice("threads=1")) {
-    // One thread builds the tree, so that it, and with it the face of a tie, never depends on timing.
+  Impl(const PointsX3& p, const FacesX3& f)
+      : points(p), faces(f), device(rtcNewDevice("threads=1")) {
+    // One thread builds the tree, so that it, and with it the face of a tie, never depends on
+    // timing.
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertex = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                               static_cast<std::size_t>(points.rows())));
+    auto* vertex = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                3 * sizeof(float), static_cast<std::size_t>(points.rows())));
     for (Eigen::Index v = 0; v < points.rows(); ++v)
       for (int k = 0; k < 3; ++k) vertex[3 * v + k] = static_cast<float>(points(v, k));
-    auto* index = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
-                                                                 static_cast<std::size_t>(faces.rows())));
+    auto* index = static_cast<unsigned*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                3 * sizeof(unsigned), static_cast<std::size_t>(faces.rows())));
     for (Eigen::Index face = 0; face < faces.rows(); ++face)
       for (int k = 0; k < 3; ++k) index[3 * face + k] = static_cast<unsigned>(faces(face, k));
     rtcSetGeometryPointQueryFunction(geometry, &Impl::Visit);
@@ -92,13 +98,18 @@ struct RayScene::Impl {
     const int face = static_cast<int>(args->primID);
     const FacesX3& faces = query.scene->faces;
     const PointsX3& points = query.scene->points;
-    Foot foot = ClosestOnTriangle(query.point, points.row(faces(face, 0)), points.row(faces(face, 1)), points.row(faces(face, 2)));
+    Foot foot = ClosestOnTriangle(query.point, points.row(faces(face, 0)),
+                                  points.row(faces(face, 1)), points.row(faces(face, 2)));
     if (foot.squared_distance > query.best.squared_distance) return false;
-    if (foot.squared_distance == query.best.squared_distance && query.best.face >= 0 && query.best.face < face) return false;
+    if (foot.squared_distance == query.best.squared_distance && query.best.face >= 0 &&
+        query.best.face < face)
+      return false;
     foot.face = face;
     query.best = foot;
-    // The tree holds floats: keep a margin of their rounding, so that no face that is closer in double precision is cut off.
-    const auto radius = static_cast<float>(std::sqrt(foot.squared_distance) * (1 + 1e-6) + 4e-7 * query.scene->magnitude);
+    // The tree holds floats: keep a margin of their rounding, so that no face that is closer in
+    // double precision is cut off.
+    const auto radius = static_cast<float>(std::sqrt(foot.squared_distance) * (1 + 1e-6) +
+                                           4e-7 * query.scene->magnitude);
     if (radius < args->query->radius) {
       args->query->radius = radius;
       return true;
@@ -106,14 +117,17 @@ struct RayScene::Impl {
     return false;
   }
 
-  /// Embree stops the program at rays that are not finite, or so long that their squares are not; such rays hit nothing.
-  static bool CanBeCast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near) {
+  /// Embree stops the program at rays that are not finite, or so long that their squares are not;
+  /// such rays hit nothing.
+  static bool CanBeCast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        double near) {
     constexpr double kMost = 1e18;
-    return origin.allFinite() && direction.allFinite() && origin.cwiseAbs().maxCoeff() < kMost && direction.cwiseAbs().maxCoeff() < kMost &&
-           near < kMost;
+    return origin.allFinite() && direction.allFinite() && origin.cwiseAbs().maxCoeff() < kMost &&
+           direction.cwiseAbs().maxCoeff() < kMost && near < kMost;
   }
 
-  static RTCRay MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) {
+  static RTCRay MakeRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        double near, double far) {
     RTCRay ray{};
     ray.org_x = static_cast<float>(origin.x());
     ray.org_y = static_cast<float>(origin.y());
@@ -136,14 +150,16 @@ struct RayScene::Impl {
 
 RayScene::RayScene(const PointsX3& points, const FacesX3& faces) {
   if (faces.rows() == 0) throw InputError("ray casting: the mesh has no faces");
-  if (faces.minCoeff() < 0 || faces.maxCoeff() >= points.rows()) throw InputError("ray casting: a face names a vertex that does not exist");
+  if (faces.minCoeff() < 0 || faces.maxCoeff() >= points.rows())
+    throw InputError("ray casting: a face names a vertex that does not exist");
   impl_ = std::make_unique<Impl>(points, faces);
 }
 RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
-RayScene::Hit RayScene::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) const {
+RayScene::Hit RayScene::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                             double near, double far) const {
   if (!Impl::CanBeCast(origin, direction, near)) return {};
   RTCRayHit query{};
   query.ray = Impl::MakeRay(origin, direction, near, far);
@@ -155,7 +171,8 @@ RayScene::Hit RayScene::Cast(const Eigen::Vector3d& origin, const Eigen::Vector3
   return {static_cast<int>(query.hit.primID), query.ray.tfar, query.hit.u, query.hit.v};
 }
 
-bool RayScene::Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) const {
+bool RayScene::Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+                        double near, double far) const {
   if (!Impl::CanBeCast(origin, direction, near)) return false;
   RTCRay ray = Impl::MakeRay(origin, direction, near, far);
   RTCIntersectContext context;

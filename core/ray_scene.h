@@ -29,13 +29,16 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
-  /// First hit in [near, far] along the ray. Single precision: expect 1e-6 of the scene's size. Rays not finite, or beyond 1e18, hit none.
+  /// First hit in [near, far] along the ray. Single precision: expect 1e-6 of the scene's size.
+  /// Rays not finite, or beyond 1e18, hit none.
   Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near = 0,
            double far = std::numeric_limits<double>::infinity()) const;
   /// Whether anything lies in [near, far] along the ray.
-  bool Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near, double far) const;
+  bool Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near,
+                double far) const;
   /// Exact closest point on the surface, in double precision; ties go to the lowest face.
-  Foot ClosestPoint(const Eigen::Vector3d& point, double radius = std::numeric_limits<double>::infinity()) const;
+  Foot ClosestPoint(const Eigen::Vector3d& point,
+                    double radius = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Impl;

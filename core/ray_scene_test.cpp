@@ -84,7 +84,9 @@ TEST(RayScene, LeavesTheLoopsOfTheProcessTheirThreads) {
   EXPECT_GE(threads.size(), 2u);
 }
 
-TEST(RayScene, EmptyMeshThrowsInputError) { EXPECT_THROW(RayScene(PointsX3(0, 3), FacesX3(0, 3)), InputError); }
+TEST(RayScene, EmptyMeshThrowsInputError) {
+  EXPECT_THROW(RayScene(PointsX3(0, 3), FacesX3(0, 3)), InputError);
+}
 
 TEST(KdTree, FindsWhatBruteForceFinds) {
   const PointsX3 points = PointsX3::Random(500, 3);
@@ -96,7 +98,8 @@ TEST(KdTree, FindsWhatBruteForceFinds) {
     EXPECT_EQ(tree.Nearest(p).index, best);
     EXPECT_EQ(tree.Nearest(p, 5).front().index, best);
     const auto within = tree.Within(p, 0.5);
-    EXPECT_EQ(static_cast<Eigen::Index>(within.size()), ((points.rowwise() - p.transpose()).rowwise().norm().array() < 0.5).count());
+    EXPECT_EQ(static_cast<Eigen::Index>(within.size()),
+              ((points.rowwise() - p.transpose()).rowwise().norm().array() < 0.5).count());
   }
 }
 
@@ -105,7 +108,7 @@ TEST(ParallelFor, VisitsEachIndexOnceAndRethrows) {
     SetThreadCount(threads);
     std::vector<int> visits(1000, 0);
     ParallelFor(
-        1000, [&](std::int64_t i) { ++visits[static_cast<std::size_t>(i)]; }, 7);
+        1000, [&](std::int64_t i) { ++visits[i]; }, 7);
     EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), 1000);
     EXPECT_THROW(ParallelFor(10,
                              [](std::int64_t i) {

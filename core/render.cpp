@@ -27,12 +27,16 @@ const std::array<double, 256>& LinearTable() {
   return table;
 }
 
-Vector3d ToLinear(const std::uint8_t* rgb) { return {LinearTable()[rgb[0]], LinearTable()[rgb[1]], LinearTable()[rgb[2]]}; }
+Vector3d ToLinear(const std::uint8_t* rgb) {
+  return {LinearTable()[rgb[0]], LinearTable()[rgb[1]], LinearTable()[rgb[2]]};
+}
 Vector3d ToLinear(const Vector3d& srgb) {
   return (srgb / 255).unaryExpr([](double s) { return LinearFromSrgb(s); });
 }
 
-std::uint8_t ToByte(double linear) { return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0)))); }
+std::uint8_t ToByte(double linear) {
+  return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0))));
+}
 
 /// Everything a ray needs, worked out once a picture.
 struct Shader {
@@ -45,8 +49,11 @@ struct Shader {
   Vector3d eye;
   Vector3d key_lamp, fill_lamp;  ///< unit, in world
 
-  Shader(const Mesh& m, const RayScene& s, const View& v, const RenderOptions& o) : mesh(m), scene(s), view(v), options(o) {
-    if (o.smooth) vertex_normals = m.normals.rows() == m.points.rows() ? m.normals : VertexNormals(m.points, m.faces);
+  Shader(const Mesh& m, const RayScene& s, const View& v, const RenderOptions& o)
+      : mesh(m), scene(s), view(v), options(o) {
+    if (o.smooth)
+      vertex_normals =
+          m.normals.rows() == m.points.rows() ? m.normals : VertexNormals(m.points, m.faces);
     world_from_camera = v.camera_from_world.rotation.conjugate().toRotationMatrix();
     eye = v.Center();
     key_lamp = world_from_camera * Vector3d(-0.45, -0.65, -0.75).normalized();
@@ -59,7 +66,8 @@ struct Shader {
     const Vector3d flat = (b - a).cross(c - a).normalized();
     Vector3d n = flat;
     if (options.smooth) {
-      n = (1 - hit.u - hit.v) * vertex_normals.row(f[0]) + hit.u * vertex_normals.row(f[1]) + hit.v * vertex_normals.row(f[2]);
+      n = (1 - hit.u - hit.v) * vertex_normals.row(f[0]) + hit.u * vertex_normals.row(f[1]) +
+          hit.v * vertex_normals.row(f[2]);
       n = n.squaredNorm() > 1e-12 ? n.normalized().eval() : flat;
     }
     // Both sides are lit, so that a hole or an inverted face is still seen for what it is.
@@ -79,7 +87,8 @@ struct Shader {
     const ColorsX3& colors = options.vertex_colors.rows() > 0 ? options.vertex_colors : mesh.colors;
     if (colors.rows() == 0) return kClay;
     Vector3d sum = Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) sum += w[k] * colors.row(mesh.faces(hit.face, k)).cast<double>().transpose();
+    for (int k = 0; k < 3; ++k)
+      sum += w[k] * colors.row(mesh.faces(hit.face, k)).cast<double>().transpose();
     return ToLinear(sum);
   }
 
@@ -89,7 +98,9 @@ struct Shader {
     const double w[3] = {1 - hit.u - hit.v, hit.u, hit.v};
     const double twice_area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
     double nearest = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) nearest = std::min(nearest, w[k] * twice_area / std::max((p[(k + 1) % 3] - p[(k + 2) % 3]).norm(), 1e-300));
+    for (int k = 0; k < 3; ++k)
+      nearest = std::min(
+          nearest, w[k] * twice_area / std::max((p[(k + 1) % 3] - p[(k + 2) % 3]).norm(), 1e-300));
     return nearest * view.camera.fx / depth;
   }
 
@@ -100,7 +111,8 @@ struct Shader {
     const RayScene::Hit hit = scene.Cast(eye, direction);
     if (hit.face < 0) return false;
     const Vector3d n = Normal(hit, direction);
-    const double light = 0.26 + 0.62 * std::max(0.0, n.dot(key_lamp)) + 0.24 * std::max(0.0, n.dot(fill_lamp));
+    const double light =
+        0.26 + 0.62 * std::max(0.0, n.dot(key_lamp)) + 0.24 * std::max(0.0, n.dot(fill_lamp));
     color = LinearColor(hit) * (1 - options.shading + options.shading * light);
     if (options.wireframe && EdgeDistancePixels(hit, hit.distance) < 0.6) color = 0.35 * color;
     return true;
@@ -110,8 +122,8 @@ struct Shader {
 void CheckColors(const Mesh& mesh, const RenderOptions& options) {
   const auto check = [](Eigen::Index have, Eigen::Index want, const char* what) {
     if (have > 0 && have != want)
-      throw InputError("render: " + std::to_string(have) + " colours for " + std::to_string(want) + " " + what +
-                       "; give one each, or none");
+      throw InputError("render: " + std::to_string(have) + " colours for " + std::to_string(want) +
+                       " " + what + "; give one each, or none");
   };
   check(options.vertex_colors.rows(), mesh.points.rows(), "vertices");
   check(options.face_colors.rows(), mesh.faces.rows(), "faces");
@@ -129,7 +141,9 @@ Rgb8 Between(const Vector3d* anchors, int count, double t) {
 
 Rigid3 LookAt(const Vector3d& eye, const Vector3d& target, const Vector3d& up) {
   const Vector3d forward = target - eye;
-  if (!(forward.norm() > 0)) throw InputError("render: the camera's eye lies on the point that it should look at; move one of them");
+  if (!(forward.norm() > 0))
+    throw InputError(
+        "render: the camera's eye lies on the point that it should look at; move one of them");
   const Vector3d z = forward.normalized();
   Vector3d x = z.cross(up);
   if (x.norm() < 1e-9 * up.norm()) x = z.unitOrthogonal();
@@ -142,17 +156,21 @@ Rigid3 LookAt(const Vector3d& eye, const Vector3d& target, const Vector3d& up) {
   return result;
 }
 
-View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width, int height, const Vector3d& up, double fov_deg) {
+View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width,
+             int height, const Vector3d& up, double fov_deg) {
   if (points.rows() == 0) throw InputError("render: nothing to look at: the mesh has no vertices");
-  if (width < 1 || height < 1) throw InputError("render: a picture needs at least one pixel each way");
+  if (width < 1 || height < 1)
+    throw InputError("render: a picture needs at least one pixel each way");
   const Vector3d z = up.normalized();
   // With z up the front is -y; for another up axis any fixed horizontal direction will do.
   Vector3d right = std::abs(z.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY();
   right = (right - right.dot(z) * z).normalized();
   const Vector3d front = right.cross(z);
   const double a = azimuth_deg * M_PI / 180, e = elevation_deg * M_PI / 180;
-  const Vector3d outward = std::cos(e) * (std::cos(a) * front + std::sin(a) * right) + std::sin(e) * z;
-  const Vector3d center = 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
+  const Vector3d outward =
+      std::cos(e) * (std::cos(a) * front + std::sin(a) * right) + std::sin(e) * z;
+  const Vector3d center =
+      0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
   View view;
   view.camera.width = width;
   view.camera.height = height;
@@ -161,11 +179,13 @@ View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, i
   view.camera.cy = 0.5 * height;
   const Rigid3 turned = LookAt(center + outward, center, z);
   const Eigen::Matrix3d rotation = turned.rotation.toRotationMatrix();
-  const double slope_x = 0.94 * 0.5 * width / view.camera.fx, slope_y = 0.94 * 0.5 * height / view.camera.fy;
+  const double slope_x = 0.94 * 0.5 * width / view.camera.fx,
+               slope_y = 0.94 * 0.5 * height / view.camera.fy;
   double distance = 0;
   for (int v = 0; v < points.rows(); ++v) {
     const Vector3d x = rotation * (points.row(v).transpose() - center);
-    distance = std::max({distance, std::abs(x.x()) / slope_x - x.z(), std::abs(x.y()) / slope_y - x.z()});
+    distance =
+        std::max({distance, std::abs(x.x()) / slope_x - x.z(), std::abs(x.y()) / slope_y - x.z()});
   }
   if (!(distance > 0)) distance = 1;
   view.camera_from_world = LookAt(center + distance * outward, center, z);
@@ -179,7 +199,8 @@ PixelBox ProjectedBounds(const PointsX3& points, const View& view) {
   const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
   for (int v = 0; v < points.rows(); ++v) {
     const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
-    // A vertex beside or behind the camera says nothing about where its faces fall; neither does strong distortion far off the axis.
+    // A vertex beside or behind the camera says nothing about where its faces fall; neither does
+    // strong distortion far off the axis.
     if (x.z() <= 1e-3 * x.norm()) return all;
     const Vector2d p = c.Project(x);
     low = low.cwiseMin(p);
@@ -187,22 +208,28 @@ PixelBox ProjectedBounds(const PointsX3& points, const View& view) {
   }
   // Lines bend under distortion, so that a face may reach a little beyond its corners.
   const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
-  const auto clamp = [](double x, int most) { return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most))); };
-  return {clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
-          clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
+  const auto clamp = [](double x, int most) {
+    return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most)));
+  };
+  return {
+      clamp(std::floor(low.x() - margin), c.width), clamp(std::floor(low.y() - margin), c.height),
+      clamp(std::ceil(high.x() + margin), c.width), clamp(std::ceil(high.y() + margin), c.height)};
 }
 
 Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view) {
   const Camera& c = view.camera;
-  Raster raster{ImageT<int>(c.width, c.height, 1, -1), ImageF(c.width, c.height, 1, std::numeric_limits<float>::infinity())};
+  Raster raster{ImageT<int>(c.width, c.height, 1, -1),
+                ImageF(c.width, c.height, 1, std::numeric_limits<float>::infinity())};
   const PixelBox box = ProjectedBounds(mesh.points, view);
-  const Eigen::Matrix3d world_from_camera = view.camera_from_world.rotation.conjugate().toRotationMatrix();
+  const Eigen::Matrix3d world_from_camera =
+      view.camera_from_world.rotation.conjugate().toRotationMatrix();
   const Vector3d eye = view.Center();
   ParallelFor(std::max(0, box.y1 - box.y0), [&](std::int64_t row) {
     const int y = box.y0 + static_cast<int>(row);
     for (int x = box.x0; x < box.x1; ++x) {
       // z is 1 along the unprojected ray, so the hit's distance is the depth.
-      const RayScene::Hit hit = scene.Cast(eye, world_from_camera * c.Unproject({x + 0.5, y + 0.5}));
+      const RayScene::Hit hit =
+          scene.Cast(eye, world_from_camera * c.Unproject({x + 0.5, y + 0.5}));
       if (hit.face < 0) continue;
       *raster.face.at(x, y) = hit.face;
       *raster.depth.at(x, y) = static_cast<float>(hit.distance);
@@ -212,9 +239,12 @@ Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view) {
 }
 
 Rgb8 MapColor(double t, ColorMap map) {
-  static const Vector3d kViridisAnchors[] = {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
-  static const Vector3d kHeatAnchors[] = {{44, 82, 150}, {66, 160, 190}, {150, 205, 140}, {250, 220, 90}, {240, 130, 50}, {180, 25, 35}};
-  static const Vector3d kDivergingAnchors[] = {{40, 80, 160}, {140, 175, 215}, {242, 242, 242}, {225, 150, 125}, {165, 30, 40}};
+  static const Vector3d kViridisAnchors[] = {
+      {68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}};
+  static const Vector3d kHeatAnchors[] = {{44, 82, 150},  {66, 160, 190}, {150, 205, 140},
+                                          {250, 220, 90}, {240, 130, 50}, {180, 25, 35}};
+  static const Vector3d kDivergingAnchors[] = {
+      {40, 80, 160}, {140, 175, 215}, {242, 242, 242}, {225, 150, 125}, {165, 30, 40}};
   switch (map) {
     case ColorMap::kHeat:
       return Between(kHeatAnchors, 6, t);
@@ -229,11 +259,13 @@ Rgb8 MapColor(double t, ColorMap map) {
 ColorsX3 MapColors(const Eigen::VectorXd& values, double lowest, double highest, ColorMap map) {
   const double range = highest > lowest ? highest - lowest : 1;
   ColorsX3 colors(values.size(), 3);
-  for (Eigen::Index i = 0; i < values.size(); ++i) colors.row(i) = MapColor((values[i] - lowest) / range, map).transpose();
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    colors.row(i) = MapColor((values[i] - lowest) / range, map).transpose();
   return colors;
 }
 
-Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view, const RenderOptions& options) {
+Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view,
+              const RenderOptions& options) {
   CheckColors(mesh, options);
   const Shader shader(mesh, scene, view, options);
   const Camera& c = view.camera;
@@ -278,22 +310,26 @@ Vector3d SampleTexture(const Image8& texture, const Vector2d& uv) {
 }
 
 Image8 TileImages(const std::vector<Image8>& images, int columns, int gap, Rgb8 background) {
-  if (images.empty() || columns < 1) throw InputError("render: a contact sheet needs at least one image and one column");
+  if (images.empty() || columns < 1)
+    throw InputError("render: a contact sheet needs at least one image and one column");
   int cell_width = 0, cell_height = 0;
   for (const Image8& image : images) {
     cell_width = std::max(cell_width, image.width);
     cell_height = std::max(cell_height, image.height);
   }
-  const int count = static_cast<int>(images.size()), across = std::min(columns, count), rows = (count + across - 1) / across;
+  const int count = static_cast<int>(images.size()), across = std::min(columns, count),
+            rows = (count + across - 1) / across;
   Image8 sheet(across * cell_width + (across - 1) * gap, rows * cell_height + (rows - 1) * gap, 3);
-  for (std::size_t i = 0; i < sheet.data.size(); ++i) sheet.data[i] = background[static_cast<int>(i % 3)];
+  for (std::size_t i = 0; i < sheet.data.size(); ++i)
+    sheet.data[i] = background[static_cast<int>(i % 3)];
   for (int i = 0; i < count; ++i) {
     const Image8& image = images[i];
     const int left = (i % across) * (cell_width + gap) + (cell_width - image.width) / 2;
     const int top = (i / across) * (cell_height + gap) + (cell_height - image.height) / 2;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
-        for (int k = 0; k < 3; ++k) sheet.at(left + x, top + y)[k] = image.at(x, y)[std::min(k, image.channels - 1)];
+        for (int k = 0; k < 3; ++k)
+          sheet.at(left + x, top + y)[k] = image.at(x, y)[std::min(k, image.channels - 1)];
   }
   return sheet;
 }

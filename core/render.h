@@ -1,4 +1,5 @@
-// Pictures of meshes by ray casting: for reports, previews and tests. Also depth and face maps of a view.
+// Pictures of meshes by ray casting: for reports, previews and tests. Also depth and face maps of a
+// view.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +13,29 @@
 
 namespace keypose {
 
-/// The rigid motion of a camera (z forward, y down) at `eye` that looks at `target` with `up` upwards in the picture.
+/// The rigid motion of a camera (z forward, y down) at `eye` that looks at `target` with `up`
+/// upwards in the picture.
 /// @throws InputError  eye and target coincide
-Rigid3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+Rigid3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+              const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
 /// A view that holds all points with a small margin.
 ///
-/// @param azimuth_deg    0 looks along +y (from the front, -y), 90 sees the +x side; counter-clockwise seen from above
+/// @param azimuth_deg    0 looks along +y (from the front, -y), 90 sees the +x side;
+/// counter-clockwise seen from above
 /// @param elevation_deg  height of the eye above the horizon, in (-90, 90)
 /// @param fov_deg        vertical field of view
 /// @throws InputError  no points, or a size below one pixel
-View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width, int height,
-             const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ(), double fov_deg = 28);
+View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, int width,
+             int height, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ(), double fov_deg = 28);
 
 /// Pixels [x0,x1) x [y0,y1) within the image.
 struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
-/// Pixels that the mesh's faces can cover, a few more for distortion; the whole image when a vertex is beside or behind the camera.
+/// Pixels that the mesh's faces can cover, a few more for distortion; the whole image when a vertex
+/// is beside or behind the camera.
 PixelBox ProjectedBounds(const PointsX3& points, const View& view);
 
 /// What each pixel's centre ray meets.
@@ -45,7 +50,8 @@ enum class ColorMap { kViridis, kHeat, kDiverging };
 /// @param t  clamped to [0,1]; NaN gives grey
 Eigen::Matrix<std::uint8_t, 3, 1> MapColor(double t, ColorMap map = ColorMap::kViridis);
 /// One colour a value: `lowest` becomes t = 0, `highest` t = 1.
-ColorsX3 MapColors(const Eigen::VectorXd& values, double lowest, double highest, ColorMap map = ColorMap::kViridis);
+ColorsX3 MapColors(const Eigen::VectorXd& values, double lowest, double highest,
+                   ColorMap map = ColorMap::kViridis);
 
 struct RenderOptions {
   const Image8* texture = nullptr;  ///< used when the mesh has UVs; wins over colours
@@ -53,23 +59,27 @@ struct RenderOptions {
   ColorsX3 face_colors;             ///< F x 3; wins over vertex colours
   bool plain = false;               ///< clay grey whatever colours there are
   bool smooth = true;               ///< interpolated normals, else one per face
-  double shading = 1;               ///< 0: colours as they are; 1: fully lit by two lamps beside the camera
+  double shading = 1;  ///< 0: colours as they are; 1: fully lit by two lamps beside the camera
   bool wireframe = false;
   int samples = 3;  ///< rays a pixel and axis
   Eigen::Matrix<std::uint8_t, 3, 1> background = {246, 247, 249};
 };
 
-/// A picture of the mesh, of the camera's size. Same bits for any thread count.
+/// A picture of the mesh, of the camera's size.
+/// Same bits for any thread count.
 ///
 /// @param scene  built of mesh.points and mesh.faces
 /// @throws InputError  colours of another count than vertices or faces
-Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view, const RenderOptions& options = {});
+Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view,
+              const RenderOptions& options = {});
 Image8 Render(const Mesh& mesh, const View& view, const RenderOptions& options = {});
 
-/// Bilinear colour of a texture at (u right, v up); coordinates outside [0,1] are clamped. Channels as the texture has (1 or 3).
+/// Bilinear colour of a texture at (u right, v up); coordinates outside [0,1] are clamped. Channels
+/// as the texture has (1 or 3).
 Eigen::Vector3d SampleTexture(const Image8& texture, const Eigen::Vector2d& uv);
 
-/// Images in rows of `columns` cells, each cell of the largest image's size, on `background`. RGB; grey images become RGB.
+/// Images in rows of `columns` cells, each cell of the largest image's size, on `background`. RGB;
+/// grey images become RGB.
 /// @throws InputError  no images, or columns < 1
 Image8 TileImages(const std::vector<Image8>& images, int columns, int gap = 4,
                   Eigen::Matrix<std::uint8_t, 3, 1> background = {255, 255, 255});

@@ -82,7 +82,8 @@ TEST(Rasterize, GivesTheDepthAndFaceOfEachPixel) {
   EXPECT_TRUE(std::isinf(*raster.depth.at(1, 1)));
   int covered = 0;
   for (const int f : raster.face.data) covered += f >= 0;
-  EXPECT_NEAR(covered, std::pow(2 / 3.5 * 40, 2), 2 * 24);  // the square's edge may fall either way in one row and column
+  EXPECT_NEAR(covered, std::pow(2 / 3.5 * 40, 2),
+              2 * 24);  // the square's edge may fall either way in one row and column
 }
 
 TEST(Rasterize, HonoursDistortion) {
@@ -92,7 +93,8 @@ TEST(Rasterize, HonoursDistortion) {
   const Raster raster = Rasterize(mesh, RayScene(mesh.points, mesh.faces), view);
   const Eigen::Vector2d corner = view.Project({1, 1, 0});
   const auto hit = [&](double dx, double dy) {
-    return *raster.face.at(static_cast<int>(corner.x() + dx), static_cast<int>(corner.y() + dy)) >= 0;
+    return *raster.face.at(static_cast<int>(corner.x() + dx), static_cast<int>(corner.y() + dy)) >=
+           0;
   };
   EXPECT_TRUE(hit(-3, 3));
   EXPECT_FALSE(hit(3, -3));
@@ -103,7 +105,10 @@ TEST(Render, UnlitTextureArrivesUnchangedAndTheRightWayUp) {
   const Mesh mesh = Square();
   Image8 texture(2, 2, 3);
   const std::uint8_t colors[4][3] = {
-      {250, 10, 20}, {30, 240, 50}, {60, 70, 230}, {200, 200, 40}};  // top left, top right, bottom left, bottom right
+      {250, 10, 20},
+      {30, 240, 50},
+      {60, 70, 230},
+      {200, 200, 40}};  // top left, top right, bottom left, bottom right
   for (int i = 0; i < 4; ++i) std::copy(colors[i], colors[i] + 3, texture.at(i % 2, i / 2));
   RenderOptions options;
   options.texture = &texture;
@@ -111,7 +116,8 @@ TEST(Render, UnlitTextureArrivesUnchangedAndTheRightWayUp) {
   const Image8 image = Render(mesh, FromAbove(), options);
   const int at[4][2] = {{11, 11}, {28, 11}, {11, 28}, {28, 28}};
   for (int i = 0; i < 4; ++i)
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.at(at[i][0], at[i][1])[c], colors[i][c], 1) << i << " " << c;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(image.at(at[i][0], at[i][1])[c], colors[i][c], 1) << i << " " << c;
   EXPECT_EQ(image.at(0, 0)[0], options.background[0]);
 }
 
@@ -137,7 +143,9 @@ TEST(Render, ShadingDarkensWhatTurnsAwayFromTheLamps) {
   RenderOptions options;
   options.smooth = false;
   EXPECT_GT(Render(other, FromAbove(), options).at(20, 20)[0] + 0, 0);
-  EXPECT_GT(std::abs(Render(tilted, FromAbove(), options).at(20, 20)[0] - Render(other, FromAbove(), options).at(20, 20)[0]), 20);
+  EXPECT_GT(std::abs(Render(tilted, FromAbove(), options).at(20, 20)[0] -
+                     Render(other, FromAbove(), options).at(20, 20)[0]),
+            20);
 }
 
 TEST(Render, SameBitsAtOneAndThreeThreads) {
@@ -157,7 +165,8 @@ TEST(MapColor, RunsFromEndToEndAndMarksNaN) {
   EXPECT_EQ(MapColor(7), MapColor(1));
   EXPECT_NE(MapColor(0), MapColor(1));
   EXPECT_EQ(MapColor(std::nan(""))[0], MapColor(std::nan(""))[2]);
-  EXPECT_EQ(MapColor(0.5, ColorMap::kDiverging), (Eigen::Matrix<std::uint8_t, 3, 1>(242, 242, 242)));
+  EXPECT_EQ(MapColor(0.5, ColorMap::kDiverging),
+            (Eigen::Matrix<std::uint8_t, 3, 1>(242, 242, 242)));
 }
 
 TEST(RenderCloud, TheNearestPointIsInFrontInItsOwnColour) {
@@ -172,7 +181,8 @@ TEST(RenderCloud, TheNearestPointIsInFrontInItsOwnColour) {
 }
 
 TEST(TileImages, PlacesImagesInRowsWithGaps) {
-  const std::vector<Image8> images = {Image8(4, 2, 3, 10), Image8(4, 2, 1, 20), Image8(2, 2, 3, 30)};
+  const std::vector<Image8> images = {Image8(4, 2, 3, 10), Image8(4, 2, 1, 20),
+                                      Image8(2, 2, 3, 30)};
   const Image8 sheet = TileImages(images, 2, 1);
   EXPECT_EQ(sheet.width, 9);
   EXPECT_EQ(sheet.height, 5);

@@ -14,12 +14,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kMargin = 3;       // [px] steps from the rim of a mask's hole; masks are right to a pixel or two
+// [px] steps from the rim of a mask's hole; masks are right to a pixel or two
+constexpr int kMargin = 3;
 constexpr int kLinesAHole = 64;  // about
 
 enum : int { kFigure = -1, kFree = -2, kOutside = -3 };  // labels of pixels; holes count from 0
 
-void Flood(ImageT<int>& label, int x, int y, int from, int to, std::vector<std::pair<int, int>>* found) {
+void Flood(ImageT<int>& label, int x, int y, int from, int to,
+           std::vector<std::pair<int, int>>* found) {
   std::vector<std::pair<int, int>> stack = {{x, y}};
   *label.at(x, y) = to;
   while (!stack.empty()) {
@@ -28,7 +30,8 @@ void Flood(ImageT<int>& label, int x, int y, int from, int to, std::vector<std::
     if (found) found->emplace_back(px, py);
     const std::pair<int, int> next[4] = {{px + 1, py}, {px - 1, py}, {px, py + 1}, {px, py - 1}};
     for (const auto& [qx, qy] : next) {
-      if (qx < 0 || qy < 0 || qx >= label.width || qy >= label.height || *label.at(qx, qy) != from) continue;
+      if (qx < 0 || qy < 0 || qx >= label.width || qy >= label.height || *label.at(qx, qy) != from)
+        continue;
       *label.at(qx, qy) = to;
       stack.emplace_back(qx, qy);
     }
@@ -51,7 +54,8 @@ std::vector<Pixels> HolesOf(const Image8& mask) {
   std::vector<Pixels> holes;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (*label.at(x, y) == kFree) Flood(label, x, y, kFree, static_cast<int>(holes.size()), &holes.emplace_back());
+      if (*label.at(x, y) == kFree)
+        Flood(label, x, y, kFree, static_cast<int>(holes.size()), &holes.emplace_back());
   return holes;
 }
 
@@ -63,7 +67,8 @@ Pixels Inner(const Image8& mask, const Pixels& hole) {
     for (int dy = -kMargin; dy <= kMargin && clear; ++dy)
       for (int dx = -kMargin; dx <= kMargin && clear; ++dx) {
         if (dx * dx + dy * dy >= kMargin * kMargin) continue;
-        const int px = std::clamp(x + dx, 0, mask.width - 1), py = std::clamp(y + dy, 0, mask.height - 1);
+        const int px = std::clamp(x + dx, 0, mask.width - 1),
+                  py = std::clamp(y + dy, 0, mask.height - 1);
         clear = *mask.at(px, py) <= 127;
       }
     if (clear) inner.emplace_back(x, y);
@@ -77,7 +82,8 @@ Pixels Inner(const Image8& mask, const Pixels& hole) {
 
 }  // namespace
 
-std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views, const std::vector<Image8>& masks) {
+std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views,
+                                         const std::vector<Image8>& masks) {
   std::vector<SightLine> lines;
   int hole_count = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -89,8 +95,10 @@ std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views, const s
     for (const Pixels& hole : HolesOf(mask)) {
       const Pixels inner = Inner(mask, hole);
       for (const auto& [x, y] : inner) {
-        const Vector3d ray = views[v].camera.Unproject(Vector2d((x + 0.5) * across, (y + 0.5) * down));
-        lines.push_back({world_from_camera.translation, world_from_camera.rotation * ray, static_cast<int>(v), hole_count});
+        const Vector3d ray =
+            views[v].camera.Unproject(Vector2d((x + 0.5) * across, (y + 0.5) * down));
+        lines.push_back({world_from_camera.translation, world_from_camera.rotation * ray,
+                         static_cast<int>(v), hole_count});
       }
       hole_count += !inner.empty();
     }
@@ -103,7 +111,8 @@ std::vector<int> ClosedHoles(const Mesh& surface, const std::vector<SightLine>& 
   const RayScene scene(surface.points, surface.faces);
   std::map<int, bool> open;
   for (const SightLine& line : lines)
-    open[line.hole] = open[line.hole] || !scene.Occluded(line.origin, line.direction, 0, std::numeric_limits<double>::infinity());
+    open[line.hole] = open[line.hole] || !scene.Occluded(line.origin, line.direction, 0,
+                                                         std::numeric_limits<double>::infinity());
   std::vector<int> holes;
   for (const auto& [hole, is_open] : open)
     if (!is_open) holes.push_back(hole);

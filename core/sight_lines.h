@@ -18,14 +18,18 @@ struct SightLine {
   int hole = 0;  ///< counted over all views: which hole of a mask the pixel lies in
 };
 
-/// Lines through the holes of the masks: background that the figure encloses in the picture, at least 2.5 pixels from its rim.
-/// @param masks  one a view, 1 channel, above 127 where the figure is; empty for a view without say; of any size of the view's shape
-std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views, const std::vector<Image8>& masks);
+/// Lines through the holes of the masks: background that the figure encloses in the picture, at
+/// least 2.5 pixels from its rim.
+/// @param masks  one a view, 1 channel, above 127 where the figure is; empty for a view without
+/// say; of any size of the view's shape
+std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views,
+                                         const std::vector<Image8>& masks);
 
 /// Holes all of whose lines the surface blocks, ascending.
 std::vector<int> ClosedHoles(const Mesh& surface, const std::vector<SightLine>& lines);
 
-/// Views with a hole in the mask all of whose lines the surface blocks, ascending: there it closes a window that the photograph shows.
+/// Views with a hole in the mask all of whose lines the surface blocks, ascending: there it closes
+/// a window that the photograph shows.
 std::vector<int> ViewsWithClosedWindow(const Mesh& surface, const std::vector<SightLine>& lines);
 
 }  // namespace keypose

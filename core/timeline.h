@@ -16,7 +16,8 @@ enum class Travel {
   kSmooth    ///< the pace does not jump at keys (C1)
 };
 
-/// A CSS cubic-bezier(x1, y1, x2, y2): share of the time -> share of the way. Even pace as it stands.
+/// A CSS cubic-bezier(x1, y1, x2, y2): share of the time -> share of the way. Even pace as it
+/// stands.
 struct Ease {
   double x1 = 0, y1 = 0, x2 = 1, y2 = 1;
   bool even() const { return x1 == y1 && x2 == y2; }
@@ -26,18 +27,19 @@ struct Ease {
 /// Whole turns of a region beyond its shortest way.
 struct TimelineTurn {
   int turns = 0;                                   ///< right-handed about the axis
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the first key of the span; zero: the axis of the region's own turn
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the first key of the span; zero: the axis
+                                                   ///< of the region's own turn
   bool operator==(const TimelineTurn&) const = default;
 };
 
 /// A key, and the span that begins with it.
 struct TimelineKey {
-  std::string pose;                           ///< for messages; may be empty
-  std::optional<double> time_s;               ///< all keys have one, or none
-  double hold_s = 0;                          ///< the key stands so long before its span begins
-  Travel travel = Travel::kSmooth;            ///< of the span
-  Ease ease;                                  ///< of the span
-  int step = 1;                               ///< frames that each picture of the span stands; 2 is 'on twos'
+  std::string pose;                 ///< for messages; may be empty
+  std::optional<double> time_s;     ///< all keys have one, or none
+  double hold_s = 0;                ///< the key stands so long before its span begins
+  Travel travel = Travel::kSmooth;  ///< of the span
+  Ease ease;                        ///< of the span
+  int step = 1;                     ///< frames that each picture of the span stands; 2 is 'on twos'
   std::map<std::string, TimelineTurn> turns;  ///< of the span, by region
 };
 
@@ -49,7 +51,8 @@ struct TimelineRegion {
   double radius = 0;  ///< 0 when `vertices` are given
 };
 
-/// A region that stays on the straight way between its places in the keys: where both are the same, it does not move.
+/// A region that stays on the straight way between its places in the keys: where both are the same,
+/// it does not move.
 struct TimelinePin {
   std::string region;
   std::optional<double> from_s, to_s;  ///< on the timeline's clock; the whole timeline unless said
@@ -72,10 +75,13 @@ struct TimelineVolume {
 
 struct Timeline {
   double fps = 24;
-  bool loop = false;                   ///< the last key is the first pose again, and the pace does not jump at the seam
-  bool overshoot = false;              ///< smooth spans may swing beyond a key (rounder paths); else extremes lie at keys
+  /// the last key is the first pose again, and the pace does not jump at the seam
+  bool loop = false;
+  /// smooth spans may swing beyond a key (rounder paths); else extremes lie at keys
+  bool overshoot = false;
   std::optional<double> table_height;  ///< nothing sinks below this z
-  std::optional<bool> keep_volume;     ///< volume follows the keys'; the stage's option decides unless said
+  /// volume follows the keys'; the stage's option decides unless said
+  std::optional<bool> keep_volume;
   std::vector<TimelineVolume> volume;  ///< squash and stretch, by the artist
   std::vector<TimelineRegion> regions;
   std::vector<TimelinePin> pins;

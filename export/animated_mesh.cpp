@@ -9,16 +9,21 @@
 namespace keypose::exporting {
 namespace {
 
-void RequireSameConnectivity(const Mesh& first, const Mesh& frame, const std::string& first_name, const std::string& name) {
-  const std::string advice = "; all frames of an animation share one connectivity: interpolate between meshes that `register` wrote";
+void RequireSameConnectivity(const Mesh& first, const Mesh& frame, const std::string& first_name,
+                             const std::string& name) {
+  const std::string advice =
+      "; all frames of an animation share one connectivity: interpolate between meshes that "
+      "`register` wrote";
   if (frame.vertex_count() != first.vertex_count() || frame.face_count() != first.face_count()) {
-    throw InputError("export: " + name + " has " + std::to_string(frame.vertex_count()) + " vertices and " +
-                     std::to_string(frame.face_count()) + " faces, but " + first_name + " has " + std::to_string(first.vertex_count()) +
-                     " and " + std::to_string(first.face_count()) + advice);
+    throw InputError("export: " + name + " has " + std::to_string(frame.vertex_count()) +
+                     " vertices and " + std::to_string(frame.face_count()) + " faces, but " +
+                     first_name + " has " + std::to_string(first.vertex_count()) + " and " +
+                     std::to_string(first.face_count()) + advice);
   }
   for (int f = 0; f < first.face_count(); ++f) {
     if (frame.faces.row(f) != first.faces.row(f))
-      throw InputError("export: face " + std::to_string(f) + " of " + name + " joins other vertices than in " + first_name + advice);
+      throw InputError("export: face " + std::to_string(f) + " of " + name +
+                       " joins other vertices than in " + first_name + advice);
   }
 }
 
@@ -27,7 +32,8 @@ struct SplitVertex {
   int index;
 };
 
-// Corners of one vertex with equal texture coordinates share a split vertex, whatever their rows in `uvs` are.
+// Corners of one vertex with equal texture coordinates share a split vertex, whatever their rows in
+// `uvs` are.
 void Split(const Mesh& mesh, AnimatedMesh& out) {
   std::vector<std::vector<SplitVertex>> copies(mesh.vertex_count());
   std::vector<Eigen::Vector2d> uvs;
@@ -35,7 +41,8 @@ void Split(const Mesh& mesh, AnimatedMesh& out) {
   for (int f = 0; f < mesh.face_count(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const int vertex = mesh.faces(f, k);
-      const Eigen::Vector2d uv = mesh.has_uvs() ? Eigen::Vector2d(mesh.uvs.row(mesh.uv_faces(f, k))) : Eigen::Vector2d::Zero();
+      const Eigen::Vector2d uv = mesh.has_uvs() ? Eigen::Vector2d(mesh.uvs.row(mesh.uv_faces(f, k)))
+                                                : Eigen::Vector2d::Zero();
       int index = -1;
       for (const auto& copy : copies[vertex]) {
         if (copy.uv == uv) index = copy.index;
@@ -65,7 +72,8 @@ PointsX3 UnitNormals(const Mesh& frame, const FacesX3& faces) {
 
 }  // namespace
 
-AnimatedMesh MakeAnimatedMesh(const std::vector<Mesh>& frames, const std::vector<std::string>& names) {
+AnimatedMesh MakeAnimatedMesh(const std::vector<Mesh>& frames,
+                              const std::vector<std::string>& names) {
   if (frames.empty()) throw InputError("export: there are no frames; run `interpolate` first");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     RequireUsable(frames[i], names[i]);

@@ -40,25 +40,40 @@ struct ExportOptions {
 
   void Describe(keypose::OptionVisitor& visit) {
     visit("fps", playback.fps, {"frames a second", "1/s", 0.1, 1000, {}});
-    visit("hold", playback.hold, {"extra frames for which the first and the last frame stay", "frames", 0, 10000, {}});
-    visit("loop", playback.loop, {"pingpong plays forwards and then back", "", -INFINITY, INFINITY, {"none", "pingpong"}});
-    visit("up", up, {"axis that points up in the frames; the GLB's own is y", "", -INFINITY, INFINITY, {"z", "y"}});
-    visit("poses", poses, {"names of the keys' poses in order, parted by commas, one for each of `textures`", ""});
+    visit("hold", playback.hold,
+          {"extra frames for which the first and the last frame stay", "frames", 0, 10000, {}});
+    visit("loop", playback.loop,
+          {"pingpong plays forwards and then back", "", -INFINITY, INFINITY, {"none", "pingpong"}});
+    visit("up", up,
+          {"axis that points up in the frames; the GLB's own is y",
+           "",
+           -INFINITY,
+           INFINITY,
+           {"z", "y"}});
+    visit("poses", poses,
+          {"names of the keys' poses in order, parted by commas, one for each of `textures`", ""});
     visit("pose_textures", pose_textures,
-          {.help = "how the GLB carries the textures beyond the first, between which a viewer that knows how blends; none: leaves them out",
+          {.help = "how the GLB carries the textures beyond the first, between which a viewer that "
+                   "knows how blends; none: leaves them out",
            .unit = "",
            .choices = {"jpeg", "png", "none"}});
     visit("video", video, {"also write a film of the animation, character.mp4", ""});
     visit("video_width", video_width, {"of the film; even", "px", 64, 7680, {}});
     visit("video_height", video_height, {"of the film; even", "px", 64, 4320, {}});
     visit("video_azimuth", video_azimuth,
-          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of the motion is seen from the front half", "deg", -1, 360, {}});
+          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of "
+           "the motion is seen from the front half",
+           "deg",
+           -1,
+           360,
+           {}});
     visit("obj", obj, {"also write numbered OBJ files", ""});
     visit("ply", ply, {"also write numbered PLY files", ""});
   }
   std::vector<std::string> Problems() const {
     if (video_width % 2 == 0 && video_height % 2 == 0) return {};
-    return {"video_width and video_height are " + std::to_string(video_width) + " and " + std::to_string(video_height) +
+    return {"video_width and video_height are " + std::to_string(video_width) + " and " +
+            std::to_string(video_height) +
             ", but must be even: the film's colours have half its resolution"};
   }
 };
@@ -70,7 +85,8 @@ struct Frames {
 
 Frames ReadFrames(const fs::path& folder, keypose::Progress* progress) {
   if (!fs::is_directory(folder))
-    throw InputError("export: " + folder.string() + " is not a folder of frames; pass what `interpolate` wrote");
+    throw InputError("export: " + folder.string() +
+                     " is not a folder of frames; pass what `interpolate` wrote");
   std::map<long, fs::path> numbered;
   const std::regex pattern("frame_([0-9]{1,9})\\.ply");
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -79,17 +95,21 @@ Frames ReadFrames(const fs::path& folder, keypose::Progress* progress) {
     if (!std::regex_match(name, match, pattern)) continue;
     const auto [at, inserted] = numbered.emplace(std::stol(match[1]), entry.path());
     if (!inserted)
-      throw InputError("export: " + name + " and " + at->second.filename().string() + " in " + folder.string() +
-                       " have the same number; remove one");
+      throw InputError("export: " + name + " and " + at->second.filename().string() + " in " +
+                       folder.string() + " have the same number; remove one");
   }
-  if (numbered.empty()) throw InputError("export: " + folder.string() + " has no frames (frame_0000.ply, ...); run `interpolate` first");
+  if (numbered.empty())
+    throw InputError("export: " + folder.string() +
+                     " has no frames (frame_0000.ply, ...); run `interpolate` first");
   Frames frames;
   for (const auto& [number, path] : numbered) {
     const auto index = static_cast<long>(frames.names.size());
     if (number != index)
-      throw InputError("export: frame " + std::to_string(index) + " is missing in " + folder.string() + " (found " +
-                       path.filename().string() + " in its place); run `interpolate` again");
-    keypose::Step(progress, 0.3 * static_cast<double>(index) / static_cast<double>(numbered.size()), "reading frames");
+      throw InputError("export: frame " + std::to_string(index) + " is missing in " +
+                       folder.string() + " (found " + path.filename().string() +
+                       " in its place); run `interpolate` again");
+    keypose::ReportProgress(progress, 0.3 * static_cast<double>(index) / static_cast<double>(numbered.size()),
+                  "reading frames");
     frames.names.push_back(path.stem().string());
     frames.meshes.push_back(keypose::ReadMesh(path));
   }
@@ -134,12 +154,14 @@ PoseTextures ReadTextures(keypose::StageContext& stage, const std::string& pose_
   const std::vector<fs::path> paths = stage.Inputs("textures");
   const std::vector<std::string> names = SplitNames(pose_list);
   if (!names.empty() && paths.size() > 1 && names.size() != paths.size())
-    throw keypose::UsageError("export: `poses` names " + std::to_string(names.size()) + " keys, but there are " +
-                              std::to_string(paths.size()) + " textures; give one name for each");
+    throw keypose::UsageError("export: `poses` names " + std::to_string(names.size()) +
+                              " keys, but there are " + std::to_string(paths.size()) +
+                              " textures; give one name for each");
   for (std::size_t i = 0; i < paths.size(); ++i) {
     EncodedImage image = ReadTexture(paths[i], stage.Scratch());
     const auto same =
-        std::find_if(textures.images.begin(), textures.images.end(), [&](const EncodedImage& other) { return other.bytes == image.bytes; });
+        std::find_if(textures.images.begin(), textures.images.end(),
+                     [&](const EncodedImage& other) { return other.bytes == image.bytes; });
     textures.of_key.push_back(static_cast<int>(same - textures.images.begin()));
     if (same != textures.images.end()) continue;
     textures.poses.push_back(i < names.size() ? names[i] : "key-" + std::to_string(i));
@@ -158,12 +180,15 @@ EncodedImage AsJpeg(const EncodedImage& image, const fs::path& scratch) {
   return {keypose::ReadFile(to), "image/jpeg", image.name};
 }
 
-// Textures of several poses may have the same file name: the number keeps them apart. @return names in the folder
-std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures, const fs::path& folder) {
+// Textures of several poses may have the same file name: the number keeps them apart. @return names
+// in the folder
+std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures,
+                                       const fs::path& folder) {
   std::vector<std::string> names;
   if (!textures.empty()) fs::create_directories(folder);
   for (std::size_t i = 0; i < textures.size(); ++i) {
-    names.push_back("texture_" + std::to_string(i) + (textures[i].mime_type == "image/png" ? ".png" : ".jpg"));
+    names.push_back("texture_" + std::to_string(i) +
+                    (textures[i].mime_type == "image/png" ? ".png" : ".jpg"));
     keypose::WriteFile(folder / names[i], textures[i].bytes);
   }
   return names;
@@ -184,14 +209,16 @@ Told ReadDistortion(const fs::path& folder, std::size_t frame_count) {
   if (!fs::exists(path)) return told;
   const auto json = nlohmann::json::parse(keypose::ReadFile(path), nullptr, false);
   if (json.is_discarded() || !json.contains("frames") || !json["frames"].is_array())
-    throw InputError("export: " + path.string() + " is not JSON with a list `frames`; run `interpolate` again");
+    throw InputError("export: " + path.string() +
+                     " is not JSON with a list `frames`; run `interpolate` again");
   told.frames = json["frames"];
   if (told.frames.size() != frame_count) return told;
   told.loop = json.contains("loop") && json["loop"] == true;
   if (json.contains("key_frames")) told.keys = json["key_frames"].size();
   bool says_what_stands = false;
   for (const auto& frame : told.frames) {
-    if (frame.is_object() && frame.contains("t") && frame["t"].is_number()) told.t.push_back(frame["t"].get<double>());
+    if (frame.is_object() && frame.contains("t") && frame["t"].is_number())
+      told.t.push_back(frame["t"].get<double>());
     says_what_stands |= frame.is_object() && frame.contains("stands");
     told.stands.push_back(frame.is_object() && frame.value("stands", false));
   }
@@ -200,39 +227,47 @@ Told ReadDistortion(const fs::path& folder, std::size_t frame_count) {
   return told;
 }
 
-void WriteSequence(const Frames& frames, const fs::path& folder, const std::string& extension, const std::string& texture,
-                   keypose::Progress* progress) {
+void WriteSequence(const Frames& frames, const fs::path& folder, const std::string& extension,
+                   const std::string& texture, keypose::Progress* progress) {
   fs::create_directories(folder);
   for (std::size_t i = 0; i < frames.meshes.size(); ++i) {
-    keypose::Step(progress, static_cast<double>(i) / static_cast<double>(frames.meshes.size()), "writing " + extension + " files");
+    keypose::ReportProgress(progress, static_cast<double>(i) / static_cast<double>(frames.meshes.size()),
+                  "writing " + extension + " files");
     Mesh mesh = frames.meshes[i];
     mesh.uvs = frames.meshes[0].uvs;
     mesh.uv_faces = frames.meshes[0].uv_faces;
-    keypose::WriteMesh(folder / (frames.names[i] + "." + extension), mesh, mesh.has_uvs() ? texture : "");
+    keypose::WriteMesh(folder / (frames.names[i] + "." + extension), mesh,
+                       mesh.has_uvs() ? texture : "");
   }
 }
 
-/// When each texture shows; empty when there is but one, or when the textures are not those of the keys.
-std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTextures& textures, const Told& told, const Clip& clip,
+/// When each texture shows; empty when there is but one, or when the textures are not those of the
+/// keys.
+std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTextures& textures,
+                                 const Told& told, const Clip& clip,
                                  const keypose::exporting::PlaybackOptions& playback) {
   if (textures.images.size() < 2) return {};
   if (told.t.empty() || told.keys != textures.of_key.size()) {
-    stage.Warn("the animation shows the first texture only: there are " + std::to_string(textures.of_key.size()) + " textures, and " +
-               (told.t.empty() ? "the frames have no distortion.json with a `t` for each"
-                               : "the frames were made from " + std::to_string(told.keys) + " keys") +
+    stage.Warn("the animation shows the first texture only: there are " +
+               std::to_string(textures.of_key.size()) + " textures, and " +
+               (told.t.empty()
+                    ? "the frames have no distortion.json with a `t` for each"
+                    : "the frames were made from " + std::to_string(told.keys) + " keys") +
                "; pass one texture for each key, in the keys' order");
     return {};
   }
   const auto keyframes = LinearKeyframes(PlaybackMoments(clip, playback), clip, playback.fps);
-  return TextureMoments(keyframes, told.t, textures.of_key, static_cast<int>(textures.images.size()));
+  return TextureMoments(keyframes, told.t, textures.of_key,
+                        static_cast<int>(textures.images.size()));
 }
 
-GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMoment> moments, const std::string& kind,
-                          const fs::path& scratch) {
+GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMoment> moments,
+                          const std::string& kind, const fs::path& scratch) {
   GlbTextures glb;
   const bool blends = !moments.empty() && kind != "none";
   for (std::size_t i = 0; i < textures.images.size() && (i == 0 || blends); ++i) {
-    glb.images.push_back(i > 0 && kind == "jpeg" ? AsJpeg(textures.images[i], scratch) : textures.images[i]);
+    glb.images.push_back(i > 0 && kind == "jpeg" ? AsJpeg(textures.images[i], scratch)
+                                                 : textures.images[i]);
     glb.poses.push_back(textures.poses[i]);
   }
   if (blends) glb.moments = std::move(moments);
@@ -240,11 +275,14 @@ GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMomen
 }
 
 /// The animation from one side, as a film.
-void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTextures& textures, const Told& told, const Clip& clip,
-               bool blends, const ExportOptions& options, keypose::Progress* progress) {
+void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTextures& textures,
+               const Told& told, const Clip& clip, bool blends, const ExportOptions& options,
+               keypose::Progress* progress) {
   if (!options.video || frames.meshes.size() < 2) return;
   if (!keypose::exporting::CanWriteMp4()) {
-    stage.Warn("no film was written: libavcodec has no x264 here; install Debian's libavcodec59, or set `video: false`");
+    stage.Warn(
+        "no film was written: libavcodec has no x264 here; install Debian's libavcodec59, or set "
+        "`video: false`");
     return;
   }
   FilmScene scene{frames.meshes, textures.pixels, {}};
@@ -255,19 +293,25 @@ void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTex
   std::vector<int> order = keypose::exporting::FilmFrames(moments, options.playback.fps);
   // Played again and again, the last picture is the first one of the next round.
   if ((clip.loop || options.playback.loop == "pingpong") && order.size() > 1) order.pop_back();
-  const FilmOptions film{options.video_width, options.video_height, options.video_azimuth, options.up == "z"};
-  keypose::exporting::Mp4Writer writer(stage.Output("animation") / "character.mp4", film.width, film.height, options.playback.fps);
+  const FilmOptions film{options.video_width, options.video_height, options.video_azimuth,
+                         options.up == "z"};
+  keypose::exporting::Mp4Writer writer(stage.Output("animation") / "character.mp4", film.width,
+                                       film.height, options.playback.fps);
   RenderFilm(
       scene, order, film, [&](const keypose::Image8& picture) { writer.Add(picture); }, progress);
   writer.Finish();
   stage.Report("film_frames", static_cast<std::int64_t>(order.size()));
 }
 
-// The moments at which the animation shows each frame and each texture, and what `interpolate` measured of it.
-nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const Told& told, const Clip& clip,
-                       const std::vector<std::string>& texture_names, const PoseTextures& textures,
-                       const std::vector<TextureMoment>& blend) {
-  nlohmann::json out = {{"schema", 1}, {"glb", "character.glb"}, {"fps", options.playback.fps}, {"loop", options.playback.loop}};
+// The moments at which the animation shows each frame and each texture, and what `interpolate`
+// measured of it.
+nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const Told& told,
+                       const Clip& clip, const std::vector<std::string>& texture_names,
+                       const PoseTextures& textures, const std::vector<TextureMoment>& blend) {
+  nlohmann::json out = {{"schema", 1},
+                        {"glb", "character.glb"},
+                        {"fps", options.playback.fps},
+                        {"loop", options.playback.loop}};
   out["vertices"] = frames.meshes[0].vertex_count();
   out["faces"] = frames.meshes[0].face_count();
   out["textures"] = texture_names;
@@ -275,10 +319,12 @@ nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const
   const auto moments = PlaybackMoments(clip, options.playback);
   out["seconds"] = moments.back().seconds;
   for (const auto& moment : moments) {
-    out["moments"].push_back({{"seconds", moment.seconds}, {"frame", moment.frame}, {"stands", moment.stands}});
+    out["moments"].push_back(
+        {{"seconds", moment.seconds}, {"frame", moment.frame}, {"stands", moment.stands}});
   }
   out["texture_moments"] = nlohmann::json::array();
-  for (const auto& moment : blend) out["texture_moments"].push_back({{"seconds", moment.seconds}, {"weights", moment.weights}});
+  for (const auto& moment : blend)
+    out["texture_moments"].push_back({{"seconds", moment.seconds}, {"weights", moment.weights}});
   for (std::size_t i = 0; i < frames.names.size(); ++i) {
     nlohmann::json frame = {{"name", frames.names[i]}, {"picture", frames.names[clip.picture[i]]}};
     if (i < told.t.size()) frame["t"] = told.t[i];
@@ -296,15 +342,17 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const Clip clip = keypose::exporting::MakeClip(mesh.points, told.stands, told.loop);
   const std::vector<TextureMoment> blend = Blend(stage, textures, told, clip, options.playback);
 
-  keypose::Step(stage.progress(), 0.4, "writing the GLB");
+  keypose::ReportProgress(stage.progress(), 0.4, "writing the GLB");
   const keypose::exporting::GlbOptions glb{options.playback, options.up == "z", "character"};
-  const std::string bytes = MakeGlb(mesh, clip, frames.names, TexturesOfGlb(textures, blend, options.pose_textures, stage.Scratch()), glb);
+  const std::string bytes =
+      MakeGlb(mesh, clip, frames.names,
+              TexturesOfGlb(textures, blend, options.pose_textures, stage.Scratch()), glb);
   const fs::path out = stage.Output("animation");
   keypose::WriteFile(out / "character.glb", bytes);
   const auto texture_names = WriteTextures(textures.images, out / "textures");
   const std::string map = texture_names.empty() ? "" : "../textures/" + texture_names[0];
-  keypose::SubProgress film_progress(stage.progress(), 0.5, 0.8), obj_progress(stage.progress(), 0.8, 0.9),
-      ply_progress(stage.progress(), 0.9, 1);
+  keypose::SubProgress film_progress(stage.progress(), 0.5, 0.8),
+      obj_progress(stage.progress(), 0.8, 0.9), ply_progress(stage.progress(), 0.9, 1);
   WriteFilm(stage, frames, textures, told, clip, !blend.empty(), options, &film_progress);
   if (options.obj) WriteSequence(frames, out / "obj", "obj", map, &obj_progress);
   if (options.ply) WriteSequence(frames, out / "ply", "ply", "", &ply_progress);
@@ -329,11 +377,17 @@ int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
   spec.version = "3";
-  spec.summary = "Writes the animation as one GLB with morph targets, as a film, and as numbered OBJ and PLY files.";
-  spec.inputs = {{"frames", "folder", "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
-                 {"textures", "file", "of each key on the timeline, in order, in the frames' UV layout; or one for all", "", true, true}};
-  spec.outputs = {
-      {"animation", "folder", "character.glb, character.mp4, obj/, ply/, textures/, animation.json", "animation", false, false}};
+  spec.summary =
+      "Writes the animation as one GLB with morph targets, as a film, and as numbered OBJ and PLY "
+      "files.";
+  spec.inputs = {{"frames", "folder",
+                  "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},
+                 {"textures", "file",
+                  "of each key on the timeline, in order, in the frames' UV layout; or one for all",
+                  "", true, true}};
+  spec.outputs = {{"animation", "folder",
+                   "character.glb, character.mp4, obj/, ply/, textures/, animation.json",
+                   "animation", false, false}};
   spec.cores = 0;
   spec.memory_gib = 2;
   return keypose::RunStage<ExportOptions>(argc, argv, spec, Run);

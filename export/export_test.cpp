@@ -14,7 +14,8 @@
 namespace keypose::exporting {
 namespace {
 
-// A unit box whose every face has its own patch of the texture: eight corners become 24 or more split vertices.
+// A unit box whose every face has its own patch of the texture: eight corners become 24 or more
+// split vertices.
 Mesh UnwrappedBox() {
   Mesh box = MakeBox(1, 2, 3);
   box.uvs.resize(3 * box.face_count(), 2);
@@ -65,23 +66,30 @@ struct Glb {
     const auto& a = json["accessors"][accessor];
     const auto& view = json["bufferViews"][a["bufferView"].get<int>()];
     const int columns = a["type"] == "VEC3" ? 3 : a["type"] == "VEC2" ? 2 : 1;
-    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(a["count"].get<int>(), columns);
-    std::memcpy(out.data(), binary.data() + view.value("byteOffset", 0), sizeof(float) * out.size());
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(a["count"].get<int>(),
+                                                                              columns);
+    std::memcpy(out.data(), binary.data() + view.value("byteOffset", 0),
+                sizeof(float) * out.size());
     return out;
   }
   Eigen::VectorXi ReadIndices(int accessor) const {
     const auto& a = json["accessors"][accessor];
     Eigen::VectorXi out(a["count"].get<int>());
-    std::memcpy(out.data(), binary.data() + json["bufferViews"][a["bufferView"].get<int>()].value("byteOffset", 0), 4 * out.size());
+    std::memcpy(
+        out.data(),
+        binary.data() + json["bufferViews"][a["bufferView"].get<int>()].value("byteOffset", 0),
+        4 * out.size());
     return out;
   }
 };
 
 GlbTextures OneTexture(const EncodedImage& image) { return {{image}, {"rest"}, {}}; }
 
-Glb Written(const std::vector<Mesh>& frames, const EncodedImage& texture = kTexture, const GlbOptions& options = {}) {
+Glb Written(const std::vector<Mesh>& frames, const EncodedImage& texture = kTexture,
+            const GlbOptions& options = {}) {
   const AnimatedMesh mesh = MakeAnimatedMesh(frames, Names(frames.size()));
-  return Glb(MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(frames.size()), OneTexture(texture), options));
+  return Glb(MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(frames.size()),
+                     OneTexture(texture), options));
 }
 
 TEST(MakeAnimatedMesh, EveryCornerKeepsItsPositionAndTextureCoordinate) {
@@ -158,10 +166,12 @@ TEST(MakeGlb, MorphTargetsMoveTheBaseToEachFrameWithYUp) {
     const Eigen::MatrixXf moved = base + glb.Read(primitive["targets"][i - 1]["POSITION"]);
     for (Eigen::Index v = 0; v < base.rows(); ++v) {
       const Eigen::Vector3d p = mesh.points[i].row(v);
-      EXPECT_LT((moved.row(v).transpose() - Eigen::Vector3f(p.x(), p.z(), -p.y())).norm(), 1e-6) << "frame " << i << " vertex " << v;
+      EXPECT_LT((moved.row(v).transpose() - Eigen::Vector3f(p.x(), p.z(), -p.y())).norm(), 1e-6)
+          << "frame " << i << " vertex " << v;
     }
   }
-  EXPECT_EQ(glb.json["meshes"][0]["extras"]["targetNames"], nlohmann::json({"frame_0001", "frame_0002", "frame_0003"}));
+  EXPECT_EQ(glb.json["meshes"][0]["extras"]["targetNames"],
+            nlohmann::json({"frame_0001", "frame_0002", "frame_0003"}));
 }
 
 TEST(MakeGlb, NormalTargetsLeadToTheNormalsOfTheFrame) {
@@ -171,7 +181,8 @@ TEST(MakeGlb, NormalTargetsLeadToTheNormalsOfTheFrame) {
   options.z_up = false;
   const Glb glb = Written(frames, kTexture, options);
   const auto& primitive = glb.json["meshes"][0]["primitives"][0];
-  const Eigen::MatrixXf normals = glb.Read(primitive["attributes"]["NORMAL"]) + glb.Read(primitive["targets"][0]["NORMAL"]);
+  const Eigen::MatrixXf normals =
+      glb.Read(primitive["attributes"]["NORMAL"]) + glb.Read(primitive["targets"][0]["NORMAL"]);
   EXPECT_LT((normals - mesh.normals[1].cast<float>()).cwiseAbs().maxCoeff(), 1e-6);
 }
 
@@ -209,8 +220,10 @@ TEST(MakeGlb, TextureBytesAreCarriedAndVPointsDown) {
   const auto& view = glb.json["bufferViews"][image["bufferView"].get<int>()];
   EXPECT_EQ(glb.binary.substr(view["byteOffset"], view["byteLength"]), kTexture.bytes);
   EXPECT_EQ(image["mimeType"], "image/png");
-  const Eigen::MatrixXf uvs = glb.Read(glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]);
-  EXPECT_LT((uvs.col(1).array() - (1 - mesh.uvs.col(1).cast<float>().array())).abs().maxCoeff(), 1e-7);
+  const Eigen::MatrixXf uvs =
+      glb.Read(glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"]);
+  EXPECT_LT((uvs.col(1).array() - (1 - mesh.uvs.col(1).cast<float>().array())).abs().maxCoeff(),
+            1e-7);
 }
 
 TEST(MakeGlb, EachMomentShowsExactlyItsFrame) {
@@ -269,7 +282,8 @@ std::vector<double> WeightsAt(const Glb& glb, double seconds) {
   const bool steps = sampler["interpolation"] == "STEP" || next == i || seconds < times(0, 0);
   const double share = steps ? 0 : (seconds - times(i, 0)) / (times(next, 0) - times(i, 0));
   std::vector<double> weights;
-  for (Eigen::Index k = 0; k < count; ++k) weights.push_back((1 - share) * flat(i * count + k, 0) + share * flat(next * count + k, 0));
+  for (Eigen::Index k = 0; k < count; ++k)
+    weights.push_back((1 - share) * flat(i * count + k, 0) + share * flat(next * count + k, 0));
   return weights;
 }
 
@@ -295,17 +309,21 @@ TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
   GlbOptions options;
   options.playback.fps = 10;
   const Glb glb(MakeGlb(mesh, clip, Names(6), {}, options));
-  EXPECT_EQ(glb.json["meshes"][0]["extras"]["targetNames"], nlohmann::json({"frame_0002", "frame_0004"})) << "no picture twice";
+  EXPECT_EQ(glb.json["meshes"][0]["extras"]["targetNames"],
+            nlohmann::json({"frame_0002", "frame_0004"}))
+      << "no picture twice";
   EXPECT_EQ(glb.json["animations"][0]["samplers"][0]["interpolation"], "STEP");
   const std::vector<double> expected{0, 0, 2, 2, 4, 0};
   for (int i = 0; i < 595; ++i) {
     const double seconds = (i + 0.5) / 1000;
-    EXPECT_EQ(HeightAt(glb, {2, 4}, seconds), expected[static_cast<int>(seconds * 10)]) << seconds << " s";
+    EXPECT_EQ(HeightAt(glb, {2, 4}, seconds), expected[static_cast<int>(seconds * 10)])
+        << seconds << " s";
   }
 }
 
 TEST(MakeGlb, GlidesAndStepsInOneClipPlayAsEach) {
-  // A hold of the first picture, a glide to 3, then two pictures on twos, and a glide from the last of them.
+  // A hold of the first picture, a glide to 3, then two pictures on twos, and a glide from the last
+  // of them.
   const AnimatedMesh mesh = Boxes({0, 0, 0, 1, 2, 3, 3, 5, 5, 6, 7});
   const std::vector<char> stands{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0};
   const Clip clip = MakeClip(mesh.points, stands, false);
@@ -316,13 +334,16 @@ TEST(MakeGlb, GlidesAndStepsInOneClipPlayAsEach) {
   const auto& sampler = glb.json["animations"][0]["samplers"][0];
   EXPECT_EQ(sampler["interpolation"], "LINEAR");
   const Eigen::MatrixXf times = glb.Read(sampler["input"]);
-  for (Eigen::Index i = 1; i < times.rows(); ++i) EXPECT_GT(times(i, 0), times(i - 1, 0)) << "times must rise strictly";
+  for (Eigen::Index i = 1; i < times.rows(); ++i)
+    EXPECT_GT(times(i, 0), times(i - 1, 0)) << "times must rise strictly";
   const std::vector<double> height{0, 0, 0, 1, 2, 3, 3, 5, 5, 6, 7};
   for (int i = 0; i < 1000; ++i) {
     const double frame = (i + 0.5) / 100;
     const int before = static_cast<int>(frame);
     if (stands[before] && frame - before > 0.998) continue;  // the step itself
-    const double expected = stands[before] ? height[before] : height[before] + (frame - before) * (height[before + 1] - height[before]);
+    const double expected =
+        stands[before] ? height[before]
+                       : height[before] + (frame - before) * (height[before + 1] - height[before]);
     EXPECT_NEAR(HeightAt(glb, {1, 2, 3, 5, 6, 7}, frame / 10), expected, 1e-4) << "frame " << frame;
   }
 }
@@ -332,7 +353,9 @@ TEST(LinearKeyframes, StepsKeepTheirOrderInSinglePrecisionLateInALongAnimation) 
   for (int i = 0; i < 30000; ++i) clip.picture.push_back(i), clip.stands.push_back(i % 2);
   const auto keyframes = LinearKeyframes(PlaybackMoments(clip, {24, 0, "none"}), clip, 24);
   for (std::size_t i = 1; i < keyframes.size(); ++i)
-    ASSERT_GT(static_cast<float>(keyframes[i].seconds), static_cast<float>(keyframes[i - 1].seconds)) << i;
+    ASSERT_GT(static_cast<float>(keyframes[i].seconds),
+              static_cast<float>(keyframes[i - 1].seconds))
+        << i;
 }
 
 TEST(MakeClip, WithoutAWordOfStepsRepeatedPicturesStandToTheirEnd) {
@@ -345,7 +368,8 @@ TEST(PlaybackMoments, BackwardsPicturesStandWhereTheyDoForwards) {
   const Clip clip = MakeClip(Boxes({0, 0, 1, 2}).points, {1, 1, 0, 0}, false);
   const auto moments = PlaybackMoments(clip, {10, 0, "pingpong"});
   std::vector<int> frames, stands;
-  for (const Moment& moment : moments) frames.push_back(moment.frame), stands.push_back(moment.stands);
+  for (const Moment& moment : moments)
+    frames.push_back(moment.frame), stands.push_back(moment.stands);
   EXPECT_EQ(frames, (std::vector<int>{0, 1, 2, 3, 2, 1, 0}));
   EXPECT_EQ(stands, (std::vector<int>{1, 1, 0, 0, 1, 1, 0}));
 }
@@ -367,7 +391,9 @@ TEST(TextureMoments, GoOverFromKeyToKeyWithTheShapeAndStandWhereItStands) {
 
 TEST(MakeGlb, TexturesOfAllPosesAreNamedInTheMaterialAndTheFirstIsTheBaseColour) {
   const AnimatedMesh mesh = Boxes({0, 1});
-  GlbTextures textures{{kTexture, {"other bytes", "image/jpeg", "bent"}}, {"rest", "bent"}, {{0, {1, 0}}, {0.5, {0, 1}}}};
+  GlbTextures textures{{kTexture, {"other bytes", "image/jpeg", "bent"}},
+                       {"rest", "bent"},
+                       {{0, {1, 0}}, {0.5, {0, 1}}}};
   const Glb glb(MakeGlb(mesh, MakeClip(mesh.points, {}, false), Names(2), textures, {}));
   const auto& material = glb.json["materials"][0];
   EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorTexture"].value("index", 0), 0);
@@ -381,18 +407,24 @@ TEST(MakeGlb, TexturesOfAllPosesAreNamedInTheMaterialAndTheFirstIsTheBaseColour)
 }
 
 TEST(PlaybackMoments, LastFrameComesAtFramesMinusOneOverFps) {
-  const Clip clip =
-      MakeClip(Boxes({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24}).points, {}, false);
+  const Clip clip = MakeClip(Boxes({0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12,
+                                    13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24})
+                                 .points,
+                             {}, false);
   const auto moments = PlaybackMoments(clip, {24, 0, "none"});
   ASSERT_EQ(moments.size(), 25u);
   EXPECT_DOUBLE_EQ(moments.back().seconds, 1.0);
 }
 
 TEST(PlaybackMoments, LastPictureThatComesAsAStepStandsForAFrame) {
-  const auto moments = PlaybackMoments(MakeClip(Boxes({0, 0, 1}).points, {1, 1, 0}, false), {10, 0, "none"});
+  const auto moments =
+      PlaybackMoments(MakeClip(Boxes({0, 0, 1}).points, {1, 1, 0}, false), {10, 0, "none"});
   ASSERT_EQ(moments.size(), 4u);
   EXPECT_DOUBLE_EQ(moments.back().seconds, 0.3);
-  EXPECT_EQ(PlaybackMoments(MakeClip(Boxes({0, 0, 0}).points, {1, 1, 0}, true), {10, 0, "none"}).size(), 3u) << "a loop goes on at once";
+  EXPECT_EQ(
+      PlaybackMoments(MakeClip(Boxes({0, 0, 0}).points, {1, 1, 0}, true), {10, 0, "none"}).size(),
+      3u)
+      << "a loop goes on at once";
 }
 
 }  // namespace

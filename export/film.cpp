@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kElevationDeg = 12;
 
-Eigen::Vector3d Up(const FilmOptions& options) { return options.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY(); }
+Eigen::Vector3d Up(const FilmOptions& options) {
+  return options.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+}
 
 /// The camera takes in all frames.
 View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOptions& options) {
@@ -28,7 +30,8 @@ View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOpt
 }
 
 /// Ways across the picture from frame to frame, of what faces the camera.
-double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& normals, const Eigen::Matrix3d& camera_from_world) {
+double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& normals,
+                  const Eigen::Matrix3d& camera_from_world) {
   std::vector<double> seen(frames.size(), 0);
   ParallelFor(static_cast<std::int64_t>(frames.size()) - 1, [&](std::int64_t i) {
     for (Eigen::Index v = 0; v < frames[i].points.rows(); ++v) {
@@ -58,7 +61,8 @@ Image8 Blended(const std::vector<Image8>& textures, const std::vector<double>& w
 
 bool SameSize(const std::vector<Image8>& textures) {
   return std::all_of(textures.begin(), textures.end(), [&](const Image8& texture) {
-    return texture.width == textures[0].width && texture.height == textures[0].height && texture.channels == textures[0].channels;
+    return texture.width == textures[0].width && texture.height == textures[0].height &&
+           texture.channels == textures[0].channels;
   });
 }
 
@@ -86,9 +90,13 @@ std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
   std::vector<int> frames;
   for (std::size_t i = 0; i < moments.size(); ++i) {
     const auto tick = [&](const Moment& moment) { return std::llround(moment.seconds * fps); };
-    // The last picture shows for one frame as every other; a moment that only says how long it stands adds none.
-    const bool end_of_last = i > 0 && i + 1 == moments.size() && moments[i - 1].stands && moments[i - 1].frame == moments[i].frame;
-    const long count = i + 1 < moments.size() ? tick(moments[i + 1]) - tick(moments[i]) : end_of_last ? 0 : 1;
+    // The last picture shows for one frame as every other; a moment that only says how long it
+    // stands adds none.
+    const bool end_of_last = i > 0 && i + 1 == moments.size() && moments[i - 1].stands &&
+                             moments[i - 1].frame == moments[i].frame;
+    const long count = i + 1 < moments.size() ? tick(moments[i + 1]) - tick(moments[i])
+                       : end_of_last          ? 0
+                                              : 1;
     frames.insert(frames.end(), static_cast<std::size_t>(count), moments[i].frame);
   }
   return frames;
@@ -96,15 +104,19 @@ std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
 
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
   std::vector<PointsX3> normals(frames.size());
-  ParallelFor(static_cast<std::int64_t>(frames.size()),
-              [&](std::int64_t i) { normals[i] = VertexNormals(frames[i].points, frames[0].faces); });
-  // A character is first photographed from its face, which sfm turns to -y: the film is taken from that half.
+  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t i) {
+    normals[i] = VertexNormals(frames[i].points, frames[0].faces);
+  });
+  // A character is first photographed from its face, which sfm turns to -y: the film is taken from
+  // that half.
   constexpr int kStep = 15, kWidest = 75;
   double best = 20, most = 0;
   for (int turn = -kWidest; turn <= kWidest; turn += kStep) {
     const int azimuth = (turn + 360) % 360;
-    const View view = FitView(frames[0].points, azimuth, kElevationDeg, options.width, options.height, Up(options));
-    const double seen = MotionSeen(frames, normals, view.camera_from_world.rotation.toRotationMatrix());
+    const View view = FitView(frames[0].points, azimuth, kElevationDeg, options.width,
+                              options.height, Up(options));
+    const double seen =
+        MotionSeen(frames, normals, view.camera_from_world.rotation.toRotationMatrix());
     if (seen > most * (1 + 1e-9)) most = seen, best = azimuth;
   }
   return best;
@@ -112,11 +124,13 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
 
 void RenderFilm(const FilmScene& scene, const std::vector<int>& order, const FilmOptions& options,
                 const std::function<void(const Image8&)>& take, Progress* progress) {
-  const double azimuth = options.azimuth_deg >= 0 ? options.azimuth_deg : AzimuthOfMotion(scene.frames, options);
+  const double azimuth =
+      options.azimuth_deg >= 0 ? options.azimuth_deg : AzimuthOfMotion(scene.frames, options);
   const View view = CameraOf(scene.frames, azimuth, options);
   Image8 picture;
   for (std::size_t i = 0; i < order.size(); ++i) {
-    Step(progress, static_cast<double>(i) / static_cast<double>(order.size()), "rendering the film");
+    ReportProgress(progress, static_cast<double>(i) / static_cast<double>(order.size()),
+                   "rendering the film");
     if (i == 0 || order[i] != order[i - 1]) picture = RenderFrame(scene, order[i], view);
     take(picture);
   }

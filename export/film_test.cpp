@@ -47,7 +47,8 @@ std::string BytesOf(const fs::path& path) {
 }
 
 TEST_F(Film, AnotherProgramReadsEveryPictureInOrderWithItsColour) {
-  const std::vector<Rgb> colors{{200, 60, 40}, {200, 60, 40}, {40, 160, 60}, {128, 128, 128}, {30, 60, 200}};
+  const std::vector<Rgb> colors{
+      {200, 60, 40}, {200, 60, 40}, {40, 160, 60}, {128, 128, 128}, {30, 60, 200}};
   Mp4Writer writer(folder_ / "film.mp4", 96, 64, 12);
   for (const Rgb& color : colors) writer.Add(Plain(96, 64, color));
   writer.Finish();
@@ -61,12 +62,15 @@ TEST_F(Film, AnotherProgramReadsEveryPictureInOrderWithItsColour) {
   for (std::size_t i = 0; i < colors.size(); ++i) {
     ASSERT_TRUE(film.read(picture)) << i;
     ASSERT_EQ(picture.cols, 96);
-    // OpenCV 4.6 reads every film by the colours of BT.601, whatever the film says: greens and reds differ by up to some 20 steps.
+    // OpenCV 4.6 reads every film by the colours of BT.601, whatever the film says: greens and reds
+    // differ by up to some 20 steps.
     const cv::Vec3b bgr = picture.at<cv::Vec3b>(32, 48);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(bgr[2 - c], colors[i][c], 30) << "picture " << i << " channel " << c;
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(bgr[2 - c], colors[i][c], 30) << "picture " << i << " channel " << c;
   }
   EXPECT_FALSE(film.read(picture));
-  EXPECT_LT(BytesOf(folder_ / "film.mp4").find("moov"), 64u) << "the index must come first, or browsers wait for the whole file";
+  EXPECT_LT(BytesOf(folder_ / "film.mp4").find("moov"), 64u)
+      << "the index must come first, or browsers wait for the whole file";
 }
 
 TEST_F(Film, PictureOfAnotherSizeThrowsInputError) {
@@ -94,7 +98,8 @@ TEST_F(Film, SameBytesForAnyThreadCount) {
     SetThreadCount(threads);
     Mp4Writer writer(folder_ / name, 128, 96, 24);
     RenderFilm(
-        {frames, none, {}}, {0, 1, 2, 3}, {128, 96, -1, true}, [&](const Image8& picture) { writer.Add(picture); }, nullptr);
+        {frames, none, {}}, {0, 1, 2, 3}, {128, 96, -1, true},
+        [&](const Image8& picture) { writer.Add(picture); }, nullptr);
     writer.Finish();
     SetThreadCount(0);
     return BytesOf(folder_ / name);
@@ -113,7 +118,8 @@ TEST(FilmFrames, HeldPicturesRepeatAndTheLastShowsForOneFrame) {
 
 TEST(AzimuthOfMotion, LooksAcrossTheMotion) {
   const double azimuth = AzimuthOfMotion(SwayingBox(3), {});
-  const double from_y = std::abs(std::cos(azimuth * M_PI / 180));  // 1: along y, so that x lies across the picture
+  const double from_y =
+      std::abs(std::cos(azimuth * M_PI / 180));  // 1: along y, so that x lies across the picture
   EXPECT_GT(from_y, 0.85) << azimuth;
 }
 

@@ -17,7 +17,8 @@ constexpr double kLargestGlb = std::numeric_limits<std::uint32_t>::max();
 
 class GlbBuilder {
  public:
-  GlbBuilder(const AnimatedMesh& mesh, const Clip& clip, const GlbOptions& options) : mesh_(mesh), clip_(clip), options_(options) {
+  GlbBuilder(const AnimatedMesh& mesh, const Clip& clip, const GlbOptions& options)
+      : mesh_(mesh), clip_(clip), options_(options) {
     for (int i = 1; i < clip.frame_count(); ++i)
       if (clip.picture[i] == i) targets_.push_back(i);
     model_.asset.version = "2.0";
@@ -41,14 +42,17 @@ class GlbBuilder {
     tinygltf::Mesh out;
     tinygltf::Value::Array target_names;
     for (const int i : targets_) {
-      primitive.targets.push_back({{"POSITION", AddAttribute(InGltf(mesh_.points[i]) - base_points, TINYGLTF_TYPE_VEC3, true)},
-                                   {"NORMAL", AddAttribute(InGltf(mesh_.normals[i]) - base_normals, TINYGLTF_TYPE_VEC3, false)}});
+      primitive.targets.push_back({{"POSITION", AddAttribute(InGltf(mesh_.points[i]) - base_points,
+                                                             TINYGLTF_TYPE_VEC3, true)},
+                                   {"NORMAL", AddAttribute(InGltf(mesh_.normals[i]) - base_normals,
+                                                           TINYGLTF_TYPE_VEC3, false)}});
       target_names.emplace_back(frame_names[i]);
     }
     out.name = options_.name;
     if (!target_names.empty()) {
       out.weights.assign(target_names.size(), 0.0);
-      out.extras = tinygltf::Value(tinygltf::Value::Object{{"targetNames", tinygltf::Value(target_names)}});
+      out.extras =
+          tinygltf::Value(tinygltf::Value::Object{{"targetNames", tinygltf::Value(target_names)}});
     }
     out.primitives.push_back(primitive);
     model_.meshes.push_back(out);
@@ -100,12 +104,15 @@ class GlbBuilder {
 
   std::string Bytes() {
     if (static_cast<double>(model_.buffers[0].data.size()) > kLargestGlb - (1 << 20)) {
-      throw InputError("export: " + std::to_string(targets_.size() + 1) + " pictures of " + std::to_string(mesh_.source_vertex.size()) +
-                       " vertices need more than the 4 GiB that a GLB can hold; take fewer in-betweens, or use the OBJ or PLY sequence");
+      throw InputError("export: " + std::to_string(targets_.size() + 1) + " pictures of " +
+                       std::to_string(mesh_.source_vertex.size()) +
+                       " vertices need more than the 4 GiB that a GLB can hold; take fewer "
+                       "in-betweens, or use the OBJ or PLY sequence");
     }
     tinygltf::TinyGLTF writer;
     std::ostringstream stream;
-    if (!writer.WriteGltfSceneToStream(&model_, stream, false, true)) throw SolverError("export: tinygltf could not write the GLB");
+    if (!writer.WriteGltfSceneToStream(&model_, stream, false, true))
+      throw SolverError("export: tinygltf could not write the GLB");
     return std::move(stream).str();
   }
 
@@ -139,21 +146,26 @@ class GlbBuilder {
     for (const TextureMoment& moment : textures.moments) {
       tinygltf::Value::Array weights;
       for (const double weight : moment.weights) weights.emplace_back(weight);
-      moments.emplace_back(tinygltf::Value::Object{{"seconds", tinygltf::Value(moment.seconds)}, {"weights", tinygltf::Value(weights)}});
+      moments.emplace_back(tinygltf::Value::Object{{"seconds", tinygltf::Value(moment.seconds)},
+                                                   {"weights", tinygltf::Value(weights)}});
     }
-    tinygltf::Value::Object blend{
-        {"textures", tinygltf::Value(indices)}, {"poses", tinygltf::Value(poses)}, {"moments", tinygltf::Value(moments)}};
+    tinygltf::Value::Object blend{{"textures", tinygltf::Value(indices)},
+                                  {"poses", tinygltf::Value(poses)},
+                                  {"moments", tinygltf::Value(moments)}};
     return tinygltf::Value(tinygltf::Value::Object{{"keypose", tinygltf::Value(blend)}});
   }
 
-  /// At a keyframe the weight of its picture's target is 1, all others are 0; the first picture is the mesh itself.
+  /// At a keyframe the weight of its picture's target is 1, all others are 0; the first picture is
+  /// the mesh itself.
   void AddSamples(const std::vector<Keyframe>& keyframes, tinygltf::AnimationSampler& sampler) {
     const auto count = static_cast<Eigen::Index>(targets_.size());
-    FloatRows times(keyframes.size(), 1), weights = FloatRows::Zero(static_cast<Eigen::Index>(keyframes.size()) * count, 1);
+    FloatRows times(keyframes.size(), 1),
+        weights = FloatRows::Zero(static_cast<Eigen::Index>(keyframes.size()) * count, 1);
     for (std::size_t i = 0; i < keyframes.size(); ++i) {
       times(i, 0) = static_cast<float>(keyframes[i].seconds);
       const int picture = clip_.picture[keyframes[i].frame];
-      const auto target = std::lower_bound(targets_.begin(), targets_.end(), picture) - targets_.begin();
+      const auto target =
+          std::lower_bound(targets_.begin(), targets_.end(), picture) - targets_.begin();
       if (picture > 0) weights(static_cast<Eigen::Index>(i) * count + target, 0) = 1;
     }
     sampler.input = AddScalars(times, true);
@@ -171,7 +183,8 @@ class GlbBuilder {
 
   int AddView(const void* data, std::size_t size, int target) {
     auto& bytes = model_.buffers[0].data;
-    bytes.resize((bytes.size() + 3) / 4 * 4);  // accessors start at multiples of their component's size
+    bytes.resize((bytes.size() + 3) / 4 *
+                 4);  // accessors start at multiples of their component's size
     tinygltf::BufferView view;
     view.buffer = 0;
     view.byteOffset = bytes.size();
@@ -201,11 +214,14 @@ class GlbBuilder {
   int AddAttribute(const FloatRows& rows, int type, bool with_bounds) {
     return AddAccessor(rows, type, TINYGLTF_TARGET_ARRAY_BUFFER, with_bounds);
   }
-  int AddScalars(const FloatRows& rows, bool with_bounds) { return AddAccessor(rows, TINYGLTF_TYPE_SCALAR, 0, with_bounds); }
+  int AddScalars(const FloatRows& rows, bool with_bounds) {
+    return AddAccessor(rows, TINYGLTF_TYPE_SCALAR, 0, with_bounds);
+  }
 
   int AddIndices() {
     tinygltf::Accessor accessor;
-    accessor.bufferView = AddView(mesh_.faces.data(), sizeof(int) * mesh_.faces.size(), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    accessor.bufferView = AddView(mesh_.faces.data(), sizeof(int) * mesh_.faces.size(),
+                                  TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
     accessor.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
     accessor.count = mesh_.faces.size();
     accessor.type = TINYGLTF_TYPE_SCALAR;
@@ -222,11 +238,13 @@ class GlbBuilder {
 
 }  // namespace
 
-std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip, const std::vector<std::string>& frame_names, const GlbTextures& textures,
+std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip,
+                    const std::vector<std::string>& frame_names, const GlbTextures& textures,
                     const GlbOptions& options) {
   if (!textures.images.empty() && mesh.uvs.rows() == 0) {
     throw InputError("export: the texture " + textures.images[0].name +
-                     " cannot be used, as the first frame has no texture coordinates; unwrap the template before it is registered");
+                     " cannot be used, as the first frame has no texture coordinates; unwrap the "
+                     "template before it is registered");
   }
   GlbBuilder builder(mesh, clip, options);
   builder.AddMesh(frame_names);

@@ -56,7 +56,10 @@ struct Mp4Writer::State {
 
   void OpenEncoder(int width, int height, double fps) {
     const AVCodec* codec = Encoder();
-    if (!codec) throw ToolError("export: libavcodec has no x264; install Debian's libavcodec-extra or libavcodec59, or turn `video` off");
+    if (!codec)
+      throw ToolError(
+          "export: libavcodec has no x264; install Debian's libavcodec-extra or libavcodec59, or "
+          "turn `video` off");
     encoder.reset(avcodec_alloc_context3(codec));
     encoder->width = width;
     encoder->height = height;
@@ -95,11 +98,13 @@ struct Mp4Writer::State {
     frame->height = encoder->height;
     Encoded(av_frame_get_buffer(frame.get(), 0));
     packet.reset(av_packet_alloc());
-    scaler = sws_getContext(encoder->width, encoder->height, AV_PIX_FMT_RGB24, encoder->width, encoder->height, encoder->pix_fmt,
-                            SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
+    scaler = sws_getContext(
+        encoder->width, encoder->height, AV_PIX_FMT_RGB24, encoder->width, encoder->height,
+        encoder->pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
     if (!scaler) throw ToolError("export: libswscale does not turn RGB into 4:2:0 for " + path);
     const int* rgb = sws_getCoefficients(SWS_CS_DEFAULT);
-    sws_setColorspaceDetails(scaler, rgb, 1, sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16, 1 << 16);
+    sws_setColorspaceDetails(scaler, rgb, 1, sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16,
+                             1 << 16);
   }
 
   /// @param picture  nullptr: no more come
@@ -117,7 +122,8 @@ struct Mp4Writer::State {
   }
 };
 
-Mp4Writer::Mp4Writer(const std::filesystem::path& path, int width, int height, double fps) : state_(std::make_unique<State>()) {
+Mp4Writer::Mp4Writer(const std::filesystem::path& path, int width, int height, double fps)
+    : state_(std::make_unique<State>()) {
   av_log_set_level(AV_LOG_ERROR);
   state_->path = path.string();
   state_->OpenEncoder(width, height, fps);
@@ -129,9 +135,10 @@ Mp4Writer::~Mp4Writer() = default;
 
 void Mp4Writer::Add(const Image8& picture) {
   State& s = *state_;
-  if (picture.channels != 3 || picture.width != s.encoder->width || picture.height != s.encoder->height)
-    throw InputError("export: a picture of the film is not RGB of " + std::to_string(s.encoder->width) + " x " +
-                     std::to_string(s.encoder->height));
+  if (picture.channels != 3 || picture.width != s.encoder->width ||
+      picture.height != s.encoder->height)
+    throw InputError("export: a picture of the film is not RGB of " +
+                     std::to_string(s.encoder->width) + " x " + std::to_string(s.encoder->height));
   s.Encoded(av_frame_make_writable(s.frame.get()));
   const std::uint8_t* rows[] = {picture.data.data()};
   const int stride[] = {3 * picture.width};

@@ -12,8 +12,9 @@ namespace keypose::exporting {
 /// Whether this machine's libavcodec can encode H.264 by x264.
 bool CanWriteMp4();
 
-/// Writes pictures one after the other. H.264 with 4:2:0 colours of BT.709, the index at the file's beginning. Same bits for any thread
-/// count: one thread encodes.
+/// Writes pictures one after the other. H.264 with 4:2:0 colours of BT.709, the index at the file's
+/// beginning.
+/// Same bits for any thread count: one thread encodes.
 class Mp4Writer {
  public:
   /// @param width, height  of all pictures; even
@@ -26,7 +27,8 @@ class Mp4Writer {
 
   /// @throws InputError  not RGB of the writer's size
   void Add(const Image8& picture);
-  /// To be called once, after the last picture. @throws DiskError
+  /// To be called once, after the last picture.
+  /// @throws DiskError
   void Finish();
 
  private:

@@ -17,9 +17,10 @@ bool SameBits(const PointsX3& a, const PointsX3& b) {
 std::vector<int> FirstWithSamePoints(const std::vector<PointsX3>& points) {
   std::vector<int> first;
   std::map<double, std::vector<int>> by_sum;  // only what has the same sum can be the same
-  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+  for (int i = 0; i < std::ssize(points); ++i) {
     std::vector<int>& rivals = by_sum[points[i].sum()];
-    const auto same = std::find_if(rivals.begin(), rivals.end(), [&](int j) { return SameBits(points[j], points[i]); });
+    const auto same = std::find_if(rivals.begin(), rivals.end(),
+                                   [&](int j) { return SameBits(points[j], points[i]); });
     first.push_back(same == rivals.end() ? i : *same);
     if (same == rivals.end()) rivals.push_back(i);
   }
@@ -64,8 +65,10 @@ std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& opt
     tick += held + 1;
   };
   const int last = clip.frame_count() - 1;
-  for (int i = 0; i <= last; ++i) show(i, i == 0 || i == last ? options.hold : 0, i < last && clip.stands[i]);
-  // The last moment back at the first frame is the first moment of the next round, so it is not held again.
+  for (int i = 0; i <= last; ++i)
+    show(i, i == 0 || i == last ? options.hold : 0, i < last && clip.stands[i]);
+  // The last moment back at the first frame is the first moment of the next round, so it is not
+  // held again.
   if (options.loop == "pingpong") {
     if (last > 0) moments.back().stands = clip.stands[last - 1];
     for (int i = last - 1; i >= 0; --i) show(i, 0, i > 0 && clip.stands[i - 1]);
@@ -76,7 +79,8 @@ std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& opt
   return moments;
 }
 
-std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip, double fps) {
+std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip,
+                                      double fps) {
   std::vector<Keyframe> keyframes;
   for (std::size_t i = 0; i < moments.size(); ++i) {
     keyframes.push_back({moments[i].seconds, moments[i].frame});
@@ -88,7 +92,8 @@ std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const 
   std::vector<Keyframe> needed;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const auto picture = [&](std::size_t k) { return clip.picture[keyframes[k].frame]; };
-    const bool inside = i > 0 && i + 1 < keyframes.size() && picture(i - 1) == picture(i) && picture(i) == picture(i + 1);
+    const bool inside = i > 0 && i + 1 < keyframes.size() && picture(i - 1) == picture(i) &&
+                        picture(i) == picture(i + 1);
     if (!inside) needed.push_back(keyframes[i]);
   }
   return needed;
@@ -101,7 +106,8 @@ std::vector<Keyframe> StepKeyframes(const std::vector<Moment>& moments, const Cl
     const bool change = Changes(moments, i, clip);
     if (change && !moments[i].stands) return {};
     changes |= change;
-    if (change || i + 2 == moments.size()) keyframes.push_back({moments[i + 1].seconds, moments[i + 1].frame});
+    if (change || i + 2 == moments.size())
+      keyframes.push_back({moments[i + 1].seconds, moments[i + 1].frame});
   }
   return changes ? keyframes : std::vector<Keyframe>();
 }

@@ -17,12 +17,14 @@ struct PlaybackOptions {
 /// What the frames are to a player.
 struct Clip {
   std::vector<int> picture;  ///< of each frame: the first frame with the same positions
-  std::vector<char> stands;  ///< of each frame: 1: its picture stands until the next frame comes; 0: players blend
+  std::vector<char> stands;  ///< of each frame: 1: its picture stands until the next frame comes;
+                             ///< 0: players blend
   bool loop = false;         ///< the last frame is the first one again
   int frame_count() const { return static_cast<int>(picture.size()); }
 };
 
-/// @param stands  of each frame, as `interpolate` plans it; empty when that is not known: then pictures that show for two frames or more
+/// @param stands  of each frame, as `interpolate` plans it; empty when that is not known: then
+/// pictures that show for two frames or more
 ///                stand to their end
 /// Same positions means the same bits.
 Clip MakeClip(const std::vector<PointsX3>& points, std::vector<char> stands, bool loop);
@@ -34,8 +36,8 @@ struct Moment {
   bool stands = false;  ///< until the next moment, which then comes as a step; else the two blend
 };
 
-/// Moments in order of time, from 0 s. Held frames have two moments: their begin and end. A last picture that comes as a step stands for a
-/// frame, unless the animation goes round.
+/// Moments in order of time, from 0 s. Held frames have two moments: their begin and end. A last
+/// picture that comes as a step stands for a frame, unless the animation goes round.
 std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& options);
 
 /// A frame at a time, for a sampler.
@@ -43,12 +45,14 @@ struct Keyframe {
   double seconds = 0;
   int frame = 0;
 };
-/// The same as keyframes between which all is linear: what stands gets a second one a thousandth of a frame before the step (more where
-/// single precision cannot tell the two apart). Times rise strictly, also in single precision.
-std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip, double fps);
+/// The same as keyframes between which all is linear: what stands gets a second one a thousandth of
+/// a frame before the step (more where single precision cannot tell the two apart). Times rise
+/// strictly, also in single precision.
+std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip,
+                                      double fps);
 
-/// The keyframes at which a picture changes, and the last, when every change is a step: nothing lies between pictures then. Empty where
-/// one blends into another.
+/// The keyframes at which a picture changes, and the last, when every change is a step: nothing
+/// lies between pictures then. Empty where one blends into another.
 std::vector<Keyframe> StepKeyframes(const std::vector<Moment>& moments, const Clip& clip);
 
 }  // namespace keypose::exporting

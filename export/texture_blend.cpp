@@ -13,7 +13,8 @@ constexpr double kSameWeight = 1e-6;
 bool OnTheLine(const TextureMoment& a, const TextureMoment& b, const TextureMoment& c) {
   const double share = (b.seconds - a.seconds) / (c.seconds - a.seconds);
   for (std::size_t k = 0; k < b.weights.size(); ++k)
-    if (std::abs(a.weights[k] + share * (c.weights[k] - a.weights[k]) - b.weights[k]) > kSameWeight) return false;
+    if (std::abs(a.weights[k] + share * (c.weights[k] - a.weights[k]) - b.weights[k]) > kSameWeight)
+      return false;
   return true;
 }
 
@@ -29,12 +30,15 @@ std::vector<double> TextureWeights(double t, const std::vector<int>& key_texture
   return weights;
 }
 
-std::vector<TextureMoment> TextureMoments(const std::vector<Keyframe>& keyframes, const std::vector<double>& frame_t,
+std::vector<TextureMoment> TextureMoments(const std::vector<Keyframe>& keyframes,
+                                          const std::vector<double>& frame_t,
                                           const std::vector<int>& key_textures, int count) {
   std::vector<TextureMoment> moments;
   for (const Keyframe& keyframe : keyframes) {
-    TextureMoment moment{keyframe.seconds, TextureWeights(frame_t[keyframe.frame], key_textures, count)};
-    if (moments.size() >= 2 && OnTheLine(moments[moments.size() - 2], moments.back(), moment)) moments.pop_back();
+    TextureMoment moment{keyframe.seconds,
+                         TextureWeights(frame_t[keyframe.frame], key_textures, count)};
+    if (moments.size() >= 2 && OnTheLine(moments[moments.size() - 2], moments.back(), moment))
+      moments.pop_back();
     moments.push_back(std::move(moment));
   }
   return moments;

@@ -23,7 +23,8 @@ std::vector<double> TextureWeights(double t, const std::vector<int>& key_texture
 /// @param keyframes  as LinearKeyframes gives them
 /// @param frame_t    of each frame
 /// @return the moments that are needed: what lies on the line between its neighbours is left out
-std::vector<TextureMoment> TextureMoments(const std::vector<Keyframe>& keyframes, const std::vector<double>& frame_t,
+std::vector<TextureMoment> TextureMoments(const std::vector<Keyframe>& keyframes,
+                                          const std::vector<double>& frame_t,
                                           const std::vector<int>& key_textures, int count);
 
 }  // namespace keypose::exporting

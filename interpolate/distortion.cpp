@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/geometry.h"
-#include "interpolate/arap.h"
+#include "interpolate/surface/arap.h"
 
 namespace keypose::interpolation {
 
@@ -18,7 +18,8 @@ constexpr int kBins = 50;
 
 double Ratio(double value, double reference) { return reference != 0 ? value / reference : 1.0; }
 
-/// One quantity on one segment: values at its ends and at its in-betweens, with where they should be.
+/// One quantity on one segment: values at its ends and at its in-betweens, with where they should
+/// be.
 struct SegmentValues {
   double first = 0, last = 0;
   std::vector<double> values, path;
@@ -32,7 +33,8 @@ struct SegmentValues {
     for (const double v : values) row.sd += std::pow((v - first) / first - row.mean, 2);
     row.sd = n > 1 ? std::sqrt(row.sd / static_cast<double>(n - 1)) : 0.0;
     for (std::size_t k = 0; k < n; ++k)
-      if (path[k] > 0) row.path_deviation = std::max(row.path_deviation, std::abs(values[k] / path[k] - 1));
+      if (path[k] > 0)
+        row.path_deviation = std::max(row.path_deviation, std::abs(values[k] / path[k] - 1));
     return row;
   }
 };
@@ -43,12 +45,13 @@ FaceHistogram HistogramOf(const Eigen::VectorXd& areas, const Eigen::VectorXd& r
   for (Eigen::Index f = 0; f < areas.size(); ++f) {
     if (!(reference[f] > 0)) continue;
     const double at = ((areas[f] - reference[f]) / reference[f] - h.low) / (h.high - h.low) * kBins;
-    ++h.counts[static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, kBins - 1.0))];
+    ++h.counts[std::clamp(std::floor(at), 0.0, kBins - 1.0)];
   }
   return h;
 }
 
-SpanSpline<double> PathOf(const Schedule& schedule, const std::vector<double>& values, bool* all_positive) {
+SpanSpline<double> PathOf(const Schedule& schedule, const std::vector<double>& values,
+                          bool* all_positive) {
   std::vector<double> logs;
   *all_positive = std::all_of(values.begin(), values.end(), [](double v) { return v > 0; });
   for (const double v : values) logs.push_back(*all_positive ? std::log(v) : 0.0);
@@ -56,7 +59,10 @@ SpanSpline<double> PathOf(const Schedule& schedule, const std::vector<double>& v
 }
 
 Json RowJson(const DistortionRow& row) {
-  return {{"mean", row.mean}, {"sd", row.sd}, {"path_deviation", row.path_deviation}, {"end_ratio", row.end_ratio}};
+  return {{"mean", row.mean},
+          {"sd", row.sd},
+          {"path_deviation", row.path_deviation},
+          {"end_ratio", row.end_ratio}};
 }
 
 /// Deviation from the path; null where there is no path.
@@ -92,7 +98,8 @@ Json SegmentJson(const SegmentDistortion& s) {
 
 }  // namespace
 
-DistortionMeter::DistortionMeter(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule)
+DistortionMeter::DistortionMeter(const std::vector<PointsX3>& keys, const FacesX3& faces,
+                                 const Schedule& schedule)
     : keys_(keys), faces_(faces), schedule_(schedule), diagonal_(BoundingDiagonal(keys.front())) {
   for (const PointsX3& key : keys) {
     key_face_areas_.push_back(FaceAreas(key, faces));
@@ -112,8 +119,10 @@ void DistortionMeter::Add(const FrameView& frame) {
     measured_.push_back(measured_[plan.same_as]);
   } else {
     const PointsX3 linear = InterpolateLinearly(keys_[plan.span], keys_[plan.span + 1], plan.way);
-    const Eigen::VectorXd areas = FaceAreas(frame.points, faces_), linear_areas = FaceAreas(linear, faces_);
-    const Measured m{areas.sum(), SignedVolume(frame.points, faces_), linear_areas.sum(), SignedVolume(linear, faces_)};
+    const Eigen::VectorXd areas = FaceAreas(frame.points, faces_),
+                          linear_areas = FaceAreas(linear, faces_);
+    const Measured m{areas.sum(), SignedVolume(frame.points, faces_), linear_areas.sum(),
+                     SignedVolume(linear, faces_)};
     measured_.push_back(m);
     const double area0 = key_areas_[0], volume0 = key_volumes_[0];
     d.area = Ratio(m.area, area0);
@@ -139,12 +148,15 @@ SegmentDistortion DistortionMeter::SegmentOf(int span) const {
   segment.from_frame = schedule_.key_frames[span];
   segment.to_frame = schedule_.key_frames[span + 1];
   SegmentValues area, volume, linear_area, linear_volume;
-  for (SegmentValues* v : {&area, &linear_area}) v->first = key_areas_[span], v->last = key_areas_[span + 1];
-  for (SegmentValues* v : {&volume, &linear_volume}) v->first = key_volumes_[span], v->last = key_volumes_[span + 1];
+  for (SegmentValues* v : {&area, &linear_area})
+    v->first = key_areas_[span], v->last = key_areas_[span + 1];
+  for (SegmentValues* v : {&volume, &linear_volume})
+    v->first = key_volumes_[span], v->last = key_volumes_[span + 1];
   for (int f = segment.from_frame + 1; f < segment.to_frame; ++f) {
     if (schedule_.frames[f].key >= 0) continue;  // a key that stands is no in-between
     ++segment.in_betweens;
-    const double area_path = frames_[f].area_path * key_areas_[0], volume_path = frames_[f].volume_path * key_volumes_[0];
+    const double area_path = frames_[f].area_path * key_areas_[0],
+                 volume_path = frames_[f].volume_path * key_volumes_[0];
     area.values.push_back(measured_[f].area);
     linear_area.values.push_back(measured_[f].linear_area);
     volume.values.push_back(measured_[f].volume);
@@ -162,16 +174,19 @@ SegmentDistortion DistortionMeter::SegmentOf(int span) const {
 DistortionReport DistortionMeter::Finish() const {
   DistortionReport report;
   report.frames = frames_;
-  for (std::size_t s = 0; s < schedule_.spans.size(); ++s) report.segments.push_back(SegmentOf(static_cast<int>(s)));
+  for (std::size_t s = 0; s < schedule_.spans.size(); ++s)
+    report.segments.push_back(SegmentOf(static_cast<int>(s)));
   return report;
 }
 
-std::string ToJson(const DistortionReport& report, const Schedule& schedule, const SourceReport& source, const std::string& method) {
+std::string ToJson(const DistortionReport& report, const Schedule& schedule,
+                   const SourceReport& source, const std::string& method) {
   // One line a frame, made one by one: a document of thousands of frames would outweigh the meshes.
   const auto lines = [&](const auto& items, const auto& line) {
     std::string text;
     for (const auto& item : items)
-      if (const std::string one = line(item); !one.empty()) text += (text.empty() ? "\n  " : ",\n  ") + one;
+      if (const std::string one = line(item); !one.empty())
+        text += (text.empty() ? "\n  " : ",\n  ") + one;
     return "[" + text + "\n ]";
   };
   const Json turns = {{"largest_turn_rad", source.largest_turn},
@@ -179,26 +194,38 @@ std::string ToJson(const DistortionReport& report, const Schedule& schedule, con
                       {"torn_edges", source.torn_edges},
                       {"loops_that_do_not_close", source.loops_that_do_not_close},
                       {"differential", source.differential}};
-  std::string text = "{\n \"schema\": 2,\n \"method\": " + Json(method).dump() + ",\n \"fps\": " + Json(schedule.fps).dump() +
-                     ",\n \"loop\": " + Json(schedule.loop).dump() + ",\n \"key_frames\": " + Json(schedule.key_frames).dump() +
-                     ",\n \"turns\": " + turns.dump() + ",\n \"notes\": " + Json(source.notes).dump();
-  text += ",\n \"frames\": " + lines(report.frames, [](const FrameDistortion& f) { return FrameJson(f).dump(); });
-  text += ",\n \"segments\": " + lines(report.segments, [](const SegmentDistortion& s) { return SegmentJson(s).dump(); });
+  std::string text =
+      "{\n \"schema\": 2,\n \"method\": " + Json(method).dump() +
+      ",\n \"fps\": " + Json(schedule.fps).dump() + ",\n \"loop\": " + Json(schedule.loop).dump() +
+      ",\n \"key_frames\": " + Json(schedule.key_frames).dump() + ",\n \"turns\": " + turns.dump() +
+      ",\n \"notes\": " + Json(source.notes).dump();
+  text += ",\n \"frames\": " +
+          lines(report.frames, [](const FrameDistortion& f) { return FrameJson(f).dump(); });
+  text += ",\n \"segments\": " +
+          lines(report.segments, [](const SegmentDistortion& s) { return SegmentJson(s).dump(); });
   text += ",\n \"face_area_histograms\": {\"low\": " + Json(FaceHistogram().low).dump() +
-          ", \"high\": " + Json(FaceHistogram().high).dump() + ", \"frames\": " + lines(report.frames, [](const FrameDistortion& f) {
-            return f.same_as >= 0 ? "" : Json{{"t", f.t}, {"counts", f.faces.counts}, {"linear_counts", f.linear_faces.counts}}.dump();
+          ", \"high\": " + Json(FaceHistogram().high).dump() +
+          ", \"frames\": " + lines(report.frames, [](const FrameDistortion& f) {
+            return f.same_as >= 0 ? ""
+                                  : Json{{"t", f.t},
+                                         {"counts", f.faces.counts},
+                                         {"linear_counts", f.linear_faces.counts}}
+                                        .dump();
           });
   return text + "}\n}\n";
 }
 
 std::vector<std::string> ToTable(const DistortionReport& report, const std::string& method) {
   std::vector<std::string> lines = {
-      "mean relative distortion (sd) over in-betweens, against the segment's first key; largest deviation from the geometric path; end "
+      "mean relative distortion (sd) over in-betweens, against the segment's first key; largest "
+      "deviation from the geometric path; end "
       "ratio"};
-  const auto add = [&](std::size_t s, const char* what, const std::string& how, const DistortionRow& r) {
+  const auto add = [&](std::size_t s, const char* what, const std::string& how,
+                       const DistortionRow& r) {
     char line[200];
-    std::snprintf(line, sizeof line, "  keys %zu-%zu  %-6s %-10s  mean %+.4e  sd %.4e  path %.2e  end %.4f", s, s + 1, what, how.c_str(),
-                  r.mean, r.sd, r.path_deviation, r.end_ratio);
+    std::snprintf(line, sizeof line,
+                  "  keys %zu-%zu  %-6s %-10s  mean %+.4e  sd %.4e  path %.2e  end %.4f", s, s + 1,
+                  what, how.c_str(), r.mean, r.sd, r.path_deviation, r.end_ratio);
     lines.emplace_back(line);
   };
   for (std::size_t s = 0; s < report.segments.size(); ++s) {

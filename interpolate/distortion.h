@@ -5,20 +5,20 @@
 #include <vector>
 
 #include "interpolate/sequence.h"
-#include "interpolate/spline.h"
+#include "interpolate/timing/spline.h"
 
 namespace keypose::interpolation {
 
 /// Relative change against a segment's first key over its in-betweens, and more honest measures.
 struct DistortionRow {
-  double mean = 0, sd = 0;  ///< of (A_k - A_0) / A_0 over in-betweens, sd with n - 1
-  double path_deviation =
-      0;                 ///< largest |A / path - 1|; the path is A_0^(1-t) A_1^t, C1 through smooth keys; 0 where an end is not positive
-  double end_ratio = 1;  ///< A_1 / A_0: what a mean cannot be blamed for
+  double mean = 0, sd = 0;    ///< of (A_k - A_0) / A_0 over in-betweens, sd with n - 1
+  double path_deviation = 0;  ///< largest |A / path - 1|; the path is A_0^(1-t) A_1^t, C1 through
+                              ///< smooth keys; 0 where an end is not positive
+  double end_ratio = 1;       ///< A_1 / A_0: what a mean cannot be blamed for
 };
 
-/// Faces' relative area change against the segment's first key, at one frame: counts of equal bins over [low, high]; outliers in the end
-/// bins.
+/// Faces' relative area change against the segment's first key, at one frame: counts of equal bins
+/// over [low, high]; outliers in the end bins.
 struct FaceHistogram {
   double low = -0.5, high = 0.5;
   std::vector<int> counts;
@@ -31,14 +31,14 @@ struct SegmentDistortion {
 };
 
 struct FrameDistortion {
-  double t = 0;                                                     ///< key index + share of the way: 0 .. keys - 1
-  double time_s = 0;                                                ///< on the timeline
+  double t = 0;       ///< key index + share of the way: 0 .. keys - 1
+  double time_s = 0;  ///< on the timeline
   double area = 1, volume = 1, linear_area = 1, linear_volume = 1;  ///< over the first key's
-  double area_path = 1, volume_path = 1;                            ///< what they should be; 0 where a key has none
-  double volume_move = 0;                                           ///< largest way of a vertex by the volume correction / diagonal
-  int on_table = 0;                                                 ///< vertices that touch the table
-  int same_as = -1;                                                 ///< the earlier frame that it repeats
-  bool stands = false;                                              ///< its picture stands until the next frame comes
+  double area_path = 1, volume_path = 1;  ///< what they should be; 0 where a key has none
+  double volume_move = 0;  ///< largest way of a vertex by the volume correction / diagonal
+  int on_table = 0;        ///< vertices that touch the table
+  int same_as = -1;        ///< the earlier frame that it repeats
+  bool stands = false;     ///< its picture stands until the next frame comes
   FaceHistogram faces, linear_faces;
 };
 
@@ -51,7 +51,8 @@ struct DistortionReport {
 class DistortionMeter {
  public:
   /// References must outlive the meter.
-  DistortionMeter(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule);
+  DistortionMeter(const std::vector<PointsX3>& keys, const FacesX3& faces,
+                  const Schedule& schedule);
   void Add(const FrameView& frame);
   DistortionReport Finish() const;  ///< @pre all frames were added
 
@@ -73,7 +74,8 @@ class DistortionMeter {
   std::vector<Measured> measured_;
 };
 
-std::string ToJson(const DistortionReport& report, const Schedule& schedule, const SourceReport& source, const std::string& method);
+std::string ToJson(const DistortionReport& report, const Schedule& schedule,
+                   const SourceReport& source, const std::string& method);
 /// Tables 1 and 2 for a person, one line a segment.
 std::vector<std::string> ToTable(const DistortionReport& report, const std::string& method);
 

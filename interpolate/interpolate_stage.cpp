@@ -12,9 +12,9 @@
 #include "core/io/timeline.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
-#include "interpolate/rules.h"
 #include "interpolate/sequence.h"
-#include "interpolate/timeline.h"
+#include "interpolate/timing/rules.h"
+#include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {
 namespace {
@@ -28,19 +28,28 @@ struct InterpolateOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {.help = "arap: as rigid as possible; volumetric: the same of the solid inside, for strong twists; paper: the paper's system to "
+          {.help = "arap: as rigid as possible; volumetric: the same of the solid inside, for "
+                   "strong twists; paper: the paper's system to "
                    "the letter; linear: straight lines",
            .unit = "",
            .choices = {"arap", "volumetric", "paper", "linear"}});
-    visit("steps", steps, {"in-betweens of each pair of keys, where no timeline gives times", "frames", 0, 100000, {}});
+    visit("steps", steps,
+          {"in-betweens of each pair of keys, where no timeline gives times",
+           "frames",
+           0,
+           100000,
+           {}});
     visit("align", align,
-          {.help = "brings later keys onto the first; upright: a turn about z and a level translation, so that each key stays on its ground",
+          {.help = "brings later keys onto the first; upright: a turn about z and a level "
+                   "translation, so that each key stays on its ground",
            .unit = "",
            .choices = {"none", "upright", "rigid", "similarity"}});
     visit("same_size", same_size,
-          {.help = "scales later keys to the first one's size (median edge): without a printed plate each pose comes out in a size of its own"});
+          {.help = "scales later keys to the first one's size (median edge): without a printed "
+                   "calibration board each pose comes out in a size of its own"});
     visit("volume", volume,
-          {.help = "the volume of each closed part follows the keys'; arap and volumetric only; a timeline that says so itself wins"});
+          {.help = "the volume of each closed part follows the keys'; arap and volumetric only; a "
+                   "timeline that says so itself wins"});
   }
 };
 
@@ -51,9 +60,13 @@ StageSpec Spec() {
   spec.summary = "Frames between keys of one connectivity, as rigid as possible.";
   spec.inputs = {
       {"keys", "file", "key meshes with the same faces, in order, two or more", "", false, true},
-      {"timeline", "file", "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume", "", true, false},
-      {"regions", "file", "the timeline's regions, bound to a mesh (keypose landmarks bind)", "", true, false}};
-  spec.outputs = {{"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
+      {"timeline", "file",
+       "JSON: frames per second; time, hold, ease, step of each key; pins, paths, table, volume",
+       "", true, false},
+      {"regions", "file", "the timeline's regions, bound to a mesh (keypose landmarks bind)", "",
+       true, false}};
+  spec.outputs = {
+      {"frames", "folder", "frame_0000.ply ... and distortion.json", "frames", false, false}};
   spec.memory_gib = 2;
   return spec;
 }
@@ -64,11 +77,14 @@ std::vector<Mesh> LoadKeys(StageContext& stage) {
     keys.push_back(ReadMesh(path));
     const Mesh& key = keys.back();
     RequireUsable(key, "interpolate: key '" + path.filename().string() + "'");
-    if (key.faces.rows() != keys[0].faces.rows() || key.faces != keys[0].faces || key.points.rows() != keys[0].points.rows())
-      throw InputError("interpolate: key '" + path.filename().string() +
-                       "' does not have the faces of the first key; register all poses from one template");
+    if (key.faces.rows() != keys[0].faces.rows() || key.faces != keys[0].faces ||
+        key.points.rows() != keys[0].points.rows())
+      throw InputError(
+          "interpolate: key '" + path.filename().string() +
+          "' does not have the faces of the first key; register all poses from one template");
   }
-  if (keys.size() < 2) throw UsageError("interpolate: needs at least two keys; pass --keys once for each");
+  if (keys.size() < 2)
+    throw UsageError("interpolate: needs at least two keys; pass --keys once for each");
   return keys;
 }
 
@@ -90,7 +106,8 @@ struct Plan {
   Rules rules;
 };
 
-Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std::vector<PointsX3>& keys, const Mesh& first) {
+Plan MakePlan(StageContext& stage, const InterpolateOptions& options,
+              const std::vector<PointsX3>& keys, const Mesh& first) {
   const int count = static_cast<int>(keys.size());
   if (!stage.Has("timeline")) {
     Plan plan{MakeSchedule(std::vector<int>(count - 1, options.steps)), {}};
@@ -101,14 +118,18 @@ Plan MakePlan(StageContext& stage, const InterpolateOptions& options, const std:
   const std::string name = path.filename().string();
   Timeline timeline = ParseTimeline(ReadFile(path), name);
   CarryLog log;
-  FollowRegions(stage.Has("regions") ? stage.Input("regions") : std::filesystem::path(), first, timeline, &log);
+  FollowRegions(stage.Has("regions") ? stage.Input("regions") : std::filesystem::path(), first,
+                timeline, &log);
   for (const std::string& note : log.notes) stage.Note(note);
   for (const std::string& warning : log.warnings) stage.Warn(warning);
   Plan plan{MakeSchedule(timeline, count, options.steps, name), {}};
   plan.rules = RulesFrom(timeline, plan.schedule, keys[0], first.faces, options.volume, name);
-  const bool asks = !timeline.pins.empty() || !timeline.trajectories.empty() || timeline.table_height || !timeline.volume.empty();
+  const bool asks = !timeline.pins.empty() || !timeline.trajectories.empty() ||
+                    timeline.table_height || !timeline.volume.empty();
   if (asks && options.method != "arap")
-    throw UsageError("interpolate: " + name + " asks for pins, trajectories, a table or volumes, which only --method arap keeps");
+    throw UsageError(
+        "interpolate: " + name +
+        " asks for pins, trajectories, a table or volumes, which only --method arap keeps");
   for (const Span& span : plan.schedule.spans)
     if (!span.turns.empty() && options.method != "arap")
       throw UsageError("interpolate: " + name + " gives turns, which only --method arap keeps");
@@ -127,11 +148,13 @@ void ReportSource(StageContext& stage, const SourceReport& source, const std::st
     stage.Report("tetrahedra", source.tetrahedra);
     stage.Report("largest_tear_rad", source.largest_tear);
   }
-  if (method == "arap" || method == "volumetric") stage.Report("largest_turn_rad", source.largest_turn);
+  if (method == "arap" || method == "volumetric")
+    stage.Report("largest_turn_rad", source.largest_turn);
   for (const std::string& note : source.notes) stage.Note(note);
 }
 
-void ReportDistortion(StageContext& stage, const DistortionReport& report, const std::string& method) {
+void ReportDistortion(StageContext& stage, const DistortionReport& report,
+                      const std::string& method) {
   const SegmentDistortion& first = report.segments.front();
   stage.Report("area_mean", first.area.mean);
   stage.Report("area_sd", first.area.sd);
@@ -144,8 +167,10 @@ void ReportDistortion(StageContext& stage, const DistortionReport& report, const
   double area = 0, volume = 0, move = 0;
   int on_table = 0;
   for (const SegmentDistortion& s : report.segments)
-    area = std::max(area, s.area.path_deviation), volume = std::max(volume, s.volume.path_deviation);
-  for (const FrameDistortion& f : report.frames) move = std::max(move, f.volume_move), on_table = std::max(on_table, f.on_table);
+    area = std::max(area, s.area.path_deviation),
+    volume = std::max(volume, s.volume.path_deviation);
+  for (const FrameDistortion& f : report.frames)
+    move = std::max(move, f.volume_move), on_table = std::max(on_table, f.on_table);
   stage.Report("area_path_deviation", area);
   stage.Report("volume_path_deviation", volume);
   stage.Report("volume_move_over_diag", move);
@@ -162,7 +187,8 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   if (options.same_size) keys = SameSized(keys, first.faces);
   keys = AlignedKeys(keys, AlignOf(options.align));
   const Plan plan = MakePlan(stage, options, keys, first);
-  const std::unique_ptr<FrameSource> source = MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);
+  const std::unique_ptr<FrameSource> source =
+      MakeFrameSource(keys, first.faces, plan.schedule, MethodOf(options.method), plan.rules);
 
   const std::filesystem::path folder = stage.Output("frames");
   PlyFrames writer(first);
@@ -179,13 +205,14 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   stage.Report("keys", static_cast<std::int64_t>(keys.size()));
   ReportSource(stage, source->report(), options.method);
   ReportDistortion(stage, report, options.method);
-  WriteFile(folder / "distortion.json", ToJson(report, plan.schedule, source->report(), options.method));
+  WriteFile(folder / "distortion.json",
+            ToJson(report, plan.schedule, source->report(), options.method));
 }
 
 }  // namespace
 }  // namespace keypose::interpolation
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::interpolation::InterpolateOptions>(argc, argv, keypose::interpolation::Spec(),
-                                                                       keypose::interpolation::Run);
+  return keypose::RunStage<keypose::interpolation::InterpolateOptions>(
+      argc, argv, keypose::interpolation::Spec(), keypose::interpolation::Run);
 }

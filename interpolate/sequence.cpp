@@ -7,16 +7,17 @@
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
-#include "interpolate/arap.h"
-#include "interpolate/key_source.h"
-#include "interpolate/paper_arap.h"
-#include "interpolate/volumetric.h"
+#include "interpolate/surface/arap.h"
+#include "interpolate/surface/key_source.h"
+#include "interpolate/surface/paper_arap.h"
+#include "interpolate/volume/volumetric.h"
 
 namespace keypose::interpolation {
 
 namespace {
 
-/// The turn about z and the level translation with least squares: heights stay, as each key has the ground at its own z = 0.
+/// The turn about z and the level translation with least squares: heights stay, as each key has the
+/// ground at its own z = 0.
 Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
   const Eigen::RowVector3d ca = a.colwise().mean(), cb = b.colwise().mean();
   double dot = 0, cross = 0;
@@ -26,7 +27,8 @@ Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
     cross += x[0] * y[1] - x[1] * y[0];
   }
   Similarity3 s;
-  s.rotation = Eigen::AngleAxisd(std::atan2(cross, dot), Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  s.rotation =
+      Eigen::AngleAxisd(std::atan2(cross, dot), Eigen::Vector3d::UnitZ()).toRotationMatrix();
   s.translation = cb.transpose() - s.rotation * ca.transpose();
   s.translation.z() = 0;
   return s;
@@ -34,11 +36,14 @@ Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
 
 void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule) {
   if (keys.size() < 2) throw InputError("interpolate: needs at least two keys");
-  if (schedule.spans.size() + 1 != keys.size()) throw InputError("interpolate: the schedule is one of another number of keys");
+  if (schedule.spans.size() + 1 != keys.size())
+    throw InputError("interpolate: the schedule is one of another number of keys");
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (keys[k].rows() != keys[0].rows())
-      throw InputError("interpolate: key " + std::to_string(k) + " has " + std::to_string(keys[k].rows()) + " vertices, the first has " +
-                       std::to_string(keys[0].rows()) + "; register all poses from one template first");
+      throw InputError("interpolate: key " + std::to_string(k) + " has " +
+                       std::to_string(keys[k].rows()) + " vertices, the first has " +
+                       std::to_string(keys[0].rows()) +
+                       "; register all poses from one template first");
     Mesh mesh;
     mesh.points = keys[k];
     mesh.faces = faces;
@@ -46,7 +51,8 @@ void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces, const Sc
   }
   if (schedule.loop && keys.front() != keys.back())
     throw InputError(
-        "interpolate: the timeline loops, but its last key is another pose than its first; end it with the first pose again, at "
+        "interpolate: the timeline loops, but its last key is another pose than its first; end it "
+        "with the first pose again, at "
         "the time when the loop closes");
 }
 
@@ -54,7 +60,8 @@ void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces, const Sc
 template <class Interpolator>
 class PairSource : public FrameSource {
  public:
-  PairSource(std::vector<PointsX3> keys, FacesX3 faces) : keys_(std::move(keys)), faces_(std::move(faces)) {}
+  PairSource(std::vector<PointsX3> keys, FacesX3 faces)
+      : keys_(std::move(keys)), faces_(std::move(faces)) {}
 
   std::vector<ComputedFrame> At(int span, const std::vector<double>& ways) override {
     if (span != span_) {
@@ -69,7 +76,8 @@ class PairSource : public FrameSource {
 
  protected:
   virtual Interpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const = 0;
-  virtual std::vector<ComputedFrame> Compute(const Interpolator& interpolator, const std::vector<double>& ways) const = 0;
+  virtual std::vector<ComputedFrame> Compute(const Interpolator& interpolator,
+                                             const std::vector<double>& ways) const = 0;
   virtual void Gather(const Interpolator&, SourceReport&) const {}
 
  private:
@@ -89,10 +97,14 @@ class LinearSource final : public PairSource<StraightLines> {
   using PairSource::PairSource;
 
  protected:
-  StraightLines Make(const PointsX3& v, const PointsX3& u, const FacesX3&) const override { return {v, u}; }
-  std::vector<ComputedFrame> Compute(const StraightLines& lines, const std::vector<double>& ways) const override {
+  StraightLines Make(const PointsX3& v, const PointsX3& u, const FacesX3&) const override {
+    return {v, u};
+  }
+  std::vector<ComputedFrame> Compute(const StraightLines& lines,
+                                     const std::vector<double>& ways) const override {
     std::vector<ComputedFrame> frames;
-    for (const double way : ways) frames.push_back({InterpolateLinearly(lines.v, lines.u, way), 0, 0});
+    for (const double way : ways)
+      frames.push_back({InterpolateLinearly(lines.v, lines.u, way), 0, 0});
     return frames;
   }
 };
@@ -100,18 +112,23 @@ class LinearSource final : public PairSource<StraightLines> {
 /// Two keys and no rules but the volume: the fast way.
 class ArapPairSource final : public PairSource<ArapInterpolator> {
  public:
-  ArapPairSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Rules& rules) : PairSource(keys, faces) {
+  ArapPairSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Rules& rules)
+      : PairSource(keys, faces) {
     options_.correct_volume = rules.keep_volume;
     options_.turn_overrides = rules.turns.front();
   }
 
  protected:
-  ArapInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override { return {v, u, faces, options_}; }
-  std::vector<ComputedFrame> Compute(const ArapInterpolator& arap, const std::vector<double>& ways) const override {
+  ArapInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override {
+    return {v, u, faces, options_};
+  }
+  std::vector<ComputedFrame> Compute(const ArapInterpolator& arap,
+                                     const std::vector<double>& ways) const override {
     std::vector<FrameFacts> facts;
     std::vector<PointsX3> points = arap.At(ways, &facts);
     std::vector<ComputedFrame> frames;
-    for (std::size_t i = 0; i < ways.size(); ++i) frames.push_back({std::move(points[i]), facts[i].volume_move, 0});
+    for (std::size_t i = 0; i < ways.size(); ++i)
+      frames.push_back({std::move(points[i]), facts[i].volume_move, 0});
     return frames;
   }
   void Gather(const ArapInterpolator& arap, SourceReport& report) const override {
@@ -133,8 +150,12 @@ class PaperSource final : public PairSource<PaperInterpolator> {
   using PairSource::PairSource;
 
  protected:
-  PaperInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override { return {v, u, faces}; }
-  std::vector<ComputedFrame> Compute(const PaperInterpolator& paper, const std::vector<double>& ways) const override {
+  PaperInterpolator Make(const PointsX3& v, const PointsX3& u,
+                         const FacesX3& faces) const override {
+    return {v, u, faces};
+  }
+  std::vector<ComputedFrame> Compute(const PaperInterpolator& paper,
+                                     const std::vector<double>& ways) const override {
     std::vector<ComputedFrame> frames;
     for (const double way : ways) frames.push_back({paper.At(way), 0, 0});
     return frames;
@@ -147,12 +168,14 @@ class VolumetricSource final : public PairSource<VolumetricInterpolator> {
       : PairSource(keys, faces), keep_volume_(keep_volume) {}
 
  protected:
-  VolumetricInterpolator Make(const PointsX3& v, const PointsX3& u, const FacesX3& faces) const override {
+  VolumetricInterpolator Make(const PointsX3& v, const PointsX3& u,
+                              const FacesX3& faces) const override {
     VolumetricOptions options;
     options.keep_volume = keep_volume_;
     return {v, u, faces, options};
   }
-  std::vector<ComputedFrame> Compute(const VolumetricInterpolator& solid, const std::vector<double>& ways) const override {
+  std::vector<ComputedFrame> Compute(const VolumetricInterpolator& solid,
+                                     const std::vector<double>& ways) const override {
     std::vector<ComputedFrame> frames;
     for (PointsX3& points : solid.At(ways)) frames.push_back({std::move(points), 0, 0});
     return frames;
@@ -169,11 +192,13 @@ class VolumetricSource final : public PairSource<VolumetricInterpolator> {
   bool keep_volume_;
 };
 
-/// Frames of one span that are computed together: from `first`, those that are neither keys nor repeated.
+/// Frames of one span that are computed together: from `first`, those that are neither keys nor
+/// repeated.
 std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
   std::vector<int> batch;
   const int span = schedule.frames[first].span;
-  for (int f = first; f < static_cast<int>(schedule.frames.size()) && static_cast<int>(batch.size()) < most; ++f) {
+  for (int f = first; f < std::ssize(schedule.frames) && static_cast<int>(batch.size()) < most;
+       ++f) {
     const PlannedFrame& frame = schedule.frames[f];
     if (frame.span != span || (frame.key >= 0 && f > first)) break;
     if (frame.key < 0 && frame.same_as < 0) batch.push_back(f);
@@ -181,9 +206,11 @@ std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
   return batch;
 }
 
-/// About 100 MiB of right-hand sides and results, and no more than what one pass through the factor is good for.
+/// About 100 MiB of right-hand sides and results, and no more than what one pass through the factor
+/// is good for.
 int BatchSize(Eigen::Index vertices) {
-  return static_cast<int>(std::clamp<Eigen::Index>(2'000'000 / std::max<Eigen::Index>(vertices, 1), 1, 16));
+  return static_cast<int>(
+      std::clamp<Eigen::Index>(2'000'000 / std::max<Eigen::Index>(vertices, 1), 1, 16));
 }
 
 }  // namespace
@@ -191,14 +218,18 @@ int BatchSize(Eigen::Index vertices) {
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align) {
   std::vector<PointsX3> aligned = keys;
   for (std::size_t k = 1; k < keys.size() && align != AlignKeys::kNone; ++k) {
-    // A pose that comes again has the bits that it had, so that it can stand still and loops can close.
-    const auto before = std::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k]);
+    // A pose that comes again has the bits that it had, so that it can stand still and loops can
+    // close.
+    const auto before =
+        std::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k]);
     if (before - keys.begin() < static_cast<std::ptrdiff_t>(k))
-      aligned[k] = aligned[static_cast<std::size_t>(before - keys.begin())];
+      aligned[k] = aligned[before - keys.begin()];
     else if (keys[k].rows() == keys[0].rows())
-      aligned[k] = Transformed(align == AlignKeys::kUpright ? FitUpright(keys[k], keys[0])
-                                                            : FitSimilarity(keys[k], keys[0], {}, align == AlignKeys::kSimilarity),
-                               keys[k]);
+      aligned[k] =
+          Transformed(align == AlignKeys::kUpright
+                          ? FitUpright(keys[k], keys[0])
+                          : FitSimilarity(keys[k], keys[0], {}, align == AlignKeys::kSimilarity),
+                      keys[k]);
   }
   return aligned;
 }
@@ -219,7 +250,8 @@ std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3
   return sized;
 }
 
-std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys,
+                                             const FacesX3& faces, const Schedule& schedule,
                                              Method method, const Rules& rules) {
   CheckKeys(keys, faces, schedule);
   switch (method) {
@@ -230,7 +262,8 @@ std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, 
     case Method::kVolumetric:
       return std::make_unique<VolumetricSource>(keys, faces, rules.keep_volume);
     default:
-      if (keys.size() == 2 && !AnySmooth(schedule) && rules.held.empty() && !rules.table_height && rules.log_volume.empty())
+      if (keys.size() == 2 && !AnySmooth(schedule) && rules.held.empty() && !rules.table_height &&
+          rules.log_volume.empty())
         return std::make_unique<ArapPairSource>(keys, faces, rules);
       return std::make_unique<KeySource>(keys, faces, schedule, rules);
   }
@@ -244,7 +277,7 @@ void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, F
   for (int f = 0; f < count; ++f) {
     const PlannedFrame& plan = schedule.frames[f];
     if (plan.same_as < 0) {
-      Step(progress, static_cast<double>(f) / count, "frames between keys");
+      ReportProgress(progress, static_cast<double>(f) / count, "frames between keys");
       if (plan.key >= 0) {
         shown = {keys[plan.key], 0, 0};
       } else {
@@ -258,8 +291,9 @@ void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, F
         shown = std::move(batch.back());
         batch.pop_back();
         if (!shown.points.allFinite())
-          throw SolverError("interpolate: frame " + std::to_string(f) + ", between keys " + std::to_string(plan.span) + " and " +
-                            std::to_string(plan.span + 1) + ", is not finite");
+          throw SolverError("interpolate: frame " + std::to_string(f) + ", between keys " +
+                            std::to_string(plan.span) + " and " + std::to_string(plan.span + 1) +
+                            ", is not finite");
       }
     }
     take({f, plan, shown.points, shown.volume_move, shown.on_table});

@@ -8,58 +8,35 @@
 
 #include "core/mesh.h"
 #include "core/progress.h"
-#include "interpolate/rules.h"
-#include "interpolate/timeline.h"
+#include "interpolate/surface/frame_source.h"
+#include "interpolate/timing/rules.h"
+#include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {
 
 enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 
-/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a level translation; heights stay. kNone changes nothing. A pose
-/// that comes twice has the same bits each time, and the first key its own.
+/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a level
+/// translation; heights stay. kNone changes nothing. A pose that comes twice has the same bits each
+/// time, and the first key its own.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 
-/// Later keys in the first one's size, scaled about the origin, which is on the ground: cameras tell no size without a printed plate, so that poses of one figure come out up to some
-/// per cent apart. The size is the median of the edges' ratios, which bending a limb leaves alone.
+/// Later keys in the first one's size, scaled about the origin, which is on the ground: cameras
+/// tell no size without a printed calibration board, so that poses of one figure come out up to
+/// some per cent apart. The size is the median of the edges' ratios, which bending a limb leaves
+/// alone.
 /// @param faces  of all keys
 std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces);
-
-/// One frame as a source computes it.
-struct ComputedFrame {
-  PointsX3 points;
-  double volume_move = 0;  ///< largest way of a vertex by the volume correction
-  int on_table = 0;        ///< vertices that touch the table
-};
-
-/// What a source can tell of itself once frames were computed.
-struct SourceReport {
-  int degenerate_faces = 0;         ///< most, of any span; so too below
-  double largest_turn = 0;          ///< of any face or tetrahedron relative to the body [rad]
-  double largest_remainder = 0;     ///< [rad]
-  double largest_tear = 0;          ///< volumetric only: how far neighbours' turns part [rad]
-  int torn_edges = 0;               ///< neighbouring faces that part on the way by over 0.5 rad more than at the keys
-  int loops_that_do_not_close = 0;  ///< of these, such as only a ring turned inside itself has
-  bool differential = false;        ///< a span had no consistent rotation vectors
-  int tetrahedra = 0;
-  std::vector<std::string> notes;  ///< for a person
-};
-
-/// Computes moments between keys.
-class FrameSource {
- public:
-  virtual ~FrameSource() = default;
-  /// @param ways  shares of the span's way, not 0 or 1: keys are their own frames
-  virtual std::vector<ComputedFrame> At(int span, const std::vector<double>& ways) = 0;
-  virtual SourceReport report() const { return {}; }
-};
 
 enum class Method { kArap, kPaper, kLinear, kVolumetric };
 
 /// @param keys   two or more with the same faces, as many as the schedule's
 /// @param rules  kArap keeps all of them, kVolumetric the volume; kPaper and kLinear none
-/// @throws InputError   other numbers of vertices (named), unusable mesh, a loop whose last key is not its first
+/// @throws InputError   other numbers of vertices (named), unusable mesh, a loop whose last key is
+/// not its first
 /// @throws SolverError
-std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys,
+                                             const FacesX3& faces, const Schedule& schedule,
                                              Method method, const Rules& rules);
 
 /// A frame on its way out. `points` lives until the next frame.
@@ -71,8 +48,9 @@ struct FrameView {
   int on_table = 0;
 };
 
-/// Calls `take` for every frame of the schedule in order. Keys come with their own bits, repeated frames with those that they repeat. Holds
-/// one batch of frames in memory (about 16, fewer of large meshes), however long the schedule is.
+/// Calls `take` for every frame of the schedule in order. Keys come with their own bits, repeated
+/// frames with those that they repeat. Holds one batch of frames in memory (about 16, fewer of
+/// large meshes), however long the schedule is.
 /// @throws SolverError  a frame that is not finite
 /// @throws Cancelled, and whatever `take` throws
 void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,

@@ -1,11 +1,12 @@
-// Smooth sequences through three keys: setting up, and one more frame of a batch, against problem size.
+// Smooth sequences through three keys: setting up, and one more frame of a batch, against problem
+// size.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
-#include "interpolate/key_source.h"
+#include "interpolate/surface/key_source.h"
 
 namespace {
 
@@ -33,7 +34,9 @@ struct Keys {
 
 void SetUp(benchmark::State& state) {
   const Keys keys(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(KeySource(keys.points, keys.mesh.faces, keys.schedule, PlainRules(keys.schedule, true)));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        KeySource(keys.points, keys.mesh.faces, keys.schedule, PlainRules(keys.schedule, true)));
   state.counters["faces"] = keys.mesh.face_count();
 }
 
@@ -44,7 +47,8 @@ void EightFrames(benchmark::State& state) {
   for (auto _ : state) frames = source.At(1, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8});
   const auto off = [&](auto measure) {
     return measure(frames[4].points, keys.mesh.faces) /
-               std::sqrt(measure(keys.points[1], keys.mesh.faces) * measure(keys.points[2], keys.mesh.faces)) -
+               std::sqrt(measure(keys.points[1], keys.mesh.faces) *
+                         measure(keys.points[2], keys.mesh.faces)) -
            1;
   };
   state.counters["faces"] = keys.mesh.face_count();
@@ -52,7 +56,17 @@ void EightFrames(benchmark::State& state) {
   state.counters["volume_off_middle"] = off(SignedVolume);
 }
 
-BENCHMARK(SetUp)->Arg(30)->Arg(120)->Arg(286)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
-BENCHMARK(EightFrames)->Arg(30)->Arg(120)->Arg(286)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(SetUp)
+    ->Arg(30)
+    ->Arg(120)
+    ->Arg(286)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
+BENCHMARK(EightFrames)
+    ->Arg(30)
+    ->Arg(120)
+    ->Arg(286)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "interpolate/arap.h"
 #include "interpolate/distortion.h"
-#include "interpolate/easing.h"
-#include "interpolate/key_source.h"
+#include "interpolate/surface/arap.h"
+#include "interpolate/surface/key_source.h"
+#include "interpolate/timing/easing.h"
 
 namespace keypose::interpolation {
 namespace {
@@ -21,7 +21,9 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180;
 
-double Gap(const PointsX3& a, const PointsX3& b) { return (a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(b); }
+double Gap(const PointsX3& a, const PointsX3& b) {
+  return (a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(b);
+}
 
 /// A tube along z from 0 to `length`, bent through `angle` in the xz plane and squashed across.
 PointsX3 Bent(const PointsX3& points, double length, double angle, double squash = 1) {
@@ -37,12 +39,14 @@ PointsX3 Bent(const PointsX3& points, double length, double angle, double squash
 /// Three poses of a tube: straight, bent and squashed, bent another way and turned.
 struct Poses {
   Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
-  PointsX3 a = mesh.points, b = Bent(mesh.points, 2, 100 * kDegree, 1.2), c = TurnedAway(Bent(mesh.points, 2, 170 * kDegree, 1.1));
+  PointsX3 a = mesh.points, b = Bent(mesh.points, 2, 100 * kDegree, 1.2),
+           c = TurnedAway(Bent(mesh.points, 2, 170 * kDegree, 1.1));
   std::vector<PointsX3> all() const { return {a, b, c}; }
 
   static PointsX3 TurnedAway(const PointsX3& p) {
     Similarity3 motion;
-    motion.rotation = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
+    motion.rotation =
+        Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 0.5).normalized()).toRotationMatrix();
     motion.translation << 0.4, -0.2, 0.3;
     return Transformed(motion, p);
   }
@@ -53,8 +57,8 @@ struct Shown {
   DistortionReport distortion;
 };
 
-Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule, const Rules& rules,
-           Method method = Method::kArap) {
+Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+           const Rules& rules, Method method = Method::kArap) {
   const auto source = MakeFrameSource(keys, faces, schedule, method, rules);
   DistortionMeter meter(keys, faces, schedule);
   Shown shown;
@@ -66,7 +70,8 @@ Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedu
   return shown;
 }
 
-Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule, Method method = Method::kArap) {
+Shown Play(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
+           Method method = Method::kArap) {
   return Play(keys, faces, schedule, PlainRules(schedule, true), method);
 }
 
@@ -79,7 +84,9 @@ Timeline At(const std::vector<double>& seconds, double fps = 10) {
   return timeline;
 }
 
-Schedule ScheduleOf(const Timeline& timeline) { return MakeSchedule(timeline, static_cast<int>(timeline.keys.size()), 9, "timeline"); }
+Schedule ScheduleOf(const Timeline& timeline) {
+  return MakeSchedule(timeline, static_cast<int>(timeline.keys.size()), 9, "timeline");
+}
 
 Rules RulesOf(const Timeline& timeline, const Schedule& schedule, const Mesh& mesh) {
   return RulesFrom(timeline, schedule, mesh.points, mesh.faces, true, "timeline");
@@ -88,10 +95,13 @@ Rules RulesOf(const Timeline& timeline, const Schedule& schedule, const Mesh& me
 /// Velocities [frame^-1] of all vertices just before and just after the key that ends `span`.
 struct PaceAtKey {
   PointsX3 before, after;
-  double Jump() const { return (after - before).rowwise().norm().maxCoeff() / before.rowwise().norm().maxCoeff(); }
+  double Jump() const {
+    return (after - before).rowwise().norm().maxCoeff() / before.rowwise().norm().maxCoeff();
+  }
 };
 
-PaceAtKey PaceBetween(FrameSource& source, const Schedule& schedule, int in, int out, const PointsX3& key) {
+PaceAtKey PaceBetween(FrameSource& source, const Schedule& schedule, int in, int out,
+                      const PointsX3& key) {
   // One-sided differences of second order in time.
   const double h = 1e-3;
   const auto at = [&](int span, double share) {
@@ -99,7 +109,8 @@ PaceAtKey PaceBetween(FrameSource& source, const Schedule& schedule, int in, int
     return source.At(span, {EaseAt(s.ease, share)})[0].points;
   };
   PaceAtKey pace;
-  pace.before = (3 * key - 4 * at(in, 1 - h) + at(in, 1 - 2 * h)) / (2 * h * schedule.spans[in].frames);
+  pace.before =
+      (3 * key - 4 * at(in, 1 - h) + at(in, 1 - 2 * h)) / (2 * h * schedule.spans[in].frames);
   pace.after = (-3 * key + 4 * at(out, h) - at(out, 2 * h)) / (2 * h * schedule.spans[out].frames);
   return pace;
 }
@@ -129,7 +140,8 @@ TEST(KeySource, PaceDoesNotJumpAtKeys) {
     KeySource source(p.all(), p.mesh.faces, schedule, PlainRules(schedule, true));
     const PaceAtKey pace = PaceBetween(source, schedule, 0, 1, p.b);
     EXPECT_LT(pace.Jump(), 1e-3);
-    EXPECT_GT(pace.before.rowwise().norm().maxCoeff(), 0.01);  // it does not get there by standing still
+    EXPECT_GT(pace.before.rowwise().norm().maxCoeff(),
+              0.01);  // it does not get there by standing still
   }
 }
 
@@ -171,7 +183,8 @@ TEST(KeySource, ComesToRestAtHoldsAndExtremes) {
   // There and back: the far key is an extreme, and nothing swings beyond it.
   const Schedule back = ScheduleOf(At({0, 1, 2}));
   KeySource returning({p.a, p.b, p.a}, p.mesh.faces, back, PlainRules(back, true));
-  EXPECT_LT(PaceBetween(returning, back, 0, 1, p.b).before.rowwise().norm().maxCoeff(), 1e-3 * speed);
+  EXPECT_LT(PaceBetween(returning, back, 0, 1, p.b).before.rowwise().norm().maxCoeff(),
+            1e-3 * speed);
 }
 
 TEST(KeySource, ReversingTheKeysReversesTime) {
@@ -198,11 +211,13 @@ TEST(KeySource, FramesTendToTheKeysThatTheyAdjoin) {
 TEST(KeySource, TurnsAddUpOverKeys) {
   // 0, 270 and 540 degrees: the last key relative to the first winds one and a half times.
   const Mesh mesh = MakeCylinder(0.08, 2, 12, 80);
-  const std::vector<PointsX3> keys = {mesh.points, Bent(mesh.points, 2, 270 * kDegree), Bent(mesh.points, 2, 540 * kDegree)};
+  const std::vector<PointsX3> keys = {mesh.points, Bent(mesh.points, 2, 270 * kDegree),
+                                      Bent(mesh.points, 2, 540 * kDegree)};
   const Schedule schedule = ScheduleOf(At({0, 1, 2}));
   KeySource source(keys, mesh.faces, schedule, PlainRules(schedule, true));
   for (const auto& [span, way, angle] : {std::tuple{0, 0.5, 135.0}, std::tuple{1, 0.5, 405.0}}) {
-    const PointsX3 frame = source.At(span, {way})[0].points, truth = Bent(mesh.points, 2, angle * kDegree);
+    const PointsX3 frame = source.At(span, {way})[0].points,
+                   truth = Bent(mesh.points, 2, angle * kDegree);
     const PointsX3 fitted = Transformed(FitSimilarity(frame, truth, {}, false), frame);
     EXPECT_LT((fitted - truth).rowwise().norm().mean() / BoundingDiagonal(truth), 5e-3);
   }
@@ -218,7 +233,8 @@ TEST(KeySource, APoseThatComesTwiceStandsStillBetween) {
 
 TEST(KeySource, VolumeFollowsItsPathThroughAllKeys) {
   const Poses p;
-  const Shown shown = Play({p.a, p.b, p.c, 1.1 * p.a}, p.mesh.faces, ScheduleOf(At({0, 0.5, 1.2, 2})));
+  const Shown shown =
+      Play({p.a, p.b, p.c, 1.1 * p.a}, p.mesh.faces, ScheduleOf(At({0, 0.5, 1.2, 2})));
   for (const SegmentDistortion& s : shown.distortion.segments) {
     EXPECT_LT(s.volume.path_deviation, 1e-8);
     EXPECT_LT(s.area.path_deviation, 0.01);
@@ -260,7 +276,9 @@ TEST(KeySource, PinnedVerticesStayWhereTheKeysHaveThem) {
   ASSERT_GT(rules.held[0].vertices.size(), 10u);
   for (const int v : rules.held[0].vertices)
     for (int f = 0; f <= 10; ++f) EXPECT_LT((shown.points[f].row(v) - p.a.row(v)).norm(), 1e-11);
-  EXPECT_GT((shown.points[15].row(rules.held[0].vertices[0]) - p.a.row(rules.held[0].vertices[0])).norm(), 1e-3);
+  EXPECT_GT(
+      (shown.points[15].row(rules.held[0].vertices[0]) - p.a.row(rules.held[0].vertices[0])).norm(),
+      1e-3);
   EXPECT_LT(shown.distortion.segments[0].volume.path_deviation, 1e-8);
 }
 
@@ -278,7 +296,8 @@ TEST(KeySource, TrajectoriesPassTheirPoints) {
   const Rules rules = RulesOf(timeline, schedule, p.mesh);
   const Shown shown = Play(p.all(), p.mesh.faces, schedule, rules);
   Eigen::RowVector3d centroid = Eigen::RowVector3d::Zero();
-  for (const int v : rules.held[0].vertices) centroid += shown.points[5].row(v) / static_cast<double>(rules.held[0].vertices.size());
+  for (const int v : rules.held[0].vertices)
+    centroid += shown.points[5].row(v) / static_cast<double>(rules.held[0].vertices.size());
   EXPECT_LT((centroid.transpose() - goal).norm(), 1e-10);
   EXPECT_EQ(shown.points[10], p.b);
 }
@@ -290,7 +309,8 @@ TEST(KeySource, APropellerTurnsWholeTurnsBetweenEqualKeys) {
   mesh.points.conservativeResize(2 * n, 3);
   mesh.faces.conservativeResize(2 * faces, 3);
   for (int i = 0; i < n; ++i)
-    mesh.points.row(n + i) << mesh.points(i, 0) * 2 - 0.5, mesh.points(i, 1) * 0.2 + 0.4, 1.2 + 0.1 * mesh.points(i, 2);
+    mesh.points.row(n + i) << mesh.points(i, 0) * 2 - 0.5, mesh.points(i, 1) * 0.2 + 0.4,
+        1.2 + 0.1 * mesh.points(i, 2);
   mesh.faces.bottomRows(faces) = mesh.faces.topRows(faces).array() + n;
   Timeline timeline = At({0, 1, 2});
   TimelineRegion blade;
@@ -300,11 +320,14 @@ TEST(KeySource, APropellerTurnsWholeTurnsBetweenEqualKeys) {
   timeline.keys[0].turns["blade"] = {1, {0, 0, 1}};
   timeline.keys[1].turns["blade"] = {1, {0, 0, 1}};
   const Schedule schedule = ScheduleOf(timeline);
-  const Shown shown = Play({mesh.points, mesh.points, mesh.points}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh));
+  const Shown shown = Play({mesh.points, mesh.points, mesh.points}, mesh.faces, schedule,
+                           RulesOf(timeline, schedule, mesh));
   const Eigen::RowVector3d centre = mesh.points.bottomRows(n).colwise().mean();
   for (const int frame : {3, 5, 13}) {
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(2 * kPi * frame / 10, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    const PointsX3 expected = ((mesh.points.bottomRows(n).rowwise() - centre) * turn.transpose()).rowwise() + centre;
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(2 * kPi * frame / 10, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const PointsX3 expected =
+        ((mesh.points.bottomRows(n).rowwise() - centre) * turn.transpose()).rowwise() + centre;
     EXPECT_LT((shown.points[frame].bottomRows(n) - expected).norm(), 1e-9);
     EXPECT_LT((shown.points[frame].topRows(n) - mesh.points.topRows(n)).norm(), 1e-9);
   }
@@ -312,9 +335,11 @@ TEST(KeySource, APropellerTurnsWholeTurnsBetweenEqualKeys) {
 
 TEST(KeySource, NothingSinksBelowTheTable) {
   const Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
-  // Lying along x on the table, then bent upwards, then the other way round: linear ways and rotations alone would sink.
+  // Lying along x on the table, then bent upwards, then the other way round: linear ways and
+  // rotations alone would sink.
   PointsX3 lying = mesh.points;
-  for (Eigen::Index i = 0; i < lying.rows(); ++i) lying.row(i) << mesh.points(i, 2) - 1, mesh.points(i, 1), mesh.points(i, 0);
+  for (Eigen::Index i = 0; i < lying.rows(); ++i)
+    lying.row(i) << mesh.points(i, 2) - 1, mesh.points(i, 1), mesh.points(i, 0);
   PointsX3 turned = lying;
   turned.col(0) *= -1;
   turned.col(2) *= -1;  // half a turn about y
@@ -326,13 +351,17 @@ TEST(KeySource, NothingSinksBelowTheTable) {
     for (const PointsX3& frame : shown.points) low = std::min(low, frame.col(2).minCoeff());
     return low;
   };
-  EXPECT_LT(lowest(Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh))), -0.05);
+  EXPECT_LT(
+      lowest(Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh))),
+      -0.05);
   timeline.table_height = 0;
   timeline.keep_volume = false;
-  const Shown without_volume = Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh));
+  const Shown without_volume =
+      Play({lying, turned, lying}, mesh.faces, schedule, RulesOf(timeline, schedule, mesh));
   EXPECT_GT(lowest(without_volume), -1e-9);
   int most = 0;
-  for (const FrameDistortion& f : without_volume.distortion.frames) most = std::max(most, f.on_table);
+  for (const FrameDistortion& f : without_volume.distortion.frames)
+    most = std::max(most, f.on_table);
   EXPECT_GT(most, 0);
 }
 
@@ -360,7 +389,8 @@ TEST(KeySource, SameBitsAtOneAndTwoThreads) {
 
 TEST(StreamFrames, KeysComeOutWithTheirOwnBitsWhateverTheMethod) {
   const Poses p;
-  for (const Method method : {Method::kArap, Method::kPaper, Method::kLinear, Method::kVolumetric}) {
+  for (const Method method :
+       {Method::kArap, Method::kPaper, Method::kLinear, Method::kVolumetric}) {
     const Schedule schedule = MakeSchedule({3, 0});
     const Shown shown = Play(p.all(), p.mesh.faces, schedule, method);
     ASSERT_EQ(shown.points.size(), 6u);
@@ -402,7 +432,8 @@ TEST(StreamFrames, StopsWhenAskedTo) {
   } stopper;
   const Poses p;
   const Schedule schedule = MakeSchedule({20, 20});
-  const auto source = MakeFrameSource(p.all(), p.mesh.faces, schedule, Method::kLinear, PlainRules(schedule, true));
+  const auto source =
+      MakeFrameSource(p.all(), p.mesh.faces, schedule, Method::kLinear, PlainRules(schedule, true));
   int taken = 0;
   EXPECT_THROW(StreamFrames(
                    p.all(), schedule, *source, [&](const FrameView&) { ++taken; }, &stopper),
@@ -436,7 +467,9 @@ TEST(AlignedKeys, UndoesTheMotionItMayUndo) {
   any.rotation = Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 1, 1).normalized()).toRotationMatrix();
   any.scale = 1.3;
   const PointsX3 moved = Transformed(any, mesh.points);
-  EXPECT_LT(Gap(AlignedKeys({mesh.points, Transformed(yaw, mesh.points)}, AlignKeys::kUpright)[1], mesh.points), 1e-12);
+  EXPECT_LT(Gap(AlignedKeys({mesh.points, Transformed(yaw, mesh.points)}, AlignKeys::kUpright)[1],
+                mesh.points),
+            1e-12);
   EXPECT_LT(Gap(AlignedKeys({mesh.points, moved}, AlignKeys::kSimilarity)[1], mesh.points), 1e-12);
   EXPECT_GT(Gap(AlignedKeys({mesh.points, moved}, AlignKeys::kRigid)[1], mesh.points), 0.05);
   EXPECT_EQ(AlignedKeys({mesh.points, moved}, AlignKeys::kNone)[1], moved);
@@ -470,11 +503,14 @@ TEST(SameSized, ABentPoseOfAnotherSizeGetsTheFirstOnesSize) {
 
 TEST(DistortionMeter, UniformGrowthHasKnownMeanDeviationAndRatio) {
   const Mesh mesh = MakeIcosphere(2);
-  const DistortionReport report = Play({mesh.points, 2 * mesh.points}, mesh.faces, MakeSchedule({3})).distortion;
+  const DistortionReport report =
+      Play({mesh.points, 2 * mesh.points}, mesh.faces, MakeSchedule({3})).distortion;
   const double a = std::pow(4, 0.25) - 1, b = 1, c = std::pow(4, 0.75) - 1, mean = (a + b + c) / 3;
   EXPECT_NEAR(report.segments[0].area.mean, mean, 1e-8);
-  EXPECT_NEAR(report.segments[0].area.sd, std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2),
-              1e-8);
+  EXPECT_NEAR(
+      report.segments[0].area.sd,
+      std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2),
+      1e-8);
   EXPECT_LT(report.segments[0].area.path_deviation, 1e-8);
   EXPECT_NEAR(report.segments[0].linear_area.path_deviation, 1.5 * 1.5 / 2 - 1, 1e-9);
   EXPECT_NEAR(report.segments[0].volume.end_ratio, 8, 1e-12);

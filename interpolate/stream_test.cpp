@@ -1,4 +1,5 @@
-// The program itself: what it writes, that its memory does not grow with the animation, and that nothing is left half-written.
+// The program itself: what it writes, that its memory does not grow with the animation, and that
+// nothing is left half-written.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -32,20 +33,27 @@ class InterpolateProgram : public testing::Test {
   void Write(const std::string& name, double angle) const {
     Mesh bent = mesh_;
     for (Eigen::Index i = 0; i < bent.points.rows() && angle > 0; ++i) {
-      const double radius = 2 / angle, a = mesh_.points(i, 2) / radius, r = radius - mesh_.points(i, 0);
+      const double radius = 2 / angle, a = mesh_.points(i, 2) / radius,
+                   r = radius - mesh_.points(i, 0);
       bent.points.row(i) << radius - r * std::cos(a), mesh_.points(i, 1), r * std::sin(a);
     }
     WriteMesh(folder_ / name, bent);
   }
 
   std::string Command(const std::string& arguments) const {
-    return "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-interpolate' " + arguments + " > log.txt 2>&1";
+    return "cd '" + folder_.string() + "' && '" KEYPOSE_BIN_DIR "/keypose-interpolate' " +
+           arguments + " > log.txt 2>&1";
   }
   int Run(const std::string& arguments, const std::string& before = "") const {
     return WEXITSTATUS(std::system((before + Command(arguments)).c_str()));
   }
-  nlohmann::json Json(const std::string& name) const { return nlohmann::json::parse(ReadFile(folder_ / name)); }
-  int Files() const { return static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator())); }
+  nlohmann::json Json(const std::string& name) const {
+    return nlohmann::json::parse(ReadFile(folder_ / name));
+  }
+  int Files() const {
+    return static_cast<int>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
 
   fs::path folder_;
   Mesh mesh_;
@@ -55,24 +63,30 @@ TEST_F(InterpolateProgram, WritesFramesAndWhatTheyDoToAreaAndVolume) {
   std::ofstream(folder_ / "timeline.json")
       << R"({"schema":2,"fps":12,"step":2,"keys":[{"pose":"a","time":0},{"pose":"b","time":1,"hold":0.5},
       {"pose":"c","time":2.5,"ease":"in-out"}]})";
-  ASSERT_EQ(Run("--keys a.ply --keys b.ply --keys c.ply --timeline timeline.json --frames frames --report report.json"), 0)
+  ASSERT_EQ(Run("--keys a.ply --keys b.ply --keys c.ply --timeline timeline.json --frames frames "
+                "--report report.json"),
+            0)
       << ReadFile(folder_ / "log.txt");
   const nlohmann::json json = Json("frames/distortion.json");
   ASSERT_EQ(json["frames"].size(), 31u);
   EXPECT_EQ(json["schema"], 2);
   EXPECT_EQ(json["key_frames"], (std::vector<int>{0, 12, 30}));
   for (const auto& frame : json["frames"]) {
-    for (const char* field : {"t", "time", "area", "volume", "linear_area", "linear_volume", "area_path", "area_deviation"})
+    for (const char* field : {"t", "time", "area", "volume", "linear_area", "linear_volume",
+                              "area_path", "area_deviation"})
       EXPECT_TRUE(frame[field].is_number()) << field;
     EXPECT_LT(std::abs(frame["volume_deviation"].get<double>()), 1e-8);
   }
   EXPECT_EQ(ReadFile(folder_ / "frames/frame_0012.ply"), ReadFile(folder_ / "b.ply"));
   EXPECT_EQ(ReadFile(folder_ / "frames/frame_0018.ply"), ReadFile(folder_ / "b.ply"));  // held
-  EXPECT_EQ(ReadFile(folder_ / "frames/frame_0021.ply"), ReadFile(folder_ / "frames/frame_0020.ply"));
+  EXPECT_EQ(ReadFile(folder_ / "frames/frame_0021.ply"),
+            ReadFile(folder_ / "frames/frame_0020.ply"));
   EXPECT_EQ(json["frames"][21]["same_as"], 20);
   // What is measured is what was written.
   const Mesh frame = ReadMesh(folder_ / "frames/frame_0006.ply");
-  EXPECT_NEAR(json["frames"][6]["area"], SurfaceArea(frame.points, frame.faces) / SurfaceArea(mesh_.points, mesh_.faces), 1e-12);
+  EXPECT_NEAR(json["frames"][6]["area"],
+              SurfaceArea(frame.points, frame.faces) / SurfaceArea(mesh_.points, mesh_.faces),
+              1e-12);
   const nlohmann::json measured = Json("report.json")["measurements"];
   EXPECT_EQ(measured["frames"], 31);
   EXPECT_EQ(measured["keys"], 3);
@@ -85,7 +99,9 @@ TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
 #endif
   const auto peak = [&](int steps) {
     const std::string name = std::to_string(steps);
-    EXPECT_EQ(Run("--keys a.ply --keys b.ply --keys c.ply --steps " + name + " --frames f" + name + " --report r" + name + ".json"), 0);
+    EXPECT_EQ(Run("--keys a.ply --keys b.ply --keys c.ply --steps " + name + " --frames f" + name +
+                  " --report r" + name + ".json"),
+              0);
     fs::remove_all(folder_ / ("f" + name));
     return Json("r" + name + ".json")["peak_bytes"].get<double>();
   };
@@ -97,7 +113,8 @@ TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
 TEST_F(InterpolateProgram, AFullDiskLeavesNothingBehind) {
   const int files = Files() + 1;  // the log
   // Files may not grow beyond 100 kB: the first frame does not fit.
-  EXPECT_EQ(Run("--keys a.ply --keys b.ply --frames frames", "trap '' XFSZ; ulimit -f 100; "), 4) << ReadFile(folder_ / "log.txt");
+  EXPECT_EQ(Run("--keys a.ply --keys b.ply --frames frames", "trap '' XFSZ; ulimit -f 100; "), 4)
+      << ReadFile(folder_ / "log.txt");
   EXPECT_FALSE(fs::exists(folder_ / "frames"));
   EXPECT_EQ(Files(), files);
 }
@@ -106,15 +123,17 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
   const int files = Files() + 1;
   const pid_t child = ::fork();
   if (child == 0) {
-    const std::string command =
-        "exec '" KEYPOSE_BIN_DIR "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 --frames frames > log.txt 2>&1";
+    const std::string command = "exec '" KEYPOSE_BIN_DIR
+                                "/keypose-interpolate' --keys a.ply --keys b.ply --steps 50000 "
+                                "--frames frames > log.txt 2>&1";
     if (::chdir(folder_.c_str()) != 0) ::_exit(1);
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     ::_exit(1);
   }
   // Once the first frames lie there, it is at work.
   const auto writing = [&] {
-    for (const auto& entry : fs::recursive_directory_iterator(folder_, fs::directory_options::skip_permission_denied))
+    for (const auto& entry :
+         fs::recursive_directory_iterator(folder_, fs::directory_options::skip_permission_denied))
       if (entry.path().filename().string().starts_with("frame_0")) return true;
     return false;
   };
@@ -128,9 +147,12 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
 }
 
 TEST_F(InterpolateProgram, ATimelineThatIsWrongIsRefusedByName) {
-  std::ofstream(folder_ / "t.json") << R"({"schema":2,"fps":12,"keys":[{"pose":"a","time":0},{"pose":"b","time":1,"eas":"in"}]})";
+  std::ofstream(folder_ / "t.json")
+      << R"({"schema":2,"fps":12,"keys":[{"pose":"a","time":0},{"pose":"b","time":1,"eas":"in"}]})";
   EXPECT_EQ(Run("--keys a.ply --keys b.ply --timeline t.json --frames frames"), 3);
-  EXPECT_NE(ReadFile(folder_ / "log.txt").find("t.json: key 1 ('b') has no field 'eas'; did you mean 'ease'?"), std::string::npos);
+  EXPECT_NE(ReadFile(folder_ / "log.txt")
+                .find("t.json: key 1 ('b') has no field 'eas'; did you mean 'ease'?"),
+            std::string::npos);
   std::ofstream(folder_ / "t.json") << R"({"fps":12,"table":0,"keys":[{"time":0},{"time":1}]})";
   EXPECT_EQ(Run("--keys a.ply --keys b.ply --timeline t.json --frames frames --method linear"), 2);
 }

@@ -1,5 +1,6 @@
-// Volumetric interpolation of a bar twisted by a full turn: each step of the preparation, and a frame, against the number of tetrahedra;
-// and how far the middle frames of bends and twists lie from the exact pose, beside the surface alone and the paper's method.
+// Volumetric interpolation of a bar twisted by a full turn: each step of the preparation, and a
+// frame, against the number of tetrahedra; and how far the middle frames of bends and twists lie
+// from the exact pose, beside the surface alone and the paper's method.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
@@ -12,11 +13,11 @@
 #include "core/cholesky.h"
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
-#include "interpolate/arap.h"
-#include "interpolate/place_inside.h"
-#include "interpolate/tet_maps.h"
-#include "interpolate/tetrahedralize.h"
-#include "interpolate/volumetric.h"
+#include "interpolate/surface/arap.h"
+#include "interpolate/volume/place_inside.h"
+#include "interpolate/volume/tet_maps.h"
+#include "interpolate/volume/tetrahedralize.h"
+#include "interpolate/volume/volumetric.h"
 
 namespace {
 
@@ -26,9 +27,12 @@ using namespace keypose::interpolation;
 constexpr double kRadius = 0.2, kTwist = 2 * std::numbers::pi;
 
 struct Keys {
-  explicit Keys(int segments) : mesh(MakeCylinder(kRadius, 2, segments, segments * 8 / 5)), u(mesh.points) {
+  explicit Keys(int segments)
+      : mesh(MakeCylinder(kRadius, 2, segments, segments * 8 / 5)), u(mesh.points) {
     for (Eigen::Index i = 0; i < u.rows(); ++i)
-      u.row(i) *= Eigen::AngleAxisd(0.5 * kTwist * u(i, 2), Eigen::Vector3d::UnitZ()).toRotationMatrix().transpose();
+      u.row(i) *= Eigen::AngleAxisd(0.5 * kTwist * u(i, 2), Eigen::Vector3d::UnitZ())
+                      .toRotationMatrix()
+                      .transpose();
   }
   Solid Filled() const { return Tetrahedralize(mesh.points, mesh.faces, "bench"); }
   Mesh mesh;
@@ -46,9 +50,12 @@ void Fill(benchmark::State& state) {
     double longest = 0;
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < a; ++b)
-        longest = std::max(longest, (solid.points.row(solid.tets(t, a)) - solid.points.row(solid.tets(t, b))).norm());
+        longest = std::max(
+            longest,
+            (solid.points.row(solid.tets(t, a)) - solid.points.row(solid.tets(t, b))).norm());
     const TetShape shape = TetShapesOf(solid.points, solid.tets.row(t)).front();
-    for (int k = 0; k < 4; ++k) least = std::min(least, 1 / (shape.gradients.col(k).norm() * longest));
+    for (int k = 0; k < 4; ++k)
+      least = std::min(least, 1 / (shape.gradients.col(k).norm() * longest));
   }
   state.counters["flattest"] = least;
 }
@@ -70,9 +77,10 @@ void AssembleAndFactor(benchmark::State& state) {
   const Solid solid = keys.Filled();
   const std::vector<TetShape> shapes = TetShapesOf(solid.points, solid.tets);
   for (auto _ : state) {
-    Eigen::SparseMatrix<double> h = LaplacianOf(solid.points.rows(), solid.tets, shapes, [&](std::int64_t t) -> Eigen::Matrix3d {
-      return shapes[t].volume * Eigen::Matrix3d::Identity();
-    });
+    Eigen::SparseMatrix<double> h = LaplacianOf(
+        solid.points.rows(), solid.tets, shapes, [&](std::int64_t t) -> Eigen::Matrix3d {
+          return shapes[t].volume * Eigen::Matrix3d::Identity();
+        });
     h.coeffRef(0, 0) += 1;
     SparseCholesky solver;
     solver.Analyze(h);
@@ -85,7 +93,9 @@ void AssembleAndFactor(benchmark::State& state) {
 
 void Prepare(benchmark::State& state) {
   const Keys keys(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(VolumetricInterpolator(keys.mesh.points, keys.u, keys.mesh.faces).report().tetrahedra);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        VolumetricInterpolator(keys.mesh.points, keys.u, keys.mesh.faces).report().tetrahedra);
 }
 
 /// Arguments: segments, frames in one batch.
@@ -93,13 +103,16 @@ void Frames(benchmark::State& state) {
   const Keys keys(static_cast<int>(state.range(0)));
   const VolumetricInterpolator solid(keys.mesh.points, keys.u, keys.mesh.faces);
   std::vector<double> times;
-  for (int k = 1; k <= state.range(1); ++k) times.push_back(static_cast<double>(k) / static_cast<double>(state.range(1) + 1));
+  for (int k = 1; k <= state.range(1); ++k)
+    times.push_back(static_cast<double>(k) / static_cast<double>(state.range(1) + 1));
   std::vector<PointsX3> frames;
   for (auto _ : state) frames = solid.At(times);
   const PointsX3& middle = frames[frames.size() / 2];
-  const double v0 = SignedVolume(keys.mesh.points, keys.mesh.faces), v1 = SignedVolume(keys.u, keys.mesh.faces);
+  const double v0 = SignedVolume(keys.mesh.points, keys.mesh.faces),
+               v1 = SignedVolume(keys.u, keys.mesh.faces);
   state.counters["tets"] = solid.report().tetrahedra;
-  state.counters["volume_off_path"] = SignedVolume(middle, keys.mesh.faces) / std::sqrt(v0 * v1) - 1;
+  state.counters["volume_off_path"] =
+      SignedVolume(middle, keys.mesh.faces) / std::sqrt(v0 * v1) - 1;
   const int segments = static_cast<int>(state.range(0)), ring = segments * 8 / 5 / 2;
   Eigen::Vector3d area = Eigen::Vector3d::Zero();
   for (int s = 0; s < segments; ++s) {
@@ -107,7 +120,8 @@ void Frames(benchmark::State& state) {
                           b = middle.row(ring * segments + (s + 1) % segments);
     area += 0.5 * (a - o).cross(b - o);
   }
-  state.counters["cross_section"] = area.norm() / (0.5 * segments * kRadius * kRadius * std::sin(2 * std::numbers::pi / segments));
+  state.counters["cross_section"] = area.norm() / (0.5 * segments * kRadius * kRadius *
+                                                   std::sin(2 * std::numbers::pi / segments));
 }
 
 /// A bar of length 2: square across and twisted, or round and bent.
@@ -122,7 +136,9 @@ Mesh Bar(double radius, bool square) {
 
 PointsX3 Twisted(PointsX3 p, double angle) {
   for (Eigen::Index i = 0; i < p.rows(); ++i)
-    p.row(i) *= Eigen::AngleAxisd(0.5 * angle * p(i, 2), Eigen::Vector3d::UnitZ()).toRotationMatrix().transpose();
+    p.row(i) *= Eigen::AngleAxisd(0.5 * angle * p(i, 2), Eigen::Vector3d::UnitZ())
+                    .toRotationMatrix()
+                    .transpose();
   return p;
 }
 
@@ -146,14 +162,17 @@ void KnownWays(benchmark::State& state) {
   for (auto _ : state) solid = VolumetricInterpolator(mesh.points, u, mesh.faces).At(0.5);
   const auto report = [&](const std::string& name, const PointsX3& frame) {
     const PointsX3 laid = Transformed(FitSimilarity(frame, exact, {}, false), frame);
-    state.counters[name + "_error"] = (laid - exact).rowwise().norm().mean() / BoundingDiagonal(exact);
+    state.counters[name + "_error"] =
+        (laid - exact).rowwise().norm().mean() / BoundingDiagonal(exact);
     double least = 1e9;
     for (int r = 2; r <= 38; ++r) {
       Eigen::Vector3d now = Eigen::Vector3d::Zero(), rest = Eigen::Vector3d::Zero();
       for (int s = 0; s < 24; ++s) {
         const int o = r * 24, a = o + s, b = o + (s + 1) % 24;
-        now += Eigen::Vector3d(frame.row(a) - frame.row(o)).cross(Eigen::Vector3d(frame.row(b) - frame.row(o)));
-        rest += Eigen::Vector3d(exact.row(a) - exact.row(o)).cross(Eigen::Vector3d(exact.row(b) - exact.row(o)));
+        now += Eigen::Vector3d(frame.row(a) - frame.row(o))
+                   .cross(Eigen::Vector3d(frame.row(b) - frame.row(o)));
+        rest += Eigen::Vector3d(exact.row(a) - exact.row(o))
+                    .cross(Eigen::Vector3d(exact.row(b) - exact.row(o)));
       }
       least = std::min(least, now.norm() / rest.norm());
     }
@@ -171,7 +190,10 @@ BENCHMARK(Fill)->Apply(Sizes);
 BENCHMARK(Place)->Apply(Sizes);
 BENCHMARK(AssembleAndFactor)->Apply(Sizes);
 BENCHMARK(Prepare)->Apply(Sizes);
-BENCHMARK(Frames)->ArgsProduct({{24, 33, 66}, {1, 9}})->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK(Frames)
+    ->ArgsProduct({{24, 33, 66}, {1, 9}})
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
 
 BENCHMARK(KnownWays)
     ->ArgsProduct({{0}, {180, 360, 720}, {80, 120, 160, 200}})

@@ -1,4 +1,4 @@
-#include "interpolate/volumetric.h"
+#include "interpolate/volume/volumetric.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,22 +17,26 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "interpolate/arap.h"
-#include "interpolate/face_maps.h"
-#include "interpolate/graph_turns.h"
-#include "interpolate/matrix_powers.h"
-#include "interpolate/place_inside.h"
-#include "interpolate/tet_maps.h"
-#include "interpolate/tet_paths.h"
-#include "interpolate/tetrahedralize.h"
+#include "interpolate/maps/face_maps.h"
+#include "interpolate/maps/matrix_powers.h"
+#include "interpolate/surface/arap.h"
+#include "interpolate/volume/graph_turns.h"
+#include "interpolate/volume/place_inside.h"
+#include "interpolate/volume/tet_maps.h"
+#include "interpolate/volume/tet_paths.h"
+#include "interpolate/volume/tetrahedralize.h"
 
 namespace keypose::interpolation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Eigen::Matrix3d Turn(double angle, const Eigen::Vector3d& axis) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
-double Gap(const PointsX3& a, const PointsX3& b) { return (a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(b); }
+Eigen::Matrix3d Turn(double angle, const Eigen::Vector3d& axis) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
+double Gap(const PointsX3& a, const PointsX3& b) {
+  return (a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(b);
+}
 bool SameBits(const PointsX3& a, const PointsX3& b) {
   return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
 }
@@ -40,7 +44,8 @@ bool SameBits(const PointsX3& a, const PointsX3& b) {
 /// A bar of length 2 along z, round or square across.
 struct Bar {
   static constexpr int kSegments = 24, kRings = 40;
-  explicit Bar(double radius, bool square = false) : mesh(MakeCylinder(radius, 2, kSegments, kRings)) {
+  explicit Bar(double radius, bool square = false)
+      : mesh(MakeCylinder(radius, 2, kSegments, kRings)) {
     if (!square) return;
     for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
       const double reach = std::max(std::abs(mesh.points(i, 0)), std::abs(mesh.points(i, 1)));
@@ -50,7 +55,8 @@ struct Bar {
 
   PointsX3 Twisted(double angle) const {
     PointsX3 p = mesh.points;
-    for (Eigen::Index i = 0; i < p.rows(); ++i) p.row(i) *= Turn(angle * p(i, 2) / 2, Eigen::Vector3d::UnitZ()).transpose();
+    for (Eigen::Index i = 0; i < p.rows(); ++i)
+      p.row(i) *= Turn(angle * p(i, 2) / 2, Eigen::Vector3d::UnitZ()).transpose();
     return p;
   }
   PointsX3 Bent(double angle) const {
@@ -121,7 +127,8 @@ TEST(Tetrahedralize, FillsTheSurfaceAndKeepsItsVertices) {
   for (const Mesh& mesh : {MakeBox(1, 2, 3), MakeIcosphere(3), Bar(0.2, true).mesh, HollowBall()}) {
     const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
     EXPECT_TRUE(SameBits(solid.points.topRows(mesh.vertex_count()), mesh.points));
-    EXPECT_NEAR(SolidVolume(solid), SignedVolume(mesh.points, mesh.faces), 1e-12 * BoundingDiagonal(mesh.points));
+    EXPECT_NEAR(SolidVolume(solid), SignedVolume(mesh.points, mesh.faces),
+                1e-12 * BoundingDiagonal(mesh.points));
     for (const TetShape& shape : TetShapesOf(solid.points, solid.tets)) EXPECT_GT(shape.volume, 0);
     for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
       for (int n : solid.opposite[t])
@@ -144,18 +151,23 @@ TEST(Tetrahedralize, BodiesThatOverlapAreFilledEachForItself) {
 TEST(Tetrahedralize, SmallerElementsGiveMoreTetrahedraUpToTheLimit) {
   const Mesh mesh = MakeIcosphere(3);
   const auto count = [&](double size, int most) {
-    return Tetrahedralize(mesh.points, mesh.faces, "test", {.element_size = size, .max_tetrahedra = most}).tets.rows();
+    return Tetrahedralize(mesh.points, mesh.faces, "test",
+                          {.element_size = size, .max_tetrahedra = most})
+        .tets.rows();
   };
   EXPECT_GT(count(0.5, 50000), 2 * count(1, 50000));
   EXPECT_LT(count(0.2, 20000), 40000);
 }
 
 TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
-  const auto fault = [](const Mesh& mesh) { return MessageOf([&] { Tetrahedralize(mesh.points, mesh.faces, "pose"); }); };
+  const auto fault = [](const Mesh& mesh) {
+    return MessageOf([&] { Tetrahedralize(mesh.points, mesh.faces, "pose"); });
+  };
   Mesh open = MakeBox(1, 1, 1);
   open.faces.conservativeResize(11, 3);
   EXPECT_THAT(fault(open),
-              testing::AllOf(testing::HasSubstr("pose: the surface is not closed: 3 edges"), testing::HasSubstr("keypose-cleanup")));
+              testing::AllOf(testing::HasSubstr("pose: the surface is not closed: 3 edges"),
+                             testing::HasSubstr("keypose-cleanup")));
   Mesh flat = MakeBox(1, 1, 1);
   flat.points.row(0) = flat.points.row(1);
   EXPECT_THAT(fault(flat), testing::HasSubstr("has no area"));
@@ -164,33 +176,43 @@ TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
   EXPECT_THAT(fault(inside_out), testing::HasSubstr("inside out"));
   Mesh crossing = Bar(0.1).mesh;  // curled up through itself
   crossing.points = Bar(0.1).Bent(2.3 * kPi);
-  EXPECT_THAT(fault(crossing), testing::HasSubstr("passes through itself, where the face of vertices"));
+  EXPECT_THAT(fault(crossing),
+              testing::HasSubstr("passes through itself, where the face of vertices"));
 }
 
 TEST(ClosestRotation, EqualsSingularValuesAlsoForMirroredAndFlatMaps) {
   for (int k = 0; k < 2000; ++k) {
     const auto wave = [&](double f) { return std::sin(f * (k + 1)); };
     Eigen::Matrix3d j;
-    j << wave(1.1), wave(2.3), wave(3.7), wave(0.9), wave(5.1), wave(1.7), wave(2.9), wave(4.3), wave(0.7);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(j), Eigen::ComputeFullU | Eigen::ComputeFullV);
-    if (svd.singularValues()[1] - svd.singularValues()[2] < 1e-3) continue;  // no single answer for a mirrored one
+    j << wave(1.1), wave(2.3), wave(3.7), wave(0.9), wave(5.1), wave(1.7), wave(2.9), wave(4.3),
+        wave(0.7);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(j),
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    if (svd.singularValues()[1] - svd.singularValues()[2] < 1e-3)
+      continue;  // no single answer for a mirrored one
     Eigen::Vector3d sign = Eigen::Vector3d::Ones();
     sign[2] = (svd.matrixU() * svd.matrixV()).determinant() > 0 ? 1 : -1;
-    EXPECT_LT((ClosestRotation(j) - svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose()).norm(), 1e-10);
+    EXPECT_LT(
+        (ClosestRotation(j) - svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose()).norm(),
+        1e-10);
   }
-  EXPECT_LT((ClosestRotation(Eigen::Vector3d(2, 3, 0).asDiagonal()) - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_LT(
+      (ClosestRotation(Eigen::Vector3d(2, 3, 0).asDiagonal()) - Eigen::Matrix3d::Identity()).norm(),
+      1e-12);
 }
 
 TEST(LogOfMatrix, IsTheInverseOfTheExponentialAndKnowsShears) {
   for (int k = 0; k < 500; ++k) {
     const auto wave = [&](double f) { return 0.8 * std::sin(f * (k + 1)); };
     Eigen::Matrix3d log;
-    log << wave(1.1), wave(2.3), wave(3.7), wave(0.9), wave(5.1), wave(1.7), wave(2.9), wave(4.3), wave(0.7);
+    log << wave(1.1), wave(2.3), wave(3.7), wave(0.9), wave(5.1), wave(1.7), wave(2.9), wave(4.3),
+        wave(0.7);
     const std::optional<Eigen::Matrix3d> back = LogOfMatrix(ExpOfMatrix(log));
     ASSERT_TRUE(back.has_value());
     EXPECT_LT((*back - log).norm(), 1e-11);
     for (double t : {-1.3, 0.1, 0.7, 3.0})
-      EXPECT_LT((MatrixExponential(log).At(t) - ExpOfMatrix(t * log)).norm(), 1e-13 * ExpOfMatrix(t * log).norm());
+      EXPECT_LT((MatrixExponential(log).At(t) - ExpOfMatrix(t * log)).norm(),
+                1e-13 * ExpOfMatrix(t * log).norm());
   }
   Eigen::Matrix3d shear = Eigen::Matrix3d::Identity();
   shear(0, 2) = 5;
@@ -204,9 +226,12 @@ TEST(TetPath, AShearStaysAShearAndABendedFibreGrowsEvenly) {
   const Eigen::Vector3d turn(0, 0, 3);
   Eigen::Matrix3d quarter = Eigen::Matrix3d::Identity();
   quarter(0, 2) = 0.5;
-  EXPECT_LT((TetPath(ExpOf(turn) * shear, turn, 0).At(0.25) - ExpOf(0.25 * turn) * quarter).norm(), 1e-12);
-  const Eigen::Matrix3d fibre = Eigen::Vector3d(1, 1, 0.4).asDiagonal(), half = Eigen::Vector3d(1, 1, 0.7).asDiagonal();
-  EXPECT_LT((TetPath(ExpOf(turn) * fibre, turn, 0).At(0.5) - ExpOf(0.5 * turn) * half).norm(), 1e-12);
+  EXPECT_LT((TetPath(ExpOf(turn) * shear, turn, 0).At(0.25) - ExpOf(0.25 * turn) * quarter).norm(),
+            1e-12);
+  const Eigen::Matrix3d fibre = Eigen::Vector3d(1, 1, 0.4).asDiagonal(),
+                        half = Eigen::Vector3d(1, 1, 0.7).asDiagonal();
+  EXPECT_LT((TetPath(ExpOf(turn) * fibre, turn, 0).At(0.5) - ExpOf(0.5 * turn) * half).norm(),
+            1e-12);
 }
 
 TEST(TetPath, ReachesWhatHasNoLogarithm) {
@@ -244,7 +269,8 @@ TEST(LiftTurns, ARingThatTurnedInsideItselfIsReportedAsTorn) {
     rotations.push_back(Turn(i * 10 * kPi / 180, Eigen::Vector3d::UnitX()));
     neighbours.push_back({(i + 35) % 36, (i + 1) % 36, -1, -1});
   }
-  EXPECT_NEAR(LiftTurns(rotations, 0, neighbours, std::vector<char>(36, 0)).largest_tear, 2 * kPi, 0.5);
+  EXPECT_NEAR(LiftTurns(rotations, 0, neighbours, std::vector<char>(36, 0)).largest_tear, 2 * kPi,
+              0.5);
 }
 
 TEST(PlaceInside, UntanglesInnerPointsThatWerePushedThroughTheirNeighbours) {
@@ -252,9 +278,11 @@ TEST(PlaceInside, UntanglesInnerPointsThatWerePushedThroughTheirNeighbours) {
   const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
   const std::vector<TetShape> shapes = TetShapesOf(solid.points, solid.tets);
   PointsX3 tangled = solid.points;
-  for (Eigen::Index i = mesh.vertex_count(); i < tangled.rows(); i += 3) tangled.row(i) = 0.9 * tangled.row(i).reverse();
+  for (Eigen::Index i = mesh.vertex_count(); i < tangled.rows(); i += 3)
+    tangled.row(i) = 0.9 * tangled.row(i).reverse();
   int inverted = 0;
-  for (Eigen::Index t = 0; t < solid.tets.rows(); ++t) inverted += MapOf(shapes[t], tangled, solid.tets, t).determinant() <= 0;
+  for (Eigen::Index t = 0; t < solid.tets.rows(); ++t)
+    inverted += MapOf(shapes[t], tangled, solid.tets, t).determinant() <= 0;
   EXPECT_GT(inverted, 50);
   EXPECT_EQ(Untangle(solid, shapes, mesh.vertex_count(), tangled), 0);
   EXPECT_TRUE(SameBits(tangled.topRows(mesh.vertex_count()), mesh.points));
@@ -264,7 +292,8 @@ TEST(PlaceInside, InnerPointsOfAnEvenlyStretchedSolidAreStretchedAlike) {
   const Mesh mesh = MakeIcosphere(2);
   const Solid solid = Tetrahedralize(mesh.points, mesh.faces, "test");
   const Eigen::Matrix3d map = Turn(2, {1, 2, 3}) * 1.7;
-  const PointsX3 placed = PlaceInside(solid, TetShapesOf(solid.points, solid.tets), mesh.faces, mesh.points * map.transpose());
+  const PointsX3 placed = PlaceInside(solid, TetShapesOf(solid.points, solid.tets), mesh.faces,
+                                      mesh.points * map.transpose());
   EXPECT_LT(Gap(placed, solid.points * map.transpose()), 1e-12);
 }
 
@@ -273,17 +302,21 @@ TEST(Volumetric, RigidMotionGivesRigidFrames) {
   Similarity3 motion;
   motion.rotation = Turn(2.5, {1, 2, -1});
   motion.translation << 3, 1, -2;
-  const VolumetricInterpolator solid(bar.mesh.points, Transformed(motion, bar.mesh.points), bar.mesh.faces);
+  const VolumetricInterpolator solid(bar.mesh.points, Transformed(motion, bar.mesh.points),
+                                     bar.mesh.faces);
   for (double t : {0.1, 0.37, 0.9}) {
     const PointsX3 frame = solid.At(t);
     for (const auto& [i, j] : UndirectedEdges(bar.mesh.faces))
-      EXPECT_NEAR((frame.row(i) - frame.row(j)).norm(), (bar.mesh.points.row(i) - bar.mesh.points.row(j)).norm(), 1e-10);
+      EXPECT_NEAR((frame.row(i) - frame.row(j)).norm(),
+                  (bar.mesh.points.row(i) - bar.mesh.points.row(j)).norm(), 1e-10);
   }
 }
 
 TEST(Volumetric, UniformGrowthIsGeometricAndIdenticalKeysStayPut) {
   const Mesh mesh = MakeIcosphere(2);
-  EXPECT_LT(Gap(VolumetricInterpolator(mesh.points, 3 * mesh.points, mesh.faces).At(0.25), std::pow(3, 0.25) * mesh.points), 1e-11);
+  EXPECT_LT(Gap(VolumetricInterpolator(mesh.points, 3 * mesh.points, mesh.faces).At(0.25),
+                std::pow(3, 0.25) * mesh.points),
+            1e-11);
   const Bar bar(0.2);
   const PointsX3 bent = bar.Bent(2);
   EXPECT_LT(Gap(VolumetricInterpolator(bent, bent, bar.mesh.faces).At(0.4), bent), 1e-11);
@@ -292,9 +325,11 @@ TEST(Volumetric, UniformGrowthIsGeometricAndIdenticalKeysStayPut) {
 TEST(Volumetric, MiddleOfATurnBy179DegreesIs89AndAHalf) {
   const Mesh mesh = MakeBox(1, 2, 3);
   const PointsX3 u = mesh.points * Turn(179 * kPi / 180, Eigen::Vector3d::UnitZ()).transpose();
-  const PointsX3 frame = VolumetricInterpolator(mesh.points, u, mesh.faces).At(0.5), centred = frame.rowwise() - frame.colwise().mean();
+  const PointsX3 frame = VolumetricInterpolator(mesh.points, u, mesh.faces).At(0.5),
+                 centred = frame.rowwise() - frame.colwise().mean();
   const PointsX3 start = mesh.points.rowwise() - mesh.points.colwise().mean();
-  EXPECT_LT(Gap(centred, start * Turn(89.5 * kPi / 180, Eigen::Vector3d::UnitZ()).transpose()), 1e-11);
+  EXPECT_LT(Gap(centred, start * Turn(89.5 * kPi / 180, Eigen::Vector3d::UnitZ()).transpose()),
+            1e-11);
 }
 
 TEST(Volumetric, EndsHaveTheKeysBitsAndFramesNearThemComeClose) {
@@ -318,7 +353,11 @@ TEST(Volumetric, SwappingTheKeysReversesTime) {
 
 /// Mean distance from the exact pose after the best rigid fit, over the diagonal.
 double MeanError(const PointsX3& frame, const PointsX3& exact) {
-  return (Transformed(FitSimilarity(frame, exact, {}, false), frame) - exact).rowwise().norm().mean() / BoundingDiagonal(exact);
+  return (Transformed(FitSimilarity(frame, exact, {}, false), frame) - exact)
+             .rowwise()
+             .norm()
+             .mean() /
+         BoundingDiagonal(exact);
 }
 
 TEST(Volumetric, BendsBeyondAHalfTurnPassThroughTheHalfBend) {
@@ -340,9 +379,12 @@ TEST(Volumetric, StrongTwistsKeepTheirCrossSectionBetterThanASurfaceAlone) {
     EXPECT_GT(bar.SmallestCrossSection(frame), 0.98) << turns;
     EXPECT_LT(MeanError(frame, half), 0.005) << turns;
     const PointsX3 shell = ArapInterpolator(bar.mesh.points, u, bar.mesh.faces).At(0.5);
-    const PointsX3 paper = ArapInterpolator(bar.mesh.points, u, bar.mesh.faces, PaperOptions()).At(0.5);
-    EXPECT_LT(bar.SmallestCrossSection(paper), 0.1) << turns << ": the paper's surface mode does not collapse, so this test shows nothing";
-    EXPECT_LT(1 - bar.SmallestCrossSection(frame), 0.7 * (1 - bar.SmallestCrossSection(shell))) << turns;
+    const PointsX3 paper =
+        ArapInterpolator(bar.mesh.points, u, bar.mesh.faces, PaperOptions()).At(0.5);
+    EXPECT_LT(bar.SmallestCrossSection(paper), 0.1)
+        << turns << ": the paper's surface mode does not collapse, so this test shows nothing";
+    EXPECT_LT(1 - bar.SmallestCrossSection(frame), 0.7 * (1 - bar.SmallestCrossSection(shell)))
+        << turns;
     EXPECT_LT(MeanError(frame, half), 0.5 * MeanError(shell, half)) << turns;
   }
 }
@@ -361,7 +403,8 @@ TEST(Volumetric, VolumeOfEachBodyFollowsTheKeys) {
   EXPECT_EQ(solid.report().bodies, 2);
   for (double t : {0.2, 0.5, 0.9}) {
     const PointsX3 frame = solid.At(t);
-    for (const FacesX3& faces : {mesh.faces.topRows(first_faces).eval(), mesh.faces.bottomRows(ball.face_count()).eval()}) {
+    for (const FacesX3& faces : {mesh.faces.topRows(first_faces).eval(),
+                                 mesh.faces.bottomRows(ball.face_count()).eval()}) {
       const double v0 = SignedVolume(mesh.points, faces), v1 = SignedVolume(u, faces);
       EXPECT_NEAR(SignedVolume(frame, faces) / (std::pow(v0, 1 - t) * std::pow(v1, t)), 1, 1e-9);
     }
@@ -390,7 +433,8 @@ TEST(Volumetric, VerticesWithoutFacesGoStraight) {
 TEST(Volumetric, FillsTheOtherKeyWhereTheSmootherOneCrossesItself) {
   const Bar bar(0.1);
   PointsX3 rough = bar.mesh.points;  // bumps make the straight key the less smooth one
-  for (Eigen::Index i = 0; i < rough.rows(); ++i) rough.row(i).head<2>() *= 1 + 0.2 * std::sin(40 * rough(i, 2));
+  for (Eigen::Index i = 0; i < rough.rows(); ++i)
+    rough.row(i).head<2>() *= 1 + 0.2 * std::sin(40 * rough(i, 2));
   const PointsX3 crossing = bar.Bent(2.3 * kPi);
   const VolumetricInterpolator solid(crossing, rough, bar.mesh.faces);
   EXPECT_EQ(solid.report().meshed_key, 1);
@@ -412,13 +456,16 @@ TEST(Volumetric, WhereBothKeysCrossThemselvesThePlacesArePartedToFillThem) {
   EXPECT_THAT(solid.report().note, testing::HasSubstr("passes through itself"));
   EXPECT_LT(Gap(solid.At(1e-10), v), 1e-8);
   EXPECT_LT(Gap(solid.At(1 - 1e-10), u), 1e-8);
-  const PointsX3 exact = v * Turn(0.5, Eigen::Vector3d::UnitX()).transpose() * Eigen::Vector3d(1, 1, std::sqrt(1.1)).asDiagonal();
+  const PointsX3 exact = v * Turn(0.5, Eigen::Vector3d::UnitX()).transpose() *
+                         Eigen::Vector3d(1, 1, std::sqrt(1.1)).asDiagonal();
   EXPECT_LT(MeanError(solid.At(0.5), exact), 0.01);
 }
 
 TEST(Volumetric, WhatNoPartingHelpsThrows) {
   const Bar bar(0.1);
-  EXPECT_THAT(MessageOf([&] { VolumetricInterpolator(bar.Bent(2.3 * kPi), bar.Bent(2.5 * kPi), bar.mesh.faces); }),
+  EXPECT_THAT(MessageOf([&] {
+                VolumetricInterpolator(bar.Bent(2.3 * kPi), bar.Bent(2.5 * kPi), bar.mesh.faces);
+              }),
               testing::HasSubstr("nor can the"));
 }
 
@@ -447,7 +494,8 @@ TEST(Volumetric, SameBitsAtOneAndTwoThreads) {
 TEST(Volumetric, KeysOfOtherSizesAndMirroredKeysThrow) {
   const Mesh mesh = MakeIcosphere(1);
   EXPECT_THROW(VolumetricInterpolator(mesh.points, mesh.points.topRows(5), mesh.faces), InputError);
-  EXPECT_THAT(MessageOf([&] { VolumetricInterpolator(mesh.points, -mesh.points, mesh.faces); }), testing::HasSubstr("inside out"));
+  EXPECT_THAT(MessageOf([&] { VolumetricInterpolator(mesh.points, -mesh.points, mesh.faces); }),
+              testing::HasSubstr("inside out"));
 }
 
 }  // namespace

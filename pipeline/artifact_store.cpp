@@ -14,7 +14,8 @@ namespace keypose::pipeline {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-ArtifactStore::ArtifactStore(Disk& disk, fs::path state_folder) : disk_(disk), state_folder_(std::move(state_folder)) {}
+ArtifactStore::ArtifactStore(Disk& disk, fs::path state_folder)
+    : disk_(disk), state_folder_(std::move(state_folder)) {}
 
 fs::path ArtifactStore::FolderOf(const std::string& fingerprint) const {
   return state_folder_ / "cache" / fingerprint.substr(0, 2) / fingerprint.substr(2);
@@ -42,7 +43,8 @@ std::map<std::string, std::string> FilesOf(const std::map<std::string, ArtifactO
 
 json FilesJson(const std::map<std::string, KeptFile>& files) {
   json value = json::object();
-  for (const auto& [name, file] : files) value[name] = {{"sha256", file.hash}, {"stamp", file.stamp}};
+  for (const auto& [name, file] : files)
+    value[name] = {{"sha256", file.hash}, {"stamp", file.stamp}};
   return value;
 }
 
@@ -57,28 +59,34 @@ std::map<std::string, ArtifactOutput> OutputsOf(const json& manifest) {
     } else {
       output.content.hash = entry.at("sha256").get<std::string>();
     }
-    if (output.content.hash != entry.at("sha256").get<std::string>()) throw InputError("manifest.json contradicts itself");
-    if (!IsOneName(output.file)) throw InputError("manifest.json names '" + output.file + "', which is no name of a file");
+    if (output.content.hash != entry.at("sha256").get<std::string>())
+      throw InputError("manifest.json contradicts itself");
+    if (!IsOneName(output.file))
+      throw InputError("manifest.json names '" + output.file + "', which is no name of a file");
     for (const auto& [name, hash] : output.content.files)
-      if (!StaysBelow(name)) throw InputError("manifest.json names '" + name + "', which is outside of its folder");
+      if (!StaysBelow(name))
+        throw InputError("manifest.json names '" + name + "', which is outside of its folder");
   }
   return outputs;
 }
 
 /// All files that an artifact must have.
-std::map<std::string, KeptFile> KeptFilesOf(const json& manifest, const std::map<std::string, ArtifactOutput>& outputs) {
+std::map<std::string, KeptFile> KeptFilesOf(const json& manifest,
+                                            const std::map<std::string, ArtifactOutput>& outputs) {
   std::map<std::string, KeptFile> kept;
   for (const auto& [name, hash] : FilesOf(outputs)) kept[name] = {hash, nullptr};
   if (manifest.at("schema") == 1) return kept;
   const json& files = manifest.at("files");
   for (auto& [name, file] : kept) file.stamp = files.at(name).at("stamp");
-  if (files.contains(kReport)) kept[kReport] = {files[kReport].at("sha256").get<std::string>(), files[kReport].at("stamp")};
+  if (files.contains(kReport))
+    kept[kReport] = {files[kReport].at("sha256").get<std::string>(), files[kReport].at("stamp")};
   return kept;
 }
 
 }  // namespace
 
-std::optional<Artifact> ArtifactStore::Find(const std::string& fingerprint, std::string* damage) const {
+std::optional<Artifact> ArtifactStore::Find(const std::string& fingerprint,
+                                            std::string* damage) const {
   return Look(fingerprint, Reading::kChanged, damage);
 }
 
@@ -89,13 +97,15 @@ std::string ArtifactStore::Verify(const std::string& fingerprint) const {
   if (!artifact) return damage;
   const std::map<std::string, std::string> known = FilesOf(artifact->outputs);
   for (const auto& [port, output] : artifact->outputs)
-    for (const std::string& name : output.folder ? disk_.FilesBelow(artifact->folder / output.file) : std::vector<std::string>())
+    for (const std::string& name : output.folder ? disk_.FilesBelow(artifact->folder / output.file)
+                                                 : std::vector<std::string>())
       if (CountsAsContent(name) && !known.contains(output.file + "/" + name))
         return output.file + "/" + name + " was put there by another program";
   return "";
 }
 
-std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Reading reading, std::string* damage) const {
+std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Reading reading,
+                                            std::string* damage) const {
   Artifact artifact;
   artifact.fingerprint = fingerprint;
   artifact.folder = FolderOf(fingerprint);
@@ -108,7 +118,8 @@ std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Read
   try {
     json manifest = json::parse(disk_.Read(file));
     artifact.recipe = RecipeFromJson(manifest.at("recipe"));
-    // Else two folders that were swapped, or a manifest from elsewhere, would give one step's result to another.
+    // Else two folders that were swapped, or a manifest from elsewhere, would give one step's
+    // result to another.
     if (manifest.at("fingerprint") != fingerprint || artifact.recipe.Fingerprint() != fingerprint)
       return damaged("manifest.json belongs to another artifact");
     artifact.outputs = OutputsOf(manifest);
@@ -121,8 +132,10 @@ std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Read
       if (!stat || stat->folder) return damaged(name + " is missing");
       const json stamp = StampOf(*stat);
       if (stamp == known.stamp && reading == Reading::kChanged) continue;
-      if (disk_.LeadsOutside(artifact.folder / name, artifact.folder)) return damaged(name + " is a link that leads elsewhere");
-      if (disk_.ContentHash(artifact.folder / name) != known.hash) return damaged(name + " is not as it was made");
+      if (disk_.LeadsOutside(artifact.folder / name, artifact.folder))
+        return damaged(name + " is a link that leads elsewhere");
+      if (disk_.ContentHash(artifact.folder / name) != known.hash)
+        return damaged(name + " is not as it was made");
       moved |= stamp != known.stamp;
       known.stamp = stamp;
     }
@@ -154,37 +167,44 @@ ArtifactOutput ArtifactStore::Measure(const fs::path& made, const PortInfo& port
     return output;
   }
   std::map<std::string, std::string> files;
-  for (const std::string& name : disk_.FilesBelow(made / port.file)) files[name] = disk_.ContentHash(made / port.file / name);
+  for (const std::string& name : disk_.FilesBelow(made / port.file))
+    files[name] = disk_.ContentHash(made / port.file / name);
   output.content = FolderContent(std::move(files));
   return output;
 }
 
-Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, const Recipe& recipe, double seconds, std::int64_t peak_bytes) {
+Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, const Recipe& recipe,
+                               double seconds, std::int64_t peak_bytes) {
   Artifact artifact{recipe.Fingerprint(), {}, recipe, {}, seconds, peak_bytes};
   json outputs = json::object();
   for (const PortInfo& port : info.outputs) {
     const auto stat = disk_.Stat(made / port.file);
     if (!stat && port.optional) continue;
     if (!stat || stat->folder != (port.kind == "folder")) {
-      throw ToolError(fmt::format("stage '{}' ended well but did not write its output '{}' (a {})", info.stage, port.name, port.kind));
+      throw ToolError(fmt::format("stage '{}' ended well but did not write its output '{}' (a {})",
+                                  info.stage, port.name, port.kind));
     }
     const ArtifactOutput output = artifact.outputs[port.name] = Measure(made, port);
-    outputs[port.name] = {{"file", output.file}, {"folder", output.folder}, {"sha256", output.content.hash}};
+    outputs[port.name] = {
+        {"file", output.file}, {"folder", output.folder}, {"sha256", output.content.hash}};
     if (output.folder) outputs[port.name]["files"] = output.content.files;
   }
   std::map<std::string, KeptFile> files;
-  for (const auto& [name, hash] : FilesOf(artifact.outputs)) files[name] = {hash, StampOf(*disk_.Stat(made / name))};
+  for (const auto& [name, hash] : FilesOf(artifact.outputs))
+    files[name] = {hash, StampOf(*disk_.Stat(made / name))};
   if (const auto report = disk_.Stat(made / kReport); report && !report->folder)
     files[kReport] = {disk_.ContentHash(made / kReport), StampOf(*report)};
-  const json manifest = {{"schema", kSchema},       {"fingerprint", artifact.fingerprint}, {"recipe", ToJson(recipe)},
-                         {"outputs", outputs},      {"files", FilesJson(files)},           {"seconds", seconds},
+  const json manifest = {{"schema", kSchema},         {"fingerprint", artifact.fingerprint},
+                         {"recipe", ToJson(recipe)},  {"outputs", outputs},
+                         {"files", FilesJson(files)}, {"seconds", seconds},
                          {"peak_bytes", peak_bytes}};
   disk_.Write(made / "manifest.json", manifest.dump(1));
   // On the device before it gets its name: after a power cut an artifact is whole or absent.
   disk_.Sync(made);
   artifact.folder = FolderOf(artifact.fingerprint);
   if (disk_.LeadsOutside(artifact.folder, state_folder_ / "cache"))
-    throw DiskError(artifact.folder.string() + " is behind a link that leads out of the cache; remove the link");
+    throw DiskError(artifact.folder.string() +
+                    " is behind a link that leads out of the cache; remove the link");
   disk_.Move(made, artifact.folder);
   return artifact;
 }
@@ -204,7 +224,8 @@ std::vector<std::string> ArtifactStore::All() const {
 std::uint64_t ArtifactStore::SizeOf(const std::string& fingerprint) const {
   std::uint64_t size = 0;
   const fs::path folder = FolderOf(fingerprint);
-  for (const std::string& name : disk_.FilesBelow(folder)) size += disk_.Stat(folder / name).value_or(FileStat{}).size;
+  for (const std::string& name : disk_.FilesBelow(folder))
+    size += disk_.Stat(folder / name).value_or(FileStat{}).size;
   return size;
 }
 

@@ -1,4 +1,5 @@
-// The cache: one folder per artifact, named by its fingerprint, that is there as a whole or not at all.
+// The cache: one folder per artifact, named by its fingerprint, that is there as a whole or not at
+// all.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +30,9 @@ struct Artifact {
   double seconds = 0;
   std::int64_t peak_bytes = 0;
 
-  std::filesystem::path Path(const std::string& port) const { return folder / outputs.at(port).file; }
+  std::filesystem::path Path(const std::string& port) const {
+    return folder / outputs.at(port).file;
+  }
 };
 
 class ArtifactStore {
@@ -37,8 +40,9 @@ class ArtifactStore {
   /// @param state_folder  the project's .keypose
   ArtifactStore(Disk& disk, std::filesystem::path state_folder);
 
-  /// The artifact when it is there and every file is as it was made; else nothing. A file whose size, times and inode are as they were is believed;
-  /// another one is read and hashed, and believed from then on if its hash is right.
+  /// The artifact when it is there and every file is as it was made; else nothing. A file whose
+  /// size, times and inode are as they were is believed; another one is read and hashed, and
+  /// believed from then on if its hash is right.
   /// @param damage  gets what is wrong with an artifact that is there, for a person
   std::optional<Artifact> Find(const std::string& fingerprint, std::string* damage = nullptr) const;
 
@@ -46,10 +50,11 @@ class ArtifactStore {
   /// @return what is wrong, for a person; empty: nothing
   std::string Verify(const std::string& fingerprint) const;
 
-  /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place; an artifact of the same fingerprint is
-  /// replaced.
+  /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place; an
+  /// artifact of the same fingerprint is replaced.
   /// @throws ToolError  a required output was not written @throws DiskError
-  Artifact Commit(const std::filesystem::path& made, const StageInfo& info, const Recipe& recipe, double seconds, std::int64_t peak_bytes);
+  Artifact Commit(const std::filesystem::path& made, const StageInfo& info, const Recipe& recipe,
+                  double seconds, std::int64_t peak_bytes);
 
   std::filesystem::path FolderOf(const std::string& fingerprint) const;
   /// Fingerprints of all folders in the cache, whole or not.
@@ -60,8 +65,10 @@ class ArtifactStore {
 
  private:
   enum class Reading { kChanged, kAll };
-  std::optional<Artifact> Look(const std::string& fingerprint, Reading reading, std::string* damage) const;
-  void Remember(const std::filesystem::path& manifest_file, nlohmann::json manifest, nlohmann::json files) const;
+  std::optional<Artifact> Look(const std::string& fingerprint, Reading reading,
+                               std::string* damage) const;
+  void Remember(const std::filesystem::path& manifest_file, nlohmann::json manifest,
+                nlohmann::json files) const;
   ArtifactOutput Measure(const std::filesystem::path& made, const PortInfo& port) const;
 
   Disk& disk_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "pipeline/collect_ending.h"
 #include "pipeline/work_size.h"
 
 namespace keypose::pipeline {
@@ -36,7 +37,9 @@ std::string LastLines(const std::string& text, int count) {
     if (!line.empty()) lines.push_back(line);
   }
   std::string result;
-  for (std::size_t i = lines.size() > static_cast<std::size_t>(count) ? lines.size() - static_cast<std::size_t>(count) : 0;
+  for (std::size_t i = lines.size() > static_cast<std::size_t>(count)
+                           ? lines.size() - static_cast<std::size_t>(count)
+                           : 0;
        i < lines.size(); ++i) {
     result += (result.empty() ? "" : "\n") + lines[i];
   }
@@ -51,8 +54,8 @@ std::string FolderName(const std::string& step_id) {
   return name;
 }
 
-Builder::Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock, ResultsFolder& results,
-                 RunObserver& observer, const Limits& limits)
+Builder::Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock,
+                 ResultsFolder& results, RunObserver& observer, const Limits& limits)
     : plan_(plan),
       workshop_(workshop),
       processes_(processes),
@@ -64,11 +67,11 @@ Builder::Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const
       reported_(static_cast<std::size_t>(plan.size()), false) {}
 
 fs::path Builder::WorkFolder(int step) const {
-  return workshop_.state() / "tmp" / FolderName(plan_.graph().steps[static_cast<std::size_t>(step)].id);
+  return workshop_.state() / "tmp" / FolderName(plan_.graph().steps[step].id);
 }
 
 fs::path Builder::FailedFolder(int step) const {
-  return workshop_.state() / "failed" / FolderName(plan_.graph().steps[static_cast<std::size_t>(step)].id);
+  return workshop_.state() / "failed" / FolderName(plan_.graph().steps[step].id);
 }
 
 RunResult Builder::Run(RunRecord record) {
@@ -95,19 +98,23 @@ RunResult Builder::Run(RunRecord record) {
 
 /// An interrupted run tells nothing but that.
 void Builder::EndRun() {
-  if (result_.code != ExitCode::kInterrupted) record_.ending = EndingOf(plan_, workshop_.disk, results_.out());
+  if (result_.code != ExitCode::kInterrupted)
+    record_.ending = EndingOf(plan_, workshop_.disk, results_.out());
   observer_.End(record_.ending);
 }
 
-/// From the step's own last run, else from that of the same step on another pose, else from what the pipeline file says of its cost.
+/// From the step's own last run, else from that of the same step on another pose, else from what
+/// the pipeline file says of its cost.
 Forecast Builder::MakeForecast() const {
   const auto& steps = plan_.graph().steps;
-  const auto may_run = [&](int i) { return plan_[i].wanted && plan_[i].state != StepPlan::State::kDone; };
+  const auto may_run = [&](int i) {
+    return plan_[i].wanted && plan_[i].state != StepPlan::State::kDone;
+  };
   std::map<std::string, double> of_rule;
   std::map<std::string, int> side_by_side;
   const auto known = [&](int i) { return plan_[i].last && !plan_[i].last->fingerprint.empty(); };
   for (int i = 0; i < plan_.size(); ++i) {
-    const std::string& rule = steps[static_cast<std::size_t>(i)].rule;
+    const std::string& rule = steps[i].rule;
     if (known(i)) of_rule[rule] = plan_[i].last->seconds;
     side_by_side[rule] += may_run(i);
   }
@@ -116,11 +123,11 @@ Forecast Builder::MakeForecast() const {
   WorkSize size(plan_.graph(), workshop_.disk, workshop_.project);
   for (int i = 0; i < plan_.size(); ++i) {
     if (!may_run(i)) continue;
-    const Step& step = steps[static_cast<std::size_t>(i)];
+    const Step& step = steps[i];
     Expected& expected = forecast.steps[step.id];
     expected.threads = std::max(1, limits_.cores / side_by_side[step.rule]);
     if (step.info->cores > 0) expected.threads = std::min(expected.threads, step.info->cores);
-    for (const int need : step.needs) expected.needs.push_back(steps[static_cast<std::size_t>(need)].id);
+    for (const int need : step.needs) expected.needs.push_back(steps[need].id);
     const auto sibling = of_rule.find(step.rule);
     expected.measured = known(i) || sibling != of_rule.end();
     if (expected.measured) {
@@ -136,7 +143,8 @@ void Builder::Loop() {
   for (const std::string& note : results_.DropStepsOutside(plan_.graph())) observer_.Note(note);
   for (int i = 0; i < plan_.size(); ++i) {
     if (!plan_[i].wanted) continue;
-    for (const std::string& warning : plan_.graph().steps[static_cast<std::size_t>(i)].warnings) observer_.Note("warning: " + warning);
+    for (const std::string& warning : plan_.graph().steps[i].warnings)
+      observer_.Note("warning: " + warning);
   }
   for (;;) {
     if (processes_.interrupted()) return Interrupt();
@@ -150,7 +158,7 @@ void Builder::Loop() {
 
 void Builder::ReportCached() {
   for (int i = 0; i < plan_.size(); ++i) {
-    if (plan_[i].state != StepPlan::State::kDone || reported_[static_cast<std::size_t>(i)] || !plan_[i].wanted) continue;
+    if (plan_[i].state != StepPlan::State::kDone || reported_[i] || !plan_[i].wanted) continue;
     Adopt(i, false, 0, 0);
     ++result_.cached;
   }
@@ -158,8 +166,8 @@ void Builder::ReportCached() {
 
 /// The artifact of a step is there: names its results and remembers what it was made from.
 void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes) {
-  reported_[static_cast<std::size_t>(step)] = true;
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  reported_[step] = true;
+  const Step& what = plan_.graph().steps[step];
   const StepPlan& plan = plan_[step];
   for (const std::string& note : results_.Publish(what, *plan.artifact)) observer_.Note(note);
   if (made || !plan.last || plan.last->failed || plan.last->fingerprint != plan.fingerprint) {
@@ -171,23 +179,26 @@ void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes
     record.when = clock_.Now();
     record.reasons = plan.reasons;
     record.found = !made;
-    if (!made && plan.last && !plan.last->fingerprint.empty()) record.reasons = Differences(plan.last->recipe, plan.recipe);
+    if (!made && plan.last && !plan.last->fingerprint.empty())
+      record.reasons = Differences(plan.last->recipe, plan.recipe);
     workshop_.records.SetLast(what.id, record);
   }
   AddToRecord(step, made ? "made" : "cached", seconds, peak_bytes);
   observer_.Finished(what.id, made ? "made" : "cached", seconds);
 }
 
-void Builder::AddToRecord(int step, const std::string& status, double seconds, std::int64_t peak_bytes) {
-  record_.steps.push_back(
-      {plan_.graph().steps[static_cast<std::size_t>(step)].id, status, plan_[step].fingerprint, seconds, peak_bytes, plan_[step].reasons});
+void Builder::AddToRecord(int step, const std::string& status, double seconds,
+                          std::int64_t peak_bytes) {
+  record_.steps.push_back({plan_.graph().steps[step].id, status, plan_[step].fingerprint, seconds,
+                           peak_bytes, plan_[step].reasons});
 }
 
 std::int64_t Builder::MemoryOf(int step) const {
   const StepPlan& plan = plan_[step];
   // What it took last time, and some room, is better than what it says of itself.
-  if (plan.last && plan.last->peak_bytes > 0) return plan.last->peak_bytes + plan.last->peak_bytes / 4;
-  return plan_.graph().steps[static_cast<std::size_t>(step)].info->memory_bytes;
+  if (plan.last && plan.last->peak_bytes > 0)
+    return plan.last->peak_bytes + plan.last->peak_bytes / 4;
+  return plan_.graph().steps[step].info->memory_bytes;
 }
 
 bool Builder::MayStart(int step, std::int64_t memory) const {
@@ -197,24 +208,27 @@ bool Builder::MayStart(int step, std::int64_t memory) const {
   for (const auto& [id, running] : running_) {
     threads += running.threads;
     used += running.memory_bytes;
-    // Two steps that would make the same artifact: the second finds it in the cache when the first is done.
+    // Two steps that would make the same artifact: the second finds it in the cache when the first
+    // is done.
     if (plan_[running.step].fingerprint == plan_[step].fingerprint) return false;
   }
-  return threads < limits_.cores && (limits_.memory_bytes <= 0 || used + memory <= limits_.memory_bytes);
+  return threads < limits_.cores &&
+         (limits_.memory_bytes <= 0 || used + memory <= limits_.memory_bytes);
 }
 
 /// A fair share of the free cores; a step that can use fewer leaves the rest to others.
 int Builder::ThreadsFor(int step, int ready) const {
   int free = limits_.cores;
   for (const auto& [id, running] : running_) free -= running.threads;
-  const int usable = plan_.graph().steps[static_cast<std::size_t>(step)].info->cores;
+  const int usable = plan_.graph().steps[step].info->cores;
   const int share = std::max(1, free / std::max(1, ready));
   return usable > 0 ? std::min(usable, share) : share;
 }
 
 void Builder::StartReady() {
   const auto is_running = [&](int step) {
-    return std::any_of(running_.begin(), running_.end(), [&](const auto& entry) { return entry.second.step == step; });
+    return std::any_of(running_.begin(), running_.end(),
+                       [&](const auto& entry) { return entry.second.step == step; });
   };
   for (;;) {
     std::vector<int> ready = plan_.Ready();
@@ -223,7 +237,8 @@ void Builder::StartReady() {
     int waiting = static_cast<int>(ready.size());
     for (const int step : ready) {
       // Another step of this run may have made the same artifact meanwhile.
-      if (auto artifact = plan_[step].forced ? std::nullopt : workshop_.store.Find(plan_[step].fingerprint)) {
+      if (auto artifact =
+              plan_[step].forced ? std::nullopt : workshop_.store.Find(plan_[step].fingerprint)) {
         plan_.SetDone(step, std::move(*artifact), false);
         found_in_cache = true;
         continue;
@@ -251,7 +266,7 @@ std::vector<fs::path> Builder::PathsOf(const Flow& flow, const PortFlows& port, 
 }
 
 std::vector<std::string> Builder::ArgumentsOf(int step) {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  const Step& what = plan_.graph().steps[step];
   const fs::path made = WorkFolder(step) / "made";
   std::vector<std::string> arguments = {what.program.string()};
   const auto add = [&](const std::string& flag, const std::string& value) {
@@ -270,7 +285,7 @@ std::vector<std::string> Builder::ArgumentsOf(int step) {
 }
 
 void Builder::Start(int step, int threads) {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  const Step& what = plan_.graph().steps[step];
   Running running{step, threads, MemoryOf(step), clock_.Now()};
   try {
     running.before = watch_.Look(step);
@@ -279,7 +294,8 @@ void Builder::Start(int step, int threads) {
     workshop_.disk.MakeFolder(WorkFolder(step) / "scratch");
     Command command;
     command.arguments = ArgumentsOf(step);
-    command.environment = {fmt::format("KEYPOSE_THREADS={}", threads), "TMPDIR=" + (WorkFolder(step) / "scratch").string()};
+    command.environment = {fmt::format("KEYPOSE_THREADS={}", threads),
+                           "TMPDIR=" + (WorkFolder(step) / "scratch").string()};
     command.folder = WorkFolder(step) / "scratch";
     command.log = WorkFolder(step) / "made" / "log.txt";
     running_[processes_.Start(command)] = running;
@@ -294,13 +310,15 @@ void Builder::Handle(const ProcessEvent& event) {
   if (it == running_.end()) return;
   const Running running = it->second;
   if (event.kind == ProcessEvent::Kind::kProgress) {
-    observer_.Progressed(plan_.graph().steps[static_cast<std::size_t>(running.step)].id, event.fraction, event.what);
+    observer_.Progressed(plan_.graph().steps[running.step].id, event.fraction, event.what);
     return;
   }
   running_.erase(it);
-  if (processes_.interrupted()) return;  // it ended because we are being stopped, or just before: either way it is not kept
+  if (processes_.interrupted())
+    return;  // it ended because we are being stopped, or just before: either way it is not kept
   try {
-    // Also of a step that failed: a photograph that was half written would be the cause, and is whole by now.
+    // Also of a step that failed: a photograph that was half written would be the cause, and is
+    // whole by now.
     if (WasSpoilt(running)) return;
     if (event.exit_code != 0) return Fail(running, event.exit_code, "");
     Succeed(running, event.peak_bytes);
@@ -309,24 +327,26 @@ void Builder::Handle(const ProcessEvent& event) {
   }
 }
 
-/// Whether the step may have read what its fingerprint does not say. Then nothing of it is kept, and what it read is hashed anew.
+/// Whether the step may have read what its fingerprint does not say. Then nothing of it is kept,
+/// and what it read is hashed anew.
 bool Builder::WasSpoilt(const Running& running) {
   const std::string changed = watch_.Changed(running.step, running.before);
   if (changed.empty()) return false;
-  const std::string& id = plan_.graph().steps[static_cast<std::size_t>(running.step)].id;
+  const std::string& id = plan_.graph().steps[running.step].id;
   workshop_.disk.Remove(WorkFolder(running.step));
   AddToRecord(running.step, "spoilt", clock_.Now() - running.begin, 0);
   observer_.Finished(id, "spoilt", clock_.Now() - running.begin);
-  observer_.Note(fmt::format("warning: while {} ran, {}; nothing of it was kept, and it is made anew", id, changed));
+  observer_.Note(fmt::format(
+      "warning: while {} ran, {}; nothing of it was kept, and it is made anew", id, changed));
   result_.again = true;
   return true;
 }
 
 void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
+  const Step& what = plan_.graph().steps[running.step];
   const double seconds = clock_.Now() - running.begin;
-  Artifact artifact =
-      workshop_.store.Commit(WorkFolder(running.step) / "made", *what.info, plan_[running.step].recipe, seconds, peak_bytes);
+  Artifact artifact = workshop_.store.Commit(WorkFolder(running.step) / "made", *what.info,
+                                             plan_[running.step].recipe, seconds, peak_bytes);
   workshop_.disk.Remove(WorkFolder(running.step));
   workshop_.disk.Remove(FailedFolder(running.step));
   plan_.SetDone(running.step, std::move(artifact), true);
@@ -336,7 +356,7 @@ void Builder::Succeed(const Running& running, std::int64_t peak_bytes) {
 }
 
 void Builder::Fail(const Running& running, int raw_code, const std::string& message) {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(running.step)];
+  const Step& what = plan_.graph().steps[running.step];
   const ExitCode code = CodeOf(raw_code);
   const fs::path log = WorkFolder(running.step) / "made" / "log.txt";
   std::string said = message;
@@ -355,8 +375,8 @@ void Builder::Fail(const Running& running, int raw_code, const std::string& mess
     record.when = clock_.Now();
     workshop_.records.SetLast(what.id, record);
   } catch (const Error& error) {
-    said +=
-        fmt::format("\n(and its log could not be kept: {})", error.what());  // on a full disk, say; the first fault is the one that counts
+    // on a full disk, say; the first fault is the one that counts
+    said += fmt::format("\n(and its log could not be kept: {})", error.what());
   }
   AddToRecord(running.step, "failed", clock_.Now() - running.begin, 0);
   observer_.Finished(what.id, "failed", clock_.Now() - running.begin);
@@ -365,20 +385,26 @@ void Builder::Fail(const Running& running, int raw_code, const std::string& mess
   result_.message = FailureMessage(running.step, code, raw_code, said);
 }
 
-std::string Builder::FailureMessage(int step, ExitCode code, int raw_code, const std::string& said) const {
-  const std::string& id = plan_.graph().steps[static_cast<std::size_t>(step)].id;
+std::string Builder::FailureMessage(int step, ExitCode code, int raw_code,
+                                    const std::string& said) const {
+  const std::string& id = plan_.graph().steps[step].id;
   std::string message = fmt::format("{} failed with exit code {}", id, static_cast<int>(code));
   if (raw_code > 128 && code == ExitCode::kBug) {
     message += fmt::format(": it was ended by signal {}", raw_code - 128);
-    if (raw_code == 128 + 9) message += " (killed: perhaps the machine ran out of memory; try a smaller -j)";
+    if (raw_code == 128 + 9)
+      message += " (killed: perhaps the machine ran out of memory; try a smaller -j)";
   } else if (raw_code == 127) {
     message += ": the program could not be started";
-  } else if (code == ExitCode::kDisk && said.empty()) {  // on a full disk there is no room for its log either
-    message += ": a file could not be read or written, and no log could be kept; is there free space on the disk?";
+  } else if (code == ExitCode::kDisk &&
+             said.empty()) {  // on a full disk there is no room for its log either
+    message +=
+        ": a file could not be read or written, and no log could be kept; is there free space on "
+        "the disk?";
   }
   message += "\n" + said;
   const fs::path log = FailedFolder(step) / "log.txt";
-  if (workshop_.disk.Stat(log)) message += fmt::format("\nits whole log: {} (or `keypose log {}`)", log.string(), id);
+  if (workshop_.disk.Stat(log))
+    message += fmt::format("\nits whole log: {} (or `keypose log {}`)", log.string(), id);
   message += "\nwhen that is mended, `keypose run` goes on from here; what was made before is kept";
   return message;
 }
@@ -387,7 +413,8 @@ void Builder::Interrupt() {
   processes_.StopAll();
   for (const auto& [id, running] : running_) {
     AddToRecord(running.step, "interrupted", clock_.Now() - running.begin, 0);
-    observer_.Finished(plan_.graph().steps[static_cast<std::size_t>(running.step)].id, "interrupted", clock_.Now() - running.begin);
+    observer_.Finished(plan_.graph().steps[running.step].id, "interrupted",
+                       clock_.Now() - running.begin);
   }
   running_.clear();
   result_.code = ExitCode::kInterrupted;

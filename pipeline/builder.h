@@ -1,4 +1,5 @@
-// Runs what a plan wants, side by side within cores and memory, and keeps cache, records and out/ true at every moment.
+// Runs what a plan wants, side by side within cores and memory, and keeps cache, records and out/
+// true at every moment.
 #pragma once
 
 #include <map>
@@ -24,18 +25,21 @@ struct Limits {
 struct RunResult {
   ExitCode code = ExitCode::kOk;
   int made = 0, cached = 0;
-  bool again = false;   ///< something that a step read was changed meanwhile: nothing of it was kept, and a new plan is needed
+  bool again = false;   ///< something that a step read was changed meanwhile: nothing of it was
+                        ///< kept, and a new plan is needed
   std::string message;  ///< of a failure: which step, what it said, where its log is, what to do
 };
 
 class Builder {
  public:
   /// Keeps references to all.
-  Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock, ResultsFolder& results, RunObserver& observer,
-          const Limits& limits);
+  Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock,
+          ResultsFolder& results, RunObserver& observer, const Limits& limits);
 
-  /// Runs until nothing is left, a step failed (running ones are finished first), or the user interrupted.
-  /// @param record  its name, command and host are given; the rest is filled in and saved after every step
+  /// Runs until nothing is left, a step failed (running ones are finished first), or the user
+  /// interrupted.
+  /// @param record  its name, command and host are given; the rest is filled in and saved after
+  /// every step
   /// @throws DiskError  the state folder cannot be written
   RunResult Run(RunRecord record);
 

@@ -1,4 +1,5 @@
-// The commands of `keypose`. Each prints to standard output and returns an exit code, or throws one of core/errors.h.
+// The commands of `keypose`. Each prints to standard output and returns an exit code, or throws one
+// of core/errors.h.
 #pragma once
 
 #include <map>
@@ -29,11 +30,13 @@ struct InitOptions {
 ExitCode InitCommand(const InitOptions& options);
 
 ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>& set);
-ExitCode ExplainCommand(const std::string& folder, const std::string& step, const std::vector<std::string>& set);
+ExitCode ExplainCommand(const std::string& folder, const std::string& step,
+                        const std::vector<std::string>& set);
 ExitCode LogCommand(const std::string& folder, const std::string& step);
 ExitCode GraphCommand(const std::string& folder, bool dot);
 ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs);
-/// Reads and hashes everything in the cache and in out/. Damaged artifacts leave the cache, so that the next run makes them anew.
+/// Reads and hashes everything in the cache and in out/. Damaged artifacts leave the cache, so that
+/// the next run makes them anew.
 /// @return kDisk  something was damaged
 ExitCode VerifyCommand(const std::string& folder);
 ExitCode UnlockCommand(const std::string& folder, bool force);

@@ -14,7 +14,9 @@ using nlohmann::json;
 /// Whether a file's last change lies further back than the slowest clock tick of a file system.
 bool SettledAt(const FileStat& stat) {
   constexpr std::int64_t kTickNs = 100'000'000;
-  const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
+                       std::chrono::system_clock::now().time_since_epoch())
+                       .count();
   return now - std::max(stat.mtime_ns, stat.ctime_ns) > kTickNs;
 }
 
@@ -22,10 +24,12 @@ bool SettledAt(const FileStat& stat) {
 
 bool CountsAsContent(const std::string& name) {
   const std::string base = name.substr(name.rfind('/') + 1);
-  return !name.starts_with('.') && name.find("/.") == std::string::npos && base != "Thumbs.db" && base != "desktop.ini";
+  return !name.starts_with('.') && name.find("/.") == std::string::npos && base != "Thumbs.db" &&
+         base != "desktop.ini";
 }
 
-ContentHasher::ContentHasher(Disk& disk, std::filesystem::path memory_file, std::filesystem::path root)
+ContentHasher::ContentHasher(Disk& disk, std::filesystem::path memory_file,
+                             std::filesystem::path root)
     : disk_(disk), memory_file_(std::move(memory_file)), root_(std::move(root)) {}
 
 Content ContentHasher::Of(const std::filesystem::path& path) {
@@ -59,14 +63,16 @@ std::string ContentHasher::Read(const std::filesystem::path& path, const std::st
     ++files_read_;
     const std::string hash = disk_.ContentHash(path);
     if (disk_.Stat(path) != before) continue;
-    // A file that was written a moment ago may be written again without a new time: clocks of file systems tick slowly.
+    // A file that was written a moment ago may be written again without a new time: clocks of file
+    // systems tick slowly.
     if (SettledAt(*before)) {
       entries_[key] = {*before, hash};
       changed_ = true;
     }
     return hash;
   }
-  throw InputError(path.string() + " was written to while it was read; wait until it is copied, and run again");
+  throw InputError(path.string() +
+                   " was written to while it was read; wait until it is copied, and run again");
 }
 
 void ContentHasher::Load() {
@@ -77,10 +83,12 @@ void ContentHasher::Load() {
   if (!memory.is_object()) return;  // only a memory: without it, files are read again
   for (const auto& [name, entry] : memory.items()) {
     if (!entry.is_array() || entry.size() != 5 || !entry[4].is_string()) continue;
-    if (!std::all_of(entry.begin(), entry.begin() + 4, [](const json& number) { return number.is_number_integer(); })) continue;
-    entries_[name] = {
-        {false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(), entry[2].get<std::uint64_t>(), entry[3].get<std::int64_t>()},
-        entry[4].get<std::string>()};
+    if (!std::all_of(entry.begin(), entry.begin() + 4,
+                     [](const json& number) { return number.is_number_integer(); }))
+      continue;
+    entries_[name] = {{false, entry[0].get<std::uint64_t>(), entry[1].get<std::int64_t>(),
+                       entry[2].get<std::uint64_t>(), entry[3].get<std::int64_t>()},
+                      entry[4].get<std::string>()};
   }
 }
 
@@ -88,7 +96,8 @@ void ContentHasher::Save() {
   if (!changed_) return;
   json memory = json::object();
   for (const auto& [name, entry] : entries_)
-    memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.stat.ctime_ns, entry.hash};
+    memory[name] = {entry.stat.size, entry.stat.mtime_ns, entry.stat.inode, entry.stat.ctime_ns,
+                    entry.hash};
   changed_ = false;
   try {
     disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));

@@ -1,4 +1,5 @@
-// Content hashes of the project's own files, remembered by size, time and inode so that unchanged files are not read again.
+// Content hashes of the project's own files, remembered by size, time and inode so that unchanged
+// files are not read again.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +12,8 @@
 
 namespace keypose::pipeline {
 
-/// Whether a file below a folder of the project counts as its content: not what file managers write (names that start with '.', Thumbs.db,
-/// desktop.ini).
+/// Whether a file below a folder of the project counts as its content: not what file managers write
+/// (names that start with '.', Thumbs.db, desktop.ini).
 bool CountsAsContent(const std::string& name);
 
 class ContentHasher {
@@ -21,8 +22,8 @@ class ContentHasher {
   /// @param root         remembered paths are relative to it, so that a moved project keeps them
   ContentHasher(Disk& disk, std::filesystem::path memory_file, std::filesystem::path root);
 
-  /// Of a file, or of all files below a folder; names that start with '.', and Thumbs.db and desktop.ini, do not count, since file
-  /// managers write them. @pre path exists
+  /// Of a file, or of all files below a folder; names that start with '.', and Thumbs.db and
+  /// desktop.ini, do not count, since file managers write them. @pre path exists
   Content Of(const std::filesystem::path& path);
   /// Hash of one file.
   std::string OfFile(const std::filesystem::path& path);

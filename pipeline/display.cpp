@@ -12,7 +12,9 @@
 namespace keypose::pipeline {
 namespace {
 
-std::string Left(const std::optional<double>& seconds) { return seconds ? fmt::format(", {} left", DurationText(*seconds)) : ""; }
+std::string Left(const std::optional<double>& seconds) {
+  return seconds ? fmt::format(", {} left", DurationText(*seconds)) : "";
+}
 
 std::string FinishedText(const std::string& step, const std::string& status, double seconds) {
   if (status == "made") return fmt::format("{} made in {}", step, DurationText(seconds));
@@ -27,7 +29,9 @@ class Display : public RunObserver {
   void Started(const std::string& step, const std::vector<std::string>&, int threads) override {
     estimate_.Started(step, clock_.Now(), threads);
   }
-  void Progressed(const std::string& step, double fraction, const std::string&) override { estimate_.Progressed(step, fraction); }
+  void Progressed(const std::string& step, double fraction, const std::string&) override {
+    estimate_.Progressed(step, fraction);
+  }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     up_to_date_ += status == "cached";
     made_ += status == "made";
@@ -42,7 +46,8 @@ class Display : public RunObserver {
   int Percent() { return static_cast<int>(100 * Fraction()); }
   std::optional<double> SecondsLeft() const { return estimate_.SecondsLeft(clock_.Now()); }
   std::string Summary() const {
-    const std::string up_to_date = fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s");
+    const std::string up_to_date =
+        fmt::format("{} step{} up to date", up_to_date_, up_to_date_ == 1 ? "" : "s");
     std::string text = made_ ? fmt::format("{} made, {}", made_, up_to_date) : up_to_date;
     if (failed_) text += fmt::format(", {} failed", failed_);
     return text;
@@ -51,8 +56,10 @@ class Display : public RunObserver {
   std::string Closing(const Ending& ending) const {
     const std::size_t columns = TerminalColumns();
     // An interrupted run that had nothing to show yet says only that it was interrupted.
-    std::string text = estimate_.total() > 0 && up_to_date_ + made_ + failed_ == 0 ? "" : Summary() + "\n";
-    for (const std::string& part : {WarningsText(ending, columns), VerdictsText(ending, columns), ResultsText(ending)})
+    std::string text =
+        estimate_.total() > 0 && up_to_date_ + made_ + failed_ == 0 ? "" : Summary() + "\n";
+    for (const std::string& part :
+         {WarningsText(ending, columns), VerdictsText(ending, columns), ResultsText(ending)})
       text += part.empty() ? "" : "\n" + part;
     return text;
   }
@@ -66,9 +73,11 @@ class Display : public RunObserver {
 class Lines final : public Display {
  public:
   using Display::Display;
-  void Started(const std::string& step, const std::vector<std::string>& reasons, int threads) override {
+  void Started(const std::string& step, const std::vector<std::string>& reasons,
+               int threads) override {
     Display::Started(step, reasons, threads);
-    Print(fmt::format("{} starts on {} core{}: {}", step, threads, threads == 1 ? "" : "s", fmt::join(reasons, "; ")));
+    Print(fmt::format("{} starts on {} core{}: {}", step, threads, threads == 1 ? "" : "s",
+                      fmt::join(reasons, "; ")));
     last_line_[step] = clock_.Now();
   }
   void Progressed(const std::string& step, double fraction, const std::string& what) override {
@@ -76,7 +85,8 @@ class Lines final : public Display {
     Display::Progressed(step, fraction, what);
     if (clock_.Now() - last_line_[step] < kSecondsBetweenLines) return;
     last_line_[step] = clock_.Now();
-    Print(fmt::format("{} {} % {}", step, static_cast<int>(100 * estimate_.FractionOf(step)), what));
+    Print(
+        fmt::format("{} {} % {}", step, static_cast<int>(100 * estimate_.FractionOf(step)), what));
   }
   void Finished(const std::string& step, const std::string& status, double seconds) override {
     Display::Finished(step, status, seconds);
@@ -96,7 +106,8 @@ class Lines final : public Display {
 class Bars final : public Display {
  public:
   using Display::Display;
-  void Started(const std::string& step, const std::vector<std::string>& reasons, int threads) override {
+  void Started(const std::string& step, const std::vector<std::string>& reasons,
+               int threads) override {
     Display::Started(step, reasons, threads);
     running_[step] = {clock_.Now(), reasons.empty() ? "" : reasons.front()};
     Draw();
@@ -131,7 +142,8 @@ class Bars final : public Display {
   static std::string Bar(double fraction) {
     constexpr int kWidth = 24;
     const int full = static_cast<int>(fraction * kWidth + 0.5);
-    return "[" + std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
+    return "[" + std::string(static_cast<std::size_t>(full), '#') +
+           std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
   }
   /// As one write, so that the bars do not flicker.
   void Draw() {
@@ -143,12 +155,12 @@ class Bars final : public Display {
     };
     for (const auto& [step, state] : running_) {
       const double fraction = estimate_.FractionOf(step);
-      add(fmt::format("{} {:3} % {:<20} {} {}", Bar(fraction), static_cast<int>(100 * fraction), step,
-                      DurationText(clock_.Now() - state.first), state.second));
+      add(fmt::format("{} {:3} % {:<20} {} {}", Bar(fraction), static_cast<int>(100 * fraction),
+                      step, DurationText(clock_.Now() - state.first), state.second));
     }
     if (!running_.empty()) {
-      add(fmt::format("{} {:3} % of all, {} of {} steps{}", Bar(Fraction()), Percent(), estimate_.finished(), estimate_.total(),
-                      Left(SecondsLeft())));
+      add(fmt::format("{} {:3} % of all, {} of {} steps{}", Bar(Fraction()), Percent(),
+                      estimate_.finished(), estimate_.total(), Left(SecondsLeft())));
     }
     Say(text);
   }
@@ -163,7 +175,8 @@ class JsonLines final : public Display {
     Display::Begin(forecast);
     Print({{"event", "begin"}, {"steps_to_run", forecast.steps.size()}});
   }
-  void Started(const std::string& step, const std::vector<std::string>& reasons, int threads) override {
+  void Started(const std::string& step, const std::vector<std::string>& reasons,
+               int threads) override {
     Display::Started(step, reasons, threads);
     Print({{"event", "start"}, {"step", step}, {"threads", threads}, {"reasons", reasons}});
   }

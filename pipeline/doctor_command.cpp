@@ -29,7 +29,8 @@ std::string ColmapText(ProcessRunner& processes) {
   const auto path = processes.FindTool("colmap");
   if (!path) return "missing (Debian: apt-get install colmap)";
   const auto answer = processes.Ask({{path->string(), "help"}}).front();
-  if (answer.exit_code != 0) return fmt::format("{} does not run (exit code {})", path->string(), answer.exit_code);
+  if (answer.exit_code != 0)
+    return fmt::format("{} does not run (exit code {})", path->string(), answer.exit_code);
   return FirstLine(answer.output);
 }
 
@@ -63,16 +64,19 @@ std::string CpuText() {
 }
 
 bool CheckStages(ProcessRunner& processes) {
-  const PipelineFile defaults = ParsePipelineFile(RealDisk().Read(DefaultPipelineFile()), "the default pipeline");
+  const PipelineFile defaults =
+      ParsePipelineFile(RealDisk().Read(DefaultPipelineFile()), "the default pipeline");
   std::vector<std::vector<std::string>> questions;
   for (const StepRule& rule : defaults.steps)
-    questions.push_back({(ProgramFolder() / ("keypose-" + rule.stage->text)).string(), "--describe"});
+    questions.push_back(
+        {(ProgramFolder() / ("keypose-" + rule.stage->text)).string(), "--describe"});
   const auto answers = processes.Ask(questions);
   bool well = true;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     std::string verdict;
     try {
-      if (answers[i].exit_code != 0) throw ToolError(answers[i].exit_code == 127 ? "missing" : FirstLine(answers[i].error));
+      if (answers[i].exit_code != 0)
+        throw ToolError(answers[i].exit_code == 127 ? "missing" : FirstLine(answers[i].error));
       const StageInfo info = ParseStageInfo(answers[i].output, questions[i][0]);
       verdict = "version " + info.version;
       for (const auto& [tool, version] : info.tools) {
@@ -94,8 +98,8 @@ ExitCode VersionCommand() {
   RealProcessRunner processes;
   fmt::print("keypose {}\n", KEYPOSE_VERSION);
   fmt::print("COLMAP: {}\n", ColmapText(processes));
-  fmt::print("OpenCV: {}\nCGAL: {}\nEigen: {}.{}.{}\n", CV_VERSION, CGAL_VERSION_STR, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-             EIGEN_MINOR_VERSION);
+  fmt::print("OpenCV: {}\nCGAL: {}\nEigen: {}.{}.{}\n", CV_VERSION, CGAL_VERSION_STR,
+             EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
   fmt::print("BLAS: {}\nCPU features: {}\n", BlasText(), CpuText());
   return ExitCode::kOk;
 }

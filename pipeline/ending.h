@@ -6,11 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/disk.h"
-
 namespace keypose::pipeline {
-
-class Plan;
 
 /// What one stage warned of, on all steps that said the same.
 struct RunWarning {
@@ -36,11 +32,6 @@ struct Ending {
   std::vector<RunFound> results;
   bool empty() const { return warnings.empty() && verdicts.empty() && results.empty(); }
 };
-
-/// From what the steps' inputs warn of, and the reports beside the artifacts of all wanted steps that are made, by this run or an earlier one; and of what they `show`, that
-/// which exists. A report that is no JSON, or has no such fields, tells nothing.
-/// @param out  the project's out/
-Ending EndingOf(const Plan& plan, const Disk& disk, const std::filesystem::path& out);
 
 /// As lines for a person, grouped by pose.
 /// @param columns  of the terminal; 0: lines are not broken

@@ -1,4 +1,4 @@
-// The graph of steps: the pipeline file's rules fanned out over poses, with every input, option and result resolved and checked.
+// The graph of steps: what runs on what, with every input, option and result resolved.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/pipeline_file.h"
-#include "pipeline/stage_catalog.h"
+#include "pipeline/stage_info.h"
 
 namespace keypose::pipeline {
 
@@ -53,13 +53,15 @@ struct Step {
   std::string pose;         ///< empty for steps of the animation and the project
   std::string source_pose;  ///< of a pair: the template
   std::filesystem::path program;
-  const StageInfo* info = nullptr;  ///< the catalog's: a project of a thousand poses has thirteen thousand steps, and a dozen stages
-  std::vector<PortFlows> inputs;               ///< in the stage's order of ports
+  const StageInfo* info = nullptr;  ///< the catalog's: a project of a thousand poses has thirteen
+                                    ///< thousand steps, and a dozen stages
+  std::vector<PortFlows> inputs;    ///< in the stage's order of ports
   std::map<std::string, std::string> options;  ///< all of them, canonical
   std::vector<NamedResult> results;
   std::vector<ShownResult> shown;
   std::optional<Cost> cost;
-  std::vector<std::string> warnings;  ///< of its inputs: what a person should know before it runs, with the cure
+  /// of its inputs: what a person should know before it runs, with the cure
+  std::vector<std::string> warnings;
   std::vector<int> needs;  ///< indices of the steps it takes from, ascending
   Where where;
 };
@@ -68,34 +70,17 @@ struct Graph {
   std::string name;         ///< the file's, else the folder's
   bool name_given = false;  ///< by the file; a folder's name decides over no result
   std::string template_pose;
-  std::vector<std::string> poses;  ///< template first, then in the order of the timeline, then of the file
-  std::vector<std::string> keys;   ///< poses as the timeline has them, repeats included; `poses` without a timeline
-  std::string timeline_json;       ///< what $timeline holds; empty when the timeline says no more than the order of poses
-  std::vector<Step> steps;         ///< each after all that it needs
+  /// template first, then in the order of the timeline, then of the file
+  std::vector<std::string> poses;
+  /// poses as the timeline has them, repeats included; `poses` without a timeline
+  std::vector<std::string> keys;
+  std::string timeline_json;  ///< what $timeline holds; empty when the timeline says no more than
+                              ///< the order of poses
+  std::vector<Step> steps;    ///< each after all that it needs
 
-  /// Steps that a person means by STEP or STEP/POSE, ascending. @throws UsageError  none, with the nearest
+  /// Steps that a person means by STEP or STEP/POSE, ascending.
+  /// @throws UsageError  none, with the nearest
   std::vector<int> Find(const std::string& text) const;
 };
-
-/// --set STEP.OPTION=V or STEP/POSE.OPTION=V
-struct Override {
-  std::string step, pose, option, value;
-};
-/// @throws UsageError  not of that form
-Override ParseOverride(const std::string& text);
-
-/// Where things are.
-struct Places {
-  std::filesystem::path project;       ///< its root folder
-  std::filesystem::path stage_folder;  ///< has the programs keypose-STAGE
-};
-
-/// Checks and builds all. Asks the stages of all enabled steps to describe themselves.
-///
-/// @throws UsageError  a step, pose, port, option or reference that does not exist, a wrong type, a cycle, two steps that write one
-///                     result; with file:line
-/// @throws ToolError   a stage cannot be asked
-Graph BuildGraph(const PipelineFile& file, const std::vector<Override>& overrides, const Places& places, const Disk& disk,
-                 StageCatalog& catalog);
 
 }  // namespace keypose::pipeline

@@ -37,12 +37,13 @@ std::vector<char*> Pointers(const std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// Keeps only the descriptors that the guardian needs: an inherited end of another guardian's control pipe would keep that one from
-/// noticing the runner's death.
+/// Keeps only the descriptors that the guardian needs: an inherited end of another guardian's
+/// control pipe would keep that one from noticing the runner's death.
 void ArrangeDescriptors(const Prepared& prepared) {
-  const std::array<int, 5> high = {fcntl(prepared.log, F_DUPFD, 100), fcntl(prepared.progress, F_DUPFD, 100),
-                                   fcntl(prepared.result, F_DUPFD, 100), fcntl(prepared.control, F_DUPFD, 100),
-                                   prepared.keep >= 0 ? fcntl(prepared.keep, F_DUPFD, 100) : -1};
+  const std::array<int, 5> high = {
+      fcntl(prepared.log, F_DUPFD, 100), fcntl(prepared.progress, F_DUPFD, 100),
+      fcntl(prepared.result, F_DUPFD, 100), fcntl(prepared.control, F_DUPFD, 100),
+      prepared.keep >= 0 ? fcntl(prepared.keep, F_DUPFD, 100) : -1};
   const int null = open("/dev/null", O_RDONLY);
   dup2(null, 0);
   dup2(high[0], 1);
@@ -64,7 +65,8 @@ void ArrangeDescriptors(const Prepared& prepared) {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  if (chdir(prepared.folder.c_str()) == 0) execve(prepared.arguments[0], prepared.arguments.data(), prepared.environment.data());
+  if (chdir(prepared.folder.c_str()) == 0)
+    execve(prepared.arguments[0], prepared.arguments.data(), prepared.environment.data());
   dprintf(2, "cannot start %s: %s\n", prepared.arguments[0], std::strerror(errno));
   _exit(127);
 }
@@ -105,7 +107,8 @@ void KillAll(int group) {
   }
 }
 
-/// Takes leave of ended children. @return whether the stage was among them
+/// Takes leave of ended children.
+/// @return whether the stage was among them
 bool Reap(int stage, int* status) {
   bool ended = false;
   for (;;) {
@@ -119,7 +122,8 @@ bool Reap(int stage, int* status) {
   }
 }
 
-/// Passes on requests until the stage ends. @return false when it had to be killed because the runner is gone
+/// Passes on requests until the stage ends.
+/// @return false when it had to be killed because the runner is gone
 bool Watch(int stage, int children_fd, int* status) {
   for (;;) {
     pollfd fds[2] = {{kControl, POLLIN, 0}, {children_fd, POLLIN, 0}};
@@ -164,8 +168,9 @@ bool Watch(int stage, int children_fd, int* status) {
   _exit(0);
 }
 
-/// A guardian of the guardian: were there one alone, whoever kills it together with the runner would leave what the stage started. Its name is
-/// another than the runner's, so that `killall keypose` leaves it to do its work.
+/// A guardian of the guardian: were there one alone, whoever kills it together with the runner
+/// would leave what the stage started. Its name is another than the runner's, so that `killall
+/// keypose` leaves it to do its work.
 [[noreturn]] void BecomeOuter(const Prepared& prepared) {
   setpgid(0, 0);
   ArrangeDescriptors(prepared);
@@ -192,7 +197,8 @@ struct Pipe {
   int read = -1, write = -1;
   Pipe() {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw ToolError(std::string("cannot make a pipe: ") + std::strerror(errno));
+    if (pipe2(ends, O_CLOEXEC) != 0)
+      throw ToolError(std::string("cannot make a pipe: ") + std::strerror(errno));
     read = ends[0];
     write = ends[1];
   }
@@ -200,7 +206,8 @@ struct Pipe {
 
 }  // namespace
 
-Guarded StartGuarded(const std::vector<std::string>& arguments, const std::vector<std::string>& environment, const std::string& folder,
+Guarded StartGuarded(const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& environment, const std::string& folder,
                      const std::string& log, int keep_open) {
   Prepared prepared{Pointers(arguments), Pointers(environment), folder};
   prepared.keep = keep_open;

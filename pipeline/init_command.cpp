@@ -19,60 +19,77 @@ namespace fs = std::filesystem;
 struct NewPose {
   std::string name;
   fs::path photos;
-  std::vector<fs::path> files;    ///< to copy: photographs, and masks beside them; relative to `photos`
+  /// to copy: photographs, and masks beside them; relative to `photos`
+  std::vector<fs::path> files;
   std::vector<fs::path> ignored;  ///< what is no photograph
 };
 
 NewPose ParsePose(const std::string& text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-    throw UsageError(fmt::format("--pose {}: write it as NAME=PHOTO_DIR, as in --pose rest=~/photos/rest", text));
+    throw UsageError(fmt::format(
+        "--pose {}: write it as NAME=PHOTO_DIR, as in --pose rest=~/photos/rest", text));
   }
   NewPose pose{Composed(text.substr(0, equals)), WithHome(text.substr(equals + 1)), {}, {}};
-  if (!IsName(pose.name)) throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
+  if (!IsName(pose.name))
+    throw UsageError(fmt::format("--pose {}: a pose's name may have {}", text, kNameRule));
   pose.photos = OnDisk(RealDisk(), "", pose.photos);
   if (!fs::is_directory(pose.photos))
-    throw InputError(fmt::format("--pose {}: {} is not a folder; name the folder of this pose's photographs", text, pose.photos.string()));
+    throw InputError(
+        fmt::format("--pose {}: {} is not a folder; name the folder of this pose's photographs",
+                    text, pose.photos.string()));
   return pose;
 }
 
-bool IsMask(const fs::path& file) { return file.has_parent_path() && file.parent_path().filename() == "masks"; }
+bool IsMask(const fs::path& file) {
+  return file.has_parent_path() && file.parent_path().filename() == "masks";
+}
 
-/// What to copy and what not. @throws InputError  there is no photograph; with what is there instead, and the cure
+/// What to copy and what not.
+/// @throws InputError  there is no photograph; with what is there instead, and the cure
 void Sort(const RealDisk& disk, NewPose* pose) {
   bool any = false;
   for (const fs::path file : disk.FilesBelow(pose->photos)) {
-    const bool litter = std::any_of(file.begin(), file.end(), [](const fs::path& part) { return IsLitterName(part); });
+    const bool litter = std::any_of(file.begin(), file.end(),
+                                    [](const fs::path& part) { return IsLitterName(part); });
     if (litter) continue;
     if (!IsUtf8(file.string()))
       throw InputError(
-          fmt::format("--pose {}: the name of the file {} is not UTF-8 text; rename it", pose->name, (pose->photos / file).string()));
+          fmt::format("--pose {}: the name of the file {} is not UTF-8 text; rename it", pose->name,
+                      (pose->photos / file).string()));
     (IsPhotographName(file) ? pose->files : pose->ignored).push_back(file);
     any = any || (IsPhotographName(file) && !IsMask(file));
   }
   if (any) return;
   const std::string start = fmt::format("--pose {}: {} ", pose->name, pose->photos.string());
-  if (pose->ignored.empty()) throw InputError(start + "has no photographs; name the folder that they are in");
+  if (pose->ignored.empty())
+    throw InputError(start + "has no photographs; name the folder that they are in");
   const std::string cure = CureFor(pose->ignored);
-  throw InputError(fmt::format("{}has no photographs that can be read ({}); there are {}; {}", start, kReadablePhotographs,
-                               KindsOf(pose->ignored), cure.empty() ? "name the folder that has the photographs" : cure));
+  throw InputError(fmt::format("{}has no photographs that can be read ({}); there are {}; {}",
+                               start, kReadablePhotographs, KindsOf(pose->ignored),
+                               cure.empty() ? "name the folder that has the photographs" : cure));
 }
 
 void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
   std::vector<PhotoFolder> folders;
   for (const NewPose& pose : poses) folders.push_back({pose.name, fs::canonical(pose.photos)});
-  if (const std::string fault = SharedPhotographs(folders); !fault.empty()) throw UsageError("--pose: " + fault);
+  if (const std::string fault = SharedPhotographs(folders); !fault.empty())
+    throw UsageError("--pose: " + fault);
 }
 
 /// The folder's name without what would need escapes in YAML.
 std::string SafeName(const fs::path& folder) {
-  std::string name = folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+  std::string name =
+      folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
   std::erase_if(name, [](unsigned char c) { return c < 32 || c == '"' || c == '\\'; });
   return name;
 }
 
-std::string PipelineText(const std::string& name, const std::vector<NewPose>& poses, const std::string& template_pose) {
-  std::string text = "# What this project is made of. All that is not said here is as in the default pipeline; see docs/pipeline.md.\n";
+std::string PipelineText(const std::string& name, const std::vector<NewPose>& poses,
+                         const std::string& template_pose) {
+  std::string text =
+      "# What this project is made of. All that is not said here is as in the default pipeline; "
+      "see docs/pipeline.md.\n";
   text += fmt::format("name: \"{}\"\nposes:\n", name);
   for (const NewPose& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose.name);
   text += fmt::format("template: {}\n", template_pose);
@@ -93,29 +110,38 @@ ExitCode InitCommand(const InitOptions& options) {
   for (const std::string& text : options.poses) {
     poses.push_back(ParsePose(text));
     for (std::size_t i = 0; i + 1 < poses.size(); ++i) {
-      if (poses[i].name == poses.back().name) throw UsageError(fmt::format("--pose {}: there are two poses of that name", text));
+      if (poses[i].name == poses.back().name)
+        throw UsageError(fmt::format("--pose {}: there are two poses of that name", text));
     }
   }
-  const std::string template_pose = options.template_pose.empty() ? poses[0].name : Composed(options.template_pose);
-  if (std::none_of(poses.begin(), poses.end(), [&](const NewPose& pose) { return pose.name == template_pose; })) {
+  const std::string template_pose =
+      options.template_pose.empty() ? poses[0].name : Composed(options.template_pose);
+  if (std::none_of(poses.begin(), poses.end(),
+                   [&](const NewPose& pose) { return pose.name == template_pose; })) {
     throw UsageError(fmt::format("--template {}: there is no pose of that name", template_pose));
   }
   if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
     throw UsageError(
-        fmt::format("{} exists already and is not an empty folder; choose another name, or edit its pipeline.yaml", folder.string()));
+        fmt::format("{} exists already and is not an empty folder; choose another name, or edit "
+                    "its pipeline.yaml",
+                    folder.string()));
   }
   RequireFoldersOfTheirOwn(poses);
   RealDisk disk;
   for (NewPose& pose : poses) Sort(disk, &pose);
   for (const NewPose& pose : poses) {
-    for (const fs::path& file : pose.files) disk.Copy(pose.photos / file, folder / "photos" / pose.name / file);
-    fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(), pose.files.size() == 1 ? "" : "s",
-               (folder / "photos" / pose.name).string());
-    if (!pose.ignored.empty()) fmt::print("  not copied, because these are no photographs that can be read: {}\n", KindsOf(pose.ignored));
+    for (const fs::path& file : pose.files)
+      disk.Copy(pose.photos / file, folder / "photos" / pose.name / file);
+    fmt::print("{}: {} file{} copied to {}\n", pose.name, pose.files.size(),
+               pose.files.size() == 1 ? "" : "s", (folder / "photos" / pose.name).string());
+    if (!pose.ignored.empty())
+      fmt::print("  not copied, because these are no photographs that can be read: {}\n",
+                 KindsOf(pose.ignored));
   }
   // Last, so that a folder with a pipeline.yaml is a whole project.
   disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
-  fmt::print("the photographs that you named stay as they are\nnext: keypose run -C {}\n", ShellWord(options.folder));
+  fmt::print("the photographs that you named stay as they are\nnext: keypose run -C {}\n",
+             ShellWord(options.folder));
   return ExitCode::kOk;
 }
 

@@ -23,7 +23,9 @@ void AddAllBelow(const Disk& disk, const fs::path& path, Stamps* stamps) {
   for (const std::string& name : disk.FilesBelow(path)) {
     if (!CountsAsContent(name)) continue;
     Add(disk, path / name, stamps);
-    for (fs::path folder = fs::path(name).parent_path(); !folder.empty(); folder = folder.parent_path()) folders.insert(folder);
+    for (fs::path folder = fs::path(name).parent_path(); !folder.empty();
+         folder = folder.parent_path())
+      folders.insert(folder);
   }
   for (const fs::path& folder : folders) Add(disk, path / folder, stamps);
 }
@@ -45,18 +47,20 @@ std::string Difference(const Stamps& before, const Stamps& now) {
 }  // namespace
 
 Stamps InputWatch::Look(int step) const {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
+  const Step& what = plan_.graph().steps[step];
   Stamps stamps;
   for (const PortFlows& port : what.inputs)
     for (const Flow& flow : port.flows)
-      if (flow.kind == Flow::Kind::kSource) AddAllBelow(workshop_.disk, plan_.SourceOf(flow), &stamps);
+      if (flow.kind == Flow::Kind::kSource)
+        AddAllBelow(workshop_.disk, plan_.SourceOf(flow), &stamps);
   for (const auto& [program, stat] : what.info->programs) Add(workshop_.disk, program, &stamps);
   return stamps;
 }
 
 std::string InputWatch::Changed(int step, const Stamps& before) const {
-  const Step& what = plan_.graph().steps[static_cast<std::size_t>(step)];
-  if (std::string difference = Difference(before, Look(step)); !difference.empty()) return difference;
+  const Step& what = plan_.graph().steps[step];
+  if (std::string difference = Difference(before, Look(step)); !difference.empty())
+    return difference;
   for (const auto& [program, stat] : what.info->programs)
     if (workshop_.disk.Stat(program) != stat) return program + " was replaced";
   const Recipe& recipe = plan_[step].recipe;
@@ -64,13 +68,14 @@ std::string InputWatch::Changed(int step, const Stamps& before) const {
   for (const PortFlows& port : what.inputs)
     for (const Flow& flow : port.flows) {
       const RecipeInput& planned = recipe.inputs.at(input++);
-      if (flow.kind == Flow::Kind::kSource && workshop_.hasher.Of(plan_.SourceOf(flow)).hash != planned.content.hash)
+      if (flow.kind == Flow::Kind::kSource &&
+          workshop_.hasher.Of(plan_.SourceOf(flow)).hash != planned.content.hash)
         return plan_.SourceOf(flow).string() + " was changed";
     }
   for (const int need : what.needs) {
     std::string damage = "it went away";
     if (!workshop_.store.Find(plan_[need].fingerprint, &damage))
-      return "the artifact of " + plan_.graph().steps[static_cast<std::size_t>(need)].id + " was damaged (" + damage + ")";
+      return "the artifact of " + plan_.graph().steps[need].id + " was damaged (" + damage + ")";
   }
   return "";
 }

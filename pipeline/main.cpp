@@ -1,4 +1,5 @@
-// The program `keypose`: its own commands, and `keypose STAGE ...`, which becomes the program keypose-STAGE.
+// The program `keypose`: its own commands, and `keypose STAGE ...`, which becomes the program
+// keypose-STAGE.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -20,8 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kCommands = {"init", "run",    "status", "explain", "log",    "graph",
-                                            "gc",   "verify", "unlock", "pack",   "report",  "studio", "doctor"};
+const std::vector<std::string> kCommands = {"init",   "run",    "status", "explain", "log",
+                                            "graph",  "gc",     "verify", "unlock",  "pack",
+                                            "report", "studio", "doctor"};
 
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;
@@ -31,9 +33,12 @@ std::vector<std::string> StageNames() {
   return names;
 }
 
-bool IsCommand(const std::string& word) { return std::find(kCommands.begin(), kCommands.end(), word) != kCommands.end(); }
+bool IsCommand(const std::string& word) {
+  return std::find(kCommands.begin(), kCommands.end(), word) != kCommands.end();
+}
 
-/// `keypose report` shows the project's report; with the stage's flags it is the stage of that name.
+/// `keypose report` shows the project's report; with the stage's flags it is the stage of that
+/// name.
 bool MeansStage(int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return false;
   const std::string word = argv[1];
@@ -52,7 +57,8 @@ bool MeansStage(int argc, char** argv) {
     std::vector<std::string> known = kCommands;
     for (const std::string& stage : StageNames()) known.push_back(stage);
     throw UsageError(
-        fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1], Suggestion(argv[1], known)));
+        fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1],
+                    Suggestion(argv[1], known)));
   }
   argv[1] = const_cast<char*>(program.c_str());
   execv(program.c_str(), argv + 1);
@@ -72,8 +78,11 @@ std::string FolderHint(int argc, char** argv) {
 /// All commands with their flags; `chosen` becomes what was asked for.
 class CommandLine {
  public:
-  CommandLine(int argc, char** argv) : app_("Keypose: photographs of key poses in, a textured, animated character out.", "keypose") {
-    for (int i = 0; i < argc; ++i) run_.command_line += (i ? " " : "") + std::string(i ? argv[i] : "keypose");
+  CommandLine(int argc, char** argv)
+      : app_("Keypose: photographs of key poses in, a textured, animated character out.",
+             "keypose") {
+    for (int i = 0; i < argc; ++i)
+      run_.command_line += (i ? " " : "") + std::string(i ? argv[i] : "keypose");
     app_.require_subcommand(0, 1);
     app_.add_flag("--version", version_, "versions of keypose and of what it works with");
     std::string stages;
@@ -96,7 +105,8 @@ class CommandLine {
       fmt::print("{}", app_.help());
       return ExitCode::kOk;
     } catch (const CLI::ParseError& error) {
-      throw UsageError(fmt::format("{}{}; see `keypose --help` or `keypose COMMAND --help`", error.what(), FolderHint(argc, argv)));
+      throw UsageError(fmt::format("{}{}; see `keypose --help` or `keypose COMMAND --help`",
+                                   error.what(), FolderHint(argc, argv)));
     }
     if (version_) return VersionCommand();
     if (chosen_) return chosen_();
@@ -105,66 +115,92 @@ class CommandLine {
   }
 
  private:
-  CLI::App* Command(const std::string& name, const std::string& help, std::function<ExitCode()> action) {
+  CLI::App* Command(const std::string& name, const std::string& help,
+                    std::function<ExitCode()> action) {
     CLI::App* command = app_.add_subcommand(name, help);
     command->callback([this, action = std::move(action)] { chosen_ = action; });
     return command;
   }
   CLI::App* InProject(CLI::App* command) {
-    command->add_option("-C,--folder", run_.folder, "the project's folder; else the current one or the nearest above");
+    command->add_option("-C,--folder", run_.folder,
+                        "the project's folder; else the current one or the nearest above");
     return command;
   }
   void TakesSet(CLI::App* command) {
-    command->add_option("--set", run_.set, "STEP.OPTION=V or STEP/POSE.OPTION=V, for this time only")->allow_extra_args(false);
+    command
+        ->add_option("--set", run_.set, "STEP.OPTION=V or STEP/POSE.OPTION=V, for this time only")
+        ->allow_extra_args(false);
   }
 
   void AddInit() {
     CLI::App* init = Command("init", "make a project", [this] { return InitCommand(init_); });
     init->add_option("DIR", init_.folder, "folder to make")->required();
-    init->add_option("--pose", init_.poses, "NAME=PHOTO_DIR; the photographs are copied")->allow_extra_args(false)->required();
-    init->add_option("--template", init_.template_pose, "the pose whose mesh and UVs all others take; the first unless said");
+    init->add_option("--pose", init_.poses, "NAME=PHOTO_DIR; the photographs are copied")
+        ->allow_extra_args(false)
+        ->required();
+    init->add_option("--template", init_.template_pose,
+                     "the pose whose mesh and UVs all others take; the first unless said");
   }
 
   void AddRun() {
-    CLI::App* run = InProject(Command("run", "make what is not up to date", [this] { return RunChecked(); }));
+    CLI::App* run =
+        InProject(Command("run", "make what is not up to date", [this] { return RunChecked(); }));
     Selection& selection = run_.selection;
-    run->add_option("--from", selection.from, "only this step and what follows; what lies before is taken as last made")
+    run->add_option("--from", selection.from,
+                    "only this step and what follows; what lies before is taken as last made")
         ->allow_extra_args(false);
-    run->add_option("--until", selection.until, "only this step and what it needs")->allow_extra_args(false);
+    run->add_option("--until", selection.until, "only this step and what it needs")
+        ->allow_extra_args(false);
     run->add_option("--only", selection.only, "only this step")->allow_extra_args(false);
-    run->add_option("--force", selection.force, "run this step even if it is up to date")->allow_extra_args(false);
+    run->add_option("--force", selection.force, "run this step even if it is up to date")
+        ->allow_extra_args(false);
     run->add_flag("--dry-run", run_.dry_run, "say what would run, and why");
-    run->add_option("-j,--jobs", run_.cores, "cores for all steps together; all unless said")->check(CLI::Range(1, 4096));
-    run->add_option("--progress", run_.progress, "bars, lines or jsonl")->check(CLI::IsMember({"bars", "lines", "jsonl"}));
+    run->add_option("-j,--jobs", run_.cores, "cores for all steps together; all unless said")
+        ->check(CLI::Range(1, 4096));
+    run->add_option("--progress", run_.progress, "bars, lines or jsonl")
+        ->check(CLI::IsMember({"bars", "lines", "jsonl"}));
     run->add_option("--executor", executor_, "local (slurm is not part of this version)");
     TakesSet(run);
   }
 
   ExitCode RunChecked() {
-    if (executor_ == "slurm") throw UsageError("--executor slurm: this version of keypose runs on one machine only; leave the flag out");
-    if (executor_ != "local") throw UsageError(fmt::format("--executor {}: only local is known", executor_));
+    if (executor_ == "slurm")
+      throw UsageError(
+          "--executor slurm: this version of keypose runs on one machine only; leave the flag out");
+    if (executor_ != "local")
+      throw UsageError(fmt::format("--executor {}: only local is known", executor_));
     return RunCommand(run_);
   }
 
   void AddLookers() {
-    TakesSet(InProject(Command("status", "what is up to date, and what is not", [this] { return StatusCommand(run_.folder, run_.set); })));
-    CLI::App* explain =
-        InProject(Command("explain", "why a step would run, or last ran", [this] { return ExplainCommand(run_.folder, step_, run_.set); }));
+    TakesSet(InProject(Command("status", "what is up to date, and what is not",
+                               [this] { return StatusCommand(run_.folder, run_.set); })));
+    CLI::App* explain = InProject(Command("explain", "why a step would run, or last ran", [this] {
+      return ExplainCommand(run_.folder, step_, run_.set);
+    }));
     TakesSet(explain);
-    CLI::App* log = InProject(Command("log", "what a step last said", [this] { return LogCommand(run_.folder, step_); }));
-    for (CLI::App* command : {explain, log}) command->add_option("STEP", step_, "STEP or STEP/POSE")->required();
-    CLI::App* graph =
-        InProject(Command("graph", "the steps and what flows between them", [this] { return GraphCommand(run_.folder, dot_); }));
+    CLI::App* log = InProject(
+        Command("log", "what a step last said", [this] { return LogCommand(run_.folder, step_); }));
+    for (CLI::App* command : {explain, log})
+      command->add_option("STEP", step_, "STEP or STEP/POSE")->required();
+    CLI::App* graph = InProject(Command("graph", "the steps and what flows between them",
+                                        [this] { return GraphCommand(run_.folder, dot_); }));
     graph->add_flag("--dot", dot_, "for Graphviz");
-    CLI::App* gc = InProject(
-        Command("gc", "remove results that nothing refers to", [this] { return GcCommand(run_.folder, run_.dry_run, keep_runs_); }));
+    CLI::App* gc = InProject(Command("gc", "remove results that nothing refers to", [this] {
+      return GcCommand(run_.folder, run_.dry_run, keep_runs_);
+    }));
     gc->add_flag("--dry-run", run_.dry_run, "only say how much");
-    gc->add_option("--keep-runs", keep_runs_, "results of this many last runs stay")->check(CLI::Range(0, 100000))->capture_default_str();
-    InProject(Command("verify", "read the whole cache and out/, and drop what the disk has damaged", [this] { return VerifyCommand(run_.folder); }));
-    CLI::App* unlock = InProject(Command("unlock", "say who holds the project's lock, and clear a stale one",
-                                         [this] { return UnlockCommand(run_.folder, force_); }));
+    gc->add_option("--keep-runs", keep_runs_, "results of this many last runs stay")
+        ->check(CLI::Range(0, 100000))
+        ->capture_default_str();
+    InProject(Command("verify", "read the whole cache and out/, and drop what the disk has damaged",
+                      [this] { return VerifyCommand(run_.folder); }));
+    CLI::App* unlock =
+        InProject(Command("unlock", "say who holds the project's lock, and clear a stale one",
+                          [this] { return UnlockCommand(run_.folder, force_); }));
     unlock->add_flag("--force", force_, "take it away from a machine that is gone");
-    InProject(Command("report", "where the project's report is", [this] { return ReportCommand(run_.folder); }));
+    InProject(Command("report", "where the project's report is",
+                      [this] { return ReportCommand(run_.folder); }));
     Command("doctor", "check programs and libraries", [] { return DoctorCommand(); });
   }
 
@@ -198,7 +234,8 @@ int Main(int argc, char** argv) {
     return static_cast<int>(CommandLine(argc, argv).Run(argc, argv));
   } catch (const Error& error) {
     std::fflush(stdout);
-    Complain(fmt::format("{}{}", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what()));
+    Complain(
+        fmt::format("{}{}", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what()));
     return static_cast<int>(error.code());
   } catch (const std::system_error& error) {
     // Whoever read our output has seen enough, as `head` has.

@@ -27,7 +27,8 @@ void Estimate::Begin(const Forecast& forecast) {
     sum += expected.seconds;
     ++known;
   }
-  // A step of which nothing is known counts as an average one: better than no time for all the others.
+  // A step of which nothing is known counts as an average one: better than no time for all the
+  // others.
   for (auto& [step, item] : steps_) {
     if (item.expected.seconds >= 0 || known == 0) continue;
     item.expected.seconds = sum / known;
@@ -43,7 +44,9 @@ void Estimate::Started(const std::string& step, double now, int threads) {
   item.expected.threads = std::max(1, threads);
 }
 
-void Estimate::Progressed(const std::string& step, double fraction) { steps_[step].fraction = std::max(steps_[step].fraction, fraction); }
+void Estimate::Progressed(const std::string& step, double fraction) {
+  steps_[step].fraction = std::max(steps_[step].fraction, fraction);
+}
 
 void Estimate::Finished(const std::string& step, double seconds) {
   const auto it = steps_.find(step);
@@ -58,7 +61,8 @@ void Estimate::Finished(const std::string& step, double seconds) {
 }
 
 int Estimate::finished() const {
-  return static_cast<int>(std::count_if(steps_.begin(), steps_.end(), [](const auto& step) { return step.second.finished; }));
+  return static_cast<int>(std::count_if(steps_.begin(), steps_.end(),
+                                        [](const auto& step) { return step.second.finished; }));
 }
 
 double Estimate::FractionOf(const std::string& step) const {
@@ -68,7 +72,8 @@ double Estimate::FractionOf(const std::string& step) const {
 
 bool Estimate::AllKnown() const {
   return std::all_of(steps_.begin(), steps_.end(), [](const auto& step) {
-    return step.second.finished || step.second.expected.seconds >= 0 || step.second.fraction > kUnderWay;
+    return step.second.finished || step.second.expected.seconds >= 0 ||
+           step.second.fraction > kUnderWay;
   });
 }
 
@@ -79,7 +84,8 @@ double Estimate::Pace() const {
 }
 
 double Estimate::Duration(const Item& item, double now, double pace) const {
-  const double guess = item.expected.measured || item.finished ? item.expected.seconds : item.expected.seconds * pace;
+  const double guess = item.expected.measured || item.finished ? item.expected.seconds
+                                                               : item.expected.seconds * pace;
   if (item.begin < 0 || item.finished) return guess;
   const double elapsed = now - item.begin;
   // The further a step is, the more its own pace counts.
@@ -117,7 +123,8 @@ double Estimate::LongestChain(double now, double pace) const {
     if (it == steps_.end()) return 0;
     if (const auto known = chains.find(step); known != chains.end()) return known->second;
     double before = 0;
-    for (const std::string& need : it->second.expected.needs) before = std::max(before, chain(need));
+    for (const std::string& need : it->second.expected.needs)
+      before = std::max(before, chain(need));
     return chains[step] = before + Duration(it->second, now, pace) - Done(it->second, now, pace);
   };
   double longest = 0;

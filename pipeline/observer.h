@@ -12,8 +12,9 @@ namespace keypose::pipeline {
 
 /// What is known of a step before it runs.
 struct Expected {
-  double seconds = -1;                  ///< negative: unknown
-  bool measured = true;                 ///< by an earlier run; else from the step's `cost`, and known to within a factor only
+  double seconds = -1;  ///< negative: unknown
+  /// by an earlier run; else from the step's `cost`, and known to within a factor only
+  bool measured = true;
   int threads = 1;                      ///< that it will probably run on
   std::vector<std::string> needs = {};  ///< steps of this run that come before
 };
@@ -28,7 +29,8 @@ class RunObserver {
  public:
   virtual ~RunObserver() = default;
   virtual void Begin(const Forecast& forecast) = 0;
-  virtual void Started(const std::string& step, const std::vector<std::string>& reasons, int threads) = 0;
+  virtual void Started(const std::string& step, const std::vector<std::string>& reasons,
+                       int threads) = 0;
   virtual void Progressed(const std::string& step, double fraction, const std::string& what) = 0;
   /// @param status  "made", "cached", "failed", "interrupted"
   virtual void Finished(const std::string& step, const std::string& status, double seconds) = 0;
@@ -38,8 +40,9 @@ class RunObserver {
   virtual void End(const Ending&) {}
 };
 
-/// Percent done and time left, from earlier durations, from what steps cost, and from the steps' own progress. Steps that were only
-/// guessed are scaled by how far off the guesses of finished ones were.
+/// Percent done and time left, from earlier durations, from what steps cost, and from the steps'
+/// own progress. Steps that were only guessed are scaled by how far off the guesses of finished
+/// ones were.
 class Estimate {
  public:
   void Begin(const Forecast& forecast);
@@ -48,7 +51,8 @@ class Estimate {
   /// @param seconds  it took; 0 when it was in the cache
   void Finished(const std::string& step, double seconds);
 
-  /// Of the whole run, in [0,1], and 1 only when all is finished: of its seconds when all steps are known, else of its steps.
+  /// Of the whole run, in [0,1], and 1 only when all is finished: of its seconds when all steps are
+  /// known, else of its steps.
   double Fraction(double now) const;
   /// Nothing while of no step is anything known.
   std::optional<double> SecondsLeft(double now) const;

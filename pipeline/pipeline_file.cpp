@@ -37,9 +37,11 @@ class Reader {
     if (!node.IsMap()) Fail(node, fmt::format("{} must be a map of `key: value` lines", what));
     std::set<std::string> seen;
     for (const auto& pair : node) {
-      if (!pair.first.IsScalar()) Fail(pair.first, fmt::format("a key of {} must be a plain word", what));
+      if (!pair.first.IsScalar())
+        Fail(pair.first, fmt::format("a key of {} must be a plain word", what));
       const std::string key = pair.first.Scalar();
-      if (!seen.insert(key).second) Fail(pair.first, fmt::format("{} has the key '{}' twice", what, key));
+      if (!seen.insert(key).second)
+        Fail(pair.first, fmt::format("{} has the key '{}' twice", what, key));
       entry(key, pair.first, pair.second);
     }
   }
@@ -60,19 +62,23 @@ class Reader {
     return setting;
   }
 
-  void Unknown(const YAML::Node& key, const std::string& what, const std::vector<std::string>& known) const {
-    Fail(key, fmt::format("{} has no key '{}'{}", what, key.Scalar(), Suggestion(key.Scalar(), known)));
+  void Unknown(const YAML::Node& key, const std::string& what,
+               const std::vector<std::string>& known) const {
+    Fail(key,
+         fmt::format("{} has no key '{}'{}", what, key.Scalar(), Suggestion(key.Scalar(), known)));
   }
 
   void CheckName(const YAML::Node& key, const std::string& what) const {
     if (IsName(key.Scalar())) return;
-    Fail(key, fmt::format("{} '{}' may have {}, because folders are named by it", what, key.Scalar(), kNameRule));
+    Fail(key, fmt::format("{} '{}' may have {}, because folders are named by it", what,
+                          key.Scalar(), kNameRule));
   }
 
   OptionSettings Options(const YAML::Node& node, const std::string& what) const {
     OptionSettings options;
-    Map(node, what,
-        [&](const std::string& key, const YAML::Node&, const YAML::Node& value) { options[key] = Text(value, what + "." + key); });
+    Map(node, what, [&](const std::string& key, const YAML::Node&, const YAML::Node& value) {
+      options[key] = Text(value, what + "." + key);
+    });
     return options;
   }
 
@@ -94,22 +100,24 @@ class Reader {
       return pose;
     }
     const std::string what = "pose '" + name + "'";
-    Map(node, what, [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-      if (field == "photos")
-        pose.photos = PathText(value, field);
-      else if (field == "masks")
-        pose.masks = PathText(value, field);
-      else if (field == "background")
-        pose.background = PathText(value, field);
-      else if (field == "landmarks")
-        pose.landmarks = PathText(value, field);
-      else if (field == "cameras")
-        pose.cameras = PathText(value, field);
-      else if (field == "options")
-        pose.options = StepOptions(value, what + ".options");
-      else
-        Unknown(field_key, what, {"photos", "masks", "background", "landmarks", "cameras", "options"});
-    });
+    Map(node, what,
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "photos")
+            pose.photos = PathText(value, field);
+          else if (field == "masks")
+            pose.masks = PathText(value, field);
+          else if (field == "background")
+            pose.background = PathText(value, field);
+          else if (field == "landmarks")
+            pose.landmarks = PathText(value, field);
+          else if (field == "cameras")
+            pose.cameras = PathText(value, field);
+          else if (field == "options")
+            pose.options = StepOptions(value, what + ".options");
+          else
+            Unknown(field_key, what,
+                    {"photos", "masks", "background", "landmarks", "cameras", "options"});
+        });
     return pose;
   }
 
@@ -125,7 +133,8 @@ class Reader {
 
   double Fps(const YAML::Node& node) const {
     const double fps = Number(node, "fps");
-    if (fps <= 0 || fps > 1000) Fail(node, fmt::format("fps is {}, but it must be more than 0 and at most 1000", fps));
+    if (fps <= 0 || fps > 1000)
+      Fail(node, fmt::format("fps is {}, but it must be more than 0 and at most 1000", fps));
     return fps;
   }
 
@@ -140,15 +149,17 @@ class Reader {
   TimelineKey Key(const YAML::Node& node) const {
     if (node.IsScalar()) return {PoseName(node, "timeline"), std::nullopt};
     TimelineKey key;
-    Map(node, "a timeline key", [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-      if (field == "pose")
-        key.pose = PoseName(value, "timeline pose");
-      else if (field == "at")
-        key.at_s = Number(value, "timeline 'at'");
-      else if (field == "time")
-        Unknown(field_key, "a timeline key", {"at"});
-    });
-    if (key.pose.text.empty()) Fail(node, "a timeline key needs a pose, as in `{pose: rest, at: 0}`");
+    Map(node, "a timeline key",
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "pose")
+            key.pose = PoseName(value, "timeline pose");
+          else if (field == "at")
+            key.at_s = Number(value, "timeline 'at'");
+          else if (field == "time")
+            Unknown(field_key, "a timeline key", {"at"});
+        });
+    if (key.pose.text.empty())
+      Fail(node, "a timeline key needs a pose, as in `{pose: rest, at: 0}`");
     return key;
   }
 
@@ -156,23 +167,27 @@ class Reader {
   YAML::Node KeyList(const YAML::Node& node) const {
     if (!node.IsMap()) return node;
     YAML::Node keys;
-    Map(node, "the timeline", [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-      if (field == "keys") keys.reset(value);
-      if (field == "fps" || field == "schema") Fail(field_key, fmt::format("`{}` does not belong to the timeline", field));
-    });
+    Map(node, "the timeline",
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "keys") keys.reset(value);
+          if (field == "fps" || field == "schema")
+            Fail(field_key, fmt::format("`{}` does not belong to the timeline", field));
+        });
     if (!keys.IsDefined() || keys.IsNull()) Fail(node, "the timeline has no list `keys`");
     return keys;
   }
 
   std::vector<TimelineKey> Timeline(const YAML::Node& node) const {
     const YAML::Node list = KeyList(node);
-    if (!list.IsSequence()) Fail(list, "timeline must be a list of poses, as in `[rest, bent, rest]`");
+    if (!list.IsSequence())
+      Fail(list, "timeline must be a list of poses, as in `[rest, bent, rest]`");
     if (list.size() < 2) Fail(list, "a timeline needs two keys or more");
     std::vector<TimelineKey> keys;
     for (const YAML::Node& item : list) {
       keys.push_back(Key(item));
       const TimelineKey* before = keys.size() > 1 ? &keys[keys.size() - 2] : nullptr;
-      if (before && before->at_s.has_value() != keys.back().at_s.has_value()) Fail(item, "either all timeline keys have an 'at', or none");
+      if (before && before->at_s.has_value() != keys.back().at_s.has_value())
+        Fail(item, "either all timeline keys have an 'at', or none");
       if (before && before->at_s && *before->at_s >= *keys.back().at_s)
         Fail(item, "timeline keys must come in the order of time, each later than the one before");
     }
@@ -187,7 +202,7 @@ class Reader {
       ParseTimeline(text, "timeline");
     } catch (const TimelineError& error) {
       const YAML::Node list = KeyList(node);
-      Fail(error.key >= 0 ? list[static_cast<std::size_t>(error.key)] : node, error.what());
+      Fail(error.key >= 0 ? list[error.key] : node, error.what());
     }
     return text;
   }
@@ -229,7 +244,8 @@ class Reader {
     const auto it = kKinds.find(setting.text);
     if (it == kKinds.end()) {
       Fail(node, fmt::format("`for: {}` is not known{}", setting.text,
-                             Suggestion(setting.text, {"pose", "template", "pair", "animation", "project"})));
+                             Suggestion(setting.text,
+                                        {"pose", "template", "pair", "animation", "project"})));
     }
     return it->second;
   }
@@ -257,7 +273,9 @@ class Reader {
       const auto it = fields.find(field);
       if (it == fields.end()) Unknown(key, what, {"fixed", "photograph", "megapixel"});
       *it->second = Number(value, what + "." + field);
-      if (*it->second < 0) Fail(value, fmt::format("{}.{} is {}, but it must not be negative", what, field, *it->second));
+      if (*it->second < 0)
+        Fail(value,
+             fmt::format("{}.{} is {}, but it must not be negative", what, field, *it->second));
     });
     return cost;
   }
@@ -268,59 +286,68 @@ class Reader {
     step.name = name;
     step.where = At(key);
     const std::string what = "step '" + name + "'";
-    Map(node, what, [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
-      if (field == "stage")
-        step.stage = Text(value, field);
-      else if (field == "program")
-        step.program = PathText(value, field);
-      else if (field == "for")
-        step.fan_out = Fan(value);
-      else if (field == "enabled")
-        step.enabled = Bool(value, what + ".enabled");
-      else if (field == "options")
-        step.options = Options(value, what + ".options");
-      else if (field == "inputs")
-        Map(value, what + ".inputs", [&](const std::string& port, const YAML::Node&, const YAML::Node& input) {
-          step.inputs[port] = Input(input, what + ".inputs." + port);
+    Map(node, what,
+        [&](const std::string& field, const YAML::Node& field_key, const YAML::Node& value) {
+          if (field == "stage")
+            step.stage = Text(value, field);
+          else if (field == "program")
+            step.program = PathText(value, field);
+          else if (field == "for")
+            step.fan_out = Fan(value);
+          else if (field == "enabled")
+            step.enabled = Bool(value, what + ".enabled");
+          else if (field == "options")
+            step.options = Options(value, what + ".options");
+          else if (field == "inputs")
+            Map(value, what + ".inputs",
+                [&](const std::string& port, const YAML::Node&, const YAML::Node& input) {
+                  step.inputs[port] = Input(input, what + ".inputs." + port);
+                });
+          else if (field == "out")
+            step.out = Options(value, what + ".out");
+          else if (field == "show")
+            step.show = Shown(value, what + ".show");
+          else if (field == "cost")
+            step.cost = CostOf(value, what + ".cost");
+          else
+            Unknown(
+                field_key, what,
+                {"stage", "program", "for", "enabled", "inputs", "options", "out", "show", "cost"});
         });
-      else if (field == "out")
-        step.out = Options(value, what + ".out");
-      else if (field == "show")
-        step.show = Shown(value, what + ".show");
-      else if (field == "cost")
-        step.cost = CostOf(value, what + ".cost");
-      else
-        Unknown(field_key, what, {"stage", "program", "for", "enabled", "inputs", "options", "out", "show", "cost"});
-    });
     return step;
   }
 
   PipelineFile File(const YAML::Node& root) const {
     PipelineFile file;
     YAML::Node timeline;
-    Map(root, "the pipeline", [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
-      if (field == "name")
-        file.name = Text(value, field);
-      else if (field == "template")
-        file.template_pose = PoseName(value, field);
-      else if (field == "timeline")
-        file.timeline = Timeline(value), timeline.reset(value);
-      else if (field == "fps")
-        file.fps = Fps(value);
-      else if (field == "options")
-        file.options = StepOptions(value, "options");
-      else if (field == "poses")
-        Map(value, "poses", [&](const std::string& name, const YAML::Node& pose_key, const YAML::Node& pose) {
-          file.poses.push_back(Pose(Composed(name), pose_key, pose));
-          if (file.FindPose(Composed(name)) != &file.poses.back()) Fail(pose_key, fmt::format("poses has the pose '{}' twice", name));
+    Map(root, "the pipeline",
+        [&](const std::string& field, const YAML::Node& key, const YAML::Node& value) {
+          if (field == "name")
+            file.name = Text(value, field);
+          else if (field == "template")
+            file.template_pose = PoseName(value, field);
+          else if (field == "timeline")
+            file.timeline = Timeline(value), timeline.reset(value);
+          else if (field == "fps")
+            file.fps = Fps(value);
+          else if (field == "options")
+            file.options = StepOptions(value, "options");
+          else if (field == "poses")
+            Map(value, "poses",
+                [&](const std::string& name, const YAML::Node& pose_key, const YAML::Node& pose) {
+                  file.poses.push_back(Pose(Composed(name), pose_key, pose));
+                  if (file.FindPose(Composed(name)) != &file.poses.back())
+                    Fail(pose_key, fmt::format("poses has the pose '{}' twice", name));
+                });
+          else if (field == "steps")
+            Map(value, "steps",
+                [&](const std::string& name, const YAML::Node& step_key, const YAML::Node& step) {
+                  file.steps.push_back(Step(name, step_key, step));
+                });
+          else
+            Unknown(key, "the pipeline",
+                    {"name", "poses", "template", "timeline", "fps", "options", "steps"});
         });
-      else if (field == "steps")
-        Map(value, "steps", [&](const std::string& name, const YAML::Node& step_key, const YAML::Node& step) {
-          file.steps.push_back(Step(name, step_key, step));
-        });
-      else
-        Unknown(key, "the pipeline", {"name", "poses", "template", "timeline", "fps", "options", "steps"});
-    });
     if (!file.timeline.empty()) file.timeline_json = CheckedTimeline(timeline, file.fps);
     return file;
   }
@@ -348,7 +375,8 @@ void OverlayStep(const StepRule& over, StepRule* step) {
 }  // namespace
 
 const StepRule* PipelineFile::FindStep(const std::string& step) const {
-  const auto it = std::find_if(steps.begin(), steps.end(), [&](const StepRule& rule) { return rule.name == step; });
+  const auto it = std::find_if(steps.begin(), steps.end(),
+                               [&](const StepRule& rule) { return rule.name == step; });
   return it == steps.end() ? nullptr : &*it;
 }
 
@@ -360,15 +388,19 @@ const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
 
 namespace {
 
-/// Aliases can hold themselves, and a few lines of them stand for more values than fit in any memory; who walks the tree must know that it
-/// ends.
+/// Aliases can hold themselves, and a few lines of them stand for more values than fit in any
+/// memory; who walks the tree must know that it ends.
 /// @param left  values that may still come
 void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, std::size_t* left) {
   constexpr int kMostLevels = 50;
   if (level > kMostLevels)
-    reader.Fail(
-        node, fmt::format("lists and maps lie in each other more than {} levels deep; does an alias (`*name`) hold itself?", kMostLevels));
-  if ((*left)-- == 0) reader.Fail(node, "aliases (`*name`) repeat so much that the file stands for millions of values; write less of it");
+    reader.Fail(node, fmt::format("lists and maps lie in each other more than {} levels deep; does "
+                                  "an alias (`*name`) hold itself?",
+                                  kMostLevels));
+  if ((*left)-- == 0)
+    reader.Fail(node,
+                "aliases (`*name`) repeat so much that the file stands for millions of values; "
+                "write less of it");
   if (node.IsSequence())
     for (const YAML::Node& item : node) RequireThatItEnds(reader, item, level + 1, left);
   if (node.IsMap())
@@ -386,24 +418,30 @@ namespace {
 void RequireUtf8(const std::string& text, const std::string& file) {
   if (IsUtf8(text) || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return;
   std::size_t line = 1, begin = 0;
-  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos && IsUtf8(text.substr(begin, end - begin)); begin = end + 1)
+  for (std::size_t end; (end = text.find('\n', begin)) != std::string::npos &&
+                        IsUtf8(text.substr(begin, end - begin));
+       begin = end + 1)
     ++line;
-  throw UsageError(fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
+  throw UsageError(
+      fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
 }
 
-/// What follows a `---` would be passed over. Such a line begins a document wherever it stands, in quotes too. (The library's own reader of
-/// all documents never ends on some texts.)
+/// What follows a `---` would be passed over. Such a line begins a document wherever it stands, in
+/// quotes too. (The library's own reader of all documents never ends on some texts.)
 void RequireOneDocument(const std::string& text, const std::string& file) {
   std::istringstream lines(text);
   bool content = false;
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
-    const bool marker = line.starts_with("---") && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
+    const bool marker =
+        line.starts_with("---") && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
     if (marker && content)
-      throw UsageError(fmt::format("{}:{}: a second document (after `---`) is not read; write all in one", file, number));
+      throw UsageError(fmt::format(
+          "{}:{}: a second document (after `---`) is not read; write all in one", file, number));
     const std::size_t first = line.find_first_not_of(" \t\r");
-    content = content || marker || (first != std::string::npos && line[first] != '#' && line[first] != '%');
+    content = content || marker ||
+              (first != std::string::npos && line[first] != '#' && line[first] != '%');
   }
 }
 
@@ -419,7 +457,8 @@ PipelineFile ParsePipelineFile(const std::string& text, const std::string& file)
     RequireThatItEnds(reader, root, 0, &left);
     return reader.File(root);
   } catch (const YAML::Exception& error) {
-    throw UsageError(fmt::format("{}:{}: this is not YAML: {}", file, error.mark.line + 1, error.msg));
+    throw UsageError(
+        fmt::format("{}:{}: this is not YAML: {}", file, error.mark.line + 1, error.msg));
   }
 }
 
@@ -427,7 +466,8 @@ PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project) 
   PipelineFile result = project;
   result.steps = defaults.steps;
   for (const StepRule& over : project.steps) {
-    const auto it = std::find_if(result.steps.begin(), result.steps.end(), [&](const StepRule& step) { return step.name == over.name; });
+    const auto it = std::find_if(result.steps.begin(), result.steps.end(),
+                                 [&](const StepRule& step) { return step.name == over.name; });
     if (it == result.steps.end()) {
       result.steps.push_back(over);
     } else {

@@ -1,4 +1,5 @@
-// pipeline.yaml: poses, template, timeline, options, steps; read with line numbers, checked, and laid over the default pipeline.
+// pipeline.yaml: poses, template, timeline, options, steps; read with line numbers, checked, and
+// laid over the default pipeline.
 #pragma once
 
 #include <map>
@@ -39,18 +40,21 @@ enum class FanOut {
   kProject     ///< one
 };
 
-/// What goes into an input port: references, in order. The template may have others than the rest. A step that is not of one pose takes
-/// such a split rule once for each key on the timeline.
+/// What goes into an input port: references, in order. The template may have others than the rest.
+/// A step that is not of one pose takes such a split rule once for each key on the timeline.
 struct InputRule {
   bool split = false;  ///< written as {template: ..., others: ...}
   std::vector<Setting> for_template, for_others;
   Where where;
 };
 
-/// What a step takes on a machine like that on which the figures were measured, by the photographs that it goes back to. Only for the time
-/// left on a first run: later ones go by the seconds of earlier ones.
+/// What a step takes on a machine like that on which the figures were measured, by the photographs
+/// that it goes back to. Only for the time left on a first run: later ones go by the seconds of
+/// earlier ones.
 struct Cost {
-  double fixed = 0, photograph = 0, megapixel = 0;  ///< [s] of one core: at all; for each photograph; for each megapixel of them
+  double fixed = 0, photograph = 0,
+         /// [s] of one core: at all; for each photograph; for each megapixel of them
+      megapixel = 0;
 };
 
 /// A result that a person wants to know of when a run ends.
@@ -63,8 +67,9 @@ struct StepRule {
   std::string name;
   Where where;
   bool enabled = true;
-  std::optional<Setting> stage;    ///< program keypose-STAGE
-  std::optional<Setting> program;  ///< an executable of the user's own; a path relative to the project
+  std::optional<Setting> stage;  ///< program keypose-STAGE
+  /// an executable of the user's own; a path relative to the project
+  std::optional<Setting> program;
   std::optional<FanOut> fan_out;
   std::map<std::string, InputRule> inputs;
   OptionSettings options;
@@ -91,22 +96,26 @@ struct PipelineFile {
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;
-  std::string timeline_json;  ///< all that it says, checked; empty when that is no more than the order of poses
+  std::string timeline_json;  ///< all that it says, checked; empty when that is no more than the
+                              ///< order of poses
   StepOptionSettings options;
 
   const StepRule* FindStep(const std::string& step) const;
   const PoseRule* FindPose(const std::string& pose) const;
 
  private:
-  mutable std::unordered_map<std::string, std::size_t> pose_index_;  ///< of the first `indexed_` poses
+  mutable std::unordered_map<std::string, std::size_t>
+      pose_index_;  ///< of the first `indexed_` poses
   mutable std::size_t indexed_ = 0;
 };
 
 /// @param file  how messages name it
-/// @throws UsageError  not YAML, an unknown key (with the nearest known one), a key twice, a wrong type; with file:line
+/// @throws UsageError  not YAML, an unknown key (with the nearest known one), a key twice, a wrong
+/// type; with file:line
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file);
 
-/// `project` over `defaults`: its steps add to, change or switch off steps of the same name; all else is the project's.
+/// `project` over `defaults`: its steps add to, change or switch off steps of the same name; all
+/// else is the project's.
 PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project);
 
 }  // namespace keypose::pipeline

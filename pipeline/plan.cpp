@@ -17,7 +17,7 @@ using State = StepPlan::State;
 std::vector<bool> Marked(const Graph& graph, const std::vector<std::string>& selectors) {
   std::vector<bool> marked(graph.steps.size(), false);
   for (const std::string& selector : selectors) {
-    for (const int i : graph.Find(selector)) marked[static_cast<std::size_t>(i)] = true;
+    for (const int i : graph.Find(selector)) marked[i] = true;
   }
   return marked;
 }
@@ -25,7 +25,7 @@ std::vector<bool> Marked(const Graph& graph, const std::vector<std::string>& sel
 /// The marked steps and all that follow from them.
 std::vector<bool> WithFollowers(const Graph& graph, std::vector<bool> marked) {
   for (std::size_t i = 0; i < graph.steps.size(); ++i) {
-    for (const int need : graph.steps[i].needs) marked[i] = marked[i] || marked[static_cast<std::size_t>(need)];
+    for (const int need : graph.steps[i].needs) marked[i] = marked[i] || marked[need];
   }
   return marked;
 }
@@ -34,7 +34,7 @@ std::vector<bool> WithFollowers(const Graph& graph, std::vector<bool> marked) {
 std::vector<bool> WithNeeds(const Graph& graph, std::vector<bool> marked) {
   for (std::size_t i = graph.steps.size(); i-- > 0;) {
     if (!marked[i]) continue;
-    for (const int need : graph.steps[i].needs) marked[static_cast<std::size_t>(need)] = true;
+    for (const int need : graph.steps[i].needs) marked[need] = true;
   }
   return marked;
 }
@@ -45,7 +45,8 @@ Plan::Plan(const Graph& graph, Workshop& workshop, const Selection& selection)
     : graph_(graph), workshop_(workshop), steps_(graph.steps.size()) {
   Select(selection);
   CheckSources();
-  for (std::size_t i = 0; i < steps_.size(); ++i) steps_[i].last = workshop_.records.Last(graph_.steps[i].id);
+  for (std::size_t i = 0; i < steps_.size(); ++i)
+    steps_[i].last = workshop_.records.Last(graph_.steps[i].id);
   Advance();
 }
 
@@ -71,12 +72,16 @@ void Plan::CheckSources() const {
       for (const Flow& flow : port.flows) {
         if (flow.kind != Flow::Kind::kSource) continue;
         const auto stat = workshop_.disk.Stat(SourceOf(flow));
-        const std::string start = fmt::format("{}: step '{}' reads {}, ", flow.where.Text(), graph_.steps[i].id, flow.origin);
+        const std::string start = fmt::format("{}: step '{}' reads {}, ", flow.where.Text(),
+                                              graph_.steps[i].id, flow.origin);
         if (!stat)
-          throw InputError(start + fmt::format("which does not exist; put it at {}, or correct the line", SourceOf(flow).string()));
+          throw InputError(start +
+                           fmt::format("which does not exist; put it at {}, or correct the line",
+                                       SourceOf(flow).string()));
         const bool wants_folder = port.kind == PortKind::kFolder;
         if (port.kind == PortKind::kEither || stat->folder == wants_folder) continue;
-        throw InputError(start + fmt::format("which is a {}, but '{}' must be a {}", stat->folder ? "folder" : "file", port.port,
+        throw InputError(start + fmt::format("which is a {}, but '{}' must be a {}",
+                                             stat->folder ? "folder" : "file", port.port,
                                              wants_folder ? "folder" : "file"));
       }
     }
@@ -85,17 +90,17 @@ void Plan::CheckSources() const {
 
 std::filesystem::path Plan::SourceOf(const Flow& flow) const {
   if (flow.kind == Flow::Kind::kSource) return (workshop_.project / flow.path).lexically_normal();
-  if (flow.kind == Flow::Kind::kOutput) return steps_[static_cast<std::size_t>(flow.step)].artifact->Path(flow.port);
+  if (flow.kind == Flow::Kind::kOutput) return steps_[flow.step].artifact->Path(flow.port);
   return {};
 }
 
 void Plan::Advance() {
   for (int i = 0; i < size(); ++i) {
-    StepPlan& step = steps_[static_cast<std::size_t>(i)];
+    StepPlan& step = steps_[i];
     if (step.state != State::kWaiting) continue;
     bool known = true, missing = false;
-    for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
-      const State state = steps_[static_cast<std::size_t>(need)].state;
+    for (const int need : graph_.steps[i].needs) {
+      const State state = steps_[need].state;
       known = known && (state == State::kDone || state == State::kMissing);
       missing = missing || state == State::kMissing;
     }
@@ -110,9 +115,9 @@ void Plan::Advance() {
 }
 
 void Plan::Resolve(int i) {
-  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  StepPlan& step = steps_[i];
   if (!step.wanted) {
-    for (const PortFlows& port : graph_.steps[static_cast<std::size_t>(i)].inputs) {
+    for (const PortFlows& port : graph_.steps[i].inputs) {
       for (const Flow& flow : port.flows) {
         // A source that is gone does not matter to a step that shall not run.
         if (flow.kind == Flow::Kind::kSource && !workshop_.disk.Stat(SourceOf(flow))) {
@@ -131,7 +136,9 @@ void Plan::Resolve(int i) {
   } else if (step.wanted) {
     step.state = State::kReady;
     step.reasons = ReasonsOf(step);
-    if (!damage.empty()) step.reasons = {fmt::format("its artifact in the cache was damaged from outside ({})", damage)};
+    if (!damage.empty())
+      step.reasons = {
+          fmt::format("its artifact in the cache was damaged from outside ({})", damage)};
     step.artifact.reset();
   } else if (!TakeLastMade(i)) {
     step.state = State::kMissing;
@@ -139,7 +146,7 @@ void Plan::Resolve(int i) {
 }
 
 bool Plan::TakeLastMade(int i) {
-  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  StepPlan& step = steps_[i];
   if (!step.last || step.last->fingerprint.empty()) return false;
   step.artifact = workshop_.store.Find(step.last->fingerprint);
   if (!step.artifact) return false;
@@ -150,10 +157,11 @@ bool Plan::TakeLastMade(int i) {
 }
 
 Recipe Plan::MakeRecipe(int i) const {
-  const Step& step = graph_.steps[static_cast<std::size_t>(i)];
+  const Step& step = graph_.steps[i];
   Recipe recipe{step.info->stage, step.info->version, step.info->tools, step.options, {}};
   for (const PortFlows& port : step.inputs) {
-    for (const Flow& flow : port.flows) recipe.inputs.push_back({port.port, flow.origin, ContentOf(flow, i)});
+    for (const Flow& flow : port.flows)
+      recipe.inputs.push_back({port.port, flow.origin, ContentOf(flow, i)});
   }
   return recipe;
 }
@@ -165,9 +173,11 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
     case Flow::Kind::kTimeline:
       return {Sha256Of(graph_.timeline_json), {}};
     case Flow::Kind::kOutput: {
-      const auto& outputs = steps_[static_cast<std::size_t>(flow.step)].artifact->outputs;
+      const auto& outputs = steps_[flow.step].artifact->outputs;
       const auto it = outputs.find(flow.port);
-      if (it == outputs.end()) throw ToolError(fmt::format("{}: {} was not written by its step", flow.where.Text(), flow.origin));
+      if (it == outputs.end())
+        throw ToolError(
+            fmt::format("{}: {} was not written by its step", flow.where.Text(), flow.origin));
       return it->second.content;
     }
     case Flow::Kind::kRun:
@@ -175,11 +185,13 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
   }
   std::map<std::string, std::string> results;
   results["the project's name and keys"] =
-      Sha256Of((graph_.name_given ? graph_.name : "") + "\n" + fmt::format("{}\n{}", fmt::join(graph_.keys, " "), graph_.timeline_json));
-  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
-    std::string text = steps_[static_cast<std::size_t>(need)].fingerprint;
-    for (const auto& [port, output] : steps_[static_cast<std::size_t>(need)].artifact->outputs) text += port + output.content.hash;
-    results[graph_.steps[static_cast<std::size_t>(need)].id] = Sha256Of(text);
+      Sha256Of((graph_.name_given ? graph_.name : "") + "\n" +
+               fmt::format("{}\n{}", fmt::join(graph_.keys, " "), graph_.timeline_json));
+  for (const int need : graph_.steps[i].needs) {
+    std::string text = steps_[need].fingerprint;
+    for (const auto& [port, output] : steps_[need].artifact->outputs)
+      text += port + output.content.hash;
+    results[graph_.steps[need].id] = Sha256Of(text);
   }
   return FolderContent(std::move(results));
 }
@@ -199,7 +211,8 @@ std::vector<std::string> Plan::ReasonsOf(const StepPlan& step) const {
     if (reasons.empty()) reasons.push_back("it has never succeeded");
     return reasons;
   }
-  for (std::string& difference : Differences(last.recipe, step.recipe)) reasons.push_back(std::move(difference));
+  for (std::string& difference : Differences(last.recipe, step.recipe))
+    reasons.push_back(std::move(difference));
   if (reasons.empty()) reasons.push_back("its artifact is no longer in the cache");
   return reasons;
 }
@@ -208,10 +221,11 @@ void Plan::CheckMissing() const {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (!steps_[i].wanted || steps_[i].state != State::kWaiting) continue;
     for (const int need : graph_.steps[i].needs) {
-      if (steps_[static_cast<std::size_t>(need)].state != State::kMissing) continue;
-      const Step& step = graph_.steps[static_cast<std::size_t>(need)];
+      if (steps_[need].state != State::kMissing) continue;
+      const Step& step = graph_.steps[need];
       throw UsageError(
-          fmt::format("{} needs {}, which was not asked for and has not been made yet; run `keypose run --until {}` first, or leave out "
+          fmt::format("{} needs {}, which was not asked for and has not been made yet; run "
+                      "`keypose run --until {}` first, or leave out "
                       "--from and --only",
                       graph_.steps[i].id, step.id, step.rule));
     }
@@ -227,7 +241,7 @@ std::vector<int> Plan::Ready() const {
 }
 
 void Plan::SetDone(int i, Artifact artifact, bool made) {
-  StepPlan& step = steps_[static_cast<std::size_t>(i)];
+  StepPlan& step = steps_[i];
   step.artifact = std::move(artifact);
   step.made = made;
   step.state = State::kDone;
@@ -236,8 +250,8 @@ void Plan::SetDone(int i, Artifact artifact, bool made) {
 
 std::vector<std::string> Plan::WaitsFor(int i) const {
   std::vector<std::string> ids;
-  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
-    if (steps_[static_cast<std::size_t>(need)].state != State::kDone) ids.push_back(graph_.steps[static_cast<std::size_t>(need)].id);
+  for (const int need : graph_.steps[i].needs) {
+    if (steps_[need].state != State::kDone) ids.push_back(graph_.steps[need].id);
   }
   return ids;
 }
@@ -245,14 +259,16 @@ std::vector<std::string> Plan::WaitsFor(int i) const {
 std::string Plan::RunJson(int i) const {
   using nlohmann::json;
   json steps = json::array();
-  for (const int need : graph_.steps[static_cast<std::size_t>(i)].needs) {
-    const Step& step = graph_.steps[static_cast<std::size_t>(need)];
-    const StepPlan& plan = steps_[static_cast<std::size_t>(need)];
+  for (const int need : graph_.steps[i].needs) {
+    const Step& step = graph_.steps[need];
+    const StepPlan& plan = steps_[need];
     json outputs = json::object(), inputs = json::object();
-    for (const auto& [port, output] : plan.artifact->outputs) outputs[port] = plan.artifact->Path(port).string();
+    for (const auto& [port, output] : plan.artifact->outputs)
+      outputs[port] = plan.artifact->Path(port).string();
     for (const PortFlows& port : step.inputs) {
       for (const Flow& flow : port.flows) {
-        if (const auto path = SourceOf(flow); !path.empty()) inputs[port.port].push_back(path.string());
+        if (const auto path = SourceOf(flow); !path.empty())
+          inputs[port.port].push_back(path.string());
       }
     }
     steps.push_back({{"id", step.id},
@@ -271,14 +287,17 @@ std::string Plan::RunJson(int i) const {
                      {"inputs", inputs}});
   }
   // The timeline as $timeline has it, or the order of poses when the file says no more.
-  json timeline = graph_.timeline_json.empty() ? json{{"schema", 1}, {"keys", json::array()}} : json::parse(graph_.timeline_json);
+  json timeline = graph_.timeline_json.empty() ? json{{"schema", 1}, {"keys", json::array()}}
+                                               : json::parse(graph_.timeline_json);
   if (graph_.timeline_json.empty()) {
     for (const std::string& key : graph_.keys) timeline["keys"].push_back({{"pose", key}});
   }
-  return json{{"schema", 1},
-              {"project", {{"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}}},
-              {"timeline", timeline},
-              {"steps", steps}}
+  return json{
+      {"schema", 1},
+      {"project",
+       {{"name", graph_.name}, {"template", graph_.template_pose}, {"poses", graph_.poses}}},
+      {"timeline", timeline},
+      {"steps", steps}}
       .dump(1);
 }
 

@@ -15,7 +15,8 @@ namespace keypose::pipeline {
 
 /// Which steps a run is about, as STEP or STEP/POSE; all empty: all steps, none forced.
 struct Selection {
-  std::vector<std::string> from;   ///< these and all that follows from them; what lies before is taken as it was last made
+  std::vector<std::string> from;   ///< these and all that follows from them; what lies before is
+                                   ///< taken as it was last made
   std::vector<std::string> until;  ///< these and all that they need
   std::vector<std::string> only;   ///< just these
   std::vector<std::string> force;  ///< run even if they are up to date
@@ -52,11 +53,12 @@ class Plan {
  public:
   /// Looks at every step. Keeps references to both.
   /// @throws UsageError  the selection names no step
-  /// @throws InputError  a file or folder of the project that a wanted step reads is missing; with file:line
+  /// @throws InputError  a file or folder of the project that a wanted step reads is missing; with
+  /// file:line
   Plan(const Graph& graph, Workshop& workshop, const Selection& selection);
 
   const Graph& graph() const { return graph_; }
-  const StepPlan& operator[](int i) const { return steps_[static_cast<std::size_t>(i)]; }
+  const StepPlan& operator[](int i) const { return steps_[i]; }
   int size() const { return static_cast<int>(steps_.size()); }
 
   /// Steps that can run now, in order.
@@ -67,7 +69,8 @@ class Plan {
   std::vector<std::string> WaitsFor(int i) const;
   /// What $run is for step `i`: see docs/pipeline.md.
   std::string RunJson(int i) const;
-  /// Where the flows of a port come from, absolute. @pre all needed steps are done; kTimeline and kRun give nothing
+  /// Where the flows of a port come from, absolute. @pre all needed steps are done; kTimeline and
+  /// kRun give nothing
   std::filesystem::path SourceOf(const Flow& flow) const;
 
  private:

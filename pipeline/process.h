@@ -1,4 +1,5 @@
-// What the runner asks of processes: start a stage, hear of its progress and end, stop all, ask a program a question.
+// What the runner asks of processes: start a stage, hear of its progress and end, stop all, ask a
+// program a question.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +42,11 @@ class ProcessRunner {
   virtual std::vector<ProcessEvent> Wait(double seconds) = 0;
   /// Whether the user asked to stop.
   virtual bool interrupted() const = 0;
-  /// Asks all started programs to stop, kills those that do not within a few seconds, and returns when none is left.
+  /// Asks all started programs to stop, kills those that do not within a few seconds, and returns
+  /// when none is left.
   virtual void StopAll() = 0;
-  /// Runs short programs side by side; 127 stands for one that cannot be started, 124 for one that took over a minute.
+  /// Runs short programs side by side; 127 stands for one that cannot be started, 124 for one that
+  /// took over a minute.
   virtual std::vector<Answer> Ask(const std::vector<std::vector<std::string>>& commands) = 0;
   /// Where an external tool is: the value of KEYPOSE_<NAME> or the first on PATH.
   virtual std::optional<std::filesystem::path> FindTool(const std::string& name) const = 0;

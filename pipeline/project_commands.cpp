@@ -8,6 +8,7 @@
 #include <set>
 
 #include "pipeline/builder.h"
+#include "pipeline/collect_ending.h"
 #include "pipeline/commands.h"
 #include "pipeline/observer.h"
 #include "pipeline/project_lock.h"
@@ -37,7 +38,8 @@ std::string SizeText(std::uint64_t bytes) {
 std::string Some(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown + 1) return fmt::format("{}", fmt::join(names, ", "));
-  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "), names.size() - kShown);
+  return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "),
+                     names.size() - kShown);
 }
 
 std::string StatusText(const Plan& plan, int i) {
@@ -48,11 +50,13 @@ std::string StatusText(const Plan& plan, int i) {
       return fmt::format("up to date   ({})", DurationText(step.artifact->seconds));
     case StepPlan::State::kReady:
       if (failed && step.last->failed_fingerprint == step.fingerprint)
-        return fmt::format("failed       exit code {}; `keypose log` tells more", step.last->exit_code);
+        return fmt::format("failed       exit code {}; `keypose log` tells more",
+                           step.last->exit_code);
       return fmt::format("{:<12} {}", step.last ? "would run" : "never ran",
                          step.last ? fmt::format("{}", fmt::join(step.reasons, "; ")) : "");
     default:
-      return fmt::format("{:<12} for {}", step.last ? "waits" : "never, waits", Some(plan.WaitsFor(i)));
+      return fmt::format("{:<12} for {}", step.last ? "waits" : "never, waits",
+                         Some(plan.WaitsFor(i)));
   }
 }
 
@@ -71,40 +75,48 @@ ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>
   std::size_t width = 0;
   for (const Step& step : session.graph().steps) width = std::max(width, WidthOf(step.id));
   for (int i = 0; i < plan.size(); ++i) {
-    const std::string& id = session.graph().steps[static_cast<std::size_t>(i)].id;
+    const std::string& id = session.graph().steps[i].id;
     std::string line = id + std::string(width - WidthOf(id), ' ') + "  " + StatusText(plan, i);
     line.erase(line.find_last_not_of(' ') + 1);
     fmt::print("{}\n", line);
   }
   const Ending ending = EndingOf(plan, session.disk(), session.out());
   if (!ending.verdicts.empty()) fmt::print("\n{}", VerdictsText(ending, TerminalColumns()));
-  if (!ending.warnings.empty()) fmt::print("\n{} of the steps that are up to date; `keypose run` ends with them\n", WarningCount(ending));
+  if (!ending.warnings.empty())
+    fmt::print("\n{} of the steps that are up to date; `keypose run` ends with them\n",
+               WarningCount(ending));
   return ExitCode::kOk;
 }
 
 std::string Explanation(const Plan& plan, int i) {
-  const std::string& id = plan.graph().steps[static_cast<std::size_t>(i)].id;
+  const std::string& id = plan.graph().steps[i].id;
   const StepPlan& step = plan[i];
   std::string text;
   if (step.state == StepPlan::State::kReady) {
     text = fmt::format("{} would run because\n{}", id, Bullets(step.reasons));
     if (step.last && step.last->failed)
-      text += fmt::format("  its last try, at {}, failed:\n{}\n", TimeText(step.last->when), step.last->error);
+      text += fmt::format("  its last try, at {}, failed:\n{}\n", TimeText(step.last->when),
+                          step.last->error);
   } else if (step.state == StepPlan::State::kDone) {
     text = fmt::format("{} is up to date\n", id);
     if (step.last && step.last->fingerprint == step.fingerprint && !step.last->reasons.empty()) {
       std::vector<std::string> reasons = step.last->reasons;
-      std::replace(reasons.begin(), reasons.end(), std::string("it has never run"), std::string("it had never run before"));
-      text += fmt::format("{} at {} because\n{}", step.last->found ? "it was found in the cache, and not run," : "it last ran",
-                          TimeText(step.last->when), Bullets(reasons));
+      std::replace(reasons.begin(), reasons.end(), std::string("it has never run"),
+                   std::string("it had never run before"));
+      text +=
+          fmt::format("{} at {} because\n{}",
+                      step.last->found ? "it was found in the cache, and not run," : "it last ran",
+                      TimeText(step.last->when), Bullets(reasons));
     }
   } else {
-    text = fmt::format("{} waits for {}; whether it runs depends on what comes out there\n", id, fmt::join(plan.WaitsFor(i), ", "));
+    text = fmt::format("{} waits for {}; whether it runs depends on what comes out there\n", id,
+                       fmt::join(plan.WaitsFor(i), ", "));
   }
   return text;
 }
 
-ExitCode ExplainCommand(const std::string& folder, const std::string& step, const std::vector<std::string>& set) {
+ExitCode ExplainCommand(const std::string& folder, const std::string& step,
+                        const std::vector<std::string>& set) {
   Session session = Open(folder, set);
   const Plan plan(session.graph(), session.workshop(), {});
   session.workshop().hasher.Save();
@@ -117,7 +129,7 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step, cons
     while (!above.empty()) {
       const int one = above.back();
       above.pop_back();
-      for (const int need : session.graph().steps[static_cast<std::size_t>(one)].needs) {
+      for (const int need : session.graph().steps[one].needs) {
         if (plan[need].state == StepPlan::State::kDone || !seen.insert(need).second) continue;
         if (plan[need].state == StepPlan::State::kReady) fmt::print("{}", Explanation(plan, need));
         above.push_back(need);
@@ -130,20 +142,25 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step, cons
 ExitCode LogCommand(const std::string& folder, const std::string& step) {
   Session session = Open(folder);
   for (const int i : session.graph().Find(step)) {
-    const std::string& id = session.graph().steps[static_cast<std::size_t>(i)].id;
+    const std::string& id = session.graph().steps[i].id;
     const auto last = session.records().Last(id);
     const fs::path failed = session.state() / "failed" / FolderName(id) / "log.txt";
-    const fs::path good = last && !last->fingerprint.empty() ? session.store().FolderOf(last->fingerprint) / "log.txt" : fs::path();
+    const fs::path good = last && !last->fingerprint.empty()
+                              ? session.store().FolderOf(last->fingerprint) / "log.txt"
+                              : fs::path();
     const fs::path log = last && last->failed && fs::exists(failed) ? failed : good;
     if (!last) {
       fmt::print("--- {} has never run\n", id);
     } else if (log.empty() || !fs::exists(log)) {
-      fmt::print("--- {} has no log any more{}\n", id, last->failed ? "; it failed with\n" + last->error : "");
+      fmt::print("--- {} has no log any more{}\n", id,
+                 last->failed ? "; it failed with\n" + last->error : "");
     } else {
       constexpr std::uintmax_t kShown = 4'000'000;
       const bool cut = fs::file_size(log) > kShown;
-      fmt::print("--- {} {} at {}: {}\n{}{}", id, last->failed ? "failed" : "was made", TimeText(last->when), log.string(),
-                 cut ? fmt::format("... (its last {}; the file has all)\n", SizeText(kShown)) : "", session.disk().ReadEnd(log, kShown));
+      fmt::print("--- {} {} at {}: {}\n{}{}", id, last->failed ? "failed" : "was made",
+                 TimeText(last->when), log.string(),
+                 cut ? fmt::format("... (its last {}; the file has all)\n", SizeText(kShown)) : "",
+                 session.disk().ReadEnd(log, kShown));
     }
   }
   return ExitCode::kOk;
@@ -157,13 +174,14 @@ ExitCode GraphCommand(const std::string& folder, bool dot) {
     if (dot) fmt::print("  \"{}\";\n", step.id);
     for (const PortFlows& port : step.inputs) {
       for (const Flow& flow : port.flows) {
-        const std::string from = flow.step >= 0 ? session.graph().steps[static_cast<std::size_t>(flow.step)].id : flow.origin;
+        const std::string from = flow.step >= 0 ? session.graph().steps[flow.step].id : flow.origin;
         if (dot) fmt::print("  \"{}\" -> \"{}\" [label=\"{}\"];\n", from, step.id, port.port);
         if (!dot) fmt::print("  {:<10} <- {}\n", port.port, flow.origin);
       }
     }
     for (const NamedResult& result : step.results) {
-      const std::string from = result.inside.empty() ? result.port : result.port + "/" + result.inside;
+      const std::string from =
+          result.inside.empty() ? result.port : result.port + "/" + result.inside;
       if (!dot) fmt::print("  {:<10} -> out/{}\n", from, result.path.generic_string());
     }
   }
@@ -193,7 +211,8 @@ ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs) {
     session.disk().Remove(session.state() / "tmp");
     session.disk().Remove(session.state() / "writing");
   }
-  fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count, count == 1 ? "" : "s", SizeText(freed),
+  fmt::print("{} {} artifact{}, {}; kept {}\n", dry_run ? "would remove" : "removed", count,
+             count == 1 ? "" : "s", SizeText(freed),
              session.store().All().size() - (dry_run ? static_cast<std::size_t>(count) : 0));
   return ExitCode::kOk;
 }
@@ -214,14 +233,17 @@ ExitCode VerifyCommand(const std::string& folder) {
     if (damage.empty()) continue;
     ++damaged;
     const std::string& step = step_of[fingerprint];
-    fmt::print("damaged: {} in {}{}\n", damage, session.store().FolderOf(fingerprint).string(), step.empty() ? "" : ", made by " + step);
+    fmt::print("damaged: {} in {}{}\n", damage, session.store().FolderOf(fingerprint).string(),
+               step.empty() ? "" : ", made by " + step);
     session.store().Remove(fingerprint);
   }
   ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
   const std::vector<std::string> notes = results.Verify();
   for (const std::string& note : notes) fmt::print("{}\n", note);
   results.Save();
-  if (damaged > 0) fmt::print("the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
+  if (damaged > 0)
+    fmt::print(
+        "the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
   fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes),
              damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
   return damaged > 0 || !notes.empty() ? ExitCode::kDisk : ExitCode::kOk;
@@ -234,7 +256,8 @@ ExitCode UnlockCommand(const std::string& folder, bool force) {
 
 ExitCode ReportCommand(const std::string& folder) {
   const fs::path report = FindProject(folder) / "out" / "report" / "index.html";
-  if (!fs::exists(report)) throw InputError("there is no report yet; `keypose run` makes " + report.string());
+  if (!fs::exists(report))
+    throw InputError("there is no report yet; `keypose run` makes " + report.string());
   fmt::print("{}\n", report.string());
   return ExitCode::kOk;
 }

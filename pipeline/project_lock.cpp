@@ -25,7 +25,8 @@ struct Holder {
   std::string host, since, what;
   bool known() const { return pid > 0; }
   std::string Text() const {
-    return known() ? fmt::format("process {} on {}, since {} ({})", pid, host, since, what) : "a process that has not said its name yet";
+    return known() ? fmt::format("process {} on {}, since {} ({})", pid, host, since, what)
+                   : "a process that has not said its name yet";
   }
 };
 
@@ -38,15 +39,19 @@ std::string HostName() {
 Holder ReadHolder(int fd) {
   char text[4096];
   const ssize_t n = pread(fd, text, sizeof text, 0);
-  const auto value = nlohmann::json::parse(n > 0 ? std::string(text, static_cast<std::size_t>(n)) : "", nullptr, false);
+  const auto value = nlohmann::json::parse(
+      n > 0 ? std::string(text, static_cast<std::size_t>(n)) : "", nullptr, false);
   try {
-    return {value.at("pid").get<int>(), value.at("host").get<std::string>(), value.at("since").get<std::string>(), value.at("what").get<std::string>()};
+    return {value.at("pid").get<int>(), value.at("host").get<std::string>(),
+            value.at("since").get<std::string>(), value.at("what").get<std::string>()};
   } catch (const nlohmann::json::exception&) {
     return {};  // nothing written yet, or damaged: flock alone says whether it is held
   }
 }
 
-bool IsDead(const Holder& holder) { return holder.known() && holder.host == HostName() && kill(holder.pid, 0) != 0 && errno == ESRCH; }
+bool IsDead(const Holder& holder) {
+  return holder.known() && holder.host == HostName() && kill(holder.pid, 0) != 0 && errno == ESRCH;
+}
 
 int OpenLock(const fs::path& file) {
   const int fd = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -57,16 +62,20 @@ int OpenLock(const fs::path& file) {
 /// Whether the open file is still the one of that name (an `unlock --force` takes the name away).
 bool StillNamed(int fd, const fs::path& file) {
   struct stat opened, named;
-  return fstat(fd, &opened) == 0 && stat(file.c_str(), &named) == 0 && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+  return fstat(fd, &opened) == 0 && stat(file.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
 }  // namespace
 
-ProjectLock::ProjectLock(const fs::path& state_folder, const std::string& what) : file_(state_folder / "lock") {
-  constexpr int kTries = 100;  // 5 s in all, and only while the holder is already dead: its last children are being stopped
+ProjectLock::ProjectLock(const fs::path& state_folder, const std::string& what)
+    : file_(state_folder / "lock") {
+  constexpr int kTries = 100;  // 5 s in all, and only while the holder is already dead: its last
+                               // children are being stopped
   std::error_code error;
   fs::create_directories(state_folder, error);
-  if (error) throw DiskError("cannot make the folder " + state_folder.string() + ": " + error.message());
+  if (error)
+    throw DiskError("cannot make the folder " + state_folder.string() + ": " + error.message());
   for (int i = 0;; ++i) {
     fd_ = OpenLock(file_);
     const bool locked = flock(fd_, LOCK_EX | LOCK_NB) == 0;
@@ -75,19 +84,23 @@ ProjectLock::ProjectLock(const fs::path& state_folder, const std::string& what) 
     const Holder holder = ReadHolder(fd_);
     close(fd_);
     fd_ = -1;
-    if (!locked && reason != EWOULDBLOCK) throw DiskError(fmt::format("cannot lock {}: {}", file_.string(), std::strerror(reason)));
+    if (!locked && reason != EWOULDBLOCK)
+      throw DiskError(fmt::format("cannot lock {}: {}", file_.string(), std::strerror(reason)));
     if (locked || (i < kTries && IsDead(holder))) {
       usleep(50000);
       continue;
     }
-    throw LockedError(fmt::format("the project is in use by {}; wait until it is done, stop it, or see `keypose unlock`", holder.Text()));
+    throw LockedError(fmt::format(
+        "the project is in use by {}; wait until it is done, stop it, or see `keypose unlock`",
+        holder.Text()));
   }
   const std::string text = nlohmann::json{
       {"pid", getpid()},
       {"host", HostName()},
       {"since", TimeText(static_cast<double>(std::time(nullptr)))},
       {"what", what}}.dump();
-  if (ftruncate(fd_, 0) != 0 || pwrite(fd_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
+  if (ftruncate(fd_, 0) != 0 ||
+      pwrite(fd_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
     const int reason = errno;
     close(fd_);
     throw DiskError("cannot write " + file_.string() + ": " + std::strerror(reason));
@@ -107,17 +120,20 @@ std::string Unlock(const fs::path& state_folder, bool force) {
   if (flock(fd, LOCK_EX | LOCK_NB) == 0) {
     (void)!ftruncate(fd, 0);
     close(fd);
-    return holder.known() ? fmt::format("{} left its mark but is gone; cleared", holder.Text()) : "the project is not locked";
+    return holder.known() ? fmt::format("{} left its mark but is gone; cleared", holder.Text())
+                          : "the project is not locked";
   }
   close(fd);
   if (!force) {
     const bool here = holder.host == HostName();
-    throw LockedError(fmt::format("the project is in use by {}; {}", holder.Text(),
-                                  here ? fmt::format("stop it with `kill {}`", holder.pid)
-                                       : "if that machine is gone for good, `keypose unlock --force` takes the lock away"));
+    throw LockedError(fmt::format(
+        "the project is in use by {}; {}", holder.Text(),
+        here ? fmt::format("stop it with `kill {}`", holder.pid)
+             : "if that machine is gone for good, `keypose unlock --force` takes the lock away"));
   }
   fs::remove(file);
-  return fmt::format("taken away from {}; if that is still at work, stop it before the next run", holder.Text());
+  return fmt::format("taken away from {}; if that is still at work, stop it before the next run",
+                     holder.Text());
 }
 
 }  // namespace keypose::pipeline

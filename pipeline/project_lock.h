@@ -6,7 +6,8 @@
 
 namespace keypose::pipeline {
 
-/// Held while it lives; the operating system lets go of it when the process and all that it started are gone, however they end.
+/// Held while it lives; the operating system lets go of it when the process and all that it started
+/// are gone, however they end.
 class ProjectLock {
  public:
   /// @param state_folder  the project's .keypose; made when missing
@@ -25,7 +26,8 @@ class ProjectLock {
 };
 
 /// `keypose unlock`: says who holds the lock, or clears what a dead process left.
-/// @param force  take the lock away although it is held (from a machine that is gone, on a shared file system)
+/// @param force  take the lock away although it is held (from a machine that is gone, on a shared
+/// file system)
 /// @return lines for a person @throws LockedError  it is held, and may not be taken away
 std::string Unlock(const std::filesystem::path& state_folder, bool force);
 

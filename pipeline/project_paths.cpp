@@ -17,9 +17,12 @@ namespace fs = std::filesystem;
 std::string WithHome(const std::string& path) {
   if (!path.starts_with("~")) return path;
   if (path.size() > 1 && path[1] != '/')
-    throw UsageError(fmt::format("{}: only your own home folder can be written as ~; write the whole path", path));
+    throw UsageError(fmt::format(
+        "{}: only your own home folder can be written as ~; write the whole path", path));
   const char* home = std::getenv("HOME");
-  if (!home || !*home) throw UsageError(fmt::format("{}: HOME is not set, so ~ means nothing; write the whole path", path));
+  if (!home || !*home)
+    throw UsageError(
+        fmt::format("{}: HOME is not set, so ~ means nothing; write the whole path", path));
   return home + path.substr(1);
 }
 
@@ -44,16 +47,21 @@ std::string SharedPhotographs(const std::vector<PhotoFolder>& folders) {
   // In the order of paths, what lies inside a folder comes right after it.
   std::vector<std::size_t> order(folders.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return folders[i].folder < folders[j].folder; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return folders[i].folder < folders[j].folder;
+  });
   for (std::size_t k = 1; k < order.size(); ++k) {
     const PhotoFolder &b = folders[order[k - 1]], &a = folders[order[k]];
     if (!IsWithin(a.folder, b.folder)) continue;
     if (a.folder == b.folder) {
-      return fmt::format("the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its own", b.pose, a.pose,
-                         a.folder.string());
+      return fmt::format(
+          "the poses '{}' and '{}' have the same photographs, {}; each pose needs a folder of its "
+          "own",
+          b.pose, a.pose, a.folder.string());
     }
     return fmt::format(
-        "the photographs of pose '{}', {}, lie inside the folder of pose '{}', {}; name the folder that has only the "
+        "the photographs of pose '{}', {}, lie inside the folder of pose '{}', {}; name the folder "
+        "that has only the "
         "photographs of '{}'",
         a.pose, a.folder.string(), b.pose, b.folder.string(), b.pose);
   }

@@ -25,7 +25,9 @@ namespace fs = std::filesystem;
 [[noreturn]] void FailOnDisk(const std::string& what, const fs::path& path, int error) {
   std::string message = "cannot " + what + " " + path.string() + ": " + std::strerror(error);
   if (error == ENOSPC || error == EDQUOT)
-    message += "; free some space (`keypose gc` removes old results) and run again: nothing finished is lost";
+    message +=
+        "; free some space (`keypose gc` removes old results) and run again: nothing finished is "
+        "lost";
   throw DiskError(message);
 }
 
@@ -66,7 +68,8 @@ void ReadAll(const fs::path& path, const Consume& consume) {
   if (fd.get() < 0) FailOnDisk("read", path, errno);
   struct stat info;
   if (fstat(fd.get(), &info) != 0) FailOnDisk("read", path, errno);
-  if (!S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode)) throw DiskError(path.string() + " is a pipe or a device, but a file is needed");
+  if (!S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode))
+    throw DiskError(path.string() + " is a pipe or a device, but a file is needed");
   std::vector<char> buffer(1 << 18);
   for (;;) {
     const ssize_t n = read(fd.get(), buffer.data(), buffer.size());
@@ -90,10 +93,10 @@ void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to
   }
 }
 
-/// Links to folders are followed, each folder once, and none above where it began: these would go on for ever. Pipes and devices are left
-/// out, as by all who read photographs.
-void AddFilesBelow(const fs::path& folder, const std::string& prefix, std::set<std::pair<dev_t, ino_t>>* seen,
-                   std::vector<std::string>* names) {
+/// Links to folders are followed, each folder once, and none above where it began: these would go
+/// on for ever. Pipes and devices are left out, as by all who read photographs.
+void AddFilesBelow(const fs::path& folder, const std::string& prefix,
+                   std::set<std::pair<dev_t, ino_t>>* seen, std::vector<std::string>* names) {
   struct stat info;
   if (stat(folder.c_str(), &info) != 0) {
     if (errno == ENOENT) return;
@@ -102,7 +105,8 @@ void AddFilesBelow(const fs::path& folder, const std::string& prefix, std::set<s
   if (!S_ISDIR(info.st_mode) || !seen->insert({info.st_dev, info.st_ino}).second) return;
   std::vector<std::string> children;
   std::error_code error;
-  for (fs::directory_iterator it(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
+  for (fs::directory_iterator it(folder, error); !error && it != fs::directory_iterator();
+       it.increment(error))
     children.push_back(it->path().filename().string());
   if (error) FailOnDisk("list", folder, error.value());
   // In order, so that of two links to one folder it is always the same one that counts.
@@ -128,9 +132,11 @@ std::optional<FileStat> RealDisk::Stat(const Path& path) const {
   FileStat result;
   result.folder = S_ISDIR(info.st_mode);
   result.size = static_cast<std::uint64_t>(info.st_size);
-  result.mtime_ns = static_cast<std::int64_t>(info.st_mtim.tv_sec) * 1000000000 + info.st_mtim.tv_nsec;
+  result.mtime_ns =
+      static_cast<std::int64_t>(info.st_mtim.tv_sec) * 1000000000 + info.st_mtim.tv_nsec;
   result.inode = info.st_ino;
-  result.ctime_ns = static_cast<std::int64_t>(info.st_ctim.tv_sec) * 1000000000 + info.st_ctim.tv_nsec;
+  result.ctime_ns =
+      static_cast<std::int64_t>(info.st_ctim.tv_sec) * 1000000000 + info.st_ctim.tv_nsec;
   return result;
 }
 
@@ -145,7 +151,8 @@ std::vector<std::string> RealDisk::FilesBelow(const Path& folder) const {
   std::set<std::pair<dev_t, ino_t>> seen;
   std::error_code error;
   const Path resolved = fs::weakly_canonical(folder, error);
-  for (Path above = resolved.parent_path(); !error && !above.empty() && above != above.parent_path(); above = above.parent_path()) {
+  for (Path above = resolved.parent_path();
+       !error && !above.empty() && above != above.parent_path(); above = above.parent_path()) {
     struct stat info;
     if (stat(above.c_str(), &info) == 0) seen.insert({info.st_dev, info.st_ino});
   }
@@ -159,7 +166,8 @@ std::vector<std::string> RealDisk::Children(const Path& folder) const {
   std::error_code error;
   fs::directory_iterator it(folder, error);
   if (error == std::errc::no_such_file_or_directory) return names;
-  for (; !error && it != fs::directory_iterator(); it.increment(error)) names.push_back(it->path().filename().string());
+  for (; !error && it != fs::directory_iterator(); it.increment(error))
+    names.push_back(it->path().filename().string());
   if (error) FailOnDisk("list", folder, error.value());
   std::sort(names.begin(), names.end());
   return names;
@@ -177,7 +185,8 @@ std::string RealDisk::ReadEnd(const Path& path, std::size_t most) const {
   const off_t size = lseek(fd.get(), 0, SEEK_END);
   if (size < 0) FailOnDisk("read", path, errno);
   std::string text(std::min(most, static_cast<std::size_t>(size)), 0);
-  const ssize_t got = pread(fd.get(), text.data(), text.size(), size - static_cast<off_t>(text.size()));
+  const ssize_t got =
+      pread(fd.get(), text.data(), text.size(), size - static_cast<off_t>(text.size()));
   if (got < 0) FailOnDisk("read", path, errno);
   text.resize(static_cast<std::size_t>(got));
   return text;
@@ -189,12 +198,14 @@ std::string RealDisk::ContentHash(const Path& path) const {
   return hash.Hex();
 }
 
-/// Fills a temporary file and renames it over the target. The staging folder may be cleared by a run that starts meanwhile, and may lie on
-/// another file system than the target; then the file is made beside the target.
+/// Fills a temporary file and renames it over the target. The staging folder may be cleared by a
+/// run that starts meanwhile, and may lie on another file system than the target; then the file is
+/// made beside the target.
 template <class Fill>
 void RealDisk::Place(const Path& target, const Fill& fill) const {
   static std::atomic<int> counter = 0;
-  const std::string name = target.filename().string() + ".tmp" + std::to_string(getpid()) + "-" + std::to_string(counter++);
+  const std::string name = target.filename().string() + ".tmp" + std::to_string(getpid()) + "-" +
+                           std::to_string(counter++);
   std::error_code ignored;
   if (target.has_parent_path()) const_cast<RealDisk*>(this)->MakeFolder(target.parent_path());
   for (const bool staged : {true, false}) {
@@ -221,7 +232,8 @@ void RealDisk::Place(const Path& target, const Fill& fill) const {
 void RealDisk::Write(const Path& path, std::string_view text) {
   Place(path, [&](int fd) {
     WriteAll(fd, text.data(), text.size(), path);
-    // Before it gets its name: after a power cut some file systems have the new name and none of the new content.
+    // Before it gets its name: after a power cut some file systems have the new name and none of
+    // the new content.
     if (fdatasync(fd) != 0 && errno != EINVAL && errno != ENOSYS) FailOnDisk("write", path, errno);
   });
 }
@@ -235,9 +247,11 @@ void RealDisk::MakeFolder(const Path& path) {
 void RealDisk::Move(const Path& from, const Path& to) {
   if (to.has_parent_path()) MakeFolder(to.parent_path());
   if (rename(from.c_str(), to.c_str()) == 0) return;
-  if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR) FailOnDisk("move into place", to, errno);
+  if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR)
+    FailOnDisk("move into place", to, errno);
   // A folder in the way: swap the two in one step, so that at no moment there is none.
-  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0) return Remove(from);
+  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0)
+    return Remove(from);
   Remove(to);
   if (rename(from.c_str(), to.c_str()) != 0) FailOnDisk("move into place", to, errno);
 }
@@ -254,13 +268,15 @@ void RealDisk::Copy(const Path& from, const Path& to) {
 void RealDisk::Remove(const Path& path) {
   std::error_code error;
   fs::remove_all(path, error);
-  if (error && error != std::errc::no_such_file_or_directory) FailOnDisk("remove", path, error.value());
+  if (error && error != std::errc::no_such_file_or_directory)
+    FailOnDisk("remove", path, error.value());
 }
 
 void RealDisk::Sync(const Path& folder) {
   Fd fd(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (fd.get() < 0) FailOnDisk("open", folder, errno);
-  if (syncfs(fd.get()) != 0 && errno != EINVAL && errno != ENOSYS) FailOnDisk("write", folder, errno);
+  if (syncfs(fd.get()) != 0 && errno != EINVAL && errno != ENOSYS)
+    FailOnDisk("write", folder, errno);
 }
 
 }  // namespace keypose::pipeline

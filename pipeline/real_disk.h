@@ -7,7 +7,8 @@ namespace keypose::pipeline {
 
 class RealDisk final : public Disk {
  public:
-  /// @param staging  folder where files are written before they are renamed into place, so that a killed run leaves no half-written
+  /// @param staging  folder where files are written before they are renamed into place, so that a
+  /// killed run leaves no half-written
   ///                 file beside others; empty: each beside its target
   explicit RealDisk(Path staging = {}) : staging_(std::move(staging)) {}
 

@@ -26,7 +26,9 @@ volatile std::sig_atomic_t interrupts = 0;
 
 void OnInterrupt(int) { interrupts = interrupts + 1; }
 
-double SecondsNow() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double SecondsNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// The runner's environment with `added` in front; a name that is added twice keeps the last.
 std::vector<std::string> EnvironmentWith(std::vector<std::string> added) {
@@ -34,7 +36,9 @@ std::vector<std::string> EnvironmentWith(std::vector<std::string> added) {
   std::vector<std::string> result = added;
   for (char** entry = environ; *entry; ++entry) {
     const std::string text = *entry;
-    if (std::none_of(added.begin(), added.end(), [&](const std::string& a) { return name_of(a) == name_of(text); })) result.push_back(text);
+    if (std::none_of(added.begin(), added.end(),
+                     [&](const std::string& a) { return name_of(a) == name_of(text); }))
+      result.push_back(text);
   }
   return result;
 }
@@ -71,7 +75,8 @@ Asked StartAsked(const std::vector<std::string>& command) {
   return asked;
 }
 
-/// Reads what is there. @return whether the other end is still open
+/// Reads what is there.
+/// @return whether the other end is still open
 bool Drain(int fd, std::string* text) {
   char buffer[65536];
   const ssize_t n = read(fd, buffer, sizeof buffer);
@@ -105,7 +110,8 @@ int RealProcessRunner::Start(const Command& command) {
   auto child = std::make_unique<Child>();
   std::vector<std::string> added = command.environment;
   added.push_back("KEYPOSE_PROGRESS_FD=3");
-  child->guarded = StartGuarded(command.arguments, EnvironmentWith(added), command.folder, command.log, keep_open_);
+  child->guarded = StartGuarded(command.arguments, EnvironmentWith(added), command.folder,
+                                command.log, keep_open_);
   const int id = next_id_++;
   children_[id] = std::move(child);
   return id;
@@ -116,14 +122,18 @@ void RealProcessRunner::ReadProgress(int id, Child& child, std::vector<ProcessEv
     close(child.guarded.progress);
     child.guarded.progress = -1;
   }
-  for (std::size_t end; (end = child.partial_line.find('\n')) != std::string::npos; child.partial_line.erase(0, end + 1)) {
+  for (std::size_t end; (end = child.partial_line.find('\n')) != std::string::npos;
+       child.partial_line.erase(0, end + 1)) {
     const auto line = nlohmann::json::parse(child.partial_line.substr(0, end), nullptr, false);
-    if (!line.is_object()) continue;  // a stage may say what it likes; only what we understand counts
+    if (!line.is_object())
+      continue;  // a stage may say what it likes; only what we understand counts
     ProcessEvent event;
     event.kind = ProcessEvent::Kind::kProgress;
     event.id = id;
-    if (line.contains("fraction") && line["fraction"].is_number()) event.fraction = std::clamp(line["fraction"].get<double>(), 0.0, 1.0);
-    if (line.contains("what") && line["what"].is_string()) event.what = line["what"].get<std::string>();
+    if (line.contains("fraction") && line["fraction"].is_number())
+      event.fraction = std::clamp(line["fraction"].get<double>(), 0.0, 1.0);
+    if (line.contains("what") && line["what"].is_string())
+      event.what = line["what"].get<std::string>();
     events->push_back(event);
   }
 }
@@ -191,7 +201,8 @@ void RealProcessRunner::StopAll() {
   }
 }
 
-std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std::vector<std::string>>& commands) {
+std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(
+    const std::vector<std::vector<std::string>>& commands) {
   constexpr double kPatienceSeconds = 60;
   constexpr std::size_t kMostSaid = 4 << 20;
   std::vector<Asked> asked;
@@ -216,7 +227,8 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std:
       std::string& text = k == 0 ? answers[i].output : answers[i].error;
       if (Drain(fds[n].fd, &text) && text.size() <= kMostSaid) continue;
       if (text.size() > kMostSaid) {
-        answers[i].error = fmt::format("it says more than {} MB and does not come to an end", kMostSaid >> 20);
+        answers[i].error =
+            fmt::format("it says more than {} MB and does not come to an end", kMostSaid >> 20);
         kill(asked[i].pid, SIGKILL);
       }
       close(fds[n].fd);
@@ -233,7 +245,9 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std:
     if (late) kill(asked[i].pid, SIGKILL);
     int status = 0;
     waitpid(asked[i].pid, &status, 0);
-    answers[i].exit_code = late ? 124 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    answers[i].exit_code = late                ? 124
+                           : WIFEXITED(status) ? WEXITSTATUS(status)
+                                               : 128 + WTERMSIG(status);
   }
   return answers;
 }
@@ -241,8 +255,11 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(const std::vector<std:
 std::optional<std::filesystem::path> RealProcessRunner::FindTool(const std::string& name) const {
   std::string variable = "KEYPOSE_" + name;
   for (char& c : variable)
-    c = std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : '_';
-  if (const char* chosen = std::getenv(variable.c_str()); chosen && *chosen) return std::filesystem::path(chosen);
+    c = std::isalnum(static_cast<unsigned char>(c))
+            ? static_cast<char>(std::toupper(static_cast<unsigned char>(c)))
+            : '_';
+  if (const char* chosen = std::getenv(variable.c_str()); chosen && *chosen)
+    return std::filesystem::path(chosen);
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {

@@ -12,11 +12,14 @@ namespace {
 using nlohmann::json;
 
 /// Length first, so that no two lists of fields give the same text.
-void AddField(std::string* text, const std::string& field) { *text += fmt::format("{}:{}\n", field.size(), field); }
+void AddField(std::string* text, const std::string& field) {
+  *text += fmt::format("{}:{}\n", field.size(), field);
+}
 
 using Fields = std::map<std::string, std::string>;
 
-void CompareFields(const std::string& what, const Fields& before, const Fields& now, std::vector<std::string>* differences) {
+void CompareFields(const std::string& what, const Fields& before, const Fields& now,
+                   std::vector<std::string>* differences) {
   for (const auto& [name, value] : before) {
     const auto it = now.find(name);
     if (it == now.end())
@@ -25,11 +28,13 @@ void CompareFields(const std::string& what, const Fields& before, const Fields& 
       differences->push_back(fmt::format("{} {}: {} -> {}", what, name, value, it->second));
   }
   for (const auto& [name, value] : now) {
-    if (!before.contains(name)) differences->push_back(fmt::format("{} {} is new: {}", what, name, value));
+    if (!before.contains(name))
+      differences->push_back(fmt::format("{} {} is new: {}", what, name, value));
   }
 }
 
-void CompareFolders(const RecipeInput& before, const RecipeInput& now, std::vector<std::string>* differences) {
+void CompareFolders(const RecipeInput& before, const RecipeInput& now,
+                    std::vector<std::string>* differences) {
   constexpr std::size_t kShown = 5;
   std::vector<std::string> lines;
   const auto full = [&](const std::string& name) { return now.origin + "/" + name; };
@@ -44,19 +49,24 @@ void CompareFolders(const RecipeInput& before, const RecipeInput& now, std::vect
     if (!before.content.files.contains(name)) lines.push_back(full(name) + " is new");
   }
   for (std::size_t i = 0; i < std::min(lines.size(), kShown); ++i) differences->push_back(lines[i]);
-  if (lines.size() > kShown) differences->push_back(fmt::format("and {} more files of {}", lines.size() - kShown, now.origin));
+  if (lines.size() > kShown)
+    differences->push_back(
+        fmt::format("and {} more files of {}", lines.size() - kShown, now.origin));
 }
 
-void CompareInputs(const std::vector<RecipeInput>& before, const std::vector<RecipeInput>& now, std::vector<std::string>* differences) {
+void CompareInputs(const std::vector<RecipeInput>& before, const std::vector<RecipeInput>& now,
+                   std::vector<std::string>* differences) {
   for (std::size_t i = 0; i < std::max(before.size(), now.size()); ++i) {
     if (i >= now.size()) {
-      differences->push_back(fmt::format("input {} no longer gets {}", before[i].port, before[i].origin));
+      differences->push_back(
+          fmt::format("input {} no longer gets {}", before[i].port, before[i].origin));
     } else if (i >= before.size()) {
       differences->push_back(fmt::format("input {} now also gets {}", now[i].port, now[i].origin));
     } else if (before[i].port != now[i].port || before[i].content.hash != now[i].content.hash) {
       if (before[i].port != now[i].port || before[i].origin != now[i].origin) {
-        differences->push_back(
-            fmt::format("input {} was {}, and input {} is {} now", before[i].port, before[i].origin, now[i].port, now[i].origin));
+        differences->push_back(fmt::format("input {} was {}, and input {} is {} now",
+                                           before[i].port, before[i].origin, now[i].port,
+                                           now[i].origin));
       } else if (before[i].content.files.empty() || now[i].content.files.empty()) {
         differences->push_back(fmt::format("{} changed", now[i].origin));
       } else {
@@ -102,7 +112,11 @@ json ToJson(const Recipe& recipe) {
     if (!input.content.files.empty()) entry["files"] = input.content.files;
     inputs.push_back(std::move(entry));
   }
-  return {{"stage", recipe.stage}, {"version", recipe.version}, {"tools", recipe.tools}, {"options", recipe.options}, {"inputs", inputs}};
+  return {{"stage", recipe.stage},
+          {"version", recipe.version},
+          {"tools", recipe.tools},
+          {"options", recipe.options},
+          {"inputs", inputs}};
 }
 
 Recipe RecipeFromJson(const json& value) {
@@ -112,8 +126,9 @@ Recipe RecipeFromJson(const json& value) {
   recipe.tools = value.at("tools").get<Fields>();
   recipe.options = value.at("options").get<Fields>();
   for (const json& entry : value.at("inputs")) {
-    RecipeInput input{
-        entry.at("port").get<std::string>(), entry.at("origin").get<std::string>(), {entry.at("sha256").get<std::string>(), {}}};
+    RecipeInput input{entry.at("port").get<std::string>(),
+                      entry.at("origin").get<std::string>(),
+                      {entry.at("sha256").get<std::string>(), {}}};
     if (entry.contains("files")) input.content.files = entry["files"].get<Fields>();
     recipe.inputs.push_back(std::move(input));
   }
@@ -122,8 +137,11 @@ Recipe RecipeFromJson(const json& value) {
 
 std::vector<std::string> Differences(const Recipe& before, const Recipe& now) {
   std::vector<std::string> differences;
-  if (before.stage != now.stage) differences.push_back(fmt::format("the stage is another: {} -> {}", before.stage, now.stage));
-  if (before.version != now.version) differences.push_back(fmt::format("the stage's version: {} -> {}", before.version, now.version));
+  if (before.stage != now.stage)
+    differences.push_back(fmt::format("the stage is another: {} -> {}", before.stage, now.stage));
+  if (before.version != now.version)
+    differences.push_back(
+        fmt::format("the stage's version: {} -> {}", before.version, now.version));
   CompareFields("version of the tool", before.tools, now.tools, &differences);
   CompareFields("option", before.options, now.options, &differences);
   CompareInputs(before.inputs, now.inputs, &differences);

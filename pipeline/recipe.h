@@ -1,4 +1,5 @@
-// All that decides what a step makes: its fingerprint, and the differences between two such in plain words.
+// All that decides what a step makes: its fingerprint, and the differences between two such in
+// plain words.
 #pragma once
 
 #include <map>
@@ -10,7 +11,8 @@ namespace keypose::pipeline {
 
 /// The content of a file or folder.
 struct Content {
-  std::string hash;                          ///< of a file: SHA-256; of a folder: SHA-256 over sorted names and hashes of `files`
+  /// of a file: SHA-256; of a folder: SHA-256 over sorted names and hashes of `files`
+  std::string hash;
   std::map<std::string, std::string> files;  ///< of a folder: relative name -> hash
   bool operator==(const Content&) const = default;
 };
@@ -37,7 +39,8 @@ nlohmann::json ToJson(const Recipe& recipe);
 /// @throws nlohmann::json::exception  not written by ToJson
 Recipe RecipeFromJson(const nlohmann::json& json);
 
-/// One sentence for each thing that differs, e.g. "option depth: 9 -> 10", "photos/bent/IMG_0007.jpg changed". Empty: same fingerprint.
+/// One sentence for each thing that differs, e.g. "option depth: 9 -> 10",
+/// "photos/bent/IMG_0007.jpg changed". Empty: same fingerprint.
 std::vector<std::string> Differences(const Recipe& before, const Recipe& now);
 
 }  // namespace keypose::pipeline

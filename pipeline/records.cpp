@@ -10,16 +10,21 @@ namespace keypose::pipeline {
 
 using nlohmann::json;
 
-Records::Records(Disk& disk, std::filesystem::path state_folder) : disk_(disk), state_folder_(std::move(state_folder)) {}
+Records::Records(Disk& disk, std::filesystem::path state_folder)
+    : disk_(disk), state_folder_(std::move(state_folder)) {}
 
 namespace {
 
 /// Folders are named by it.
-bool IsFingerprint(const std::string& text) { return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos; }
+bool IsFingerprint(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
 
 }  // namespace
 
-std::filesystem::path Records::StepFile(const std::string& step_id) const { return state_folder_ / "steps" / (step_id + ".json"); }
+std::filesystem::path Records::StepFile(const std::string& step_id) const {
+  return state_folder_ / "steps" / (step_id + ".json");
+}
 
 std::optional<StepRecord> Records::Last(const std::string& step_id) const {
   if (!disk_.Stat(StepFile(step_id))) return std::nullopt;
@@ -85,7 +90,8 @@ void Records::Save(const RunRecord& run) {
                       {"warnings", list(run.ending.warnings)},
                       {"verdicts", list(run.ending.verdicts)},
                       {"results", list(run.ending.results)}};
-  disk_.Write(state_folder_ / "runs" / (run.name + ".json"), value.dump(1, ' ', false, json::error_handler_t::replace));
+  disk_.Write(state_folder_ / "runs" / (run.name + ".json"),
+              value.dump(1, ' ', false, json::error_handler_t::replace));
 }
 
 std::set<std::string> Records::Mentioned(int runs) const {
@@ -99,11 +105,13 @@ std::set<std::string> Records::Mentioned(int runs) const {
     const auto steps = value.find("steps");
     if (steps == value.end() || !steps->is_array()) continue;
     for (const json& step : *steps)
-      if (step.is_object() && step.contains("fingerprint") && step["fingerprint"].is_string()) mentioned.insert(step["fingerprint"]);
+      if (step.is_object() && step.contains("fingerprint") && step["fingerprint"].is_string())
+        mentioned.insert(step["fingerprint"]);
   }
   for (const std::string& name : disk_.FilesBelow(state_folder_ / "steps")) {
     if (!name.ends_with(".json")) continue;
-    if (const auto record = Last(name.substr(0, name.size() - 5))) mentioned.insert(record->fingerprint);
+    if (const auto record = Last(name.substr(0, name.size() - 5)))
+      mentioned.insert(record->fingerprint);
   }
   return mentioned;
 }
@@ -111,12 +119,13 @@ std::set<std::string> Records::Mentioned(int runs) const {
 int Records::DropOldRuns(int runs) {
   const std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
   const int drop = std::max(0, static_cast<int>(names.size()) - runs);
-  for (int i = 0; i < drop; ++i) disk_.Remove(state_folder_ / "runs" / names[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < drop; ++i) disk_.Remove(state_folder_ / "runs" / names[i]);
   return drop;
 }
 
 std::string TimeText(double seconds_since_1970) {
-  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", fmt::gmtime(static_cast<std::time_t>(seconds_since_1970)));
+  return fmt::format("{:%Y-%m-%d %H:%M:%S} UTC",
+                     fmt::gmtime(static_cast<std::time_t>(seconds_since_1970)));
 }
 
 }  // namespace keypose::pipeline

@@ -53,9 +53,11 @@ class Records {
   std::optional<StepRecord> Last(const std::string& step_id) const;
   void SetLast(const std::string& step_id, const StepRecord& record);
   void Save(const RunRecord& run);
-  /// Fingerprints that the newest `runs` run records mention, and those of all steps' last successes.
+  /// Fingerprints that the newest `runs` run records mention, and those of all steps' last
+  /// successes.
   std::set<std::string> Mentioned(int runs) const;
-  /// Removes all but the newest `runs` run records. @return how many
+  /// Removes all but the newest `runs` run records.
+  /// @return how many
   int DropOldRuns(int runs);
 
  private:

@@ -10,10 +10,13 @@
 namespace keypose::pipeline {
 namespace {
 
-[[noreturn]] void Refuse(const Where& where, const std::string& message) { throw UsageError(fmt::format("{}: {}", where.Text(), message)); }
+[[noreturn]] void Refuse(const Where& where, const std::string& message) {
+  throw UsageError(fmt::format("{}: {}", where.Text(), message));
+}
 
 bool IsPath(const std::string& text) {
-  return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") || text.starts_with("~");
+  return text.starts_with("./") || text.starts_with("../") || text.starts_with("/") ||
+         text.starts_with("~");
 }
 
 bool TakesLandmarks(const InputRule& rule) {
@@ -23,20 +26,25 @@ bool TakesLandmarks(const InputRule& rule) {
 
 }  // namespace
 
-std::string PhotographsOf(const PoseRule& pose) { return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name); }
+std::string PhotographsOf(const PoseRule& pose) {
+  return WithHome(pose.photos ? pose.photos->text : "photos/" + pose.name);
+}
 
 Flow References::Source(const Setting& path) const {
   Flow flow;
   flow.kind = Flow::Kind::kSource;
-  flow.path = OnDisk(disk_, project_, std::filesystem::path(WithHome(path.text)).lexically_normal());
+  flow.path =
+      OnDisk(disk_, project_, std::filesystem::path(WithHome(path.text)).lexically_normal());
   flow.origin = flow.path.generic_string();
   flow.where = path.where;
   return flow;
 }
 
-References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk)
+References::References(const PipelineFile& file, const Graph& graph, std::filesystem::path project,
+                       const Disk& disk)
     : file_(file), graph_(graph), project_(std::move(project)), disk_(disk) {
-  for (std::size_t i = 0; i < graph.steps.size(); ++i) index_[graph.steps[i].id] = static_cast<int>(i);
+  for (std::size_t i = 0; i < graph.steps.size(); ++i)
+    index_[graph.steps[i].id] = static_cast<int>(i);
 }
 
 void References::Connect(const StepRule& rule, int index, Step* step) const {
@@ -44,26 +52,29 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
   for (const PortInfo& port : step->info->inputs) known.push_back(port.name);
   for (const auto& [port, input] : rule.inputs) {
     if (!step->info->FindInput(port)) {
-      Refuse(input.where,
-           fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name, step->info->stage, port, Suggestion(port, known)));
+      Refuse(input.where, fmt::format("step '{}': stage '{}' has no input '{}'{}", rule.name,
+                                      step->info->stage, port, Suggestion(port, known)));
     }
   }
   for (const PortInfo& port : step->info->inputs) {
     PortFlows result{port.name, port.Kind(), {}};
     const auto it = rule.inputs.find(port.name);
     if (it != rule.inputs.end()) result.flows = FlowsOf(it->second, *step);
-    if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty()) step->warnings = LandmarkWarnings(*step);
+    if (it != rule.inputs.end() && TakesLandmarks(it->second) && !step->pose.empty())
+      step->warnings = LandmarkWarnings(*step);
     const Where where = it != rule.inputs.end() ? it->second.where : rule.where;
     if (result.flows.empty() && !port.optional)
-      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id, port.name, step->info->stage));
+      Refuse(where, fmt::format("step '{}' has nothing for the input '{}' of stage '{}'", step->id,
+                                port.name, step->info->stage));
     if (result.flows.size() > 1 && !port.repeatable)
-      Refuse(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id, port.name, result.flows.size()));
+      Refuse(where, fmt::format("step '{}': the input '{}' takes one thing, not {}", step->id,
+                                port.name, result.flows.size()));
     if (result.flows.empty()) continue;
     for (const Flow& flow : result.flows) {
       CheckKind(flow, result, *step);
       if (flow.step >= 0) step->needs.push_back(flow.step);
       if (flow.kind != Flow::Kind::kRun) continue;
-      for (int i = 0; i < static_cast<int>(graph_.steps.size()); ++i) {
+      for (int i = 0; i < std::ssize(graph_.steps); ++i) {
         if (i != index) step->needs.push_back(i);
       }
     }
@@ -76,7 +87,8 @@ void References::Connect(const StepRule& rule, int index, Step* step) const {
 std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) const {
   std::vector<Flow> flows;
   const auto add = [&](const Step& of) {
-    for (const Setting& reference : of.pose == graph_.template_pose ? rule.for_template : rule.for_others) {
+    for (const Setting& reference :
+         of.pose == graph_.template_pose ? rule.for_template : rule.for_others) {
       for (Flow& flow : Resolve(reference, of)) flows.push_back(std::move(flow));
     }
   };
@@ -95,11 +107,13 @@ std::vector<Flow> References::FlowsOf(const InputRule& rule, const Step& step) c
 void References::CheckKind(const Flow& flow, const PortFlows& port, const Step& step) const {
   const bool wants_folder = port.kind == PortKind::kFolder;
   bool folder = wants_folder;
-  if (flow.kind == Flow::Kind::kOutput) folder = graph_.steps[flow.step].info->FindOutput(flow.port)->kind == "folder";
+  if (flow.kind == Flow::Kind::kOutput)
+    folder = graph_.steps[flow.step].info->FindOutput(flow.port)->kind == "folder";
   if (flow.kind == Flow::Kind::kTimeline) folder = false;
   if (port.kind == PortKind::kEither || folder == wants_folder) return;
-  Refuse(flow.where, fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin, folder ? "folder" : "file",
-                               port.port, wants_folder ? "folder" : "file"));
+  Refuse(flow.where,
+         fmt::format("step '{}': {} is a {}, but the input '{}' takes a {}", step.id, flow.origin,
+                     folder ? "folder" : "file", port.port, wants_folder ? "folder" : "file"));
 }
 
 std::vector<Flow> References::Resolve(const Setting& reference, const Step& step) const {
@@ -130,28 +144,36 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
   }
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
     Refuse(reference.where,
-         fmt::format("step '{}': '{}' is not known{}", step.rule, word,
-                     Suggestion(word, {"$photos", "$masks", "$background", "$cameras", "$landmarks", "$regions", "$timeline", "$run"})));
+           fmt::format("step '{}': '{}' is not known{}", step.rule, word,
+                       Suggestion(word, {"$photos", "$masks", "$background", "$cameras",
+                                         "$landmarks", "$regions", "$timeline", "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
-  if (!pose) Refuse(reference.where, fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
+  if (!pose)
+    Refuse(reference.where,
+           fmt::format("step '{}' is not of one pose, so it has no {}", step.rule, word));
   if (word == "$photos") {
     flow = Source({PhotographsOf(*pose), pose->photos ? pose->photos->where : pose->where});
     flow.photographs = true;
     return {flow};
   }
-  const auto& setting = word == "$masks" ? pose->masks : word == "$cameras" ? pose->cameras : pose->background;
+  const auto& setting = word == "$masks"     ? pose->masks
+                        : word == "$cameras" ? pose->cameras
+                                             : pose->background;
   return setting ? std::vector<Flow>{Source(*setting)} : std::vector<Flow>{};
 }
 
 std::vector<Flow> References::Landmarks(const Setting& reference, const Step& step) const {
-  if (step.pose.empty()) Refuse(reference.where, fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
+  if (step.pose.empty())
+    Refuse(reference.where,
+           fmt::format("step '{}' is not of one pose, so it has no $landmarks", step.rule));
   const std::vector<std::string> poses = PosesOfPair(step);
   for (const std::string& name : poses) {
     const auto& named = file_.FindPose(name)->landmarks;
     if (!named || disk_.Stat(project_ / Source(*named).path)) continue;
-    throw InputError(fmt::format("{}: the landmarks {} of pose '{}' do not exist; put them there, or correct the line", named->where.Text(),
-                                 named->text, name));
+    throw InputError(fmt::format(
+        "{}: the landmarks {} of pose '{}' do not exist; put them there, or correct the line",
+        named->where.Text(), named->text, name));
   }
   std::vector<Flow> flows;
   for (const std::string& name : poses) {
@@ -169,7 +191,8 @@ std::vector<std::string> References::PosesOfPair(const Step& step) const {
   return poses;
 }
 
-/// The file that the project names, else landmarks/POSE.json or what MeshLab writes, when one of them is there.
+/// The file that the project names, else landmarks/POSE.json or what MeshLab writes, when one of
+/// them is there.
 std::optional<Setting> References::LandmarkFile(const std::string& pose_name) const {
   const PoseRule* pose = file_.FindPose(pose_name);
   if (pose->landmarks) return pose->landmarks;
@@ -189,23 +212,29 @@ std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
     if (!file) continue;
     const std::string picked_points = "landmarks/" + name + ".pp";
     if (file->text != picked_points && disk_.Stat(project_ / picked_points))
-      warnings.push_back(fmt::format("{} is not used, because {} is there too; delete the one that is not meant", picked_points, file->text));
+      warnings.push_back(
+          fmt::format("{} is not used, because {} is there too; delete the one that is not meant",
+                      picked_points, file->text));
     for (const std::string& other : poses) {
       if (LandmarkFile(other)) continue;
-      warnings.push_back(fmt::format("{} is not used: pose '{}' has no landmarks to pair them with; pick the same spots on it, with the "
-                                     "same names, and save them as landmarks/{}.json or .pp",
-                                     file->text, other, other));
+      warnings.push_back(
+          fmt::format("{} is not used: pose '{}' has no landmarks to pair them with; pick the same "
+                      "spots on it, with the "
+                      "same names, and save them as landmarks/{}.json or .pp",
+                      file->text, other, other));
     }
   }
   return warnings;
 }
 
-std::vector<std::string> References::SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out,
+std::vector<std::string> References::SelectedPoses(const Setting& reference,
+                                                   const std::string& selector, FanOut fan_out,
                                                    const Step& step) const {
   const auto others = std::vector<std::string>(graph_.poses.begin() + 1, graph_.poses.end());
   if (fan_out == FanOut::kAnimation || fan_out == FanOut::kProject) {
     if (!selector.empty())
-      Refuse(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out", reference.text, selector));
+      Refuse(reference.where, fmt::format("'{}': this step is not of a pose, leave '@{}' out",
+                                          reference.text, selector));
     return {""};
   }
   if (selector == "template") return {graph_.template_pose};
@@ -213,11 +242,14 @@ std::vector<std::string> References::SelectedPoses(const Setting& reference, con
   if (selector == "all") return graph_.poses;
   if (!selector.empty() && selector != "pose") {
     Refuse(reference.where,
-         fmt::format("'{}': '@{}' is not known{}", reference.text, selector, Suggestion(selector, {"pose", "template", "others", "all"})));
+           fmt::format("'{}': '@{}' is not known{}", reference.text, selector,
+                       Suggestion(selector, {"pose", "template", "others", "all"})));
   }
   if (fan_out == FanOut::kTemplate) return {graph_.template_pose};
   if (step.pose.empty())
-    Refuse(reference.where, fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'", step.rule, reference.text));
+    Refuse(reference.where,
+           fmt::format("step '{}' is not of one pose: add @template, @others or @all to '{}'",
+                       step.rule, reference.text));
   return {step.pose};
 }
 
@@ -225,29 +257,34 @@ std::vector<Flow> References::ResolveOutput(const Setting& reference, const Step
   const auto dot = reference.text.find('.');
   const auto at = reference.text.find('@');
   const std::string name = reference.text.substr(0, std::min(dot, at));
-  const std::string port = dot == std::string::npos ? "" : reference.text.substr(dot + 1, at == std::string::npos ? at : at - dot - 1);
+  const std::string port =
+      dot == std::string::npos
+          ? ""
+          : reference.text.substr(dot + 1, at == std::string::npos ? at : at - dot - 1);
   const std::string selector = at == std::string::npos ? "" : reference.text.substr(at + 1);
   const StepRule* rule = file_.FindStep(name);
   std::vector<std::string> known;
   for (const StepRule& other : file_.steps) known.push_back(other.name);
   if (!rule)
     Refuse(reference.where,
-         fmt::format("step '{}': there is no step '{}'{} A path of the project starts with ./", step.rule, name, Suggestion(name, known)));
+           fmt::format("step '{}': there is no step '{}'{} A path of the project starts with ./",
+                       step.rule, name, Suggestion(name, known)));
   if (!rule->enabled)
-    Refuse(reference.where,
-         fmt::format("step '{}' takes '{}', but that step is switched off at {}", step.rule, reference.text, rule->where.Text()));
+    Refuse(reference.where, fmt::format("step '{}' takes '{}', but that step is switched off at {}",
+                                        step.rule, reference.text, rule->where.Text()));
   std::vector<Flow> flows;
   for (const std::string& pose : SelectedPoses(reference, selector, *rule->fan_out, step)) {
     const std::string id = pose.empty() ? name : name + "/" + pose;
     const auto it = index_.find(id);
     if (it == index_.end())
-      Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id, reference.text, id));
-    const StageInfo& info = *graph_.steps[static_cast<std::size_t>(it->second)].info;
+      Refuse(reference.where, fmt::format("step '{}' takes '{}', but there is no step {}", step.id,
+                                          reference.text, id));
+    const StageInfo& info = *graph_.steps[it->second].info;
     if (!info.FindOutput(port)) {
       std::vector<std::string> outputs;
       for (const PortInfo& output : info.outputs) outputs.push_back(output.name);
-      Refuse(reference.where,
-           fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule, info.stage, port, Suggestion(port, outputs)));
+      Refuse(reference.where, fmt::format("step '{}': stage '{}' has no output '{}'{}", step.rule,
+                                          info.stage, port, Suggestion(port, outputs)));
     }
     Flow flow;
     flow.kind = Flow::Kind::kOutput;

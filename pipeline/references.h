@@ -1,4 +1,5 @@
-// Resolves what pipeline.yaml writes at an input port: `sfm.model`, `register.registered@others`, `$photos`, `./a/path`.
+// Resolves what pipeline.yaml writes at an input port: `sfm.model`, `register.registered@others`,
+// `$photos`, `./a/path`.
 #pragma once
 
 #include <optional>
@@ -15,10 +16,12 @@ std::string PhotographsOf(const PoseRule& pose);
 class References {
  public:
   /// @param graph  has all step instances, not connected yet; kept by reference
-  References(const PipelineFile& file, const Graph& graph, std::filesystem::path project, const Disk& disk);
+  References(const PipelineFile& file, const Graph& graph, std::filesystem::path project,
+             const Disk& disk);
 
   /// Fills inputs and needs of `step`, the instance `index` of `rule`.
-  /// @throws UsageError  a port, step, output or word that does not exist, a file where a folder is needed, a required port left empty
+  /// @throws UsageError  a port, step, output or word that does not exist, a file where a folder is
+  /// needed, a required port left empty
   void Connect(const StepRule& rule, int index, Step* step) const;
 
  private:
@@ -26,7 +29,8 @@ class References {
   std::vector<Flow> Resolve(const Setting& reference, const Step& step) const;
   std::vector<Flow> ResolveWord(const Setting& reference, const Step& step) const;
   std::vector<Flow> ResolveOutput(const Setting& reference, const Step& step) const;
-  std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector, FanOut fan_out, const Step& step) const;
+  std::vector<std::string> SelectedPoses(const Setting& reference, const std::string& selector,
+                                         FanOut fan_out, const Step& step) const;
   std::vector<Flow> Landmarks(const Setting& reference, const Step& step) const;
   Flow Source(const Setting& path) const;
   std::vector<std::string> LandmarkWarnings(const Step& step) const;

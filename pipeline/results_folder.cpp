@@ -31,8 +31,10 @@ std::map<std::string, Wanted> WantedFiles(const Step& step, const Artifact& arti
     if (!output.folder) {
       wanted[name] = {base, output.content.hash};
     } else if (result.inside.empty()) {
-      for (const auto& [file, hash] : output.content.files) wanted[name + "/" + file] = {base / file, hash};
-    } else if (const auto file = output.content.files.find(result.inside); file != output.content.files.end()) {
+      for (const auto& [file, hash] : output.content.files)
+        wanted[name + "/" + file] = {base / file, hash};
+    } else if (const auto file = output.content.files.find(result.inside);
+               file != output.content.files.end()) {
       wanted[name] = {base / file->first, file->second};
     }
   }
@@ -58,8 +60,9 @@ void ResultsFolder::Load() {
       entry.step = value.at("step").get<std::string>();
       entry.hash = value.at("sha256").get<std::string>();
       entry.next = value.at("next").get<std::string>();
-      entry.stat = {false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(),
-                    value.at("inode").get<std::uint64_t>(), value.value("ctime_ns", std::int64_t{0})};
+      entry.stat = {
+          false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(),
+          value.at("inode").get<std::uint64_t>(), value.value("ctime_ns", std::int64_t{0})};
     } catch (const json::exception&) {
       entries_.erase(name);  // damaged: the file is looked at anew
     }
@@ -87,7 +90,8 @@ std::vector<std::string> ResultsFolder::Verify() {
   for (auto& [name, entry] : entries_) {
     const auto stat = disk_.Stat(out_ / name);
     if (!stat || !(*stat == entry.stat) || disk_.ContentHash(out_ / name) == entry.hash) continue;
-    notes.push_back(fmt::format("damaged: out/{}; `keypose run` puts it back, and keeps this one beside it", name));
+    notes.push_back(fmt::format(
+        "damaged: out/{}; `keypose run` puts it back, and keeps this one beside it", name));
     entry.stat = {};
     changed_ = true;
   }
@@ -115,17 +119,21 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   }
   for (const std::string& name : missing)
     if (disk_.LeadsOutside(out_ / name, out_))
-      throw DiskError(fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the project's results; remove the link",
-                                  name, (out_ / name).parent_path().string()));
+      throw DiskError(
+          fmt::format("out/{} cannot be written: a link in out/ leads to {}, outside of the "
+                      "project's results; remove the link",
+                      name, (out_ / name).parent_path().string()));
   if (missing.empty()) return notes;
   for (const std::string& name : missing) {
     Entry& entry = entries_[name];
     const auto stat = entry.next.empty() ? std::nullopt : disk_.Stat(out_ / name);
-    if (stat && !stat->folder && disk_.ContentHash(out_ / name) == entry.next) entry.hash = entry.next;
+    if (stat && !stat->folder && disk_.ContentHash(out_ / name) == entry.next)
+      entry.hash = entry.next;
     entry.step = step.id;
     entry.next = wanted.at(name).hash;
   }
-  // Said before it is done: a run that is killed in between must not take its own copy for a file that a person changed.
+  // Said before it is done: a run that is killed in between must not take its own copy for a file
+  // that a person changed.
   changed_ = true;
   Save();
   for (const std::string& name : missing) Place(name, wanted.at(name).from, &notes);
@@ -133,18 +141,22 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
   return notes;
 }
 
-bool ResultsFolder::IsInPlace(const std::string& name, const std::string& step, const std::string& hash) {
+bool ResultsFolder::IsInPlace(const std::string& name, const std::string& step,
+                              const std::string& hash) {
   const auto stat = disk_.Stat(out_ / name);
   if (!stat || stat->folder) return false;
   const auto it = entries_.find(name);
-  if (it != entries_.end() && it->second.stat == *stat && it->second.hash == hash && it->second.step == step) return true;
+  if (it != entries_.end() && it->second.stat == *stat && it->second.hash == hash &&
+      it->second.step == step)
+    return true;
   if (disk_.ContentHash(out_ / name) != hash) return false;
   entries_[name] = {step, hash, "", *stat};
   changed_ = true;
   return true;
 }
 
-void ResultsFolder::Place(const std::string& name, const fs::path& from, std::vector<std::string>* notes) {
+void ResultsFolder::Place(const std::string& name, const fs::path& from,
+                          std::vector<std::string>* notes) {
   Entry& entry = entries_.at(name);
   if (const auto stat = disk_.Stat(out_ / name)) {
     const std::string present = stat->folder ? "a folder" : disk_.ContentHash(out_ / name);
@@ -159,17 +171,20 @@ void ResultsFolder::SetAside(const std::string& name, std::vector<std::string>* 
   std::string aside = name + ".mine";
   for (int n = 2; disk_.Stat(out_ / aside); ++n) aside = fmt::format("{}.mine{}", name, n);
   disk_.Move(out_ / name, out_ / aside);
-  notes->push_back(fmt::format("out/{} was changed by hand; that version is out/{} now", name, aside));
+  notes->push_back(
+      fmt::format("out/{} was changed by hand; that version is out/{} now", name, aside));
 }
 
 void ResultsFolder::Drop(const std::string& name, std::vector<std::string>* notes) {
   if (Unchanged(name, entries_.at(name))) {
     disk_.Remove(out_ / name);
-    for (fs::path folder = (out_ / name).parent_path(); folder != out_ && disk_.Children(folder).empty(); folder = folder.parent_path()) {
+    for (fs::path folder = (out_ / name).parent_path();
+         folder != out_ && disk_.Children(folder).empty(); folder = folder.parent_path()) {
       disk_.Remove(folder);
     }
   } else if (disk_.Stat(out_ / name)) {
-    notes->push_back(fmt::format("out/{} is no longer a result, but was changed by hand; it stays", name));
+    notes->push_back(
+        fmt::format("out/{} is no longer a result, but was changed by hand; it stays", name));
   }
   entries_.erase(name);
   changed_ = true;
@@ -179,7 +194,8 @@ std::vector<std::string> ResultsFolder::DropStepsOutside(const Graph& graph) {
   std::vector<std::string> notes, stale;
   for (const auto& [name, entry] : entries_) {
     const bool known =
-        std::any_of(graph.steps.begin(), graph.steps.end(), [&name_of = entry.step](const Step& step) { return step.id == name_of; });
+        std::any_of(graph.steps.begin(), graph.steps.end(),
+                    [&name_of = entry.step](const Step& step) { return step.id == name_of; });
     if (!known) stale.push_back(name);
   }
   for (const std::string& name : stale) Drop(name, &notes);

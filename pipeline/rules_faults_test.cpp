@@ -26,9 +26,11 @@ TEST(Rules, FailedStepKeepsItsLogStopsWhatDependsAndGoesOnAfterRepair) {
   EXPECT_THAT(outcome.result.message, HasSubstr("failed with exit code 3"));
   EXPECT_THAT(outcome.result.message, HasSubstr("vertex 7 is not a number"));
   EXPECT_THAT(outcome.result.message, HasSubstr(".keypose/failed/shape.rest/log.txt"));
-  EXPECT_THAT(house.disk.Read(house.project / ".keypose/failed/shape.rest/log.txt"), HasSubstr("vertex 7"));
+  EXPECT_THAT(house.disk.Read(house.project / ".keypose/failed/shape.rest/log.txt"),
+              HasSubstr("vertex 7"));
   EXPECT_FALSE(house.disk.Stat(house.project / "out/rest/mesh.txt"));
-  EXPECT_THAT(house.Look().Reasons("shape/rest"), HasSubstr("its last try failed with exit code 3"));
+  EXPECT_THAT(house.Look().Reasons("shape/rest"),
+              HasSubstr("its last try failed with exit code 3"));
 
   shape = good;
   const auto second = house.Run();
@@ -46,7 +48,9 @@ TEST(Rules, FailureLeavesNoTemporaryFolder) {
 
 TEST(Rules, SignalledStageIsReportedAsABugWithTheSignal) {
   FakeHouse house;
-  house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) { return 139; };
+  house.processes.stages["/bin/keypose-solve"].run = [](const FakeCall&, MemoryDisk&) {
+    return 139;
+  };
   const auto outcome = house.Run();
   EXPECT_EQ(outcome.result.code, ExitCode::kBug);
   EXPECT_THAT(outcome.result.message, HasSubstr("signal 11"));
@@ -74,7 +78,8 @@ TEST(Rules, FullDiskIsExitCode4AndKeepsWhatWasMade) {
   shape = good;
   const auto second = house.Run();
   EXPECT_EQ(second.result.code, ExitCode::kOk);
-  EXPECT_EQ(std::count(second.ran.begin(), second.ran.end(), "shoot/rest"), 0) << "finished work was lost";
+  EXPECT_EQ(std::count(second.ran.begin(), second.ran.end(), "shoot/rest"), 0)
+      << "finished work was lost";
 }
 
 TEST(Rules, InterruptKeepsWhatWasMadeAndExitsWith130) {
@@ -104,7 +109,9 @@ TEST(Rules, FlippedBitIsNoticedSaidAndMendedBeforeItReachesResults) {
   flipped[0] ^= 1;  // of the same size, as bit rot is
   house.disk.Write(mesh, flipped);
   house.disk.Remove(house.project / "out");
-  EXPECT_EQ(house.Look().Reasons("shape/rest"), "its artifact in the cache was damaged from outside (mesh.txt is not as it was made)\n");
+  EXPECT_EQ(
+      house.Look().Reasons("shape/rest"),
+      "its artifact in the cache was damaged from outside (mesh.txt is not as it was made)\n");
   EXPECT_EQ(house.Run().ran, (Names{"shape/rest"}));
   EXPECT_EQ(house.Out("rest/mesh.txt"), good);
 }
@@ -122,7 +129,9 @@ TEST(Rules, ACopiedCacheIsReadOnceAndBelievedFromThenOn) {
 TEST(Rules, ArtifactsWithoutTheirReportOrInEachOthersFolderAreMadeAgain) {
   FakeHouse house;
   house.Run();
-  const auto folder = [&](const std::string& step) { return house.Look().Step(step).artifact->folder; };
+  const auto folder = [&](const std::string& step) {
+    return house.Look().Step(step).artifact->folder;
+  };
   house.disk.Remove(folder("match/bent") / "report.json");
   EXPECT_EQ(house.Run().ran, (Names{"match/bent"}));
   const std::filesystem::path rest = folder("shape/rest"), bent = folder("shape/bent");
@@ -130,7 +139,8 @@ TEST(Rules, ArtifactsWithoutTheirReportOrInEachOthersFolderAreMadeAgain) {
   house.disk.Move(bent, rest);
   house.disk.Move("/tmp/aside", bent);
   EXPECT_EQ(house.Look().Reasons("shape/rest"),
-            "its artifact in the cache was damaged from outside (manifest.json belongs to another artifact)\n");
+            "its artifact in the cache was damaged from outside (manifest.json belongs to another "
+            "artifact)\n");
   EXPECT_EQ(house.Run().ran, (Names{"shape/bent", "shape/rest"}));
 }
 
@@ -147,7 +157,8 @@ TEST(Rules, NamesThatLeadOutOfTheProjectAreNotFollowed) {
   EXPECT_TRUE(house.Run().ran.empty());
   EXPECT_EQ(house.disk.Read("/home/ann/taxes.txt"), "of 2025");
   // A manifest whose output lies elsewhere.
-  const std::filesystem::path file = house.Look().Step("shape/rest").artifact->folder / "manifest.json";
+  const std::filesystem::path file =
+      house.Look().Step("shape/rest").artifact->folder / "manifest.json";
   auto manifest = nlohmann::json::parse(house.disk.Read(file));
   manifest["outputs"]["mesh"]["file"] = "../../../../../taxes.txt";
   house.disk.Write(file, manifest.dump());
@@ -161,7 +172,8 @@ TEST(Rules, PhotographChangedAndPutBackWhileItsStepRunsSpoilsIt) {
   const std::string text = house.disk.Read(photo);
   const auto shoot = house.processes.stages.at("/bin/keypose-shoot").run;
   int calls = 0;
-  house.processes.stages.at("/bin/keypose-shoot").run = [&](const FakeCall& call, MemoryDisk& disk) {
+  house.processes.stages.at("/bin/keypose-shoot").run = [&](const FakeCall& call,
+                                                            MemoryDisk& disk) {
     const bool first = call.Flag("photos").ends_with("rest") && calls++ == 0;
     if (first) disk.Write(photo, "r another");
     const int code = shoot(call, disk);
@@ -184,7 +196,8 @@ TEST(Rules, ProgramReplacedWhileItRunsSpoilsItsStep) {
   FakeHouse house;
   const auto shape = house.processes.stages.at("/bin/keypose-shape").run;
   bool replaced = false;
-  house.processes.stages.at("/bin/keypose-shape").run = [&](const FakeCall& call, MemoryDisk& disk) {
+  house.processes.stages.at("/bin/keypose-shape").run = [&](const FakeCall& call,
+                                                            MemoryDisk& disk) {
     if (!replaced) {
       replaced = true;
       disk.Write("/bin/keypose-shape", "a new version");

@@ -62,7 +62,8 @@ TEST(Rules, ChangedPhotographOfOnePoseRunsThatPoseOnly) {
   house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "Bpicture retaken");
   EXPECT_EQ(house.Look().Reasons("shoot/bent"), "photos/bent/IMG_1.jpg changed\n");
   const auto outcome = house.Run();
-  EXPECT_EQ(outcome.ran, (Names{"blend", "match/bent", "shape/bent", "shoot/bent", "solve/bent", "tell"}));
+  EXPECT_EQ(outcome.ran,
+            (Names{"blend", "match/bent", "shape/bent", "shoot/bent", "solve/bent", "tell"}));
 }
 
 TEST(Rules, EqualOutputCutsOffWhatFollows) {
@@ -78,7 +79,8 @@ TEST(Rules, AddedAndRemovedPhotographsAreNamed) {
   house.Run();
   house.disk.Write(house.project / "photos/rest/IMG_9.jpg", "r new");
   house.disk.Remove(house.project / "photos/rest/IMG_0.jpg");
-  EXPECT_EQ(house.Look().Reasons("shoot/rest"), "photos/rest/IMG_0.jpg is gone\nphotos/rest/IMG_9.jpg is new\n");
+  EXPECT_EQ(house.Look().Reasons("shoot/rest"),
+            "photos/rest/IMG_0.jpg is gone\nphotos/rest/IMG_9.jpg is new\n");
 }
 
 TEST(Rules, FileManagersLitterDoesNotCount) {
@@ -92,7 +94,8 @@ TEST(Rules, FileManagersLitterDoesNotCount) {
 TEST(Rules, OptionChangeRunsStepAndWhatDependsOnIt) {
   FakeHouse house;
   house.Run();
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
   EXPECT_EQ(house.Look().Reasons("shape/rest"), "option depth: 9 -> 10\n");
   EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/bent", "shape/rest", "tell"}));
 }
@@ -100,7 +103,9 @@ TEST(Rules, OptionChangeRunsStepAndWhatDependsOnIt) {
 TEST(Rules, OptionOfOnePoseRunsThatPoseOnly) {
   FakeHouse house;
   house.Run();
-  house.WriteProject("poses:\n  rest: photos/rest\n  bent: {photos: photos/bent, options: {shape: {depth: 10}}}\n");
+  house.WriteProject(
+      "poses:\n  rest: photos/rest\n  bent: {photos: photos/bent, options: {shape: {depth: "
+      "10}}}\n");
   EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/bent", "tell"}));
 }
 
@@ -108,7 +113,8 @@ TEST(Rules, DefaultMadeExplicitInAnySpellingRunsNothing) {
   FakeHouse house;
   house.Run();
   house.WriteProject(
-      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 9}, solve: {speed: 5.0e-1}, shoot: {tone: plain}}\n");
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 9}, solve: {speed: "
+      "5.0e-1}, shoot: {tone: plain}}\n");
   EXPECT_THAT(house.Run().ran, IsEmpty());
 }
 
@@ -124,7 +130,8 @@ TEST(Rules, OptionSetBackIsTakenFromTheCache) {
 TEST(Rules, SetOfOnePoseRunsThatPoseOnly) {
   FakeHouse house;
   house.Run();
-  EXPECT_EQ(house.Run({}, {"shape/bent.depth=10"}).ran, (Names{"blend", "match/bent", "shape/bent", "tell"}));
+  EXPECT_EQ(house.Run({}, {"shape/bent.depth=10"}).ran,
+            (Names{"blend", "match/bent", "shape/bent", "tell"}));
 }
 
 TEST(Rules, StageVersionChangeRunsIt) {
@@ -133,7 +140,8 @@ TEST(Rules, StageVersionChangeRunsIt) {
   house.processes.stages["/bin/keypose-match"].describe["version"] = "2";
   house.disk.Touch("/bin/keypose-match");
   EXPECT_EQ(house.Look().Reasons("match/bent"), "the stage's version: 1 -> 2\n");
-  EXPECT_EQ(house.Run().ran, (Names{"match/bent", "tell"})) << "its output is as before, so only the report follows";
+  EXPECT_EQ(house.Run().ran, (Names{"match/bent", "tell"}))
+      << "its output is as before, so only the report follows";
 }
 
 TEST(Rules, RebuiltStageOfTheSameVersionRunsNothing) {
@@ -152,7 +160,8 @@ TEST(Rules, ToolVersionChangeRunsItsStage) {
   house.Run();
   house.disk.Write("/usr/bin/colmap", "3.9 is larger");
   describe["tools"] = nlohmann::json::array({{{"name", "colmap"}, {"version", "COLMAP 3.9"}}});
-  EXPECT_EQ(house.Look().Reasons("solve/rest"), "version of the tool colmap: COLMAP 3.8 -> COLMAP 3.9\n");
+  EXPECT_EQ(house.Look().Reasons("solve/rest"),
+            "version of the tool colmap: COLMAP 3.8 -> COLMAP 3.9\n");
   // The models come out equal, so nothing else runs than the report, which shows versions.
   EXPECT_EQ(house.Run().ran, (Names{"solve/bent", "solve/rest", "tell"}));
 }
@@ -160,7 +169,8 @@ TEST(Rules, ToolVersionChangeRunsItsStage) {
 TEST(Rules, ForceRunsTheStepAgainAndCutsOffWhatFollows) {
   FakeHouse house;
   house.Run();
-  EXPECT_EQ(house.Run({.from = {}, .until = {}, .only = {}, .force = {"solve/rest"}}).ran, (Names{"solve/rest"}));
+  EXPECT_EQ(house.Run({.from = {}, .until = {}, .only = {}, .force = {"solve/rest"}}).ran,
+            (Names{"solve/rest"}));
   EXPECT_THAT(house.Run().ran, IsEmpty());
 }
 
@@ -174,21 +184,25 @@ TEST(Rules, FromTakesWhatLiesBeforeAsItWasMade) {
   FakeHouse house;
   house.Run();
   house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "Xchanged");
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
-  EXPECT_EQ(house.Run({.from = {"shape"}, .until = {"shape"}, .only = {}, .force = {}}).ran, (Names{"shape/bent", "shape/rest"}));
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\noptions: {shape: {depth: 10}}\n");
+  EXPECT_EQ(house.Run({.from = {"shape"}, .until = {"shape"}, .only = {}, .force = {}}).ran,
+            (Names{"shape/bent", "shape/rest"}));
 }
 
 TEST(Rules, OnlyRunsJustThatAndNeedsWhatLiesBefore) {
   FakeHouse house;
   const Selection only{.from = {}, .until = {}, .only = {"shape/rest"}, .force = {}};
-  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(only); }), HasSubstr("shape/rest needs solve/rest, which was not asked for"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(only); }),
+              HasSubstr("shape/rest needs solve/rest, which was not asked for"));
   house.Run({.from = {}, .until = {"solve"}, .only = {}, .force = {}});
   EXPECT_EQ(house.Run(only).ran, (Names{"shape/rest"}));
 }
 
 TEST(Rules, SelectionOfUnknownStepNamesTheNearest) {
   FakeHouse house;
-  EXPECT_THAT(MessageOf<UsageError>([&] { house.Run({.from = {}, .until = {"shap"}, .only = {}, .force = {}}); }),
+  EXPECT_THAT(MessageOf<UsageError>(
+                  [&] { house.Run({.from = {}, .until = {"shap"}, .only = {}, .force = {}}); }),
               HasSubstr("did you mean 'shape'?"));
 }
 
@@ -200,7 +214,8 @@ TEST(Rules, LookingRunsNothingAndChangesNothing) {
   const auto view = house.Look();
   EXPECT_EQ(view.Step("shoot/rest").state, StepPlan::State::kReady);
   EXPECT_EQ(view.Step("solve/rest").state, StepPlan::State::kWaiting);
-  EXPECT_THAT(view.plan->WaitsFor(view.graph->Find("solve/rest").front()), ElementsAre("shoot/rest"));
+  EXPECT_THAT(view.plan->WaitsFor(view.graph->Find("solve/rest").front()),
+              ElementsAre("shoot/rest"));
   EXPECT_EQ(view.Step("shape/bent").state, StepPlan::State::kDone);
   EXPECT_EQ(house.disk.FilesBelow("/"), before);
 }
@@ -246,9 +261,11 @@ TEST(Rules, PosesWithEqualPhotographsShareArtifacts) {
   FakeHouse house;
   for (int i = 0; i < 3; ++i) {
     const std::string name = "IMG_" + std::to_string(i) + ".jpg";
-    house.disk.Write(house.project / "photos/bent" / name, house.disk.Read(house.project / "photos/rest" / name));
+    house.disk.Write(house.project / "photos/bent" / name,
+                     house.disk.Read(house.project / "photos/rest" / name));
   }
-  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/rest", "shoot/rest", "solve/rest", "tell"}));
+  EXPECT_EQ(house.Run().ran,
+            (Names{"blend", "match/bent", "shape/rest", "shoot/rest", "solve/rest", "tell"}));
 }
 
 TEST(Rules, IndependentStepsRunSideBySideAndShareTheCores) {
@@ -256,7 +273,8 @@ TEST(Rules, IndependentStepsRunSideBySideAndShareTheCores) {
   house.Run({}, {}, 2);
   EXPECT_EQ(house.processes.most_at_once, 2);
   EXPECT_EQ(house.processes.calls[0].environment.at("KEYPOSE_THREADS"), "1");
-  EXPECT_EQ(house.processes.calls.back().environment.at("KEYPOSE_THREADS"), "2") << "a step that is alone gets all cores";
+  EXPECT_EQ(house.processes.calls.back().environment.at("KEYPOSE_THREADS"), "2")
+      << "a step that is alone gets all cores";
 }
 
 TEST(Rules, OneCoreRunsOneAtATime) {
@@ -271,9 +289,11 @@ TEST(Rules, LandmarksOfBothPosesAreTakenUpWhenTheyAppear) {
   house.disk.Write(house.project / "landmarks/rest.json", "rest picks");
   const auto alone = house.Run();
   EXPECT_THAT(alone.ran, IsEmpty()) << "one file alone makes no pairs";
-  EXPECT_THAT(alone.notes, ElementsAre(AllOf(HasSubstr("landmarks/rest.json is not used"), HasSubstr("landmarks/bent.json or .pp"))));
+  EXPECT_THAT(alone.notes, ElementsAre(AllOf(HasSubstr("landmarks/rest.json is not used"),
+                                             HasSubstr("landmarks/bent.json or .pp"))));
   house.disk.Write(house.project / "landmarks/bent.json", "bent picks");
-  EXPECT_THAT(house.Look().Reasons("match/bent"), HasSubstr("input landmarks now also gets landmarks/rest.json"));
+  EXPECT_THAT(house.Look().Reasons("match/bent"),
+              HasSubstr("input landmarks now also gets landmarks/rest.json"));
   EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "tell"}));
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest picks bent picks)"));
 }
@@ -285,7 +305,9 @@ TEST(Rules, PickedPointsOfMeshLabAreTakenUpWhereNoJsonIs) {
   EXPECT_THAT(house.Run().notes, IsEmpty());
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest points bent points)"));
   house.disk.Write(house.project / "landmarks/bent.json", "bent picks");
-  EXPECT_THAT(house.Run().notes, ElementsAre(HasSubstr("landmarks/bent.pp is not used, because landmarks/bent.json is there too")));
+  EXPECT_THAT(house.Run().notes,
+              ElementsAre(HasSubstr(
+                  "landmarks/bent.pp is not used, because landmarks/bent.json is there too")));
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest points bent picks)"));
 }
 
@@ -317,14 +339,17 @@ TEST(Rules, EverythingThatATimelineSaysReachesTheStage) {
   FakeHouse house;
   house.WriteProject(
       "poses: {rest: photos/rest, 'bent': photos/bent}\nfps: 12\n"
-      "timeline:\n  loop: true\n  step: 2\n  table: -0.5\n  regions: [{name: '7', center: [0, 0.5, 1e-1], radius: 2}]\n"
+      "timeline:\n  loop: true\n  step: 2\n  table: -0.5\n  regions: [{name: '7', center: [0, 0.5, "
+      "1e-1], radius: 2}]\n"
       "  pins: [{region: 7}]\n"
-      "  keys:\n    - {pose: rest, at: 0, hold: 0.5, ease: [0.4, 0, 1, 1]}\n    - {pose: bent, at: 1, interpolation: stepped, turns: {7: "
+      "  keys:\n    - {pose: rest, at: 0, hold: 0.5, ease: [0.4, 0, 1, 1]}\n    - {pose: bent, at: "
+      "1, interpolation: stepped, turns: {7: "
       "1}}\n"
       "    - {pose: rest, at: 2}\n");
   house.Run();
   const auto timeline = nlohmann::json::parse(house.Out("animation/timeline"));
-  EXPECT_EQ(timeline, nlohmann::json::parse(R"({"schema": 2, "fps": 12.0, "loop": true, "step": 2, "table": -0.5,
+  EXPECT_EQ(timeline, nlohmann::json::parse(
+                          R"({"schema": 2, "fps": 12.0, "loop": true, "step": 2, "table": -0.5,
       "regions": [{"name": "7", "center": [0, 0.5, 0.1], "radius": 2}], "pins": [{"region": "7"}],
       "keys": [{"pose": "rest", "time": 0, "hold": 0.5, "ease": [0.4, 0, 1, 1]},
                {"pose": "bent", "time": 1, "interpolation": "stepped", "turns": {"7": 1}}, {"pose": "rest", "time": 2}]})"));
@@ -333,14 +358,16 @@ TEST(Rules, EverythingThatATimelineSaysReachesTheStage) {
 
 TEST(Rules, KeysWithoutTimesMayStillHold) {
   FakeHouse house;
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [{pose: bent, hold: 1}, rest]\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [{pose: bent, hold: 1}, rest]\n");
   house.Run();
   EXPECT_EQ(nlohmann::json::parse(house.Out("animation/timeline"))["keys"][0]["hold"], 1);
 }
 
 TEST(Rules, FramesPerSecondReachAnOptionThatNamesThem) {
   FakeHouse house;
-  house.WriteProject("poses: {rest: photos/rest}\nfps: 12\nsteps: {shape: {options: {depth: $fps}}}\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest}\nfps: 12\nsteps: {shape: {options: {depth: $fps}}}\n");
   EXPECT_EQ(house.Look().Step("shoot/rest").state, StepPlan::State::kReady);
   house.Run();
   EXPECT_EQ(house.Out("rest/mesh.txt"), "12(model 9rrr)");
@@ -350,7 +377,8 @@ TEST(Rules, PosesOfTheKeysReachAnOptionThatNamesThem) {
   FakeHouse house;
   house.Run();
   house.WriteProject(
-      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [rest, bent, rest]\nsteps: {shoot: {options: {tone: $keys}}}\n");
+      "poses: {rest: photos/rest, bent: photos/bent}\ntimeline: [rest, bent, rest]\nsteps: {shoot: "
+      "{options: {tone: $keys}}}\n");
   EXPECT_THAT(house.Look().Reasons("shoot/rest"), HasSubstr("rest,bent,rest"));
 }
 
@@ -372,7 +400,8 @@ TEST(Rules, OwnProgramJoinsAndReplacesAStage) {
     return 0;
   };
   house.processes.stages[(house.project / "tools/polish").string()] = own;
-  house.WriteProject("poses: {rest: photos/rest, bent: photos/bent}\nsteps: {shape: {program: tools/polish}}\n");
+  house.WriteProject(
+      "poses: {rest: photos/rest, bent: photos/bent}\nsteps: {shape: {program: tools/polish}}\n");
   EXPECT_EQ(house.Look().Reasons("shape/rest"), "the stage is another: shape -> polish\n");
   EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "shape/bent", "shape/rest", "tell"}));
   EXPECT_EQ(house.Out("rest/mesh.txt"), "polished");
@@ -383,7 +412,8 @@ TEST(Rules, OwnStepCanBeAdded) {
   house.Run();
   house.WriteProject(
       "poses: {rest: photos/rest, bent: photos/bent}\n"
-      "steps:\n  deeper: {stage: solve, for: pose, inputs: {images: shoot.images}, options: {depth: 12}, out: {model: "
+      "steps:\n  deeper: {stage: solve, for: pose, inputs: {images: shoot.images}, options: "
+      "{depth: 12}, out: {model: "
       "'deep/{pose}.txt'}}\n");
   EXPECT_EQ(house.Run().ran, (Names{"deeper/bent", "deeper/rest", "tell"}));
   EXPECT_EQ(house.Out("deep/rest.txt"), "12rrr");
@@ -402,20 +432,25 @@ TEST(Rules, PathPortTakesAFileOrAFolderOfTheProject) {
   solve.describe["inputs"].push_back({{"name", "poses"}, {"kind", "path"}, {"optional", true}});
   const auto given = [&] {
     for (const FakeCall& call : house.processes.calls) {
-      if (call.program == "/bin/keypose-solve" && call.Flag("model").find("solve.rest") != std::string::npos) return call.Flag("poses");
+      if (call.program == "/bin/keypose-solve" &&
+          call.Flag("model").find("solve.rest") != std::string::npos)
+        return call.Flag("poses");
     }
     return std::string("none");
   };
-  house.default_pipeline.replace(house.default_pipeline.find("{images: shoot.images}"), 22, "{images: shoot.images, poses: $cameras}");
+  house.default_pipeline.replace(house.default_pipeline.find("{images: shoot.images}"), 22,
+                                 "{images: shoot.images, poses: $cameras}");
   house.disk.Write(house.project / "cameras/rest/cameras.bin", "c");
   house.disk.Write(house.project / "cameras/rest/images.bin", "i");
-  house.WriteProject("poses: {rest: {photos: photos/rest, cameras: cameras/rest}, bent: photos/bent}\n");
+  house.WriteProject(
+      "poses: {rest: {photos: photos/rest, cameras: cameras/rest}, bent: photos/bent}\n");
   EXPECT_EQ(house.Run().result.code, ExitCode::kOk);
   EXPECT_EQ(given(), (house.project / "cameras/rest").string());
   house.disk.Write(house.project / "cameras/rest/images.bin", "other");
   EXPECT_EQ(house.Look().Reasons("solve/rest"), "cameras/rest/images.bin changed\n");
   house.disk.Write(house.project / "cameras/rest.json", "{}");
-  house.WriteProject("poses: {rest: {photos: photos/rest, cameras: cameras/rest.json}, bent: photos/bent}\n");
+  house.WriteProject(
+      "poses: {rest: {photos: photos/rest, cameras: cameras/rest.json}, bent: photos/bent}\n");
   house.processes.calls.clear();
   EXPECT_EQ(house.Run().result.code, ExitCode::kOk);
   EXPECT_EQ(given(), (house.project / "cameras/rest.json").string());
@@ -423,7 +458,8 @@ TEST(Rules, PathPortTakesAFileOrAFolderOfTheProject) {
 
 TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
   FakeHouse house;
-  for (auto& [program, stage] : house.processes.stages) stage.describe["resources"]["memory_bytes"] = 800;
+  for (auto& [program, stage] : house.processes.stages)
+    stage.describe["resources"]["memory_bytes"] = 800;
   auto view = house.Look();
   ContentHasher hasher(house.disk, house.project / ".keypose/hashes.json", house.project);
   ArtifactStore store(house.disk, house.project / ".keypose");
@@ -440,7 +476,10 @@ TEST(Rules, MemoryLimitKeepsLargeStepsApart) {
   } silent;
   RunRecord record;
   record.name = "run";
-  EXPECT_EQ(Builder(plan, workshop, house.processes, house.clock, results, silent, {8, 1500}).Run(record).code, ExitCode::kOk);
+  EXPECT_EQ(Builder(plan, workshop, house.processes, house.clock, results, silent, {8, 1500})
+                .Run(record)
+                .code,
+            ExitCode::kOk);
   EXPECT_EQ(house.processes.most_at_once, 1);
 }
 

@@ -44,7 +44,7 @@ void PrintPlan(const Plan& plan) {
   for (int i = 0; i < plan.size(); ++i) {
     if (!plan[i].wanted || plan[i].state == StepPlan::State::kDone) continue;
     ++count;
-    const std::string& id = plan.graph().steps[static_cast<std::size_t>(i)].id;
+    const std::string& id = plan.graph().steps[i].id;
     if (plan[i].state == StepPlan::State::kReady) {
       fmt::print("would run {}: {}\n", id, fmt::join(plan[i].reasons, "; "));
     } else {
@@ -60,7 +60,8 @@ std::string RunName(double now) {
   gmtime_r(&seconds, &utc);
   char text[32];
   std::strftime(text, sizeof text, "%Y%m%dT%H%M%S", &utc);
-  return fmt::format("{}-{:03}-{}", text, static_cast<int>((now - static_cast<double>(seconds)) * 1000), getpid());
+  return fmt::format("{}-{:03}-{}", text,
+                     static_cast<int>((now - static_cast<double>(seconds)) * 1000), getpid());
 }
 
 std::string OwnHostName() {
@@ -70,7 +71,8 @@ std::string OwnHostName() {
 }
 
 /// Plans and runs. What changes while it runs ends it with `again`.
-RunResult RunOnce(const std::filesystem::path& project, const std::vector<Override>& overrides, const RunOptions& options, ProjectLock* lock) {
+RunResult RunOnce(const std::filesystem::path& project, const std::vector<Override>& overrides,
+                  const RunOptions& options, ProjectLock* lock) {
   Session session(project, overrides, true);
   if (lock) session.processes().KeepOpen(lock->fd());
   if (lock) session.disk().Remove(session.state() / "writing");
@@ -82,7 +84,8 @@ RunResult RunOnce(const std::filesystem::path& project, const std::vector<Overri
   ResultsFolder results(session.disk(), session.out(), session.state() / "out.json");
   const auto display = MakeDisplay(KindOf(options.progress), session.clock());
   const Limits limits{options.cores > 0 ? options.cores : MachineCores(), MemoryAvailable()};
-  Builder builder(plan, session.workshop(), session.processes(), session.clock(), results, *display, limits);
+  Builder builder(plan, session.workshop(), session.processes(), session.clock(), results, *display,
+                  limits);
   RunRecord record;
   record.name = RunName(session.clock().Now());
   record.command = options.command_line;
@@ -95,24 +98,29 @@ RunResult RunOnce(const std::filesystem::path& project, const std::vector<Overri
 }  // namespace
 
 ExitCode RunCommand(const RunOptions& options) {
-  if (options.cores < 0) throw UsageError(fmt::format("-j {}: it must be 1 or more", options.cores));
+  if (options.cores < 0)
+    throw UsageError(fmt::format("-j {}: it must be 1 or more", options.cores));
   const std::filesystem::path project = FindProject(options.folder);
   std::vector<Override> overrides;
   for (const std::string& text : options.set) overrides.push_back(ParseOverride(text));
   std::unique_ptr<ProjectLock> lock;
-  if (!options.dry_run) lock = std::make_unique<ProjectLock>(project / ".keypose", options.command_line);
+  if (!options.dry_run)
+    lock = std::make_unique<ProjectLock>(project / ".keypose", options.command_line);
   constexpr int kRounds = 10;
   for (int round = 0; round < kRounds; ++round) {
     const RunResult result = RunOnce(project, overrides, options, lock.get());
     if (result.again && result.code == ExitCode::kOk) continue;
     if (result.code != ExitCode::kOk) {
-      const std::string start = result.code == ExitCode::kInterrupted ? "keypose: " : "\nkeypose: error: ";
+      const std::string start =
+          result.code == ExitCode::kInterrupted ? "keypose: " : "\nkeypose: error: ";
       std::fputs((start + result.message + "\n").c_str(), stderr);
     }
     return result.code;
   }
-  throw InputError(fmt::format("files were changed during each of {} tries, see the warnings above; wait until nothing writes to them, and run again",
-                               kRounds));
+  throw InputError(
+      fmt::format("files were changed during each of {} tries, see the warnings above; wait until "
+                  "nothing writes to them, and run again",
+                  kRounds));
 }
 
 }  // namespace keypose::pipeline

@@ -1,4 +1,5 @@
-// What is killed, taken away, damaged or full while the program `keypose` runs, with real processes, files and signals.
+// What is killed, taken away, damaged or full while the program `keypose` runs, with real
+// processes, files and signals.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -32,26 +33,30 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
     killed_at_work += Finish(pid).code == 128 + SIGKILL;
   }
   EXPECT_GE(killed_at_work, 10);
-  WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", ReadFile(root_ / "reference/photos/rest/IMG_2.jpg"));
+  WriteFile(root_ / "hero/photos/rest/IMG_2.jpg",
+            ReadFile(root_ / "reference/photos/rest/IMG_2.jpg"));
   const Ended last = Run();
   ASSERT_EQ(last.code, 0) << last.text;
   EXPECT_TRUE(NoStageAliveSoon());
   EXPECT_EQ(Snapshot(root_ / "hero/out"), Snapshot(root_ / "reference/out"));
   EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/tmp"));
   EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/writing"));
-  for (const auto& [name, text] : Snapshot(root_ / "hero")) EXPECT_EQ(name.find(".tmp"), std::string::npos) << name;
+  for (const auto& [name, text] : Snapshot(root_ / "hero"))
+    EXPECT_EQ(name.find(".tmp"), std::string::npos) << name;
   // Every artifact in the cache is whole: its files are as its manifest says.
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
     if (entry.path().filename() != "manifest.json") continue;
     const auto manifest = nlohmann::json::parse(ReadFile(entry.path()));
     for (const auto& [name, file] : manifest.at("files").items())
-      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name), file.at("stamp").at(0).get<std::uintmax_t>());
+      EXPECT_EQ(fs::file_size(entry.path().parent_path() / name),
+                file.at("stamp").at(0).get<std::uintmax_t>());
   }
   EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
 
 TEST_F(RunTest, KilledRunnerTakesAllThatItsStagesStartedAlong) {
-  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()},
+                          {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
   ASSERT_TRUE(WaitForStage());
   SleepSeconds(0.2);
   kill(pid, SIGKILL);
@@ -64,8 +69,8 @@ TEST_F(RunTest, RunnerAndEitherGuardianKilledTogetherLeaveNothing) {
   for (int which = 0; which < 2; ++which)
     for (int round = 0; round < 5; ++round) {
       fs::remove_all(root_ / "hero/.keypose");
-      const pid_t pid =
-          Start({"run", "-C", (root_ / "hero").string(), "-j", "1"}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+      const pid_t pid = Start({"run", "-C", (root_ / "hero").string(), "-j", "1"},
+                              {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
       ASSERT_TRUE(WaitForStage());
       SleepSeconds(0.2);
       const std::vector<pid_t> watcher = ChildrenOf(pid);
@@ -81,7 +86,8 @@ TEST_F(RunTest, RunnerAndEitherGuardianKilledTogetherLeaveNothing) {
 }
 
 TEST_F(RunTest, KillingAllProcessesOfItsNameLeavesNothing) {
-  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()},
+                          {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
   ASSERT_TRUE(WaitForStage());
   SleepSeconds(0.2);
   // What `killall -9 keypose` does, for this test's processes alone.
@@ -89,7 +95,8 @@ TEST_F(RunTest, KillingAllProcessesOfItsNameLeavesNothing) {
     std::ifstream name_file(entry.path() / "comm");
     std::string name;
     std::error_code error;
-    if (std::getline(name_file, name) && name == "keypose" && fs::read_symlink(entry.path() / "exe", error) == root_ / "bin/keypose")
+    if (std::getline(name_file, name) && name == "keypose" &&
+        fs::read_symlink(entry.path() / "exe", error) == root_ / "bin/keypose")
       kill(std::stoi(entry.path().filename().string()), SIGKILL);
   }
   EXPECT_EQ(Finish(pid).code, 128 + SIGKILL);
@@ -101,7 +108,8 @@ TEST_F(RunTest, GoesOnAfterAHangupUnderNohup) {
   const auto run = [&](bool nohup) {
     fs::remove_all(root_ / "hero/.keypose");
     if (nohup) ::signal(SIGHUP, SIG_IGN);
-    const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "100"}});
+    const pid_t pid =
+        Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "100"}});
     ::signal(SIGHUP, SIG_DFL);
     EXPECT_TRUE(WaitForStage());
     SleepSeconds(0.1);
@@ -119,7 +127,8 @@ TEST_F(RunTest, PhotographTakenAwayInMidRunAndPutBackChangesNoResult) {
   int spoilt = 0;
   for (int round = 0; round < 12; ++round) {
     fs::remove_all(root_ / "hero/.keypose");
-    const pid_t pid = Start({"run", "-C", (root_ / "hero").string(), "-j", "1"}, {{"TEXT_STAGE_DELAY_MS", "15"}});
+    const pid_t pid =
+        Start({"run", "-C", (root_ / "hero").string(), "-j", "1"}, {{"TEXT_STAGE_DELAY_MS", "15"}});
     ASSERT_TRUE(WaitForStage());
     SleepSeconds(0.005 * round);
     if (round % 2) {
@@ -144,7 +153,8 @@ TEST_F(RunTest, PhotographTakenAwayInMidRunAndPutBackChangesNoResult) {
 TEST_F(RunTest, VerifyFindsWhatTheDiskDamagedWithoutATrace) {
   ASSERT_EQ(Run().code, 0);
   const std::string good = ReadFile(root_ / "hero/out/rest/text.txt");
-  EXPECT_THAT(Keypose({"verify", "-C", (root_ / "hero").string()}).text, HasSubstr("all are as they were made"));
+  EXPECT_THAT(Keypose({"verify", "-C", (root_ / "hero").string()}).text,
+              HasSubstr("all are as they were made"));
   int flipped = 0;
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
     if (entry.path().filename() != "text.txt" || flipped > 0) continue;
@@ -156,8 +166,9 @@ TEST_F(RunTest, VerifyFindsWhatTheDiskDamagedWithoutATrace) {
     ASSERT_EQ(stat(entry.path().c_str(), &info), 0);
     const fs::path file = entry.path().parent_path() / "manifest.json";
     auto manifest = nlohmann::json::parse(ReadFile(file));
-    manifest["files"]["text.txt"]["stamp"] = {info.st_size, info.st_mtim.tv_sec * 1000000000 + info.st_mtim.tv_nsec,
-                                              info.st_ctim.tv_sec * 1000000000 + info.st_ctim.tv_nsec, info.st_ino};
+    manifest["files"]["text.txt"]["stamp"] = {
+        info.st_size, info.st_mtim.tv_sec * 1000000000 + info.st_mtim.tv_nsec,
+        info.st_ctim.tv_sec * 1000000000 + info.st_ctim.tv_nsec, info.st_ino};
     WriteFile(file, manifest.dump());
     ++flipped;
   }
@@ -196,7 +207,9 @@ TEST_F(RunTest, OfAHugeLogTheEndIsShown) {
   ASSERT_EQ(Run().code, 0);
   fs::path log;
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache"))
-    if (entry.path().filename() == "log.txt" && ReadFile(entry.path()).find("join") != std::string::npos) log = entry.path();
+    if (entry.path().filename() == "log.txt" &&
+        ReadFile(entry.path()).find("join") != std::string::npos)
+      log = entry.path();
   ASSERT_FALSE(log.empty());
   std::ofstream(log, std::ios::app) << std::string(5'000'000, 'x') << "\nthe end\n";
   const Ended ended = Keypose({"log", "join", "-C", (root_ / "hero").string()});
@@ -218,8 +231,10 @@ TEST_F(RunTest, LinksOutOfTheResultsAreRefused) {
 TEST_F(RunTest, DamagedStateFilesAreHarmless) {
   ASSERT_EQ(Run().code, 0);
   const auto results = Snapshot(root_ / "hero/out");
-  for (const char* text : {"", "[", "7", "{\"photos/rest/IMG_0.jpg\": [\"a\", null, 3, 4, 5], \"lock\": 3, \"pid\": \"x\"}",
-                           "{\"rest/text.txt\": {\"step\": 3}}"})
+  for (const char* text :
+       {"", "[", "7",
+        "{\"photos/rest/IMG_0.jpg\": [\"a\", null, 3, 4, 5], \"lock\": 3, \"pid\": \"x\"}",
+        "{\"rest/text.txt\": {\"step\": 3}}"})
     for (const char* file : {"hashes.json", "out.json", "stages.json", "lock"}) {
       WriteFile(root_ / "hero/.keypose" / file, text);
       const Ended ended = Run();
@@ -230,7 +245,8 @@ TEST_F(RunTest, DamagedStateFilesAreHarmless) {
 }
 
 TEST_F(RunTest, CtrlCStopsEverythingAndExitsWith130) {
-  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "500"}, {"TEXT_STAGE_SPAWN", "1"}});
+  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()},
+                          {{"TEXT_STAGE_DELAY_MS", "500"}, {"TEXT_STAGE_SPAWN", "1"}});
   ASSERT_TRUE(WaitForStage());
   SleepSeconds(0.2);
   const auto start = Clock::now();
@@ -251,17 +267,20 @@ TEST_F(RunTest, StageThatLeavesAProcessBehindDoesNotHoldTheRunUp) {
 }
 
 TEST_F(RunTest, SecondRunAtTheSameTimeExitsWith7AndNamesTheFirst) {
-  const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "1500"}});
+  const pid_t pid =
+      Start({"run", "-C", (root_ / "hero").string()}, {{"TEXT_STAGE_DELAY_MS", "1500"}});
   ASSERT_TRUE(WaitForStage());
   const Ended second = Run();
   EXPECT_EQ(second.code, 7);
   EXPECT_THAT(second.text, HasSubstr("process " + std::to_string(pid) + " on "));
   EXPECT_THAT(second.text, HasSubstr("since 20"));
   EXPECT_EQ(Keypose({"unlock", "-C", (root_ / "hero").string()}).code, 7);
-  EXPECT_EQ(Keypose({"status", "-C", (root_ / "hero").string()}).code, 0) << "looking needs no lock";
+  EXPECT_EQ(Keypose({"status", "-C", (root_ / "hero").string()}).code, 0)
+      << "looking needs no lock";
   kill(pid, SIGINT);
   EXPECT_EQ(Finish(pid).code, 130);
-  EXPECT_EQ(Keypose({"unlock", "-C", (root_ / "hero").string()}).text, "the project is not locked\n");
+  EXPECT_EQ(Keypose({"unlock", "-C", (root_ / "hero").string()}).text,
+            "the project is not locked\n");
 }
 
 TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
@@ -270,7 +289,9 @@ TEST_F(RunTest, FullDiskIsExitCode4AndTheRunGoesOnLater) {
     GTEST_SKIP() << "mounting a small tmpfs needs privileges that are not here";
   mounted_ = true;
   MakeProject(root_ / "small/hero");
-  for (int i = 0; i < 4; ++i) WriteFile(root_ / "small/hero/photos/rest" / ("IMG_" + std::to_string(i) + ".jpg"), std::string(30000, 'a'));
+  for (int i = 0; i < 4; ++i)
+    WriteFile(root_ / "small/hero/photos/rest" / ("IMG_" + std::to_string(i) + ".jpg"),
+              std::string(30000, 'a'));
   const std::vector<std::string> run = {"run", "-C", (root_ / "small/hero").string()};
   const Ended full = Keypose(run);
   EXPECT_EQ(full.code, 4) << full.text;

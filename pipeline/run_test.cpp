@@ -15,7 +15,8 @@ using ::testing::Not;
 TEST_F(RunTest, MakesResultsThenDoesNothingInUnderASecond) {
   const Ended first = Run();
   ASSERT_EQ(first.code, 0) << first.text;
-  EXPECT_EQ(ReadFile(root_ / "hero/out/rest/text.txt"), "REST PICTURE 0\nREST PICTURE 1\nREST PICTURE 2\nREST PICTURE 3\n");
+  EXPECT_EQ(ReadFile(root_ / "hero/out/rest/text.txt"),
+            "REST PICTURE 0\nREST PICTURE 1\nREST PICTURE 2\nREST PICTURE 3\n");
   const auto start = Clock::now();
   const Ended second = Run();
   EXPECT_LT(SecondsSince(start), 1.0);
@@ -28,20 +29,23 @@ TEST_F(RunTest, MovedAndCopiedProjectsRunNothing) {
   fs::rename(root_ / "hero", root_ / "moved");
   EXPECT_EQ(Keypose({"run", "-C", (root_ / "moved").string()}).text, AllUpToDate(root_ / "moved"));
   fs::copy(root_ / "moved", root_ / "copied", fs::copy_options::recursive);
-  EXPECT_EQ(Keypose({"run", "-C", (root_ / "copied").string()}).text, AllUpToDate(root_ / "copied"));
+  EXPECT_EQ(Keypose({"run", "-C", (root_ / "copied").string()}).text,
+            AllUpToDate(root_ / "copied"));
 }
 
 TEST_F(RunTest, ExplainAndStatusSayWhatChanged) {
   EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text, HasSubstr("never ran"));
   ASSERT_EQ(Run().code, 0);
   WriteFile(root_ / "hero/photos/bent/IMG_3.jpg", "retake\n");
-  EXPECT_THAT(Keypose({"explain", "join/bent", "-C", (root_ / "hero").string()}).text, HasSubstr("photos/bent/IMG_3.jpg changed"));
+  EXPECT_THAT(Keypose({"explain", "join/bent", "-C", (root_ / "hero").string()}).text,
+              HasSubstr("photos/bent/IMG_3.jpg changed"));
   EXPECT_THAT(Keypose({"status", "-C", (root_ / "hero").string()}).text,
               HasSubstr("gather/bent  would run    photos/bent/IMG_3.jpg changed"));
   const Ended run = Run();
   EXPECT_THAT(run.text, HasSubstr("gather/bent starts"));
   EXPECT_THAT(run.text, Not(HasSubstr("gather/rest")));
-  const std::string after = Keypose({"explain", "gather/bent", "-C", (root_ / "hero").string()}).text;
+  const std::string after =
+      Keypose({"explain", "gather/bent", "-C", (root_ / "hero").string()}).text;
   EXPECT_THAT(after, HasSubstr("gather/bent is up to date\nit last ran at 20"));
   EXPECT_THAT(after, HasSubstr("because\n  - photos/bent/IMG_3.jpg changed\n"));
 }
@@ -51,23 +55,28 @@ TEST_F(RunTest, FailureExitsWithTheStagesCodeAndKeepsItsLog) {
   EXPECT_EQ(ended.code, 6);
   EXPECT_THAT(ended.text, HasSubstr("failed with exit code 6"));
   EXPECT_THAT(ended.text, HasSubstr("told to fail"));
-  EXPECT_THAT(Keypose({"log", "join", "-C", (root_ / "hero").string()}).text, HasSubstr("join at work"));
+  EXPECT_THAT(Keypose({"log", "join", "-C", (root_ / "hero").string()}).text,
+              HasSubstr("join at work"));
   EXPECT_EQ(Run({"--set", "join.exit_code=139"}).code, 1) << "a crash is a bug";
 }
 
 TEST_F(RunTest, OwnExecutableJoinsByNameInTheFile) {
   fs::create_directories(root_ / "hero/tools");
-  WriteFile(root_ / "hero/tools/count",
-            "#!/bin/sh\n"
-            "if [ \"$1\" = --describe ]; then\n"
-            "  echo '{\"schema\":1,\"stage\":\"count\",\"version\":\"1\",\"inputs\":[{\"name\":\"text\",\"kind\":\"file\"}],'\n"
-            "  echo '\"outputs\":[{\"name\":\"lines\",\"kind\":\"file\",\"file\":\"lines.txt\"}]}'\n"
-            "  exit\n"
-            "fi\n"
-            "wc -l < \"$2\" > \"$4\"\n");
+  WriteFile(
+      root_ / "hero/tools/count",
+      "#!/bin/sh\n"
+      "if [ \"$1\" = --describe ]; then\n"
+      "  echo "
+      "'{\"schema\":1,\"stage\":\"count\",\"version\":\"1\",\"inputs\":[{\"name\":\"text\","
+      "\"kind\":\"file\"}],'\n"
+      "  echo '\"outputs\":[{\"name\":\"lines\",\"kind\":\"file\",\"file\":\"lines.txt\"}]}'\n"
+      "  exit\n"
+      "fi\n"
+      "wc -l < \"$2\" > \"$4\"\n");
   chmod((root_ / "hero/tools/count").c_str(), 0755);
   WriteFile(root_ / "hero/pipeline.yaml",
-            "poses: {rest: photos/rest}\nsteps:\n  count: {program: tools/count, for: pose, inputs: {text: join.text}, out: {lines: "
+            "poses: {rest: photos/rest}\nsteps:\n  count: {program: tools/count, for: pose, "
+            "inputs: {text: join.text}, out: {lines: "
             "'{pose}/lines.txt'}}\n");
   const Ended ended = Run();
   ASSERT_EQ(ended.code, 0) << ended.text;
@@ -76,15 +85,20 @@ TEST_F(RunTest, OwnExecutableJoinsByNameInTheFile) {
 
 TEST_F(RunTest, InitCopiesPhotographsAndLeavesOriginals) {
   const auto before = Snapshot(root_ / "hero/photos");
-  const std::string rest = "rest=" + (root_ / "hero/photos/rest").string(), bent = "bent=" + (root_ / "hero/photos/bent").string();
-  const Ended ended = Keypose({"init", (root_ / "new").string(), "--pose", rest, "--pose", bent, "--template", "bent"});
+  const std::string rest = "rest=" + (root_ / "hero/photos/rest").string(),
+                    bent = "bent=" + (root_ / "hero/photos/bent").string();
+  const Ended ended = Keypose(
+      {"init", (root_ / "new").string(), "--pose", rest, "--pose", bent, "--template", "bent"});
   ASSERT_EQ(ended.code, 0) << ended.text;
   EXPECT_EQ(Snapshot(root_ / "new/photos"), before);
   EXPECT_EQ(Snapshot(root_ / "hero/photos"), before);
   EXPECT_EQ(Keypose({"run", "-C", (root_ / "new").string()}).code, 0);
-  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT") << "the template comes first";
-  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", rest}).code, 2) << "a folder with content is not overwritten";
-  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "rest=/no/such/folder"}).code, 3);
+  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT")
+      << "the template comes first";
+  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", rest}).code, 2)
+      << "a folder with content is not overwritten";
+  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "rest=/no/such/folder"}).code,
+            3);
 }
 
 TEST_F(RunTest, JsonLinesParse) {
@@ -92,7 +106,8 @@ TEST_F(RunTest, JsonLinesParse) {
   ASSERT_EQ(ended.code, 0);
   std::istringstream lines(ended.text);
   std::map<std::string, int> events;
-  for (std::string line; std::getline(lines, line);) ++events[nlohmann::json::parse(line).at("event").get<std::string>()];
+  for (std::string line; std::getline(lines, line);)
+    ++events[nlohmann::json::parse(line).at("event").get<std::string>()];
   EXPECT_EQ(events["begin"], 1);
   EXPECT_EQ(events["start"], 5);
   EXPECT_EQ(events["finish"], 5);
@@ -101,10 +116,12 @@ TEST_F(RunTest, JsonLinesParse) {
 }
 
 TEST_F(RunTest, EndRepeatsWarningsVerdictsAndResultsAlsoFromTheCache) {
-  const Ended first = Run({}, {{"TEXT_STAGE_WARNING", "two landmarks look swapped"}, {"TEXT_STAGE_GRADE", "look"}});
+  const Ended first =
+      Run({}, {{"TEXT_STAGE_WARNING", "two landmarks look swapped"}, {"TEXT_STAGE_GRADE", "look"}});
   ASSERT_EQ(first.code, 0) << first.text;
   const std::string end =
-      "\n1 warning\n  rest, bent\n    gather: two landmarks look swapped\n\nverdicts\n  rest  look  it was told so\n\nresults\n"
+      "\n1 warning\n  rest, bent\n    gather: two landmarks look swapped\n\nverdicts\n  rest  look "
+      " it was told so\n\nresults\n"
       "  all texts  " +
       (root_ / "hero/out/all").string() + "\n";
   EXPECT_THAT(first.text, ::testing::EndsWith("5 made, 0 steps up to date\n" + end));
@@ -115,7 +132,8 @@ TEST_F(RunTest, EndRepeatsWarningsVerdictsAndResultsAlsoFromTheCache) {
 }
 
 TEST_F(RunTest, EndIsInJsonLinesAndInTheRunRecord) {
-  const Ended ended = Run({"--progress", "jsonl"}, {{"TEXT_STAGE_WARNING", "dark"}, {"TEXT_STAGE_GRADE", "good"}});
+  const Ended ended =
+      Run({"--progress", "jsonl"}, {{"TEXT_STAGE_WARNING", "dark"}, {"TEXT_STAGE_GRADE", "good"}});
   std::vector<nlohmann::json> last;
   std::istringstream lines(ended.text);
   for (std::string line; std::getline(lines, line);) last.push_back(nlohmann::json::parse(line));
@@ -156,14 +174,17 @@ TEST_F(RunTest, ReaderThatHasSeenEnoughIsNoFault) {
     const int code = std::system((command + " > " + said.string() + " 2>&1").c_str());
     return Ended{WEXITSTATUS(code), ReadFile(said)};
   };
-  const Ended log = shell("bash -o pipefail -c '" + keypose + " log gather/rest -C " + hero + " | head -n 1 > /dev/null'");
+  const Ended log = shell("bash -o pipefail -c '" + keypose + " log gather/rest -C " + hero +
+                          " | head -n 1 > /dev/null'");
   EXPECT_EQ(log.text, "");
   EXPECT_EQ(log.code, 0);
   WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", "retake\n");
-  const Ended run = shell("bash -o pipefail -c 'TEXT_STAGE_DELAY_MS=50 " + keypose + " run -C " + hero + " | head -n 1 > /dev/null'");
+  const Ended run = shell("bash -o pipefail -c 'TEXT_STAGE_DELAY_MS=50 " + keypose + " run -C " +
+                          hero + " | head -n 1 > /dev/null'");
   EXPECT_EQ(run.text, "");
   EXPECT_EQ(run.code, 0);
-  EXPECT_THAT(ReadFile(root_ / "hero/out/rest/text.txt"), HasSubstr("RETAKE")) << "a run goes on though nobody listens";
+  EXPECT_THAT(ReadFile(root_ / "hero/out/rest/text.txt"), HasSubstr("RETAKE"))
+      << "a run goes on though nobody listens";
 }
 
 TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
@@ -192,17 +213,20 @@ TEST_F(RunTest, InitRefusesFoldersThatCannotBePoses) {
   WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: photos/rest}\n");
   const Ended run = Run();
   EXPECT_EQ(run.code, 2);
-  EXPECT_THAT(run.text, HasSubstr("pipeline.yaml:1: the poses 'rest' and 'bent' have the same photographs"));
+  EXPECT_THAT(run.text,
+              HasSubstr("pipeline.yaml:1: the poses 'rest' and 'bent' have the same photographs"));
 }
 
 TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
   WriteFile(root_ / "hero/photos/rest/IMG_0.mov", "film");
   WriteFile(root_ / "hero/photos/rest/.DS_Store", "x");
-  const Ended ended = Keypose({"init", (root_ / "a new one").string(), "--pose", "rest=" + (root_ / "hero/photos/rest").string()});
+  const Ended ended = Keypose({"init", (root_ / "a new one").string(), "--pose",
+                               "rest=" + (root_ / "hero/photos/rest").string()});
   ASSERT_EQ(ended.code, 0) << ended.text;
   EXPECT_THAT(ended.text, HasSubstr("rest: 4 files copied"));
   EXPECT_THAT(ended.text, HasSubstr("no photographs that can be read: 1 .mov (IMG_0.mov)"));
-  EXPECT_THAT(ended.text, HasSubstr("next: keypose run -C '" + (root_ / "a new one").string() + "'"));
+  EXPECT_THAT(ended.text,
+              HasSubstr("next: keypose run -C '" + (root_ / "a new one").string() + "'"));
   EXPECT_FALSE(fs::exists(root_ / "a new one/photos/rest/IMG_0.mov"));
 }
 
@@ -210,24 +234,33 @@ TEST_F(RunTest, PosesAreNamedInAnyLanguageAndSpelling) {
   // "mähen", its umlaut as one letter and as macOS writes it: a, then two dots.
   const std::string composed = "m\u00e4hen", apart = "ma\u0308hen";
   fs::rename(root_ / "hero/photos/bent", root_ / "hero/photos" / apart);
-  const Ended init = Keypose({"init", (root_ / "new").string(), "--pose", "rest=" + (root_ / "hero/photos/rest").string(), "--pose",
-                              composed + "=" + (root_ / "hero/photos" / composed).string(), "--template", apart});
+  const Ended init =
+      Keypose({"init", (root_ / "new").string(), "--pose",
+               "rest=" + (root_ / "hero/photos/rest").string(), "--pose",
+               composed + "=" + (root_ / "hero/photos" / composed).string(), "--template", apart});
   ASSERT_EQ(init.code, 0) << init.text;
   const std::string project = (root_ / "new").string();
-  fs::rename(root_ / "new/photos" / composed, root_ / "new/photos" / apart);  // as a Mac's archive would bring it
+  fs::rename(root_ / "new/photos" / composed,
+             root_ / "new/photos" / apart);  // as a Mac's archive would bring it
   const Ended run = Keypose({"run", "-C", project, "--set", "join/" + apart + ".exit_code=0"});
   ASSERT_EQ(run.code, 0) << run.text;
   EXPECT_THAT(ReadFile(root_ / "new/out" / composed / "text.txt"), HasSubstr("BENT PICTURE"));
-  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT") << "the template, named in the other spelling, comes first";
+  EXPECT_EQ(ReadFile(root_ / "new/out/all/0.txt").substr(0, 4), "BENT")
+      << "the template, named in the other spelling, comes first";
   for (const std::string& name : {composed, apart}) {
     EXPECT_THAT(Keypose({"log", "join/" + name, "-C", project}).text, HasSubstr("join at work"));
-    EXPECT_THAT(Keypose({"explain", "join/" + name, "-C", project}).text, HasSubstr("join/" + composed + " is up to date"));
+    EXPECT_THAT(Keypose({"explain", "join/" + name, "-C", project}).text,
+                HasSubstr("join/" + composed + " is up to date"));
   }
-  EXPECT_THAT(Keypose({"status", "-C", project}).text, HasSubstr("gather/" + composed + "  up to date"));
-  EXPECT_THAT(Keypose({"graph", "--dot", "-C", project}).text, HasSubstr("\"gather/" + composed + "\" -> \"join/" + composed + "\""));
-  const Ended twice = Keypose({"init", (root_ / "other").string(), "--pose", composed + "=" + project, "--pose", apart + "=" + project});
+  EXPECT_THAT(Keypose({"status", "-C", project}).text,
+              HasSubstr("gather/" + composed + "  up to date"));
+  EXPECT_THAT(Keypose({"graph", "--dot", "-C", project}).text,
+              HasSubstr("\"gather/" + composed + "\" -> \"join/" + composed + "\""));
+  const Ended twice = Keypose({"init", (root_ / "other").string(), "--pose",
+                               composed + "=" + project, "--pose", apart + "=" + project});
   EXPECT_EQ(twice.code, 2) << "one name in two spellings is one name";
-  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "m\xe4hen=" + project}).code, 2) << "Latin-1 is no UTF-8";
+  EXPECT_EQ(Keypose({"init", (root_ / "other").string(), "--pose", "m\xe4hen=" + project}).code, 2)
+      << "Latin-1 is no UTF-8";
 }
 
 TEST_F(RunTest, HomeIsWrittenAsATilde) {
@@ -237,7 +270,8 @@ TEST_F(RunTest, HomeIsWrittenAsATilde) {
   const Ended ended = Run({}, home);
   ASSERT_EQ(ended.code, 0) << ended.text;
   EXPECT_THAT(ReadFile(root_ / "hero/out/bent/text.txt"), HasSubstr("BENT PICTURE"));
-  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", "bent=~/elsewhere"}, home).code, 0);
+  EXPECT_EQ(Keypose({"init", (root_ / "new").string(), "--pose", "bent=~/elsewhere"}, home).code,
+            0);
   WriteFile(root_ / "hero/pipeline.yaml", "poses: {rest: photos/rest, bent: ~ann/elsewhere}\n");
   EXPECT_THAT(Run({}, home).text, HasSubstr("only your own home folder can be written as ~"));
 }
@@ -247,9 +281,11 @@ TEST_F(RunTest, GcRemovesWhatNothingRefersTo) {
   ASSERT_EQ(Run({"--set", "gather.exit_code=0"}).code, 0);
   WriteFile(root_ / "hero/photos/rest/IMG_0.jpg", "other\n");
   ASSERT_EQ(Run().code, 0);
-  EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1", "--dry-run"}).text,
-              HasSubstr("would remove 3 artifacts"));
-  EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1"}).text, HasSubstr("removed 3 artifacts"));
+  EXPECT_THAT(
+      Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1", "--dry-run"}).text,
+      HasSubstr("would remove 3 artifacts"));
+  EXPECT_THAT(Keypose({"gc", "-C", (root_ / "hero").string(), "--keep-runs", "1"}).text,
+              HasSubstr("removed 3 artifacts"));
   EXPECT_EQ(Run().text, AllUpToDate(root_ / "hero"));
 }
 
@@ -261,7 +297,8 @@ TEST_F(RunTest, WordsOfTheCommandLineAreChecked) {
   EXPECT_EQ(Run({"--executor", "slurm"}).code, 2);
   EXPECT_EQ(Run({"-j", "0"}).code, 2);
   EXPECT_EQ(Keypose({"run", "-C", root_.string()}).code, 2) << "not a project";
-  EXPECT_THAT(Keypose({"run", (root_ / "hero").string()}).text, HasSubstr("named with -C, as in -C " + (root_ / "hero").string()));
+  EXPECT_THAT(Keypose({"run", (root_ / "hero").string()}).text,
+              HasSubstr("named with -C, as in -C " + (root_ / "hero").string()));
   EXPECT_EQ(Keypose({"gather", "--describe"}).code, 0) << "`keypose STAGE` becomes the stage";
 }
 

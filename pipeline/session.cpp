@@ -10,51 +10,63 @@ namespace keypose::pipeline {
 
 namespace fs = std::filesystem;
 
-double RealClock::Now() const { return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count(); }
+double RealClock::Now() const {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
 
 fs::path ProgramFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
 fs::path DefaultPipelineFile() {
   const fs::path file = (ProgramFolder() / "../share/keypose/pipeline.yaml").lexically_normal();
-  if (!fs::exists(file)) throw DiskError(fmt::format("the default pipeline {} is missing; install keypose again", file.string()));
+  if (!fs::exists(file))
+    throw DiskError(
+        fmt::format("the default pipeline {} is missing; install keypose again", file.string()));
   return file;
 }
 
 namespace {
 
-/// A received project must not have its caches and locks written, or its temporary files emptied, elsewhere.
+/// A received project must not have its caches and locks written, or its temporary files emptied,
+/// elsewhere.
 void RequireOwnState(const fs::path& project) {
   const fs::path state = project / ".keypose";
   for (const char* name : {"", "cache", "failed", "runs", "steps", "tmp", "writing"}) {
     const fs::path folder = *name ? state / name : state;
     if (!RealDisk().LeadsOutside(folder, project)) continue;
-    throw DiskError(fmt::format("{} is a link that leads to {}, outside of the project; remove the link, or move the whole project there",
-                                folder.string(), fs::weakly_canonical(folder).string()));
+    throw DiskError(
+        fmt::format("{} is a link that leads to {}, outside of the project; remove the link, or "
+                    "move the whole project there",
+                    folder.string(), fs::weakly_canonical(folder).string()));
   }
 }
 
 }  // namespace
 
 fs::path FindProject(const std::string& folder) {
-  const fs::path start = fs::absolute(folder.empty() ? fs::path(".") : fs::path(folder)).lexically_normal();
+  const fs::path start =
+      fs::absolute(folder.empty() ? fs::path(".") : fs::path(folder)).lexically_normal();
   for (fs::path candidate = start;; candidate = candidate.parent_path()) {
-    // "a/b/" has an empty file name at its end, which would make the loop look at the same folder twice.
+    // "a/b/" has an empty file name at its end, which would make the loop look at the same folder
+    // twice.
     if (!candidate.has_filename() && candidate != candidate.root_path()) continue;
     if (fs::is_regular_file(candidate / "pipeline.yaml")) {
       RequireOwnState(candidate);
       return candidate;
     }
     if (fs::exists(candidate / "pipeline.yaml"))
-      throw DiskError((candidate / "pipeline.yaml").string() + " is a folder, a pipe or a device, but a file is needed");
+      throw DiskError((candidate / "pipeline.yaml").string() +
+                      " is a folder, a pipe or a device, but a file is needed");
     if (!folder.empty() || candidate == candidate.root_path()) break;
   }
   throw UsageError(
-      fmt::format("{} is not a keypose project: it has no pipeline.yaml; make one with `keypose init DIR --pose NAME=PHOTO_DIR`, or name "
+      fmt::format("{} is not a keypose project: it has no pipeline.yaml; make one with `keypose "
+                  "init DIR --pose NAME=PHOTO_DIR`, or name "
                   "one with -C DIR",
                   start.string()));
 }
 
-Session::Session(const fs::path& project, const std::vector<Override>& overrides, bool catch_signals)
+Session::Session(const fs::path& project, const std::vector<Override>& overrides,
+                 bool catch_signals)
     : project_(project),
       disk_(project / ".keypose" / "writing"),
       processes_(catch_signals),
@@ -64,9 +76,12 @@ Session::Session(const fs::path& project, const std::vector<Override>& overrides
       records_(disk_, project / ".keypose"),
       workshop_{disk_, hasher_, store_, records_, project} {
   hasher_.SetCancel([this] { return processes_.interrupted(); });
-  const PipelineFile defaults = ParsePipelineFile(disk_.Read(DefaultPipelineFile()), "the default pipeline");
-  const PipelineFile own = ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
-  graph_ = BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);
+  const PipelineFile defaults =
+      ParsePipelineFile(disk_.Read(DefaultPipelineFile()), "the default pipeline");
+  const PipelineFile own =
+      ParsePipelineFile(disk_.Read(project / "pipeline.yaml"), "pipeline.yaml");
+  graph_ =
+      BuildGraph(Overlay(defaults, own), overrides, {project, ProgramFolder()}, disk_, catalog_);
 }
 
 }  // namespace keypose::pipeline

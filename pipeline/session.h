@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/artifact_store.h"
+#include "pipeline/build_graph.h"
 #include "pipeline/clock.h"
 #include "pipeline/graph.h"
 #include "pipeline/plan.h"
@@ -18,19 +19,23 @@ namespace keypose::pipeline {
 
 /// Folder of the running program.
 std::filesystem::path ProgramFolder();
-/// The default pipeline that was installed with the program. @throws DiskError  it is missing
+/// The default pipeline that was installed with the program.
+/// @throws DiskError  it is missing
 std::filesystem::path DefaultPipelineFile();
 
-/// The project's root: `folder`, or when that is empty the current folder or the nearest one above with a pipeline.yaml.
+/// The project's root: `folder`, or when that is empty the current folder or the nearest one above
+/// with a pipeline.yaml.
 /// @throws UsageError  there is none
 /// @throws DiskError  its pipeline.yaml is no file, or a link leads its .keypose folder out of it
 std::filesystem::path FindProject(const std::string& folder);
 
 class Session {
  public:
-  /// Reads pipeline.yaml over the default pipeline and builds the graph. @throws as ParsePipelineFile and BuildGraph
+  /// Reads pipeline.yaml over the default pipeline and builds the graph.
+  /// @throws as ParsePipelineFile and BuildGraph
   /// @param catch_signals  for commands that run steps: see RealProcessRunner
-  Session(const std::filesystem::path& project, const std::vector<Override>& overrides, bool catch_signals = false);
+  Session(const std::filesystem::path& project, const std::vector<Override>& overrides,
+          bool catch_signals = false);
 
   const std::filesystem::path& project() const { return project_; }
   std::filesystem::path state() const { return project_ / ".keypose"; }

@@ -35,8 +35,8 @@ std::vector<std::string> ToolsOf(const StageInfo& info) {
 
 }  // namespace
 
-std::map<std::string, std::optional<FileStat>> StageCatalog::ProgramsOf(const std::string& program,
-                                                                        const std::vector<std::string>& tools) const {
+std::map<std::string, std::optional<FileStat>> StageCatalog::ProgramsOf(
+    const std::string& program, const std::vector<std::string>& tools) const {
   std::map<std::string, std::optional<FileStat>> programs = {{program, disk_.Stat(program)}};
   for (const std::string& tool : tools) {
     const auto path = processes_.FindTool(tool);
@@ -69,7 +69,8 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   }
   std::vector<std::string> unknown;
   for (const auto& program : programs) {
-    if (!stages_.contains(program.string()) && !Recall(program.string(), memory)) unknown.push_back(program.string());
+    if (!stages_.contains(program.string()) && !Recall(program.string(), memory))
+      unknown.push_back(program.string());
   }
   if (unknown.empty()) return;
   std::vector<std::vector<std::string>> questions;
@@ -81,14 +82,19 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   if (processes_.interrupted()) throw Cancelled();
   for (std::size_t i = 0; i < unknown.size(); ++i) {
     if (answers[i].exit_code != 0) {
-      throw ToolError(fmt::format("{} --describe ended with exit code {}: {}\nis it an executable that follows docs/stage-contract.md?",
-                                  unknown[i], answers[i].exit_code, answers[i].error));
+      throw ToolError(
+          fmt::format("{} --describe ended with exit code {}: {}\nis it an executable that follows "
+                      "docs/stage-contract.md?",
+                      unknown[i], answers[i].exit_code, answers[i].error));
     }
     StageInfo& info = stages_[unknown[i]] = ParseStageInfo(answers[i].output, unknown[i]);
     info.programs = ProgramsOf(unknown[i], ToolsOf(info));
     if (info.programs.at(unknown[i]) != before[i])
-      throw ToolError(unknown[i] + " was replaced while it was asked what it does; run again when its installation has ended");
-    memory.entries[unknown[i]] = {{"stamps", StampsOf(info.programs)}, {"describe", answers[i].output}};
+      throw ToolError(unknown[i] +
+                      " was replaced while it was asked what it does; run again when its "
+                      "installation has ended");
+    memory.entries[unknown[i]] = {{"stamps", StampsOf(info.programs)},
+                                  {"describe", answers[i].output}};
   }
   try {
     if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));
@@ -97,6 +103,8 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   }
 }
 
-const StageInfo& StageCatalog::Get(const std::filesystem::path& program) const { return stages_.at(program.string()); }
+const StageInfo& StageCatalog::Get(const std::filesystem::path& program) const {
+  return stages_.at(program.string());
+}
 
 }  // namespace keypose::pipeline

@@ -1,4 +1,5 @@
-// The stage programs that a pipeline names, and what each says of itself; answers are remembered while program and tools stay the same.
+// The stage programs that a pipeline names, and what each says of itself; answers are remembered
+// while program and tools stay the same.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +26,8 @@ class StageCatalog {
   int asked() const { return asked_; }  ///< programs that had to be run
 
  private:
-  std::map<std::string, std::optional<FileStat>> ProgramsOf(const std::string& program, const std::vector<std::string>& tools) const;
+  std::map<std::string, std::optional<FileStat>> ProgramsOf(
+      const std::string& program, const std::vector<std::string>& tools) const;
   bool Recall(const std::string& program, const struct CatalogMemory& memory);
 
   Disk& disk_;

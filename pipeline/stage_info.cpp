@@ -19,7 +19,8 @@ using nlohmann::json;
 
 template <class Item>
 const Item* FindNamed(const std::vector<Item>& items, const std::string& name) {
-  const auto it = std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
+  const auto it =
+      std::find_if(items.begin(), items.end(), [&](const Item& item) { return item.name == name; });
   return it == items.end() ? nullptr : &*it;
 }
 
@@ -33,10 +34,14 @@ PortInfo ParsePort(const json& value, bool output) {
   if (port.kind != "file" && port.kind != "folder" && port.kind != "path")
     throw std::runtime_error(fmt::format("port '{}' has kind '{}'", port.name, port.kind));
   if (output && port.kind == "path")
-    throw std::runtime_error(fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
+    throw std::runtime_error(
+        fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
   if (output && port.file.empty()) port.file = port.name;
-  if (output && (!IsOneName(port.file) || port.file == "manifest.json" || port.file == "report.json" || port.file == "log.txt"))
-    throw std::runtime_error(fmt::format("the file '{}' of an output is no plain name, or one that the cache uses itself", port.file));
+  if (output && (!IsOneName(port.file) || port.file == "manifest.json" ||
+                 port.file == "report.json" || port.file == "log.txt"))
+    throw std::runtime_error(fmt::format(
+        "the file '{}' of an output is no plain name, or one that the cache uses itself",
+        port.file));
   return port;
 }
 
@@ -52,8 +57,10 @@ OptionInfo ParseOption(const json& value) {
   option.unit = value.value("unit", "");
   if (value.contains("min") && value["min"].is_number()) option.min = value["min"].get<double>();
   if (value.contains("max") && value["max"].is_number()) option.max = value["max"].get<double>();
-  if (value.contains("choices") && value["choices"].is_array()) option.choices = value["choices"].get<std::vector<std::string>>();
-  if (option.type != "bool" && option.type != "int" && option.type != "double" && option.type != "string") {
+  if (value.contains("choices") && value["choices"].is_array())
+    option.choices = value["choices"].get<std::vector<std::string>>();
+  if (option.type != "bool" && option.type != "int" && option.type != "double" &&
+      option.type != "string") {
     throw std::runtime_error(fmt::format("option '{}' has type '{}'", option.name, option.type));
   }
   option.default_value = CanonicalOption(option, TextOf(value.at("default")));
@@ -71,14 +78,16 @@ std::optional<Number> Parse(const std::string& text) {
 
 std::string RangeText(const OptionInfo& option) {
   const std::string unit = option.unit.empty() ? "" : " " + option.unit;
-  if (option.min && option.max) return fmt::format("between {} and {}{}", *option.min, *option.max, unit);
+  if (option.min && option.max)
+    return fmt::format("between {} and {}{}", *option.min, *option.max, unit);
   if (option.min) return fmt::format("at least {}{}", *option.min, unit);
   return fmt::format("at most {}{}", *option.max, unit);
 }
 
 void CheckRange(const OptionInfo& option, double value, const std::string& text) {
   if ((option.min && value < *option.min) || (option.max && value > *option.max)) {
-    throw UsageError(fmt::format("option '{}' is {}, but it must be {}", option.name, text, RangeText(option)));
+    throw UsageError(
+        fmt::format("option '{}' is {}, but it must be {}", option.name, text, RangeText(option)));
   }
 }
 
@@ -86,12 +95,15 @@ std::string CanonicalBool(const OptionInfo& option, std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (text == "true" || text == "yes" || text == "on" || text == "1") return "true";
   if (text == "false" || text == "no" || text == "off" || text == "0") return "false";
-  throw UsageError(fmt::format("option '{}' is '{}', but it must be true or false", option.name, text));
+  throw UsageError(
+      fmt::format("option '{}' is '{}', but it must be true or false", option.name, text));
 }
 
 std::string CanonicalInt(const OptionInfo& option, const std::string& text) {
   const auto value = Parse<long long>(text);
-  if (!value) throw UsageError(fmt::format("option '{}' is '{}', but it must be a whole number", option.name, text));
+  if (!value)
+    throw UsageError(
+        fmt::format("option '{}' is '{}', but it must be a whole number", option.name, text));
   CheckRange(option, static_cast<double>(*value), text);
   return std::to_string(*value);
 }
@@ -99,7 +111,8 @@ std::string CanonicalInt(const OptionInfo& option, const std::string& text) {
 std::string CanonicalDouble(const OptionInfo& option, const std::string& text) {
   const auto value = Parse<double>(text);
   if (!value || !std::isfinite(*value)) {
-    throw UsageError(fmt::format("option '{}' is '{}', but it must be a number", option.name, text));
+    throw UsageError(
+        fmt::format("option '{}' is '{}', but it must be a number", option.name, text));
   }
   CheckRange(option, *value, text);
   return fmt::format("{}", *value);
@@ -107,9 +120,15 @@ std::string CanonicalDouble(const OptionInfo& option, const std::string& text) {
 
 }  // namespace
 
-const PortInfo* StageInfo::FindInput(const std::string& name) const { return FindNamed(inputs, name); }
-const PortInfo* StageInfo::FindOutput(const std::string& name) const { return FindNamed(outputs, name); }
-const OptionInfo* StageInfo::FindOption(const std::string& name) const { return FindNamed(options, name); }
+const PortInfo* StageInfo::FindInput(const std::string& name) const {
+  return FindNamed(inputs, name);
+}
+const PortInfo* StageInfo::FindOutput(const std::string& name) const {
+  return FindNamed(outputs, name);
+}
+const OptionInfo* StageInfo::FindOption(const std::string& name) const {
+  return FindNamed(options, name);
+}
 
 StageInfo ParseStageInfo(const std::string& text, const std::string& program) {
   try {
@@ -121,22 +140,27 @@ StageInfo ParseStageInfo(const std::string& text, const std::string& program) {
     info.summary = value.value("summary", "");
     for (const json& port : value.at("inputs")) info.inputs.push_back(ParsePort(port, false));
     for (const json& port : value.at("outputs")) info.outputs.push_back(ParsePort(port, true));
-    for (const json& option : value.value("options", json::array())) info.options.push_back(ParseOption(option));
+    for (const json& option : value.value("options", json::array()))
+      info.options.push_back(ParseOption(option));
     for (const json& tool : value.value("tools", json::array()))
       info.tools[tool.at("name").get<std::string>()] = TextOf(tool.at("version"));
     const json resources = value.value("resources", json::object());
     for (std::size_t i = 0; i < info.outputs.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (info.outputs[i].file == info.outputs[j].file)
-          throw std::runtime_error(fmt::format("two outputs have the file '{}'", info.outputs[i].file));
+          throw std::runtime_error(
+              fmt::format("two outputs have the file '{}'", info.outputs[i].file));
       }
     }
     info.cores = resources.value("cores", 0);
-    info.memory_bytes = static_cast<std::int64_t>(std::clamp(resources.value("memory_bytes", 0.0), 0.0, 1e15));
+    info.memory_bytes =
+        static_cast<std::int64_t>(std::clamp(resources.value("memory_bytes", 0.0), 0.0, 1e15));
     return info;
   } catch (const std::exception& error) {
-    throw ToolError(fmt::format("{}: what `--describe` prints is not the stage contract's JSON: {}; see docs/stage-contract.md", program,
-                                JsonFault(error)));
+    throw ToolError(
+        fmt::format("{}: what `--describe` prints is not the stage contract's JSON: {}; see "
+                    "docs/stage-contract.md",
+                    program, JsonFault(error)));
   }
 }
 
@@ -144,8 +168,10 @@ std::string CanonicalOption(const OptionInfo& option, const std::string& text) {
   if (option.type == "bool") return CanonicalBool(option, text);
   if (option.type == "int") return CanonicalInt(option, text);
   if (option.type == "double") return CanonicalDouble(option, text);
-  if (!option.choices.empty() && std::find(option.choices.begin(), option.choices.end(), text) == option.choices.end()) {
-    throw UsageError(fmt::format("option '{}' is '{}', but it must be one of {}", option.name, text, fmt::join(option.choices, ", ")));
+  if (!option.choices.empty() &&
+      std::find(option.choices.begin(), option.choices.end(), text) == option.choices.end()) {
+    throw UsageError(fmt::format("option '{}' is '{}', but it must be one of {}", option.name, text,
+                                 fmt::join(option.choices, ", ")));
   }
   return text;
 }
@@ -154,13 +180,15 @@ const OptionInfo& OptionOf(const StageInfo& info, const std::string& name) {
   if (const OptionInfo* option = info.FindOption(name)) return *option;
   std::vector<std::string> known;
   for (const OptionInfo& option : info.options) known.push_back(option.name);
-  throw UsageError(fmt::format("stage '{}' has no option '{}'{}", info.stage, name, Suggestion(name, known)));
+  throw UsageError(
+      fmt::format("stage '{}' has no option '{}'{}", info.stage, name, Suggestion(name, known)));
 }
 
 std::string Suggestion(const std::string& word, const std::vector<std::string>& known) {
   if (known.empty()) return "; there is none";
   const std::string nearest = fmt::format("; did you mean '{}'?", NearestWord(word, known));
-  return known.size() > 12 ? nearest : fmt::format("{} (known: {})", nearest, fmt::join(known, ", "));
+  return known.size() > 12 ? nearest
+                           : fmt::format("{} (known: {})", nearest, fmt::join(known, ", "));
 }
 
 }  // namespace keypose::pipeline

@@ -17,7 +17,11 @@ struct PortInfo {
   std::string name, kind;  ///< kind is "file", "folder", or of an input "path": either
   std::string file;        ///< outputs: the name that the runner gives it
   bool optional = false, repeatable = false;
-  PortKind Kind() const { return kind == "folder" ? PortKind::kFolder : kind == "path" ? PortKind::kEither : PortKind::kFile; }
+  PortKind Kind() const {
+    return kind == "folder" ? PortKind::kFolder
+           : kind == "path" ? PortKind::kEither
+                            : PortKind::kFile;
+  }
 };
 
 struct OptionInfo {
@@ -33,9 +37,10 @@ struct StageInfo {
   std::vector<PortInfo> inputs, outputs;
   std::vector<OptionInfo> options;
   std::map<std::string, std::string> tools;  ///< external programs and the versions they report
-  /// The stage's own program and its tools as they were when they were asked; those that are missing have no stat. Not part of --describe.
+  /// The stage's own program and its tools as they were when they were asked; those that are
+  /// missing have no stat. Not part of --describe.
   std::map<std::string, std::optional<FileStat>> programs;
-  int cores = 0;                             ///< 0: all there are
+  int cores = 0;  ///< 0: all there are
   std::int64_t memory_bytes = 0;
 
   const PortInfo* FindInput(const std::string& name) const;

@@ -7,6 +7,8 @@
 
 namespace keypose::pipeline {
 
-inline nlohmann::json StampOf(const FileStat& stat) { return {stat.size, stat.mtime_ns, stat.ctime_ns, stat.inode}; }
+inline nlohmann::json StampOf(const FileStat& stat) {
+  return {stat.size, stat.mtime_ns, stat.ctime_ns, stat.inode};
+}
 
 }  // namespace keypose::pipeline

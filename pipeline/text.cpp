@@ -23,10 +23,12 @@ std::vector<Letter> LettersOf(const std::string& text) {
     Letter letter;
     letter.begin = at;
     const auto* bytes = reinterpret_cast<const utf8proc_uint8_t*>(text.data()) + at;
-    const auto used = utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size() - at), &letter.code);
+    const auto used =
+        utf8proc_iterate(bytes, static_cast<utf8proc_ssize_t>(text.size() - at), &letter.code);
     letter.valid = used > 0;
     letter.size = letter.valid ? static_cast<std::size_t>(used) : 1;
-    if (letter.valid) letter.width = static_cast<std::size_t>(std::max(0, utf8proc_charwidth(letter.code)));
+    if (letter.valid)
+      letter.width = static_cast<std::size_t>(std::max(0, utf8proc_charwidth(letter.code)));
     letters.push_back(letter);
     at += letter.size;
   }
@@ -55,14 +57,15 @@ bool IsLetterOrDigit(utf8proc_int32_t code) {
 
 bool IsUtf8(const std::string& text) {
   const auto letters = LettersOf(text);
-  return std::all_of(letters.begin(), letters.end(), [](const Letter& letter) { return letter.valid; });
+  return std::all_of(letters.begin(), letters.end(),
+                     [](const Letter& letter) { return letter.valid; });
 }
 
 std::string Composed(const std::string& text) {
   utf8proc_uint8_t* composed = nullptr;
   const auto options = static_cast<utf8proc_option_t>(UTF8PROC_STABLE | UTF8PROC_COMPOSE);
-  const auto size =
-      utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(text.data()), static_cast<utf8proc_ssize_t>(text.size()), &composed, options);
+  const auto size = utf8proc_map(reinterpret_cast<const utf8proc_uint8_t*>(text.data()),
+                                 static_cast<utf8proc_ssize_t>(text.size()), &composed, options);
   if (size < 0) return text;
   std::string result(reinterpret_cast<const char*>(composed), static_cast<std::size_t>(size));
   std::free(composed);
@@ -72,7 +75,8 @@ std::string Composed(const std::string& text) {
 bool IsName(const std::string& text) {
   const auto letters = LettersOf(text);
   const auto fine = [](const Letter& letter) {
-    return letter.valid && (IsLetterOrDigit(letter.code) || letter.code == '-' || letter.code == '_');
+    return letter.valid &&
+           (IsLetterOrDigit(letter.code) || letter.code == '-' || letter.code == '_');
   };
   return !text.empty() && text[0] != '-' && std::all_of(letters.begin(), letters.end(), fine);
 }
@@ -110,7 +114,8 @@ std::vector<std::string> Wrapped(const std::string& text, std::size_t columns) {
 
 std::string ShellWord(const std::string& text) {
   const auto plain = [](unsigned char c) {
-    return std::isalnum(c) || c >= 0x80 || std::string("/._-+=:@%,").find(static_cast<char>(c)) != std::string::npos;
+    return std::isalnum(c) || c >= 0x80 ||
+           std::string("/._-+=:@%,").find(static_cast<char>(c)) != std::string::npos;
   };
   if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
   std::string word = "'";

@@ -19,8 +19,11 @@ Json ScalarJson(const YAML::Node& node) {
   long whole = 0;
   double number = 0;
   const char *begin = text.data(), *end = begin + text.size();
-  if (const auto [at, error] = std::from_chars(begin, end, whole); error == std::errc() && at == end) return whole;
-  if (const auto [at, error] = std::from_chars(begin, end, number); error == std::errc() && at == end && std::isfinite(number))
+  if (const auto [at, error] = std::from_chars(begin, end, whole);
+      error == std::errc() && at == end)
+    return whole;
+  if (const auto [at, error] = std::from_chars(begin, end, number);
+      error == std::errc() && at == end && std::isfinite(number))
     return number;
   return text;
 }
@@ -36,7 +39,8 @@ Json ToJson(const YAML::Node& node) {
     for (const auto& pair : node) {
       const std::string key = pair.first.Scalar();
       // Names stay words even when they look like numbers.
-      const bool name = (key == "pose" || key == "name" || key == "region") && pair.second.IsScalar();
+      const bool name =
+          (key == "pose" || key == "name" || key == "region") && pair.second.IsScalar();
       map[key] = name ? Json(pair.second.Scalar()) : ToJson(pair.second);
     }
     return map;

@@ -1,4 +1,5 @@
-// The runner's parts one by one: option values, stage descriptions, hashes, differences, estimates, the real disk.
+// The runner's parts one by one: option values, stage descriptions, hashes, differences, estimates,
+// the real disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -52,39 +53,56 @@ TEST(CanonicalOption, OneTextForAllSpellingsOfAValue) {
   OptionInfo flag;
   flag.name = "flag";
   flag.type = "bool";
-  for (const char* text : {"true", "True", "yes", "on", "1"}) EXPECT_EQ(CanonicalOption(flag, text), "true");
-  for (const char* text : {"false", "No", "off", "0"}) EXPECT_EQ(CanonicalOption(flag, text), "false");
+  for (const char* text : {"true", "True", "yes", "on", "1"})
+    EXPECT_EQ(CanonicalOption(flag, text), "true");
+  for (const char* text : {"false", "No", "off", "0"})
+    EXPECT_EQ(CanonicalOption(flag, text), "false");
 }
 
 TEST(CanonicalOption, FaultsSayWhatIsAllowed) {
   EXPECT_EQ(MessageOf<UsageError>([] { CanonicalOption(NumberOption("int"), "11"); }),
             "option 'size' is 11, but it must be between 1 and 10 px");
-  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("int"), "2.5"); }), HasSubstr("must be a whole number"));
-  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), "nan"); }), HasSubstr("must be a number"));
-  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), ""); }), HasSubstr("must be a number"));
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("int"), "2.5"); }),
+              HasSubstr("must be a whole number"));
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), "nan"); }),
+              HasSubstr("must be a number"));
+  EXPECT_THAT(MessageOf<UsageError>([] { CanonicalOption(NumberOption("double"), ""); }),
+              HasSubstr("must be a number"));
   OptionInfo choice;
   choice.name = "method";
   choice.type = "string";
   choice.choices = {"arap", "linear"};
-  EXPECT_EQ(MessageOf<UsageError>([&] { CanonicalOption(choice, "arp"); }), "option 'method' is 'arp', but it must be one of arap, linear");
+  EXPECT_EQ(MessageOf<UsageError>([&] { CanonicalOption(choice, "arp"); }),
+            "option 'method' is 'arp', but it must be one of arap, linear");
 }
 
 TEST(ParseStageInfo, BrokenDescriptionsNameTheProgramAndTheField) {
-  EXPECT_THAT(MessageOf<ToolError>([] { ParseStageInfo("hello", "/x/keypose-y"); }), HasSubstr("/x/keypose-y"));
+  EXPECT_THAT(MessageOf<ToolError>([] { ParseStageInfo("hello", "/x/keypose-y"); }),
+              HasSubstr("/x/keypose-y"));
   EXPECT_THAT(MessageOf<ToolError>([] { ParseStageInfo("{}", "p"); }), HasSubstr("schema"));
   const std::string head = R"({"schema":1,"stage":"s","version":"1","inputs":[],"outputs":[)";
-  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","kind":"thing"}]})", "p"); }), HasSubstr("kind 'thing'"));
-  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","file":"../x"}]})", "p"); }), HasSubstr("plain name"));
-  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","file":"x"},{"name":"b","file":"x"}]})", "p"); }),
+  EXPECT_THAT(
+      MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","kind":"thing"}]})", "p"); }),
+      HasSubstr("kind 'thing'"));
+  EXPECT_THAT(
+      MessageOf<ToolError>([&] { ParseStageInfo(head + R"({"name":"a","file":"../x"}]})", "p"); }),
+      HasSubstr("plain name"));
+  EXPECT_THAT(MessageOf<ToolError>([&] {
+                ParseStageInfo(head + R"({"name":"a","file":"x"},{"name":"b","file":"x"}]})", "p");
+              }),
               HasSubstr("two outputs have the file 'x'"));
-  EXPECT_THAT(MessageOf<ToolError>([&] { ParseStageInfo(head + R"(],"options":[{"name":"o","type":"int","default":"x"}]})", "p"); }),
+  EXPECT_THAT(MessageOf<ToolError>([&] {
+                ParseStageInfo(head + R"(],"options":[{"name":"o","type":"int","default":"x"}]})",
+                               "p");
+              }),
               HasSubstr("whole number"));
 }
 
 Recipe SomeRecipe() {
   Recipe recipe{"mesh", "1", {{"colmap", "3.8"}}, {{"depth", "9"}}, {}};
   recipe.inputs.push_back({"cloud", "dense/rest.cloud", {"aaaa", {}}});
-  recipe.inputs.push_back({"images", "photos/rest", FolderContent({{"a.jpg", "1"}, {"b.jpg", "2"}})});
+  recipe.inputs.push_back(
+      {"images", "photos/rest", FolderContent({{"a.jpg", "1"}, {"b.jpg", "2"}})});
   return recipe;
 }
 
@@ -119,10 +137,11 @@ TEST(Differences, EachInPlainWords) {
   now.options = {{"depth", "10"}, {"trim", "7"}};
   now.inputs[0].content.hash = "bbbb";
   now.inputs[1].content = FolderContent({{"a.jpg", "9"}, {"c.jpg", "3"}});
-  EXPECT_THAT(
-      Differences(SomeRecipe(), now),
-      ElementsAre("the stage's version: 1 -> 2", "version of the tool colmap: 3.8 -> 3.9", "option depth: 9 -> 10", "option trim is new: 7",
-                  "dense/rest.cloud changed", "photos/rest/a.jpg changed", "photos/rest/b.jpg is gone", "photos/rest/c.jpg is new"));
+  EXPECT_THAT(Differences(SomeRecipe(), now),
+              ElementsAre("the stage's version: 1 -> 2", "version of the tool colmap: 3.8 -> 3.9",
+                          "option depth: 9 -> 10", "option trim is new: 7",
+                          "dense/rest.cloud changed", "photos/rest/a.jpg changed",
+                          "photos/rest/b.jpg is gone", "photos/rest/c.jpg is new"));
 }
 
 TEST(Differences, ManyFilesAreSummedUp) {
@@ -179,12 +198,16 @@ TEST(Estimate, GuessesAreScaledByHowLongTheFirstStepsTook) {
   EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 200);
   estimate.Started("a", 0, 1);
   estimate.Finished("a", 300);
-  EXPECT_NEAR(*estimate.SecondsLeft(300), 300, 10) << "a machine that took three times as long will go on so";
+  EXPECT_NEAR(*estimate.SecondsLeft(300), 300, 10)
+      << "a machine that took three times as long will go on so";
 }
 
 TEST(Estimate, StepsSideBySideShareTheTime) {
   Estimate estimate;
-  estimate.Begin({{{"a", {.seconds = 40}}, {"b", {.seconds = 40}}, {"c", {.seconds = 10, .threads = 2, .needs = {"a", "b"}}}}, 2});
+  estimate.Begin({{{"a", {.seconds = 40}},
+                   {"b", {.seconds = 40}},
+                   {"c", {.seconds = 10, .threads = 2, .needs = {"a", "b"}}}},
+                  2});
   EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 50);
   estimate.Begin({{{"a", {.seconds = 40}}, {"b", {.seconds = 40, .needs = {"a"}}}}, 2});
   EXPECT_DOUBLE_EQ(*estimate.SecondsLeft(0), 80) << "one after the other, whatever cores are free";
@@ -197,8 +220,10 @@ TEST(Estimate, AStepOfWhichNothingIsKnownCountsAsAnAverageOne) {
 }
 
 TEST(Text, NamesAreOfAnyScript) {
-  for (const char* name : {"rest", "m\u00e4hen", "ma\u0308hen", "\u8df3\u8e8d", "a_b-2"}) EXPECT_TRUE(IsName(name)) << name;
-  for (const char* name : {"", "-a", "a b", "a/b", "a.b", "a\u00a0b", "a\u200bb", "\xe4", "a\nb", "@all"})
+  for (const char* name : {"rest", "m\u00e4hen", "ma\u0308hen", "\u8df3\u8e8d", "a_b-2"})
+    EXPECT_TRUE(IsName(name)) << name;
+  for (const char* name :
+       {"", "-a", "a b", "a/b", "a.b", "a\u00a0b", "a\u200bb", "\xe4", "a\nb", "@all"})
     EXPECT_FALSE(IsName(name)) << name;
   EXPECT_EQ(Composed("ma\u0308hen"), "m\u00e4hen");
   EXPECT_EQ(Composed("\xe4"), "\xe4") << "what is no UTF-8 stays";
@@ -217,11 +242,13 @@ TEST(Text, IsCutAndWrappedByColumns) {
 }
 
 TEST(WorkSize, MegapixelsComeFromTheHeaderOrTheSize) {
-  const fs::path file = fs::temp_directory_path() / ("keypose_pixels_" + std::to_string(getpid()) + ".jpg");
+  const fs::path file =
+      fs::temp_directory_path() / ("keypose_pixels_" + std::to_string(getpid()) + ".jpg");
   WriteImage(file, Image8(300, 200, 3, 90));
   EXPECT_DOUBLE_EQ(MegapixelsOf("a.jpg", ReadFile(file)), 0.06);
   fs::remove(file);
-  EXPECT_NEAR(MegapixelsOf("a.heic", std::string(1800000, 'x')), 12, 1e-9) << "a phone's twelve megapixels";
+  EXPECT_NEAR(MegapixelsOf("a.heic", std::string(1800000, 'x')), 12, 1e-9)
+      << "a phone's twelve megapixels";
   EXPECT_NEAR(MegapixelsOf("broken.jpg", std::string(350000, 'x')), 1, 1e-9);
 }
 
@@ -233,9 +260,11 @@ TEST(DurationText, Grows) {
 }
 
 TEST(Overlay, ProjectChangesStepsFieldByField) {
-  const PipelineFile defaults =
-      ParsePipelineFile("steps: {a: {stage: x, for: pose, options: {p: 1, q: 2}}, b: {stage: y, for: pose}}", "default");
-  const PipelineFile own = ParsePipelineFile("steps: {a: {options: {q: 3}}, b: {enabled: false}, c: {stage: z, for: project}}", "own");
+  const PipelineFile defaults = ParsePipelineFile(
+      "steps: {a: {stage: x, for: pose, options: {p: 1, q: 2}}, b: {stage: y, for: pose}}",
+      "default");
+  const PipelineFile own = ParsePipelineFile(
+      "steps: {a: {options: {q: 3}}, b: {enabled: false}, c: {stage: z, for: project}}", "own");
   const PipelineFile both = Overlay(defaults, own);
   ASSERT_EQ(both.steps.size(), 3u);
   EXPECT_EQ(both.steps[0].stage->text, "x");
@@ -285,9 +314,11 @@ TEST_F(RealDiskTest, MoveReplacesAFolderThatHasContent) {
 
 TEST_F(RealDiskTest, FaultsAreDiskErrorsWithPathAndReason) {
   RealDisk disk;
-  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Read(root_ / "none"); }), HasSubstr("none: No such file or directory"));
+  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Read(root_ / "none"); }),
+              HasSubstr("none: No such file or directory"));
   disk.Write(root_ / "file", "");
-  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Write(root_ / "file/below", "x"); }), HasSubstr("file"));
+  EXPECT_THAT(MessageOf<DiskError>([&] { disk.Write(root_ / "file/below", "x"); }),
+              HasSubstr("file"));
   EXPECT_FALSE(disk.Stat(root_ / "file/below"));
 }
 
@@ -295,8 +326,9 @@ TEST(ResultsFolder, OwnCopyOfAKilledRunIsNotTakenForAnEdit) {
   MemoryDisk disk;
   disk.Write("/p/.keypose/cache/m.txt", "new");
   disk.Write("/p/out/m.txt", "new");  // placed, but the run was killed before it could say so
-  disk.Write("/p/.keypose/out.json",
-             R"({"m.txt":{"step":"s","sha256":"","next":")" + Sha256Of("new") + R"(","size":0,"mtime_ns":0,"inode":0}})");
+  disk.Write("/p/.keypose/out.json", R"({"m.txt":{"step":"s","sha256":"","next":")" +
+                                         Sha256Of("new") +
+                                         R"(","size":0,"mtime_ns":0,"inode":0}})");
   Step step;
   step.id = "s";
   step.results.push_back({"mesh", "", "m.txt", {}});

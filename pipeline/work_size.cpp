@@ -22,7 +22,9 @@ struct JpegErrors {
   std::jmp_buf back;
 };
 
-[[noreturn]] void GoBack(j_common_ptr info) { std::longjmp(reinterpret_cast<JpegErrors*>(info->err)->back, 1); }
+[[noreturn]] void GoBack(j_common_ptr info) {
+  std::longjmp(reinterpret_cast<JpegErrors*>(info->err)->back, 1);
+}
 void SayNothing(j_common_ptr) {}
 
 /// 0 when it is no JPEG.
@@ -36,7 +38,8 @@ double JpegMegapixels(const std::string& content) {
   if (setjmp(errors.back) == 0) {
     jpeg_create_decompress(&info);
     jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(content.data()), content.size());
-    if (jpeg_read_header(&info, TRUE) == JPEG_HEADER_OK) megapixels = 1e-6 * info.image_width * info.image_height;
+    if (jpeg_read_header(&info, TRUE) == JPEG_HEADER_OK)
+      megapixels = 1e-6 * info.image_width * info.image_height;
   }
   jpeg_destroy_decompress(&info);
   return megapixels;
@@ -48,7 +51,8 @@ double MegapixelsOf(const std::string& name, const std::string& content) {
   if (const double exact = JpegMegapixels(content); exact > 0) return exact;
   // Megabytes that cameras and phones take for a megapixel.
   std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const double megabytes = 1e-6 * static_cast<double>(content.size());
   if (IsHeicName(name)) return megabytes / 0.15;
   if (extension == ".png") return megabytes / 1.5;
@@ -56,19 +60,23 @@ double MegapixelsOf(const std::string& name, const std::string& content) {
   return megabytes / 0.35;
 }
 
-WorkSize::WorkSize(const Graph& graph, const Disk& disk, fs::path project) : graph_(graph), disk_(disk), project_(std::move(project)) {}
+WorkSize::WorkSize(const Graph& graph, const Disk& disk, fs::path project)
+    : graph_(graph), disk_(disk), project_(std::move(project)) {}
 
 WorkSize::Photographs WorkSize::In(const fs::path& folder) {
   if (const auto it = known_.find(folder); it != known_.end()) return it->second;
   Photographs found;
   std::string first;
   for (const std::string& name : disk_.FilesBelow(project_ / folder)) {
-    if (!IsPhotographName(name) || name.starts_with("masks/") || name.find("/masks/") != std::string::npos) continue;
+    if (!IsPhotographName(name) || name.starts_with("masks/") ||
+        name.find("/masks/") != std::string::npos)
+      continue;
     if (first.empty()) first = name;
     ++found.count;
   }
   try {
-    if (!first.empty()) found.megapixels = found.count * MegapixelsOf(first, disk_.Read(project_ / folder / first));
+    if (!first.empty())
+      found.megapixels = found.count * MegapixelsOf(first, disk_.Read(project_ / folder / first));
   } catch (const DiskError&) {
     // Only a guess: the stage that reads it says what is wrong with the file.
   }
@@ -76,13 +84,13 @@ WorkSize::Photographs WorkSize::In(const fs::path& folder) {
 }
 
 double WorkSize::CoreSeconds(int step) {
-  const auto& cost = graph_.steps[static_cast<std::size_t>(step)].cost;
+  const auto& cost = graph_.steps[step].cost;
   if (!cost) return -1;
   std::set<int> seen = {step};
   std::set<fs::path> folders;
   std::vector<int> open = {step};
   while (!open.empty()) {
-    const Step& at = graph_.steps[static_cast<std::size_t>(open.back())];
+    const Step& at = graph_.steps[open.back()];
     open.pop_back();
     for (const PortFlows& port : at.inputs) {
       for (const Flow& flow : port.flows) {

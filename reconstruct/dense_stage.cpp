@@ -10,12 +10,12 @@
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
 #include "core/stage/stage.h"
-#include "reconstruct/cpu_seconds.h"
-#include "reconstruct/dense.h"
-#include "reconstruct/dense_colmap.h"
-#include "reconstruct/patch_match_cost.h"
-#include "reconstruct/prepared_views_stage.h"
-#include "reconstruct/visual_hull.h"
+#include "reconstruct/numerics/cpu_seconds.h"
+#include "reconstruct/stereo/dense.h"
+#include "reconstruct/stereo/dense_colmap.h"
+#include "reconstruct/stereo/patch_match_cost.h"
+#include "views/hull/visual_hull.h"
+#include "views/load/prepared_views.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -36,24 +36,31 @@ PointCloud WithinHull(const PointCloud& cloud, const VisualHull& hull) {
   return out;
 }
 
-PointCloud RunColmap(StageContext& stage, const std::vector<DenseView>& views, const DenseOptions& options) {
+PointCloud RunColmap(StageContext& stage, const std::vector<PreparedView>& views,
+                     const DenseOptions& options) {
   VisualHullOptions hull;
   hull.resolution = options.hull_resolution;
-  const PointCloud cloud = RunColmapDense(stage, stage.Input("images"), stage.Input("model"), options.max_size);
+  const PointCloud cloud =
+      RunColmapDense(stage, stage.Input("images"), stage.Input("model"), options.max_size);
   return WithinHull(cloud, CarveVisualHull(views, hull));
 }
 
-void ReportHullCheck(StageContext& stage, const std::vector<DenseView>& views, const HullCheck& check) {
+void ReportHullCheck(StageContext& stage, const std::vector<PreparedView>& views,
+                     const HullCheck& check) {
   nlohmann::json overlaps = nlohmann::json::object();
-  for (std::size_t i = 0; i < views.size(); ++i) overlaps[views[i].name] = std::round(check.iou[i] * 1e4) / 1e4;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    overlaps[views[i].name] = std::round(check.iou[i] * 1e4) / 1e4;
   stage.Report("hull_iou_mean", check.mean);
   stage.ReportJson("hull_iou", overlaps.dump());
   stage.ReportJson("views_disagreeing", nlohmann::json(check.disagreeing).dump());
   if (!check.disagreeing.empty())
-    stage.Note("masks that disagree with what the other views allow, because of the mask or the camera: " + NameList(check.disagreeing));
+    stage.Note(
+        "masks that disagree with what the other views allow, because of the mask or the camera: " +
+        NameList(check.disagreeing));
 }
 
-void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, const DenseResult& result) {
+void ReportMatching(StageContext& stage, const std::vector<PreparedView>& views,
+                    const DenseResult& result) {
   nlohmann::json completeness = nlohmann::json::object();
   double mean = 0;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -62,12 +69,15 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   }
   stage.Report("stereo_points", result.stereo_points);
   stage.Report("gap_points", result.gap_points);
-  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.gap_points - result.rim_points);
-  stage.Report("rim_points", result.rim_points);
+  stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points -
+                                  result.gap_points - result.frontier_points);
+  stage.Report("rim_points", result.frontier_points);
   stage.Report("points_against_rims", result.contradicted_points);
   stage.Report("ncc_evaluations", result.evaluations);
   stage.Report("ncc_per_cpu_second",
-               result.matching_cpu_seconds > 0 ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds : 0.0);
+               result.matching_cpu_seconds > 0
+                   ? static_cast<double>(result.evaluations) / result.matching_cpu_seconds
+                   : 0.0);
   stage.Report("matching_cpu_seconds", result.matching_cpu_seconds);
   stage.Report("hull_volume", result.hull_volume);
   stage.Report("completeness_mean", mean);
@@ -76,20 +86,25 @@ void ReportMatching(StageContext& stage, const std::vector<DenseView>& views, co
   stage.ReportJson("completeness", completeness.dump());
   stage.ReportJson("views_without_sources", nlohmann::json(result.views_without_sources).dump());
   if (!result.views_without_sources.empty())
-    stage.Note("dense: views without neighbours, not matched: " + NameList(result.views_without_sources));
+    stage.Note("dense: views without neighbours, not matched: " +
+               NameList(result.views_without_sources));
 }
 
 void Run(StageContext& stage, const DenseOptions& options) {
-  // Else the limit from which freed memory goes back to the system grows with the first large images, and maps are kept that nobody needs.
+  // Else the limit from which freed memory goes back to the system grows with the first large
+  // images, and maps are kept that nobody needs.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Scene scene = ReadColmapModel(stage.Input("model"));
-  const std::vector<DenseView> views = LoadPreparedViews(stage, "dense", scene, options.max_size, options.levels);
+  const std::vector<PreparedView> views =
+      LoadPreparedViews(stage, "dense", scene, options.max_size, options.levels);
   double masked = 0;
-  for (const DenseView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
+  for (const PreparedView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
   PointCloud cloud;
   if (options.backend == "colmap_cuda") {
     cloud = RunColmap(stage, views, options);
-    if (cloud.points.rows() == 0) throw InputError("dense: COLMAP found no points on the object; look at the masks and at the model");
+    if (cloud.points.rows() == 0)
+      throw InputError(
+          "dense: COLMAP found no points on the object; look at the masks and at the model");
   } else {
     stage.Report("kernel", BestPatchCostKernel().name);
     DenseResult result = ReconstructDense(views, scene, options, stage.progress());
@@ -114,13 +129,20 @@ int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "dense";
   spec.version = "8";
-  spec.summary = "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured cloud.";
+  spec.summary =
+      "Matches the photographs pixel by pixel and fuses their depths to an oriented, coloured "
+      "cloud.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"}};
   spec.outputs = {{"cloud", "file", "points with normals, colours and confidence", "cloud.ply"},
-                  {.name = "picture", .kind = "file", .help = "the cloud from four sides", .file = "cloud.png", .optional = true}};
+                  {.name = "picture",
+                   .kind = "file",
+                   .help = "the cloud from four sides",
+                   .file = "cloud.png",
+                   .optional = true}};
   spec.tools = {};
   spec.memory_gib = 2;
   spec.common = {"max_size", "sources"};
-  return keypose::RunStage<keypose::reconstruct::DenseOptions>(argc, argv, spec, keypose::reconstruct::Run);
+  return keypose::RunStage<keypose::reconstruct::DenseOptions>(argc, argv, spec,
+                                                               keypose::reconstruct::Run);
 }

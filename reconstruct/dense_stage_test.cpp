@@ -11,7 +11,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
-#include "reconstruct/dense_test_scene.h"
+#include "reconstruct/testing/rendered_ring.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -42,8 +42,10 @@ class DenseStage : public ::testing::Test {
 
   int Run(const std::string& more = "") {
     const std::string command = "cd '" + folder_.string() +
-                                "' && '" KEYPOSE_BIN_DIR "/keypose-dense' --images images --model model --cloud cloud.ply " +
-                                "--report report.json --hull_resolution 64 " + more + " >log.txt 2>&1";
+                                "' && '" KEYPOSE_BIN_DIR
+                                "/keypose-dense' --images images --model model --cloud cloud.ply " +
+                                "--report report.json --hull_resolution 64 " + more +
+                                " >log.txt 2>&1";
     const int status = std::system(command.c_str());
     log_ = ReadFile(folder_ / "log.txt");
     return WEXITSTATUS(status);
@@ -80,7 +82,8 @@ TEST_F(DenseStage, ImageOfTheModelThatIsNotInTheFolderIsNamed) {
 }
 
 TEST_F(DenseStage, BlackMasksAreAnInputErrorThatNamesThem) {
-  for (const CapturedImage& image : set_.images) WriteImage(set_.folder / image.mask, Image8(72, 72, 1));
+  for (const CapturedImage& image : set_.images)
+    WriteImage(set_.folder / image.mask, Image8(72, 72, 1));
   EXPECT_EQ(Run(), 3);
   EXPECT_NE(log_.find("mask"), std::string::npos) << log_;
   EXPECT_NE(log_.find(set_.images[0].name), std::string::npos) << log_;
@@ -93,7 +96,8 @@ TEST_F(DenseStage, MaskOfAnotherSizeIsAnInputError) {
 }
 
 TEST_F(DenseStage, ColmapWithoutCudaIsAToolError) {
-  WriteFile(folder_ / "colmap", "#!/bin/sh\necho 'COLMAP 3.8 (Commit Unknown on Unknown without CUDA)'\n");
+  WriteFile(folder_ / "colmap",
+            "#!/bin/sh\necho 'COLMAP 3.8 (Commit Unknown on Unknown without CUDA)'\n");
   fs::permissions(folder_ / "colmap", fs::perms::owner_all);
   setenv("KEYPOSE_COLMAP", (folder_ / "colmap").c_str(), 1);
   EXPECT_EQ(Run("--backend colmap_cuda"), 5);
@@ -109,7 +113,8 @@ TEST_F(DenseStage, ColmapWithCudaIsRunAndItsPointsAreCutToTheHull) {
   cloud.colors.resize(2, 3), cloud.colors << 1, 2, 3, 4, 5, 6;
   WritePointCloud(folder_ / "made.ply", cloud);
   WriteFile(folder_ / "colmap",
-            "#!/bin/sh\necho \"COLMAP (with CUDA) $@\"\nlast=\"\"\nfor a in \"$@\"; do\n  [ \"$last\" = --output_path ] && "
+            "#!/bin/sh\necho \"COLMAP (with CUDA) $@\"\nlast=\"\"\nfor a in \"$@\"; do\n  [ "
+            "\"$last\" = --output_path ] && "
             "[ \"$1\" = stereo_fusion ] && cp '" +
                 (folder_ / "made.ply").string() + "' \"$a\"\n  last=\"$a\"\ndone\nexit 0\n");
   fs::permissions(folder_ / "colmap", fs::perms::owner_all);

@@ -9,9 +9,9 @@
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
 #include "core/stage/stage.h"
-#include "reconstruct/mesh_surface.h"
-#include "reconstruct/prepared_views_stage.h"
-#include "reconstruct/silhouettes.h"
+#include "reconstruct/meshing/surface.h"
+#include "views/hull/silhouettes.h"
+#include "views/load/prepared_views.h"
 
 namespace {
 
@@ -26,11 +26,13 @@ WindowEvidence EvidenceOf(keypose::StageContext& stage) {
     throw keypose::UsageError("mesh: images and model belong together; give both, or neither");
   if (!stage.Has("images")) return {};
   const keypose::Scene scene = keypose::ReadColmapModel(stage.Input("model"));
-  WindowEvidence evidence{keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")), scene).lines, {}};
+  WindowEvidence evidence{
+      keypose::ReadSight(keypose::ReadImageSet(stage.Input("images")), scene).lines, {}};
   evidence.read_outside = [&stage, scene]() -> OutsideField {
     constexpr int kLongerSide = 1024;
-    const auto views = keypose::reconstruct::LoadPreparedViews(stage, "mesh", scene, kLongerSide, 1);
-    const auto outlines = std::make_shared<keypose::reconstruct::Silhouettes>(views, keypose::reconstruct::OutsideVotes(views.size()));
+    const auto views = keypose::LoadPreparedViews(stage, "mesh", scene, kLongerSide, 1);
+    const auto outlines =
+        std::make_shared<keypose::Silhouettes>(views, keypose::OutsideVotes(views.size()));
     return [outlines](const Eigen::Vector3d& x) { return outlines->Outside(x); };
   };
   return evidence;
@@ -40,8 +42,8 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
   const auto path = stage.Input("cloud");
   keypose::PointCloud cloud = keypose::ReadPointCloud(path);
   const auto points = static_cast<std::int64_t>(cloud.points.rows());
-  const auto result = keypose::reconstruct::ReconstructSurface(std::move(cloud), options, path.filename().string(), stage.progress(),
-                                                               EvidenceOf(stage));
+  const auto result = keypose::reconstruct::ReconstructSurface(
+      std::move(cloud), options, path.filename().string(), stage.progress(), EvidenceOf(stage));
   keypose::WriteMesh(stage.Output("surface"), result.mesh);
   stage.Report("points", points);
   stage.Report("points_used", static_cast<std::int64_t>(result.used.cloud.points.rows()));
@@ -71,9 +73,11 @@ int main(int argc, char** argv) {
   spec.version = "5";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
   spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
-                 {"images", "folder", "photographs and masks, which tell windows; with model", "", true, false},
+                 {"images", "folder", "photographs and masks, which tell windows; with model", "",
+                  true, false},
                  {"model", "folder", "COLMAP model of the cameras", "", true, false}};
-  spec.outputs = {{"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
+  spec.outputs = {
+      {"surface", "file", "triangle mesh with vertex colours (.ply)", "surface.ply", false, false}};
   spec.cores = 1;
   spec.memory_gib = 4;
   spec.common = {"depth", "trim"};

@@ -4,21 +4,23 @@
 #include "core/io/colmap_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
-#include "reconstruct/cpu_seconds.h"
-#include "reconstruct/prepared_views_stage.h"
-#include "reconstruct/refine.h"
+#include "reconstruct/numerics/cpu_seconds.h"
+#include "reconstruct/refinement/refine.h"
+#include "views/load/prepared_views.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 void Run(StageContext& stage, const RefineOptions& options) {
-  // Else the limit from which freed memory goes back to the system grows with the first large images.
+  // Else the limit from which freed memory goes back to the system grows with the first large
+  // images.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Mesh surface = ReadMesh(stage.Input("surface"));
   const Scene scene = ReadColmapModel(stage.Input("model"));
-  std::vector<DenseView> views = LoadPreparedViews(stage, "refine", scene, options.max_size, options.levels);
+  std::vector<PreparedView> views =
+      LoadPreparedViews(stage, "refine", scene, options.max_size, options.levels);
   double masked = 0;
-  for (DenseView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
+  for (PreparedView& view : views) masked += 1e-6 * static_cast<double>(view.masked_pixels);
   const RefineResult result = RefineSurface(surface, views, options, stage.progress());
   WriteMesh(stage.Output("refined"), result.mesh);
   const double cpu = CpuSeconds();
@@ -56,5 +58,6 @@ int main(int argc, char** argv) {
   spec.outputs = {{"refined", "file", "the surface's faces and colours, moved", "refined.ply"}};
   spec.memory_gib = 2;
   spec.common = {"max_size", "rounds", "shading"};
-  return keypose::RunStage<keypose::reconstruct::RefineOptions>(argc, argv, spec, keypose::reconstruct::Run);
+  return keypose::RunStage<keypose::reconstruct::RefineOptions>(argc, argv, spec,
+                                                                keypose::reconstruct::Run);
 }

@@ -1,4 +1,5 @@
-// keypose-sfm as its users run it: a synthetic ring against its truth, the same bytes twice, and its errors.
+// keypose-sfm as its users run it: a synthetic ring against its truth, the same bytes twice, and
+// its errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -32,14 +33,17 @@ class SfmProgram : public testing::Test {
   }
   void TearDown() override { fs::remove_all(root); }
 
-  Outcome Run(const std::string& environment, const std::string& program, const std::string& arguments) const {
+  Outcome Run(const std::string& environment, const std::string& program,
+              const std::string& arguments) const {
     const fs::path log = root / "log.txt";
-    const std::string command = environment + " " + KEYPOSE_BIN_DIR + "/" + program + " " + arguments + " > " + log.string() + " 2>&1";
+    const std::string command = environment + " " + KEYPOSE_BIN_DIR + "/" + program + " " +
+                                arguments + " > " + log.string() + " 2>&1";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
   }
   Outcome Sfm(const std::string& environment, const std::string& model) const {
-    return Run(environment, "keypose-sfm", "--images " + (root / "images").string() + " --model " + (root / model).string());
+    return Run(environment, "keypose-sfm",
+               "--images " + (root / "images").string() + " --model " + (root / model).string());
   }
 
   /// Eight images of noise that has nothing in common, with full masks.
@@ -68,65 +72,86 @@ class SfmProgram : public testing::Test {
 };
 
 std::string ModelBytes(const fs::path& model) {
-  return ReadFile(model / "cameras.bin") + ReadFile(model / "images.bin") + ReadFile(model / "points3D.bin");
+  return ReadFile(model / "cameras.bin") + ReadFile(model / "images.bin") +
+         ReadFile(model / "points3D.bin");
 }
 
 PointsX3 Centers(const Scene& scene) {
   PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
-  for (std::size_t v = 0; v < scene.views.size(); ++v) centers.row(static_cast<Eigen::Index>(v)) = scene.views[v].Center().transpose();
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    centers.row(v) = scene.views[v].Center().transpose();
   return centers;
 }
 
 TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
-  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") || !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
+  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") ||
+      !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_EQ(Run("", "keypose-synth",
+                "photos --output " + root.string() +
+                    " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
+                .code,
+            0);
   ASSERT_EQ(
-      Run("", "keypose-synth", "photos --output " + root.string() + " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
+      Run("", "keypose-capture",
+          "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string())
           .code,
       0);
-  ASSERT_EQ(Run("", "keypose-capture", "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string()).code, 0);
   const Outcome one = Sfm("KEYPOSE_THREADS=1", "one"), two = Sfm("KEYPOSE_THREADS=2", "two");
   ASSERT_EQ(one.code, 0) << one.output;
   ASSERT_EQ(two.code, 0) << two.output;
   EXPECT_EQ(ModelBytes(root / "one") == ModelBytes(root / "two"), true);
-  const Scene found = ReadColmapModel(root / "one"), truth = ReadColmapModel(root / "truth/rest/cameras");
+  const Scene found = ReadColmapModel(root / "one"),
+              truth = ReadColmapModel(root / "truth/rest/cameras");
   ASSERT_EQ(found.views.size(), truth.views.size());
   const Similarity3 align = FitSimilarity(Centers(found), Centers(truth));
   const PointsX3 moved = Transformed(align, Centers(found)), centers = Centers(truth);
   // The bound that real photographs must keep; small images of a rendered ring keep it with room.
   const double distance = centers.rowwise().norm().mean();
   EXPECT_LT((moved - centers).rowwise().norm().mean(), 0.005 * distance);
-  // The turntable's axis is z on both sides, and the figure of 205 mm stands at z = 0: features are rare at the feet, where the
-  // lowest ones lie 9 mm and more above the ground. One ring at 25 degrees sees the lower 3 mm of the rounded feet from above only.
+  // The turntable's axis is z on both sides, and the figure of 205 mm stands at z = 0: features are
+  // rare at the feet, where the lowest ones lie 9 mm and more above the ground. One ring at 25
+  // degrees sees the lower 3 mm of the rounded feet from above only.
   EXPECT_NEAR((align * Eigen::Vector3d::Zero()).z(), 0, 0.003);
   EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));
 }
 
 TEST_F(SfmProgram, PlateGivesCamerasInMetresOfAFigureWithoutTexture) {
-  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") || !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
+  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") ||
+      !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
   ASSERT_EQ(Run("", "keypose-synth",
                 "photos --output " + root.string() +
-                    " --poses rest --views 10 --elevations 25,50 --width 720 --spacing 0.006 --texture none --charuco")
+                    " --poses rest --views 10 --elevations 25,50 --width 720 --spacing 0.006 "
+                    "--texture none --charuco")
                 .code,
             0);
-  ASSERT_EQ(Run("", "keypose-capture", "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string()).code, 0);
+  ASSERT_EQ(
+      Run("", "keypose-capture",
+          "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string())
+          .code,
+      0);
   const std::string report = (root / "report.json").string();
-  const Outcome outcome =
-      Run("", "keypose-sfm", "--images " + (root / "images").string() + " --model " + (root / "model").string() + " --report " + report);
+  const Outcome outcome = Run("", "keypose-sfm",
+                              "--images " + (root / "images").string() + " --model " +
+                                  (root / "model").string() + " --report " + report);
   ASSERT_EQ(outcome.code, 0) << outcome.output;
   EXPECT_THAT(ReadFile(report), HasSubstr("\"scale_source\": \"plate\""));
-  const Scene found = ReadColmapModel(root / "model"), truth = ReadColmapModel(root / "truth/rest/cameras");
+  const Scene found = ReadColmapModel(root / "model"),
+              truth = ReadColmapModel(root / "truth/rest/cameras");
   ASSERT_EQ(found.views.size(), truth.views.size());
-  // No fit: the plate's frame is the truth's. A twentieth of a pixel of the corners' mean is 0.1 mm at 0.6 m; the focal length adds more.
+  // No fit: the board's frame is the truth's. A twentieth of a pixel of the corners' mean is 0.1 mm
+  // at 0.6 m; the focal length adds more.
   const PointsX3 error = Centers(found) - Centers(truth);
   EXPECT_LT(error.rowwise().norm().mean(), 0.003 * Centers(truth).rowwise().norm().mean());
   // Known poses as input give the same cameras back, to the last bits of a text file.
-  const Outcome again = Run("", "keypose-sfm",
-                            "--images " + (root / "images").string() + " --model " + (root / "again").string() + " --poses " +
-                                (root / "truth/rest/cameras").string());
+  const Outcome again =
+      Run("", "keypose-sfm",
+          "--images " + (root / "images").string() + " --model " + (root / "again").string() +
+              " --poses " + (root / "truth/rest/cameras").string());
   ASSERT_EQ(again.code, 0) << again.output;
-  EXPECT_LT((Centers(ReadColmapModel(root / "again")) - Centers(truth)).rowwise().norm().maxCoeff(), 1e-9);
+  EXPECT_LT((Centers(ReadColmapModel(root / "again")) - Centers(truth)).rowwise().norm().maxCoeff(),
+            1e-9);
 }
 
 TEST_F(SfmProgram, PhotographsThatDoNotJoinAreAnInputErrorThatListsThem) {

@@ -10,14 +10,14 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/stage/stage.h"
-#include "reconstruct/leveling.h"
-#include "reconstruct/outline_ground_stage.h"
-#include "reconstruct/ring_picture.h"
-#include "reconstruct/sfm_colmap.h"
-#include "reconstruct/sfm_hull_check_stage.h"
-#include "reconstruct/sfm_ladder_stage.h"
-#include "reconstruct/sfm_matching_stage.h"
-#include "reconstruct/sfm_refine_stage.h"
+#include "reconstruct/sfm/colmap_programs.h"
+#include "reconstruct/sfm/evidence_check.h"
+#include "reconstruct/sfm/final_adjustment.h"
+#include "reconstruct/sfm/ground_by_outlines.h"
+#include "reconstruct/sfm/matched_features.h"
+#include "reconstruct/sfm/strategies.h"
+#include "reconstruct/turntable/leveling.h"
+#include "reconstruct/turntable/ring_picture.h"
 
 namespace {
 namespace fs = std::filesystem;
@@ -30,44 +30,60 @@ json NotPlaced(const ImageSet& set, const Scene& scene) {
   std::size_t next = 0;
   for (const CapturedImage& image : set.images) {
     while (next < scene.views.size() && scene.views[next].name < image.name) ++next;
-    if (next == scene.views.size() || scene.views[next].name != image.name) names.push_back(image.name);
+    if (next == scene.views.size() || scene.views[next].name != image.name)
+      names.push_back(image.name);
   }
   return names;
 }
 
 void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& options) {
-  if (static_cast<double>(scene.views.size()) >= options.min_placed * static_cast<double>(set.images.size())) return;
+  if (static_cast<double>(scene.views.size()) >=
+      options.min_placed * static_cast<double>(set.images.size()))
+    return;
   std::string names;
-  for (const json& name : NotPlaced(set, scene)) names += (names.empty() ? "" : ", ") + name.get<std::string>();
-  throw InputError(
-      "sfm: the photographs do not join: only " + std::to_string(scene.views.size()) + " of " + std::to_string(set.images.size()) +
-      " could be placed in one model. Not placed: " + names +
-      ". Take more photographs between these (15 degrees apart or less, rings 20 degrees apart), in focus and evenly lit, or give the "
-      "surface more texture (speckles, fingerprints); masks that miss parts of the object also cause this (see contact_sheet.jpg)");
+  for (const json& name : NotPlaced(set, scene))
+    names += (names.empty() ? "" : ", ") + name.get<std::string>();
+  throw InputError("sfm: the photographs do not join: only " + std::to_string(scene.views.size()) +
+                   " of " + std::to_string(set.images.size()) +
+                   " could be placed in one model. Not placed: " + names +
+                   ". Take more photographs between these (15 degrees apart or less, rings 20 "
+                   "degrees apart), in focus and evenly lit, or give the "
+                   "surface more texture (speckles, fingerprints); masks that miss parts of the "
+                   "object also cause this (see contact_sheet.jpg)");
 }
 
 /// How many photographs, and how far apart, whatever the figure.
 const char* kWhatToShoot =
-    "Shoot more photographs, closer together (15 degrees or less from one to the next, rings 20 degrees apart), with one zoom, in the order "
-    "of the turn; give the surface more texture (speckles, fingerprints), or put the printed plate under the figure (keypose capture "
+    "Shoot more photographs, closer together (15 degrees or less from one to the next, rings 20 "
+    "degrees apart), with one zoom, in the "
+    "order "
+    "of the turn; give the surface more texture (speckles, fingerprints), or put the printed "
+    "calibration board under the figure (keypose capture "
     "--print-board)";
 
-/// Whether the cameras can be right. Cameras that a plate or the user gave stand by themselves: then it is the masks.
-void RequireRight(StageContext& stage, const Placed& placed, const CameraEvidence& evidence, const SfmOptions& options) {
+/// Whether the cameras can be right. Cameras that a plate or the user gave stand by themselves:
+/// then it is the masks.
+void RequireRight(StageContext& stage, const StrategyResult& found, const CameraEvidence& evidence,
+                  const SfmOptions& options) {
   if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;
   char overlap[64];
-  std::snprintf(overlap, sizeof overlap, "%.2f, where %.2f is asked", evidence.hull_iou, options.min_hull_overlap);
-  if (placed.model.scale_source != "none") {
-    stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " + std::string(overlap) +
-               "); the cameras come from the " + placed.model.scale_source + ", so look at the masks (contact_sheet.jpg)");
+  std::snprintf(overlap, sizeof overlap, "%.2f, where %.2f is asked", evidence.hull_iou,
+                options.min_hull_overlap);
+  if (found.model.scale_source != "none") {
+    stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " +
+               std::string(overlap) + "); the cameras come from the " + found.model.scale_source +
+               ", so look at the masks (contact_sheet.jpg)");
     return;
   }
-  throw InputError("sfm: no cameras fit these photographs: under the best that were found (" + placed.method +
-                   ") the outlines make no one figure (overlap of masks and their hull " + overlap + "). " + kWhatToShoot +
-                   ". Masks that hold much else or miss parts cause this too: look at contact_sheet.jpg");
+  throw InputError(
+      "sfm: no cameras fit these photographs: under the best that were found (" + found.method +
+      ") the outlines make no one figure (overlap of masks and their hull " + overlap + "). " +
+      kWhatToShoot +
+      ". Masks that hold much else or miss parts cause this too: look at contact_sheet.jpg");
 }
 
-void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene, const fs::path& model) {
+void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
+                 const fs::path& model) {
   stage.Report("images_total", static_cast<int>(set.images.size()));
   stage.Report("images_placed", static_cast<int>(scene.views.size()));
   stage.ReportJson("not_placed", NotPlaced(set, scene).dump());
@@ -92,9 +108,10 @@ void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene, c
                                  .dump());
 }
 
-/// The views that tell which way is up: of a figure that was also shot lying, those that show it upright (else of the first placement).
+/// The views that tell which way is up: of a figure that was also shot lying, those that show it
+/// upright (else of the first placement).
 Scene UprightViews(const ImageSet& set, const Scene& scene) {
-  const auto group = [&](const View& view) { return set.images[static_cast<std::size_t>(set.Find(view.name))].group; };
+  const auto group = [&](const View& view) { return set.images[set.Find(view.name)].group; };
   std::set<std::string> groups;
   for (const View& view : scene.views) groups.insert(group(view));
   Scene upright = scene;
@@ -109,14 +126,14 @@ Scene Leveled(StageContext& stage, const ImageSet& set, const Scene& scene) {
   stage.Report("centered_on_axis", leveling.centered_on_axis);
   stage.Report("ring_plane_rms", leveling.plane_rms);
   stage.Report("ring_circle_rms", leveling.circle_rms);
-  Scene level = reconstruct::Transformed(leveling.level_from_model, scene);
+  Scene level = Transformed(leveling.level_from_model, scene);
   const auto ground = GroundOf(set, UprightViews(set, level));
   stage.Report("ground_told_by_outlines", ground.has_value());
   if (!ground) return level;
   stage.Report("ground_spread", ground->spread);
   Similarity3 down;
   down.translation.z() = -ground->height;
-  return reconstruct::Transformed(down, level);
+  return Transformed(down, level);
 }
 
 /// The cameras, coloured by the rings that they form about one axis.
@@ -130,39 +147,48 @@ void Run(StageContext& stage, const SfmOptions& options) {
   Stopwatch watch;
   const ImageSet set = ReadImageSet(stage.Input("images"));
   if (set.images.size() < 3)
-    throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) + " photographs; at least 3 are needed");
+    throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) +
+                     " photographs; at least 3 are needed");
   options.Layouts(NamesOf(set));  // a wrong option is told before the work
-  Step(stage.progress(), 0, "features");
+  ReportProgress(stage.progress(), 0, "features");
   const EvidenceJudge judge(set);
-  Seen seen;
-  const Placed placed = Place({stage, set, options, judge, watch}, stage.Scratch(), seen);
-  RequirePlaced(set, placed.model.scene, options);
-  stage.Report("method", placed.method);
-  stage.Report("scale_source", placed.model.scale_source);
-  Scene scene = RefineByPatches(stage, set, placed.model, seen.focal_known, options);
+  MatchedFeatures matched;
+  const StrategyResult found =
+      FindCameras({stage, set, options, judge, watch}, stage.Scratch(), matched);
+  RequirePlaced(set, found.model.scene, options);
+  stage.Report("method", found.method);
+  stage.Report("scale_source", found.model.scale_source);
+  found.measurements.Report(stage);
+  Scene scene = RefineByPatches(stage, set, found.model, matched.focal_known, options);
   watch.Lap(stage, "patches");
-  const CameraEvidence evidence = judge.Judge(scene, seen.features, seen.verified);
+  const CameraEvidence evidence = judge.Judge(scene, matched.features, matched.verified);
   ReportEvidence(stage, evidence);
   watch.Lap(stage, "hull_check");
-  RequireRight(stage, placed, evidence, options);
-  if (options.level && placed.model.scale_source == "none") scene = Leveled(stage, set, scene);
+  RequireRight(stage, found, evidence, options);
+  if (options.level && found.model.scale_source == "none") scene = Leveled(stage, set, scene);
   const fs::path output = stage.Output("model");
   WriteColmapModel(output, scene);
-  if (const fs::path picture = stage.Output("picture"); !picture.empty()) WriteImage(picture, Picture(scene));
+  if (const fs::path picture = stage.Output("picture"); !picture.empty())
+    WriteImage(picture, Picture(scene));
   ReportModel(stage, set, scene, output);
 }
 
 const StageSpec kSpec = {
     .name = "sfm",
     .version = "8",
-    .summary = "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
+    .summary =
+        "Finds where each photograph was taken from, with COLMAP, and turns the result upright.",
     .inputs = {{.name = "images", .kind = "folder", .help = "images folder of capture", .file = ""},
                {.name = "poses",
                 .kind = "path",
-                .help = "cameras that are known: a folder with a COLMAP model, or a transforms.json",
+                .help =
+                    "cameras that are known: a folder with a COLMAP model, or a transforms.json",
                 .file = "",
                 .optional = true}},
-    .outputs = {{.name = "model", .kind = "folder", .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin", .file = "model"},
+    .outputs = {{.name = "model",
+                 .kind = "folder",
+                 .help = "COLMAP binary model: cameras.bin, images.bin, points3D.bin",
+                 .file = "model"},
                 {.name = "picture",
                  .kind = "file",
                  .help = "the placed cameras from above and from the side (.png)",

@@ -1,4 +1,5 @@
-// keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to confirm; `bind` ties picks to their mesh.
+// keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to
+// confirm; `bind` ties picks to their mesh.
 #include <sstream>
 #include <string>
 #include <vector>
@@ -10,10 +11,10 @@
 #include "core/io/mesh_io.h"
 #include "core/render.h"
 #include "core/stage/stage.h"
-#include "register/landmark_picture.h"
-#include "register/landmarks_bind_stage.h"
-#include "register/landmarks.h"
-#include "register/suggest.h"
+#include "register/intrinsic/suggest.h"
+#include "register/landmarks/landmark_picture.h"
+#include "register/landmarks/landmarks.h"
+#include "register/landmarks_bind.h"
 
 namespace keypose::registration {
 namespace {
@@ -25,14 +26,22 @@ struct ProgramOptions {
   int panel = 360;
 
   void Describe(OptionVisitor& visit) {
-    visit("count", suggest.count, {"pairs to suggest at most, beside those given", "", 1, 1000, {}});
-    visit("min_confidence", suggest.min_confidence, {"leave out suggestions that are less sure", "", 0, 1, {}});
-    visit("proxy_vertices", suggest.proxy_vertices, {"size of the decimated meshes that are compared", "vertices", 100, 20000, {}});
-    visit("samples", suggest.samples, {"points at which candidate maps are compared", "", 50, 5000, {}});
-    visit("functions", suggest.functions, {"eigenfunctions that the last refinement uses", "", 20, 500, {}});
-    visit("candidates", suggest.candidates, {"assignments of limbs that are tried", "", 1, 10000, {}});
-    visit("accept", accept, {"numbers in the picture that a person confirms, such as 1,2,5-9, or all", "", 0, 0, {}});
-    visit("up", up, {.help = "axis that points up in the picture", .unit = "", .choices = {"x", "y", "z"}});
+    visit("count", suggest.count,
+          {"pairs to suggest at most, beside those given", "", 1, 1000, {}});
+    visit("min_confidence", suggest.min_confidence,
+          {"leave out suggestions that are less sure", "", 0, 1, {}});
+    visit("proxy_vertices", suggest.proxy_vertices,
+          {"size of the decimated meshes that are compared", "vertices", 100, 20000, {}});
+    visit("samples", suggest.samples,
+          {"points at which candidate maps are compared", "", 50, 5000, {}});
+    visit("functions", suggest.functions,
+          {"eigenfunctions that the last refinement uses", "", 20, 500, {}});
+    visit("candidates", suggest.candidates,
+          {"assignments of limbs that are tried", "", 1, 10000, {}});
+    visit("accept", accept,
+          {"numbers in the picture that a person confirms, such as 1,2,5-9, or all", "", 0, 0, {}});
+    visit("up", up,
+          {.help = "axis that points up in the picture", .unit = "", .choices = {"x", "y", "z"}});
     visit("panel", panel, {"width and height of each view in the picture", "px", 64, 4096, {}});
   }
   std::vector<std::string> Problems() const { return suggest.Problems(); }
@@ -42,23 +51,31 @@ StageSpec Spec() {
   StageSpec spec;
   spec.name = "landmarks suggest";
   spec.version = "3";
-  spec.summary = "Suggests pairs of landmarks between two poses; a person confirms them. (keypose landmarks bind --help: ties picks to their mesh.)";
-  spec.inputs = {{"source", "file", "template mesh", "", false, false},
-                 {"target", "file", "clean mesh of the pose", "", false, false},
-                 {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},
-                 {"target_texture", "file", "the target's texture", "", true, false},
-                 {"landmarks", "file", "pairs that are known already, or picks of source and target", "", true, true}};
+  spec.summary =
+      "Suggests pairs of landmarks between two poses; a person confirms them. (keypose landmarks "
+      "bind --help: ties picks to their mesh.)";
+  spec.inputs = {
+      {"source", "file", "template mesh", "", false, false},
+      {"target", "file", "clean mesh of the pose", "", false, false},
+      {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},
+      {"target_texture", "file", "the target's texture", "", true, false},
+      {"landmarks", "file", "pairs that are known already, or picks of source and target", "", true,
+       true}};
   spec.outputs = {
-      {"suggested", "file", "known and suggested pairs (.json), to confirm and give to register", "suggested.json", false, false},
-      {"source_picks", "file", "the confirmed pairs' picks on the source (.json), for a project", "source.json", true, false},
+      {"suggested", "file", "known and suggested pairs (.json), to confirm and give to register",
+       "suggested.json", false, false},
+      {"source_picks", "file", "the confirmed pairs' picks on the source (.json), for a project",
+       "source.json", true, false},
       {"target_picks", "file", "the same on the target", "target.json", true, false},
-      {"picture", "file", "both meshes with the numbered pairs (.png)", "suggested.png", true, false}};
+      {"picture", "file", "both meshes with the numbered pairs (.png)", "suggested.png", true,
+       false}};
   spec.memory_gib = 1;
   return spec;
 }
 
 PickedPair PickOf(const LandmarkPair& pair) {
-  return {pair.name, pair.source.face, pair.target.face, pair.source.barycentric, pair.target.barycentric};
+  return {pair.name, pair.source.face, pair.target.face, pair.source.barycentric,
+          pair.target.barycentric};
 }
 
 LandmarkPair PairOf(const SuggestedPair& suggested, const std::string& name) {
@@ -74,12 +91,14 @@ LandmarkPair PairOf(const SuggestedPair& suggested, const std::string& name) {
 }
 
 /// Known pairs that a person stands behind; an earlier run's unconfirmed suggestions are made anew.
-std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source, const Mesh& target) {
+std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
+                                        const Mesh& target) {
   std::vector<LandmarkPair> known;
   if (!stage.Has("landmarks")) return known;
   int dropped = 0;
   CarryLog log;
-  std::vector<LandmarkPair> read = ReadLandmarkPairs(stage.Inputs("landmarks"), source, target, &log);
+  std::vector<LandmarkPair> read =
+      ReadLandmarkPairs(stage.Inputs("landmarks"), source, target, &log);
   for (const std::string& note : log.notes) stage.Note(note);
   for (const std::string& warning : log.warnings) stage.Warn(warning);
   for (LandmarkPair& pair : read) {
@@ -88,11 +107,14 @@ std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
     else
       ++dropped;
   }
-  if (dropped > 0) stage.Note(std::to_string(dropped) + " pairs that nobody confirmed were left out and are suggested anew");
+  if (dropped > 0)
+    stage.Note(std::to_string(dropped) +
+               " pairs that nobody confirmed were left out and are suggested anew");
   return known;
 }
 
-/// Marks what `accept` names as confirmed: "all", or numbers from 1 and ranges, separated by commas.
+/// Marks what `accept` names as confirmed: "all", or numbers from 1 and ranges, separated by
+/// commas.
 void Accept(const std::string& accept, std::vector<LandmarkPair>& pairs) {
   if (accept == "all")
     for (LandmarkPair& pair : pairs) pair.confirmed = true;
@@ -106,20 +128,22 @@ void Accept(const std::string& accept, std::vector<LandmarkPair>& pairs) {
     last = first;
     if (good && in >> dash) good = dash == '-' && in >> last;
     if (!good || in >> rest || first < 1 || last < first || last > pairs.size())
-      throw UsageError("--accept: '" + part + "' is not a number or range from 1 to " + std::to_string(pairs.size()) +
-                       ", the numbers in the picture; or say all");
+      throw UsageError("--accept: '" + part + "' is not a number or range from 1 to " +
+                       std::to_string(pairs.size()) + ", the numbers in the picture; or say all");
     for (std::size_t k = first; k <= last; ++k) pairs[k - 1].confirmed = true;
   }
 }
 
-void WritePicks(StageContext& stage, const std::string& port, const Mesh& mesh, const std::vector<LandmarkPair>& pairs,
-                Landmark LandmarkPair::*side) {
+void WritePicks(StageContext& stage, const std::string& port, const Mesh& mesh,
+                const std::vector<LandmarkPair>& pairs, Landmark LandmarkPair::*side) {
   const std::filesystem::path path = stage.Output(port);
   if (path.empty()) return;
   std::vector<Landmark> picks;
   for (const LandmarkPair& pair : pairs)
     if (pair.confirmed) picks.push_back(pair.*side);
-  if (picks.empty()) throw UsageError("--" + port + ": no pair is confirmed; name those that are right with --accept");
+  if (picks.empty())
+    throw UsageError("--" + port +
+                     ": no pair is confirmed; name those that are right with --accept");
   WriteLandmarks(path, mesh, picks);
 }
 
@@ -138,13 +162,15 @@ std::string ShortName(const std::filesystem::path& path) {
   return full.parent_path().filename().string() + "/" + full.filename().string();
 }
 
-void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh& source, const Mesh& target,
-                  const std::vector<LandmarkPair>& pairs, const Suggestion& suggestion) {
+void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh& source,
+                  const Mesh& target, const std::vector<LandmarkPair>& pairs,
+                  const Suggestion& suggestion) {
   const std::filesystem::path path = stage.Output("picture");
   if (path.empty()) return;
   std::vector<DrawnPair> drawn;
   for (const LandmarkPair& pair : pairs)
-    drawn.push_back({keypose::PositionOf(pair.source, source), keypose::PositionOf(pair.target, target), pair.confirmed});
+    drawn.push_back({keypose::PositionOf(pair.source, source),
+                     keypose::PositionOf(pair.target, target), pair.confirmed});
   LandmarkPictureOptions picture;
   picture.panel = options.panel;
   picture.source_name = "source: " + ShortName(stage.Input("source"));
@@ -159,7 +185,8 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   stage.Report("distortion", suggestion.distortion);
   stage.Report("orientation_kept", suggestion.orientation);
   stage.Report("margin", suggestion.margin);
-  stage.Report("mean_confidence", suggestion.confidence.size() > 0 ? suggestion.confidence.mean() : 0.0);
+  stage.Report("mean_confidence",
+               suggestion.confidence.size() > 0 ? suggestion.confidence.mean() : 0.0);
   stage.Report("explanation", suggestion.explanation);
   stage.Note(suggestion.explanation);
   for (const std::string& warning : known.warnings) stage.Warn(warning);
@@ -172,13 +199,16 @@ Mesh LoadMesh(StageContext& stage, const std::string& port) {
   const std::string texture_port = port + "_texture";
   if (!stage.Has(texture_port)) return mesh;
   if (!mesh.has_uvs())
-    throw InputError("landmarks: " + stage.Input(port).string() + " has no UVs, so its texture cannot be used; leave the texture out");
+    throw InputError("landmarks: " + stage.Input(port).string() +
+                     " has no UVs, so its texture cannot be used; leave the texture out");
   const Image8 texture = ReadImage(stage.Input(texture_port), 3);
   mesh.colors = ColorsX3::Constant(mesh.vertex_count(), 3, 128);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d color = SampleTexture(texture, mesh.uvs.row(mesh.uv_faces(f, k)).transpose());
-      mesh.colors.row(mesh.faces(f, k)) = color.cwiseMax(0).cwiseMin(255).cast<std::uint8_t>().transpose();
+      const Eigen::Vector3d color =
+          SampleTexture(texture, mesh.uvs.row(mesh.uv_faces(f, k)).transpose());
+      mesh.colors.row(mesh.faces(f, k)) =
+          color.cwiseMax(0).cwiseMin(255).cast<std::uint8_t>().transpose();
     }
   return mesh;
 }
@@ -189,9 +219,11 @@ void Run(StageContext& stage, const ProgramOptions& options) {
   std::vector<PickedPair> picked;
   for (const LandmarkPair& pair : pairs) picked.push_back(PickOf(pair));
   const CheckedLandmarks known = CheckLandmarks(picked, source, target);
-  const Suggestion suggestion = SuggestLandmarks(source, target, known.goals, options.suggest, stage.progress());
+  const Suggestion suggestion =
+      SuggestLandmarks(source, target, known.goals, options.suggest, stage.progress());
   std::size_t number = 0;
-  for (const SuggestedPair& suggested : suggestion.pairs) pairs.push_back(PairOf(suggested, FreeName(pairs, number)));
+  for (const SuggestedPair& suggested : suggestion.pairs)
+    pairs.push_back(PairOf(suggested, FreeName(pairs, number)));
   Accept(options.accept, pairs);
   Report(stage, known, suggestion);
   WritePicks(stage, "source_picks", source, pairs, &LandmarkPair::source);
@@ -212,5 +244,6 @@ int main(int argc, char** argv) {
     ++argv;
   }
   if (word == "bind") return keypose::registration::BindMain(argc, argv);
-  return keypose::RunStage<keypose::registration::ProgramOptions>(argc, argv, keypose::registration::Spec(), keypose::registration::Run);
+  return keypose::RunStage<keypose::registration::ProgramOptions>(
+      argc, argv, keypose::registration::Spec(), keypose::registration::Run);
 }

@@ -1,4 +1,4 @@
-#include "register/nricp.h"
+#include "register/nricp/nricp.h"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/stiffness_map.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "register/alignment.h"
-#include "register/landmarks.h"
-#include "register/quality.h"
-#include "core/io/stiffness_map.h"
-#include "register/testing_scenes.h"
+#include "register/landmarks/landmarks.h"
+#include "register/nricp/alignment.h"
+#include "register/quality/quality.h"
+#include "register/testing/scenes.h"
 
 namespace keypose::registration {
 namespace {
@@ -24,7 +24,8 @@ Mesh Bumpy(int levels) {
   Mesh mesh = MakeIcosphere(levels);
   for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
     const Eigen::Vector3d p = mesh.points.row(i);
-    mesh.points.row(i) = p.transpose() * (1 + 0.25 * std::sin(2 * p.x() + 1) + 0.35 * std::cos(3 * p.y() + 0.5 * p.x()) + 0.3 * p.z());
+    mesh.points.row(i) = p.transpose() * (1 + 0.25 * std::sin(2 * p.x() + 1) +
+                                          0.35 * std::cos(3 * p.y() + 0.5 * p.x()) + 0.3 * p.z());
   }
   return mesh;
 }
@@ -48,13 +49,15 @@ TEST(RegisterNricp, TranslatingBothMeshesTranslatesTheResult) {
   };
   NricpOptions options;
   options.alpha_min = 1;
-  options.exact_solves = true;  // conjugate gradients stop at a tolerance, so they would pass rounding on
+  // conjugate gradients stop at a tolerance, so they would pass rounding on
+  options.exact_solves = true;
   const PointsX3 before = RegisterNricp(source, target, goals({0, 0, 0}), {}, options).points;
   const Eigen::RowVector3d shift(3, -2, 5);
   Mesh moved_source = source, moved_target = target;
   moved_source.points.rowwise() += shift;
   moved_target.points.rowwise() += shift;
-  const PointsX3 after = RegisterNricp(moved_source, moved_target, goals(shift), {}, options).points;
+  const PointsX3 after =
+      RegisterNricp(moved_source, moved_target, goals(shift), {}, options).points;
   EXPECT_LT((after - (before.rowwise() + shift)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
@@ -75,8 +78,10 @@ TEST(RegisterNricp, ConjugateGradientsChangeNothingThatMatters) {
   const std::vector<LandmarkGoal> goals = Every(70, Bent(tube.points, 2, 0.7));
   NricpOptions exact;
   exact.exact_solves = true;
-  const PointsX3 a = RegisterNricp(tube, target, goals, {}, {}).points, b = RegisterNricp(tube, target, goals, {}, exact).points;
-  EXPECT_LT((a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(target.points), 1e-3);  // one inner loop more or less is that large
+  const PointsX3 a = RegisterNricp(tube, target, goals, {}, {}).points,
+                 b = RegisterNricp(tube, target, goals, {}, exact).points;
+  EXPECT_LT((a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(target.points),
+            1e-3);  // one inner loop more or less is that large
 }
 
 TEST(RegisterNricp, FollowsAModestBendWithThirteenLandmarks) {
@@ -87,7 +92,8 @@ TEST(RegisterNricp, FollowsAModestBendWithThirteenLandmarks) {
   const std::vector<LandmarkGoal> goals = Every(63, truth);
   const NricpResult result = RegisterNricp(tube, target, goals, {}, {});
   const double diagonal = BoundingDiagonal(target.points);
-  EXPECT_LT((result.points - truth).rowwise().norm().mean() / diagonal, 0.01);  // 0.0087 is what this method reaches on a bulb and tentacle
+  EXPECT_LT((result.points - truth).rowwise().norm().mean() / diagonal,
+            0.01);  // 0.0087 is what this method reaches on a bulb and tentacle
   const RegistrationQuality q = MeasureRegistration(tube, result.points, target);
   EXPECT_EQ(q.flipped, 0);
   EXPECT_LT(q.surface_rms, 0.003);
@@ -125,15 +131,16 @@ TEST(RegisterNricp, StiffPartsBendLess) {
   Eigen::VectorXd stiffness = Eigen::VectorXd::Ones(tube.vertex_count());
   for (int i = 0; i < tube.vertex_count(); ++i)
     if (tube.points(i, 2) < 1) stiffness[i] = 30;
-  const auto bending = [&](const PointsX3& p) {  // how far the lower half is from having moved by one affine map
-    std::vector<int> low;
-    for (int i = 0; i < tube.vertex_count(); ++i)
-      if (tube.points(i, 2) < 0.9) low.push_back(i);
-    Eigen::MatrixXd before(low.size(), 4), after(low.size(), 3);
-    before << tube.points(low, Eigen::all), Eigen::VectorXd::Ones(low.size());
-    after = p(low, Eigen::all);
-    return (before * before.colPivHouseholderQr().solve(after) - after).norm();
-  };
+  const auto bending =
+      [&](const PointsX3& p) {  // how far the lower half is from having moved by one affine map
+        std::vector<int> low;
+        for (int i = 0; i < tube.vertex_count(); ++i)
+          if (tube.points(i, 2) < 0.9) low.push_back(i);
+        Eigen::MatrixXd before(low.size(), 4), after(low.size(), 3);
+        before << tube.points(low, Eigen::all), Eigen::VectorXd::Ones(low.size());
+        after = p(low, Eigen::all);
+        return (before * before.colPivHouseholderQr().solve(after) - after).norm();
+      };
   NricpOptions options;
   options.alpha_min = 1;
   const std::vector<LandmarkGoal> goals = Every(50, target.points);
@@ -154,21 +161,24 @@ TEST(RegisterNricp, BadMeshesThrowInputError) {
   EXPECT_THROW(RegisterNricp(point, good, {}, {}, {}), InputError);
   EXPECT_THROW(RegisterNricp(good, point, {}, {}, {}), InputError);
   EXPECT_THROW(RegisterNricp(good, good, {At(999, {0, 0, 0})}, {}, {}), InputError);
-  EXPECT_THROW(RegisterNricp(good, good, {}, Eigen::VectorXd::Zero(good.vertex_count()), {}), InputError);
+  EXPECT_THROW(RegisterNricp(good, good, {}, Eigen::VectorXd::Zero(good.vertex_count()), {}),
+               InputError);
 }
 
 TEST(AlignGlobally, FindsATurnWithoutLandmarks) {
   const Mesh source = Bumpy(3);
   Mesh target = Bumpy(3);
   Similarity3 truth;
-  truth.rotation = Eigen::AngleAxisd(1.8, Eigen::Vector3d(0.1, -0.2, 1).normalized()).toRotationMatrix();
+  truth.rotation =
+      Eigen::AngleAxisd(1.8, Eigen::Vector3d(0.1, -0.2, 1).normalized()).toRotationMatrix();
   truth.scale = 1.4;
   truth.translation << 3, 4, 5;
   target.points = Transformed(truth, source.points);
   const Alignment found = AlignGlobally(source, target, {}, {});
   EXPECT_EQ(found.method, "icp");
   const PointsX3 moved = Transformed(found.target_from_source, source.points);
-  EXPECT_LT((moved - target.points).rowwise().norm().mean() / BoundingDiagonal(target.points), 0.02);  // 500 samples: their spacing is 0.04
+  EXPECT_LT((moved - target.points).rowwise().norm().mean() / BoundingDiagonal(target.points),
+            0.02);  // 500 samples: their spacing is 0.04
 }
 
 TEST(AlignGlobally, OneLandmarkDecidesBetweenSymmetricPoses) {
@@ -178,14 +188,17 @@ TEST(AlignGlobally, OneLandmarkDecidesBetweenSymmetricPoses) {
   b << 0, 0, 4;  // half a turn about z
   const Alignment found = AlignGlobally(box, box, a, b);
   EXPECT_EQ(found.method, "icp with landmarks");
-  EXPECT_LT((found.target_from_source * Eigen::Vector3d(1, 2, 4) - Eigen::Vector3d(0, 0, 4)).norm(), 0.1);
+  EXPECT_LT((found.target_from_source * Eigen::Vector3d(1, 2, 4) - Eigen::Vector3d(0, 0, 4)).norm(),
+            0.1);
 }
 
 TEST(AlignGlobally, LandmarksThatMirrorStillGiveARotation) {
   const Mesh mesh = Bumpy(1);
   PointsX3 mirrored = mesh.points;
   mirrored.col(0) *= -1;
-  EXPECT_GT(AlignGlobally(mesh, mesh, mesh.points, mirrored).target_from_source.rotation.determinant(), 0.999);
+  EXPECT_GT(
+      AlignGlobally(mesh, mesh, mesh.points, mirrored).target_from_source.rotation.determinant(),
+      0.999);
 }
 
 TEST(SpreadRank, TellsPointLinePlaneAndSpace) {
@@ -202,7 +215,8 @@ TEST(SpreadRank, TellsPointLinePlaneAndSpace) {
 TEST(CheckLandmarks, DropsRepeatsAndRefusesContradictions) {
   const Mesh mesh = MakeIcosphere(1);
   const Eigen::Vector3d corner(1, 0, 0);
-  const PickedPair a{"a", 0, 0, corner, corner}, again{"b", 0, 0, corner, corner}, against{"c", 0, 50, corner, corner};
+  const PickedPair a{"a", 0, 0, corner, corner}, again{"b", 0, 0, corner, corner},
+      against{"c", 0, 50, corner, corner};
   EXPECT_EQ(CheckLandmarks({a, again}, mesh, mesh).duplicates, 1);
   EXPECT_EQ(CheckLandmarks({a, again}, mesh, mesh).goals.size(), 1u);
   try {

@@ -8,9 +8,9 @@
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
-#include "register/landmarks.h"
-#include "register/nricp.h"
-#include "register/quality.h"
+#include "register/landmarks/landmarks.h"
+#include "register/nricp/nricp.h"
+#include "register/quality/quality.h"
 
 namespace keypose::registration {
 namespace {
@@ -19,14 +19,19 @@ class Pairs : public testing::TestWithParam<const char*> {};
 
 TEST_P(Pairs, AreFiniteAndLieOnTheTarget) {
   const char* data = std::getenv("KEYPOSE_DATA");
-  const std::filesystem::path folder = std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" / GetParam();
+  const std::filesystem::path folder =
+      std::filesystem::path(data ? data : KEYPOSE_SOURCE_DIR "/../shared/data") / "pairs" /
+      GetParam();
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here; set KEYPOSE_DATA";
   const Mesh source = ReadMesh(folder / "source.obj"), target = ReadMesh(folder / "target.obj");
   std::vector<PickedPair> picked;
   for (const LandmarkPair& p : ReadLandmarkPairs({folder / "landmarks.txt"}, source, target))
-    if (picked.size() < 12) picked.push_back({p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
+    if (picked.size() < 12)
+      picked.push_back(
+          {p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
   ASSERT_EQ(picked.size(), 12u);
-  const NricpResult result = RegisterNricp(source, target, CheckLandmarks(picked, source, target).goals, {}, {});
+  const NricpResult result =
+      RegisterNricp(source, target, CheckLandmarks(picked, source, target).goals, {}, {});
   EXPECT_TRUE(result.points.allFinite());
   EXPECT_EQ(result.analyses, 1);
   EXPECT_EQ(result.alignment.method, "procrustes");
@@ -35,7 +40,8 @@ TEST_P(Pairs, AreFiniteAndLieOnTheTarget) {
   EXPECT_LT(q.flipped, source.face_count() / 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Data, Pairs, testing::Values("faust_000_008", "horse_to_camel", "wolf_rest_1"));
+INSTANTIATE_TEST_SUITE_P(Data, Pairs,
+                         testing::Values("faust_000_008", "horse_to_camel", "wolf_rest_1"));
 
 }  // namespace
 }  // namespace keypose::registration

@@ -1,4 +1,5 @@
-// Registration at the paper's size (3,490 triangles there, 267.6 s in MATLAB), and by its default method up to a million faces.
+// Registration at the paper's size (3,490 triangles there, 267.6 s in MATLAB), and by its default
+// method up to a million faces.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -12,9 +13,9 @@
 
 #include "core/geometry.h"
 #include "core/testing_shapes.h"
-#include "register/auto_registration.h"
-#include "register/nricp.h"
-#include "register/quality.h"
+#include "register/auto/auto_registration.h"
+#include "register/nricp/nricp.h"
+#include "register/quality/quality.h"
 
 namespace {
 
@@ -33,9 +34,9 @@ void Register(benchmark::State& state, bool exact) {
   };
   const PointsX3 truth = bend(source.points);
   target.points = bend(target.points);
-  std::vector<registration::LandmarkGoal> goals;
+  std::vector<LandmarkGoal> goals;
   for (int l = 0; l < 13; ++l) {
-    registration::LandmarkGoal goal;
+    LandmarkGoal goal;
     const int vertex = l * source.vertex_count() / 13;
     goal.name = std::to_string(vertex);
     goal.source.vertices.setConstant(vertex);
@@ -59,13 +60,18 @@ void Register(benchmark::State& state, bool exact) {
   state.counters["flipped"] = q.flipped;
 }
 
-BENCHMARK_CAPTURE(Register, LaggedFactor, false)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
-BENCHMARK_CAPTURE(Register, FactorAtEverySolve, true)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(Register, LaggedFactor, false)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(Register, FactorAtEverySolve, true)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime();
 
 constexpr double kRadius = 0.3, kLength = 2;
 
-/// A closed rod along z of about 38 side^2 faces, near to equilateral, without poles: a box cut side x side x m whose square section is
-/// mapped to a disc. `turn` turns the tessellation, not the shape.
+/// A closed rod along z of about 38 side^2 faces, near to equilateral, without poles: a box cut
+/// side x side x m whose square section is mapped to a disc. `turn` turns the tessellation, not the
+/// shape.
 Mesh MakeRod(int side, double turn) {
   const int along = static_cast<int>(std::lround(kLength / (2 * M_PI * kRadius) * 4 * side));
   const std::array<int, 3> size = {side, side, along};
@@ -76,7 +82,8 @@ Mesh MakeRod(int side, double turn) {
     const auto [entry, added] = index.try_emplace(at, static_cast<int>(points.size()));
     if (added) {
       const double x = 2.0 * at[0] / side - 1, y = 2.0 * at[1] / side - 1;
-      const Eigen::Vector3d p(kRadius * x * std::sqrt(1 - y * y / 2), kRadius * y * std::sqrt(1 - x * x / 2), kLength * at[2] / along);
+      const Eigen::Vector3d p(kRadius * x * std::sqrt(1 - y * y / 2),
+                              kRadius * y * std::sqrt(1 - x * x / 2), kLength * at[2] / along);
       points.push_back(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * p);
     }
     return entry->second;
@@ -99,9 +106,9 @@ Mesh MakeRod(int side, double turn) {
         }
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t k = 0; k < points.size(); ++k) mesh.points.row(static_cast<Eigen::Index>(k)) = points[k].transpose();
+  for (std::size_t k = 0; k < points.size(); ++k) mesh.points.row(k) = points[k].transpose();
   mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t k = 0; k < faces.size(); ++k) mesh.faces.row(static_cast<Eigen::Index>(k)) = faces[k].transpose();
+  for (std::size_t k = 0; k < faces.size(); ++k) mesh.faces.row(k) = faces[k].transpose();
   return mesh;
 }
 
@@ -115,13 +122,14 @@ PointsX3 BentBy(double angle, const PointsX3& p) {
 }
 
 /// Thirteen landmarks in a spiral around the rod.
-std::vector<registration::LandmarkGoal> Spiral(const PointsX3& points, const PointsX3& truth) {
-  std::vector<registration::LandmarkGoal> goals;
+std::vector<LandmarkGoal> Spiral(const PointsX3& points, const PointsX3& truth) {
+  std::vector<LandmarkGoal> goals;
   for (int l = 0; l < 13; ++l) {
-    const Eigen::RowVector3d place(kRadius * std::cos(2.4 * l), kRadius * std::sin(2.4 * l), kLength * l / 12);
+    const Eigen::RowVector3d place(kRadius * std::cos(2.4 * l), kRadius * std::sin(2.4 * l),
+                                   kLength * l / 12);
     Eigen::Index vertex = 0;
     (points.rowwise() - place).rowwise().squaredNorm().minCoeff(&vertex);
-    registration::LandmarkGoal goal;
+    LandmarkGoal goal;
     goal.name = std::to_string(l);
     goal.source.vertices.setConstant(static_cast<int>(vertex));
     goal.target = truth.row(vertex);
@@ -130,19 +138,23 @@ std::vector<registration::LandmarkGoal> Spiral(const PointsX3& points, const Poi
   return goals;
 }
 
-/// The default method on a rod bent by 90 degrees; the target is meshed otherwise. Errors are against the known place of every vertex.
+/// The default method on a rod bent by 90 degrees; the target is meshed otherwise. Errors are
+/// against the known place of every vertex.
 void RegisterAuto(benchmark::State& state) {
-  const int side = std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(state.range(0)) / 38))));
+  const int side = std::max(
+      3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(state.range(0)) / 38))));
   const Mesh source = MakeRod(side, 0);
   Mesh target = MakeRod(static_cast<int>(std::lround(1.1 * side)) + 1, 0.37);
   target.points = BentBy(M_PI / 2, target.points);
   const PointsX3 truth = BentBy(M_PI / 2, source.points);
-  const std::vector<registration::LandmarkGoal> goals = Spiral(source.points, truth);
+  const std::vector<LandmarkGoal> goals = Spiral(source.points, truth);
   registration::AutoResult result;
   for (auto _ : state) result = registration::RegisterAuto(source, target, goals, {}, {});
   state.SetComplexityN(source.face_count());
-  const PointsX3 normals = FaceNormals(result.points, source.faces), true_normals = FaceNormals(truth, source.faces);
-  const Eigen::VectorXd errors = (result.points - truth).rowwise().norm() / BoundingDiagonal(target.points);
+  const PointsX3 normals = FaceNormals(result.points, source.faces),
+                 true_normals = FaceNormals(truth, source.faces);
+  const Eigen::VectorXd errors =
+      (result.points - truth).rowwise().norm() / BoundingDiagonal(target.points);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   state.counters["faces"] = source.face_count();
@@ -150,8 +162,10 @@ void RegisterAuto(benchmark::State& state) {
   state.counters["softened"] = result.softened;
   state.counters["error_over_diag"] = errors.mean();
   state.counters["largest_error_over_diag"] = errors.maxCoeff();
-  state.counters["flipped"] = static_cast<double>((normals.cwiseProduct(true_normals).rowwise().sum().array() < 0).count());
-  state.counters["peak_gib"] = static_cast<double>(usage.ru_maxrss) / (1 << 20);  // of the process so far: its largest row
+  state.counters["flipped"] =
+      static_cast<double>((normals.cwiseProduct(true_normals).rowwise().sum().array() < 0).count());
+  state.counters["peak_gib"] =
+      static_cast<double>(usage.ru_maxrss) / (1 << 20);  // of the process so far: its largest row
 }
 
 BENCHMARK(RegisterAuto)

@@ -1,7 +1,7 @@
 // keypose-register: the template bent onto a pose.
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -11,16 +11,16 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
-#include "core/stage/stage.h"
-#include "register/auto_registration.h"
 #include "core/io/stiffness_io.h"
-#include "register/correspondence.h"
-#include "register/landmarks.h"
-#include "register/nricp.h"
-#include "register/picture.h"
-#include "register/quality.h"
-#include "register/topology.h"
-#include "register/welding.h"
+#include "core/stage/stage.h"
+#include "register/auto/auto_registration.h"
+#include "register/auto/topology.h"
+#include "register/auto/welding.h"
+#include "register/landmarks/landmarks.h"
+#include "register/nricp/correspondence.h"
+#include "register/nricp/nricp.h"
+#include "register/quality/picture.h"
+#include "register/quality/quality.h"
 
 namespace keypose::registration {
 namespace {
@@ -31,41 +31,80 @@ struct RegisterOptions {
   NricpOptions nricp;
   double max_surface_rms = 1;    ///< over the diagonal; more is a quality fault
   double max_flipped_share = 1;  ///< of faces; more is a quality fault
-  bool allow_fused = false;      ///< write the result also where parts that touch in the template cannot come apart
+  /// write the result also where parts that touch in the template cannot come apart
+  bool allow_fused = false;
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {.help = "auto: coarse to fine, holds where limbs turn far; nricp: the paper's non-rigid ICP",
+          {.help =
+               "auto: coarse to fine, holds where limbs turn far; nricp: the paper's non-rigid ICP",
            .unit = "",
            .choices = {"auto", "nricp"}});
-    visit("coarse_vertices", automatic.coarse_vertices, {"auto: level on which starts are tried", "vertices", 50, 1e6, {}});
-    visit("middle_vertices", automatic.middle_vertices, {"auto: level on which the surface is found", "vertices", 50, 1e6, {}});
-    visit("landmark_weight", automatic.landmark_weight, {"auto: pull of a landmark at first, in units of the shape", "", 0, 1e6, {}});
-    visit("landmark_weight_end", automatic.landmark_weight_end, {"auto: pull of a landmark at the end", "", 0, 1e6, {}});
-    visit("smoothing", automatic.smoothing, {"auto: the bend varies little over less than this", "diagonal", 0, 1, {}});
-    visit("good_fit", automatic.good_fit, {"auto: stay rigid where stiff surfaces are this close", "diagonal", 0, 1, {}});
-    visit("poor_fit", automatic.poor_fit, {"auto: try another start when further apart", "diagonal", 0, 1, {}});
-    visit("suggest", automatic.suggest, {"auto: with fewer than 4 landmarks, also start from intrinsic geometry", "", 0, 1, {}});
-    visit("skeleton", automatic.skeleton, {"auto: with fewer than 4 landmarks, also start from curve skeletons", "", 0, 1, {}});
-    visit("alpha_max", nricp.alpha_max, {"stiffness of the first round (target scaled to diagonal 2)", "", 1e-6, 1e6, {}});
+    visit("coarse_vertices", automatic.coarse_vertices,
+          {"auto: size of the decimated template on which starts are tried",
+           "vertices",
+           50,
+           1e6,
+           {}});
+    visit("middle_vertices", automatic.middle_vertices,
+          {"auto: size of the decimated template that is first pulled to the surface",
+           "vertices",
+           50,
+           1e6,
+           {}});
+    visit("landmark_weight", automatic.landmark_weight,
+          {"auto: weight of a landmark at the start, relative to the shape term", "", 0, 1e6, {}});
+    visit("landmark_weight_end", automatic.landmark_weight_end,
+          {"auto: weight of a landmark at the end, relative to the shape term", "", 0, 1e6, {}});
+    visit("smoothing", automatic.smoothing,
+          {"auto: distance over which neighbouring parts bend alike", "diagonal", 0, 1, {}});
+    visit("good_fit", automatic.good_fit,
+          {"auto: the shape stays stiff when the surfaces are already this close",
+           "diagonal",
+           0,
+           1,
+           {}});
+    visit("poor_fit", automatic.poor_fit,
+          {"auto: another start is tried when the surfaces end further apart than this",
+           "diagonal",
+           0,
+           1,
+           {}});
+    visit("suggest", automatic.suggest,
+          {"auto: with fewer than 4 landmarks, also start from intrinsic geometry", "", 0, 1, {}});
+    visit("skeleton", automatic.skeleton,
+          {"auto: with fewer than 4 landmarks, also start from curve skeletons", "", 0, 1, {}});
+    visit("alpha_max", nricp.alpha_max,
+          {"stiffness of the first round (target scaled to diagonal 2)", "", 1e-6, 1e6, {}});
     visit("alpha_min", nricp.alpha_min, {"stiffness of the last round", "", 1e-6, 1e6, {}});
     visit("alpha_steps", nricp.alpha_steps, {"rounds of falling stiffness", "", 1, 1000, {}});
     visit("beta_ratio", nricp.beta_ratio, {"landmark weight over stiffness", "", 0, 1e3, {}});
-    visit("beta_until", nricp.beta_until, {"landmarks count while the stiffness is above this", "", 0, 1e6, {}});
+    visit("beta_until", nricp.beta_until,
+          {"landmarks count while the stiffness is above this", "", 0, 1e6, {}});
     visit("gamma", nricp.gamma, {"weight of translation in the stiffness term", "", 1e-6, 1e6, {}});
-    visit("epsilon", nricp.epsilon, {"an inner loop ends when the maps change less than this", "", 0, 1, {}});
+    visit("epsilon", nricp.epsilon,
+          {"an inner loop ends when the maps change less than this", "", 0, 1, {}});
     visit("max_inner", nricp.max_inner, {"solves in one round at most", "", 1, 1000, {}});
-    visit("reject_crossing", nricp.reject_crossing, {"also drop correspondences that pass through the template", "", 0, 1, {}});
-    visit("exact_solves", nricp.exact_solves, {"factor at every solve; about three times slower, same quality", "", 0, 1, {}});
-    visit("max_surface_rms", max_surface_rms, {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
-    visit("max_flipped_share", max_flipped_share, {"fail when a larger share of faces is flipped", "", 0, 1, {}});
+    visit("reject_crossing", nricp.reject_crossing,
+          {"also drop correspondences that pass through the template", "", 0, 1, {}});
+    visit("exact_solves", nricp.exact_solves,
+          {"factor at every solve; about three times slower, same quality", "", 0, 1, {}});
+    visit("max_surface_rms", max_surface_rms,
+          {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
+    visit("max_flipped_share", max_flipped_share,
+          {"fail when a larger share of faces is flipped", "", 0, 1, {}});
     visit("allow_fused", allow_fused,
-          {"write the result also where parts that touch in the template would have to come apart", "", 0, 1, {}});
+          {"write the result also where parts that touch in the template would have to come apart",
+           "",
+           0,
+           1,
+           {}});
   }
   std::vector<std::string> Problems() const {
     std::vector<std::string> problems = automatic.Problems();
     if (nricp.alpha_min > nricp.alpha_max)
-      problems.push_back("alpha_min must not be larger than alpha_max: stiffness falls from round to round");
+      problems.push_back(
+          "alpha_min must not be larger than alpha_max: stiffness falls from round to round");
     return problems;
   }
 };
@@ -75,14 +114,21 @@ StageSpec Spec() {
   spec.name = "register";
   spec.version = "5";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
-  spec.inputs = {{"source", "file", "template mesh", "", false, false},
-                 {"target", "file", "clean mesh of the pose", "", false, false},
-                 {"landmarks", "file", "pairs, or picks of source and target", "", true, true},
-                 {"stiffness", "file", "the source with painted greys (.ply), or a number for each vertex", "", true, false}};
-  spec.outputs = {{"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false, false},
-                  {"correspondence", "file", "for each vertex the target face and place it lies on", "correspondence.txt", true, false},
-                  {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt", true, false},
-                  {"picture", "file", "checker carried over from the template, and distances (.png)", "registered.png", true, false}};
+  spec.inputs = {
+      {"source", "file", "template mesh", "", false, false},
+      {"target", "file", "clean mesh of the pose", "", false, false},
+      {"landmarks", "file", "pairs, or picks of source and target", "", true, true},
+      {"stiffness", "file", "the source with painted greys (.ply), or a number for each vertex", "",
+       true, false}};
+  spec.outputs = {
+      {"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false,
+       false},
+      {"correspondence", "file", "for each vertex the target face and place it lies on",
+       "correspondence.txt", true, false},
+      {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt",
+       true, false},
+      {"picture", "file", "checker carried over from the template, and distances (.png)",
+       "registered.png", true, false}};
   spec.memory_gib = 2;
   spec.common = {"method", "skeleton"};
   return spec;
@@ -94,23 +140,31 @@ void Tell(StageContext& stage, const CarryLog& log) {
 }
 
 /// @param unbound  whether they do not say on which mesh they were picked
-CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target, bool* unbound) {
+CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target,
+                               bool* unbound) {
   if (!stage.Has("landmarks")) return {};
   std::vector<PickedPair> picked;
   int suggested = 0;
   CarryLog log;
   for (const LandmarkPair& p : ReadLandmarkPairs(stage.Inputs("landmarks"), source, target, &log)) {
     suggested += !p.confirmed;
-    picked.push_back({p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
+    picked.push_back(
+        {p.name, p.source.face, p.target.face, p.source.barycentric, p.target.barycentric});
   }
   CheckedLandmarks checked = CheckLandmarks(picked, source, target);
   Tell(stage, log);
   *unbound = log.unbound;
-  if (checked.duplicates > 0) stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
+  if (checked.duplicates > 0)
+    stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
-    stage.Warn(std::to_string(suggested) + " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest --accept)");
+    stage.Warn(std::to_string(suggested) +
+               " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest "
+               "--accept)");
   for (const std::string& warning : checked.warnings) stage.Warn(warning);
-  if (checked.coplanar) stage.Warn("the landmarks lie nearly in one plane, which flattens the result; add some off that plane");
+  if (checked.coplanar)
+    stage.Warn(
+        "the landmarks lie nearly in one plane, which flattens the result; add some off that "
+        "plane");
   return checked;
 }
 
@@ -120,7 +174,8 @@ Eigen::VectorXd LoadStiffness(StageContext& stage, const Mesh& source) {
   const std::string text = ReadFile(path);
   const Mesh painted = text.starts_with("ply") ? ReadMesh(path) : Mesh();
   CarryLog log;
-  const Eigen::VectorXd stiffness = StiffnessOn(source, text, painted, path.filename().string(), &log);
+  const Eigen::VectorXd stiffness =
+      StiffnessOn(source, text, painted, path.filename().string(), &log);
   Tell(stage, log);
   return stiffness;
 }
@@ -142,11 +197,13 @@ void ReportRun(StageContext& stage, const NricpResult& result) {
   stage.Report("seconds_solve", result.seconds_solve);
   if (result.loose_components > 0)
     stage.Warn(std::to_string(result.loose_components) +
-               " parts of the template had too few correspondences to hold them; they stayed near their place");
+               " parts of the template had too few correspondences to hold them; they stayed near "
+               "their place");
 }
 
 /// @return the largest residual over the diagonal
-double ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, const PointsX3& registered, double diagonal) {
+double ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks,
+                       const PointsX3& registered, double diagonal) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   double sum = 0, worst = 0;
   for (const LandmarkGoal& goal : landmarks.goals) {
@@ -166,7 +223,8 @@ double ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks, c
   return worst;
 }
 
-RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
+RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source,
+                                  const PointsX3& registered, const Mesh& target,
                                   const ResultSurfaces& surfaces) {
   const RegistrationQuality q = MeasureRegistration(source, registered, target, surfaces);
   stage.Report("vertices", source.vertex_count());
@@ -191,8 +249,11 @@ RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source, const
 void ReportAuto(StageContext& stage, const AutoResult& result) {
   nlohmann::ordered_json starts = nlohmann::ordered_json::array();
   for (const StartTrial& start : result.starts)
-    starts.push_back(
-        {{"start", start.name}, {"gap_over_diag", start.gap}, {"strain", start.strain}, {"score", start.score}, {"words", start.words}});
+    starts.push_back({{"start", start.name},
+                      {"gap_over_diag", start.gap},
+                      {"strain", start.strain},
+                      {"score", start.score},
+                      {"words", start.words}});
   const StartTrial& chosen = result.starts[result.chosen];
   stage.Report("alignment", result.alignment.method);
   stage.Report("alignment_starts", result.alignment.starts);
@@ -206,12 +267,15 @@ void ReportAuto(StageContext& stage, const AutoResult& result) {
   stage.Report("gap_over_diag", result.gap);
   std::string words = "start '" + chosen.name + "' chosen";
   if (result.starts.size() > 1)
-    words += " of " + std::to_string(result.starts.size()) + " tried: closest to the target with the least strain";
-  stage.Note(words + (result.softened ? "; the shape had to stretch to reach the surface" : "; rigid bending explains the pose"));
+    words += " of " + std::to_string(result.starts.size()) +
+             " tried: closest to the target with the least strain";
+  stage.Note(words + (result.softened ? "; the shape had to stretch to reach the surface"
+                                      : "; rigid bending explains the pose"));
 }
 
-void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& registered, const Mesh& target,
-                  const std::vector<LandmarkGoal>& landmarks, const ResultSurfaces& surfaces) {
+void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& registered,
+                  const Mesh& target, const std::vector<LandmarkGoal>& landmarks,
+                  const ResultSurfaces& surfaces) {
   nlohmann::ordered_json advice = nlohmann::ordered_json::array();
   for (const LandmarkAdvice& a : AdviseLandmarks(source, registered, target, landmarks, surfaces))
     advice.push_back({{"vertex", a.vertex},
@@ -221,8 +285,8 @@ void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& regis
                       {"score", a.score},
                       {"reason", a.reason}});
   if (!advice.empty())
-    stage.Note("one more landmark would help most at template vertex " + advice[0]["vertex"].dump() + ": " +
-               advice[0]["reason"].get<std::string>());
+    stage.Note("one more landmark would help most at template vertex " +
+               advice[0]["vertex"].dump() + ": " + advice[0]["reason"].get<std::string>());
   stage.ReportJson("landmark_advice", advice.dump());
 }
 
@@ -235,11 +299,14 @@ void AppendNumbers(std::string& text, std::initializer_list<double> numbers) {
 }
 
 /// One line a vertex: target face, barycentric coordinates, distance over the target's diagonal.
-std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
+std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces,
+                               const Mesh& target) {
   const TargetSurface surface(target.points, target.faces);
   const Feet feet = surface.FindFeet(registered, VertexNormals(registered, faces), -1);
   const double diagonal = BoundingDiagonal(target.points);
-  std::string text = "# for each template vertex: target face, three barycentric coordinates, distance over the target's diagonal\n";
+  std::string text =
+      "# for each template vertex: target face, three barycentric coordinates, distance over the "
+      "target's diagonal\n";
   for (Eigen::Index v = 0; v < registered.rows(); ++v) {
     text += std::to_string(feet.faces[v]);
     AppendNumbers(text, {feet.barycentric(v, 0), feet.barycentric(v, 1), feet.barycentric(v, 2),
@@ -249,9 +316,12 @@ std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces,
   return text;
 }
 
-/// One line a vertex: the 3x4 map [A b], row by row, that takes points near the vertex from template to pose.
-std::string TransformsText(const PointsX3& before, const PointsX3& after, const std::vector<Eigen::Matrix3d>& linear) {
-  std::string text = "# for each template vertex: the 3x4 map from template to pose near it, row by row\n";
+/// One line a vertex: the 3x4 map [A b], row by row, that takes points near the vertex from
+/// template to pose.
+std::string TransformsText(const PointsX3& before, const PointsX3& after,
+                           const std::vector<Eigen::Matrix3d>& linear) {
+  std::string text =
+      "# for each template vertex: the 3x4 map from template to pose near it, row by row\n";
   for (Eigen::Index v = 0; v < before.rows(); ++v) {
     const Eigen::Matrix3d& a = linear[v];
     const Eigen::Vector3d b = after.row(v).transpose() - a * before.row(v).transpose();
@@ -261,33 +331,43 @@ std::string TransformsText(const PointsX3& before, const PointsX3& after, const 
   return text;
 }
 
-/// What nobody can check is not believed against what the surfaces say: landmarks that end far from their marks *and* fold the surface. Those of
-/// real pairs end within a few percent, on surfaces with few folds; numbers of another mesh gave 6 to 26 % and 3 to 14 % of the faces.
+/// What nobody can check is not believed against what the surfaces say: landmarks that end far from
+/// their marks *and* fold the surface. Those of real pairs end within a few percent, on surfaces
+/// with few folds; numbers of another mesh gave 6 to 26 % and 3 to 14 % of the faces.
 void RefuseWrongNumbers(double off_its_mark, int flipped, int faces) {
   if (off_its_mark < 0.05 || flipped < 0.02 * faces) return;
-  throw InputError("register: the landmarks do not say on which mesh they were picked, and they contradict the surfaces: one ends " +
-                   std::to_string(static_cast<int>(100 * off_its_mark)) + " % of the diagonal from its mark, and " + std::to_string(flipped) +
-                   " of " + std::to_string(faces) +
-                   " faces are flipped. Pick them again; or, if they lie where they should, bind them: keypose landmarks bind --help");
+  throw InputError(
+      "register: the landmarks do not say on which mesh they were picked, and they contradict the "
+      "surfaces: one ends " +
+      std::to_string(static_cast<int>(100 * off_its_mark)) +
+      " % of the diagonal from its mark, and " + std::to_string(flipped) + " of " +
+      std::to_string(faces) +
+      " faces are flipped. Pick them again; or, if they lie where they should, bind them: keypose "
+      "landmarks bind --help");
 }
 
 void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& options) {
   if (q.surface_rms > options.max_surface_rms)
-    throw QualityError("register: the surfaces are " + std::to_string(q.surface_rms) + " of the diagonal apart (limit " +
-                       std::to_string(options.max_surface_rms) + "); add landmarks where the pose differs most");
+    throw QualityError("register: the surfaces are " + std::to_string(q.surface_rms) +
+                       " of the diagonal apart (limit " + std::to_string(options.max_surface_rms) +
+                       "); add landmarks where the pose differs most");
   if (q.flipped > options.max_flipped_share * faces)
     throw QualityError("register: " + std::to_string(q.flipped) + " of " + std::to_string(faces) +
-                       " faces are flipped, more than max_flipped_share allows; add landmarks where the pose differs most");
+                       " faces are flipped, more than max_flipped_share allows; add landmarks "
+                       "where the pose differs most");
 }
 
-void RefuseFused(StageContext& stage, const Mesh& source, const Mesh& target, double off_pose, bool allow) {
+void RefuseFused(StageContext& stage, const Mesh& source, const Mesh& target, double off_pose,
+                 bool allow) {
   const std::string problem = FusedTemplateProblem(source, target, off_pose);
   if (problem.empty()) return;
-  if (!allow) throw InputError("register: " + problem + ", or write it as it is with --allow_fused true");
+  if (!allow)
+    throw InputError("register: " + problem + ", or write it as it is with --allow_fused true");
   stage.Warn(problem);
 }
 
-/// Vertices keep their numbers. Judged with its seams, a mesh would meet itself at each, and no distance along it would cross one.
+/// Vertices keep their numbers. Judged with its seams, a mesh would meet itself at each, and no
+/// distance along it would cross one.
 Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
   const Seams seams = FindSeams(mesh);
   mesh.faces = WeldedFaces(mesh.faces, seams);
@@ -298,7 +378,9 @@ Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
 
 void RequireArea(const Mesh& mesh, const std::filesystem::path& file) {
   if (SurfaceArea(mesh.points, mesh.faces) > 0) return;
-  throw InputError(file.string() + ": the mesh has no area: the corners of each face lie on a line, as those of face 0 do; is it flattened?");
+  throw InputError(file.string() +
+                   ": the mesh has no area: the corners of each face lie on a line, as those of "
+                   "face 0 do; is it flattened?");
 }
 
 void Run(StageContext& stage, const RegisterOptions& options) {
@@ -317,20 +399,25 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   registered.normals.resize(0, 3);
   std::vector<Eigen::Matrix3d> transforms;
   if (options.method == "auto") {
-    AutoResult result = RegisterAuto(source, target, landmarks.goals, stiffness, options.automatic, &bending);
+    AutoResult result =
+        RegisterAuto(source, target, landmarks.goals, stiffness, options.automatic, &bending);
     ReportAuto(stage, result);
     registered.points = std::move(result.points);
     transforms = std::move(result.transforms);
   } else {
-    NricpResult result = RegisterNricp(source, target, landmarks.goals, stiffness, options.nricp, &bending);
+    NricpResult result =
+        RegisterNricp(source, target, landmarks.goals, stiffness, options.nricp, &bending);
     ReportRun(stage, result);
     registered.points = std::move(result.points);
     transforms = std::move(result.transforms);
   }
-  const double worst = ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
+  const double worst =
+      ReportLandmarks(stage, landmarks, registered.points, BoundingDiagonal(target.points));
   const ResultSurfaces surfaces = MakeResultSurfaces(whole, registered.points, target);
-  const RegistrationQuality quality = ReportQuality(stage, whole, registered.points, target, surfaces);
-  if (unbound && options.method == "auto") RefuseWrongNumbers(worst, quality.flipped, source.face_count());
+  const RegistrationQuality quality =
+      ReportQuality(stage, whole, registered.points, target, surfaces);
+  if (unbound && options.method == "auto")
+    RefuseWrongNumbers(worst, quality.flipped, source.face_count());
   ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
   Gate(quality, source.face_count(), options);
   RefuseFused(stage, source, target, quality.hausdorff_to_target, options.allow_fused);
@@ -347,5 +434,6 @@ void Run(StageContext& stage, const RegisterOptions& options) {
 }  // namespace keypose::registration
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::registration::RegisterOptions>(argc, argv, keypose::registration::Spec(), keypose::registration::Run);
+  return keypose::RunStage<keypose::registration::RegisterOptions>(
+      argc, argv, keypose::registration::Spec(), keypose::registration::Run);
 }

@@ -15,30 +15,43 @@ const char* const kPath = "#6b7280";    // grey
 
 std::string Signed(double value) {
   if (value == 0) return "0";
-  const std::string text = std::abs(value) < 1e-3 ? fmt::format("{:.3e}", std::abs(value)) : fmt::format("{:.4f}", std::abs(value));
+  const std::string text = std::abs(value) < 1e-3 ? fmt::format("{:.3e}", std::abs(value))
+                                                  : fmt::format("{:.4f}", std::abs(value));
   return (value < 0 ? "\u2212" : "") + text;
 }
 
-std::vector<std::string> Cells(const std::string& name, const std::string& faces, const std::string& landmarks, const DistortionRow& row) {
-  return {name, faces, landmarks, Signed(row.linear_mean), Signed(row.linear_deviation), Signed(row.mean), Signed(row.deviation)};
+std::vector<std::string> Cells(const std::string& name, const std::string& faces,
+                               const std::string& landmarks, const DistortionRow& row) {
+  return {name,
+          faces,
+          landmarks,
+          Signed(row.linear_mean),
+          Signed(row.linear_deviation),
+          Signed(row.mean),
+          Signed(row.deviation)};
 }
 
-std::string PaperTable(const Contents& contents, const char* caption, const std::string& method, const DistortionRow& ours,
-                       DistortionRow PaperRow::*column) {
-  Table table({"character", "faces", "landmarks", "linear", "linear \u03c3", method, method + " \u03c3"});
+std::string PaperTable(const Contents& contents, const char* caption, const std::string& method,
+                       const DistortionRow& ours, DistortionRow PaperRow::*column) {
+  Table table(
+      {"character", "faces", "landmarks", "linear", "linear \u03c3", method, method + " \u03c3"});
   const StepRecord* registered = contents.run.Find("register");
   const auto landmarks = registered ? registered->Number("landmarks") : std::nullopt;
-  table.Add(Cells("this project: " + Escape(contents.run.project), Pretty(contents.animation->face_count),
-                  landmarks ? Pretty(*landmarks) : "\u2013", ours),
-            "mark");
+  table.Add(
+      Cells("this project: " + Escape(contents.run.project), Pretty(contents.animation->face_count),
+            landmarks ? Pretty(*landmarks) : "\u2013", ours),
+      "mark");
   for (const PaperRow& row : PaperTables())
-    table.Add(Cells(std::string(row.character) + " (paper)", Pretty(row.faces), row.landmarks, row.*column), "past");
+    table.Add(Cells(std::string(row.character) + " (paper)", Pretty(row.faces), row.landmarks,
+                    row.*column),
+              "past");
   return "<h3>" + std::string(caption) + "</h3>" + table.Html();
 }
 
 /// One quantity over time: of straight lines, of the method, and the path that it should keep.
-std::string Curve(const AnimationPart& animation, const std::string& method, const char* title, double FrameDistortion::*linear,
-                  double FrameDistortion::*ours, double FrameDistortion::*path) {
+std::string Curve(const AnimationPart& animation, const std::string& method, const char* title,
+                  double FrameDistortion::*linear, double FrameDistortion::*ours,
+                  double FrameDistortion::*path) {
   Series straight{"linear", kLinear, {}, {}, true}, chosen{method, kOurs, {}, {}, false},
       wanted{"path between the keys", kPath, {}, {}, true};
   for (const FrameDistortion& f : animation.frames) {
@@ -53,9 +66,10 @@ std::string Curve(const AnimationPart& animation, const std::string& method, con
 
 std::string Curves(const AnimationPart& animation, const std::string& method) {
   return "<h3>Area and volume over time, relative to the first key</h3><div class=two>" +
-         Curve(animation, method, "surface area, change from the first key", &FrameDistortion::linear_area, &FrameDistortion::area,
-               &FrameDistortion::area_path) +
-         Curve(animation, method, "enclosed volume, change from the first key", &FrameDistortion::linear_volume, &FrameDistortion::volume,
+         Curve(animation, method, "surface area, change from the first key",
+               &FrameDistortion::linear_area, &FrameDistortion::area, &FrameDistortion::area_path) +
+         Curve(animation, method, "enclosed volume, change from the first key",
+               &FrameDistortion::linear_volume, &FrameDistortion::volume,
                &FrameDistortion::volume_path) +
          "</div>";
 }
@@ -63,7 +77,8 @@ std::string Curves(const AnimationPart& animation, const std::string& method) {
 double Spread(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
   for (const auto* values : {&a, &b})
-    for (const double v : *values) sum += std::min(v * v, 1.0) / static_cast<double>(values->size());
+    for (const double v : *values)
+      sum += std::min(v * v, 1.0) / static_cast<double>(values->size());
   // Three deviations of the mixture, on a round value.
   const double wanted = 3 * std::sqrt(sum / 2);
   for (const double round : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5})
@@ -74,17 +89,23 @@ double Spread(const std::vector<double>& a, const std::vector<double>& b) {
 std::string FigureSix(const AnimationPart& animation, const std::string& method) {
   if (!animation.faces) return "";
   const FaceDistortion& f = *animation.faces;
-  const auto chart = [&](const std::vector<double>& linear, const std::vector<double>& ours, const char* title) {
+  const auto chart = [&](const std::vector<double>& linear, const std::vector<double>& ours,
+                         const char* title) {
     if (linear.empty() || ours.empty()) return std::string();
     const double reach = Spread(linear, ours);
-    return HistogramChart({{"linear", kLinear, Histogram(linear, -reach, reach, 60)}, {method, kOurs, Histogram(ours, -reach, reach, 60)}},
+    return HistogramChart({{"linear", kLinear, Histogram(linear, -reach, reach, 60)},
+                           {method, kOurs, Histogram(ours, -reach, reach, 60)}},
                           -reach, reach, {title, "relative distortion", "share of faces", true});
   };
-  return fmt::format("<h3>Distortion of each face (the paper\u2019s Figure 6), at t = {:.3g}</h3>", animation.faces_t) + "<div class=two>" +
-         chart(f.linear_area, f.area, "area of each face") + chart(f.linear_volume, f.volume, "volume of each face\u2019s tetrahedron") +
-         "</div><p class=lead>Shares of all faces; the first and last bars hold everything beyond. The volume of a face is that of the "
+  return fmt::format("<h3>Distortion of each face (the paper\u2019s Figure 6), at t = {:.3g}</h3>",
+                     animation.faces_t) +
+         "<div class=two>" + chart(f.linear_area, f.area, "area of each face") +
+         chart(f.linear_volume, f.volume, "volume of each face\u2019s tetrahedron") +
+         "</div><p class=lead>Shares of all faces; the first and last bars hold everything beyond. "
+         "The volume of a face is that of the "
          "tetrahedron it "
-         "makes with the mesh\u2019s centroid; faces with less than a thousandth of the mean are left out.</p>";
+         "makes with the mesh\u2019s centroid; faces with less than a thousandth of the mean are "
+         "left out.</p>";
 }
 
 std::string MethodOf(const StepRecord* step) {
@@ -101,31 +122,39 @@ std::string MethodOf(const StepRecord* step) {
 std::string AnimationSection(const Contents& contents, const Encoder& encode) {
   const StepRecord* step = contents.run.Find("interpolate");
   if (contents.run.poses.size() < 2)
-    return "<section id=animation><h2>Animation</h2><p class=lead>The project has one pose, so that it ends in a textured mesh; an "
+    return "<section id=animation><h2>Animation</h2><p class=lead>The project has one pose, so "
+           "that it ends in a textured mesh; an "
            "animation needs two.</p></section>\n";
   if (!contents.animation) {
     return "<section id=animation><h2>Animation</h2><p class=lead>There are no frames" +
-           std::string(step ? "; see what is said of " + Escape(step->id) + " above." : ": interpolate has not run.") + "</p>" +
-           (step ? EverythingMeasured(*step) : "") + "</section>\n";
+           std::string(step ? "; see what is said of " + Escape(step->id) + " above."
+                            : ": interpolate has not run.") +
+           "</p>" + (step ? EverythingMeasured(*step) : "") + "</section>\n";
   }
   const AnimationPart& animation = *contents.animation;
   const std::string method = MethodOf(step);
-  std::string html = "<section id=animation><h2>Animation</h2><p class=lead>" + Pretty(static_cast<double>(animation.frames.size())) +
-                     " frames between " + Pretty(animation.keys) + " keys, " + Pretty(animation.face_count) + " faces.</p>" +
-                     Shots(animation.film, encode) + Curves(animation, method);
+  std::string html = "<section id=animation><h2>Animation</h2><p class=lead>" +
+                     Pretty(static_cast<double>(animation.frames.size())) + " frames between " +
+                     Pretty(animation.keys) + " keys, " + Pretty(animation.face_count) +
+                     " faces.</p>" + Shots(animation.film, encode) + Curves(animation, method);
   html += "<details><summary>The paper\u2019s tables and its Figure 6</summary>";
-  html += PaperTable(contents, "Mean relative area distortion of the in-betweens (the paper\u2019s Table 1)", method,
-                     AreaRow(animation.frames), &PaperRow::area);
-  html += PaperTable(contents, "Mean relative volume distortion of the in-betweens (the paper\u2019s Table 2)", method,
-                     VolumeRow(animation.frames), &PaperRow::volume);
+  html += PaperTable(contents,
+                     "Mean relative area distortion of the in-betweens (the paper\u2019s Table 1)",
+                     method, AreaRow(animation.frames), &PaperRow::area);
+  html += PaperTable(
+      contents, "Mean relative volume distortion of the in-betweens (the paper\u2019s Table 2)",
+      method, VolumeRow(animation.frames), &PaperRow::volume);
   html +=
-      "<p class=lead>Means and standard deviations (\u03c3) over the in-betweens, relative to the first key, as the paper defines them; "
+      "<p class=lead>Means and standard deviations (\u03c3) over the in-betweens, relative to the "
+      "first key, as the paper defines them; "
       "between keys of unlike "
-      "size no interpolation can reach zero. The paper\u2019s characters are other meshes: its rows show the order of size, they are no "
+      "size no interpolation can reach zero. The paper\u2019s characters are other meshes: its "
+      "rows show the order of size, they are no "
       "target.</p>";
   html += FigureSix(animation, method) + "</details>\n";
   if (step) html += EverythingMeasured(*step);
-  if (const StepRecord* exported = contents.run.Find("export")) html += EverythingMeasured(*exported);
+  if (const StepRecord* exported = contents.run.Find("export"))
+    html += EverythingMeasured(*exported);
   return html + "</section>\n";
 }
 

@@ -1,4 +1,5 @@
-// All that the page and report.json are made from, as values: the run's record, pictures, distances, distortions.
+// All that the page and report.json are made from, as values: the run's record, pictures,
+// distances, distortions.
 #pragma once
 
 #include <functional>
@@ -36,7 +37,8 @@ struct PosePart {
   std::optional<Picture> cameras;  ///< where they were placed, as sfm drew it
   std::vector<CameraPlace> places;
   std::optional<Picture> texture;
-  PoseEvidence evidence;       ///< the textured mesh against the photographs; no views when there was nothing to compare
+  PoseEvidence evidence;  ///< the textured mesh against the photographs; no views when there was
+                          ///< nothing to compare
   std::vector<Picture> worst;  ///< photograph beside render, of the worst views
   int faces = 0, vertices = 0;
 };
@@ -48,8 +50,10 @@ struct PairPart {
   OneWayDistance to_target, from_target;
   double scale_top = 0;                     ///< the colour scale's upper end, over the diagonal
   std::vector<Picture> registered, target;  ///< coloured by distance
-  std::vector<Picture> advice;              ///< where one more landmark would help, marked on the template and on the pose
-  std::vector<Picture> carried;             ///< the checker carried over from the template, as register drew it
+  /// where one more landmark would help, marked on the template and on the pose
+  std::vector<Picture> advice;
+  /// the checker carried over from the template, as register drew it
+  std::vector<Picture> carried;
 };
 
 struct AnimationPart {
@@ -101,7 +105,8 @@ struct Verdict {
   std::string why;   ///< HTML: what decided
   std::string cure;  ///< of what decided; empty when good
 };
-/// One a pose in the project's order, as bad as the worst finding on it; then one for the animation where it is not good.
+/// One a pose in the project's order, as bad as the worst finding on it; then one for the animation
+/// where it is not good.
 std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>& findings);
 /// Without its HTML.
 std::string Plain(const std::string& html);

@@ -15,24 +15,29 @@ using nlohmann::json;
 double Finite(const json& frame, const char* name, std::size_t index) {
   const auto found = frame.find(name);
   if (found == frame.end() || !found->is_number() || !std::isfinite(found->get<double>()))
-    throw InputError("report: distortion.json: frame " + std::to_string(index) + " has no finite '" + name + "'; interpolate again");
+    throw InputError("report: distortion.json: frame " + std::to_string(index) +
+                     " has no finite '" + name + "'; interpolate again");
   return found->get<double>();
 }
 
 double OrElse(const json& frame, const char* name, double otherwise) {
   const auto found = frame.find(name);
-  return found != frame.end() && found->is_number() && std::isfinite(found->get<double>()) ? found->get<double>() : otherwise;
+  return found != frame.end() && found->is_number() && std::isfinite(found->get<double>())
+             ? found->get<double>()
+             : otherwise;
 }
 
 /// Mean and deviation of the in-betweens.
 void MeanAndDeviation(const std::vector<double>& values, double& mean, double& deviation) {
   if (values.empty()) return;
   for (const double v : values) mean += v / static_cast<double>(values.size());
-  for (const double v : values) deviation += (v - mean) * (v - mean) / static_cast<double>(values.size());
+  for (const double v : values)
+    deviation += (v - mean) * (v - mean) / static_cast<double>(values.size());
   deviation = std::sqrt(deviation);
 }
 
-DistortionRow Row(const std::vector<FrameDistortion>& frames, double FrameDistortion::*linear, double FrameDistortion::*ours) {
+DistortionRow Row(const std::vector<FrameDistortion>& frames, double FrameDistortion::*linear,
+                  double FrameDistortion::*ours) {
   std::vector<double> a, b;
   for (const FrameDistortion& frame : frames) {
     if (frame.key || frame.stands) continue;
@@ -54,7 +59,8 @@ FaceMeasures Measure(const PointsX3& points, const FacesX3& faces) {
   const Eigen::RowVector3d centroid = points.colwise().mean();
   FaceMeasures m{Eigen::VectorXd(faces.rows()), Eigen::VectorXd(faces.rows())};
   for (int f = 0; f < faces.rows(); ++f) {
-    const Eigen::Vector3d a = points.row(faces(f, 0)) - centroid, b = points.row(faces(f, 1)) - centroid,
+    const Eigen::Vector3d a = points.row(faces(f, 0)) - centroid,
+                          b = points.row(faces(f, 1)) - centroid,
                           c = points.row(faces(f, 2)) - centroid;
     m.area[f] = 0.5 * (b - a).cross(c - a).norm();
     m.volume[f] = a.dot(b.cross(c)) / 6;
@@ -92,18 +98,21 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
       const double same_as = OrElse(entry, "same_as", -1);
       if (same_as >= 0 && same_as < static_cast<double>(i)) {
         frame.same_as = static_cast<int>(same_as);
-        frame.stands = frames[static_cast<std::size_t>(frame.same_as)].key;
+        frame.stands = frames[frame.same_as].key;
       }
       frames.push_back(frame);
     }
   } catch (const json::exception& error) {
-    throw InputError("report: distortion.json is malformed: " + std::string(error.what()) + "; interpolate again");
+    throw InputError("report: distortion.json is malformed: " + std::string(error.what()) +
+                     "; interpolate again");
   }
-  if (frames.empty()) throw InputError("report: distortion.json holds no frames; interpolate again");
+  if (frames.empty())
+    throw InputError("report: distortion.json holds no frames; interpolate again");
   frames.front().key = frames.back().key = true;
   if (std::abs(frames.front().area - 1) < 1e-6)
     for (FrameDistortion& f : frames)
-      f.area -= 1, f.volume -= 1, f.linear_area -= 1, f.linear_volume -= 1, f.area_path -= 1, f.volume_path -= 1;
+      f.area -= 1, f.volume -= 1, f.linear_area -= 1, f.linear_volume -= 1, f.area_path -= 1,
+          f.volume_path -= 1;
   return frames;
 }
 
@@ -114,17 +123,20 @@ DistortionRow VolumeRow(const std::vector<FrameDistortion>& frames) {
   return Row(frames, &FrameDistortion::linear_volume, &FrameDistortion::volume);
 }
 
-FaceDistortion PerFace(const PointsX3& first, const PointsX3& frame, const PointsX3& second, const FacesX3& faces, double t) {
+FaceDistortion PerFace(const PointsX3& first, const PointsX3& frame, const PointsX3& second,
+                       const FacesX3& faces, double t) {
   const FaceMeasures before = Measure(first, faces), now = Measure(frame, faces);
   const FaceMeasures straight = Measure((1 - t) * first + t * second, faces);
-  return {Relative(now.area, before.area), Relative(now.volume, before.volume), Relative(straight.area, before.area),
-          Relative(straight.volume, before.volume)};
+  return {Relative(now.area, before.area), Relative(now.volume, before.volume),
+          Relative(straight.area, before.area), Relative(straight.volume, before.volume)};
 }
 
-std::vector<double> Histogram(const std::vector<double>& values, double low, double high, int bins) {
+std::vector<double> Histogram(const std::vector<double>& values, double low, double high,
+                              int bins) {
   std::vector<double> shares(bins, 0.0);
   for (const double v : values) {
-    const int bin = static_cast<int>(std::floor((std::clamp(v, low, high) - low) / (high - low) * bins));
+    const int bin =
+        static_cast<int>(std::floor((std::clamp(v, low, high) - low) / (high - low) * bins));
     shares[std::clamp(bin, 0, bins - 1)] += 1.0 / static_cast<double>(values.size());
   }
   return shares;
@@ -132,11 +144,31 @@ std::vector<double> Histogram(const std::vector<double>& values, double low, dou
 
 const std::vector<PaperRow>& PaperTables() {
   static const std::vector<PaperRow> rows = {
-      {"Blob Fish", 3482, "12", {-0.0537, 0.0245, -0.0208, 0.0157, 0}, {0.1025, 0.0759, 0.1663, 0.0822, 0}},
-      {"Party Onion", 3600, "13", {0.0224, 0.0185, 4.6793e-4, 0.0020, 0}, {-0.0334, 0.0207, 0.0357, 0.0222, 0}},
-      {"Party Onion Rigged", 3600, "N/A", {-0.0299, 0.0208, 9.2850e-5, 1.3018e-4, 0}, {-0.0134, 0.0077, 8.7708e-4, 5.6068e-4, 0}},
-      {"Tick", 2750, "13", {0.0835, 0.0568, -0.0329, 0.0235, 0}, {0.0674, 0.0454, -0.0542, 0.0402, 0}},
-      {"Hellidropter", 1454, "10", {0.0202, 0.0196, -0.0206, 0.0142, 0}, {0.0229, 0.0195, -0.0254, 0.0182, 0}},
+      {"Blob Fish",
+       3482,
+       "12",
+       {-0.0537, 0.0245, -0.0208, 0.0157, 0},
+       {0.1025, 0.0759, 0.1663, 0.0822, 0}},
+      {"Party Onion",
+       3600,
+       "13",
+       {0.0224, 0.0185, 4.6793e-4, 0.0020, 0},
+       {-0.0334, 0.0207, 0.0357, 0.0222, 0}},
+      {"Party Onion Rigged",
+       3600,
+       "N/A",
+       {-0.0299, 0.0208, 9.2850e-5, 1.3018e-4, 0},
+       {-0.0134, 0.0077, 8.7708e-4, 5.6068e-4, 0}},
+      {"Tick",
+       2750,
+       "13",
+       {0.0835, 0.0568, -0.0329, 0.0235, 0},
+       {0.0674, 0.0454, -0.0542, 0.0402, 0}},
+      {"Hellidropter",
+       1454,
+       "10",
+       {0.0202, 0.0196, -0.0206, 0.0142, 0},
+       {0.0229, 0.0195, -0.0254, 0.0182, 0}},
   };
   return rows;
 }

@@ -11,7 +11,8 @@ namespace {
 
 std::string Grouped(long long value) {
   std::string digits = std::to_string(std::llabs(value));
-  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3) digits.insert(static_cast<std::size_t>(i), "\u202f");
+  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
+    digits.insert(static_cast<std::size_t>(i), "\u202f");
   return (value < 0 ? "\u2212" : "") + digits;
 }
 
@@ -122,7 +123,9 @@ std::string Pretty(double value) {
   const double size = std::abs(value);
   if (value == std::round(value) && size < 1e15) return Grouped(static_cast<long long>(value));
   if (size >= 10000) return Grouped(std::llround(value));
-  std::string text = size < 1e-4 ? fmt::format("{:.2e}", value) : size < 1 ? fmt::format("{:.4f}", value) : fmt::format("{:.4g}", value);
+  std::string text = size < 1e-4 ? fmt::format("{:.2e}", value)
+                     : size < 1  ? fmt::format("{:.4f}", value)
+                                 : fmt::format("{:.4g}", value);
   if (text[0] == '-') text = "\u2212" + text.substr(1);
   return text;
 }
@@ -137,12 +140,14 @@ std::string PrettySeconds(double seconds) {
 
 std::string PrettyBytes(double bytes) {
   if (bytes <= 0) return "\u2013";
-  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.2f} GB", bytes / 1e9);
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6)
+                     : fmt::format("{:.2f} GB", bytes / 1e9);
 }
 
 std::string Percent(double share) {
   const double p = 100 * std::abs(share);
-  return (share < 0 ? "\u2212" : "") + (p < 1 && p != 0 ? fmt::format("{:.2f}\u00a0%", p) : fmt::format("{:.1f}\u00a0%", p));
+  return (share < 0 ? "\u2212" : "") +
+         (p < 1 && p != 0 ? fmt::format("{:.2f}\u00a0%", p) : fmt::format("{:.1f}\u00a0%", p));
 }
 
 std::string Base64(const std::string& bytes) {
@@ -153,7 +158,9 @@ std::string Base64(const std::string& bytes) {
     unsigned block = static_cast<unsigned char>(bytes[i]) << 16;
     if (i + 1 < bytes.size()) block |= static_cast<unsigned char>(bytes[i + 1]) << 8;
     if (i + 2 < bytes.size()) block |= static_cast<unsigned char>(bytes[i + 2]);
-    for (int k = 0; k < 4; ++k) out += i + static_cast<std::size_t>(k) > bytes.size() ? '=' : kDigits[block >> (18 - 6 * k) & 63];
+    for (int k = 0; k < 4; ++k)
+      out += i + static_cast<std::size_t>(k) > bytes.size() ? '='
+                                                            : kDigits[block >> (18 - 6 * k) & 63];
   }
   return out;
 }
@@ -163,8 +170,10 @@ std::string Table::Html() const {
   for (const Row& row : rows_)
     for (std::size_t c = 0; c < numeric.size() && c < row.cells.size(); ++c)
       numeric[c] = numeric[c] && (row.cells[c].empty() || LooksNumeric(row.cells[c]));
-  std::string html = "<div class=scroll><table" + (class_.empty() ? "" : " class=\"" + class_ + "\"") + "><thead><tr>";
-  for (std::size_t c = 0; c < header_.size(); ++c) html += (numeric[c] ? "<th class=n>" : "<th>") + header_[c] + "</th>";
+  std::string html = "<div class=scroll><table" +
+                     (class_.empty() ? "" : " class=\"" + class_ + "\"") + "><thead><tr>";
+  for (std::size_t c = 0; c < header_.size(); ++c)
+    html += (numeric[c] ? "<th class=n>" : "<th>") + header_[c] + "</th>";
   html += "</tr></thead><tbody>";
   for (const Row& row : rows_) {
     html += row.css_class.empty() ? "<tr>" : "<tr class=\"" + row.css_class + "\">";
@@ -177,28 +186,35 @@ std::string Table::Html() const {
 
 std::string Facts(const std::vector<std::pair<std::string, std::string>>& pairs) {
   std::string html = "<div class=facts>";
-  for (const auto& [name, value] : pairs) html += "<div><span>" + name + "</span><b>" + value + "</b></div>";
+  for (const auto& [name, value] : pairs)
+    html += "<div><span>" + name + "</span><b>" + value + "</b></div>";
   return html + "</div>\n";
 }
 
 std::string Figure(const std::string& inner, const std::string& caption) {
-  return "<figure>" + inner + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
+  return "<figure>" + inner + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") +
+         "</figure>\n";
 }
 
 std::string Image(const std::string& data_uri, const std::string& alternative) {
   return "<img src=\"" + data_uri + "\" alt=\"" + Escape(alternative) + "\">";
 }
 
-std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest, const std::string& highest) {
-  return fmt::format("<div class=scale>{}<i style=\"background:linear-gradient(90deg,{})\"></i>{}</div>\n", lowest, fmt::join(stops, ","),
-                     highest);
+std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest,
+                       const std::string& highest) {
+  return fmt::format(
+      "<div class=scale>{}<i style=\"background:linear-gradient(90deg,{})\"></i>{}</div>\n", lowest,
+      fmt::join(stops, ","), highest);
 }
 
 std::string Page(const std::string& title, const std::string& body) {
-  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta http-equiv=Content-Security-Policy content=\"default-src 'none'; "
-         "img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><meta name=viewport "
+  return "<!doctype html>\n<html lang=en><head><meta charset=utf-8><meta "
+         "http-equiv=Content-Security-Policy content=\"default-src 'none'; "
+         "img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'\"><meta "
+         "name=viewport "
          "content=\"width=device-width,initial-scale=1\"><title>" +
-         Escape(title) + "</title><style>" + kStyle + "</style></head><body>\n" + body + "</body></html>\n";
+         Escape(title) + "</title><style>" + kStyle + "</style></head><body>\n" + body +
+         "</body></html>\n";
 }
 
 }  // namespace keypose::report

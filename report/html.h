@@ -1,4 +1,5 @@
-// Pieces of a self-contained HTML page: escaped text, tables, figures, and charts drawn as inline SVG.
+// Pieces of a self-contained HTML page: escaped text, tables, figures, and charts drawn as inline
+// SVG.
 #pragma once
 
 #include <string>
@@ -21,8 +22,11 @@ std::string Base64(const std::string& bytes);
 /// A table; cells are HTML already. Cells that begin like a number are set to the right.
 class Table {
  public:
-  explicit Table(std::vector<std::string> header, std::string css_class = "") : header_(std::move(header)), class_(std::move(css_class)) {}
-  void Add(std::vector<std::string> cells, const std::string& css_class = "") { rows_.push_back({std::move(cells), css_class}); }
+  explicit Table(std::vector<std::string> header, std::string css_class = "")
+      : header_(std::move(header)), class_(std::move(css_class)) {}
+  void Add(std::vector<std::string> cells, const std::string& css_class = "") {
+    rows_.push_back({std::move(cells), css_class});
+  }
   bool empty() const { return rows_.empty(); }
   std::string Html() const;
 
@@ -58,7 +62,8 @@ struct HistogramSeries {
   std::string name, color;
   std::vector<double> shares;
 };
-std::string HistogramChart(const std::vector<HistogramSeries>& series, double low, double high, const ChartLabels& labels);
+std::string HistogramChart(const std::vector<HistogramSeries>& series, double low, double high,
+                           const ChartLabels& labels);
 
 struct ChartMark {
   std::string name, color;
@@ -68,7 +73,8 @@ struct ChartMark {
 std::string DotChart(const std::vector<ChartMark>& marks, const ChartLabels& labels);
 
 /// A horizontal colour scale from 0 to `highest`; `stops` are CSS colours.
-std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest, const std::string& highest);
+std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest,
+                       const std::string& highest);
 
 /// The whole page: head with styles, then `body`.
 std::string Page(const std::string& title, const std::string& body);

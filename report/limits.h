@@ -1,9 +1,11 @@
-// Where good ends and wrong begins: every limit of the verdicts, with what ideal sets and ruins give. docs/stages/report.md has the table.
+// Where good ends and wrong begins: every limit of the verdicts, with what ideal sets and ruins
+// give. docs/stages/report.md has the table.
 #pragma once
 
 namespace keypose::report {
 
-// Outlines: mean distance of the mesh's from the first mask's, over the figure's size in the picture; the middle one of all views.
+// Outlines: mean distance of the mesh's from the first mask's, over the figure's size in the
+// picture; the middle one of all views.
 constexpr double kOutlineGood = 0.0025, kOutlineWrong = 0.010;
 // Of a single view: beyond this it is named.
 constexpr double kViewOutlineLook = 0.008;
@@ -14,16 +16,18 @@ constexpr double kViewStructureLook = 0.3;
 constexpr double kEdgesGood = 0.5;
 
 // Of the stages' own measurements.
-constexpr double kSharpnessLook = 0.40;                              // capture: photographs in focus have 0.52 to 0.75
-constexpr double kPlacedGood = 0.9;                                  // sfm: share of the photographs
-constexpr double kReprojectionGood = 1.0;                            // sfm [px]
-constexpr double kEvidenceLook = 0.08;                               // refine: share of the surface that photographs tell
-constexpr double kClosedFarLook = 0.02;                              // cleanup: of the diagonal
-constexpr double kUnseenLook = 0.25;                                 // bake: share of the texels
-constexpr double kFlipsLook = 0.0003;                                // register: of the triangles; flat soles have 3 of 20,000
-constexpr double kFlipsWrong = 0.005;                                // register: of the triangles; a hand pressed on a hip has 0.002
-constexpr double kRegisteredGood = 0.004, kRegisteredWrong = 0.015;  // register: rms over the diagonal
-constexpr double kLandmarkLook = 0.03;                               // register: of the diagonal
-constexpr double kStretchLook = 2.5;                                 // register: 1 % and 99 % of the edges
+constexpr double kSharpnessLook = 0.40;    // capture: photographs in focus have 0.52 to 0.75
+constexpr double kPlacedGood = 0.9;        // sfm: share of the photographs
+constexpr double kReprojectionGood = 1.0;  // sfm [px]
+constexpr double kEvidenceLook = 0.08;     // refine: share of the surface that photographs tell
+constexpr double kClosedFarLook = 0.02;    // cleanup: of the diagonal
+constexpr double kUnseenLook = 0.25;       // bake: share of the texels
+constexpr double kFlipsLook = 0.0003;  // register: of the triangles; flat soles have 3 of 20,000
+// register: of the triangles; a hand pressed on a hip has 0.002
+constexpr double kFlipsWrong = 0.005;
+constexpr double kRegisteredGood = 0.004,
+                 kRegisteredWrong = 0.015;  // register: rms over the diagonal
+constexpr double kLandmarkLook = 0.03;      // register: of the diagonal
+constexpr double kStretchLook = 2.5;        // register: 1 % and 99 % of the edges
 
 }  // namespace keypose::report

@@ -24,12 +24,14 @@ std::string Tiles(const Contents& contents) {
     if (step.stage == "sfm") images += step.Number("images_placed").value_or(0);
   }
   std::string html =
-      "<div class=tiles>" + Tile(Pretty(static_cast<double>(contents.run.poses.size())), contents.run.poses.size() == 1 ? "pose" : "poses");
+      "<div class=tiles>" + Tile(Pretty(static_cast<double>(contents.run.poses.size())),
+                                 contents.run.poses.size() == 1 ? "pose" : "poses");
   if (images > 0) html += Tile(Pretty(images), "photographs placed");
   int faces = 0;
   for (const PosePart& pose : contents.poses) faces = std::max(faces, pose.faces);
   if (faces > 0) html += Tile(Pretty(faces), "faces a mesh");
-  if (contents.animation) html += Tile(Pretty(static_cast<double>(contents.animation->frames.size())), "frames");
+  if (contents.animation)
+    html += Tile(Pretty(static_cast<double>(contents.animation->frames.size())), "frames");
   html += Tile(PrettySeconds(seconds), "work of all steps");
   return html + Tile(PrettyBytes(bytes), "largest memory of a step") + "</div>";
 }
@@ -41,21 +43,25 @@ std::string InWords(const std::vector<Verdict>& verdicts) {
     std::string names;
     for (const Verdict& v : verdicts)
       if (v.grade == grade) names += (names.empty() ? "" : ", ") + Escape(v.about);
-    if (!names.empty()) words += (words.empty() ? "" : " \u2014 ") + std::string(WordOf(grade)) + ": " + names;
+    if (!names.empty())
+      words += (words.empty() ? "" : " \u2014 ") + std::string(WordOf(grade)) + ": " + names;
   }
   return words;
 }
 
 std::string Header(const Contents& contents, const std::vector<Verdict>& verdicts) {
-  return "<header class=top><div class=wrap><div class=kicker>Keypose report</div><h1>" + Escape(contents.run.project) + "</h1><p>" +
-         InWords(verdicts) + "</p>" + Tiles(contents) + "</div></header>\n";
+  return "<header class=top><div class=wrap><div class=kicker>Keypose report</div><h1>" +
+         Escape(contents.run.project) + "</h1><p>" + InWords(verdicts) + "</p>" + Tiles(contents) +
+         "</div></header>\n";
 }
 
 std::string Navigation(const Contents& contents) {
   std::string html = "<nav><div class=wrap><a href=\"#summary\">Summary</a>";
-  for (const PosePart& pose : contents.poses) html += "<a href=\"#pose-" + Escape(pose.name) + "\">Pose " + Escape(pose.name) + "</a>";
+  for (const PosePart& pose : contents.poses)
+    html += "<a href=\"#pose-" + Escape(pose.name) + "\">Pose " + Escape(pose.name) + "</a>";
   for (const PairPart& pair : contents.pairs)
-    html += "<a href=\"#register-" + Escape(pair.step->pose) + "\">Registration " + Escape(pair.step->pose) + "</a>";
+    html += "<a href=\"#register-" + Escape(pair.step->pose) + "\">Registration " +
+            Escape(pair.step->pose) + "</a>";
   return html + "<a href=\"#animation\">Animation</a><a href=\"#steps\">Steps</a></div></nav>\n";
 }
 
@@ -65,37 +71,46 @@ std::string GradeChip(Grade grade) {
 }
 
 /// Verdicts first: a card a pose with its picture, what decided, and the cure.
-std::string Cards(const Contents& contents, const std::vector<Verdict>& verdicts, const Encoder& encode) {
+std::string Cards(const Contents& contents, const std::vector<Verdict>& verdicts,
+                  const Encoder& encode) {
   std::string html = "<div class=cards>";
   for (const Verdict& v : verdicts) {
     html += "<div class=\"card " + std::string(WordOf(v.grade)) + "\">";
     for (const PosePart& pose : contents.poses)
-      if (pose.name == v.about && !pose.sides.empty()) html += Image(encode(pose.sides.front().image), "pose " + pose.name);
-    html += "<div><h3>" + Escape(v.about) + " &ensp;" + GradeChip(v.grade) + "</h3><p>" + v.why + "</p>";
+      if (pose.name == v.about && !pose.sides.empty())
+        html += Image(encode(pose.sides.front().image), "pose " + pose.name);
+    html += "<div><h3>" + Escape(v.about) + " &ensp;" + GradeChip(v.grade) + "</h3><p>" + v.why +
+            "</p>";
     if (!v.cure.empty()) html += "<p class=cure><b>What to do:</b> " + Escape(v.cure) + ".</p>";
     html += "</div></div>";
   }
   return html + "</div>\n";
 }
 
-std::string FindingList(const std::vector<Finding>& findings, const std::function<bool(Grade)>& shown) {
+std::string FindingList(const std::vector<Finding>& findings,
+                        const std::function<bool(Grade)>& shown) {
   std::string html;
   for (const Finding& f : findings) {
     if (!shown(f.grade)) continue;
     html += "<li>" + GradeChip(f.grade) + "<div><b>" +
-            Escape(f.pose.empty() || f.where.ends_with("/" + f.pose) ? f.where : f.pose + ", " + f.where) + "</b> &ensp;" + f.text +
-            (f.cure.empty() ? "" : " <span class=cure>" + Escape(f.cure) + ".</span>") + "</div></li>";
+            Escape(f.pose.empty() || f.where.ends_with("/" + f.pose) ? f.where
+                                                                     : f.pose + ", " + f.where) +
+            "</b> &ensp;" + f.text +
+            (f.cure.empty() ? "" : " <span class=cure>" + Escape(f.cure) + ".</span>") +
+            "</div></li>";
   }
   return html.empty() ? "" : "<ul class=verdicts>" + html + "</ul>";
 }
 
-std::string Summary(const Contents& contents, const std::vector<Verdict>& verdicts, const std::vector<Finding>& findings,
-                    const Encoder& encode) {
-  std::string html = "<section id=summary><h2>Is it good enough?</h2>" + Cards(contents, verdicts, encode);
+std::string Summary(const Contents& contents, const std::vector<Verdict>& verdicts,
+                    const std::vector<Finding>& findings, const Encoder& encode) {
+  std::string html =
+      "<section id=summary><h2>Is it good enough?</h2>" + Cards(contents, verdicts, encode);
   const auto open = [](Grade g) { return g == Grade::kWrong || g == Grade::kLook; };
   html += FindingList(findings, open);
   const std::string rest = FindingList(findings, [&](Grade g) { return !open(g); });
-  if (!rest.empty()) html += "<details><summary>What was found good, and notes</summary>" + rest + "</details>";
+  if (!rest.empty())
+    html += "<details><summary>What was found good, and notes</summary>" + rest + "</details>";
   return html + "</section>\n";
 }
 
@@ -132,9 +147,15 @@ json WayJson(const OneWayDistance& way, double diagonal) {
 json EvidenceJson(const PoseEvidence& evidence) {
   json views = json::array();
   for (const ViewEvidence& view : evidence.views)
-    views.push_back(
-        {{"name", view.name}, {"iou", view.iou}, {"outline_off", view.outline_off}, {"structure", view.structure}, {"edges", view.edges}});
-  return {{"outline_off", evidence.outline_off}, {"structure", evidence.structure}, {"edges", evidence.edges}, {"views", views}};
+    views.push_back({{"name", view.name},
+                     {"iou", view.iou},
+                     {"outline_off", view.outline_off},
+                     {"structure", view.structure},
+                     {"edges", view.edges}});
+  return {{"outline_off", evidence.outline_off},
+          {"structure", evidence.structure},
+          {"edges", evidence.edges},
+          {"views", views}};
 }
 
 json RowJson(const DistortionRow& row) {
@@ -166,12 +187,14 @@ std::string BuildPage(const Contents& contents, const Encoder& encode) {
   const std::vector<Finding> findings = FindAll(contents);
   const std::vector<Verdict> verdicts = Judge(contents, findings);
   std::string body = Header(contents, verdicts) + Navigation(contents) + "<div class=wrap>" +
-                     Summary(contents, verdicts, findings, encode) + PlayerSection(contents, encode);
+                     Summary(contents, verdicts, findings, encode) +
+                     PlayerSection(contents, encode);
   for (const PosePart& pose : contents.poses) body += PoseSection(contents, pose, encode);
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
   body += AnimationSection(contents, encode) + StepsSection(contents);
   body +=
-      "<footer>All lengths are shares of the bounding-box diagonal unless a unit is named. Everything on this page, and every measurement "
+      "<footer>All lengths are shares of the bounding-box diagonal unless a unit is named. "
+      "Everything on this page, and every measurement "
       "it leaves out, is in "
       "<code>report.json</code> beside it.</footer></div>" +
       PlayerProgram(contents);
@@ -179,17 +202,23 @@ std::string BuildPage(const Contents& contents, const Encoder& encode) {
 }
 
 std::string BuildJson(const Contents& contents) {
-  json document = {
-      {"schema", 1}, {"project", contents.run.project}, {"template", contents.run.template_pose}, {"poses", contents.run.poses}};
+  json document = {{"schema", 1},
+                   {"project", contents.run.project},
+                   {"template", contents.run.template_pose},
+                   {"poses", contents.run.poses}};
   if (!contents.run.timeline.empty()) document["timeline"] = json::parse(contents.run.timeline);
   const std::vector<Finding> findings = FindAll(contents);
   document["verdicts"] = json::array();
   for (const Verdict& v : Judge(contents, findings))
-    document["verdicts"].push_back({{"about", v.about}, {"grade", WordOf(v.grade)}, {"why", Plain(v.why)}, {"cure", v.cure}});
+    document["verdicts"].push_back(
+        {{"about", v.about}, {"grade", WordOf(v.grade)}, {"why", Plain(v.why)}, {"cure", v.cure}});
   document["findings"] = json::array();
   for (const Finding& f : findings)
-    document["findings"].push_back(
-        {{"grade", WordOf(f.grade)}, {"pose", f.pose}, {"where", f.where}, {"text", Plain(f.text)}, {"cure", f.cure}});
+    document["findings"].push_back({{"grade", WordOf(f.grade)},
+                                    {"pose", f.pose},
+                                    {"where", f.where},
+                                    {"text", Plain(f.text)},
+                                    {"cure", f.cure}});
   document["evidence"] = json::object();
   for (const PosePart& pose : contents.poses)
     if (!pose.evidence.views.empty()) document["evidence"][pose.name] = EvidenceJson(pose.evidence);
@@ -198,11 +227,13 @@ std::string BuildJson(const Contents& contents) {
   document["registrations"] = json::array();
   for (const PairPart& pair : contents.pairs) {
     if (!(pair.diagonal > 0)) continue;
-    document["registrations"].push_back({{"pose", pair.step->pose},
-                                         {"target_diagonal", pair.diagonal},
-                                         {"registered_to_target", WayJson(pair.to_target, pair.diagonal)},
-                                         {"target_to_registered", WayJson(pair.from_target, pair.diagonal)},
-                                         {"hausdorff_over_diag", std::max(pair.to_target.max, pair.from_target.max) / pair.diagonal}});
+    document["registrations"].push_back(
+        {{"pose", pair.step->pose},
+         {"target_diagonal", pair.diagonal},
+         {"registered_to_target", WayJson(pair.to_target, pair.diagonal)},
+         {"target_to_registered", WayJson(pair.from_target, pair.diagonal)},
+         {"hausdorff_over_diag",
+          std::max(pair.to_target.max, pair.from_target.max) / pair.diagonal}});
   }
   if (contents.animation) document["animation"] = AnimationJson(*contents.animation);
   return document.dump(1) + "\n";

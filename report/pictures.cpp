@@ -13,12 +13,15 @@
 namespace keypose::report {
 namespace {
 
-std::vector<Picture> Sides(const Mesh& mesh, const RenderOptions& look, const SidesOptions& options) {
+std::vector<Picture> Sides(const Mesh& mesh, const RenderOptions& look,
+                           const SidesOptions& options) {
   const RayScene scene(mesh.points, mesh.faces);
   std::vector<Picture> pictures;
   for (const double azimuth : options.azimuths_deg) {
-    const View view = FitView(mesh.points, azimuth, options.elevation_deg, options.width, options.height, options.up);
-    pictures.push_back({fmt::format("seen from {:.0f}\u00b0", azimuth), Render(mesh, scene, view, look)});
+    const View view = FitView(mesh.points, azimuth, options.elevation_deg, options.width,
+                              options.height, options.up);
+    pictures.push_back(
+        {fmt::format("seen from {:.0f}\u00b0", azimuth), Render(mesh, scene, view, look)});
   }
   return pictures;
 }
@@ -27,7 +30,8 @@ std::vector<Picture> Sides(const Mesh& mesh, const RenderOptions& look, const Si
 void DrawRing(Image8& image, const Eigen::Vector2d& center, double radius) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      const double r = (Eigen::Vector2d(x + 0.5, y + 0.5) - center).norm(), off = std::abs(r - radius);
+      const double r = (Eigen::Vector2d(x + 0.5, y + 0.5) - center).norm(),
+                   off = std::abs(r - radius);
       if (off < 2.0 || r < 2.5)
         image.at(x, y)[0] = 214, image.at(x, y)[1] = 30, image.at(x, y)[2] = 30;
       else if (off < 3.5)
@@ -37,7 +41,8 @@ void DrawRing(Image8& image, const Eigen::Vector2d& center, double radius) {
 
 /// Of views from all round, the one that looks most straight at the vertex and sees it.
 View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const SidesOptions& size) {
-  const Eigen::Vector3d place = mesh.points.row(vertex), normal = VertexNormals(mesh.points, mesh.faces).row(vertex);
+  const Eigen::Vector3d place = mesh.points.row(vertex),
+                        normal = VertexNormals(mesh.points, mesh.faces).row(vertex);
   const double diagonal = BoundingDiagonal(mesh.points);
   View best = FitView(mesh.points, 20, 14, size.width, size.height, size.up);
   double best_score = -2;
@@ -47,7 +52,8 @@ View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const Sides
       const Eigen::Vector3d to_eye = view.Center() - place;
       const bool hidden = scene.Occluded(place + 1e-3 * diagonal * normal, to_eye, 0, 1);
       // An unusual height is harder to read than a slanting look.
-      const double score = normal.dot(to_eye.normalized()) - (hidden ? 1 : 0) - 0.002 * std::abs(elevation - 10);
+      const double score =
+          normal.dot(to_eye.normalized()) - (hidden ? 1 : 0) - 0.002 * std::abs(elevation - 10);
       if (score > best_score) best_score = score, best = view;
     }
   return best;
@@ -65,7 +71,8 @@ Image8 MarkedVertex(const Mesh& mesh, int vertex, const SidesOptions& size) {
   return image;
 }
 
-std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture, const SidesOptions& options) {
+std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture,
+                                   const SidesOptions& options) {
   RenderOptions look;
   look.texture = mesh.has_uvs() ? texture : nullptr;
   // The photographs hold the lamps' light already; a little shading shows the shape.
@@ -81,7 +88,8 @@ std::vector<Picture> ShapeSides(const Mesh& mesh, const SidesOptions& options) {
   return Sides(mesh, look, options);
 }
 
-std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest, const SidesOptions& options) {
+std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest,
+                               const SidesOptions& options) {
   RenderOptions look;
   look.vertex_colors = MapColors(values, 0, highest, ColorMap::kHeat);
   look.shading = 0.6;
@@ -97,12 +105,15 @@ std::vector<std::string> HeatStops() {
   return stops;
 }
 
-std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames, const std::vector<std::string>& captions,
-                          const Image8* texture, const SidesOptions& options) {
+std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
+                          const std::vector<std::string>& captions, const Image8* texture,
+                          const SidesOptions& options) {
   PointsX3 all(static_cast<Eigen::Index>(frames.size()) * mesh.points.rows(), 3);
   for (std::size_t i = 0; i < frames.size(); ++i)
-    all.middleRows(static_cast<Eigen::Index>(i) * mesh.points.rows(), mesh.points.rows()) = frames[i];
-  const View view = FitView(all, options.azimuths_deg.front(), options.elevation_deg, options.width, options.height, options.up);
+    all.middleRows(static_cast<Eigen::Index>(i) * mesh.points.rows(), mesh.points.rows()) =
+        frames[i];
+  const View view = FitView(all, options.azimuths_deg.front(), options.elevation_deg, options.width,
+                            options.height, options.up);
   RenderOptions look;
   look.texture = mesh.has_uvs() ? texture : nullptr;
   if (look.texture) look.shading = 0.35;
@@ -117,7 +128,8 @@ std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
 }
 
 Picture CloudPicture(const PointCloud& cloud, const SidesOptions& options) {
-  const View view = FitView(cloud.points, options.azimuths_deg.front(), options.elevation_deg, options.width, options.height, options.up);
+  const View view = FitView(cloud.points, options.azimuths_deg.front(), options.elevation_deg,
+                            options.width, options.height, options.up);
   return {Pretty(static_cast<double>(cloud.points.rows())) + " points", RenderCloud(cloud, view)};
 }
 
@@ -131,7 +143,8 @@ Image8 MaskTile(const Image8& photograph, const Image8& mask) {
   for (int y = 0; y < tile.height; ++y)
     for (int x = 0; x < tile.width; ++x) {
       const bool inside = object(x, y);
-      const bool rim = inside && !(object(x - 1, y) && object(x + 1, y) && object(x, y - 1) && object(x, y + 1));
+      const bool rim =
+          inside && !(object(x - 1, y) && object(x + 1, y) && object(x, y - 1) && object(x, y + 1));
       const std::uint8_t outline[3] = {255, 140, 0};
       for (int c = 0; c < 3; ++c) {
         std::uint8_t& value = tile.at(x, y)[c];

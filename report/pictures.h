@@ -18,19 +18,23 @@ struct SidesOptions {
 };
 
 /// From all round; with a texture where there are one and UVs, else the mesh's colours.
-std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture, const SidesOptions& options);
+std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture,
+                                   const SidesOptions& options);
 /// Clay grey, edges drawn.
 std::vector<Picture> ShapeSides(const Mesh& mesh, const SidesOptions& options);
 /// Coloured by a value at each vertex, 0 to `highest`.
-std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest, const SidesOptions& options);
+std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest,
+                               const SidesOptions& options);
 /// The colours of HeatSides as CSS, from 0 to the highest.
 std::vector<std::string> HeatStops();
 
 /// All frames by one camera that holds them all. Frames share `mesh`'s faces and UVs.
-std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames, const std::vector<std::string>& captions,
-                          const Image8* texture, const SidesOptions& options);
+std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
+                          const std::vector<std::string>& captions, const Image8* texture,
+                          const SidesOptions& options);
 
-/// The mesh in clay with a ring around a vertex, seen from the side from which the vertex shows best.
+/// The mesh in clay with a ring around a vertex, seen from the side from which the vertex shows
+/// best.
 /// @param size  of the figure's picture; the ring's size goes with it
 Image8 MarkedVertex(const Mesh& mesh, int vertex, const SidesOptions& size);
 

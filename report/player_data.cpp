@@ -17,7 +17,8 @@ std::string Packed(const std::vector<std::uint32_t>& values) {
   std::string bytes;
   bytes.reserve(values.size() * sizeof(Integer));
   for (const std::uint32_t value : values)
-    for (std::size_t i = 0; i < sizeof(Integer); ++i) bytes += static_cast<char>(value >> (8 * i) & 255U);
+    for (std::size_t i = 0; i < sizeof(Integer); ++i)
+      bytes += static_cast<char>(value >> (8 * i) & 255U);
   return Base64(bytes);
 }
 
@@ -26,7 +27,9 @@ struct DrawnVertices {
   std::vector<std::uint32_t> source, uv, faces;
 };
 
-std::uint32_t Quantised(double value) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(value, 0.0, 1.0))); }
+std::uint32_t Quantised(double value) {
+  return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(value, 0.0, 1.0)));
+}
 
 DrawnVertices Draw(const Mesh& mesh) {
   DrawnVertices drawn;
@@ -35,7 +38,8 @@ DrawnVertices Draw(const Mesh& mesh) {
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int vertex = mesh.faces(f, k), corner = has_uvs ? mesh.uv_faces(f, k) : -1;
-      const auto [found, fresh] = known.try_emplace({vertex, corner}, static_cast<std::uint32_t>(known.size()));
+      const auto [found, fresh] =
+          known.try_emplace({vertex, corner}, static_cast<std::uint32_t>(known.size()));
       drawn.faces.push_back(found->second);
       if (!fresh) continue;
       drawn.source.push_back(static_cast<std::uint32_t>(vertex));
@@ -46,29 +50,34 @@ DrawnVertices Draw(const Mesh& mesh) {
 
 }  // namespace
 
-std::vector<int> FramesToStore(const std::vector<int>& repeats, const std::vector<char>& keys, std::size_t most) {
+std::vector<int> FramesToStore(const std::vector<int>& repeats, const std::vector<char>& keys,
+                               std::size_t most) {
   std::vector<int> stored, between;
   for (std::size_t i = 0; i < repeats.size(); ++i) {
     if (repeats[i] != static_cast<int>(i)) continue;
     const bool must = keys[i] || i == 0;
     (must ? stored : between).push_back(static_cast<int>(i));
   }
-  const std::size_t room = most > stored.size() ? std::min(most - stored.size(), between.size()) : 0;
-  for (std::size_t k = 0; k < room; ++k) stored.push_back(between[(2 * k + 1) * between.size() / (2 * room)]);
+  const std::size_t room =
+      most > stored.size() ? std::min(most - stored.size(), between.size()) : 0;
+  for (std::size_t k = 0; k < room; ++k)
+    stored.push_back(between[(2 * k + 1) * between.size() / (2 * room)]);
   std::sort(stored.begin(), stored.end());
   return stored;
 }
 
-std::vector<PlayerMoment> MomentsOf(const std::vector<int>& repeats, const std::vector<int>& stored) {
+std::vector<PlayerMoment> MomentsOf(const std::vector<int>& repeats,
+                                    const std::vector<int>& stored) {
   std::vector<PlayerMoment> moments;
   for (const int frame : repeats) {
     const auto after = std::lower_bound(stored.begin(), stored.end(), frame);
     PlayerMoment moment;
-    moment.b = static_cast<int>(std::min<std::ptrdiff_t>(after - stored.begin(), static_cast<std::ptrdiff_t>(stored.size()) - 1));
-    const bool exact = stored[static_cast<std::size_t>(moment.b)] <= frame;
+    moment.b = static_cast<int>(std::min<std::ptrdiff_t>(
+        after - stored.begin(), static_cast<std::ptrdiff_t>(stored.size()) - 1));
+    const bool exact = stored[moment.b] <= frame;
     moment.a = exact ? moment.b : moment.b - 1;
     if (!exact) {
-      const int from = stored[static_cast<std::size_t>(moment.a)], to = stored[static_cast<std::size_t>(moment.b)];
+      const int from = stored[moment.a], to = stored[moment.b];
       moment.share = static_cast<double>(frame - from) / (to - from);
     }
     moments.push_back(moment);
@@ -76,23 +85,27 @@ std::vector<PlayerMoment> MomentsOf(const std::vector<int>& repeats, const std::
   return moments;
 }
 
-std::vector<double> TextureWeights(double t, const std::vector<int>& pose_of_key, std::size_t poses) {
+std::vector<double> TextureWeights(double t, const std::vector<int>& pose_of_key,
+                                   std::size_t poses) {
   std::vector<double> weights(poses, 0.0);
   if (pose_of_key.empty()) {
     if (poses > 0) weights[0] = 1;
     return weights;
   }
   const int last = static_cast<int>(pose_of_key.size()) - 1;
-  const int key = std::clamp(static_cast<int>(std::floor(t + 1e-9)), 0, last), next = std::min(key + 1, last);
+  const int key = std::clamp(static_cast<int>(std::floor(t + 1e-9)), 0, last),
+            next = std::min(key + 1, last);
   const double share = std::clamp(t - key, 0.0, 1.0);
-  weights[static_cast<std::size_t>(pose_of_key[static_cast<std::size_t>(key)])] += 1 - share;
-  weights[static_cast<std::size_t>(pose_of_key[static_cast<std::size_t>(next)])] += share;
+  weights[pose_of_key[key]] += 1 - share;
+  weights[pose_of_key[next]] += share;
   return weights;
 }
 
-std::string PlayerJson(const PlayerData& data, const std::function<std::string(const Image8&)>& encode) {
+std::string PlayerJson(const PlayerData& data,
+                       const std::function<std::string(const Image8&)>& encode) {
   using nlohmann::json;
-  Eigen::RowVector3d low = data.frames.front().colwise().minCoeff(), high = data.frames.front().colwise().maxCoeff();
+  Eigen::RowVector3d low = data.frames.front().colwise().minCoeff(),
+                     high = data.frames.front().colwise().maxCoeff();
   for (const PointsX3& points : data.frames) {
     low = low.cwiseMin(points.colwise().minCoeff());
     high = high.cwiseMax(points.colwise().maxCoeff());
@@ -101,7 +114,9 @@ std::string PlayerJson(const PlayerData& data, const std::function<std::string(c
   std::vector<std::uint32_t> positions;
   for (const PointsX3& points : data.frames)
     for (Eigen::Index i = 0; i < points.rows(); ++i)
-      for (int c = 0; c < 3; ++c) positions.push_back(static_cast<std::uint32_t>(std::lround((points(i, c) - low[c]) / step)));
+      for (int c = 0; c < 3; ++c)
+        positions.push_back(
+            static_cast<std::uint32_t>(std::lround((points(i, c) - low[c]) / step)));
   const DrawnVertices drawn = Draw(data.mesh);
   const bool wide = drawn.source.size() > 65535;
   const auto indices = [&](const std::vector<std::uint32_t>& values) {

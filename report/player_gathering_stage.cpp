@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The page stays below 8 MB: the program has half a megabyte, other pictures one or two, and base64 adds a third.
+// The page stays below 8 MB: the program has half a megabyte, other pictures one or two, and base64
+// adds a third.
 constexpr std::size_t kPositionBytes = 2'200'000, kMeshBytes = 3'600'000;
 constexpr int kTextureSide = 1024, kManyTextures = 4;
 
@@ -47,10 +48,13 @@ double FpsOf(const RunRecord& run, const std::vector<FrameDistortion>& frames) {
 
 /// What the textures become for the page.
 std::vector<Image8> Shrunken(std::vector<Image8> textures) {
-  const int most = static_cast<int>(textures.size()) > kManyTextures ? kTextureSide / 2 : kTextureSide;
+  const int most =
+      static_cast<int>(textures.size()) > kManyTextures ? kTextureSide / 2 : kTextureSide;
   for (Image8& texture : textures) {
     const double factor = static_cast<double>(most) / std::max(texture.width, texture.height);
-    if (factor < 1) texture = Resized(texture, static_cast<int>(texture.width * factor), static_cast<int>(texture.height * factor));
+    if (factor < 1)
+      texture = Resized(texture, static_cast<int>(texture.width * factor),
+                        static_cast<int>(texture.height * factor));
   }
   return textures;
 }
@@ -76,7 +80,8 @@ void Finish(PlayerData& data, PlayerPart& part, const Encoder& encode) {
   part.json = PlayerJson(data, encode);
 }
 
-PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const Encoder& encode, const SidesOptions& sides) {
+PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const Encoder& encode,
+                       const SidesOptions& sides) {
   const std::vector<FrameDistortion>& frames = contents.animation->frames;
   const auto read = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
   PlayerData data;
@@ -88,28 +93,32 @@ PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const E
   std::vector<char> keys;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int own = static_cast<int>(i), same = frames[i].same_as;
-    repeats.push_back(same >= 0 && same < own ? repeats[static_cast<std::size_t>(same)] : own);
+    repeats.push_back(same >= 0 && same < own ? repeats[same] : own);
     keys.push_back(frames[i].key);
   }
   PlayerPart part;
   part.poster = PosterOf(contents);
-  for (std::size_t i = 0; i < repeats.size(); ++i) part.distinct += i > 0 && repeats[i] == static_cast<int>(i);
+  for (std::size_t i = 0; i < repeats.size(); ++i)
+    part.distinct += i > 0 && repeats[i] == static_cast<int>(i);
   const std::size_t frame_bytes = 6 * static_cast<std::size_t>(data.mesh.vertex_count());
   const std::vector<int> stored = FramesToStore(repeats, keys, kPositionBytes / frame_bytes);
   if (MeshBytes(data.mesh) + frame_bytes * stored.size() > kMeshBytes) return part;
   for (std::size_t k = 0; k < stored.size(); ++k) {
     data.frames.push_back(read(stored[k]).points);
-    if (data.frames.back().rows() != data.mesh.points.rows()) throw InputError("frames have unlike vertex counts");
-    if (keys[static_cast<std::size_t>(stored[k])]) data.keys.push_back(static_cast<int>(k));
+    if (data.frames.back().rows() != data.mesh.points.rows())
+      throw InputError("frames have unlike vertex counts");
+    if (keys[stored[k]]) data.keys.push_back(static_cast<int>(k));
   }
   data.moments = MomentsOf(repeats, stored);
   const std::vector<int> pose_of_key = PosesOfKeys(contents.run);
-  for (std::size_t i = 0; i < frames.size(); ++i) data.moments[i].weights = TextureWeights(frames[i].t, pose_of_key, data.textures.size());
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    data.moments[i].weights = TextureWeights(frames[i].t, pose_of_key, data.textures.size());
   Finish(data, part, encode);
   return part;
 }
 
-PlayerPart OfPose(const Contents& contents, const StepRecord& bake, const Encoder& encode, const SidesOptions& sides) {
+PlayerPart OfPose(const Contents& contents, const StepRecord& bake, const Encoder& encode,
+                  const SidesOptions& sides) {
   PlayerData data;
   data.mesh = ReadMesh(bake.Input("mesh"));
   RequireUsable(data.mesh, bake.Input("mesh").string());
@@ -120,13 +129,15 @@ PlayerPart OfPose(const Contents& contents, const StepRecord& bake, const Encode
   data.keys = {0};
   PlayerPart part;
   part.poster = PosterOf(contents);
-  if (MeshBytes(data.mesh) + 6 * static_cast<std::size_t>(data.mesh.vertex_count()) <= kMeshBytes) Finish(data, part, encode);
+  if (MeshBytes(data.mesh) + 6 * static_cast<std::size_t>(data.mesh.vertex_count()) <= kMeshBytes)
+    Finish(data, part, encode);
   return part;
 }
 
 }  // namespace
 
-std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses, Mesh& mesh) {
+std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses,
+                               Mesh& mesh) {
   const StepRecord* first = run.Find("bake", run.template_pose);
   if (!first || first->Input("mesh").empty()) return {};
   const Mesh baked = ReadMesh(first->Input("mesh"));
@@ -142,10 +153,14 @@ std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::stri
   return textures;
 }
 
-std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode, const SidesOptions& sides) {
-  const StepRecord *frames = contents.run.Find("interpolate"), *bake = contents.run.Find("bake", contents.run.template_pose);
-  if (contents.animation && frames) return OfAnimation(contents, frames->Output("frames"), encode, sides);
-  if (bake && !bake->Output("texture").empty() && !bake->Input("mesh").empty()) return OfPose(contents, *bake, encode, sides);
+std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode,
+                                       const SidesOptions& sides) {
+  const StepRecord *frames = contents.run.Find("interpolate"),
+                   *bake = contents.run.Find("bake", contents.run.template_pose);
+  if (contents.animation && frames)
+    return OfAnimation(contents, frames->Output("frames"), encode, sides);
+  if (bake && !bake->Output("texture").empty() && !bake->Input("mesh").empty())
+    return OfPose(contents, *bake, encode, sides);
   return std::nullopt;
 }
 

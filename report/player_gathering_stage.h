@@ -9,11 +9,14 @@
 
 namespace keypose::report {
 
-/// Textures of the poses in the layout of `mesh`, which takes its UVs from the template where it has none; empty when one is missing.
-std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses, Mesh& mesh);
+/// Textures of the poses in the layout of `mesh`, which takes its UVs from the template where it
+/// has none; empty when one is missing.
+std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses,
+                               Mesh& mesh);
 
 /// The animation, else the template in its pose; nothing when there is neither.
 /// @throws InputError, DiskError  as the readers of meshes and pictures
-std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode, const SidesOptions& sides);
+std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode,
+                                       const SidesOptions& sides);
 
 }  // namespace keypose::report

@@ -27,12 +27,14 @@ TEST(FramesToStore, KeepsAllThatDifferWhereThereIsRoom) {
   EXPECT_EQ(FramesToStore(kRepeats, kKeys, 100), (std::vector<int>{0, 2, 3, 4, 6, 7}));
 }
 
-TEST(FramesToStore, KeepsAllKeysEvenWhereThereIsNone) { EXPECT_EQ(FramesToStore(kRepeats, kKeys, 1), (std::vector<int>{0, 3, 7})); }
+TEST(FramesToStore, KeepsAllKeysEvenWhereThereIsNone) {
+  EXPECT_EQ(FramesToStore(kRepeats, kKeys, 1), (std::vector<int>{0, 3, 7}));
+}
 
 TEST(FramesToStore, TakesOthersEvenly) {
   std::vector<int> repeats(101);
   std::vector<char> keys(101, 0);
-  for (int i = 0; i <= 100; ++i) repeats[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i <= 100; ++i) repeats[i] = i;
   keys.front() = keys.back() = 1;
   const std::vector<int> stored = FramesToStore(repeats, keys, 12);
   ASSERT_EQ(stored.size(), 12u);
@@ -42,7 +44,7 @@ TEST(FramesToStore, TakesOthersEvenly) {
 TEST(MomentsOf, HeldFramesStandAndMissingOnesAreBetweenTheirNeighbours) {
   const std::vector<PlayerMoment> moments = MomentsOf(kRepeats, {0, 3, 7});
   ASSERT_EQ(moments.size(), 8u);
-  for (const int exact : {0, 1, 3, 7}) EXPECT_EQ(moments[static_cast<std::size_t>(exact)].share, 0) << exact;
+  for (const int exact : {0, 1, 3, 7}) EXPECT_EQ(moments[exact].share, 0) << exact;
   EXPECT_EQ(moments[1].a, 0);
   EXPECT_EQ(moments[7].a, 2);
   EXPECT_NEAR(moments[2].share, 2.0 / 3, 1e-12);
@@ -62,7 +64,9 @@ TEST(TextureWeights, GoFromKeyToKey) {
 }
 
 std::string Pixel(const Image8&) {
-  return "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
+  return "data:image/"
+         "png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+"
+         "M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==";
 }
 
 PlayerData Ball() {
@@ -76,7 +80,8 @@ PlayerData Ball() {
 }
 
 std::string Decoded(const std::string& text) {
-  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  static const std::string kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bytes;
   unsigned block = 0;
   int bits = 0;
@@ -95,11 +100,12 @@ TEST(PlayerJson, PositionsComeBackWithinAStep) {
   const auto vertices = static_cast<std::size_t>(data.mesh.points.rows());
   ASSERT_EQ(bytes.size(), 2 * 2 * 3 * vertices);
   for (std::size_t i = 0; i < 2 * 3 * vertices; ++i) {
-    const unsigned word = static_cast<unsigned char>(bytes[2 * i]) | static_cast<unsigned>(static_cast<unsigned char>(bytes[2 * i + 1]))
-                                                                         << 8;
+    const unsigned word = static_cast<unsigned char>(bytes[2 * i]) |
+                          static_cast<unsigned>(static_cast<unsigned char>(bytes[2 * i + 1])) << 8;
     const double value = json["low"][i % 3].get<double>() + json["step"].get<double>() * word;
     const auto row = static_cast<Eigen::Index>(i / 3);
-    const double wanted = data.frames[i / (3 * vertices)](row % data.mesh.points.rows(), static_cast<Eigen::Index>(i % 3));
+    const double wanted = data.frames[i / (3 * vertices)](row % data.mesh.points.rows(),
+                                                          static_cast<Eigen::Index>(i % 3));
     EXPECT_NEAR(value, wanted, 0.51 * json["step"].get<double>());
   }
   EXPECT_EQ(json["moments"][1]["share"], 0.5);
@@ -112,22 +118,27 @@ TEST(PlayerJson, SeamsPartDrawnVerticesAndNothingElse) {
   data.mesh.uv_faces = data.mesh.faces;
   data.mesh.uv_faces(0, 0) = static_cast<int>(data.mesh.points.rows());
   const nlohmann::json json = nlohmann::json::parse(PlayerJson(data, Pixel));
-  EXPECT_EQ(Decoded(json["source"]).size(), 2 * (static_cast<std::size_t>(data.mesh.points.rows()) + 1));
-  EXPECT_EQ(Decoded(json["faces"]).size(), 2 * 3 * static_cast<std::size_t>(data.mesh.face_count()));
+  EXPECT_EQ(Decoded(json["source"]).size(),
+            2 * (static_cast<std::size_t>(data.mesh.points.rows()) + 1));
+  EXPECT_EQ(Decoded(json["faces"]).size(),
+            2 * 3 * static_cast<std::size_t>(data.mesh.face_count()));
 }
 
 std::string PageWithPlayer() {
   Contents contents;
   contents.run.project = "ball";
   contents.run.poses = {"rest", "up"};
-  contents.player = PlayerPart{PlayerJson(Ball(), Pixel), 3, 2, 2, 2, true, Picture{"poster", Image8(4, 4, 3, 200)}};
+  contents.player = PlayerPart{
+      PlayerJson(Ball(), Pixel), 3, 2, 2, 2, true, Picture{"poster", Image8(4, 4, 3, 200)}};
   return BuildPage(contents, Pixel);
 }
 
 TEST(BuildPage, ForbidsTheBrowserToFetchAnything) {
   const std::string page = PageWithPlayer();
-  EXPECT_THAT(page, HasSubstr("default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"));
-  for (const char* outside : {"src=\"http", "src=http", "href=\"http", "<link", "@import", "url(http"})
+  EXPECT_THAT(page, HasSubstr("default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; "
+                              "script-src 'unsafe-inline'"));
+  for (const char* outside :
+       {"src=\"http", "src=http", "href=\"http", "<link", "@import", "url(http"})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
   EXPECT_THAT(page, HasSubstr("data-control=play"));
 }
@@ -139,12 +150,17 @@ TEST(BuildPage, ThePlayersProgramLeavesRoomForPictures) {
 
 /// The page's document after a moment in a headless browser; empty when there is no Chromium.
 std::string Browsed(const std::string& page, const std::string& more) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / ("keypose_player_" + std::to_string(::getpid()));
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("keypose_player_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "index.html") << page;
-  const std::string command = "HOME=" + folder.string() + " timeout 100 chromium --headless --no-sandbox --use-angle=swiftshader " + more +
-                              " --enable-unsafe-swiftshader --disable-background-networking --virtual-time-budget=3000 --dump-dom file://" +
-                              (folder / "index.html").string() + " > " + (folder / "dom").string() + " 2> " + (folder / "log").string();
+  const std::string command =
+      "HOME=" + folder.string() +
+      " timeout 100 chromium --headless --no-sandbox --use-angle=swiftshader " + more +
+      " --enable-unsafe-swiftshader --disable-background-networking --virtual-time-budget=3000 "
+      "--dump-dom file://" +
+      (folder / "index.html").string() + " > " + (folder / "dom").string() + " 2> " +
+      (folder / "log").string();
   const int code = std::system(command.c_str());
   std::ostringstream dom;
   dom << std::ifstream(folder / "dom").rdbuf();

@@ -38,12 +38,17 @@ struct ReportOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("picture_width", picture_width, {"width of a rendered picture", "px", 64, 2048});
-    visit("film_frames", film_frames, {"at most this many frames in the film strip", "frames", 2, 200});
-    visit("mask_tiles", mask_tiles, {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
+    visit("film_frames", film_frames,
+          {"at most this many frames in the film strip", "frames", 2, 200});
+    visit("mask_tiles", mask_tiles,
+          {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
     visit("color_scale_top", color_scale_top,
-          {"distance, as a share of the diagonal, of the colour scale's end; 0 chooses the 99 % quantile", "", 0, 1});
+          {"distance, as a share of the diagonal, of the colour scale's end; 0 chooses the 99 % "
+           "quantile",
+           "", 0, 1});
     visit("compared_px", compared_px,
-          {"longer side to which photographs are shrunk before mesh and photograph are compared", "px", 64, 8192});
+          {"longer side to which photographs are shrunk before mesh and photograph are compared",
+           "px", 64, 8192});
     visit("up", up, {"axis that points upwards in the pictures", "", 0, 0, {"x", "y", "z"}});
   }
 };
@@ -52,7 +57,8 @@ StageSpec Spec() {
   StageSpec spec;
   spec.name = "report";
   spec.version = "8";
-  spec.summary = "Makes a self-contained page, and a file to parse, of what a run made and measured.";
+  spec.summary =
+      "Makes a self-contained page, and a file to parse, of what a run made and measured.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
   spec.memory_gib = 2;
@@ -60,22 +66,27 @@ StageSpec Spec() {
 }
 
 /// Around the figure's middle; the azimuth as in the pictures from all round.
-CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen::Vector3d& up, double outline_off) {
+CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen::Vector3d& up,
+                    double outline_off) {
   const Eigen::Vector3d away = view.Center() - middle;
-  const Eigen::Vector3d front(0, std::abs(up.y()) > 0.5 ? 0 : -1, std::abs(up.y()) > 0.5 ? 1 : 0), side = up.cross(front);
+  const Eigen::Vector3d front(0, std::abs(up.y()) > 0.5 ? 0 : -1, std::abs(up.y()) > 0.5 ? 1 : 0),
+      side = up.cross(front);
   const double degrees = 180 / M_PI, turn = std::atan2(away.dot(side), away.dot(front)) * degrees;
   const double height = std::atan2(away.dot(up), (away - away.dot(up) * up).norm()) * degrees;
   return {view.name, turn < 0 ? turn + 360 : turn, height, outline_off};
 }
 
-/// Reads what the record names, part by part; what fails becomes a line on the page instead of ending the report.
+/// Reads what the record names, part by part; what fails becomes a line on the page instead of
+/// ending the report.
 class Gatherer {
  public:
   Gatherer(const ReportOptions& options, Encoder encode, Progress* progress)
       : options_(options), encode_(std::move(encode)), progress_(progress) {
     sides_.width = options.picture_width;
     sides_.height = options.picture_width * 10 / 9;
-    sides_.up = options.up == "x" ? Eigen::Vector3d::UnitX() : options.up == "y" ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    sides_.up = options.up == "x"   ? Eigen::Vector3d::UnitX()
+                : options.up == "y" ? Eigen::Vector3d::UnitY()
+                                    : Eigen::Vector3d::UnitZ();
   }
 
   Contents Gather(RunRecord run) {
@@ -84,16 +95,16 @@ class Gatherer {
     const double parts = 2.0 * static_cast<double>(contents.run.poses.size()) + 1;
     double done = 0;
     for (const std::string& pose : contents.run.poses) {
-      Step(progress_, done++ / parts, "pose " + pose);
+      ReportProgress(progress_, done++ / parts, "pose " + pose);
       contents.poses.push_back(GatherPose(contents, pose));
     }
     for (const StepRecord* step : contents.run.All("register")) {
-      Step(progress_, done++ / parts, "registration " + step->pose);
+      ReportProgress(progress_, done++ / parts, "registration " + step->pose);
       contents.pairs.push_back(GatherPair(contents, *step));
     }
-    Step(progress_, (parts - 1) / parts, "animation");
+    ReportProgress(progress_, (parts - 1) / parts, "animation");
     Try(contents, "interpolate", [&] { GatherAnimation(contents); });
-    Step(progress_, 0.95, "player");
+    ReportProgress(progress_, 0.95, "player");
     Try(contents, "player", [&] { contents.player = GatherPlayer(contents, encode_, sides_); });
     return contents;
   }
@@ -114,21 +125,29 @@ class Gatherer {
     PosePart pose;
     pose.name = name;
     const RunRecord& run = contents.run;
-    const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name), *cleanup = run.Find("cleanup", name),
-                     *bake = run.Find("bake", name), *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
-    if (cleanup && !cleanup->Output("clean").empty()) Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
-    if (bake && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { ShowTextured(*bake, run.TextureOf(name), pose); });
-    if (bake && capture && !bake->Output("texture").empty()) Try(contents, bake->id, [&] { Compare(*bake, *capture, pose); });
+    const StepRecord *capture = run.Find("capture", name), *dense = run.Find("dense", name),
+                     *cleanup = run.Find("cleanup", name), *bake = run.Find("bake", name),
+                     *sfm = run.Find("sfm", name), *masks = run.Find("masks", name);
+    if (cleanup && !cleanup->Output("clean").empty())
+      Try(contents, cleanup->id, [&] { ShowShape(cleanup->Output("clean"), pose); });
+    if (bake && !bake->Output("texture").empty())
+      Try(contents, bake->id, [&] { ShowTextured(*bake, run.TextureOf(name), pose); });
+    if (bake && capture && !bake->Output("texture").empty())
+      Try(contents, bake->id, [&] { Compare(*bake, *capture, pose); });
     if (dense && !dense->Output("cloud").empty())
-      Try(contents, dense->id, [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
+      Try(contents, dense->id,
+          [&] { pose.cloud = CloudPicture(ReadPointCloud(dense->Output("cloud")), sides_); });
     if (masks && !masks->Output("masked").empty())
-      Try(contents, masks->id, [&] { pose.masks = MaskSheet(ReadImageSet(masks->Output("masked"))); });
+      Try(contents, masks->id,
+          [&] { pose.masks = MaskSheet(ReadImageSet(masks->Output("masked"))); });
     else if (capture && !capture->Output("images").empty())
-      Try(contents, capture->id, [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
+      Try(contents, capture->id,
+          [&] { pose.masks = MaskSheet(ReadImageSet(capture->Output("images"))); });
     if (sfm && !sfm->Output("picture").empty())
       Try(contents, sfm->id, [&] {
         pose.cameras = Picture{
-            "Cameras from above and from the side: by ring (upper row), by reprojection error from blue to yellow at 1 px (lower row)",
+            "Cameras from above and from the side: by ring (upper row), by reprojection error from "
+            "blue to yellow at 1 px (lower row)",
             ReadImage(sfm->Output("picture"), 3)};
       });
     return pose;
@@ -142,8 +161,10 @@ class Gatherer {
     SidesOptions sides = sides_;
     sides.azimuths_deg = {20, 200};
     pose.shape = ShapeSides(mesh, sides);
-    for (Picture& picture : pose.shape) picture.caption = "Closed mesh, " + Pretty(pose.faces) + " faces, " + picture.caption;
-    if (pose.sides.empty() && mesh.colors.rows() > 0) pose.sides = TexturedSides(mesh, nullptr, sides_);
+    for (Picture& picture : pose.shape)
+      picture.caption = "Closed mesh, " + Pretty(pose.faces) + " faces, " + picture.caption;
+    if (pose.sides.empty() && mesh.colors.rows() > 0)
+      pose.sides = TexturedSides(mesh, nullptr, sides_);
   }
 
   void ShowTextured(const StepRecord& bake, const fs::path& path, PosePart& pose) const {
@@ -152,10 +173,12 @@ class Gatherer {
     const Image8 texture = ReadImage(path, 3);
     pose.sides = TexturedSides(mesh, &texture, sides_);
     const int side = options_.picture_width;
-    pose.texture = Picture{fmt::format("Texture, {} x {}", texture.width, texture.height), Resized(texture, side, side)};
+    pose.texture = Picture{fmt::format("Texture, {} x {}", texture.width, texture.height),
+                           Resized(texture, side, side)};
   }
 
-  /// The textured mesh against the photographs and the masks that were first made of them, camera by camera.
+  /// The textured mesh against the photographs and the masks that were first made of them, camera
+  /// by camera.
   void Compare(const StepRecord& bake, const StepRecord& capture, PosePart& pose) const {
     const Mesh mesh = ReadMesh(bake.Input("mesh"));
     RequireUsable(mesh, bake.Input("mesh").string());
@@ -165,11 +188,13 @@ class Gatherer {
     const ImageSet set = ReadImageSet(capture.Output("images"));
     std::vector<std::pair<const View*, int>> placed;
     for (const View& view : cameras.views)
-      if (const int i = set.Find(view.name); i >= 0 && !set.images[i].mask.empty()) placed.emplace_back(&view, i);
+      if (const int i = set.Find(view.name); i >= 0 && !set.images[i].mask.empty())
+        placed.emplace_back(&view, i);
     const auto shot = [&](std::size_t k, int longer_side) {
       const auto& [view, i] = placed[k];
       Shot whole{*view, ReadImage(set.ImagePath(i), 3), ReadImage(set.MaskPath(i), 1)};
-      const double factor = longer_side / static_cast<double>(std::max(whole.photograph.width, whole.photograph.height));
+      const double factor = longer_side / static_cast<double>(std::max(whole.photograph.width,
+                                                                       whole.photograph.height));
       return Cropped(Shrunk(whole, factor), mesh.points);
     };
     std::vector<ViewEvidence> views(placed.size());
@@ -178,13 +203,16 @@ class Gatherer {
       views[k] = CompareView(mesh, scene, &texture, shot(k, options_.compared_px));
     });
     for (std::size_t k = 0; k < placed.size(); ++k)
-      pose.places.push_back(PlaceOf(*placed[k].first, mesh.points.colwise().mean().transpose(), sides_.up, views[k].outline_off));
+      pose.places.push_back(PlaceOf(*placed[k].first, mesh.points.colwise().mean().transpose(),
+                                    sides_.up, views[k].outline_off));
     pose.evidence = Summarize(std::move(views));
     for (const int k : pose.evidence.worst) {
-      const ViewEvidence& view = pose.evidence.views[static_cast<std::size_t>(k)];
-      pose.worst.push_back({fmt::format("{}: outlines {:.2f} % of the figure\u2019s size apart, details alike to {:.2f} of 1", view.name,
-                                        100 * view.outline_off, view.structure),
-                            SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
+      const ViewEvidence& view = pose.evidence.views[k];
+      pose.worst.push_back(
+          {fmt::format("{}: outlines {:.2f} % of the figure\u2019s size apart, details alike to "
+                       "{:.2f} of 1",
+                       view.name, 100 * view.outline_off, view.structure),
+           SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
     }
   }
 
@@ -196,17 +224,22 @@ class Gatherer {
     std::vector<Picture> pictures;
     for (const nlohmann::json& place : nlohmann::json::parse(list->second)) {
       const int vertex = place.value("vertex", -1);
-      if (vertex < 0 || vertex >= source.vertex_count() || registered.vertex_count() != source.vertex_count()) continue;
-      const Image8 both[2] = {MarkedVertex(source, vertex, sides_), MarkedVertex(registered, vertex, sides_)};
-      pictures.push_back({fmt::format("{}. On the template (left), and where it lies now in the pose (right): {}", pictures.size() + 1,
-                                      place.value("reason", "")),
-                          TileImages({both[0], both[1]}, 2, 6)});
+      if (vertex < 0 || vertex >= source.vertex_count() ||
+          registered.vertex_count() != source.vertex_count())
+        continue;
+      const Image8 both[2] = {MarkedVertex(source, vertex, sides_),
+                              MarkedVertex(registered, vertex, sides_)};
+      pictures.push_back(
+          {fmt::format("{}. On the template (left), and where it lies now in the pose (right): {}",
+                       pictures.size() + 1, place.value("reason", "")),
+           TileImages({both[0], both[1]}, 2, 6)});
     }
     return pictures;
   }
 
   Picture MaskSheet(const ImageSet& set) const {
-    const int total = static_cast<int>(set.images.size()), shown = std::min(total, options_.mask_tiles);
+    const int total = static_cast<int>(set.images.size()),
+              shown = std::min(total, options_.mask_tiles);
     if (total == 0) throw InputError("the image set is empty");
     std::vector<Image8> tiles(shown);
     ParallelFor(shown, [&](std::int64_t i) {
@@ -214,11 +247,15 @@ class Gatherer {
       const Image8 photograph = ReadImage(set.ImagePath(index), 3);
       const int width = 150, height = std::max(1, 150 * photograph.height / photograph.width);
       const Image8 small = Resized(photograph, width, height);
-      tiles[i] = set.images[index].mask.empty() ? small : MaskTile(small, Resized(ReadImage(set.MaskPath(index), 1), width, height));
+      tiles[i] = set.images[index].mask.empty()
+                     ? small
+                     : MaskTile(small, Resized(ReadImage(set.MaskPath(index), 1), width, height));
     });
-    const std::string some =
-        shown < total ? fmt::format("{} of {} photographs, evenly picked", shown, total) : fmt::format("All {} photographs", total);
-    return {some + "; what the mask leaves out is dark, its edge is drawn in orange.", TileImages(tiles, 7, 4)};
+    const std::string some = shown < total
+                                 ? fmt::format("{} of {} photographs, evenly picked", shown, total)
+                                 : fmt::format("All {} photographs", total);
+    return {some + "; what the mask leaves out is dark, its edge is drawn in orange.",
+            TileImages(tiles, 7, 4)};
   }
 
   PairPart GatherPair(Contents& contents, const StepRecord& step) const {
@@ -227,20 +264,25 @@ class Gatherer {
     Try(contents, step.id, [&] {
       if (step.Output("registered").empty() || step.Input("target").empty())
         throw InputError("the registered mesh or its target is not there");
-      const Mesh registered = ReadMesh(step.Output("registered")), target = ReadMesh(step.Input("target"));
+      const Mesh registered = ReadMesh(step.Output("registered")),
+                 target = ReadMesh(step.Input("target"));
       RequireUsable(registered, "registered");
       RequireUsable(target, "target");
       pair.to_target = DistanceTo(registered, target);
       pair.from_target = DistanceTo(target, registered);
       pair.diagonal = BoundingDiagonal(target.points);
       const double wanted = std::max(pair.to_target.p99, pair.from_target.p99) / pair.diagonal;
-      pair.scale_top = options_.color_scale_top > 0 ? options_.color_scale_top : std::max(wanted, 1e-4);
+      pair.scale_top =
+          options_.color_scale_top > 0 ? options_.color_scale_top : std::max(wanted, 1e-4);
       SidesOptions sides = sides_;
       sides.azimuths_deg = {20, 200};
-      pair.registered = HeatSides(registered, pair.to_target.at_vertex, pair.scale_top * pair.diagonal, sides);
-      pair.target = HeatSides(target, pair.from_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+      pair.registered =
+          HeatSides(registered, pair.to_target.at_vertex, pair.scale_top * pair.diagonal, sides);
+      pair.target =
+          HeatSides(target, pair.from_target.at_vertex, pair.scale_top * pair.diagonal, sides);
       pair.advice = MarkAdvice(step, registered);
-      if (!step.Output("picture").empty()) pair.carried.push_back({"", ReadImage(step.Output("picture"), 3)});
+      if (!step.Output("picture").empty())
+        pair.carried.push_back({"", ReadImage(step.Output("picture"), 3)});
     });
     return pair;
   }
@@ -251,7 +293,8 @@ class Gatherer {
     const fs::path folder = step->Output("frames");
     AnimationPart part;
     part.frames = ParseDistortion(ReadFile(folder / "distortion.json"));
-    part.keys = static_cast<int>(std::count_if(part.frames.begin(), part.frames.end(), [](const FrameDistortion& f) { return f.key; }));
+    part.keys = static_cast<int>(std::count_if(part.frames.begin(), part.frames.end(),
+                                               [](const FrameDistortion& f) { return f.key; }));
     const int count = static_cast<int>(part.frames.size());
     const auto frame = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
     Mesh mesh = frame(0);
@@ -263,10 +306,15 @@ class Gatherer {
     std::vector<std::string> captions;
     const int strip = std::min(count, options_.film_frames);
     for (int i = 0; i < strip; ++i) {
-      const int index = strip == 1 ? 0 : static_cast<int>(std::lround(static_cast<double>(i) * (count - 1) / (strip - 1)));
+      const int index =
+          strip == 1
+              ? 0
+              : static_cast<int>(std::lround(static_cast<double>(i) * (count - 1) / (strip - 1)));
       shown.push_back(frame(index).points);
-      if (shown.back().rows() != mesh.points.rows()) throw InputError("frames have unlike vertex counts");
-      captions.push_back(fmt::format("at {:.2f} s{}", part.frames[index].time_s, part.frames[index].key ? ", key" : ""));
+      if (shown.back().rows() != mesh.points.rows())
+        throw InputError("frames have unlike vertex counts");
+      captions.push_back(fmt::format("at {:.2f} s{}", part.frames[index].time_s,
+                                     part.frames[index].key ? ", key" : ""));
     }
     SidesOptions sides = sides_;
     sides.width = sides_.width * 2 / 3;
@@ -279,14 +327,16 @@ class Gatherer {
   template <class FrameReader>
   static void DescribeFaces(AnimationPart& part, const Mesh& first, const FrameReader& frame) {
     int next = 1;
-    while (next < static_cast<int>(part.frames.size()) && !part.frames[next].key) ++next;
-    if (next < 2 || next >= static_cast<int>(part.frames.size())) return;
+    while (next < std::ssize(part.frames) && !part.frames[next].key) ++next;
+    if (next < 2 || next >= std::ssize(part.frames)) return;
     const double t0 = part.frames[0].t, t1 = part.frames[next].t;
     int middle = 1;  // by the way, not by time: a key may be held, or eased out of
     while (middle < next - 1 && part.frames[middle].t < t0 + 0.5 * (t1 - t0)) ++middle;
     part.faces_t = part.frames[middle].t;
-    const double share = t1 > t0 ? (part.faces_t - t0) / (t1 - t0) : static_cast<double>(middle) / next;
-    part.faces = PerFace(first.points, frame(middle).points, frame(next).points, first.faces, share);
+    const double share =
+        t1 > t0 ? (part.faces_t - t0) / (t1 - t0) : static_cast<double>(middle) / next;
+    part.faces =
+        PerFace(first.points, frame(middle).points, frame(next).points, first.faces, share);
   }
 
   static Image8 TakeTexture(const RunRecord& run, Mesh& mesh) {
@@ -315,19 +365,23 @@ void ForgetMissing(RunRecord& run) {
         ++it;
         continue;
       }
-      step.trouble += (step.trouble.empty() ? "" : "; ") + std::string("its output ") + it->second.string() + " is no longer there";
+      step.trouble += (step.trouble.empty() ? "" : "; ") + std::string("its output ") +
+                      it->second.string() + " is no longer there";
       it = step.outputs.erase(it);
     }
 }
 
 /// What decided, and the cure, for the console.
 std::string Sentence(const Verdict& verdict) {
-  return Plain(verdict.why) + (verdict.cure.empty() ? "" : " What to do: " + Plain(verdict.cure) + ".");
+  return Plain(verdict.why) +
+         (verdict.cure.empty() ? "" : " What to do: " + Plain(verdict.cure) + ".");
 }
 
 void Run(StageContext& stage, const ReportOptions& options) {
-  const fs::path input = stage.Input("run"), file = fs::is_directory(input) ? input / "run.json" : input;
-  RunRecord run = ParseRun(ReadFile(file), file.parent_path(), [](const fs::path& path) { return ReadFile(path); });
+  const fs::path input = stage.Input("run"),
+                 file = fs::is_directory(input) ? input / "run.json" : input;
+  RunRecord run = ParseRun(ReadFile(file), file.parent_path(),
+                           [](const fs::path& path) { return ReadFile(path); });
   ForgetMissing(run);
   SubProgress gathering(stage.progress(), 0, 0.9);
   const fs::path scratch = stage.Scratch(), output = stage.Output("report");
@@ -338,14 +392,16 @@ void Run(StageContext& stage, const ReportOptions& options) {
   WriteFile(output / "report.json", BuildJson(contents));
   const std::vector<Finding> findings = FindAll(contents);
   const auto count = [&](Grade grade) {
-    return static_cast<int>(std::count_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.grade == grade; }));
+    return static_cast<int>(std::count_if(findings.begin(), findings.end(),
+                                          [&](const Finding& f) { return f.grade == grade; }));
   };
   stage.Report("poses", static_cast<int>(contents.poses.size()));
   stage.Report("steps", static_cast<int>(contents.run.steps.size()));
   stage.Report("findings_good", count(Grade::kGood));
   stage.Report("findings_look", count(Grade::kLook));
   stage.Report("findings_wrong", count(Grade::kWrong));
-  for (const Verdict& verdict : Judge(contents, findings)) stage.Verdict(verdict.about, WordOf(verdict.grade), Sentence(verdict));
+  for (const Verdict& verdict : Judge(contents, findings))
+    stage.Verdict(verdict.about, WordOf(verdict.grade), Sentence(verdict));
   stage.Report("page_bytes", static_cast<std::int64_t>(page.size()));
 }
 
@@ -353,5 +409,6 @@ void Run(StageContext& stage, const ReportOptions& options) {
 }  // namespace keypose::report
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::report::ReportOptions>(argc, argv, keypose::report::Spec(), keypose::report::Run);
+  return keypose::RunStage<keypose::report::ReportOptions>(argc, argv, keypose::report::Spec(),
+                                                           keypose::report::Run);
 }

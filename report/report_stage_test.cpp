@@ -1,4 +1,5 @@
-// keypose-report on a small run made here: an ellipsoid photographed from all round, with a stray photograph among them.
+// keypose-report on a small run made here: an ellipsoid photographed from all round, with a stray
+// photograph among them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -42,13 +43,17 @@ Image8 Stripes() {
   Image8 texture(256, 128, 3);
   for (int y = 0; y < texture.height; ++y)
     for (int x = 0; x < texture.width; ++x)
-      for (int c = 0; c < 3; ++c) texture.at(x, y)[c] = static_cast<std::uint8_t>(140 + 80 * std::sin(0.3 * y + 0.0015 * x * x + c));
+      for (int c = 0; c < 3; ++c)
+        texture.at(x, y)[c] =
+            static_cast<std::uint8_t>(140 + 80 * std::sin(0.3 * y + 0.0015 * x * x + c));
   return texture;
 }
 
 class Project {
  public:
-  explicit Project(bool with_stray) : folder_(fs::path(testing::TempDir()) / ("keypose_report_run_" + std::to_string(::getpid()))) {
+  explicit Project(bool with_stray)
+      : folder_(fs::path(testing::TempDir()) /
+                ("keypose_report_run_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "images/masks");
     const Mesh mesh = Ellipsoid();
@@ -56,7 +61,8 @@ class Project {
     WriteMesh(folder_ / "mesh.obj", mesh);
     WriteImage(folder_ / "texture.png", texture);
     Photograph(mesh, texture, with_stray);
-    Write("bake.json", {{"schema", 1}, {"stage", "bake"}, {"version", "1"}, {"measurements", json::object()}});
+    Write("bake.json",
+          {{"schema", 1}, {"stage", "bake"}, {"version", "1"}, {"measurements", json::object()}});
     const auto step = [](const char* stage, const json& outputs, const json& inputs) {
       return json{{"id", std::string(stage) + "/rest"},
                   {"step", stage},
@@ -72,14 +78,16 @@ class Project {
                        {"timeline", nullptr},
                        {"steps",
                         {step("capture", {{"images", "images"}}, json::object()),
-                         step("bake", {{"texture", "texture.png"}}, {{"mesh", {"mesh.obj"}}, {"model", {"model"}}})}}});
+                         step("bake", {{"texture", "texture.png"}},
+                              {{"mesh", {"mesh.obj"}}, {"model", {"model"}}})}}});
   }
   ~Project() { fs::remove_all(folder_); }
 
   int Report() const {
     const std::string f = folder_.string();
-    return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f + " --report " + f + "/report --report " + f +
-                        "/stage.json --compared_px " + std::to_string(kWidth) + " > " + f + "/log 2>&1")
+    return std::system((std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f + " --report " +
+                        f + "/report --report " + f + "/stage.json --compared_px " +
+                        std::to_string(kWidth) + " > " + f + "/log 2>&1")
                            .c_str()) >>
            8;
   }
@@ -90,7 +98,9 @@ class Project {
   }
 
  private:
-  void Write(const char* file, const json& content) const { std::ofstream(folder_ / file) << content; }
+  void Write(const char* file, const json& content) const {
+    std::ofstream(folder_ / file) << content;
+  }
 
   void Photograph(const Mesh& mesh, const Image8& texture, bool with_stray) const {
     const RayScene scene(mesh.points, mesh.faces);
@@ -106,13 +116,15 @@ class Project {
       look.background = {20, 40, 60};
       Image8 photograph = Render(mesh, scene, view, look), mask(kWidth, kHeight, 1);
       const Raster raster = Rasterize(mesh, scene, view);
-      for (std::size_t k = 0; k < mask.data.size(); ++k) mask.data[k] = raster.face.data[k] >= 0 ? 255 : 0;
+      for (std::size_t k = 0; k < mask.data.size(); ++k)
+        mask.data[k] = raster.face.data[k] >= 0 ? 255 : 0;
       if (with_stray && i == kStray) {  // something else: a box to the left
         for (int y = 0; y < kHeight; ++y)
           for (int x = 0; x < kWidth; ++x) {
             const bool box = x > 20 && x < 90 && y > 60 && y < 160;
             *mask.at(x, y) = box ? 255 : 0;
-            std::fill_n(photograph.at(x, y), 3, static_cast<std::uint8_t>(box ? 90 + (x * 7 + y * 13) % 50 : 20));
+            std::fill_n(photograph.at(x, y), 3,
+                        static_cast<std::uint8_t>(box ? 90 + (x * 7 + y * 13) % 50 : 20));
           }
       }
       CapturedImage entry;
@@ -155,7 +167,8 @@ TEST(ReportStage, AnIdealRunIsGoodAndItsPageIsOneSmallFileWithAPlayer) {
   EXPECT_EQ(report["verdicts"][0]["grade"], "good");
   const json& evidence = report["evidence"]["rest"];
   EXPECT_EQ(evidence["views"].size(), static_cast<std::size_t>(kViews));
-  EXPECT_LT(evidence["outline_off"].get<double>(), 1e-4);  // the masks are the mesh's own; the OBJ keeps 17 digits
+  EXPECT_LT(evidence["outline_off"].get<double>(),
+            1e-4);  // the masks are the mesh's own; the OBJ keeps 17 digits
   EXPECT_GT(evidence["structure"].get<double>(), 0.9);
   const std::string page = project.Text("report/index.html");
   EXPECT_LT(page.size(), 8'000'000u);

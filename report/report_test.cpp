@@ -76,15 +76,18 @@ TEST(ParseRun, AMissingStageReportIsToldAndDoesNotEndTheReport) {
 TEST(ParseRun, WhatIsNoRecordIsAnInputError) {
   EXPECT_THROW(ParseRun("{", "/", ReadFake), InputError);
   EXPECT_THROW(ParseRun("[]", "/", ReadFake), InputError);
-  EXPECT_THROW(ParseRun(R"({"schema": 2, "project": {"poses": []}, "steps": []})", "/", ReadFake), InputError);
-  EXPECT_THROW(ParseRun(R"({"schema": 1, "project": {"poses": "rest"}, "steps": []})", "/", ReadFake), InputError);
+  EXPECT_THROW(ParseRun(R"({"schema": 2, "project": {"poses": []}, "steps": []})", "/", ReadFake),
+               InputError);
+  EXPECT_THROW(
+      ParseRun(R"({"schema": 1, "project": {"poses": "rest"}, "steps": []})", "/", ReadFake),
+      InputError);
 }
 
 TEST(DistanceTo, ShiftedCopyLiesItsShiftApart) {
   Mesh inner = Tetrahedron(), outer = Tetrahedron();
   outer.points.rowwise() += Eigen::RowVector3d(0, 0, 0.25);
-  // From the shifted copy: the top corner is 0.25 above the other's top corner, the base 0.25 above the other's base but closer to its
-  // sides.
+  // From the shifted copy: the top corner is 0.25 above the other's top corner, the base 0.25 above
+  // the other's base but closer to its sides.
   const OneWayDistance way = DistanceTo(outer, inner, 20000);
   EXPECT_NEAR(way.max, 0.25, 1e-12);
   EXPECT_NEAR(way.at_vertex[3], 0.25, 1e-12);
@@ -130,7 +133,8 @@ TEST(ParseDistortion, ReadsThePathAndCountsAHeldKeyAsNoInBetween) {
 }
 
 TEST(ParseDistortion, NamesTheFrameThatIsNotFinite) {
-  const char* text = R"({"frames": [{"t": 0, "area": 0, "volume": 0, "linear_area": 0, "linear_volume": 0}, {"t": 1, "area": null}]})";
+  const char* text =
+      R"({"frames": [{"t": 0, "area": 0, "volume": 0, "linear_area": 0, "linear_volume": 0}, {"t": 1, "area": null}]})";
   try {
     ParseDistortion(text);
     FAIL();
@@ -143,11 +147,13 @@ TEST(ParseDistortion, NamesTheFrameThatIsNotFinite) {
 
 TEST(PerFace, UniformScalingChangesEveryFaceByItsSquareAndCube) {
   const Mesh small = Tetrahedron(1), large = Tetrahedron(2);
-  const FaceDistortion d = PerFace(small.points, 1.1 * small.points, large.points, small.faces, 0.5);
+  const FaceDistortion d =
+      PerFace(small.points, 1.1 * small.points, large.points, small.faces, 0.5);
   ASSERT_EQ(d.area.size(), 4u);
   for (const double a : d.area) EXPECT_NEAR(a, 0.21, 1e-12);
   for (const double v : d.volume) EXPECT_NEAR(v, 0.331, 1e-12);
-  for (const double a : d.linear_area) EXPECT_NEAR(a, 1.25, 1e-12);  // half-way to twice the size: 1.5^2 - 1
+  for (const double a : d.linear_area)
+    EXPECT_NEAR(a, 1.25, 1e-12);  // half-way to twice the size: 1.5^2 - 1
 }
 
 TEST(Histogram, SharesSumToOneAndTheEndsHoldWhatIsBeyond) {
@@ -171,17 +177,20 @@ TEST(Html, EscapesEncodesAndWritesNumbersForPeople) {
 }
 
 TEST(Charts, AreWellFormedSvg) {
-  const std::string line =
-      LineChart({{"ARAP", "#00f", {0, 0.5, 1}, {0, 0.01, 0.02}, false}, {"linear", "#f00", {0, 0.5, 1}, {0, -0.3, 0}, true}},
-                {"area", "t", "", true});
-  const std::string bars = HistogramChart({{"ARAP", "#00f", {0.2, 0.5, 0.3}}}, -1, 1, {"faces", "d", "", true});
+  const std::string line = LineChart({{"ARAP", "#00f", {0, 0.5, 1}, {0, 0.01, 0.02}, false},
+                                      {"linear", "#f00", {0, 0.5, 1}, {0, -0.3, 0}, true}},
+                                     {"area", "t", "", true});
+  const std::string bars =
+      HistogramChart({{"ARAP", "#00f", {0.2, 0.5, 0.3}}}, -1, 1, {"faces", "d", "", true});
   for (const std::string& svg : {line, bars}) {
     EXPECT_THAT(svg, HasSubstr("ARAP"));
-    EXPECT_FALSE(std::regex_search(svg, std::regex("=[^\"][^\\s>]*/>"))) << "an unquoted value swallows the slash that ends its element";
+    EXPECT_FALSE(std::regex_search(svg, std::regex("=[^\"][^\\s>]*/>")))
+        << "an unquoted value swallows the slash that ends its element";
     EXPECT_THAT(svg, Not(HasSubstr("nan")));
     const auto count = [&](const char* what) {
       int n = 0;
-      for (std::size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1)) ++n;
+      for (std::size_t at = svg.find(what); at != std::string::npos; at = svg.find(what, at + 1))
+        ++n;
       return n;
     };
     EXPECT_EQ(count("<text"), count("</text>"));
@@ -211,12 +220,14 @@ TEST(BuildPage, OnePoseEndsInAMeshAndThePageSaysSo) {
 TEST(BuildPage, ShowsThePapersTablesBesideOurs) {
   Contents contents = Minimal();
   AnimationPart animation;
-  animation.frames = {{0, 0, 0, 0, 0, true}, {0.5, 0.0123, 0.01, -0.2345, -0.3, false}, {1, 0, 0, 0, 0, true}};
+  animation.frames = {
+      {0, 0, 0, 0, 0, true}, {0.5, 0.0123, 0.01, -0.2345, -0.3, false}, {1, 0, 0, 0, 0, true}};
   const Mesh mesh = Tetrahedron();
   animation.faces = PerFace(mesh.points, 1.01 * mesh.points, mesh.points, mesh.faces, 0.5);
   contents.animation = animation;
   const std::string page = BuildPage(contents, NoPictures);
-  for (const char* expected : {"Hellidropter", "Party Onion Rigged", "0.0123", "\u22120.2345", "Figure 6", "0.1663"})
+  for (const char* expected :
+       {"Hellidropter", "Party Onion Rigged", "0.0123", "\u22120.2345", "Figure 6", "0.1663"})
     EXPECT_THAT(page, HasSubstr(expected));
 }
 
@@ -254,13 +265,15 @@ TEST(HeatSides, FarVerticesGetTheHotEndOfTheScale) {
 }
 
 TEST(ReportStage, WritesAPageForARunWhoseArtifactsAreGone) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "keypose_report_stage";
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "keypose_report_stage";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder / "run");
   std::ofstream(folder / "run/run.json") << kRun;
   const std::string f = folder.string();
-  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f + "/run --report " + f + "/report --report " + f +
-                              "/stage.json > " + f + "/log 2>&1";
+  const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-report --run " + f +
+                              "/run --report " + f + "/report --report " + f + "/stage.json > " +
+                              f + "/log 2>&1";
   std::ostringstream log;
   const int code = std::system(command.c_str()) >> 8;
   log << std::ifstream(folder / "log").rdbuf();

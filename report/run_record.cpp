@@ -10,7 +10,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-fs::path Absolute(const fs::path& base, const std::string& path) { return fs::path(path).is_absolute() ? fs::path(path) : base / path; }
+fs::path Absolute(const fs::path& base, const std::string& path) {
+  return fs::path(path).is_absolute() ? fs::path(path) : base / path;
+}
 
 std::string TextOf(const json& object, const char* key) {
   const auto found = object.find(key);
@@ -19,7 +21,8 @@ std::string TextOf(const json& object, const char* key) {
 
 void TakeMeasurements(const json& measurements, StepRecord& step) {
   for (const auto& [name, value] : measurements.items()) {
-    if (value.is_boolean()) step.flags[name] = value, step.numbers[name] = value.get<bool>() ? 1 : 0;
+    if (value.is_boolean())
+      step.flags[name] = value, step.numbers[name] = value.get<bool>() ? 1 : 0;
     if (value.is_number()) step.numbers[name] = value;
     if (value.is_string()) step.texts[name] = value;
     if (value.is_structured()) step.lists[name] = value.dump();
@@ -55,10 +58,13 @@ StepRecord ReadStep(const json& entry, const fs::path& base, const FileReader& r
   step.seconds = entry.value("seconds", 0.0);
   step.peak_bytes = entry.value("peak_bytes", std::int64_t{0});
   step.cached = entry.value("cached", false);
-  const json outputs = entry.value("outputs", json::object()), inputs = entry.value("inputs", json::object());
-  for (const auto& [port, path] : outputs.items()) step.outputs[port] = Absolute(base, path.get<std::string>());
+  const json outputs = entry.value("outputs", json::object()),
+             inputs = entry.value("inputs", json::object());
+  for (const auto& [port, path] : outputs.items())
+    step.outputs[port] = Absolute(base, path.get<std::string>());
   for (const auto& [port, paths] : inputs.items())
-    for (const auto& path : paths) step.inputs[port].push_back(Absolute(base, path.get<std::string>()));
+    for (const auto& path : paths)
+      step.inputs[port].push_back(Absolute(base, path.get<std::string>()));
   const std::string report = TextOf(entry, "report");
   if (!report.empty()) ReadStageReport(Absolute(base, report), read, step);
   return step;
@@ -103,17 +109,20 @@ std::vector<const StepRecord*> RunRecord::All(const std::string& stage) const {
 RunRecord ParseRun(const std::string& text, const fs::path& folder, const FileReader& read) {
   try {
     const json record = json::parse(text);
-    if (record.value("schema", 0) != 1) throw InputError("report: run.json has another schema than 1; run the pipeline again");
+    if (record.value("schema", 0) != 1)
+      throw InputError("report: run.json has another schema than 1; run the pipeline again");
     RunRecord run;
     const json project = record.at("project");
     run.project = TextOf(project, "name");
     run.template_pose = TextOf(project, "template");
     run.poses = project.at("poses").get<std::vector<std::string>>();
-    if (record.contains("timeline") && !record["timeline"].is_null()) run.timeline = record["timeline"].dump();
+    if (record.contains("timeline") && !record["timeline"].is_null())
+      run.timeline = record["timeline"].dump();
     for (const json& entry : record.at("steps")) run.steps.push_back(ReadStep(entry, folder, read));
     return run;
   } catch (const json::exception& error) {
-    throw InputError("report: run.json is not the record of a run: " + std::string(error.what()) + "; pass the one that the runner wrote");
+    throw InputError("report: run.json is not the record of a run: " + std::string(error.what()) +
+                     "; pass the one that the runner wrote");
   }
 }
 

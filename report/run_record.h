@@ -17,10 +17,11 @@ struct StepRecord {
   double seconds = 0;
   std::int64_t peak_bytes = 0;
   bool cached = false;
-  std::map<std::string, double> numbers;                 ///< measurements; booleans are 0 and 1
-  std::map<std::string, bool> flags;                     ///< measurements that are booleans
-  std::map<std::string, std::string> texts;              ///< measurements that are words
-  std::map<std::string, std::string> lists;              ///< measurements that are arrays or objects, as JSON text
+  std::map<std::string, double> numbers;     ///< measurements; booleans are 0 and 1
+  std::map<std::string, bool> flags;         ///< measurements that are booleans
+  std::map<std::string, std::string> texts;  ///< measurements that are words
+  /// measurements that are arrays or objects, as JSON text
+  std::map<std::string, std::string> lists;
   std::map<std::string, std::string> options;            ///< as used, as JSON text
   std::map<std::string, std::filesystem::path> outputs;  ///< by port
   std::map<std::string, std::vector<std::filesystem::path>> inputs;
@@ -28,8 +29,9 @@ struct StepRecord {
   std::string trouble;                ///< why its report could not be read; empty when all is well
 
   std::optional<double> Number(const std::string& name) const;
-  std::filesystem::path Output(const std::string& port) const;  ///< empty when the step has no such output
-  std::filesystem::path Input(const std::string& port) const;   ///< first path of the port
+  std::filesystem::path Output(
+      const std::string& port) const;  ///< empty when the step has no such output
+  std::filesystem::path Input(const std::string& port) const;  ///< first path of the port
   bool done() const { return status == "done"; }
 };
 
@@ -39,9 +41,11 @@ struct RunRecord {
   std::string timeline;  ///< JSON text, empty when there is none
   std::vector<StepRecord> steps;
 
-  /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or animation.
+  /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or
+  /// animation.
   const StepRecord* Find(const std::string& stage, const std::string& pose = "") const;
-  /// The finished texture of a pose: with what other poses gave it, else as it was baked; empty when there is none.
+  /// The finished texture of a pose: with what other poses gave it, else as it was baked; empty
+  /// when there is none.
   std::filesystem::path TextureOf(const std::string& pose) const;
   std::vector<const StepRecord*> All(const std::string& stage) const;
 };
@@ -51,9 +55,11 @@ using FileReader = std::function<std::string(const std::filesystem::path&)>;
 
 /// The record from the text of run.json, and the report of every step that it names by `read`.
 ///
-/// A step's missing or malformed report is told in StepRecord::trouble, since a report on a broken run is what one needs then.
+/// A step's missing or malformed report is told in StepRecord::trouble, since a report on a broken
+/// run is what one needs then.
 /// @param folder  that relative paths are relative to
 /// @throws InputError  not the record of a run
-RunRecord ParseRun(const std::string& text, const std::filesystem::path& folder, const FileReader& read);
+RunRecord ParseRun(const std::string& text, const std::filesystem::path& folder,
+                   const FileReader& read);
 
 }  // namespace keypose::report

@@ -17,11 +17,15 @@ using Pairs = std::vector<std::pair<std::string, std::string>>;
 
 /// Value of a measurement for a person, by the unit in its name.
 std::string Value(const StepRecord& step, const std::string& name) {
-  if (const auto flag = step.flags.find(name); flag != step.flags.end()) return flag->second ? "yes" : "no";
-  if (const auto text = step.texts.find(name); text != step.texts.end()) return Escape(text->second);
+  if (const auto flag = step.flags.find(name); flag != step.flags.end())
+    return flag->second ? "yes" : "no";
+  if (const auto text = step.texts.find(name); text != step.texts.end())
+    return Escape(text->second);
   const auto number = step.Number(name);
   if (!number) return "";
-  const auto ends = [&](const char* suffix) { return name.size() >= std::char_traits<char>::length(suffix) && name.ends_with(suffix); };
+  const auto ends = [&](const char* suffix) {
+    return name.size() >= std::char_traits<char>::length(suffix) && name.ends_with(suffix);
+  };
   if (ends("_fraction") || ends("_over_diag")) return Percent(*number);
   if (ends("seconds")) return PrettySeconds(*number);
   if (ends("_bytes")) return PrettyBytes(*number);
@@ -29,20 +33,24 @@ std::string Value(const StepRecord& step, const std::string& name) {
 }
 
 /// Adds those of `names` that the step has measured.
-void AddFacts(const StepRecord* step, const std::vector<std::pair<const char*, const char*>>& names, Pairs& facts) {
+void AddFacts(const StepRecord* step, const std::vector<std::pair<const char*, const char*>>& names,
+              Pairs& facts) {
   if (!step) return;
   for (const auto& [label, name] : names)
-    if (const std::string value = Value(*step, name); !value.empty()) facts.emplace_back(label, value);
+    if (const std::string value = Value(*step, name); !value.empty())
+      facts.emplace_back(label, value);
 }
 
 std::string Chip(const StepRecord& step) {
   if (!step.done()) return "<span class=\"chip bad\">" + Escape(step.status) + "</span>";
-  return step.cached ? "<span class=\"chip info\">reused</span>" : "<span class=\"chip good\">made</span>";
+  return step.cached ? "<span class=\"chip info\">reused</span>"
+                     : "<span class=\"chip good\">made</span>";
 }
 
 std::string MissingStages(const Contents& contents, const PosePart& pose) {
   std::string missing;
-  for (const char* stage : {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"}) {
+  for (const char* stage :
+       {"capture", "sfm", "masks", "dense", "mesh", "refine", "cleanup", "bake"}) {
     if (contents.run.All(stage).empty() || contents.run.Find(stage, pose.name)) continue;
     missing += (missing.empty() ? "" : ", ") + std::string(stage);
   }
@@ -51,19 +59,29 @@ std::string MissingStages(const Contents& contents, const PosePart& pose) {
 
 Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   Pairs facts;
-  AddFacts(run.Find("capture", pose), {{"photographs", "images"}, {"photographs", "images_total"}, {"mean sharpness", "sharpness_mean"}},
+  AddFacts(run.Find("capture", pose),
+           {{"photographs", "images"},
+            {"photographs", "images_total"},
+            {"mean sharpness", "sharpness_mean"}},
            facts);
   if (const StepRecord* sfm = run.Find("sfm", pose); sfm && sfm->Number("images_total"))
-    facts.emplace_back("placed by sfm", Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
+    facts.emplace_back("placed by sfm",
+                       Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
   AddFacts(run.Find("sfm", pose),
            {{"cameras from", "method"},
             {"reprojection error (px)", "reprojection_error_px"},
             {"sparse points", "points"},
             {"mean track length", "mean_track_length"}},
            facts);
-  AddFacts(run.Find("masks", pose), {{"masks' overlap with their hull", "agreement"}, {"least of a view", "least_agreement"}}, facts);
+  AddFacts(
+      run.Find("masks", pose),
+      {{"masks' overlap with their hull", "agreement"}, {"least of a view", "least_agreement"}},
+      facts);
   AddFacts(run.Find("dense", pose),
-           {{"dense points", "points"}, {"dense CPU time", "cpu_seconds"}, {"dense completeness", "completeness_mean"}}, facts);
+           {{"dense points", "points"},
+            {"dense CPU time", "cpu_seconds"},
+            {"dense completeness", "completeness_mean"}},
+           facts);
   AddFacts(run.Find("mesh", pose), {{"Poisson faces", "faces"}}, facts);
   AddFacts(run.Find("refine", pose),
            {{"photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
@@ -105,20 +123,26 @@ std::string CameraChart(const PosePart& pose) {
   std::vector<ChartMark> marks;
   for (const CameraPlace& place : pose.places) {
     const std::string stem = place.name.substr(0, place.name.rfind('.'));
-    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "#d97706" : "#2f5d8a", place.azimuth_deg, place.height_deg});
+    marks.push_back({stem, place.outline_off > kViewOutlineLook ? "#d97706" : "#2f5d8a",
+                     place.azimuth_deg, place.height_deg});
   }
-  return "<h3>Cameras</h3>" + Figure(DotChart(marks, {"Where the photographs were taken: height above the figure\u2019s middle [\u00b0]",
-                                                      "angle around the figure [\u00b0]", "", false}),
-                                     "One dot a photograph, with its name; orange where the mesh\u2019s outline does not fit it.");
+  return "<h3>Cameras</h3>" +
+         Figure(DotChart(marks, {"Where the photographs were taken: height above the figure\u2019s "
+                                 "middle [\u00b0]",
+                                 "angle around the figure [\u00b0]", "", false}),
+                "One dot a photograph, with its name; orange where the mesh\u2019s outline does "
+                "not fit it.");
 }
 
 std::string ViewTable(const PoseEvidence& evidence) {
-  Table table({"photograph", "overlap with the mask (IoU)", "outlines apart, of the figure\u2019s size", "details repeated (of 1)",
+  Table table({"photograph", "overlap with the mask (IoU)",
+               "outlines apart, of the figure\u2019s size", "details repeated (of 1)",
                "outline with a change of colour"});
   for (const ViewEvidence& v : evidence.views)
-    table.Add({Escape(v.name), fmt::format("{:.3f}", v.iou), Percent(v.outline_off), fmt::format("{:.2f}", v.structure), Percent(v.edges)});
-  return "<details><summary>All " + Pretty(static_cast<double>(evidence.views.size())) + " photographs</summary>" + table.Html() +
-         "</details>\n";
+    table.Add({Escape(v.name), fmt::format("{:.3f}", v.iou), Percent(v.outline_off),
+               fmt::format("{:.2f}", v.structure), Percent(v.edges)});
+  return "<details><summary>All " + Pretty(static_cast<double>(evidence.views.size())) +
+         " photographs</summary>" + table.Html() + "</details>\n";
 }
 
 std::string LandmarkResiduals(const StepRecord& step) {
@@ -126,7 +150,9 @@ std::string LandmarkResiduals(const StepRecord& step) {
   if (found == step.lists.end()) return "";
   Pairs facts;
   for (const auto& entry : nlohmann::json::parse(found->second))
-    if (entry.is_object()) facts.emplace_back(Escape(entry.value("name", "")), Percent(entry.value("residual_over_diag", 0.0)));
+    if (entry.is_object())
+      facts.emplace_back(Escape(entry.value("name", "")),
+                         Percent(entry.value("residual_over_diag", 0.0)));
   return facts.empty() ? "" : "<h3>Landmark residuals, of the diagonal</h3>" + Facts(facts);
 }
 
@@ -149,25 +175,30 @@ std::string Words(const std::string& name) {
 std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode) {
   if (pictures.empty()) return "";
   std::string html = "<div class=shots>";
-  for (const Picture& picture : pictures) html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
+  for (const Picture& picture : pictures)
+    html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
   return html + "</div>\n";
 }
 
 std::string WidePictures(const std::vector<Picture>& pictures, const Encoder& encode) {
   std::string html = "<div class=wide>";
-  for (const Picture& picture : pictures) html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
+  for (const Picture& picture : pictures)
+    html += Figure(Image(encode(picture.image), picture.caption), Escape(picture.caption));
   return html + "</div>\n";
 }
 
 std::string EverythingMeasured(const StepRecord& step) {
   Pairs facts;
-  for (const auto& [name, number] : step.numbers) facts.emplace_back(Words(name), Value(step, name));
+  for (const auto& [name, number] : step.numbers)
+    facts.emplace_back(Words(name), Value(step, name));
   for (const auto& [name, text] : step.texts) facts.emplace_back(Words(name), Escape(text));
-  std::string html =
-      "<details><summary>" + Escape(step.id.empty() ? step.stage : step.id) + ": everything measured</summary>" + Facts(facts);
+  std::string html = "<details><summary>" + Escape(step.id.empty() ? step.stage : step.id) +
+                     ": everything measured</summary>" + Facts(facts);
   for (const auto& [name, text] : step.lists) {
-    const std::string shown = text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (whole in report.json)" : text;
-    html += "<details><summary>" + Words(name) + "</summary><code style=\"display:block;white-space:pre-wrap;overflow-wrap:anywhere\">" +
+    const std::string shown =
+        text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (whole in report.json)" : text;
+    html += "<details><summary>" + Words(name) +
+            "</summary><code style=\"display:block;white-space:pre-wrap;overflow-wrap:anywhere\">" +
             Escape(shown) + "</code></details>";
   }
   return html + "</details>\n";
@@ -175,30 +206,41 @@ std::string EverythingMeasured(const StepRecord& step) {
 
 std::string StepsSection(const Contents& contents) {
   double longest = 1e-9, total = 0;
-  for (const StepRecord& step : contents.run.steps) longest = std::max(longest, step.seconds), total += step.seconds;
+  for (const StepRecord& step : contents.run.steps)
+    longest = std::max(longest, step.seconds), total += step.seconds;
   Table table({"step", "stage", "", "time", "", "memory", "fingerprint"});
   for (const StepRecord& step : contents.run.steps) {
-    const std::string bar = fmt::format("<div class=bar><i{} style=\"width:{:.1f}%\"></i></div>", step.cached ? " class=reused" : "",
-                                        100 * step.seconds / longest);
-    table.Add({Escape(step.id), Escape(step.stage) + (step.version.empty() ? "" : " " + Escape(step.version)), Chip(step),
-               PrettySeconds(step.seconds), bar, PrettyBytes(static_cast<double>(step.peak_bytes)),
-               step.fingerprint.empty() ? "" : "<code>" + Escape(step.fingerprint.substr(0, 10)) + "</code>"});
+    const std::string bar =
+        fmt::format("<div class=bar><i{} style=\"width:{:.1f}%\"></i></div>",
+                    step.cached ? " class=reused" : "", 100 * step.seconds / longest);
+    table.Add(
+        {Escape(step.id),
+         Escape(step.stage) + (step.version.empty() ? "" : " " + Escape(step.version)), Chip(step),
+         PrettySeconds(step.seconds), bar, PrettyBytes(static_cast<double>(step.peak_bytes)),
+         step.fingerprint.empty() ? ""
+                                  : "<code>" + Escape(step.fingerprint.substr(0, 10)) + "</code>"});
   }
-  return "<section id=steps><h2>Steps</h2><p class=lead>" + Pretty(static_cast<double>(contents.run.steps.size())) + " steps, " +
-         PrettySeconds(total) + " of work in all. A reused step shows the time of the run that made it.</p>" + table.Html() +
-         "</section>\n";
+  return "<section id=steps><h2>Steps</h2><p class=lead>" +
+         Pretty(static_cast<double>(contents.run.steps.size())) + " steps, " +
+         PrettySeconds(total) +
+         " of work in all. A reused step shows the time of the run that made it.</p>" +
+         table.Html() + "</section>\n";
 }
 
 std::string PoseSection(const Contents& contents, const PosePart& pose, const Encoder& encode) {
   const bool is_template = pose.name == contents.run.template_pose;
-  std::string html = "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) + "\u2019</h2><p class=lead>" +
-                     (is_template ? "The template: the other poses take its connectivity and texture layout."
-                                  : "Its texture is baked on the registered template.") +
-                     "</p>" + MissingStages(contents, pose);
+  std::string html =
+      "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) +
+      "\u2019</h2><p class=lead>" +
+      (is_template ? "The template: the other poses take its connectivity and texture layout."
+                   : "Its texture is baked on the registered template.") +
+      "</p>" + MissingStages(contents, pose);
   if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
   if (!pose.worst.empty())
-    html += "<h3>Photograph and render from the same camera: the worst of " + Pretty(static_cast<double>(pose.evidence.views.size())) +
-            "</h3><p class=lead>Left the photograph, right the textured mesh; the orange line is the outline of the photograph\u2019s "
+    html += "<h3>Photograph and render from the same camera: the worst of " +
+            Pretty(static_cast<double>(pose.evidence.views.size())) +
+            "</h3><p class=lead>Left the photograph, right the textured mesh; the orange line is "
+            "the outline of the photograph\u2019s "
             "first mask in both.</p>" +
             WidePictures(pose.worst, encode) + ViewTable(pose.evidence);
   std::vector<Picture> made;
@@ -207,10 +249,14 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   if (pose.texture) made.push_back(*pose.texture);
   if (!made.empty()) html += "<h3>How it was made</h3>" + Shots(made, encode);
   html += CameraChart(pose);
-  if (pose.cameras) html += Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
+  if (pose.cameras)
+    html +=
+        Figure(Image(encode(pose.cameras->image), "placed cameras"), Escape(pose.cameras->caption));
   if (pose.masks)
-    html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"), Escape(pose.masks->caption));
-  html += "<details><summary>The numbers that matter</summary>" + Facts(PoseFacts(contents.run, pose.name)) + "</details>";
+    html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"),
+                                      Escape(pose.masks->caption));
+  html += "<details><summary>The numbers that matter</summary>" +
+          Facts(PoseFacts(contents.run, pose.name)) + "</details>";
   for (const StepRecord& step : contents.run.steps)
     if (step.pose == pose.name && step.stage != "register") html += EverythingMeasured(step);
   return html + "</section>\n";
@@ -228,9 +274,10 @@ std::string StartsTable(const StepRecord& step) {
   Table table({"start", "gap, of the diagonal", "strain", "score (smaller is better)", ""});
   for (const nlohmann::json& start : starts) {
     const std::string name = start.value("start", "");
-    table.Add({Escape(name), Percent(start.value("gap_over_diag", 0.0)), Pretty(start.value("strain", 0.0)),
-               Pretty(start.value("score", 0.0)),
-               Escape(start.value("words", "")) + (chosen != step.texts.end() && chosen->second == name ? " <b>chosen</b>" : "")});
+    table.Add({Escape(name), Percent(start.value("gap_over_diag", 0.0)),
+               Pretty(start.value("strain", 0.0)), Pretty(start.value("score", 0.0)),
+               Escape(start.value("words", "")) +
+                   (chosen != step.texts.end() && chosen->second == name ? " <b>chosen</b>" : "")});
   }
   return table.Html();
 }
@@ -240,8 +287,9 @@ std::string StartsTable(const StepRecord& step) {
 std::string PairSection(const PairPart& pair, const Encoder& encode) {
   const StepRecord& step = *pair.step;
   const double d = pair.diagonal;
-  std::string html =
-      "<section id=\"register-" + Escape(step.pose) + "\"><h2>Registration of the template onto \u2018" + Escape(step.pose) + "\u2019</h2>";
+  std::string html = "<section id=\"register-" + Escape(step.pose) +
+                     "\"><h2>Registration of the template onto \u2018" + Escape(step.pose) +
+                     "\u2019</h2>";
   Pairs facts;
   AddFacts(&step,
            {{"flipped triangles", "flipped"},
@@ -257,23 +305,32 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
             {"stretch, 99 %", "stretch_high"}},
            facts);
   html += Facts(facts) + StartsTable(step);
-  if (!pair.advice.empty()) html += "<h3>Where one more landmark would help most</h3>" + WidePictures(pair.advice, encode);
+  if (!pair.advice.empty())
+    html += "<h3>Where one more landmark would help most</h3>" + WidePictures(pair.advice, encode);
   if (!pair.carried.empty())
     html +=
-        "<h3>Correspondence: template, registered, target with the template\u2019s pattern, distance</h3>" + Shots(pair.carried, encode);
+        "<h3>Correspondence: template, registered, target with the template\u2019s pattern, "
+        "distance</h3>" +
+        Shots(pair.carried, encode);
   if (d > 0) {
-    Table table({"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
+    Table table(
+        {"distance, of the target's diagonal", "mean", "rms", "99 %", "largest (Hausdorff)"});
     const auto add = [&](const char* name, const OneWayDistance& way) {
-      table.Add({name, Percent(way.mean / d), Percent(way.rms / d), Percent(way.p99 / d), Percent(way.max / d)});
+      table.Add({name, Percent(way.mean / d), Percent(way.rms / d), Percent(way.p99 / d),
+                 Percent(way.max / d)});
     };
     add("registered \u2192 target", pair.to_target);
     add("target \u2192 registered", pair.from_target);
     html += table.Html() + "<p class=lead>Two-sided Hausdorff distance: <b>" +
-            Percent(std::max(pair.to_target.max, pair.from_target.max) / d) + "</b> of the diagonal (" +
-            Pretty(std::max(pair.to_target.max, pair.from_target.max)) + " in the target's units).</p>";
-    const std::string scale = ColorScale(HeatStops(), "distance: 0", Percent(pair.scale_top) + " of the diagonal or more");
-    html += "<h3>Registered template, coloured by its distance to the target</h3>" + Shots(pair.registered, encode);
-    html += "<h3>Target, coloured by its distance to the registered template</h3>" + Shots(pair.target, encode) + scale;
+            Percent(std::max(pair.to_target.max, pair.from_target.max) / d) +
+            "</b> of the diagonal (" + Pretty(std::max(pair.to_target.max, pair.from_target.max)) +
+            " in the target's units).</p>";
+    const std::string scale = ColorScale(HeatStops(), "distance: 0",
+                                         Percent(pair.scale_top) + " of the diagonal or more");
+    html += "<h3>Registered template, coloured by its distance to the target</h3>" +
+            Shots(pair.registered, encode);
+    html += "<h3>Target, coloured by its distance to the registered template</h3>" +
+            Shots(pair.target, encode) + scale;
   }
   return html + LandmarkResiduals(step) + EverythingMeasured(step) + "</section>\n";
 }

@@ -1,4 +1,5 @@
-// The sections of the page, one function each; they return HTML, empty when there is nothing to show.
+// The sections of the page, one function each; they return HTML, empty when there is nothing to
+// show.
 #pragma once
 
 #include <string>

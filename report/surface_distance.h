@@ -1,4 +1,5 @@
-// How far two surfaces lie apart, both ways, as numbers and as a value at each vertex for a coloured picture.
+// How far two surfaces lie apart, both ways, as numbers and as a value at each vertex for a
+// coloured picture.
 #pragma once
 
 #include "core/mesh.h"
@@ -9,9 +10,10 @@ namespace keypose::report {
 struct OneWayDistance {
   Eigen::VectorXd at_vertex;          ///< V
   double mean = 0, rms = 0, p99 = 0;  ///< over points spread uniformly by area
-  double max = 0;                     ///< over those and all vertices: the one-sided Hausdorff distance, from below
+  double max = 0;  ///< over those and all vertices: the one-sided Hausdorff distance, from below
 };
-/// @param samples  points spread over `from`; their number bounds how much of a maximum inside a face can be missed
+/// @param samples  points spread over `from`; their number bounds how much of a maximum inside a
+/// face can be missed
 OneWayDistance DistanceTo(const Mesh& from, const Mesh& to, int samples = 50000);
 
 }  // namespace keypose::report

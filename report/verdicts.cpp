@@ -38,9 +38,11 @@ std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
   return names;
 }
 
-/// With a capital at its start and a full stop at its end, as other findings have them; file names stay as they are.
+/// With a capital at its start and a full stop at its end, as other findings have them; file names
+/// stay as they are.
 std::string AsSentence(std::string text) {
-  const bool word = text.size() > 1 && std::islower(static_cast<unsigned char>(text[0])) && text.substr(0, text.find(' ')).find('.') == std::string::npos;
+  const bool word = text.size() > 1 && std::islower(static_cast<unsigned char>(text[0])) &&
+                    text.substr(0, text.find(' ')).find('.') == std::string::npos;
   if (word) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
   if (!text.empty() && text.back() != '.') text += '.';
   return text;
@@ -54,15 +56,20 @@ class Findings {
   void Capture(const StepRecord& s) {
     const auto sharp = s.Number("mean_sharpness");
     if (sharp && *sharp < kSharpnessLook)
-      Add(Grade::kLook, s, "The photographs are soft: sharpness " + Bold(fmt::format("{:.2f}", *sharp)) + ", in focus it is 0.52 or more.",
+      Add(Grade::kLook, s,
+          "The photographs are soft: sharpness " + Bold(fmt::format("{:.2f}", *sharp)) +
+              ", in focus it is 0.52 or more.",
           "use a tripod, fixed focus and a smaller aperture, and shoot this pose again");
     if (const auto blurred = NamesOf(s, "blurred"); !blurred.empty())
-      Add(Grade::kLook, s, Bold(std::to_string(blurred.size())) + " photographs are blurred: " + Joined(blurred) + ".",
+      Add(Grade::kLook, s,
+          Bold(std::to_string(blurred.size())) + " photographs are blurred: " + Joined(blurred) +
+              ".",
           "shoot them again, or take them out of the folder");
   }
 
   void Sfm(const StepRecord& s) {
-    const auto total = s.Number("images_total"), placed = s.Number("images_placed"), error = s.Number("reprojection_error_px");
+    const auto total = s.Number("images_total"), placed = s.Number("images_placed"),
+               error = s.Number("reprojection_error_px");
     if (total && placed && *total > 0) {
       const bool enough = *placed / *total >= kPlacedGood;
       const auto names = NamesOf(s, "not_placed");
@@ -75,8 +82,11 @@ class Findings {
           enough ? "" : "shoot the places between them again, at most 20 degrees apart and sharp");
     }
     if (error)
-      Add(*error < kReprojectionGood ? Grade::kGood : Grade::kLook, s, "Mean reprojection error " + Bold(Pretty(*error) + " px") + ".",
-          *error < kReprojectionGood ? "" : "look for blur, zooming between photographs, or a background that turns with the figure");
+      Add(*error < kReprojectionGood ? Grade::kGood : Grade::kLook, s,
+          "Mean reprojection error " + Bold(Pretty(*error) + " px") + ".",
+          *error < kReprojectionGood ? ""
+                                     : "look for blur, zooming between photographs, or a "
+                                       "background that turns with the figure");
     CamerasFrom(s);
   }
 
@@ -85,64 +95,88 @@ class Findings {
     static const std::map<std::string, const char*> kMethods = {
         {"ring", "a model of the turntable, since features alone left photographs out."},
         {"silhouettes", "the outlines alone, since features were too few."},
-        {"plate", "the printed plate."},
+        {"plate", "the printed calibration board."},
         {"poses", "the poses that were given."}};
     const auto method = s.texts.find("method");
     const auto known = method == s.texts.end() ? kMethods.end() : kMethods.find(method->second);
     if (known == kMethods.end()) return;
     const bool outlines = known->first == "silhouettes";
     Add(outlines ? Grade::kLook : Grade::kNote, s, "Cameras come from " + Bold(known->second),
-        outlines ? "compare photographs and renders below; a newspaper or printed plate under the figure gives features" : "");
+        outlines ? "compare photographs and renders below; a newspaper or calibration board under "
+                   "the figure gives features"
+                 : "");
   }
 
   /// Photographs that the others contradict.
   void Masks(const StepRecord& s) {
     if (const auto names = NamesOf(s, "distrusted"); !names.empty())
-      Add(Grade::kLook, s, "The other photographs contradict " + Bold(Joined(names)) + "; they had no say in the shape.",
-          "look at them: another object, a moved figure or a hand; take them out of the folder or shoot them again");
+      Add(Grade::kLook, s,
+          "The other photographs contradict " + Bold(Joined(names)) +
+              "; they had no say in the shape.",
+          "look at them: another object, a moved figure or a hand; take them out of the folder or "
+          "shoot them again");
     else if (const auto disagreeing = NamesOf(s, "views_disagreeing"); !disagreeing.empty())
-      Add(Grade::kLook, s, "The outlines of " + Bold(Joined(disagreeing)) + " do not fit those of the others.",
+      Add(Grade::kLook, s,
+          "The outlines of " + Bold(Joined(disagreeing)) + " do not fit those of the others.",
           "look at their masks and give better ones as masks/POSE, or take them out of the folder");
     if (const auto agreement = s.Number("agreement"))
-      Add(Grade::kNote, s, "Masks overlap the visual hull of the others by " + Bold(Percent(*agreement)) + " on average.");
+      Add(Grade::kNote, s,
+          "Masks overlap the visual hull of the others by " + Bold(Percent(*agreement)) +
+              " on average.");
   }
 
   void Refine(const StepRecord& s) {
     if (const auto evidence = s.Number("evidence"))
       Add(*evidence < kEvidenceLook ? Grade::kLook : Grade::kNote, s,
-          "Photographs or outlines tell the place of " + Bold(Percent(*evidence)) + " of the surface; the rest follows its surroundings.",
-          *evidence < kEvidenceLook ? "press small marks or speckles into plain clay, or shoot more and closer photographs" : "");
+          "Photographs or outlines tell the place of " + Bold(Percent(*evidence)) +
+              " of the surface; the rest follows its surroundings.",
+          *evidence < kEvidenceLook ? "press small marks or speckles into plain clay, or shoot "
+                                      "more and closer photographs"
+                                    : "");
     if (const auto light = s.Number("shading_error_after"))
-      Add(Grade::kNote, s, "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) + ".");
+      Add(Grade::kNote, s,
+          "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) +
+              ".");
   }
 
   void Cleanup(const StepRecord& s, const StepRecord* refine) {
     const auto closed = s.Number("closed"), crossings = s.Number("self_intersections");
     if (closed)
       Add(*closed > 0 ? Grade::kGood : Grade::kWrong, s,
-          *closed > 0 ? "The mesh is a " + Bold("closed, oriented 2-manifold") + "." : "The mesh is " + Bold("not closed") + ".",
-          *closed > 0 ? "" : "keypose log cleanup says where; more photographs of that side close it");
+          *closed > 0 ? "The mesh is a " + Bold("closed, oriented 2-manifold") + "."
+                      : "The mesh is " + Bold("not closed") + ".",
+          *closed > 0 ? ""
+                      : "keypose log cleanup says where; more photographs of that side close it");
     if (crossings && *crossings > 0)
       Add(Grade::kWrong, s, Bold(Pretty(*crossings)) + " faces still intersect others.",
-          "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts that touch");
-    // Soles that were cut flat at the ground lie at most as far from the scan's caps as these reached below it.
+          "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts "
+          "that touch");
+    // Soles that were cut flat at the ground lie at most as far from the scan's caps as these
+    // reached below it.
     const double soles = s.Number("cut_below_ground_over_diag").value_or(0);
-    if (const auto far = s.Number("distance_to_input_p99_over_diag"); far && *far > std::max(kClosedFarLook, soles))
+    if (const auto far = s.Number("distance_to_input_p99_over_diag");
+        far && *far > std::max(kClosedFarLook, soles))
       Add(Grade::kLook, s,
-          "Large holes were closed: 1 % of the surface is more than " + Bold(Percent(*far)) + " of the diagonal from the scan.",
+          "Large holes were closed: 1 % of the surface is more than " + Bold(Percent(*far)) +
+              " of the diagonal from the scan.",
           "shoot the sides that no photograph shows");
-    const auto moved = s.Number("undamaged_from_input_p99_over_diag"), diagonal = s.Number("diagonal");
+    const auto moved = s.Number("undamaged_from_input_p99_over_diag"),
+               diagonal = s.Number("diagonal");
     const double footprint = refine ? refine->Number("footprint").value_or(0) : 0;
     if (moved && diagonal && footprint > 0)
       Add(Grade::kNote, s,
-          "Clean-up moved undamaged surface by less than " + Bold(Pretty(*moved * *diagonal / footprint)) +
+          "Clean-up moved undamaged surface by less than " +
+              Bold(Pretty(*moved * *diagonal / footprint)) +
               " of a photograph\u2019s pixel (99 %); more faces keep more detail.");
   }
 
   void Unwrap(const StepRecord& s) {
-    const double flips = s.Number("flipped").value_or(0), overlaps = s.Number("overlapping").value_or(0);
+    const double flips = s.Number("flipped").value_or(0),
+                 overlaps = s.Number("overlapping").value_or(0);
     if (flips > 0 || overlaps > 0)
-      Add(Grade::kWrong, s, Bold(Pretty(flips)) + " flipped and " + Bold(Pretty(overlaps)) + " overlapping triangles in the UV layout.",
+      Add(Grade::kWrong, s,
+          Bold(Pretty(flips)) + " flipped and " + Bold(Pretty(overlaps)) +
+              " overlapping triangles in the UV layout.",
           "this is a fault of unwrap: please file it with the mesh");
   }
 
@@ -150,37 +184,50 @@ class Findings {
     // What other poses' photographs show is not guessed.
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
-          Bold(Percent(*unseen)) + " of the texture was in no photograph" + (complete ? " of any pose" : "") + " and is filled in from around.",
-          *unseen < kUnseenLook ? "" : "shoot a second ring from lower or higher, and between the limbs");
+          Bold(Percent(*unseen)) + " of the texture was in no photograph" +
+              (complete ? " of any pose" : "") + " and is filled in from around.",
+          *unseen < kUnseenLook
+              ? ""
+              : "shoot a second ring from lower or higher, and between the limbs");
     if (const auto psnr = s.Number("held_out_psnr_gain_db"))
-      Add(Grade::kNote, s, "A texture of the other photographs predicts those left out at " + Bold(Pretty(*psnr) + " dB") + " PSNR.");
+      Add(Grade::kNote, s,
+          "A texture of the other photographs predicts those left out at " +
+              Bold(Pretty(*psnr) + " dB") + " PSNR.");
   }
 
   void Register(const StepRecord& s) {
-    const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"), landmark = s.Number("landmark_max_over_diag");
+    const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"),
+               landmark = s.Number("landmark_max_over_diag");
     const std::string more = "add landmarks where the picture below marks them";
-    const double faces = s.Number("faces").value_or(20000), few_flips = kFlipsLook * faces, most_flips = kFlipsWrong * faces;
+    const double faces = s.Number("faces").value_or(20000), few_flips = kFlipsLook * faces,
+                 most_flips = kFlipsWrong * faces;
     if (flipped)
       Add(*flipped <= few_flips    ? Grade::kGood
           : *flipped <= most_flips ? Grade::kLook
                                    : Grade::kWrong,
           s,
-          *flipped == 0 ? Bold("No") + " triangle of the registered template is flipped."
-                        : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.",
+          *flipped == 0
+              ? Bold("No") + " triangle of the registered template is flipped."
+              : Bold(Pretty(*flipped)) + " triangles of the registered template are flipped.",
           *flipped <= few_flips ? "" : more);
     if (rms)
       Add(*rms < kRegisteredGood    ? Grade::kGood
           : *rms < kRegisteredWrong ? Grade::kLook
                                     : Grade::kWrong,
-          s, "The registered surface lies " + Bold(Percent(*rms)) + " of the diagonal from the scan (rms).",
+          s,
+          "The registered surface lies " + Bold(Percent(*rms)) +
+              " of the diagonal from the scan (rms).",
           *rms < kRegisteredGood ? "" : more);
     if (landmark && *landmark > kLandmarkLook)
-      Add(Grade::kLook, s, "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal.",
+      Add(Grade::kLook, s,
+          "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal.",
           "check its pick; the residuals below name it");
-    if (const auto high = s.Number("stretch_high"), low = s.Number("stretch_low"); high && low && *low > 0)
+    if (const auto high = s.Number("stretch_high"), low = s.Number("stretch_low");
+        high && low && *low > 0)
       if (*high > kStretchLook || *low < 1 / kStretchLook)
         Add(Grade::kLook, s,
-            "Parts of the template are stretched to " + Bold(Pretty(*high)) + " or pressed to " + Bold(Pretty(*low)) + " of their length.",
+            "Parts of the template are stretched to " + Bold(Pretty(*high)) + " or pressed to " +
+                Bold(Pretty(*low)) + " of their length.",
             more + "; where clay was added or taken away, that is right");
   }
 
@@ -193,9 +240,11 @@ class Findings {
     if (e.edges < kEdgesGood)
       Put({Grade::kLook, pose.name, "compared",
            "Along " + Bold(Percent(1 - e.edges)) +
-               " of the mesh\u2019s outline the photographs show no change of colour: masks may cut into the figure, or clay and backdrop "
+               " of the mesh\u2019s outline the photographs show no change of colour: masks may "
+               "cut into the figure, or clay and backdrop "
                "are alike.",
-           "put the figure before a backdrop of another colour, or give masks of your own as masks/POSE"});
+           "put the figure before a backdrop of another colour, or give masks of your own as "
+           "masks/POSE"});
   }
 
   void Outlines(const std::string& pose, const PoseEvidence& e) {
@@ -205,15 +254,20 @@ class Findings {
          : good ? Grade::kGood
                 : Grade::kLook,
          pose, "compared",
-         "In the middle one of " + count + " photographs the mesh\u2019s outline is " + Bold(Percent(e.outline_off)) +
+         "In the middle one of " + count + " photographs the mesh\u2019s outline is " +
+             Bold(Percent(e.outline_off)) +
              " of the figure\u2019s size from that of the photograph.",
-         good ? "" : "look at the pairs below: wrong cameras need photographs at most 20 degrees apart, wrong masks a plainer backdrop"});
+         good ? ""
+              : "look at the pairs below: wrong cameras need photographs at most 20 degrees apart, "
+                "wrong masks a plainer backdrop"});
     std::vector<std::string> off;
     for (const ViewEvidence& view : e.views)
       if (view.outline_off > kViewOutlineLook) off.push_back(view.name);
     if (off.empty() || wrong) return;
-    Put({Grade::kLook, pose, "compared", "The mesh\u2019s outline does not fit " + Bold(Joined(off)) + ".",
-         "look at these photographs and their masks: moved, another object, a hand, or a bad mask"});
+    Put({Grade::kLook, pose, "compared",
+         "The mesh\u2019s outline does not fit " + Bold(Joined(off)) + ".",
+         "look at these photographs and their masks: moved, another object, a hand, or a bad "
+         "mask"});
   }
 
   void Details(const std::string& pose, const PoseEvidence& e) {
@@ -222,15 +276,19 @@ class Findings {
          : good ? Grade::kGood
                 : Grade::kLook,
          pose, "compared",
-         "Rendered from the same cameras, the textured mesh repeats the details of the photographs to " +
+         "Rendered from the same cameras, the textured mesh repeats the details of the photographs "
+         "to " +
              Bold(fmt::format("{:.2f}", e.structure)) + " of 1.",
-         good ? "" : "look at the pairs below; a figure that moved, blur and wrong cameras smear the texture"});
+         good ? ""
+              : "look at the pairs below; a figure that moved, blur and wrong cameras smear the "
+                "texture"});
   }
 
   void Put(Finding finding) { out_.push_back(std::move(finding)); }
 
  private:
-  void Add(Grade grade, const StepRecord& s, const std::string& text, const std::string& cure = "") {
+  void Add(Grade grade, const StepRecord& s, const std::string& text,
+           const std::string& cure = "") {
     Put({grade, s.pose, s.id.empty() ? s.stage : s.id, text, cure});
   }
   std::vector<Finding>& out_;
@@ -241,7 +299,8 @@ void FindOnAnimation(const AnimationPart& animation, std::vector<Finding>& out) 
   if (area.frames == 0) return;
   out.push_back({Grade::kNote, "", "interpolate",
                  "In-betweens depart from the first key by " + Bold(Percent(area.mean)) +
-                     " in area (straight lines: " + Percent(area.linear_mean) + ") and " + Bold(Percent(volume.mean)) +
+                     " in area (straight lines: " + Percent(area.linear_mean) + ") and " +
+                     Bold(Percent(volume.mean)) +
                      " in volume (straight lines: " + Percent(volume.linear_mean) + ").",
                  ""});
 }
@@ -250,12 +309,17 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   Findings findings(out);
   const std::string where = step.id.empty() ? step.stage : step.id;
   if (!step.done())
-    findings.Put({Grade::kWrong, step.pose, where, "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing.",
-                  "keypose log " + where + " says why"});
-  if (!step.trouble.empty()) findings.Put({Grade::kLook, step.pose, where, Escape(step.trouble) + ".", "keypose run makes it again"});
+    findings.Put(
+        {Grade::kWrong, step.pose, where,
+         "This step is " + Bold(Escape(step.status)) + "; what follows from it is missing.",
+         "keypose log " + where + " says why"});
+  if (!step.trouble.empty())
+    findings.Put(
+        {Grade::kLook, step.pose, where, Escape(step.trouble) + ".", "keypose run makes it again"});
   // What capture foresees is decided by what came of it; the other stages warn of their results.
   for (const std::string& warning : step.warnings)
-    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where, AsSentence(Escape(warning)), ""});
+    findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where,
+                  AsSentence(Escape(warning)), ""});
   if (step.stage == "capture") findings.Capture(step);
   if (step.stage == "sfm") findings.Sfm(step);
   if (step.stage == "masks") findings.Masks(step);
@@ -269,21 +333,27 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
 /// A verdict names so many findings; the list below it has the rest.
 constexpr int kFindingsInVerdict = 3;
 
-int Badness(Grade grade) { return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3; }
+int Badness(Grade grade) {
+  return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3;
+}
 
 /// What decided: all that is as bad as the worst; of a good pose, what the photographs say.
-Verdict VerdictOn(const std::string& about, const std::string& pose, const std::vector<Finding>& findings) {
+Verdict VerdictOn(const std::string& about, const std::string& pose,
+                  const std::vector<Finding>& findings) {
   Verdict verdict{about, Grade::kNote, "", ""};
   for (const Finding& f : findings)
     if (f.pose == pose && Badness(f.grade) < Badness(verdict.grade)) verdict.grade = f.grade;
   int count = 0;
   for (const Finding& f : findings) {
-    const bool decides = f.grade == verdict.grade && (f.grade != Grade::kGood || f.where == "compared");
+    const bool decides =
+        f.grade == verdict.grade && (f.grade != Grade::kGood || f.where == "compared");
     if (f.pose != pose || !decides) continue;
     if (++count <= kFindingsInVerdict) verdict.why += (verdict.why.empty() ? "" : " ") + f.text;
-    if (!f.cure.empty() && verdict.cure.find(f.cure) == std::string::npos) verdict.cure += (verdict.cure.empty() ? "" : "; ") + f.cure;
+    if (!f.cure.empty() && verdict.cure.find(f.cure) == std::string::npos)
+      verdict.cure += (verdict.cure.empty() ? "" : "; ") + f.cure;
   }
-  if (count > kFindingsInVerdict) verdict.why += fmt::format(" The report lists {} more.", count - kFindingsInVerdict);
+  if (count > kFindingsInVerdict)
+    verdict.why += fmt::format(" The report lists {} more.", count - kFindingsInVerdict);
   return verdict;
 }
 
@@ -299,8 +369,11 @@ std::vector<Finding> FindAll(const Contents& contents) {
   for (const PosePart& pose : contents.poses) Findings(all).Evidence(pose);
   for (const StepRecord& step : contents.run.steps) FindOnStep(step, contents.run, all);
   if (contents.animation) FindOnAnimation(*contents.animation, all);
-  for (const std::string& trouble : contents.troubles) all.push_back({Grade::kLook, "", "report", Escape(trouble), ""});
-  std::stable_sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) { return Badness(a.grade) < Badness(b.grade); });
+  for (const std::string& trouble : contents.troubles)
+    all.push_back({Grade::kLook, "", "report", Escape(trouble), ""});
+  std::stable_sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) {
+    return Badness(a.grade) < Badness(b.grade);
+  });
   return all;
 }
 
@@ -309,23 +382,31 @@ std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>&
   for (const std::string& name : contents.run.poses) {
     verdicts.push_back(VerdictOn(name, name, findings));
     Verdict& verdict = verdicts.back();
-    const auto part = std::find_if(contents.poses.begin(), contents.poses.end(), [&](const PosePart& p) { return p.name == name; });
+    const auto part = std::find_if(contents.poses.begin(), contents.poses.end(),
+                                   [&](const PosePart& p) { return p.name == name; });
     const bool compared = part != contents.poses.end() && !part->evidence.views.empty();
     if (compared || verdict.grade == Grade::kWrong) continue;
     verdict.grade = Grade::kLook;
     verdict.why = "There is no textured mesh to compare with the photographs. " + verdict.why;
-    verdict.cure += (verdict.cure.empty() ? "" : "; ") + std::string("run the project to its end: keypose run");
+    verdict.cure +=
+        (verdict.cure.empty() ? "" : "; ") + std::string("run the project to its end: keypose run");
   }
   const Verdict animation = VerdictOn("animation", "", findings);
-  if (animation.grade == Grade::kLook || animation.grade == Grade::kWrong) verdicts.push_back(animation);
+  if (animation.grade == Grade::kLook || animation.grade == Grade::kWrong)
+    verdicts.push_back(animation);
   return verdicts;
 }
 
 std::string Plain(const std::string& html) {
   std::string plain = html;
-  for (const auto& [from, to] :
-       {std::pair<std::string, std::string>{"<b>", ""}, {"</b>", ""}, {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
-    for (std::size_t at = 0; (at = plain.find(from, at)) != std::string::npos; at += to.size()) plain.replace(at, from.size(), to);
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"<b>", ""},
+                                 {"</b>", ""},
+                                 {"&lt;", "<"},
+                                 {"&gt;", ">"},
+                                 {"&quot;", "\""},
+                                 {"&amp;", "&"}})
+    for (std::size_t at = 0; (at = plain.find(from, at)) != std::string::npos; at += to.size())
+      plain.replace(at, from.size(), to);
   return plain;
 }
 

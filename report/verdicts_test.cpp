@@ -39,16 +39,20 @@ Contents Ideal(double outline_off = 0.00045, double structure = 0.91, double edg
   Contents contents;
   contents.run.poses = {"rest"};
   contents.run.template_pose = "rest";
-  contents.run.steps = {Step("capture", "rest", {{"mean_sharpness", 0.68}}),
-                        Step("sfm", "rest", {{"images_total", 32}, {"images_placed", 32}, {"reprojection_error_px", 0.17}}),
-                        Step("masks", "rest", {{"agreement", 0.954}}),
-                        Step("refine", "rest", {{"evidence", 0.948}, {"footprint", 0.00054}, {"shading_error_after", 0.033}}),
-                        Step("cleanup", "rest", {{"closed", 1}, {"self_intersections", 0}, {"diagonal", 0.46}}),
-                        Step("bake", "rest", {{"unseen_fraction", 0.112}, {"held_out_psnr_gain_db", 24.2}})};
+  contents.run.steps = {
+      Step("capture", "rest", {{"mean_sharpness", 0.68}}),
+      Step("sfm", "rest",
+           {{"images_total", 32}, {"images_placed", 32}, {"reprojection_error_px", 0.17}}),
+      Step("masks", "rest", {{"agreement", 0.954}}),
+      Step("refine", "rest",
+           {{"evidence", 0.948}, {"footprint", 0.00054}, {"shading_error_after", 0.033}}),
+      Step("cleanup", "rest", {{"closed", 1}, {"self_intersections", 0}, {"diagonal", 0.46}}),
+      Step("bake", "rest", {{"unseen_fraction", 0.112}, {"held_out_psnr_gain_db", 24.2}})};
   PosePart pose;
   pose.name = "rest";
   std::vector<ViewEvidence> views;
-  for (int i = 1; i <= 32; ++i) views.push_back(View("IMG_" + std::to_string(100 + i), outline_off, structure, edges));
+  for (int i = 1; i <= 32; ++i)
+    views.push_back(View("IMG_" + std::to_string(100 + i), outline_off, structure, edges));
   pose.evidence = Summarize(std::move(views));
   contents.poses.push_back(std::move(pose));
   return contents;
@@ -84,8 +88,10 @@ TEST(Judge, IdealSetsAreGoodWithNothingToLookAt) {
   const Verdict verdict = Judged(contents);
   EXPECT_EQ(verdict.grade, Grade::kGood);
   EXPECT_EQ(verdict.cure, "");
-  EXPECT_THAT(verdict.why, HasSubstr("0.91"));  // what the photographs say, not how well a solver converged
-  for (const Finding& f : FindAll(contents)) EXPECT_TRUE(f.grade == Grade::kGood || f.grade == Grade::kNote) << f.text;
+  EXPECT_THAT(verdict.why,
+              HasSubstr("0.91"));  // what the photographs say, not how well a solver converged
+  for (const Finding& f : FindAll(contents))
+    EXPECT_TRUE(f.grade == Grade::kGood || f.grade == Grade::kNote) << f.text;
 }
 
 TEST(Judge, OutlinesThatMissThePhotographsAreWrongWhateverTheStagesSay) {
@@ -95,13 +101,15 @@ TEST(Judge, OutlinesThatMissThePhotographsAreWrongWhateverTheStagesSay) {
   EXPECT_THAT(verdict.cure, HasSubstr("20 degrees"));
 }
 
-// Middle outline and details of sets of known truth: what docs/stages/report.md lists under "Measured".
+// Middle outline and details of sets of known truth: what docs/stages/report.md lists under
+// "Measured".
 TEST(Judge, AgreesWithTheTruthOnRecordedSets) {
-  for (const auto& [outline_off, structure, grade] : {std::tuple{0.00045, 0.909, Grade::kGood},  // demo, 0.056 % from the truth
-                                                      {0.00057, 0.917, Grade::kGood},            // its other pose, 0.044 %
-                                                      {0.00060, 0.857, Grade::kGood},            // weak texture, 20 views, 0.26 %
-                                                      {0.00050, 0.873, Grade::kGood},            // 24 views, 0.10 %
-                                                      {0.00350, 0.741, Grade::kLook}})           // focal length 1.3 times the true one, 3 %
+  for (const auto& [outline_off, structure, grade] :
+       {std::tuple{0.00045, 0.909, Grade::kGood},  // demo, 0.056 % from the truth
+        {0.00057, 0.917, Grade::kGood},            // its other pose, 0.044 %
+        {0.00060, 0.857, Grade::kGood},            // weak texture, 20 views, 0.26 %
+        {0.00050, 0.873, Grade::kGood},            // 24 views, 0.10 %
+        {0.00350, 0.741, Grade::kLook}})           // focal length 1.3 times the true one, 3 %
     EXPECT_EQ(Judged(Ideal(outline_off, structure)).grade, grade) << outline_off;
 }
 
@@ -156,19 +164,23 @@ TEST(Judge, WarningsOfAStepAreRepeatedButCapturesForesightDoesNotDecide) {
 
 TEST(Judge, ManyWarningsAreSentencesAndTheFirstThreeStandInTheVerdict) {
   Contents contents = Ideal();
-  StepOf(contents, "register").warnings = {"one is off", "p1.jpg is off", "three are.", "four", "five"};
+  StepOf(contents, "register").warnings = {"one is off", "p1.jpg is off", "three are.", "four",
+                                           "five"};
   EXPECT_EQ(Judged(contents).why, "One is off. p1.jpg is off. Three are. The report lists 2 more.");
 }
 
 TEST(Judge, RegistrationDecidesOnItsPose) {
-  for (const auto& [numbers, grade] : {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
-                                       {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
-                                       {Numbers{{"flipped", 9}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
-                                       {Numbers{{"flipped", 39}, {"faces", 20000}, {"surface_rms_over_diag", 0.001}}, Grade::kLook},
-                                       {Numbers{{"flipped", 39}, {"faces", 2000}, {"surface_rms_over_diag", 0.001}}, Grade::kWrong},
-                                       {Numbers{{"flipped", 1896}, {"surface_rms_over_diag", 0.0003}}, Grade::kWrong},
-                                       {Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.02}}, Grade::kWrong},
-                                       {Numbers{{"stretch_low", 0.2}, {"stretch_high", 1.2}}, Grade::kLook}}) {
+  for (const auto& [numbers, grade] :
+       {std::pair{Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
+        {Numbers{{"flipped", 3}, {"surface_rms_over_diag", 0.0003}}, Grade::kGood},
+        {Numbers{{"flipped", 9}, {"surface_rms_over_diag", 0.0003}}, Grade::kLook},
+        {Numbers{{"flipped", 39}, {"faces", 20000}, {"surface_rms_over_diag", 0.001}},
+         Grade::kLook},
+        {Numbers{{"flipped", 39}, {"faces", 2000}, {"surface_rms_over_diag", 0.001}},
+         Grade::kWrong},
+        {Numbers{{"flipped", 1896}, {"surface_rms_over_diag", 0.0003}}, Grade::kWrong},
+        {Numbers{{"flipped", 0}, {"surface_rms_over_diag", 0.02}}, Grade::kWrong},
+        {Numbers{{"stretch_low", 0.2}, {"stretch_high", 1.2}}, Grade::kLook}}) {
     Contents contents = Ideal();
     contents.run.steps.push_back(Step("register", "rest", numbers));
     EXPECT_EQ(Judged(contents).grade, grade);
@@ -209,11 +221,14 @@ TEST(Judge, TheAnimationIsNamedOnlyWhereItFailed) {
 
 TEST(FindAll, EverythingToLookAtHasACureOrIsTheStagesOwnSentence) {
   Contents contents = Ideal(0.008, 0.4, 0.2);
-  StepOf(contents, "sfm").numbers = {{"images_total", 30}, {"images_placed", 9}, {"reprojection_error_px", 3}};
-  StepOf(contents, "cleanup").numbers = {{"closed", 0}, {"self_intersections", 5}, {"distance_to_input_p99_over_diag", 0.1}};
+  StepOf(contents, "sfm").numbers = {
+      {"images_total", 30}, {"images_placed", 9}, {"reprojection_error_px", 3}};
+  StepOf(contents, "cleanup").numbers = {
+      {"closed", 0}, {"self_intersections", 5}, {"distance_to_input_p99_over_diag", 0.1}};
   StepOf(contents, "bake").numbers = {{"unseen_fraction", 0.5}};
   contents.run.steps.push_back(
-      Step("register", "rest", {{"flipped", 199}, {"surface_rms_over_diag", 0.1}, {"landmark_max_over_diag", 0.1}}));
+      Step("register", "rest",
+           {{"flipped", 199}, {"surface_rms_over_diag", 0.1}, {"landmark_max_over_diag", 0.1}}));
   int open = 0;
   for (const Finding& f : FindAll(contents)) {
     if (f.grade != Grade::kLook && f.grade != Grade::kWrong) continue;

@@ -16,27 +16,35 @@ using Plane = std::vector<float>;
 
 constexpr std::size_t kPairsShown = 3;
 
-bool InMask(const Image8& mask, int x, int y) { return x >= 0 && y >= 0 && x < mask.width && y < mask.height && *mask.at(x, y) >= 128; }
+bool InMask(const Image8& mask, int x, int y) {
+  return x >= 0 && y >= 0 && x < mask.width && y < mask.height && *mask.at(x, y) >= 128;
+}
 
 /// 255 where the ray through the pixel's centre meets the mesh.
 Image8 Covered(const Mesh& mesh, const RayScene& scene, const View& view) {
   const Raster raster = Rasterize(mesh, scene, view);
   Image8 covered(view.camera.width, view.camera.height, 1);
-  for (std::size_t i = 0; i < covered.data.size(); ++i) covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+  for (std::size_t i = 0; i < covered.data.size(); ++i)
+    covered.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
   return covered;
 }
 
 /// Separable Gaussian of `values` where `weight` is not 0; what is not valid does not enter.
-Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int height, double sigma) {
+Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int height,
+                     double sigma) {
   const int radius = static_cast<int>(std::ceil(3 * sigma));
   std::vector<float> kernel;
-  for (int i = -radius; i <= radius; ++i) kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
+  for (int i = -radius; i <= radius; ++i)
+    kernel.push_back(static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma))));
   Plane sum(values.size()), mass(values.size()), smooth(values.size(), 0.0F);
-  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); };
+  const auto at = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       for (int i = std::max(-radius, -x); i <= std::min(radius, width - 1 - x); ++i) {
-        const float w = kernel[static_cast<std::size_t>(i + radius)] * weight[at(x + i, y)];
+        const float w = kernel[i + radius] * weight[at(x + i, y)];
         sum[at(x, y)] += w * values[at(x + i, y)];
         mass[at(x, y)] += w;
       }
@@ -44,8 +52,8 @@ Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int he
     for (int x = 0; x < width; ++x) {
       float s = 0, m = 0;
       for (int i = std::max(-radius, -y); i <= std::min(radius, height - 1 - y); ++i) {
-        s += kernel[static_cast<std::size_t>(i + radius)] * sum[at(x, y + i)];
-        m += kernel[static_cast<std::size_t>(i + radius)] * mass[at(x, y + i)];
+        s += kernel[i + radius] * sum[at(x, y + i)];
+        m += kernel[i + radius] * mass[at(x, y + i)];
       }
       if (m > 0) smooth[at(x, y)] = s / m;
     }
@@ -55,7 +63,8 @@ Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int he
 /// Details of one to a few pixels: noise is smoothed away, light and exposure are taken off.
 Plane Details(const Image8& rgb, const Plane& weight) {
   Plane luma(weight.size());
-  for (std::size_t i = 0; i < luma.size(); ++i) luma[i] = static_cast<float>(Luma(&rgb.data[3 * i]));
+  for (std::size_t i = 0; i < luma.size(); ++i)
+    luma[i] = static_cast<float>(Luma(&rgb.data[3 * i]));
   const Plane fine = SmoothedWithin(luma, weight, rgb.width, rgb.height, 1.0),
               coarse = SmoothedWithin(luma, weight, rgb.width, rgb.height, 5.0);
   for (std::size_t i = 0; i < luma.size(); ++i) luma[i] = fine[i] - coarse[i];
@@ -63,7 +72,8 @@ Plane Details(const Image8& rgb, const Plane& weight) {
 }
 
 /// Correlation of the details where mask and mesh agree, two pixels from their rims.
-double Structure(const Image8& photograph, const Image8& render, const Image8& mask, const Image8& covered) {
+double Structure(const Image8& photograph, const Image8& render, const Image8& mask,
+                 const Image8& covered) {
   Plane weight(mask.data.size(), 0.0F);
   constexpr int kRim = 2;
   for (int y = 0; y < mask.height; ++y)
@@ -71,7 +81,9 @@ double Structure(const Image8& photograph, const Image8& render, const Image8& m
       bool inside = true;
       for (const auto& [dx, dy] : {std::pair{0, 0}, {-kRim, 0}, {kRim, 0}, {0, -kRim}, {0, kRim}})
         inside = inside && InMask(mask, x + dx, y + dy) && InMask(covered, x + dx, y + dy);
-      if (inside) weight[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) + static_cast<std::size_t>(x)] = 1;
+      if (inside)
+        weight[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
+               static_cast<std::size_t>(x)] = 1;
     }
   const Plane a = Details(photograph, weight), b = Details(render, weight);
   double aa = 0, bb = 0, ab = 0;
@@ -92,12 +104,14 @@ MaskBox BoxOf(const Image8& mask) {
   MaskBox box{mask.width, mask.height};
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (InMask(mask, x, y)) box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x), std::max(box.y1, y)};
+      if (InMask(mask, x, y))
+        box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x), std::max(box.y1, y)};
   return box;
 }
 
 bool OnRim(const Image8& mask, int x, int y) {
-  return InMask(mask, x, y) && !(InMask(mask, x - 1, y) && InMask(mask, x + 1, y) && InMask(mask, x, y - 1) && InMask(mask, x, y + 1));
+  return InMask(mask, x, y) && !(InMask(mask, x - 1, y) && InMask(mask, x + 1, y) &&
+                                 InMask(mask, x, y - 1) && InMask(mask, x, y + 1));
 }
 
 void CompareOutlines(const Image8& mask, const Image8& covered, ViewEvidence& out) {
@@ -112,7 +126,8 @@ void CompareOutlines(const Image8& mask, const Image8& covered, ViewEvidence& ou
   if (both == 0 || rim == 0) return;
   out.iou = static_cast<double>(both) / static_cast<double>(either);
   // The area between two outlines, over their length, is their mean distance.
-  const double length = 0.5 * static_cast<double>(rim), between = static_cast<double>(either - both);
+  const double length = 0.5 * static_cast<double>(rim),
+               between = static_cast<double>(either - both);
   out.outline_off = std::min(1.0, between / length / BoxOf(mask).Diagonal());
 }
 
@@ -128,7 +143,8 @@ std::array<double, 3> ColorAround(const Image8& image, double px, double py) {
   return sum;
 }
 
-/// Share of the mesh's outline across which the photograph changes colour, away from the picture's border.
+/// Share of the mesh's outline across which the photograph changes colour, away from the picture's
+/// border.
 double EdgesUnderOutline(const Image8& photograph, const Image8& covered) {
   constexpr double kReach = 3.5, kLevels = 10;
   constexpr int kAway = 6;
@@ -143,7 +159,8 @@ double EdgesUnderOutline(const Image8& photograph, const Image8& covered) {
       const double length = std::hypot(nx, ny);
       if (length < 1e-9) continue;
       nx *= kReach / length, ny *= kReach / length;
-      const auto in = ColorAround(photograph, x - nx, y - ny), out = ColorAround(photograph, x + nx, y + ny);
+      const auto in = ColorAround(photograph, x - nx, y - ny),
+                 out = ColorAround(photograph, x + nx, y + ny);
       double largest = 0;
       for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, std::abs(in[c] - out[c]));
       ++seen;
@@ -171,7 +188,9 @@ double MiddleOf(const std::vector<ViewEvidence>& views, double ViewEvidence::*me
 
 }  // namespace
 
-double ViewEvidence::Misfit() const { return std::max(outline_off / kViewOutlineLook, (1 - structure) / (1 - kViewStructureLook)); }
+double ViewEvidence::Misfit() const {
+  return std::max(outline_off / kViewOutlineLook, (1 - structure) / (1 - kViewStructureLook));
+}
 
 Shot Cropped(const Shot& shot, const PointsX3& points) {
   constexpr int kMargin = 12;
@@ -180,8 +199,10 @@ Shot Cropped(const Shot& shot, const PointsX3& points) {
   PixelBox box = mesh;
   if (mask.x1 >= 0 && mesh.empty()) box = {mask.x0, mask.y0, mask.x1 + 1, mask.y1 + 1};
   if (mask.x1 >= 0 && !mesh.empty())
-    box = {std::min(mesh.x0, mask.x0), std::min(mesh.y0, mask.y0), std::max(mesh.x1, mask.x1 + 1), std::max(mesh.y1, mask.y1 + 1)};
-  box = {std::max(0, box.x0 - kMargin), std::max(0, box.y0 - kMargin), std::min(shot.photograph.width, box.x1 + kMargin),
+    box = {std::min(mesh.x0, mask.x0), std::min(mesh.y0, mask.y0), std::max(mesh.x1, mask.x1 + 1),
+           std::max(mesh.y1, mask.y1 + 1)};
+  box = {std::max(0, box.x0 - kMargin), std::max(0, box.y0 - kMargin),
+         std::min(shot.photograph.width, box.x1 + kMargin),
          std::min(shot.photograph.height, box.y1 + kMargin)};
   if (box.empty()) return shot;
   Shot part = shot;
@@ -197,7 +218,8 @@ Shot Cropped(const Shot& shot, const PointsX3& points) {
   return part;
 }
 
-ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot) {
+ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* texture,
+                         const Shot& shot) {
   ViewEvidence evidence;
   evidence.name = shot.view.name;
   const Image8 covered = Covered(mesh, scene, shot.view);
@@ -208,7 +230,8 @@ ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* 
   return evidence;
 }
 
-Image8 SideBySide(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot) {
+Image8 SideBySide(const Mesh& mesh, const RayScene& scene, const Image8* texture,
+                  const Shot& shot) {
   Image8 pair[2] = {shot.photograph, Render(mesh, scene, shot.view, AsTextured(mesh, texture))};
   const std::uint8_t orange[3] = {255, 120, 0};
   for (Image8& image : pair)
@@ -227,9 +250,8 @@ PoseEvidence Summarize(std::vector<ViewEvidence> views) {
   pose.edges = MiddleOf(pose.views, &ViewEvidence::edges);
   pose.worst.resize(pose.views.size());
   std::iota(pose.worst.begin(), pose.worst.end(), 0);
-  std::stable_sort(pose.worst.begin(), pose.worst.end(), [&](int a, int b) {
-    return pose.views[static_cast<std::size_t>(a)].Misfit() > pose.views[static_cast<std::size_t>(b)].Misfit();
-  });
+  std::stable_sort(pose.worst.begin(), pose.worst.end(),
+                   [&](int a, int b) { return pose.views[a].Misfit() > pose.views[b].Misfit(); });
   pose.worst.resize(std::min(pose.worst.size(), kPairsShown));
   return pose;
 }

@@ -1,4 +1,5 @@
-// A textured mesh against one photograph: what the report says of a pose by itself, whatever the stages said.
+// A textured mesh against one photograph: what the report says of a pose by itself, whatever the
+// stages said.
 #pragma once
 
 #include <string>
@@ -18,13 +19,16 @@ struct Shot {
   Image8 mask;        ///< 1 channel, object where >= 128
 };
 
-/// How well the mesh repeats one photograph. Nothing here depends on the figure's size in the picture, on light, or on exposure.
+/// How well the mesh repeats one photograph. Nothing here depends on the figure's size in the
+/// picture, on light, or on exposure.
 struct ViewEvidence {
   std::string name;
   double iou = 0;          ///< of the mesh's pixels and the mask's
-  double outline_off = 1;  ///< mean distance of the two outlines, over the diagonal of the mask's bounding box; 1: nothing in common
+  double outline_off = 1;  ///< mean distance of the two outlines, over the diagonal of the mask's
+                           ///< bounding box; 1: nothing in common
   double structure = 0;    ///< correlation of the render's details with the photograph's, -1 to 1
-  double edges = 0;        ///< share of the mesh's outline across which the photograph changes its colour, 0 to 1
+  /// share of the mesh's outline across which the photograph changes its colour, 0 to 1
+  double edges = 0;
   /// One number to find the worst view by: 1 where outline or details are as bad as is still taken.
   double Misfit() const;
 };
@@ -32,8 +36,10 @@ struct ViewEvidence {
 /// The part of the shot that shows the mesh or the mask, with a margin.
 Shot Cropped(const Shot& shot, const PointsX3& points);
 
-/// @param texture  of a mesh with UVs; null takes the mesh's colours @pre photograph, mask and camera of one size
-ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot);
+/// @param texture  of a mesh with UVs; null takes the mesh's colours @pre photograph, mask and
+/// camera of one size
+ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* texture,
+                         const Shot& shot);
 
 /// Photograph (left) and render from the same camera (right), the mask's outline drawn in both.
 Image8 SideBySide(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot);

@@ -1,4 +1,5 @@
-// A ball with painted stripes, photographed by its own renders: what evidence says of true and of wrong meshes.
+// A ball with painted stripes, photographed by its own renders: what evidence says of true and of
+// wrong meshes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +21,8 @@ Mesh Figure(double width = 1) {
   mesh.points.col(0) *= 0.6 * width;
   mesh.colors.resize(mesh.points.rows(), 3);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
-    const double stripe = std::sin(14 * mesh.points(v, 2) + 6 * std::atan2(mesh.points(v, 1), mesh.points(v, 0)));
+    const double stripe =
+        std::sin(14 * mesh.points(v, 2) + 6 * std::atan2(mesh.points(v, 1), mesh.points(v, 0)));
     for (int c = 0; c < 3; ++c) mesh.colors(v, c) = static_cast<std::uint8_t>(140 + 70 * stripe);
   }
   return mesh;
@@ -39,7 +41,8 @@ Shot Photograph(const Mesh& mesh, double azimuth_deg, double light = 1) {
   for (std::uint8_t& value : shot.photograph.data) value = static_cast<std::uint8_t>(value * light);
   const Raster raster = Rasterize(mesh, scene, shot.view);
   shot.mask = Image8(320, 280, 1);
-  for (std::size_t i = 0; i < shot.mask.data.size(); ++i) shot.mask.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
+  for (std::size_t i = 0; i < shot.mask.data.size(); ++i)
+    shot.mask.data[i] = raster.face.data[i] >= 0 ? 255 : 0;
   return shot;
 }
 
@@ -61,11 +64,13 @@ TEST(CompareView, TheTrueMeshFitsInAnyLight) {
 TEST(CompareView, OutlineDistanceIsThatOfTheSurfaceOverTheFiguresSize) {
   const Mesh mesh = Figure(), wide = Figure(1.05);
   const Shot shot = Photograph(mesh, 0);  // along y: the width is seen
-  // The half-axis of 0.6 grows by 0.03; along the outline of an ellipse of half-axes a, b the area between the two is pi b da.
+  // The half-axis of 0.6 grows by 0.03; along the outline of an ellipse of half-axes a, b the area
+  // between the two is pi b da.
   const double a = 0.6, da = 0.03, b = 1, h = std::pow((a - b) / (a + b), 2);
   const double length = M_PI * (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
   const double expected = M_PI * b * da / length / std::hypot(2 * a, 2 * b);
-  // A rim counts pixels, fewer than the length of a slanting line; perspective and the camera's height take a few per cent.
+  // A rim counts pixels, fewer than the length of a slanting line; perspective and the camera's
+  // height take a few per cent.
   EXPECT_NEAR(Compared(wide, shot).outline_off, expected, 0.35 * expected);
 }
 

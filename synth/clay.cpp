@@ -49,7 +49,8 @@ Ridges RidgesAt(const Clay& clay, const Vector3d& x) {
   // Wider ridges whorl in proportion: their turns would cross otherwise.
   const double share = 0.0012 / clay.ridge_spacing;
   ridges.phase = kTwoPi * (x.dot(direction) / clay.ridge_spacing + share * warp);
-  ridges.phase_gradient = kTwoPi * (direction / clay.ridge_spacing + share * kWarp / kWarpSize * warp_gradient);
+  ridges.phase_gradient =
+      kTwoPi * (direction / clay.ridge_spacing + share * kWarp / kWarpSize * warp_gradient);
   return ridges;
 }
 
@@ -63,8 +64,10 @@ double Clay::Distance(const Vector3d& x) const {
     distance = std::isinf(distance) ? d : SmoothMin(distance, d, lump.blend);
   }
   if (std::abs(distance) < 0.01) {
-    // The marks fade out towards 10 mm, so that the field stays continuous, and near crisp lumps, which are pressed in last.
-    const double fade = Ramp(crisp_distance, 0, 0.003) * (1 - Ramp(std::abs(distance), 0.005, 0.01));
+    // The marks fade out towards 10 mm, so that the field stays continuous, and near crisp lumps,
+    // which are pressed in last.
+    const double fade =
+        Ramp(crisp_distance, 0, 0.003) * (1 - Ramp(std::abs(distance), 0.005, 0.01));
     if (fade > 0) distance += fade * dent_depth * FractalNoise(x / dent_size, 2, 0.5, seed);
   }
   if (flat_base) distance = -SmoothMin(-distance, x[2], kBaseFillet);
@@ -101,15 +104,18 @@ Vector3d Clay::Paint(const Vector3d& x, int lump) const {
   const double coarse = noise(0.005, 2), fine = noise(0.0021, 3), hue = noise(0.009, 5);
   if (!clay.crisp)
     for (const Spot& spot : spots) {
-      const double edge = (x - spot.center).norm() - spot.radius * (1 + 0.25 * std::min(1.0, grain) * hue);
+      const double edge =
+          (x - spot.center).norm() - spot.radius * (1 + 0.25 * std::min(1.0, grain) * hue);
       if (edge < 0.0004) color += (spot.color - color) * (1 - Ramp(edge, -0.0004, 0.0004));
     }
   // Kneaded clay: streaks of two shades, a fine grain, and specks of dust in it.
-  const double shade = 0.16 * noise(0.014, 1) + 0.24 * coarse + 0.34 * fine + 0.26 * noise(0.0011, 4);
+  const double shade =
+      0.16 * noise(0.014, 1) + 0.24 * coarse + 0.34 * fine + 0.26 * noise(0.0011, 4);
   const double speck = noise(0.0017, 6);
   const double specks = 0.55 * Ramp(speck, 0.42, 0.55) - 0.45 * Ramp(-speck, 0.42, 0.55);
   color *= std::clamp(1 + strength * (shade + specks), 0.15, 2.2);
-  color += strength * 0.10 * hue * Vector3d(0.5, -0.1, -0.45).cwiseProduct(color + Vector3d::Constant(0.1));
+  color += strength * 0.10 * hue *
+           Vector3d(0.5, -0.1, -0.45).cwiseProduct(color + Vector3d::Constant(0.1));
   return color.cwiseMax(0.004).cwiseMin(0.95);
 }
 
@@ -129,8 +135,10 @@ void Clay::Bounds(Vector3d* low, Vector3d* high) const {
   *low = Vector3d::Constant(std::numeric_limits<double>::infinity());
   *high = -*low;
   for (const Lump& lump : lumps) {
-    *low = low->cwiseMin(lump.a - Vector3d::Constant(lump.ra)).cwiseMin(lump.b - Vector3d::Constant(lump.rb));
-    *high = high->cwiseMax(lump.a + Vector3d::Constant(lump.ra)).cwiseMax(lump.b + Vector3d::Constant(lump.rb));
+    *low = low->cwiseMin(lump.a - Vector3d::Constant(lump.ra))
+               .cwiseMin(lump.b - Vector3d::Constant(lump.rb));
+    *high = high->cwiseMax(lump.a + Vector3d::Constant(lump.ra))
+                .cwiseMax(lump.b + Vector3d::Constant(lump.rb));
   }
   const Vector3d margin = Vector3d::Constant(0.004 + 2 * dent_depth);
   *low -= margin;

@@ -18,9 +18,18 @@ namespace {
 using Eigen::Vector3d;
 
 // Streams of random numbers of their own, so that more noise does not move the holes.
-enum Stream : std::uint64_t { kSourceGrid = 101, kTargetGrid = 202, kTurn = 303, kVertexNoise = 404, kHoles = 505, kPicks = 606 };
+enum Stream : std::uint64_t {
+  kSourceGrid = 101,
+  kTargetGrid = 202,
+  kTurn = 303,
+  kVertexNoise = 404,
+  kHoles = 505,
+  kPicks = 606
+};
 
-std::uint64_t SeedOf(const ClayPairOptions& options, Stream stream) { return Hash(options.shape.seed * 1000 + stream); }
+std::uint64_t SeedOf(const ClayPairOptions& options, Stream stream) {
+  return Hash(options.shape.seed * 1000 + stream);
+}
 
 // The target as a whole, turned about the middle of the posed solid, and scaled.
 struct Placement {
@@ -29,7 +38,8 @@ struct Placement {
   Vector3d center = Vector3d::Zero();
 
   PointsX3 operator()(const PointsX3& points) const {
-    return ((points.rowwise() - center.transpose()) * (scale * turn.transpose())).rowwise() + center.transpose();
+    return ((points.rowwise() - center.transpose()) * (scale * turn.transpose())).rowwise() +
+           center.transpose();
   }
 };
 
@@ -38,7 +48,8 @@ Placement PlacementOf(const ClayPairOptions& options, const PointsX3& posed) {
   Vector3d axis;
   for (int k = 0; k < 3; ++k) axis[k] = random.Normal();
   Placement placement;
-  placement.turn = Eigen::AngleAxisd(options.turn_deg * 3.141592653589793 / 180, axis.normalized()).matrix();
+  placement.turn =
+      Eigen::AngleAxisd(options.turn_deg * 3.141592653589793 / 180, axis.normalized()).matrix();
   placement.scale = options.scale;
   placement.center = posed.colwise().mean().transpose();
   return placement;
@@ -57,11 +68,14 @@ std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
   return around;
 }
 
-// Removes faces round `center`, nearest vertices first, until they have the wanted area. Only what is connected goes: the other side of a
-// thin limb stays.
-void Punch(const Mesh& mesh, const Eigen::VectorXd& areas, const std::vector<std::vector<int>>& around, int center, double area,
+// Removes faces round `center`, nearest vertices first, until they have the wanted area. Only what
+// is connected goes: the other side of a thin limb stays.
+void Punch(const Mesh& mesh, const Eigen::VectorXd& areas,
+           const std::vector<std::vector<int>>& around, int center, double area,
            std::vector<char>* removed) {
-  const auto distance = [&](int v) { return (mesh.points.row(v) - mesh.points.row(center)).squaredNorm(); };
+  const auto distance = [&](int v) {
+    return (mesh.points.row(v) - mesh.points.row(center)).squaredNorm();
+  };
   std::set<std::pair<double, int>> front = {{0, center}};
   std::vector<char> seen(mesh.points.rows(), 0);
   seen[center] = 1;
@@ -92,27 +106,34 @@ Mesh WithoutFaces(const Mesh& mesh, const std::vector<char>& removed) {
     }
   Mesh rest;
   rest.points = mesh.points(kept, Eigen::all);
-  rest.faces = Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  rest.faces =
+      Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
   return rest;
 }
 
 bool IsFar(const PointsX3& points, const Eigen::RowVector3d& from, double distance) {
-  return points.rows() == 0 || (points.rowwise() - from).rowwise().squaredNorm().minCoeff() >= distance * distance;
+  return points.rows() == 0 ||
+         (points.rowwise() - from).rowwise().squaredNorm().minCoeff() >= distance * distance;
 }
 
-// Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as long as there is room.
+// Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as
+// long as there is room.
 Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3& keep) {
   if (options.holes == 0) return mesh;
   const Eigen::VectorXd areas = FaceAreas(mesh.points, mesh.faces);
-  const double area = areas.sum() * options.hole_area / options.holes, radius = std::sqrt(area / 3.141592653589793);
+  const double area = areas.sum() * options.hole_area / options.holes,
+               radius = std::sqrt(area / 3.141592653589793);
   Random random(SeedOf(options, kHoles));
   const auto around = FacesAround(mesh);
   PointsX3 centers(0, 3);
   std::vector<char> removed(mesh.faces.rows(), 0);
-  for (int attempt = 0; attempt < 1000 * options.holes && centers.rows() < options.holes; ++attempt) {
+  for (int attempt = 0; attempt < 1000 * options.holes && centers.rows() < options.holes;
+       ++attempt) {
     const int vertex = random.Below(mesh.vertex_count());
     const double room = attempt < 500 * options.holes ? radius : 0;
-    if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) || !IsFar(centers, mesh.points.row(vertex), 3.5 * room)) continue;
+    if (!IsFar(keep, mesh.points.row(vertex), 1.5 * room) ||
+        !IsFar(centers, mesh.points.row(vertex), 3.5 * room))
+      continue;
     centers.conservativeResize(centers.rows() + 1, Eigen::NoChange);
     centers.row(centers.rows() - 1) = mesh.points.row(vertex);
     Punch(mesh, areas, around, vertex, area, &removed);
@@ -124,12 +145,16 @@ Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3&
 std::vector<int> VerticesOf(const std::vector<Place>& places, const PointsX3& points) {
   std::vector<int> vertices;
   for (const Place& place : places) {
-    const Eigen::VectorXd distances = (points.rowwise() - place.position.transpose()).rowwise().squaredNorm();
+    const Eigen::VectorXd distances =
+        (points.rowwise() - place.position.transpose()).rowwise().squaredNorm();
     std::vector<int> order(points.rows());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
-    const auto nearer = [&](int a, int b) { return std::pair(distances[a], a) < std::pair(distances[b], b); };
+    const auto nearer = [&](int a, int b) {
+      return std::pair(distances[a], a) < std::pair(distances[b], b);
+    };
     const std::size_t enough = std::min(order.size(), vertices.size() + 1);
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(enough), order.end(), nearer);
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(enough),
+                      order.end(), nearer);
     for (std::size_t i = 0; i < enough; ++i)
       if (std::find(vertices.begin(), vertices.end(), order[i]) == vertices.end()) {
         vertices.push_back(order[i]);
@@ -151,7 +176,8 @@ Landmark AtVertex(const Mesh& mesh, int vertex) {
   return landmark;
 }
 
-std::vector<LandmarkPair> PicksOf(const ClayPairOptions& options, const ClayPair& pair, const std::vector<int>& vertices) {
+std::vector<LandmarkPair> PicksOf(const ClayPairOptions& options, const ClayPair& pair,
+                                  const std::vector<int>& vertices) {
   const double share = options.landmark_noise < 0 ? 4 * options.noise : options.landmark_noise;
   const RayScene scene(pair.target.points, pair.target.faces);
   Random random(SeedOf(options, kPicks));
@@ -171,14 +197,16 @@ std::vector<LandmarkPair> PicksOf(const ClayPairOptions& options, const ClayPair
 
 PointsX3 PositionsOf(const std::vector<Place>& places) {
   PointsX3 positions(static_cast<Eigen::Index>(places.size()), 3);
-  for (std::size_t i = 0; i < places.size(); ++i) positions.row(static_cast<Eigen::Index>(i)) = places[i].position.transpose();
+  for (std::size_t i = 0; i < places.size(); ++i) positions.row(i) = places[i].position.transpose();
   return positions;
 }
 
-// Spacing of the dense mesh under a tessellation: half of the wanted edges, so that its chords do not show.
+// Spacing of the dense mesh under a tessellation: half of the wanted edges, so that its chords do
+// not show.
 PosedSurface SurfaceFor(const LimbedShape& shape, const Pose& pose, int vertices) {
   constexpr double kTypicalArea = 0.03;  // [m^2] of the shapes
-  return PosedSurface(shape.clay, pose, std::max(0.0008, 0.5 * std::sqrt(5 * kTypicalArea / vertices)));
+  return PosedSurface(shape.clay, pose,
+                      std::max(0.0008, 0.5 * std::sqrt(5 * kTypicalArea / vertices)));
 }
 
 }  // namespace
@@ -188,20 +216,26 @@ std::vector<std::string> ClayPairOptions::Problems() const {
   if (vertices < 200 || vertices > 200000) problems.push_back("vertices must be 200 to 200000");
   if (!(ratio >= 0.1 && ratio <= 40)) problems.push_back("ratio must be 0.1 to 40");
   if (!(noise >= 0 && noise <= 0.05)) problems.push_back("noise must be 0 to 0.05 of the diagonal");
-  if (!(landmark_noise <= 0.2)) problems.push_back("landmark noise must be at most 0.2 of the diagonal");
+  if (!(landmark_noise <= 0.2))
+    problems.push_back("landmark noise must be at most 0.2 of the diagonal");
   if (holes < 0 || holes > 100) problems.push_back("there are 0 to 100 holes");
-  if (!(hole_area >= 0 && hole_area <= 0.5)) problems.push_back("the holes' area must be 0 to 0.5 of the whole");
+  if (!(hole_area >= 0 && hole_area <= 0.5))
+    problems.push_back("the holes' area must be 0 to 0.5 of the whole");
   if (!(std::abs(turn_deg) <= 360)) problems.push_back("turn must be -360 to 360 degrees");
   if (!(scale >= 1e-3 && scale <= 1e3)) problems.push_back("scale must be 0.001 to 1000");
   return problems;
 }
 
 ClayPair MakeClayPair(const ClayPairOptions& options) {
-  if (const auto problems = options.Problems(); !problems.empty()) throw UsageError("synth: " + problems.front());
+  if (const auto problems = options.Problems(); !problems.empty())
+    throw UsageError("synth: " + problems.front());
   const LimbedShape shape = MakeLimbedShape(options.shape);
-  const int target_vertices = std::max(200, static_cast<int>(std::lround(options.vertices * options.ratio)));
-  const Tessellation source = Tessellate(SurfaceFor(shape, {}, options.vertices), options.vertices, SeedOf(options, kSourceGrid));
-  Tessellation target = Tessellate(SurfaceFor(shape, shape.pose, target_vertices), target_vertices, SeedOf(options, kTargetGrid));
+  const int target_vertices =
+      std::max(200, static_cast<int>(std::lround(options.vertices * options.ratio)));
+  const Tessellation source = Tessellate(SurfaceFor(shape, {}, options.vertices), options.vertices,
+                                         SeedOf(options, kSourceGrid));
+  Tessellation target = Tessellate(SurfaceFor(shape, shape.pose, target_vertices), target_vertices,
+                                   SeedOf(options, kTargetGrid));
   ClayPair pair;
   pair.source = source.mesh;
   pair.places = shape.places;
@@ -214,7 +248,8 @@ ClayPair MakeClayPair(const ClayPairOptions& options) {
   // The same holes whether few or many of the usual landmarks are given.
   LimbedShapeOptions usual = options.shape;
   usual.places = std::max(13, usual.places);
-  pair.target = WithHoles(target.mesh, options, placement(shape.pose(PositionsOf(MakeLimbedShape(usual).places))));
+  pair.target = WithHoles(target.mesh, options,
+                          placement(shape.pose(PositionsOf(MakeLimbedShape(usual).places))));
   pair.picks = PicksOf(options, pair, VerticesOf(shape.places, pair.source.points));
   return pair;
 }

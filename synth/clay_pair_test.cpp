@@ -1,4 +1,5 @@
-// Pairs for registration: the answer is exact, the two meshes have nothing in common but the solid, and damage is as asked.
+// Pairs for registration: the answer is exact, the two meshes have nothing in common but the solid,
+// and damage is as asked.
 #include "synth/clay_pair.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ using Eigen::Vector3d;
 
 constexpr double kPi = 3.141592653589793;
 
-ClayPairOptions Options(double bend_deg, std::uint64_t seed = 0, const std::string& shape = "tentacle") {
+ClayPairOptions Options(double bend_deg, std::uint64_t seed = 0,
+                        const std::string& shape = "tentacle") {
   ClayPairOptions options;
   options.shape.bend_deg = bend_deg;
   options.shape.seed = seed;
@@ -55,7 +57,10 @@ double SmallestAngleDeg(const Mesh& mesh) {
   return smallest * 180 / kPi;
 }
 
-int EulerNumber(const Mesh& mesh) { return mesh.vertex_count() - static_cast<int>(UndirectedEdges(mesh.faces).size()) + mesh.face_count(); }
+int EulerNumber(const Mesh& mesh) {
+  return mesh.vertex_count() - static_cast<int>(UndirectedEdges(mesh.faces).size()) +
+         mesh.face_count();
+}
 
 // A coarse sample of the solid's surface in the rest pose.
 PointsX3 RestSample(const Clay& clay) {
@@ -75,7 +80,8 @@ TEST(ClayPair, MeshesAreClosedEvenAndOfTheAskedSize) {
       EXPECT_EQ(report.components, 1);
       EXPECT_EQ(report.euler, 2);
       EXPECT_NEAR(mesh->vertex_count(), 1200, 0.05 * 1200);
-      EXPECT_GT(SmallestAngleDeg(*mesh), 18);  // 25 to 31 is usual; registration weighs by cotangents
+      EXPECT_GT(SmallestAngleDeg(*mesh),
+                18);  // 25 to 31 is usual; registration weighs by cotangents
     }
   }
 }
@@ -83,9 +89,11 @@ TEST(ClayPair, MeshesAreClosedEvenAndOfTheAskedSize) {
 TEST(ClayPair, TruthOfTheTentacleIsAnArcOfTheAskedAngle) {
   const ClayPairOptions options = Options(270);
   const ClayPair pair = MakeClayPair(options);
-  // By hand: the axis runs from z = 6 mm to 200 mm and becomes three quarters of a circle; a point keeps its distance to the axis.
+  // By hand: the axis runs from z = 6 mm to 200 mm and becomes three quarters of a circle; a point
+  // keeps its distance to the axis.
   const double begin = 0.006, end = 0.2, radius = (end - begin) / (1.5 * kPi);
-  const Vector3d side = Vector3d::UnitZ().unitOrthogonal(), center = radius * side + begin * Vector3d::UnitZ();
+  const Vector3d side = Vector3d::UnitZ().unitOrthogonal(),
+                 center = radius * side + begin * Vector3d::UnitZ();
   int on_limb = 0, on_body = 0;
   for (Eigen::Index i = 0; i < pair.truth.rows(); ++i) {
     const Vector3d rest = pair.source.points.row(i), posed = pair.truth.row(i);
@@ -95,9 +103,11 @@ TEST(ClayPair, TruthOfTheTentacleIsAnArcOfTheAskedAngle) {
       continue;
     }
     ++on_limb;
-    const double turned = 1.5 * kPi * (rest.z() - begin) / (end - begin), from_center = radius - rest.dot(side);
-    const Vector3d expected = center + from_center * (-std::cos(turned) * side + std::sin(turned) * Vector3d::UnitZ()) +
-                              (rest - rest.dot(side) * side).cwiseProduct(Vector3d(1, 1, 0));
+    const double turned = 1.5 * kPi * (rest.z() - begin) / (end - begin),
+                 from_center = radius - rest.dot(side);
+    const Vector3d expected =
+        center + from_center * (-std::cos(turned) * side + std::sin(turned) * Vector3d::UnitZ()) +
+        (rest - rest.dot(side) * side).cwiseProduct(Vector3d(1, 1, 0));
     ASSERT_LT((posed - expected).norm(), 1e-12) << "vertex " << i;
   }
   EXPECT_GT(on_limb, 200);
@@ -112,14 +122,16 @@ TEST(ClayPair, TargetVerticesLieOnThePosedSolidExactly) {
     const KdTree tree(pair.truth);
     for (Eigen::Index i = 0; i < pair.target.points.rows(); ++i) {
       const Vector3d posed = pair.target.points.row(i);
-      const Vector3d material = thing.pose.Inverse(posed, pair.source.points.row(tree.Nearest(posed).index));
+      const Vector3d material =
+          thing.pose.Inverse(posed, pair.source.points.row(tree.Nearest(posed).index));
       ASSERT_LT(std::abs(thing.clay.Distance(material)), 1e-8) << shape << " vertex " << i;
     }
   }
 }
 
 TEST(ClayPair, TessellationsShareNoVertices) {
-  const ClayPair pair = MakeClayPair(Options(0, 1));  // unbent: the lattices alone make the difference
+  // unbent: the lattices alone make the difference
+  const ClayPair pair = MakeClayPair(Options(0, 1));
   const KdTree tree(pair.target.points);
   const double near = 0.05 * MeanEdge(pair.target);
   int coincide = 0;
@@ -142,9 +154,11 @@ TEST(LimbedShape, PosesAreOneToOneForAllSeedsAndAngles) {
         const PointsX3 posed = thing.pose(rest);
         const KdTree tree(posed);
         for (Eigen::Index i = 0; i < rest.rows(); ++i) {
-          ASSERT_GT(thing.pose.Jacobian(rest.row(i)).determinant(), 0.2) << shape << seed << " bent by " << bend_deg;
+          ASSERT_GT(thing.pose.Jacobian(rest.row(i)).determinant(), 0.2)
+              << shape << seed << " bent by " << bend_deg;
           for (const auto& other : tree.Nearest(Vector3d(posed.row(i)), 24))
-            ASSERT_FALSE(other.squared_distance < 0.007 * 0.007 && (rest.row(i) - rest.row(other.index)).norm() > 0.05)
+            ASSERT_FALSE(other.squared_distance < 0.007 * 0.007 &&
+                         (rest.row(i) - rest.row(other.index)).norm() > 0.05)
                 << shape << seed << " touches itself at " << bend_deg;
         }
       }
@@ -165,7 +179,8 @@ TEST(LimbedShape, NothingOfTheSolidLiesWhereALimbsHoldFades) {
         const Vector3d x = rest.row(i);
         if ((x - step.origin).dot(step.axis) <= step.begin) continue;
         const double weight = step.Weight(x);
-        ASSERT_TRUE(weight == 0 || weight == 1) << "seed " << seed << " weight " << weight << " at " << x.transpose();
+        ASSERT_TRUE(weight == 0 || weight == 1)
+            << "seed " << seed << " weight " << weight << " at " << x.transpose();
       }
   }
 }
@@ -192,7 +207,8 @@ TEST(ClayPair, NoiseHasTheAskedDeviationOnEveryAxis) {
   EXPECT_EQ(clean.truth, noisy.truth);
   const PointsX3 moved = (noisy.target.points - clean.target.points) / clean.diagonal;
   for (int k = 0; k < 3; ++k) {
-    EXPECT_NEAR(std::sqrt(moved.col(k).squaredNorm() / static_cast<double>(moved.rows())), 0.002, 0.002 * 0.08);  // 4 sigma of 1500
+    EXPECT_NEAR(std::sqrt(moved.col(k).squaredNorm() / static_cast<double>(moved.rows())), 0.002,
+                0.002 * 0.08);  // 4 sigma of 1500
     EXPECT_NEAR(moved.col(k).mean(), 0, 0.002 * 0.11);
   }
 }
@@ -209,9 +225,13 @@ TEST(ClayPair, HolesAreAsManyAndAsLargeAsAskedAndSpareTheLandmarks) {
     EXPECT_EQ(CheckClosed(holed.target).components, 1);
     const double area = SurfaceArea(whole.target.points, whole.target.faces);
     // Each goes over by less than the faces of one vertex.
-    EXPECT_NEAR(1 - SurfaceArea(holed.target.points, holed.target.faces) / area, share, 0.2 * share);
+    EXPECT_NEAR(1 - SurfaceArea(holed.target.points, holed.target.faces) / area, share,
+                0.2 * share);
     for (std::size_t i = 0; i < holed.picks.size(); ++i)
-      EXPECT_LT((PositionOf(holed.picks[i].target, holed.target) - PositionOf(whole.picks[i].target, whole.target)).norm(), 1e-12);
+      EXPECT_LT((PositionOf(holed.picks[i].target, holed.target) -
+                 PositionOf(whole.picks[i].target, whole.target))
+                    .norm(),
+                1e-12);
   }
 }
 
@@ -230,10 +250,13 @@ TEST(ClayPair, PicksAreTheTruePlacesWithinTheirNoise) {
       int corner = 0;
       ASSERT_EQ(pick.source.barycentric.maxCoeff(&corner), 1);
       const Vector3d truth = pair.truth.row(pair.source.faces(pick.source.face, corner));
-      square += (PositionOf(pick.target, pair.target) - truth).squaredNorm() / (pair.diagonal * pair.diagonal) / 20;
+      square += (PositionOf(pick.target, pair.target) - truth).squaredNorm() /
+                (pair.diagonal * pair.diagonal) / 20;
     }
-    // Two of three axes remain when a point snaps back to the surface; without noise, only the chords' height.
-    EXPECT_NEAR(std::sqrt(square), std::sqrt(2.0) * noise, noise == 0 ? 0.002 : 0.35 * std::sqrt(2.0) * noise);
+    // Two of three axes remain when a point snaps back to the surface; without noise, only the
+    // chords' height.
+    EXPECT_NEAR(std::sqrt(square), std::sqrt(2.0) * noise,
+                noise == 0 ? 0.002 : 0.35 * std::sqrt(2.0) * noise);
   }
   options.shape.places = 0;
   EXPECT_TRUE(MakeClayPair(options).picks.empty());
@@ -259,12 +282,19 @@ TEST(ClayPair, TurnAndScaleMoveTheTargetAsAWhole) {
   const ClayPair moved = MakeClayPair(options);
   EXPECT_EQ(moved.source.points, plain.source.points);
   ASSERT_EQ(moved.truth.rows(), plain.truth.rows());
-  const Eigen::Matrix4d map = Eigen::umeyama(Eigen::MatrixXd(plain.truth.transpose()), Eigen::MatrixXd(moved.truth.transpose()), true);
+  const Eigen::Matrix4d map = Eigen::umeyama(Eigen::MatrixXd(plain.truth.transpose()),
+                                             Eigen::MatrixXd(moved.truth.transpose()), true);
   const Eigen::Matrix3d linear = map.topLeftCorner<3, 3>();
   EXPECT_NEAR(std::cbrt(linear.determinant()), 25, 1e-9);
   EXPECT_NEAR(Eigen::AngleAxisd(Eigen::Matrix3d(linear / 25)).angle() * 180 / kPi, 137, 1e-6);
-  for (const auto& [from, to] : {std::pair(&plain.truth, &moved.truth), std::pair(&plain.target.points, &moved.target.points)})
-    EXPECT_LT(((*from * linear.transpose()).rowwise() + map.topRightCorner<3, 1>().transpose() - *to).rowwise().norm().maxCoeff(), 1e-9);
+  for (const auto& [from, to] : {std::pair(&plain.truth, &moved.truth),
+                                 std::pair(&plain.target.points, &moved.target.points)})
+    EXPECT_LT(
+        ((*from * linear.transpose()).rowwise() + map.topRightCorner<3, 1>().transpose() - *to)
+            .rowwise()
+            .norm()
+            .maxCoeff(),
+        1e-9);
 }
 
 TEST(ClayPair, RatioSetsTheTargetsFaces) {
@@ -307,8 +337,10 @@ TEST(ClayPair, OptionsOutOfRangeThrowUsageError) {
   };
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.bend_deg = 300; })), UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.bend_deg = NAN; })), UsageError);
-  EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.shape = "teapot"; })), UsageError);
-  EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.twist_deg = 1000; })), UsageError);
+  EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.shape = "teapot"; })),
+               UsageError);
+  EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.twist_deg = 1000; })),
+               UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.squash = 0; })), UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.shape.places = -1; })), UsageError);
   EXPECT_THROW(MakeClayPair(with([](ClayPairOptions& o) { o.vertices = 10; })), UsageError);
@@ -329,20 +361,24 @@ TEST(Tessellate, TooFewVerticesThrowInputError) {
 
 TEST(PairCommand, FilesComeBackAsTheyWereMade) {
   namespace fs = std::filesystem;
-  const fs::path folder = fs::path(::testing::TempDir()) / ("keypose_pair_" + std::to_string(::getpid()));
+  const fs::path folder =
+      fs::path(::testing::TempDir()) / ("keypose_pair_" + std::to_string(::getpid()));
   PairCommand command{folder, Options(120, 8)};
   command.pair.holes = 2;
   RunPair(command);
   const ClayPair pair = MakeClayPair(command.pair);
-  const Mesh source = ReadMesh(folder / "source.ply"), target = ReadMesh(folder / "target.ply"), truth = ReadMesh(folder / "truth.ply");
+  const Mesh source = ReadMesh(folder / "source.ply"), target = ReadMesh(folder / "target.ply"),
+             truth = ReadMesh(folder / "truth.ply");
   EXPECT_EQ(source.points, pair.source.points);
   EXPECT_EQ(target.points, pair.target.points);
   EXPECT_EQ(target.faces, pair.target.faces);
   EXPECT_EQ(truth.points, pair.truth);
   EXPECT_EQ(truth.faces, source.faces);
-  const auto picks = ReadLandmarkPairs({folder / "source_landmarks.json", folder / "target_landmarks.json"}, source, target);
+  const auto picks = ReadLandmarkPairs(
+      {folder / "source_landmarks.json", folder / "target_landmarks.json"}, source, target);
   ASSERT_EQ(picks.size(), 13u);
-  EXPECT_LT((PositionOf(picks[4].target, target) - PositionOf(pair.picks[4].target, target)).norm(), 1e-12);
+  EXPECT_LT((PositionOf(picks[4].target, target) - PositionOf(pair.picks[4].target, target)).norm(),
+            1e-12);
   // Vertices alone are half an edge off at most.
   for (const LandmarkPair& pick : ReadLandmarkPairs({folder / "landmarks.txt"}, source, target)) {
     int corner = 0;

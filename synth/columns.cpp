@@ -11,8 +11,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-
-Vector3d FromSrgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
+Vector3d FromSrgb(int r, int g, int b) {
+  return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)};
+}
 
 class Builder {
  public:
@@ -21,7 +22,7 @@ class Builder {
   }
 
   Character Build() {
-    Plate();
+    Base();
     Columns();
     Torso();
     Head();
@@ -31,8 +32,11 @@ class Builder {
   }
 
  private:
-  double Vary(double value, double share) { return value * (1 + spread_ * random_.Uniform(-share, share)); }
-  void Add(const Vector3d& a, double ra, const Vector3d& b, double rb, const Vector3d& color, double blend = 0.005, bool crisp = false) {
+  double Vary(double value, double share) {
+    return value * (1 + spread_ * random_.Uniform(-share, share));
+  }
+  void Add(const Vector3d& a, double ra, const Vector3d& b, double rb, const Vector3d& color,
+           double blend = 0.005, bool crisp = false) {
     figure_.clay.lumps.push_back({a, b, ra, rb, blend, color, crisp});
   }
   void Name(const char* name, const Vector3d& place) { figure_.places.emplace_back(name, place); }
@@ -45,22 +49,26 @@ class Builder {
       for (int i = 0; i < kLinks; ++i) {
         const auto at = [&](int k) {
           const double angle = 2 * kPi * k / kLinks;
-          return Vector3d(share * radius * std::cos(angle), 0.9 * share * radius * std::sin(angle), height);
+          return Vector3d(share * radius * std::cos(angle), 0.9 * share * radius * std::sin(angle),
+                          height);
         };
         Add(at(i), thickness, at(i + 1), thickness, color, 0.004);
       }
   }
 
-  void Plate() { Slab(0.006, 0.036, 0.0095, FromSrgb(112, 96, 84)); }
+  void Base() { Slab(0.006, 0.036, 0.0095, FromSrgb(112, 96, 84)); }
 
   void Columns() {
     const double angles[4] = {-62, 34, 118, 205}, radii[4] = {0.0082, 0.0068, 0.0090, 0.0074};
-    const Vector3d colors[4] = {FromSrgb(204, 112, 76), FromSrgb(84, 150, 130), FromSrgb(238, 196, 92), FromSrgb(128, 104, 160)};
+    const Vector3d colors[4] = {FromSrgb(204, 112, 76), FromSrgb(84, 150, 130),
+                                FromSrgb(238, 196, 92), FromSrgb(128, 104, 160)};
     const char* names[4] = {"front_column", "left_column", "back_column", "right_column"};
     for (int i = 0; i < 4; ++i) {
-      const double angle = (angles[i] + spread_ * random_.Uniform(-7, 7)) * kPi / 180, radius = Vary(radii[i], 0.1);
+      const double angle = (angles[i] + spread_ * random_.Uniform(-7, 7)) * kPi / 180,
+                   radius = Vary(radii[i], 0.1);
       const Vector3d outwards(std::cos(angle), std::sin(angle), 0);
-      const Vector3d foot = 0.036 * outwards + Vector3d(0, 0, 0.010), top = Vary(0.030, 0.08) * outwards + Vector3d(0, 0, 0.086);
+      const Vector3d foot = 0.036 * outwards + Vector3d(0, 0, 0.010),
+                     top = Vary(0.030, 0.08) * outwards + Vector3d(0, 0, 0.086);
       Add(foot, radius * 1.1, top, radius, colors[i], 0.005);
       Name(names[i], 0.5 * (foot + top) + radius * outwards);
     }
@@ -69,28 +77,32 @@ class Builder {
   void Torso() {
     Slab(0.092, 0.028, 0.0120, FromSrgb(72, 128, 170));
     Add({0, 0, 0.098}, 0.028, {0.003, -0.002, 0.122}, 0.020, FromSrgb(72, 128, 170), 0.010);
-    Add({0.004, -0.0245, 0.109}, 0.0050, {0.004, -0.0245, 0.109}, 0.0050, FromSrgb(226, 96, 70), 0.001, true);
+    Add({0.004, -0.0245, 0.109}, 0.0050, {0.004, -0.0245, 0.109}, 0.0050, FromSrgb(226, 96, 70),
+        0.001, true);
     Name("button", {0.004, -0.0295, 0.109});
-    Add({-0.002, 0.024, 0.110}, 0.0085, {-0.006, 0.043, 0.121}, 0.0026, FromSrgb(236, 176, 70), 0.003);
+    Add({-0.002, 0.024, 0.110}, 0.0085, {-0.006, 0.043, 0.121}, 0.0026, FromSrgb(236, 176, 70),
+        0.003);
     Name("back_spike", {-0.0066, 0.0452, 0.1222});
   }
 
   void Head() {
     const Vector3d middle(0.004, -0.004, 0.156);
-    Add(middle - Vector3d(0.010, 0, 0), Vary(0.026, 0.06), middle + Vector3d(0.012, 0, 0.001), Vary(0.024, 0.06), FromSrgb(226, 204, 150),
-        0.010);
+    Add(middle - Vector3d(0.010, 0, 0), Vary(0.026, 0.06), middle + Vector3d(0.012, 0, 0.001),
+        Vary(0.024, 0.06), FromSrgb(226, 204, 150), 0.010);
     const Vector3d nose = middle + Vector3d(0.003, -0.031, -0.004);
-    Add(middle + Vector3d(0.002, -0.016, -0.003), 0.0105, nose, 0.0070, FromSrgb(214, 108, 120), 0.005);
+    Add(middle + Vector3d(0.002, -0.016, -0.003), 0.0105, nose, 0.0070, FromSrgb(214, 108, 120),
+        0.005);
     Name("nose", nose + Vector3d(0, -0.0070, 0));
-    Add(middle + Vector3d(0.015, -0.021, 0.009), 0.0072, middle + Vector3d(0.015, -0.021, 0.009), 0.0072, FromSrgb(246, 242, 232), 0.001,
-        true);
-    Add(middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, FromSrgb(40, 36, 44), 0.001,
-        true);
+    Add(middle + Vector3d(0.015, -0.021, 0.009), 0.0072, middle + Vector3d(0.015, -0.021, 0.009),
+        0.0072, FromSrgb(246, 242, 232), 0.001, true);
+    Add(middle + Vector3d(-0.011, -0.022, 0.008), 0.0062, middle + Vector3d(-0.011, -0.022, 0.008),
+        0.0062, FromSrgb(40, 36, 44), 0.001, true);
     Name("left_eye", middle + Vector3d(0.0160, -0.0282, 0.0098));
     const Vector3d horn = middle + Vector3d(-0.030, 0.004, 0.041);
     Add(middle + Vector3d(-0.017, 0, 0.018), 0.0105, horn, 0.0042, FromSrgb(206, 74, 62), 0.004);
     Name("horn_tip", horn + Vector3d(-0.0016, 0, 0.0038));
-    Add(middle + Vector3d(0.030, 0.002, 0.006), 0.0090, middle + Vector3d(0.047, 0.005, -0.006), 0.0062, FromSrgb(86, 118, 58), 0.004);
+    Add(middle + Vector3d(0.030, 0.002, 0.006), 0.0090, middle + Vector3d(0.047, 0.005, -0.006),
+        0.0062, FromSrgb(86, 118, 58), 0.004);
     Name("ear_tip", middle + Vector3d(0.0520, 0.0058, -0.0098));
   }
 
@@ -108,10 +120,12 @@ class Builder {
 
   void Poses() {
     const Vector3d shoulder(0.017, -0.002, 0.116), hand(0.066, -0.014, 0.103);
-    Deformation raise = LimbBend(shoulder, hand - shoulder, Vector3d::UnitZ(), 0.014, 0.034, 45, hand, 0.014);
+    Deformation raise =
+        LimbBend(shoulder, hand - shoulder, Vector3d::UnitZ(), 0.014, 0.034, 45, hand, 0.014);
     raise.spine = {shoulder + 0.5 * (hand - shoulder), hand, hand + Vector3d(0.003, -0.004, 0.013)};
     // The columns lean, as they would when the torso is pushed to one side.
-    const Deformation lean = LimbBend({0, 0, 0.02}, Vector3d::UnitZ(), -Vector3d::UnitX(), 0, 0.060, 12);
+    const Deformation lean =
+        LimbBend({0, 0, 0.02}, Vector3d::UnitZ(), -Vector3d::UnitX(), 0, 0.060, 12);
     figure_.poses = {{"rest", {}},
                      {"bent", {raise, TrunkTwist(0.122, 0.146, 22), lean}},
                      {"twist", {TrunkTwist(0.02, 0.084, 28)}},

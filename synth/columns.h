@@ -18,8 +18,8 @@ struct Character {
   std::vector<Pose> poses;
 };
 
-/// A plate, four columns on it, and a torso with a head and one arm on top of them: lopsided, of genus 3. Seed 1 has the plain
-/// proportions, others vary them. Poses: rest, bent, twist, squash.
+/// A slab, four columns on it, and a torso with a head and one arm on top of them: lopsided, of
+/// genus 3. Seed 1 has the plain proportions, others vary them. Poses: rest, bent, twist, squash.
 Character SculptColumns(std::uint64_t seed);
 
 }  // namespace keypose::synth

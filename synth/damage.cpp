@@ -16,11 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::pair<const char*, DamageKind> kWords[] = {{"truncate", DamageKind::kTruncate}, {"empty", DamageKind::kEmpty},
-                                                     {"no-image", DamageKind::kNoImage},  {"blur", DamageKind::kBlur},
-                                                     {"dark", DamageKind::kDark},         {"drop", DamageKind::kDrop},
-                                                     {"rotate", DamageKind::kRotate},     {"upside-down", DamageKind::kUpsideDown},
-                                                     {"resize", DamageKind::kResize},     {"strip-exif", DamageKind::kStripExif}};
+const std::pair<const char*, DamageKind> kWords[] = {
+    {"truncate", DamageKind::kTruncate}, {"empty", DamageKind::kEmpty},
+    {"no-image", DamageKind::kNoImage},  {"blur", DamageKind::kBlur},
+    {"dark", DamageKind::kDark},         {"drop", DamageKind::kDrop},
+    {"rotate", DamageKind::kRotate},     {"upside-down", DamageKind::kUpsideDown},
+    {"resize", DamageKind::kResize},     {"strip-exif", DamageKind::kStripExif}};
 
 ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
   ExifToWrite exif;
@@ -34,7 +35,8 @@ ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
 // Blurs and darkens in sRGB values: a spoilt photograph need not be physical.
 Image8 Blurred(const Image8& image, double sigma, double gain) {
   ImageF linear(image.width, image.height, 3);
-  for (std::size_t i = 0; i < image.data.size(); ++i) linear.data[i] = static_cast<float>(gain * std::pow(image.data[i] / 255.0, 2.2));
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    linear.data[i] = static_cast<float>(gain * std::pow(image.data[i] / 255.0, 2.2));
   return Develop(std::move(linear), {sigma, 0, 1, 5});
 }
 
@@ -42,7 +44,8 @@ Image8 Blurred(const Image8& image, double sigma, double gain) {
 Image8 TurnedLeft(const Image8& image) {
   Image8 turned(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) std::copy_n(image.at(x, y), image.channels, turned.at(y, image.width - 1 - x));
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.at(x, y), image.channels, turned.at(y, image.width - 1 - x));
   return turned;
 }
 
@@ -83,7 +86,8 @@ void Spoil(const fs::path& path, DamageKind kind) {
       WriteImage(path, TurnedOver(image), kQuality, &upright);
       return;
     case DamageKind::kResize:
-      WriteImage(path, Resized(image, image.width * 4 / 5, image.height * 4 / 5), kQuality, &upright);
+      WriteImage(path, Resized(image, image.width * 4 / 5, image.height * 4 / 5), kQuality,
+                 &upright);
       return;
     default:
       WriteImage(path, image, kQuality);
@@ -102,18 +106,23 @@ DamageKind DamageKindNamed(const std::string& word) {
   throw UsageError("synth: there is no damage '" + word + "'; there are " + known);
 }
 
-void DamagePhotos(const fs::path& from, const fs::path& to, DamageKind kind, const std::vector<std::string>& names) {
+void DamagePhotos(const fs::path& from, const fs::path& to, DamageKind kind,
+                  const std::vector<std::string>& names) {
   std::error_code error;
   fs::create_directories(to, error);
-  if (!error) fs::copy(from, to, fs::copy_options::recursive | fs::copy_options::overwrite_existing, error);
-  if (error) throw DiskError("synth: cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
+  if (!error)
+    fs::copy(from, to, fs::copy_options::recursive | fs::copy_options::overwrite_existing, error);
+  if (error)
+    throw DiskError("synth: cannot copy " + from.string() + " to " + to.string() + ": " +
+                    error.message());
   std::vector<std::string> spoilt = names;
   if (spoilt.empty())
     for (const fs::directory_entry& entry : fs::directory_iterator(to))
       if (entry.is_regular_file()) spoilt.push_back(entry.path().filename().string());
   std::sort(spoilt.begin(), spoilt.end());
   for (const std::string& name : spoilt) {
-    if (!fs::is_regular_file(to / name)) throw InputError("synth: there is no photograph '" + name + "' in " + from.string());
+    if (!fs::is_regular_file(to / name))
+      throw InputError("synth: there is no photograph '" + name + "' in " + from.string());
     Spoil(to / name, kind);
   }
 }

@@ -27,7 +27,7 @@ DamageKind DamageKindNamed(const std::string& word);
 ///
 /// @param names  file names to spoil; empty: all
 /// @throws InputError  a name that is not in the folder @throws DiskError
-void DamagePhotos(const std::filesystem::path& from, const std::filesystem::path& to, DamageKind kind,
-                  const std::vector<std::string>& names);
+void DamagePhotos(const std::filesystem::path& from, const std::filesystem::path& to,
+                  DamageKind kind, const std::vector<std::string>& names);
 
 }  // namespace keypose::synth

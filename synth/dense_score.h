@@ -1,4 +1,5 @@
-// How good a cloud and a surface are: points in pixel footprints, completeness, surface detail, and what stereo adds to the visual hull.
+// How good a cloud and a surface are: points in pixel footprints, completeness, surface detail, and
+// what stereo adds to the visual hull.
 #pragma once
 
 #include <vector>
@@ -8,22 +9,27 @@
 
 namespace keypose::synth {
 
-/// Size of a pixel at a place [m]: its distance from the nearest of the cameras over their focal length.
+/// Size of a pixel at a place [m]: its distance from the nearest of the cameras over their focal
+/// length.
 double PixelFootprint(const std::vector<View>& views, const Eigen::Vector3d& place);
 
 struct PointsScore {
   int points = 0;
-  double within_one_footprint = 0;      ///< share of the points nearer than one pixel's footprint to the true surface
+  /// share of the points nearer than one pixel's footprint to the true surface
+  double within_one_footprint = 0;
   double median = 0, p90 = 0, p99 = 0;  ///< distance to the true surface, in footprints
-  double completeness = 0;              ///< share of the true surface that has a point within `reach`
-  double completeness_seen = 0;         ///< the same of what at least three cameras see
+  double completeness = 0;       ///< share of the true surface that has a point within `reach`
+  double completeness_seen = 0;  ///< the same of what at least three cameras see
 };
 
-/// @param views  true cameras @param points  in the truth's frame @param reach_m  e.g. 1 % of the height
+/// @param views  true cameras @param points  in the truth's frame @param reach_m  e.g. 1 % of the
+/// height
 /// @throws InputError  no points
-PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const PointsX3& points, double reach_m);
+PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const PointsX3& points,
+                        double reach_m);
 
-/// How much of the finger-prints a surface has: its height over the smooth surface, regressed on the true height.
+/// How much of the finger-prints a surface has: its height over the smooth surface, regressed on
+/// the true height.
 struct DetailScore {
   int places = 0;          ///< vertices within prints of at least a third of the full height
   double gain = 0;         ///< 1: prints as high as they are, 0: none
@@ -36,11 +42,13 @@ DetailScore ScoreDetail(const Mesh& truth, const PointsX3& smooth, const Mesh& m
 /// Errors of a surface beside those of the visual hull, at the same places of the true surface.
 struct HullComparison {
   double mean_m = 0, hull_mean_m = 0;  ///< distance from the true surface to each
-  double worse_share = 0;              ///< share of places that are more than one footprint farther off than the hull is
+  /// share of places that are more than one footprint farther off than the hull is
+  double worse_share = 0;
   double worst_excess_footprints = 0;  ///< 99.9th percentile of how much farther
   double ratio() const { return hull_mean_m > 0 ? mean_m / hull_mean_m : 0; }
 };
 /// Only places that at least three cameras see: nothing can be known of the others.
-HullComparison CompareWithHull(const Mesh& truth, const std::vector<View>& views, const Mesh& mesh, const Mesh& hull);
+HullComparison CompareWithHull(const Mesh& truth, const std::vector<View>& views, const Mesh& mesh,
+                               const Mesh& hull);
 
 }  // namespace keypose::synth

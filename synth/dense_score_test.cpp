@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 constexpr double kRadius = 0.05;
 
 Mesh Ball(double radius, double spacing = 0.004) {
-  return Polygonize([&](const Vector3d& x) { return x.norm() - radius; }, Vector3d::Constant(-1.2 * radius),
-                    Vector3d::Constant(1.2 * radius), spacing);
+  return Polygonize([&](const Vector3d& x) { return x.norm() - radius; },
+                    Vector3d::Constant(-1.2 * radius), Vector3d::Constant(1.2 * radius), spacing);
 }
 
 // Cameras on a sphere about the origin, half a metre away.
@@ -35,7 +35,9 @@ std::vector<View> Around(int count, double elevation_deg, int size = 200) {
     view.camera.width = view.camera.height = size;
     view.camera.fx = view.camera.fy = 3.0 * size;
     view.camera.cx = view.camera.cy = size / 2.0;
-    view.camera_from_world = LookAt(0.5 * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)), Vector3d::Zero());
+    view.camera_from_world =
+        LookAt(0.5 * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)),
+               Vector3d::Zero());
     views.push_back(view);
   }
   return views;
@@ -53,8 +55,10 @@ TEST(ScorePoints, KnowsShiftsInFootprintsAndWhatIsMissing) {
     if (points(i, 2) > 0) rows.push_back(i);
   const PointsX3 upper = points(rows, Eigen::all);
   PointsX3 outside = upper;
-  for (Eigen::Index i = 0; i < upper.rows(); ++i) outside.row(i) *= 1 + 1.5 * PixelFootprint(views, upper.row(i)) / upper.row(i).norm();
-  const PointsScore exact = ScorePoints(ball, views, upper, 0.002), shifted = ScorePoints(ball, views, outside, 0.002);
+  for (Eigen::Index i = 0; i < upper.rows(); ++i)
+    outside.row(i) *= 1 + 1.5 * PixelFootprint(views, upper.row(i)) / upper.row(i).norm();
+  const PointsScore exact = ScorePoints(ball, views, upper, 0.002),
+                    shifted = ScorePoints(ball, views, outside, 0.002);
   EXPECT_LT(exact.p99, 0.01);
   EXPECT_EQ(exact.within_one_footprint, 1);
   EXPECT_NEAR(exact.completeness, 0.52, 0.02);
@@ -107,7 +111,8 @@ TEST(MakeWorld, PrintsThatMoveNeedAFineSurface) {
 }
 
 TEST(HullOfMasks, BallFromARingHasTheSagittaOfItsPolygon) {
-  // Twelve cameras in the plane of the equator: there the hull of a ball is a regular polygon about the circle.
+  // Twelve cameras in the plane of the equator: there the hull of a ball is a regular polygon about
+  // the circle.
   const std::vector<View> views = Around(12, 0, 600);
   std::vector<Image8> masks;
   for (const View& view : views) {
@@ -115,10 +120,12 @@ TEST(HullOfMasks, BallFromARingHasTheSagittaOfItsPolygon) {
     // Outline of a ball at distance d: a circle of radius f r / sqrt(d^2 - r^2).
     const double radius = view.camera.fx * kRadius / std::sqrt(0.25 - kRadius * kRadius);
     for (int y = 0; y < mask.height; ++y)
-      for (int x = 0; x < mask.width; ++x) *mask.at(x, y) = std::hypot(x + 0.5 - 300, y + 0.5 - 300) <= radius ? 255 : 0;
+      for (int x = 0; x < mask.width; ++x)
+        *mask.at(x, y) = std::hypot(x + 0.5 - 300, y + 0.5 - 300) <= radius ? 255 : 0;
     masks.push_back(mask);
   }
-  const Mesh hull = HullOfMasks(views, masks, Vector3d::Constant(-0.08), Vector3d::Constant(0.08), 0.002);
+  const Mesh hull =
+      HullOfMasks(views, masks, Vector3d::Constant(-0.08), Vector3d::Constant(0.08), 0.002);
   EXPECT_TRUE(CheckClosed(hull).closed());
   double nearest = 1, farthest = 0;
   for (Eigen::Index i = 0; i < hull.points.rows(); ++i) {
@@ -126,13 +133,15 @@ TEST(HullOfMasks, BallFromARingHasTheSagittaOfItsPolygon) {
     const double r = hull.points.row(i).head<2>().norm();
     nearest = std::min(nearest, r), farthest = std::max(farthest, r);
   }
-  // 24 tangent planes, the outermost corners where tangents of neighbouring views meet: r / cos of half their angle, 7.5 degrees
-  // when the cameras were at infinity; at half a metre the tangents of opposite views differ by twice asin(r / d), so that corners
-  // alternate.
+  // 24 tangent planes, the outermost corners where tangents of neighbouring views meet: r / cos of
+  // half their angle, 7.5 degrees when the cameras were at infinity; at half a metre the tangents
+  // of opposite views differ by twice asin(r / d), so that corners alternate.
   EXPECT_NEAR(nearest, kRadius, 0.0003);
   EXPECT_GT(farthest, kRadius / std::cos(7.5 * M_PI / 180) - 0.0002);
   EXPECT_LT(farthest, kRadius / std::cos(15 * M_PI / 180) + 0.0003);
-  EXPECT_THROW(HullOfMasks(views, {masks[0]}, Vector3d::Constant(-0.08), Vector3d::Constant(0.08), 0.002), InputError);
+  EXPECT_THROW(
+      HullOfMasks(views, {masks[0]}, Vector3d::Constant(-0.08), Vector3d::Constant(0.08), 0.002),
+      InputError);
 }
 
 TEST(CompareWithHull, CountsWhereTheSurfaceIsWorse) {
@@ -156,7 +165,9 @@ TEST(LayDown, IsARigidTurnOntoTheBack) {
   EXPECT_NEAR(points.col(2).minCoeff(), 0, 1e-12);
   EXPECT_NEAR(points.col(1).minCoeff() + points.col(1).maxCoeff(), 0, 1e-12);
   for (Eigen::Index i = 0; i < standing.rows(); i += 50)
-    EXPECT_LT((lying.table_from_character * Vector3d(standing.row(i)) - Vector3d(points.row(i))).norm(), 1e-12);
+    EXPECT_LT(
+        (lying.table_from_character * Vector3d(standing.row(i)) - Vector3d(points.row(i))).norm(),
+        1e-12);
   // The soles, which stood on the table, look forwards now.
   Eigen::Index sole;
   standing.col(2).minCoeff(&sole);

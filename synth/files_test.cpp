@@ -28,12 +28,13 @@ namespace fs = std::filesystem;
 class SynthFiles : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ = fs::path(::testing::TempDir()) / ("keypose_synth_files_" + std::to_string(::getpid()));
+    folder_ =
+        fs::path(::testing::TempDir()) / ("keypose_synth_files_" + std::to_string(::getpid()));
     command_.output = folder_;
     command_.world.spacing_m = 0.006;
     command_.photographer.views = 6;
     command_.photographer.width = 200, command_.photographer.height = 150;
-    command_.background_plate = true;
+    command_.clean_plate = true;
     written_ = RunPhotos(command_, nullptr);
   }
   static void TearDownTestSuite() { fs::remove_all(folder_); }
@@ -77,7 +78,15 @@ TEST_F(SynthFiles, TruthComesBackAsItWasRendered) {
 }
 
 TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
-  ScoreCommand command{folder_ / "truth/bent", folder_ / "truth/bent/cameras", folder_ / "truth/bent/surface.ply", {}, {}, {}, {}, {}, {}};
+  ScoreCommand command{folder_ / "truth/bent",
+                       folder_ / "truth/bent/cameras",
+                       folder_ / "truth/bent/surface.ply",
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {}};
   const std::string json = RunScore(command);
   EXPECT_NE(json.find("\"placed\": 6"), std::string::npos);
   EXPECT_NE(json.find("\"closed\": true"), std::string::npos);
@@ -85,7 +94,8 @@ TEST_F(SynthFiles, TruthScoresZeroAgainstItself) {
 
 TEST(SynthGenus, TruthSaysWhatOneSeesThrough) {
   PhotosCommand command;
-  command.output = fs::path(::testing::TempDir()) / ("keypose_synth_hip_" + std::to_string(::getpid()));
+  command.output =
+      fs::path(::testing::TempDir()) / ("keypose_synth_hip_" + std::to_string(::getpid()));
   command.poses = {"rest", "hip"};
   command.world.spacing_m = 0.006;
   command.photographer.views = 2;
@@ -105,7 +115,8 @@ TEST(SynthGenus, TruthSaysWhatOneSeesThrough) {
 
 TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
   PhotosCommand command;
-  command.output = fs::path(::testing::TempDir()) / ("keypose_synth_flip_" + std::to_string(::getpid()));
+  command.output =
+      fs::path(::testing::TempDir()) / ("keypose_synth_flip_" + std::to_string(::getpid()));
   command.poses = {"bent"};
   command.flip = true;
   command.world.spacing_m = 0.006;
@@ -129,7 +140,8 @@ TEST(SynthFlip, LyingPhotographsHaveTheirCamerasInTheStandingFrame) {
 }
 
 TEST_F(SynthFiles, PicksAreReadableLandmarksOfTheMesh) {
-  const fs::path mesh_path = folder_ / "truth/rest/surface.ply", output = folder_ / "rest_picks.json";
+  const fs::path mesh_path = folder_ / "truth/rest/surface.ply",
+                 output = folder_ / "rest_picks.json";
   RunPick({folder_ / "truth/rest", folder_ / "truth/rest/cameras", mesh_path, output, 0.03});
   const Mesh mesh = ReadMesh(mesh_path);
   const std::vector<Landmark> landmarks = ReadLandmarks(output, mesh);
@@ -150,14 +162,18 @@ TEST_F(SynthFiles, DamagedCopiesAreDamagedAsNamedAndOriginalsAreNot) {
   EXPECT_FALSE(ReadImageInfo(Spoilt(DamageKind::kStripExif, name)).focal_35mm.has_value());
   EXPECT_EQ(ReadImageInfo(Spoilt(DamageKind::kResize, name)).width, 160);
   const Image8 dark = ReadImage(Spoilt(DamageKind::kDark, name), 3);
-  EXPECT_LT(std::accumulate(dark.data.begin(), dark.data.end(), 0.0) / static_cast<double>(dark.data.size()), 12);
+  EXPECT_LT(std::accumulate(dark.data.begin(), dark.data.end(), 0.0) /
+                static_cast<double>(dark.data.size()),
+            12);
   const fs::path turned = Spoilt(DamageKind::kRotate, name);
   EXPECT_EQ(ReadImageInfo(turned).orientation, 6);
   const Image8 upright = ReadImage(turned, 3);
   ASSERT_EQ(upright.width, original.width);
   double difference = 0;
-  for (std::size_t i = 0; i < original.data.size(); ++i) difference += std::abs(original.data[i] - upright.data[i]);
-  EXPECT_LT(difference / static_cast<double>(original.data.size()), 3);  // one more JPEG compression
+  for (std::size_t i = 0; i < original.data.size(); ++i)
+    difference += std::abs(original.data[i] - upright.data[i]);
+  EXPECT_LT(difference / static_cast<double>(original.data.size()),
+            3);  // one more JPEG compression
   EXPECT_EQ(ReadFile(folder_ / "photos/rest" / name), original_bytes);
 }
 
@@ -165,7 +181,8 @@ TEST_F(SynthFiles, BlurTakesTheEdgesAway) {
   const auto roughness = [](const Image8& image) {
     double sum = 0;
     for (int y = 0; y < image.height; ++y)
-      for (int x = 1; x < image.width; ++x) sum += std::abs(image.at(x, y)[1] - image.at(x - 1, y)[1]);
+      for (int x = 1; x < image.width; ++x)
+        sum += std::abs(image.at(x, y)[1] - image.at(x - 1, y)[1]);
     return sum;
   };
   const double sharp = roughness(ReadImage(folder_ / "photos/rest/IMG_0001.jpg", 3));
@@ -174,7 +191,9 @@ TEST_F(SynthFiles, BlurTakesTheEdgesAway) {
 
 TEST_F(SynthFiles, UnknownDamageAndUnknownPhotographThrow) {
   EXPECT_THROW(DamageKindNamed("melt"), UsageError);
-  EXPECT_THROW(DamagePhotos(folder_ / "photos/rest", folder_ / "spoilt_x", DamageKind::kDrop, {"none.jpg"}), InputError);
+  EXPECT_THROW(
+      DamagePhotos(folder_ / "photos/rest", folder_ / "spoilt_x", DamageKind::kDrop, {"none.jpg"}),
+      InputError);
 }
 
 TEST(SynthProgram, ExitCodesNameTheFault) {

@@ -1,4 +1,5 @@
-// Soft light on a character: an area lamp that stands still while the turntable turns, and the sky of the room.
+// Soft light on a character: an area lamp that stands still while the turntable turns, and the sky
+// of the room.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +11,8 @@
 
 namespace keypose::synth {
 
-/// Unit direction from the character to the lamp when the lamp stands at an azimuth about z and an elevation above the table.
+/// Unit direction from the character to the lamp when the lamp stands at an azimuth about z and an
+/// elevation above the table.
 Eigen::Vector3d LampDirection(double azimuth_rad, double elevation_rad);
 
 /// How much of the lamp and of the room each vertex sees, computed once for all turns of the table.
@@ -19,7 +21,8 @@ class LightField {
  public:
   /// @param normals  V x 3 unit
   /// @param elevation_rad  of the lamp
-  LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene, double elevation_rad);
+  LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene,
+             double elevation_rad);
   /// Share of the lamp that each vertex sees, V in [0,1].
   std::vector<float> Lamp(double azimuth_rad) const;
   /// Share of the room that each vertex sees, V in [0,1].
@@ -34,7 +37,8 @@ class LightField {
 /// Light that reaches the table (z = 0), on a square grid about the axis.
 class TableLight {
  public:
-  /// Contact darkness, the same for all turns. @param half_width  of the grid [m]
+  /// Contact darkness, the same for all turns.
+  /// @param half_width  of the grid [m]
   TableLight(const RayScene& scene, double half_width);
   /// Share of the lamp over the grid for one turn.
   std::vector<float> Lamp(double azimuth_rad, double elevation_rad) const;

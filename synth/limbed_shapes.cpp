@@ -69,7 +69,8 @@ void AddLimb(Sketch* sketch, const Limb& limb, double blend) {
   sketch->limbs.push_back(limb);
 }
 
-void AddBall(Clay* clay, const Vector3d& a, double ra, const Vector3d& b, double rb, double blend, bool crisp = false) {
+void AddBall(Clay* clay, const Vector3d& a, double ra, const Vector3d& b, double rb, double blend,
+             bool crisp = false) {
   Lump lump;
   lump.a = a, lump.b = b, lump.ra = ra, lump.rb = rb, lump.blend = blend, lump.crisp = crisp;
   clay->lumps.push_back(lump);
@@ -95,19 +96,32 @@ Sketch SketchTentacle(std::uint64_t seed) {
   sketch.clay.seed = static_cast<std::uint32_t>(Hash(seed + 11) & 0xffffff);
   sketch.clay.flat_base = false;
   const double azimuth = vary(0, 0, 2 * kPi), radius = vary(0.0105, 0.012, 0.0135);
-  Limb limb{"tentacle", Vector3d::Zero(), Vector3d::UnitZ(), 0.2, radius, radius * vary(0.6, 1, 1), 0.006, true, 1, azimuth};
+  Limb limb{"tentacle",
+            Vector3d::Zero(),
+            Vector3d::UnitZ(),
+            0.2,
+            radius,
+            radius * vary(0.6, 1, 1),
+            0.006,
+            true,
+            1,
+            azimuth};
   const Vector3d side = limb.Across(azimuth), across = limb.axis.cross(side);
   // The bulb stands back from the side that the tip comes round on at 270 degrees.
   const double girth = vary(0.032, 0.035, 0.037), back = vary(0.012, 0.014, 0.018);
   const Vector3d center = -back * side - std::sqrt(girth * girth - back * back) * limb.axis;
-  const Vector3d lean = (-vary(0, 0.3, 0.8) * side + vary(-0.8, 0.3, 0.8) * across - vary(0.2, 0.6, 1) * limb.axis).normalized();
-  AddBall(&sketch.clay, center, girth, center + girth * vary(0.3, 0.5, 0.8) * lean, girth * vary(0.6, 0.8, 0.9), 0.01);
+  const Vector3d lean =
+      (-vary(0, 0.3, 0.8) * side + vary(-0.8, 0.3, 0.8) * across - vary(0.2, 0.6, 1) * limb.axis)
+          .normalized();
+  AddBall(&sketch.clay, center, girth, center + girth * vary(0.3, 0.5, 0.8) * lean,
+          girth * vary(0.6, 0.8, 0.9), 0.01);
   AddLimb(&sketch, limb, 0.01);
   // Eyes and a toe: without them a bulb would fit in any turn round the tentacle.
   const auto towards = [&](double turn, double rise) {
     return (std::cos(turn) * side + std::sin(turn) * across + rise * limb.axis).normalized();
   };
-  const Vector3d eyes[2] = {towards(vary(1.4, 1.6, 1.8), vary(-0.2, 0, 0.2)), towards(vary(2.4, 2.5, 2.7), vary(0, 0.2, 0.3))};
+  const Vector3d eyes[2] = {towards(vary(1.4, 1.6, 1.8), vary(-0.2, 0, 0.2)),
+                            towards(vary(2.4, 2.5, 2.7), vary(0, 0.2, 0.3))};
   const double sizes[2] = {vary(0.007, 0.009, 0.010), vary(0.006, 0.007, 0.009)};
   for (int i = 0; i < 2; ++i) {
     const Vector3d eye = Exit(sketch.clay, center, eyes[i]) - 0.15 * sizes[i] * eyes[i];
@@ -118,7 +132,8 @@ Sketch SketchTentacle(std::uint64_t seed) {
   const std::pair<const char*, Vector3d> names[6] = {
       {"left_eye", eyes[0]},        {"right_eye", eyes[1]},        {"toe", toe},
       {"bottom", towards(0.3, -3)}, {"front", towards(0.0, -0.5)}, {"back", towards(3.9, 0.1)}};
-  for (const auto& [name, direction] : names) sketch.body.push_back({name, Exit(sketch.clay, center, direction)});
+  for (const auto& [name, direction] : names)
+    sketch.body.push_back({name, Exit(sketch.clay, center, direction)});
   return sketch;
 }
 
@@ -132,12 +147,18 @@ Sketch SketchCharacter(std::uint64_t seed) {
       head(vary(-0.006, 0.002, 0.006), -0.006, 0.112);
   AddBall(&sketch.clay, hip, girth, chest, girth * vary(0.8, 0.88, 1), 0.01);
   AddBall(&sketch.clay, chest, 0.016, head, 0.014, 0.01);
-  AddBall(&sketch.clay, head, vary(0.021, 0.024, 0.026), head + Vector3d(0, 0.004, 0.006), 0.022, 0.008);
-  AddBall(&sketch.clay, head + Vector3d(0.003, -0.018, -0.004), 0.012, head + Vector3d(0.004, -0.028, -0.006), 0.0075, 0.005);
-  const auto limb = [&](const char* name, const Vector3d& from, const Vector3d& axis, double length, double radius) {
+  AddBall(&sketch.clay, head, vary(0.021, 0.024, 0.026), head + Vector3d(0, 0.004, 0.006), 0.022,
+          0.008);
+  AddBall(&sketch.clay, head + Vector3d(0.003, -0.018, -0.004), 0.012,
+          head + Vector3d(0.004, -0.028, -0.006), 0.0075, 0.005);
+  const auto limb = [&](const char* name, const Vector3d& from, const Vector3d& axis, double length,
+                        double radius) {
     const Vector3d unit = axis.normalized(), root = Exit(sketch.clay, from, unit);
     const double thick = radius * vary(0.9, 1, 1.1);
-    AddLimb(&sketch, {name, root, unit, length * vary(0.85, 1, 1.15), thick, thick * vary(0.65, 0.8, 1), thick, false}, 0.006);
+    AddLimb(&sketch,
+            {name, root, unit, length * vary(0.85, 1, 1.15), thick, thick * vary(0.65, 0.8, 1),
+             thick, false},
+            0.006);
   };
   Sketch torso = sketch;
   limb("left_arm", chest, {1, vary(-0.3, -0.1, 0.3), vary(-0.1, 0.15, 0.3)}, 0.11, 0.010);
@@ -145,27 +166,32 @@ Sketch SketchCharacter(std::uint64_t seed) {
   limb("left_leg", hip, {vary(0.5, 0.6, 0.7), vary(-0.3, -0.2, 0), -1}, 0.10, 0.0125);
   limb("right_leg", hip, {-vary(0.5, 0.6, 0.7), vary(-0.3, -0.1, 0), -1}, 0.105, 0.012);
   limb("tail", hip, {vary(-0.2, 0.1, 0.2), 1, vary(-0.1, 0.1, 0.3)}, 0.13, 0.0105);
-  const std::pair<const char*, Vector3d> names[3] = {{"chest", {0.3, -1, 0.1}}, {"back", {-0.2, 1, 0.6}}, {"belly", {0.1, -1, -0.2}}};
+  const std::pair<const char*, Vector3d> names[3] = {
+      {"chest", {0.3, -1, 0.1}}, {"back", {-0.2, 1, 0.6}}, {"belly", {0.1, -1, -0.2}}};
   sketch.body.push_back({"nose", Exit(torso.clay, head, {0.1, -1, -0.2})});
   sketch.body.push_back({"crown", Exit(torso.clay, head, {0, 0.1, 1})});
   sketch.body.push_back({"left_cheek", Exit(torso.clay, head, {1, -0.2, 0})});
-  for (const auto& [name, direction] : names) sketch.body.push_back({name, Exit(torso.clay, (hip + chest) / 2, direction)});
+  for (const auto& [name, direction] : names)
+    sketch.body.push_back({name, Exit(torso.clay, (hip + chest) / 2, direction)});
   return sketch;
 }
 
 // Tips, then the body, then round and along the limbs in turn.
 std::vector<Place> PlacesOf(const Sketch& sketch, int count) {
   std::vector<Place> places;
-  for (const Limb& limb : sketch.limbs) places.push_back({limb.name + "_tip", Exit(sketch.clay, limb.At(limb.length / 2), limb.axis)});
+  for (const Limb& limb : sketch.limbs)
+    places.push_back({limb.name + "_tip", Exit(sketch.clay, limb.At(limb.length / 2), limb.axis)});
   places.insert(places.end(), sketch.body.begin(), sketch.body.end());
-  const int limbs = static_cast<int>(sketch.limbs.size()), left = std::max(0, count - static_cast<int>(places.size()));
+  const int limbs = static_cast<int>(sketch.limbs.size()),
+            left = std::max(0, count - static_cast<int>(places.size()));
   const int each = (left + limbs - 1) / limbs;
   for (int i = 0; i < left; ++i) {
     const Limb& limb = sketch.limbs[i % limbs];
     const int row = i / limbs;
     const double s = limb.begin + (limb.length - limb.begin) * (row + 1) / (each + 1);
     places.push_back(
-        {limb.name + "_" + std::to_string(row + 1), Exit(sketch.clay, limb.At(s), limb.Across(limb.azimuth + row * kGoldenAngle))});
+        {limb.name + "_" + std::to_string(row + 1),
+         Exit(sketch.clay, limb.At(s), limb.Across(limb.azimuth + row * kGoldenAngle))});
   }
   places.resize(std::min<std::size_t>(places.size(), static_cast<std::size_t>(count)));
   return places;
@@ -201,7 +227,8 @@ bool StaysApart(const PointsX3& rest, const PointsX3& posed) {
   constexpr double kFar = 0.05, kApart = 0.008;
   for (Eigen::Index i = 0; i < rest.rows(); ++i)
     for (Eigen::Index j = i + 1; j < rest.rows(); ++j)
-      if ((posed.row(i) - posed.row(j)).squaredNorm() < kApart * kApart && (rest.row(i) - rest.row(j)).squaredNorm() > kFar * kFar)
+      if ((posed.row(i) - posed.row(j)).squaredNorm() < kApart * kApart &&
+          (rest.row(i) - rest.row(j)).squaredNorm() > kFar * kFar)
         return false;
   return true;
 }
@@ -210,8 +237,9 @@ PointsX3 Sample(const Clay& clay) {
   Vector3d low, high;
   clay.Bounds(&low, &high);
   constexpr double kSpacing = 0.008;
-  return Polygonize([&](const Vector3d& x) { return clay.Distance(x); }, low - Vector3d::Constant(kSpacing),
-                    high + Vector3d::Constant(kSpacing), kSpacing)
+  return Polygonize([&](const Vector3d& x) { return clay.Distance(x); },
+                    low - Vector3d::Constant(kSpacing), high + Vector3d::Constant(kSpacing),
+                    kSpacing)
       .points;
 }
 
@@ -219,8 +247,10 @@ PointsX3 Sample(const Clay& clay) {
 
 std::vector<std::string> LimbedShapeOptions::Problems() const {
   std::vector<std::string> problems;
-  if (shape != "tentacle" && shape != "character") problems.push_back("shape is '" + shape + "'; it can be tentacle or character");
-  if (!(bend_deg >= 0 && bend_deg <= 280)) problems.push_back("bend must be 0 to 280 degrees: a plane curve closes on itself beyond");
+  if (shape != "tentacle" && shape != "character")
+    problems.push_back("shape is '" + shape + "'; it can be tentacle or character");
+  if (!(bend_deg >= 0 && bend_deg <= 280))
+    problems.push_back("bend must be 0 to 280 degrees: a plane curve closes on itself beyond");
   if (!(std::abs(twist_deg) <= 720)) problems.push_back("twist must be -720 to 720 degrees");
   if (!(squash >= 0.5 && squash <= 2)) problems.push_back("squash must be 0.5 to 2");
   if (places < 0 || places > 60) problems.push_back("there are 0 to 60 landmarks");
@@ -228,19 +258,23 @@ std::vector<std::string> LimbedShapeOptions::Problems() const {
 }
 
 LimbedShape MakeLimbedShape(const LimbedShapeOptions& options) {
-  if (const auto problems = options.Problems(); !problems.empty()) throw UsageError("synth: " + problems.front());
-  Sketch sketch = options.shape == "tentacle" ? SketchTentacle(options.seed) : SketchCharacter(options.seed);
+  if (const auto problems = options.Problems(); !problems.empty())
+    throw UsageError("synth: " + problems.front());
+  Sketch sketch =
+      options.shape == "tentacle" ? SketchTentacle(options.seed) : SketchCharacter(options.seed);
   const PointsX3 rest = Sample(sketch.clay);
   LimbedShape shape{sketch.clay, {}, PlacesOf(sketch, options.places)};
   Random random(Hash(options.seed) + 31);
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     for (Limb& limb : sketch.limbs)
-      if (!limb.alone) limb.azimuth = random.Uniform(0, 2 * kPi), limb.share = random.Uniform(0.6, 1);
+      if (!limb.alone)
+        limb.azimuth = random.Uniform(0, 2 * kPi), limb.share = random.Uniform(0.6, 1);
     shape.pose = PoseOf(sketch.limbs, options);
     if (StaysApart(rest, shape.pose(rest))) return shape;
   }
-  throw InputError("synth: the limbs of seed " + std::to_string(options.seed) + " touch whichever way they bend by " +
-                   std::to_string(options.bend_deg) + " degrees; bend less or take another seed");
+  throw InputError("synth: the limbs of seed " + std::to_string(options.seed) +
+                   " touch whichever way they bend by " + std::to_string(options.bend_deg) +
+                   " degrees; bend less or take another seed");
 }
 
 }  // namespace keypose::synth

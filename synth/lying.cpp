@@ -10,8 +10,10 @@ Lying LayDown(const Pose& standing_pose, const PointsX3& standing) {
   const PointsX3 turned = standing * turn.toRotationMatrix().transpose();
   const Eigen::RowVector3d low = turned.colwise().minCoeff(), high = turned.colwise().maxCoeff();
   const Eigen::Vector3d shift(0, -(low[1] + high[1]) / 2, -low[2]);
-  // The same motion as a turn about an axis along x: its centre c has (I - R) c = shift in the plane of y and z.
-  const Eigen::Matrix2d plane = (Eigen::Matrix3d::Identity() - turn.toRotationMatrix()).bottomRightCorner<2, 2>();
+  // The same motion as a turn about an axis along x: its centre c has (I - R) c = shift in the
+  // plane of y and z.
+  const Eigen::Matrix2d plane =
+      (Eigen::Matrix3d::Identity() - turn.toRotationMatrix()).bottomRightCorner<2, 2>();
   const Eigen::Vector2d center = plane.inverse() * shift.tail<2>();
   Deformation rigid;
   rigid.kind = Deformation::Kind::kTwist;

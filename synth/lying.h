@@ -1,4 +1,5 @@
-// The character laid on its back, so that the camera sees its underside: the second half of a flip capture.
+// The character laid on its back, so that the camera sees its underside: the second half of a flip
+// capture.
 #pragma once
 
 #include "core/camera.h"
@@ -9,7 +10,8 @@ namespace keypose::synth {
 
 struct Lying {
   Pose pose;                    ///< the standing pose with one rigid turn after it
-  Rigid3 table_from_character;  ///< that turn: from the standing character's frame to the table that it lies on
+  Rigid3 table_from_character;  ///< that turn: from the standing character's frame to the table
+                                ///< that it lies on
 };
 
 /// Back on the table (z = 0), head towards +y, centred on the axis.

@@ -12,22 +12,25 @@ namespace {
 
 constexpr double kRadPerDeg = 3.141592653589793 / 180;
 
-/// `count` of 0 to n - 1, evenly apart, the first of them `phase` of a gap from the start; those taken already give way to the next.
+/// `count` of 0 to n - 1, evenly apart, the first of them `phase` of a gap from the start; those
+/// taken already give way to the next.
 std::vector<int> SpreadOut(int count, int n, double phase, const std::vector<int>& taken) {
   std::vector<char> used(static_cast<std::size_t>(n), 0);
-  for (const int i : taken) used[static_cast<std::size_t>(i)] = 1;
+  for (const int i : taken) used[i] = 1;
   std::vector<int> chosen;
   for (int k = 0; k < count; ++k) {
     int i = static_cast<int>((k + phase) * n / count) % n;
-    while (used[static_cast<std::size_t>(i)]) i = (i + 1) % n;
-    used[static_cast<std::size_t>(i)] = 1;
+    while (used[i]) i = (i + 1) % n;
+    used[i] = 1;
     chosen.push_back(i);
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 
-/// The number that `text` begins with; what follows it stays in `text`. @return false when there is none
+/// The number that `text` begins with; what follows it stays in `text`.
+/// @return false when there is
+/// none
 bool TakeNumber(std::string_view& text, double* value) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), *value);
   if (fault != std::errc() || !std::isfinite(*value)) return false;
@@ -40,10 +43,14 @@ bool TakeNumber(std::string_view& text, double* value) {
 std::vector<std::string> Mishaps::Problems(int views) const {
   std::vector<std::string> problems;
   if (strays < 0 || hands < 0 || strays + hands > views)
-    problems.emplace_back("stray and hand must be >= 0 and together at most the number of photographs");
-  if (!(moved_from >= 0 && moved_from <= 1)) problems.emplace_back("moved: the share of photographs must be in [0, 1]");
-  if (!(std::abs(moved_m) <= 0.1)) problems.emplace_back("moved: the figure may be moved by at most 100 mm");
-  if (!(lamp_falls_after >= 0 && lamp_falls_after <= 1)) problems.emplace_back("lamp-fall must be in [0, 1]");
+    problems.emplace_back(
+        "stray and hand must be >= 0 and together at most the number of photographs");
+  if (!(moved_from >= 0 && moved_from <= 1))
+    problems.emplace_back("moved: the share of photographs must be in [0, 1]");
+  if (!(std::abs(moved_m) <= 0.1))
+    problems.emplace_back("moved: the figure may be moved by at most 100 mm");
+  if (!(lamp_falls_after >= 0 && lamp_falls_after <= 1))
+    problems.emplace_back("lamp-fall must be in [0, 1]");
   return problems;
 }
 
@@ -51,7 +58,9 @@ std::uint64_t StraySeed(const Mishaps& mishaps, std::uint64_t world_seed) {
   return mishaps.stray_seed != 0 ? mishaps.stray_seed : world_seed + 1;
 }
 
-std::vector<int> StrayViews(const Mishaps& mishaps, int views) { return SpreadOut(mishaps.strays, views, 0.4, {}); }
+std::vector<int> StrayViews(const Mishaps& mishaps, int views) {
+  return SpreadOut(mishaps.strays, views, 0.4, {});
+}
 
 std::vector<int> HandViews(const Mishaps& mishaps, int views) {
   return SpreadOut(mishaps.hands, views, 0.7, StrayViews(mishaps, views));
@@ -61,10 +70,13 @@ int FirstAfter(double share, int views) { return static_cast<int>(std::lround(sh
 
 void ReadMove(const std::string& text, Mishaps* mishaps) {
   const auto refuse = [&] {
-    return UsageError("synth: '" + text + "' says nothing of a move; write SHARE:MOVE, such as 0.5:5mm,7deg, 0.5:5mm or 0.5:bent");
+    return UsageError(
+        "synth: '" + text +
+        "' says nothing of a move; write SHARE:MOVE, such as 0.5:5mm,7deg, 0.5:5mm or 0.5:bent");
   };
   std::string_view rest = text;
-  if (!TakeNumber(rest, &mishaps->moved_from) || rest.empty() || rest.front() != ':') throw refuse();
+  if (!TakeNumber(rest, &mishaps->moved_from) || rest.empty() || rest.front() != ':')
+    throw refuse();
   rest.remove_prefix(1);
   if (rest.empty() || rest.back() == ',') throw refuse();
   if (rest.find_first_of("0123456789") == std::string_view::npos) {

@@ -1,4 +1,5 @@
-// What `keypose synth photos` does when something goes wrong at the set: only what it says, only where it says.
+// What `keypose synth photos` does when something goes wrong at the set: only what it says, only
+// where it says.
 #include "synth/mishaps.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ constexpr int kViews = 8;
 
 PhotosCommand Command(const std::string& name) {
   PhotosCommand command;
-  command.output = fs::path(::testing::TempDir()) / ("keypose_mishaps_" + name + std::to_string(::getpid()));
+  command.output =
+      fs::path(::testing::TempDir()) / ("keypose_mishaps_" + name + std::to_string(::getpid()));
   command.poses = {"rest"};
   command.world.spacing_m = 0.006;
   command.photographer.views = kViews;
@@ -55,14 +57,22 @@ class MishapsAtTheSet : public ::testing::Test {
     const fs::path photograph = fs::path("photos/rest") / Name(i);
     return ReadFile(clean_.output / photograph) == ReadFile(spoilt_.output / photograph);
   }
-  Image8 Mask(const PhotosCommand& of, int i) const { return ReadImage(of.output / "truth/rest/masks" / (Name(i) + ".png"), 1); }
-  Image8 Photograph(const PhotosCommand& of, int i) const { return ReadImage(of.output / "photos/rest" / Name(i), 3); }
-  nlohmann::json World() const { return nlohmann::json::parse(ReadFile(spoilt_.output / "truth/rest/world.json")).at("mishaps"); }
+  Image8 Mask(const PhotosCommand& of, int i) const {
+    return ReadImage(of.output / "truth/rest/masks" / (Name(i) + ".png"), 1);
+  }
+  Image8 Photograph(const PhotosCommand& of, int i) const {
+    return ReadImage(of.output / "photos/rest" / Name(i), 3);
+  }
+  nlohmann::json World() const {
+    return nlohmann::json::parse(ReadFile(spoilt_.output / "truth/rest/world.json")).at("mishaps");
+  }
 
   static inline PhotosCommand clean_, spoilt_;
 };
 
-int Count(const Image8& mask) { return static_cast<int>(std::count(mask.data.begin(), mask.data.end(), 255)); }
+int Count(const Image8& mask) {
+  return static_cast<int>(std::count(mask.data.begin(), mask.data.end(), 255));
+}
 
 TEST_F(MishapsAtTheSet, StrayPhotographShowsAnotherFigureAndHasNoTrueCamera) {
   Mishaps mishaps;
@@ -110,7 +120,8 @@ TEST_F(MishapsAtTheSet, MovedFigureIsSeenWhereItsTrueCamerasSayAndPhotographsBef
       const bool seen = raster.face.data[p] >= 0, masked = mask.data[p] > 127;
       both += seen && masked, either += seen || masked;
     }
-    EXPECT_GT(both, 0.97 * either) << Name(i);  // half of a pixel covered and its centre covered differ at the edge
+    EXPECT_GT(both, 0.97 * either)
+        << Name(i);  // half of a pixel covered and its centre covered differ at the edge
   }
   EXPECT_NEAR(World().at("moved").at("deg").get<double>(), 15, 1e-9);
   EXPECT_EQ(World().at("moved").at("photographs").size(), 4u);
@@ -134,7 +145,8 @@ TEST_F(MishapsAtTheSet, FallenLampShadesAnewAndMovesNothing) {
     EXPECT_EQ(Mask(clean_, i).data, Mask(spoilt_, i).data);
     if (i < kViews / 2) continue;
     // The lamp lay down to the right: there the figure is lit now, on the left it no longer is.
-    const Image8 before = Photograph(clean_, i), after = Photograph(spoilt_, i), mask = Mask(clean_, i);
+    const Image8 before = Photograph(clean_, i), after = Photograph(spoilt_, i),
+                 mask = Mask(clean_, i);
     double left[2] = {0, 0}, right[2] = {0, 0};
     for (int y = 0; y < mask.height; ++y)
       for (int x = 0; x < mask.width; ++x) {
@@ -165,7 +177,8 @@ TEST(Mishaps, MovesAreReadAndOtherFormsAreRefused) {
   EXPECT_NEAR(mishaps.moved_rad, 0.1308996938995747, 1e-15);
   ReadMove("0.5:bow", &mishaps);
   EXPECT_EQ(mishaps.moved_pose, "bow");
-  for (const char* bad : {"", "0.5", "0.5:", "half:5mm", "0.5:5", "0.5:5cm", "0.5:5mm,", "0.5:5mm;7deg"}) {
+  for (const char* bad :
+       {"", "0.5", "0.5:", "half:5mm", "0.5:5", "0.5:5cm", "0.5:5mm,", "0.5:5mm;7deg"}) {
     Mishaps none;
     EXPECT_THROW(ReadMove(bad, &none), UsageError) << bad;
   }

@@ -6,7 +6,8 @@ namespace keypose::synth {
 namespace {
 
 std::uint32_t LatticeHash(int x, int y, int z, std::uint32_t seed) {
-  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343u ^ static_cast<std::uint32_t>(y) * 0xd8163841u ^
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x8da6b343u ^
+                    static_cast<std::uint32_t>(y) * 0xd8163841u ^
                     static_cast<std::uint32_t>(z) * 0xcb1ab31fu ^ seed * 0x9e3779b1u;
   h ^= h >> 16;
   h *= 0x7feb352du;
@@ -15,9 +16,11 @@ std::uint32_t LatticeHash(int x, int y, int z, std::uint32_t seed) {
   return h ^ h >> 16;
 }
 
-// The twelve edge directions of a cube, four of them twice: no preferred axis, and only additions to apply.
-constexpr signed char kEdges[16][3] = {{1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
-                                       {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1}};
+// The twelve edge directions of a cube, four of them twice: no preferred axis, and only additions
+// to apply.
+constexpr signed char kEdges[16][3] = {
+    {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
+    {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1}};
 
 }  // namespace
 
@@ -41,7 +44,8 @@ double Random::Normal() {
 
 double GradientNoise(const Eigen::Vector3d& x, std::uint32_t seed, Eigen::Vector3d* gradient) {
   const double floors[3] = {std::floor(x[0]), std::floor(x[1]), std::floor(x[2])};
-  const int cell[3] = {static_cast<int>(floors[0]), static_cast<int>(floors[1]), static_cast<int>(floors[2])};
+  const int cell[3] = {static_cast<int>(floors[0]), static_cast<int>(floors[1]),
+                       static_cast<int>(floors[2])};
   double t[3], fade[3], slope[3];
   for (int k = 0; k < 3; ++k) {
     t[k] = x[k] - floors[k];
@@ -53,7 +57,8 @@ double GradientNoise(const Eigen::Vector3d& x, std::uint32_t seed, Eigen::Vector
     const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
     const signed char* g = kEdges[LatticeHash(cell[0] + i, cell[1] + j, cell[2] + k, seed) & 15];
     const double dot = g[0] * (t[0] - i) + g[1] * (t[1] - j) + g[2] * (t[2] - k);
-    const double wx = i ? fade[0] : 1 - fade[0], wy = j ? fade[1] : 1 - fade[1], wz = k ? fade[2] : 1 - fade[2];
+    const double wx = i ? fade[0] : 1 - fade[0], wy = j ? fade[1] : 1 - fade[1],
+                 wz = k ? fade[2] : 1 - fade[2];
     const double weight = wx * wy * wz;
     value += weight * dot;
     if (!gradient) continue;

@@ -1,4 +1,5 @@
-// Deterministic pseudo-random numbers and smooth solid noise: the grain of the clay and of the sensor.
+// Deterministic pseudo-random numbers and smooth solid noise: the grain of the clay and of the
+// sensor.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,11 +23,14 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Gradient noise on the unit lattice, about [-1, 1], zero mean, C2. When `gradient` is not null it receives the derivative.
+/// Gradient noise on the unit lattice, about [-1, 1], zero mean, C2. When `gradient` is not null it
+/// receives the derivative.
 /// Source: Perlin, Improving Noise, SIGGRAPH 2002, with hashed gradients instead of a table.
-double GradientNoise(const Eigen::Vector3d& x, std::uint32_t seed, Eigen::Vector3d* gradient = nullptr);
+double GradientNoise(const Eigen::Vector3d& x, std::uint32_t seed,
+                     Eigen::Vector3d* gradient = nullptr);
 
-/// Sum of `octaves` noises, each of half the wavelength and `gain` times the height of the one before.
+/// Sum of `octaves` noises, each of half the wavelength and `gain` times the height of the one
+/// before.
 double FractalNoise(const Eigen::Vector3d& x, int octaves, double gain, std::uint32_t seed);
 
 }  // namespace keypose::synth

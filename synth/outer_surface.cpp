@@ -14,12 +14,15 @@ namespace {
 using Eigen::Vector3d;
 
 // Directions that no lattice plane and no upright wall is parallel to.
-const std::array<Vector3d, 3> kDirections = {Vector3d(0.36, 0.48, 0.80).normalized(), Vector3d(-0.71, 0.23, 0.66).normalized(),
+const std::array<Vector3d, 3> kDirections = {Vector3d(0.36, 0.48, 0.80).normalized(),
+                                             Vector3d(-0.71, 0.23, 0.66).normalized(),
                                              Vector3d(0.19, -0.87, 0.45).normalized()};
 
 /// How often the surface wraps a point, by the walls that a ray crosses on its way out.
-int Winding(const RayScene& scene, const PointsX3& normals, const Vector3d& x, const Vector3d& direction) {
-  constexpr double kStep = 2e-7;  // [m] beyond a wall: more than single precision's rounding at this size, less than any gap
+int Winding(const RayScene& scene, const PointsX3& normals, const Vector3d& x,
+            const Vector3d& direction) {
+  constexpr double kStep = 2e-7;  // [m] beyond a wall: more than single precision's rounding at
+                                  // this size, less than any gap
   int winding = 0;
   double from = 0;
   for (int walls = 0; walls < 1000; ++walls) {
@@ -33,14 +36,16 @@ int Winding(const RayScene& scene, const PointsX3& normals, const Vector3d& x, c
 
 bool Inside(const RayScene& scene, const PointsX3& normals, const Vector3d& x) {
   // A ray that grazes an edge may count it twice or not at all: two that agree are right.
-  const bool first = Winding(scene, normals, x, kDirections[0]) > 0, second = Winding(scene, normals, x, kDirections[1]) > 0;
+  const bool first = Winding(scene, normals, x, kDirections[0]) > 0,
+             second = Winding(scene, normals, x, kDirections[1]) > 0;
   return first == second ? first : Winding(scene, normals, x, kDirections[2]) > 0;
 }
 
 /// Negative inside; the sign comes from rays, as the surface may cross itself.
 class SignedDistance {
  public:
-  explicit SignedDistance(const Mesh& mesh) : scene_(mesh.points, mesh.faces), normals_(FaceNormals(mesh.points, mesh.faces)) {}
+  explicit SignedDistance(const Mesh& mesh)
+      : scene_(mesh.points, mesh.faces), normals_(FaceNormals(mesh.points, mesh.faces)) {}
   double operator()(const Vector3d& x) const {
     const double distance = std::sqrt(scene_.ClosestPoint(x).squared_distance);
     return Inside(scene_, normals_, x) ? -distance : distance;
@@ -54,15 +59,18 @@ class SignedDistance {
 Mesh Offset(const Mesh& mesh, double by, double spacing) {
   const SignedDistance distance(mesh);
   const Vector3d margin = Vector3d::Constant(std::max(by, 0.0) + 2 * spacing);
-  const Vector3d low = mesh.points.colwise().minCoeff().transpose(), high = mesh.points.colwise().maxCoeff().transpose();
-  return Polygonize([&](const Vector3d& x) { return distance(x) - by; }, low - margin, high + margin, spacing, 1.0);
+  const Vector3d low = mesh.points.colwise().minCoeff().transpose(),
+                 high = mesh.points.colwise().maxCoeff().transpose();
+  return Polygonize([&](const Vector3d& x) { return distance(x) - by; }, low - margin,
+                    high + margin, spacing, 1.0);
 }
 
 }  // namespace
 
 Mesh OuterSurface(const Mesh& posed, double spacing) {
-  // Where two walls meet at a flat angle, the lattice would leave pinholes between them, and clay that is pressed together leaves none.
-  // Grown and shrunk again (a morphological closing), the solid has none.
+  // Where two walls meet at a flat angle, the lattice would leave pinholes between them, and clay
+  // that is pressed together leaves none. Grown and shrunk again (a morphological closing), the
+  // solid has none.
   constexpr double kCrevice = 0.001;  // [m] radius of the ball that cannot enter
   const double crevice = std::max(spacing / 2, kCrevice);
   return Offset(Offset(posed, crevice, spacing), -crevice, spacing);

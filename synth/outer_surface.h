@@ -5,9 +5,10 @@
 
 namespace keypose::synth {
 
-/// The boundary of the solid that a closed surface wraps at least once: where parts overlap, the walls inside are gone and the parts are
-/// one. Its genus is that of the posed solid, which may have handles that the rest pose lacks. Along the seam, crevices narrower than
-/// `spacing` are closed. Has no correspondence to `posed`.
+/// The boundary of the solid that a closed surface wraps at least once: where parts overlap, the
+/// walls inside are gone and the parts are one. Its genus is that of the posed solid, which may
+/// have handles that the rest pose lacks. Along the seam, crevices narrower than `spacing` are
+/// closed. Has no correspondence to `posed`.
 ///
 /// @param posed    closed, outward oriented; may cross itself
 /// @param spacing  of the lattice that it is made on [m]

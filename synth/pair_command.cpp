@@ -17,7 +17,8 @@ using Json = nlohmann::ordered_json;
 std::string WorldJson(const ClayPairOptions& o, const ClayPair& pair) {
   Json places = Json::array();
   for (const Place& place : pair.places)
-    places.push_back({{"name", place.name}, {"position", {place.position[0], place.position[1], place.position[2]}}});
+    places.push_back({{"name", place.name},
+                      {"position", {place.position[0], place.position[1], place.position[2]}}});
   const Json json{{"schema", 1},
                   {"shape", o.shape.shape},
                   {"seed", o.shape.seed},
@@ -47,20 +48,24 @@ int CornerOf(const Mesh& mesh, const Landmark& landmark) {
   return mesh.faces(landmark.face, corner);
 }
 
-// A target vertex is given once: where two picks share their nearest corner, the later one is left out.
+// A target vertex is given once: where two picks share their nearest corner, the later one is left
+// out.
 std::string VertexPairs(const ClayPair& pair) {
   std::set<int> used;
   std::string text;
   for (const LandmarkPair& pick : pair.picks) {
     const int target = CornerOf(pair.target, pick.target);
-    if (used.insert(target).second) text += std::to_string(CornerOf(pair.source, pick.source)) + " " + std::to_string(target) + "\n";
+    if (used.insert(target).second)
+      text +=
+          std::to_string(CornerOf(pair.source, pick.source)) + " " + std::to_string(target) + "\n";
   }
   return text;
 }
 
 void WritePicks(const std::filesystem::path& folder, const ClayPair& pair) {
   std::vector<Landmark> source, target;
-  for (const LandmarkPair& pick : pair.picks) source.push_back(pick.source), target.push_back(pick.target);
+  for (const LandmarkPair& pick : pair.picks)
+    source.push_back(pick.source), target.push_back(pick.target);
   WriteLandmarks(folder / "source_landmarks.json", pair.source, source);
   WriteLandmarks(folder / "target_landmarks.json", pair.target, target);
   WriteFile(folder / "landmarks.txt", VertexPairs(pair));
@@ -72,7 +77,9 @@ std::string RunPair(const PairCommand& command) {
   const ClayPair pair = MakeClayPair(command.pair);
   std::error_code error;
   std::filesystem::create_directories(command.output, error);
-  if (error) throw DiskError("synth: cannot create the folder " + command.output.string() + ": " + error.message());
+  if (error)
+    throw DiskError("synth: cannot create the folder " + command.output.string() + ": " +
+                    error.message());
   // Picks of an earlier run must not lie beside a pair that has none.
   for (const char* name : {"source_landmarks.json", "target_landmarks.json", "landmarks.txt"})
     std::filesystem::remove(command.output / name, error);
@@ -83,8 +90,9 @@ std::string RunPair(const PairCommand& command) {
   WriteMesh(command.output / "truth.ply", truth);
   if (!pair.picks.empty()) WritePicks(command.output, pair);
   WriteFile(command.output / "world.json", WorldJson(command.pair, pair));
-  return std::to_string(pair.source.vertex_count()) + " vertices onto " + std::to_string(pair.target.vertex_count()) + ", " +
-         std::to_string(pair.picks.size()) + " landmarks, in " + command.output.string();
+  return std::to_string(pair.source.vertex_count()) + " vertices onto " +
+         std::to_string(pair.target.vertex_count()) + ", " + std::to_string(pair.picks.size()) +
+         " landmarks, in " + command.output.string();
 }
 
 }  // namespace keypose::synth

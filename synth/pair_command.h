@@ -15,10 +15,11 @@ struct PairCommand {
 /// Writes into `output`:
 ///
 ///     source.ply, target.ply
-///     truth.ply              the source's faces, its vertices at their exact place in the target's pose
-///     source_landmarks.json, target_landmarks.json    the picks, joined by name; left out when there are none
-///     landmarks.txt          the same as lines `source_vertex target_vertex`, for programs that only take vertices
-///     world.json             the options, sizes, and the named places
+///     truth.ply              the source's faces, its vertices at their exact place in the target's
+///     pose source_landmarks.json, target_landmarks.json    the picks, joined by name; left out
+///     when there are none landmarks.txt          the same as lines `source_vertex target_vertex`,
+///     for programs that only take vertices world.json             the options, sizes, and the
+///     named places
 ///
 /// @return one line that says what was written
 /// @throws as MakeClayPair, and DiskError

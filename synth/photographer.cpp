@@ -12,9 +12,9 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "synth/calibration_board.h"
 #include "synth/hand.h"
 #include "synth/light.h"
-#include "synth/plate.h"
 #include "synth/sensor.h"
 #include "synth/turntable.h"
 
@@ -28,19 +28,24 @@ constexpr double kTableHalfWidth = 0.24;  // [m]
 const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
 constexpr double kGlossPower = 22;
 
-/// Points with z = 1 in the camera's frame at the pixels' corners; inside a pixel the distortion is bilinear to 1e-6 px.
+/// Points with z = 1 in the camera's frame at the pixels' corners; inside a pixel the distortion is
+/// bilinear to 1e-6 px.
 class RayTable {
  public:
-  explicit RayTable(const Camera& camera) : stride_(camera.width + 1), corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
+  explicit RayTable(const Camera& camera)
+      : stride_(camera.width + 1),
+        corners_(static_cast<std::size_t>(stride_) * (camera.height + 1)) {
     const auto row = [&](std::int64_t y) {
-      for (int x = 0; x < stride_; ++x) corners_[y * stride_ + x] = camera.Unproject(Vector2d(x, static_cast<double>(y))).head<2>();
+      for (int x = 0; x < stride_; ++x)
+        corners_[y * stride_ + x] = camera.Unproject(Vector2d(x, static_cast<double>(y))).head<2>();
     };
     ParallelFor(camera.height + 1, row, 16);
   }
   /// @param sx, sy  inside the pixel, in [0,1]
   Vector3d At(int x, int y, double sx, double sy) const {
     const Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
-    const Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) + sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
+    const Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) +
+                       sy * ((1 - sx) * c[stride_] + sx * c[stride_ + 1]);
     return {p[0], p[1], 1};
   }
 
@@ -59,37 +64,15 @@ Window WindowOf(const View& view, const PointsX3& points) {
   double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const Vector2d pixel = view.Project(points.row(i));
-    for (int k = 0; k < 2; ++k) low[k] = std::min(low[k], pixel[k]), high[k] = std::max(high[k], pixel[k]);
+    for (int k = 0; k < 2; ++k)
+      low[k] = std::min(low[k], pixel[k]), high[k] = std::max(high[k], pixel[k]);
   }
-  const auto inside = [](double v, int size) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size))); };
-  return {inside(low[0] - 2, view.camera.width), inside(low[1] - 2, view.camera.height), inside(high[0] + 3, view.camera.width),
-          inside(high[1] + 3, view.camera.height)};
-}
-
-}  // namespace
-
-std::vector<std::string> PhotographerOptions::Problems() const {
-  std::vector<std::string> problems;
-  const auto require = [&](bool good, const char* text) {
-    if (!good) problems.emplace_back(text);
+  const auto inside = [](double v, int size) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(size)));
   };
-  require(!elevations_deg.empty() && elevations_deg.size() <= 20, "elevations_deg needs 1 to 20 rings");
-  for (const double e : elevations_deg) require(e > -10 && e < 85, "elevations_deg must be in (-10, 85)");
-  require(views >= static_cast<int>(elevations_deg.size()) && views <= 2000, "views must be at least one a ring and at most 2000");
-  require(width >= 32 && height >= 32 && width <= 10000 && height <= 10000, "width and height must be in [32, 10000] px");
-  require(focal_35mm >= 15 && focal_35mm <= 400, "focal_35mm must be in [15, 400] mm");
-  require(fill > 0.05 && fill <= 1, "fill must be in (0.05, 1]");
-  require(background == "studio" || background == "plain", "background can be studio or plain");
-  require(noise >= 0 && blur_px >= 0 && blur_px < 20 && vignetting >= 0 && vignetting < 1,
-          "noise and blur_px must be >= 0, vignetting in [0, 1)");
-  require(supersampling >= 1 && supersampling <= 8, "supersampling must be in [1, 8]");
-  require(table_shadow >= 0 && table_shadow <= 1, "table_shadow must be in [0, 1]");
-  require(ambient >= 0 && lamp >= 0 && gloss >= 0, "ambient, lamp and gloss must be >= 0");
-  for (const std::string& problem : mishaps.Problems(views)) problems.push_back(problem);
-  return problems;
+  return {inside(low[0] - 2, view.camera.width), inside(low[1] - 2, view.camera.height),
+          inside(high[0] + 3, view.camera.width), inside(high[1] + 3, view.camera.height)};
 }
-
-namespace {
 
 /// Where the lamp stands, seen from the camera.
 struct LampStand {
@@ -107,7 +90,8 @@ LampStand FallenLamp(const PhotographerOptions& options) {
 }  // namespace
 
 struct Photographer::Impl {
-  Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options, const std::vector<RingView>* stands)
+  Impl(const World& the_world, const Pose& pose, const PhotographerOptions& the_options,
+       const std::vector<RingView>* stands)
       : world(the_world),
         options(the_options),
         surface(TruthSurface(world, pose)),
@@ -121,12 +105,16 @@ struct Photographer::Impl {
         table(scene, kTableHalfWidth),
         lumps(surface.points.rows()) {
     ParallelFor(
-        world.rest.points.rows(), [&](std::int64_t i) { lumps[i] = world.clay.LumpAt(world.rest.points.row(i)); }, 512);
-    if (options.plate.charuco) plate = MakePlate(options.plate);
-    if (options.mishaps.lamp_falls_after < 1) fallen_light.emplace(surface, normals, scene, FallenLamp(options).elevation_rad);
+        world.rest.points.rows(),
+        [&](std::int64_t i) { lumps[i] = world.clay.LumpAt(world.rest.points.row(i)); }, 512);
+    if (options.board.charuco) board = MakeBoardPicture(options.board);
+    if (options.mishaps.lamp_falls_after < 1)
+      fallen_light.emplace(surface, normals, scene, FallenLamp(options).elevation_rad);
     hands = HandViews(options.mishaps, static_cast<int>(views.size()));
   }
-  bool LampLies(int i) const { return i >= FirstAfter(options.mishaps.lamp_falls_after, static_cast<int>(views.size())); }
+  bool LampLies(int i) const {
+    return i >= FirstAfter(options.mishaps.lamp_falls_after, static_cast<int>(views.size()));
+  }
 
   World world;
   PhotographerOptions options;
@@ -140,7 +128,7 @@ struct Photographer::Impl {
   std::optional<LightField> fallen_light;  // after the lamp fell
   TableLight table;
   std::vector<int> lumps;  // of each vertex
-  std::optional<Plate> plate;
+  std::optional<BoardPicture> board;
   std::vector<int> hands;  // photographs with a hand in them
 };
 
@@ -150,7 +138,8 @@ namespace {
 class Exposure {
  public:
   template <class Impl>
-  Exposure(const Impl& set, const RingView& ring_view, const LightField& field, const LampStand& stand)
+  Exposure(const Impl& set, const RingView& ring_view, const LightField& field,
+           const LampStand& stand)
       : world_(set.world),
         options_(set.options),
         surface_(set.surface),
@@ -162,8 +151,9 @@ class Exposure {
         sky_(field.sky()),
         table_(set.table),
         lumps_(set.lumps),
-        plate_(set.plate ? &*set.plate : nullptr),
-        lamp_direction_(LampDirection(ring_view.azimuth_rad + stand.aside_rad, stand.elevation_rad)),
+        board_(set.board ? &*set.board : nullptr),
+        lamp_direction_(
+            LampDirection(ring_view.azimuth_rad + stand.aside_rad, stand.elevation_rad)),
         upright_height_(std::sin(UprightLamp(set.options).elevation_rad)),
         table_from_world_(ring_view.table_from_world),
         world_from_camera_(ring_view.view.camera_from_world.Inverse()),
@@ -200,21 +190,29 @@ class Exposure {
 
  private:
   Vector3d Shade(const RayScene::Hit& hit, const Vector3d& direction) const {
-    const int a = surface_.faces(hit.face, 0), b = surface_.faces(hit.face, 1), c = surface_.faces(hit.face, 2);
+    const int a = surface_.faces(hit.face, 0), b = surface_.faces(hit.face, 1),
+              c = surface_.faces(hit.face, 2);
     const double w = 1 - hit.u - hit.v;
     const auto mix = [&](const PointsX3& rows) -> Vector3d {
       return (w * rows.row(a) + hit.u * rows.row(b) + hit.v * rows.row(c)).transpose();
     };
-    const auto mix_light = [&](const std::vector<float>& values) { return w * values[a] + hit.u * values[b] + hit.v * values[c]; };
+    const auto mix_light = [&](const std::vector<float>& values) {
+      return w * values[a] + hit.u * values[b] + hit.v * values[c];
+    };
     const Vector3d rest = mix(world_.rest.points);
-    const int lump = lumps_[a] == lumps_[b] && lumps_[b] == lumps_[c] ? lumps_[a] : world_.clay.LumpAt(rest);
-    const Vector3d normal = (mix(normals_).normalized() - PosedSlope(world_.clay.RidgeSlope(rest, lump), a, b, c)).normalized();
-    const double lamp = options_.lamp * mix_light(lamp_), facing = std::max(0.0, normal.dot(lamp_direction_));
+    const int lump =
+        lumps_[a] == lumps_[b] && lumps_[b] == lumps_[c] ? lumps_[a] : world_.clay.LumpAt(rest);
+    const Vector3d normal =
+        (mix(normals_).normalized() - PosedSlope(world_.clay.RidgeSlope(rest, lump), a, b, c))
+            .normalized();
+    const double lamp = options_.lamp * mix_light(lamp_),
+                 facing = std::max(0.0, normal.dot(lamp_direction_));
     const double room = options_.ambient * (options_.shadows ? mix_light(sky_) : 1);
     const Vector3d light = lamp * facing * kLampColor + room * kRoomColor;
     const Vector3d halfway = (lamp_direction_ - direction).normalized();
     const double shine = world_.clay.lumps[lump].crisp ? 6 : 1;
-    const double gloss = options_.gloss * shine * mix_light(lamp_) * std::pow(std::max(0.0, normal.dot(halfway)), kGlossPower * shine);
+    const double gloss = options_.gloss * shine * mix_light(lamp_) *
+                         std::pow(std::max(0.0, normal.dot(halfway)), kGlossPower * shine);
     return world_.clay.Paint(rest, lump).cwiseProduct(light) + gloss * kLampColor;
   }
 
@@ -227,26 +225,30 @@ class Exposure {
       e.col(1) = (p.row(c) - p.row(a)).transpose();
       return e;
     };
-    const Eigen::Matrix<double, 3, 2> rest = edges(world_.rest.points), posed = edges(surface_.points);
+    const Eigen::Matrix<double, 3, 2> rest = edges(world_.rest.points),
+                                      posed = edges(surface_.points);
     const Eigen::Matrix2d metric = posed.transpose() * posed;
     return posed * metric.inverse() * (rest.transpose() * slope);
   }
 
-  /// The set behind the character: backdrop, shadow on the table, plate.
+  /// The set behind the character: backdrop, shadow on the table, board.
   Vector3d Behind(int x, int y) const {
     const float* back = backdrop_.at(x, y);
     Vector3d color = BackdropLight() * Vector3d(back[0], back[1], back[2]);
-    const Vector3d direction = turn_ * rays_.At(x, y, 0.5, 0.5), eye = world_from_camera_.translation;
+    const Vector3d direction = turn_ * rays_.At(x, y, 0.5, 0.5),
+                   eye = world_from_camera_.translation;
     if (direction[2] >= 0) return color;
     const Vector3d p = eye + direction * (eye[2] / -direction[2]);
     const double open = options_.ambient + options_.lamp * lamp_direction_[2];
     double share = 1;
     if (options_.shadows) {
-      const double lamp = table_.At(table_lamp_, p[0], p[1]), room = table_.At(table_.sky(), p[0], p[1]);
-      const double darkened = (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
+      const double lamp = table_.At(table_lamp_, p[0], p[1]),
+                   room = table_.At(table_.sky(), p[0], p[1]);
+      const double darkened =
+          (options_.ambient * room + options_.lamp * lamp_direction_[2] * lamp) / open;
       share = 1 - options_.table_shadow * (1 - darkened);
     }
-    if (plate_ && OnPlate(p)) color = open * PlateAt(x, y);
+    if (board_ && OnBoard(p)) color = open * BoardAt(x, y);
     return share * color;
   }
 
@@ -256,13 +258,13 @@ class Exposure {
     return now / (options_.ambient + options_.lamp * upright_height_);
   }
 
-  bool OnPlate(const Vector3d& x_in_world) const {
+  bool OnBoard(const Vector3d& x_in_world) const {
     const Vector3d p = table_from_world_ * x_in_world;
-    return std::abs(p[0]) < plate_->width_m / 2 && std::abs(p[1]) < plate_->height_m / 2;
+    return std::abs(p[0]) < board_->width_m / 2 && std::abs(p[1]) < board_->height_m / 2;
   }
 
-  /// Paper and ink of the plate in one pixel.
-  Vector3d PlateAt(int x, int y) const {
+  /// Paper and ink of the board in one pixel.
+  Vector3d BoardAt(int x, int y) const {
     const Vector3d eye = world_from_camera_.translation;
     constexpr int kSamples = 3;
     double sum = 0;
@@ -270,10 +272,11 @@ class Exposure {
       for (int i = 0; i < kSamples; ++i) {
         const Vector3d d = turn_ * rays_.At(x, y, (i + 0.5) / kSamples, (j + 0.5) / kSamples);
         const Vector3d p = table_from_world_ * (eye + d * (eye[2] / -d[2]));
-        const int px = static_cast<int>((p[0] / plate_->width_m + 0.5) * plate_->picture.width);
-        const int py = static_cast<int>((0.5 - p[1] / plate_->height_m) * plate_->picture.height);
-        const bool on = px >= 0 && py >= 0 && px < plate_->picture.width && py < plate_->picture.height;
-        sum += !on || *plate_->picture.at(px, py) > 127 ? 0.80 : 0.035;
+        const int px = static_cast<int>((p[0] / board_->width_m + 0.5) * board_->picture.width);
+        const int py = static_cast<int>((0.5 - p[1] / board_->height_m) * board_->picture.height);
+        const bool on =
+            px >= 0 && py >= 0 && px < board_->picture.width && py < board_->picture.height;
+        sum += !on || *board_->picture.at(px, py) > 127 ? 0.80 : 0.035;
       }
     return Vector3d::Constant(sum / (kSamples * kSamples));
   }
@@ -289,7 +292,7 @@ class Exposure {
   const std::vector<float>& sky_;
   const TableLight& table_;
   const std::vector<int>& lumps_;
-  const Plate* plate_;
+  const BoardPicture* board_;
   Vector3d lamp_direction_;
   double upright_height_;  // of a unit vector to the lamp while it stands
   Rigid3 table_from_world_;
@@ -311,8 +314,10 @@ const PhotographerOptions& Checked(const PhotographerOptions& options) {
 
 }  // namespace
 
-Photographer::Photographer(const World& world, const Pose& pose, const PhotographerOptions& options, const Photographer* rig)
-    : impl_(std::make_unique<Impl>(world, pose, Checked(options), rig ? &rig->impl_->views : nullptr)) {}
+Photographer::Photographer(const World& world, const Pose& pose, const PhotographerOptions& options,
+                           const Photographer* rig)
+    : impl_(std::make_unique<Impl>(world, pose, Checked(options),
+                                   rig ? &rig->impl_->views : nullptr)) {}
 Photographer::~Photographer() = default;
 Photographer::Photographer(Photographer&&) noexcept = default;
 
@@ -332,37 +337,44 @@ SyntheticView Photographer::Take(int i) const {
     for (int x = 0; x < width; ++x) {
       double covered = 0;
       const Vector3d color = exposure.Pixel(x, static_cast<int>(y), &covered);
-      for (int c = 0; c < 3; ++c) linear.at(x, static_cast<int>(y))[c] = static_cast<float>(color[c]);
+      for (int c = 0; c < 3; ++c)
+        linear.at(x, static_cast<int>(y))[c] = static_cast<float>(color[c]);
       *photograph.mask.at(x, static_cast<int>(y)) = covered >= 0.5 ? 255 : 0;
     }
   };
   ParallelFor(height, row, 16);
   if (std::binary_search(impl_->hands.begin(), impl_->hands.end(), i))
     HoldHand(linear, photograph.mask, impl_->options.seed * 977 + static_cast<std::uint64_t>(i));
-  photograph.image = Develop(std::move(linear), SensorFor(impl_->options, static_cast<std::uint64_t>(i) + 1));
+  photograph.image =
+      Develop(std::move(linear), SensorFor(impl_->options, static_cast<std::uint64_t>(i) + 1));
   return photograph;
 }
 
-Image8 Photographer::BackgroundPlate() const { return Develop(impl_->backdrop, SensorFor(impl_->options, 0)); }
+Image8 Photographer::CleanPlate() const {
+  return Develop(impl_->backdrop, SensorFor(impl_->options, 0));
+}
 
-std::vector<SyntheticView> Photograph(const World& world, const Pose& pose, const PhotographerOptions& options, Progress* progress) {
+std::vector<SyntheticView> Photograph(const World& world, const Pose& pose,
+                                      const PhotographerOptions& options, Progress* progress) {
   const Photographer photographer(world, pose, options);
   std::vector<SyntheticView> photographs;
   for (int i = 0; i < photographer.view_count(); ++i) {
-    Step(progress, static_cast<double>(i) / photographer.view_count(), "photographs");
+    ReportProgress(progress, static_cast<double>(i) / photographer.view_count(), "photographs");
     photographs.push_back(photographer.Take(i));
   }
   return photographs;
 }
 
-Scene TruthScene(const World& world, const Pose& pose, const std::vector<SyntheticView>& photographs, int points) {
+Scene TruthScene(const World& world, const Pose& pose,
+                 const std::vector<SyntheticView>& photographs, int points) {
   const Mesh surface = TruthSurface(world, pose, true);
   const PointsX3 normals = VertexNormals(surface.points, surface.faces);
   const RayScene rays(surface.points, surface.faces);
   Scene scene;
   for (const SyntheticView& photograph : photographs) scene.views.push_back(photograph.view);
   const int stride = std::max(1, surface.vertex_count() / std::max(1, points));
-  std::vector<SparsePoint> found(static_cast<std::size_t>((surface.vertex_count() + stride - 1) / stride));
+  std::vector<SparsePoint> found(
+      static_cast<std::size_t>((surface.vertex_count() + stride - 1) / stride));
   const auto look = [&](std::int64_t i) {
     const Vector3d x = surface.points.row(i * stride), normal = normals.row(i * stride);
     SparsePoint& point = found[i];
@@ -370,10 +382,13 @@ Scene TruthScene(const World& world, const Pose& pose, const std::vector<Synthet
     point.color = surface.colors.row(i * stride).transpose();
     for (std::size_t v = 0; v < scene.views.size(); ++v) {
       const Vector3d to_camera = scene.views[v].Center() - x;
-      if (normal.dot(to_camera.normalized()) < 0.2 || rays.Occluded(x + 2e-4 * normal, to_camera, 0, 1)) continue;
+      if (normal.dot(to_camera.normalized()) < 0.2 ||
+          rays.Occluded(x + 2e-4 * normal, to_camera, 0, 1))
+        continue;
       const Vector2d pixel = scene.views[v].Project(x);
       const Camera& camera = scene.views[v].camera;
-      if (pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] < camera.width && pixel[1] < camera.height) point.views.push_back(static_cast<int>(v));
+      if (pixel[0] >= 0 && pixel[1] >= 0 && pixel[0] < camera.width && pixel[1] < camera.height)
+        point.views.push_back(static_cast<int>(v));
     }
   };
   ParallelFor(static_cast<std::int64_t>(found.size()), look, 64);

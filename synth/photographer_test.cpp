@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
-#include "synth/plate.h"
+#include "synth/calibration_board.h"
 #include "synth/polygonize.h"
 
 namespace keypose::synth {
@@ -46,7 +46,8 @@ World SpottedBall(const Vector3d& center, const Vector3d& spot) {
   world.clay.flat_base = false;
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
-  world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, 0.004);
+  world.rest =
+      Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, 0.004);
   world.poses = {{"rest", {}}};
   return world;
 }
@@ -58,7 +59,8 @@ TEST(Photographer, PaintAppearsWhereTheCameraProjectsIt) {
   options.k1 = -0.25, options.k2 = 0.1, options.p1 = 0.002;  // strong, so that a wrong model shows
   options.noise = options.gloss = options.vignetting = 0;
   options.supersampling = 4;
-  // Off the axis, where distortion counts, and turned to the camera, so that the spot's outline is centred on it.
+  // Off the axis, where distortion counts, and turned to the camera, so that the spot's outline is
+  // centred on it.
   const Vector3d ball(0.05, 0, 0.06);
   World world = SpottedBall(ball, ball + Vector3d(0, -0.05, 0));
   const Vector3d eye = Photographer(world, world.poses[0], options).ViewAt(0).Center();
@@ -77,11 +79,14 @@ TEST(Photographer, PaintAppearsWhereTheCameraProjectsIt) {
     }
   ASSERT_GT(count, 100);
   const Vector2d offset = sum / count - photograph.view.Project(spot);
-  EXPECT_LT(offset.norm(), 0.12) << offset.transpose();  // some 400 pixels of spot, seen by whole pixels
+  EXPECT_LT(offset.norm(), 0.12)
+      << offset.transpose();  // some 400 pixels of spot, seen by whole pixels
   Camera pinhole = photograph.view.camera;
   pinhole.k1 = pinhole.k2 = pinhole.p1 = pinhole.p2 = 0;
-  EXPECT_GT((pinhole.Project(photograph.view.camera_from_world * spot) - photograph.view.Project(spot)).norm(),
-            0.3);  // the test would notice
+  EXPECT_GT(
+      (pinhole.Project(photograph.view.camera_from_world * spot) - photograph.view.Project(spot))
+          .norm(),
+      0.3);  // the test would notice
 }
 
 TEST(Photographer, MaskIsTheSilhouette) {
@@ -97,7 +102,8 @@ TEST(Photographer, MaskIsTheSilhouette) {
       different += (photograph.mask.data[p] > 0) != (raster.face.data[p] >= 0);
     }
     EXPECT_GT(mask_pixels, 3000);
-    // Half of a pixel covered and its centre covered differ at the edge only: some 600 edge pixels here.
+    // Half of a pixel covered and its centre covered differ at the edge only: some 600 edge pixels
+    // here.
     EXPECT_LT(different, 0.02 * mask_pixels) << "view " << i;
   }
 }
@@ -120,19 +126,20 @@ TEST(Photographer, SameBitsAtOneAndManyThreads) {
   SetThreadCount(1);
   const SyntheticView one = Photographer(Creature(), Creature().PoseNamed("rest"), Small()).Take(2);
   SetThreadCount(4);
-  const SyntheticView many = Photographer(Creature(), Creature().PoseNamed("rest"), Small()).Take(2);
+  const SyntheticView many =
+      Photographer(Creature(), Creature().PoseNamed("rest"), Small()).Take(2);
   SetThreadCount(0);
   EXPECT_EQ(one.image.data, many.image.data);
   EXPECT_EQ(one.mask.data, many.mask.data);
 }
 
-TEST(Photographer, BackgroundIsStaticAndEqualsThePlateWithoutTheCharacter) {
+TEST(Photographer, BackgroundIsStaticAndEqualsTheCleanPlate) {
   PhotographerOptions options = Small();
   options.noise = 0;
   options.blur_px = 0;
   options.shadows = false;
   const Photographer photographer(Creature(), Creature().PoseNamed("rest"), options);
-  const Image8 empty = photographer.BackgroundPlate();
+  const Image8 empty = photographer.CleanPlate();
   for (const int i : {0, 3}) {
     const SyntheticView photograph = photographer.Take(i);
     int compared = 0;
@@ -141,10 +148,12 @@ TEST(Photographer, BackgroundIsStaticAndEqualsThePlateWithoutTheCharacter) {
         bool clear = true;  // pixels next to the silhouette are mixtures
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx)
-            clear &= *photograph.mask.at(std::clamp(x + dx, 0, options.width - 1), std::clamp(y + dy, 0, options.height - 1)) == 0;
+            clear &= *photograph.mask.at(std::clamp(x + dx, 0, options.width - 1),
+                                         std::clamp(y + dy, 0, options.height - 1)) == 0;
         if (!clear) continue;
         ++compared;
-        for (int c = 0; c < 3; ++c) ASSERT_EQ(photograph.image.at(x, y)[c], empty.at(x, y)[c]) << x << " " << y;
+        for (int c = 0; c < 3; ++c)
+          ASSERT_EQ(photograph.image.at(x, y)[c], empty.at(x, y)[c]) << x << " " << y;
       }
     EXPECT_GT(compared, options.width * options.height / 2);
   }
@@ -155,12 +164,13 @@ TEST(Photographer, ShadowFallsAwayFromTheLamp) {
   options.noise = 0;
   options.table_shadow = 1;
   const Photographer photographer(Creature(), Creature().PoseNamed("rest"), options);
-  const Image8 empty = photographer.BackgroundPlate();
+  const Image8 empty = photographer.CleanPlate();
   const SyntheticView photograph = photographer.Take(0);
   double left = 0, right = 0;
   for (int y = options.height / 2; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x)
-      if (!*photograph.mask.at(x, y)) (x < options.width / 2 ? left : right) += empty.at(x, y)[1] - photograph.image.at(x, y)[1];
+      if (!*photograph.mask.at(x, y))
+        (x < options.width / 2 ? left : right) += empty.at(x, y)[1] - photograph.image.at(x, y)[1];
   EXPECT_GT(right, 2 * std::max(left, 1.0));  // the lamp stands to the left of the camera
 }
 
@@ -169,51 +179,59 @@ TEST(Photographer, NoiseAndVignettingAreAsAsked) {
   options.background = "plain";
   options.blur_px = 0;
   options.vignetting = 0;
-  const Image8 noisy = Photographer(Creature(), Creature().PoseNamed("rest"), options).BackgroundPlate();
+  const Image8 noisy = Photographer(Creature(), Creature().PoseNamed("rest"), options).CleanPlate();
   double sum = 0, squares = 0;
   const double count = static_cast<double>(noisy.width) * noisy.height;
   for (int i = 0; i < noisy.width * noisy.height; ++i) {
     const double v = noisy.data[3 * i + 1];
     sum += v, squares += v * v;
   }
-  // Linear 0.495 has sigma sqrt(1.2e-4 * 0.495 + 4e-6) = 0.0080; sRGB's slope there is 0.439 * 0.495^(-0.583) = 0.661; plus rounding.
+  // Linear 0.495 has sigma sqrt(1.2e-4 * 0.495 + 4e-6) = 0.0080; sRGB's slope there is 0.439 *
+  // 0.495^(-0.583) = 0.661; plus rounding.
   const double expected = std::sqrt(std::pow(255 * 0.661 * 0.0080, 2) + 1.0 / 12);
   EXPECT_NEAR(std::sqrt(squares / count - std::pow(sum / count, 2)), expected, 0.1 * expected);
 
   options.noise = 0;
   options.vignetting = 0.3;
-  const Image8 dark = Photographer(Creature(), Creature().PoseNamed("rest"), options).BackgroundPlate();
+  const Image8 dark = Photographer(Creature(), Creature().PoseNamed("rest"), options).CleanPlate();
   const auto linear = [](std::uint8_t v) { return std::pow((v / 255.0 + 0.055) / 1.055, 2.4); };
-  EXPECT_NEAR(linear(dark.at(0, 0)[1]) / linear(dark.at(dark.width / 2, dark.height / 2)[1]), 0.7, 0.02);
+  EXPECT_NEAR(linear(dark.at(0, 0)[1]) / linear(dark.at(dark.width / 2, dark.height / 2)[1]), 0.7,
+              0.02);
 }
 
-TEST(Photographer, OpenCvFindsThePlatesCornersWhereTheTruthSays) {
+TEST(Photographer, OpenCvFindsTheBoardsCornersWhereTheTruthSays) {
   PhotographerOptions options = Small(1);
   options.elevations_deg = {50};
   options.width = 1000, options.height = 750;
   options.fill = 0.5;
-  options.plate.charuco = true;
-  const SyntheticView photograph = Photographer(Creature(), Creature().PoseNamed("rest"), options).Take(0);
-  const Plate plate = MakePlate(options.plate);
+  options.board.charuco = true;
+  const SyntheticView photograph =
+      Photographer(Creature(), Creature().PoseNamed("rest"), options).Take(0);
+  const BoardPicture board = MakeBoardPicture(options.board);
   cv::Mat grey(options.height, options.width, CV_8UC1);
   for (int y = 0; y < options.height; ++y)
-    for (int x = 0; x < options.width; ++x) grey.at<std::uint8_t>(y, x) = photograph.image.at(x, y)[1];
+    for (int x = 0; x < options.width; ++x)
+      grey.at<std::uint8_t>(y, x) = photograph.image.at(x, y)[1];
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
-  const auto board =
-      cv::aruco::CharucoBoard::create(options.plate.squares_x, options.plate.squares_y, static_cast<float>(options.plate.square_m),
-                                      static_cast<float>(options.plate.marker_m), dictionary);
+  const auto cv_board = cv::aruco::CharucoBoard::create(
+      options.board.squares_x, options.board.squares_y, static_cast<float>(options.board.square_m),
+      static_cast<float>(options.board.marker_m), dictionary);
   std::vector<std::vector<cv::Point2f>> markers;
   std::vector<int> ids, corner_ids;
   std::vector<cv::Point2f> corners;
   cv::aruco::detectMarkers(grey, dictionary, markers, ids);
   ASSERT_GE(ids.size(), 10u);
-  cv::aruco::interpolateCornersCharuco(markers, ids, grey, board, corners, corner_ids);
+  cv::aruco::interpolateCornersCharuco(markers, ids, grey, cv_board, corners, corner_ids);
   ASSERT_GE(corners.size(), 12u);
-  // OpenCV 4.6 gives these corners half a pixel off its own convention, so its refinement has the last word: pixel centres are whole there.
-  cv::cornerSubPix(grey, corners, {4, 4}, {-1, -1}, cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-5));
+  // OpenCV 4.6 gives these corners half a pixel off its own convention, so its refinement has the
+  // last word: pixel centres are whole there.
+  cv::cornerSubPix(grey, corners, {4, 4}, {-1, -1},
+                   cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-5));
   std::vector<double> errors;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    errors.push_back((Vector2d(corners[i].x + 0.5, corners[i].y + 0.5) - photograph.view.Project(plate.corners.row(corner_ids[i]))).norm());
+    errors.push_back((Vector2d(corners[i].x + 0.5, corners[i].y + 0.5) -
+                      photograph.view.Project(board.corners.row(corner_ids[i])))
+                         .norm());
   std::sort(errors.begin(), errors.end());
   EXPECT_LT(errors[errors.size() / 2], 0.2);
 }
@@ -229,7 +247,7 @@ TEST(Photographer, BadOptionsThrowUsageError) {
   refuse([](PhotographerOptions& o) { o.views = 1; });
   refuse([](PhotographerOptions& o) { o.width = 3; });
   refuse([](PhotographerOptions& o) { o.background = "beach"; });
-  refuse([](PhotographerOptions& o) { o.plate.charuco = true, o.plate.marker_m = 0.05; });
+  refuse([](PhotographerOptions& o) { o.board.charuco = true, o.board.marker_m = 0.05; });
 }
 
 TEST(TruthScene, PointsProjectIntoTheMasksOfTheViewsThatSeeThem) {
@@ -241,10 +259,12 @@ TEST(TruthScene, PointsProjectIntoTheMasksOfTheViewsThatSeeThem) {
   for (const SparsePoint& point : scene.points)
     for (const int v : point.views) {
       const Vector2d pixel = scene.views[v].Project(point.position);
-      inside += *photographs[v].mask.at(static_cast<int>(pixel[0]), static_cast<int>(pixel[1])) == 255;
+      inside +=
+          *photographs[v].mask.at(static_cast<int>(pixel[0]), static_cast<int>(pixel[1])) == 255;
       ++total;
     }
-  EXPECT_GT(inside, 0.99 * total);  // a point on the rim may lie in a pixel that is less than half covered
+  EXPECT_GT(inside,
+            0.99 * total);  // a point on the rim may lie in a pixel that is less than half covered
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ namespace {
 void MakeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw DiskError("synth: cannot create the folder " + folder.string() + ": " + error.message());
+  if (error)
+    throw DiskError("synth: cannot create the folder " + folder.string() + ": " + error.message());
 }
 
 ExifToWrite ExifOf(const PhotographerOptions& options) {
@@ -31,39 +32,49 @@ struct PoseFolders {
   std::filesystem::path photos, truth;
 };
 
-/// What stands on the table for each photograph: the character as it should, or what a mishap puts there.
+/// What stands on the table for each photograph: the character as it should, or what a mishap puts
+/// there.
 struct Cast {
-  std::unique_ptr<Photographer> other, bumped;  ///< another character; the character in another pose; null without that mishap
+  /// another character; the character in another pose; null without that mishap
+  std::unique_ptr<Photographer> other, bumped;
   std::vector<const Photographer*> of_view;
 };
 
-Cast CastOf(const Photographer& photographer, const World& world, const PhotosCommand& command, const std::string& pose) {
+Cast CastOf(const Photographer& photographer, const World& world, const PhotosCommand& command,
+            const std::string& pose) {
   const Mishaps& mishaps = command.photographer.mishaps;
   const int views = photographer.view_count();
-  Cast cast{nullptr, nullptr, std::vector<const Photographer*>(static_cast<std::size_t>(views), &photographer)};
+  Cast cast{nullptr, nullptr,
+            std::vector<const Photographer*>(static_cast<std::size_t>(views), &photographer)};
   if (!mishaps.moved_pose.empty()) {
-    cast.bumped = std::make_unique<Photographer>(world, world.PoseNamed(mishaps.moved_pose), command.photographer, &photographer);
-    for (int i = FirstAfter(mishaps.moved_from, views); i < views; ++i) cast.of_view[static_cast<std::size_t>(i)] = cast.bumped.get();
+    cast.bumped = std::make_unique<Photographer>(world, world.PoseNamed(mishaps.moved_pose),
+                                                 command.photographer, &photographer);
+    for (int i = FirstAfter(mishaps.moved_from, views); i < views; ++i)
+      cast.of_view[i] = cast.bumped.get();
   }
   if (mishaps.strays > 0) {
     WorldOptions options = command.world;
     options.seed = StraySeed(mishaps, options.seed);
     const World stranger = MakeWorld(options);
-    cast.other = std::make_unique<Photographer>(stranger, stranger.PoseNamed(pose), command.photographer, &photographer);
-    for (const int i : StrayViews(mishaps, views)) cast.of_view[static_cast<std::size_t>(i)] = cast.other.get();
+    cast.other = std::make_unique<Photographer>(stranger, stranger.PoseNamed(pose),
+                                                command.photographer, &photographer);
+    for (const int i : StrayViews(mishaps, views)) cast.of_view[i] = cast.other.get();
   }
   return cast;
 }
 
-/// Takes and writes one set of photographs. @return the views that show the character, without pixels
-std::vector<SyntheticView> TakeAll(const Photographer& photographer, const Cast& cast, const PhotosCommand& command,
-                                   const std::string& prefix, const PoseFolders& folders, Progress* progress) {
+/// Takes and writes one set of photographs.
+/// @return the views that show the character, without
+/// pixels
+std::vector<SyntheticView> TakeAll(const Photographer& photographer, const Cast& cast,
+                                   const PhotosCommand& command, const std::string& prefix,
+                                   const PoseFolders& folders, Progress* progress) {
   const ExifToWrite exif = ExifOf(command.photographer);
   std::vector<SyntheticView> views(photographer.view_count());
   // One photograph a thread: encoding JPEG uses one core only.
   const auto take = [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
-    const Photographer& taker = *cast.of_view[static_cast<std::size_t>(i)];
+    const Photographer& taker = *cast.of_view[i];
     SyntheticView view = taker.Take(static_cast<int>(i));
     if (&taker == cast.other.get()) view.mask = Image8(view.mask.width, view.mask.height, 1, 0);
     view.view.name = prefix + view.view.name.substr(view.view.name.find('_'));
@@ -74,25 +85,33 @@ std::vector<SyntheticView> TakeAll(const Photographer& photographer, const Cast&
   ParallelFor(photographer.view_count(), take);
   std::vector<SyntheticView> of_character;
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (cast.of_view[i] != cast.other.get() || !cast.other) of_character.push_back(std::move(views[i]));
+    if (cast.of_view[i] != cast.other.get() || !cast.other)
+      of_character.push_back(std::move(views[i]));
   return of_character;
 }
 
-std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const PointsX3& standing, const PhotosCommand& command,
-                                     const PoseFolders& folders, Progress* progress) {
+std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const PointsX3& standing,
+                                     const PhotosCommand& command, const PoseFolders& folders,
+                                     Progress* progress) {
   const Lying lying = LayDown(pose, standing);
   PhotographerOptions options = command.photographer;
   options.seed += 1;
   options.mishaps = {};  // they happen to the figure that stands
   const Photographer photographer(world, lying.pose, options);
-  const Cast alone{nullptr, nullptr, std::vector<const Photographer*>(static_cast<std::size_t>(photographer.view_count()), &photographer)};
-  std::vector<SyntheticView> views = TakeAll(photographer, alone, command, "LYING", folders, progress);
-  for (SyntheticView& view : views) view.view.camera_from_world = Compose(view.view.camera_from_world, lying.table_from_character);
+  const Cast alone{nullptr, nullptr,
+                   std::vector<const Photographer*>(
+                       static_cast<std::size_t>(photographer.view_count()), &photographer)};
+  std::vector<SyntheticView> views =
+      TakeAll(photographer, alone, command, "LYING", folders, progress);
+  for (SyntheticView& view : views)
+    view.view.camera_from_world = Compose(view.view.camera_from_world, lying.table_from_character);
   return views;
 }
 
-int PhotographPose(const PhotosCommand& command, const World& world, const Pose& pose, Progress* progress) {
-  const PoseFolders folders{command.output / "photos" / pose.name, command.output / "truth" / pose.name};
+int PhotographPose(const PhotosCommand& command, const World& world, const Pose& pose,
+                   Progress* progress) {
+  const PoseFolders folders{command.output / "photos" / pose.name,
+                            command.output / "truth" / pose.name};
   MakeFolder(folders.photos);
   MakeFolder(folders.truth / "masks");
   const Photographer photographer(world, pose, command.photographer);
@@ -101,13 +120,16 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
   std::vector<SyntheticView> views = TakeAll(photographer, cast, command, "IMG", folders, progress);
   const int strays = photographer.view_count() - static_cast<int>(views.size());
   if (command.flip)
-    for (SyntheticView& view : TakeLying(world, pose, photographer.surface().points, command, folders, progress))
+    for (SyntheticView& view :
+         TakeLying(world, pose, photographer.surface().points, command, folders, progress))
       views.push_back(std::move(view));
-  const Truth truth{TruthScene(world, pose, views), photographer.surface(), SeenSurface(world, pose), pose(world.smooth), world.landmarks};
+  const Truth truth{TruthScene(world, pose, views), photographer.surface(),
+                    SeenSurface(world, pose), pose(world.smooth), world.landmarks};
   WriteTruth(folders.truth, truth, world, pose, command.world, command.photographer);
-  if (command.background_plate) {
+  if (command.clean_plate) {
     MakeFolder(command.output / "background");
-    WriteImage(command.output / "background" / (pose.name + ".jpg"), photographer.BackgroundPlate(), command.jpeg_quality, &exif);
+    WriteImage(command.output / "background" / (pose.name + ".jpg"), photographer.CleanPlate(),
+               command.jpeg_quality, &exif);
   }
   return static_cast<int>(views.size()) + strays;
 }
@@ -117,15 +139,17 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
 int RunPhotos(const PhotosCommand& command, Progress* progress) {
   const std::vector<std::string> problems = command.photographer.Problems();
   if (!problems.empty()) throw UsageError("synth: " + problems.front());
-  Step(progress, 0, "sculpting");
+  ReportProgress(progress, 0, "sculpting");
   const World world = MakeWorld(command.world);
   int written = 0;
   for (std::size_t i = 0; i < command.poses.size(); ++i) {
     const Pose& pose = world.PoseNamed(command.poses[i]);
-    Step(progress, 0.05 + 0.95 * static_cast<double>(i) / static_cast<double>(command.poses.size()), "photographs of " + pose.name);
+    ReportProgress(progress,
+                   0.05 + 0.95 * static_cast<double>(i) / static_cast<double>(command.poses.size()),
+                   "photographs of " + pose.name);
     written += PhotographPose(command, world, pose, progress);
   }
-  Step(progress, 1, "done");
+  ReportProgress(progress, 1, "done");
   return written;
 }
 

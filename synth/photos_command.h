@@ -16,8 +16,9 @@ struct PhotosCommand {
   std::vector<std::string> poses = {"rest", "bent"};
   WorldOptions world;
   PhotographerOptions photographer;
-  bool background_plate = false;  ///< also write background/POSE.jpg
-  bool flip = false;  ///< as many photographs again of the character on its back, LYING_0001.jpg and so on, with cameras in the same frame
+  bool clean_plate = false;  ///< also write background/POSE.jpg
+  bool flip = false;  ///< as many photographs again of the character on its back, LYING_0001.jpg
+                      ///< and so on, with cameras in the same frame
   int jpeg_quality = 94;
 };
 

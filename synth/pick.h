@@ -20,8 +20,9 @@ struct Picks {
 ///
 /// @param truth            surface whose vertices the landmarks name
 /// @param truth_from_mesh  e.g. of ScoreCameras
-/// @param reach            landmarks farther from the mesh than this share of its diagonal are left out
-Picks PickLandmarks(const Mesh& truth, const std::vector<TruthLandmark>& landmarks, const Mesh& mesh, const Similarity3& truth_from_mesh,
-                    double reach = 0.03);
+/// @param reach            landmarks farther from the mesh than this share of its diagonal are left
+/// out
+Picks PickLandmarks(const Mesh& truth, const std::vector<TruthLandmark>& landmarks,
+                    const Mesh& mesh, const Similarity3& truth_from_mesh, double reach = 0.03);
 
 }  // namespace keypose::synth

@@ -17,7 +17,8 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Body-centred lattice in integer coordinates: cube corners have all coordinates even, cube centres all odd.
+// Body-centred lattice in integer coordinates: cube corners have all coordinates even, cube centres
+// all odd.
 struct Lattice {
   Vector3d low;
   double half;     // half of a cube's edge
@@ -32,14 +33,16 @@ struct Lattice {
 constexpr int kBlock = 4;  // cubes along a block's edge
 
 // Blocks of cubes that the surface may cross, by the field's value at their centre.
-std::vector<Vector3i> NearBlocks(const std::function<double(const Vector3d&)>& f, const Lattice& lattice, double lipschitz) {
+std::vector<Vector3i> NearBlocks(const std::function<double(const Vector3d&)>& f,
+                                 const Lattice& lattice, double lipschitz) {
   const Vector3i count = (lattice.cubes.array() + kBlock - 1) / kBlock;
   const std::int64_t total = static_cast<std::int64_t>(count[0]) * count[1] * count[2];
   std::vector<char> near(total, 0);
   // Tetrahedra reach half a cube over the block's sides.
   const double reach = lipschitz * std::sqrt(3.0) * lattice.half * (kBlock + 1);
   const auto block_at = [&](std::int64_t i) {
-    return Vector3i(static_cast<int>(i % count[0]), static_cast<int>(i / count[0] % count[1]), static_cast<int>(i / count[0] / count[1]));
+    return Vector3i(static_cast<int>(i % count[0]), static_cast<int>(i / count[0] % count[1]),
+                    static_cast<int>(i / count[0] / count[1]));
   };
   ParallelFor(
       total,
@@ -67,13 +70,15 @@ struct Piece {
 
 class BlockMarcher {
  public:
-  BlockMarcher(const std::function<double(const Vector3d&)>& f, const Lattice& lattice, const Vector3i& block)
+  BlockMarcher(const std::function<double(const Vector3d&)>& f, const Lattice& lattice,
+               const Vector3i& block)
       : f_(f),
         lattice_(lattice),
         first_(2 * kBlock * block - Vector3i::Ones()),
         values_(kSide * kSide * kSide, std::numeric_limits<double>::quiet_NaN()) {}
 
-  // Four tetrahedra round every edge between neighbouring centres; this block owns the edges that leave its own centres upwards.
+  // Four tetrahedra round every edge between neighbouring centres; this block owns the edges that
+  // leave its own centres upwards.
   Piece March(const Vector3i& block) {
     for (int z = 0; z < kBlock; ++z)
       for (int y = 0; y < kBlock; ++y)
@@ -96,9 +101,11 @@ class BlockMarcher {
   }
 
   void AroundEdge(const Vector3i& center, int axis) {
-    const Vector3i up = Vector3i::Unit(axis), u = Vector3i::Unit((axis + 1) % 3), v = Vector3i::Unit((axis + 2) % 3);
+    const Vector3i up = Vector3i::Unit(axis), u = Vector3i::Unit((axis + 1) % 3),
+                   v = Vector3i::Unit((axis + 2) % 3);
     const Vector3i next = center + 2 * up, middle = center + up;
-    const Vector3i ring[4] = {middle + u + v, middle - u + v, middle - u - v, middle + u - v};  // counter-clockwise seen from next
+    const Vector3i ring[4] = {middle + u + v, middle - u + v, middle - u - v,
+                              middle + u - v};  // counter-clockwise seen from next
     for (int k = 0; k < 4; ++k) Tetrahedron({center, next, ring[k], ring[(k + 1) % 4]});
   }
 
@@ -124,12 +131,15 @@ class BlockMarcher {
     };
     if (in_count == 1) {
       // Seen from outside, the corners around a lone inner vertex turn like the opposite face does.
-      Face(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[0], out[2]), odd(in[0], out[0], out[1], out[2]));
+      Face(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[0], out[2]),
+           odd(in[0], out[0], out[1], out[2]));
     } else if (out_count == 1) {
-      Face(cut(in[0], out[0]), cut(in[1], out[0]), cut(in[2], out[0]), !odd(out[0], in[0], in[1], in[2]));
+      Face(cut(in[0], out[0]), cut(in[1], out[0]), cut(in[2], out[0]),
+           !odd(out[0], in[0], in[1], in[2]));
     } else {
       const bool flip = odd(in[0], in[1], out[0], out[1]);
-      const Cut a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]), d = cut(in[1], out[0]);
+      const Cut a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]),
+                d = cut(in[1], out[0]);
       Face(a, b, c, flip);
       Face(a, c, d, flip);
     }
@@ -150,13 +160,14 @@ class BlockMarcher {
 
 struct PairHash {
   std::size_t operator()(const std::pair<std::int64_t, std::int64_t>& p) const {
-    std::uint64_t h =
-        static_cast<std::uint64_t>(p.first) * 0x9e3779b97f4a7c15ULL ^ static_cast<std::uint64_t>(p.second) * 0xc2b2ae3d27d4eb4fULL;
+    std::uint64_t h = static_cast<std::uint64_t>(p.first) * 0x9e3779b97f4a7c15ULL ^
+                      static_cast<std::uint64_t>(p.second) * 0xc2b2ae3d27d4eb4fULL;
     return static_cast<std::size_t>(h ^ h >> 29);
   }
 };
 
-Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Lattice& lattice, const Cut& cut) {
+Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Lattice& lattice,
+                    const Cut& cut) {
   const Vector3d a = lattice.At(cut.inside), b = lattice.At(cut.outside);
   // Regula falsi that halves a stuck end (Illinois): the field bends where lumps meet.
   double low = 0, high = 1, f_low = cut.f_inside, f_high = cut.f_outside, t = 0.5;
@@ -179,7 +190,8 @@ Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Latti
   return a + t * (b - a);
 }
 
-Mesh Join(const std::function<double(const Vector3d&)>& f, const Lattice& lattice, const std::vector<Piece>& pieces) {
+Mesh Join(const std::function<double(const Vector3d&)>& f, const Lattice& lattice,
+          const std::vector<Piece>& pieces) {
   std::size_t corners = 0;
   for (const Piece& piece : pieces) corners += piece.cuts.size();
   std::unordered_map<std::pair<std::int64_t, std::int64_t>, int, PairHash> index;
@@ -190,34 +202,39 @@ Mesh Join(const std::function<double(const Vector3d&)>& f, const Lattice& lattic
   int* corner = mesh.faces.data();
   for (const Piece& piece : pieces)
     for (const Cut& cut : piece.cuts) {
-      const auto [it, is_new] = index.try_emplace({lattice.Key(cut.inside), lattice.Key(cut.outside)}, static_cast<int>(cuts.size()));
+      const auto [it, is_new] = index.try_emplace(
+          {lattice.Key(cut.inside), lattice.Key(cut.outside)}, static_cast<int>(cuts.size()));
       if (is_new) cuts.push_back(&cut);
       *corner++ = it->second;
     }
   mesh.points.resize(static_cast<Eigen::Index>(cuts.size()), 3);
-  const auto place = [&](std::int64_t i) { mesh.points.row(i) = PointOfCut(f, lattice, *cuts[i]).transpose(); };
+  const auto place = [&](std::int64_t i) {
+    mesh.points.row(i) = PointOfCut(f, lattice, *cuts[i]).transpose();
+  };
   ParallelFor(static_cast<std::int64_t>(cuts.size()), place, 256);
   return mesh;
 }
 
 }  // namespace
 
-Mesh Polygonize(const std::function<double(const Vector3d&)>& f, const Vector3d& low, const Vector3d& high, double spacing,
-                double lipschitz) {
+Mesh Polygonize(const std::function<double(const Vector3d&)>& f, const Vector3d& low,
+                const Vector3d& high, double spacing, double lipschitz) {
   Lattice lattice{low, spacing / 2, Vector3i::Zero()};
   for (int k = 0; k < 3; ++k) {
     const double cubes = std::ceil((high[k] - low[k]) / spacing);
     if (!(spacing > 0) || !(cubes >= 1 && cubes < 4000))
-      throw InputError("synth: the spacing does not suit the box; between 1 and 4000 cubes along each axis");
+      throw InputError(
+          "synth: the spacing does not suit the box; between 1 and 4000 cubes along each axis");
     lattice.cubes[k] = static_cast<int>(cubes);
   }
   const std::vector<Vector3i> blocks = NearBlocks(f, lattice, lipschitz);
   std::vector<Piece> pieces(blocks.size());
   ParallelFor(
-      static_cast<std::int64_t>(blocks.size()), [&](std::int64_t i) { pieces[i] = BlockMarcher(f, lattice, blocks[i]).March(blocks[i]); },
-      8);
+      static_cast<std::int64_t>(blocks.size()),
+      [&](std::int64_t i) { pieces[i] = BlockMarcher(f, lattice, blocks[i]).March(blocks[i]); }, 8);
   Mesh mesh = Join(f, lattice, pieces);
-  if (mesh.faces.rows() == 0) throw InputError("synth: there is no solid inside the box, or it is smaller than the spacing");
+  if (mesh.faces.rows() == 0)
+    throw InputError("synth: there is no solid inside the box, or it is smaller than the spacing");
   return mesh;
 }
 

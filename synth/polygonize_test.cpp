@@ -17,9 +17,13 @@ constexpr double kPi = 3.141592653589793;
 constexpr double kRadius = 0.05;
 
 double Ball(const Vector3d& x) { return (x - Vector3d(0.003, -0.002, 0.001)).norm() - kRadius; }
-double Ring(const Vector3d& x) { return Vector3d(std::hypot(x[0], x[1]) - 0.05, x[2], 0).norm() - 0.018; }
+double Ring(const Vector3d& x) {
+  return Vector3d(std::hypot(x[0], x[1]) - 0.05, x[2], 0).norm() - 0.018;
+}
 
-Mesh PolygonizedBall(double spacing) { return Polygonize(Ball, Vector3d::Constant(-0.07), Vector3d::Constant(0.07), spacing); }
+Mesh PolygonizedBall(double spacing) {
+  return Polygonize(Ball, Vector3d::Constant(-0.07), Vector3d::Constant(0.07), spacing);
+}
 
 TEST(Polygonize, BallIsClosedAndHasSphereTopology) {
   const ClosedReport report = CheckClosed(PolygonizedBall(0.006));
@@ -54,7 +58,8 @@ TEST(Polygonize, VolumeAndAreaConvergeQuadraticallyToTheSphere) {
 TEST(Polygonize, VerticesLieOnTheSurface) {
   const double spacing = 0.006;
   const Mesh ball = PolygonizedBall(spacing);
-  for (Eigen::Index i = 0; i < ball.points.rows(); ++i) ASSERT_LT(std::abs(Ball(ball.points.row(i))), 0.02 * spacing) << "vertex " << i;
+  for (Eigen::Index i = 0; i < ball.points.rows(); ++i)
+    ASSERT_LT(std::abs(Ball(ball.points.row(i))), 0.02 * spacing) << "vertex " << i;
 }
 
 TEST(Polygonize, SameBitsAtOneAndManyThreads) {
@@ -68,7 +73,9 @@ TEST(Polygonize, SameBitsAtOneAndManyThreads) {
 }
 
 TEST(Polygonize, NothingInsideTheBoxThrowsInputError) {
-  EXPECT_THROW(Polygonize([](const Vector3d&) { return 1.0; }, Vector3d::Zero(), Vector3d::Ones(), 0.1), InputError);
+  EXPECT_THROW(
+      Polygonize([](const Vector3d&) { return 1.0; }, Vector3d::Zero(), Vector3d::Ones(), 0.1),
+      InputError);
   EXPECT_THROW(Polygonize(Ball, Vector3d::Zero(), Vector3d::Ones(), 0), InputError);
   EXPECT_THROW(Polygonize(Ball, Vector3d::Zero(), Vector3d::Ones(), 1e-5), InputError);
 }

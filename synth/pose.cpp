@@ -27,8 +27,8 @@ double DistanceTo(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3
   return nearest;
 }
 
-// Barr's bend along `axis`: constant curvature from begin to end, straight on both sides. Coordinates: s along the axis, y away from the
-// hinge's side; the third is untouched.
+// Barr's bend along `axis`: constant curvature from begin to end, straight on both sides.
+// Coordinates: s along the axis, y away from the hinge's side; the third is untouched.
 Eigen::Vector3d Bend(const Deformation& d, const Eigen::Vector3d& x, double angle) {
   if (angle == 0) return x;
   const Eigen::Vector3d side = d.hinge.cross(d.axis);  // the limb turns towards this
@@ -83,8 +83,9 @@ Eigen::Vector3d Deformation::Apply(const Eigen::Vector3d& x, const Eigen::Vector
   return x;
 }
 
-Deformation LimbBend(const Eigen::Vector3d& origin, const Eigen::Vector3d& axis, const Eigen::Vector3d& towards, double begin, double end,
-                     double degrees, const Eigen::Vector3d& center, double radius) {
+Deformation LimbBend(const Eigen::Vector3d& origin, const Eigen::Vector3d& axis,
+                     const Eigen::Vector3d& towards, double begin, double end, double degrees,
+                     const Eigen::Vector3d& center, double radius) {
   Deformation bend;
   bend.kind = Deformation::Kind::kBend;
   bend.origin = origin;
@@ -124,7 +125,8 @@ Eigen::Vector3d Pose::operator()(const Eigen::Vector3d& rest) const {
 
 PointsX3 Pose::operator()(const PointsX3& rest) const {
   PointsX3 posed(rest.rows(), 3);
-  for (Eigen::Index i = 0; i < rest.rows(); ++i) posed.row(i) = (*this)(Eigen::Vector3d(rest.row(i))).transpose();
+  for (Eigen::Index i = 0; i < rest.rows(); ++i)
+    posed.row(i) = (*this)(Eigen::Vector3d(rest.row(i))).transpose();
   return posed;
 }
 
@@ -132,7 +134,8 @@ Eigen::Matrix3d Pose::Jacobian(const Eigen::Vector3d& rest, double h) const {
   Eigen::Matrix3d jacobian;
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k);
-    jacobian.col(k) = ((*this)(Eigen::Vector3d(rest + step)) - (*this)(Eigen::Vector3d(rest - step))) / (2 * h);
+    jacobian.col(k) =
+        ((*this)(Eigen::Vector3d(rest + step)) - (*this)(Eigen::Vector3d(rest - step))) / (2 * h);
   }
   return jacobian;
 }
@@ -152,7 +155,9 @@ Eigen::Vector3d Pose::Inverse(const Eigen::Vector3d& posed, const Eigen::Vector3
     rest += share * step;
     error = next;
   }
-  if (!(error < 1e-9)) throw SolverError("synth: the pose '" + name + "' cannot be inverted at this point; start from a closer guess");
+  if (!(error < 1e-9))
+    throw SolverError("synth: the pose '" + name +
+                      "' cannot be inverted at this point; start from a closer guess");
   return rest;
 }
 

@@ -42,7 +42,8 @@ TEST(Deformation, BendWrapsTheAxisRoundAQuarterCircle) {
   // hinge x axis is the side that the limb turns to: -y.
   EXPECT_LT((at(0.3) - Vector3d(0, -radius, 0.1 + radius)).norm(), 1e-15);
   EXPECT_LT((at(0.5) - Vector3d(0, -radius - 0.2, 0.1 + radius)).norm(), 1e-15);
-  EXPECT_NEAR((at(0.2 + 1e-6) - at(0.2 - 1e-6)).norm(), 2e-6, 1e-15);  // arc length is kept on the axis
+  EXPECT_NEAR((at(0.2 + 1e-6) - at(0.2 - 1e-6)).norm(), 2e-6,
+              1e-15);  // arc length is kept on the axis
 }
 
 TEST(Deformation, BendChangesVolumeByOneMinusCurvatureTimesOffset) {
@@ -79,8 +80,10 @@ TEST(Pose, InverseTakesEveryPosedVertexBackToItsMaterialPoint) {
   const World world = MakeWorld(Coarse());
   for (const Pose& pose : world.poses) {
     for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 41) {
-      const Vector3d rest = world.rest.points.row(i), guess = rest + Vector3d(0.0005, -0.0004, 0.0003);
-      ASSERT_LT((pose.Inverse(pose(rest), guess) - rest).norm(), 1e-8) << pose.name << " vertex " << i;
+      const Vector3d rest = world.rest.points.row(i),
+                     guess = rest + Vector3d(0.0005, -0.0004, 0.0003);
+      ASSERT_LT((pose.Inverse(pose(rest), guess) - rest).norm(), 1e-8)
+          << pose.name << " vertex " << i;
     }
   }
 }
@@ -90,7 +93,8 @@ TEST(Pose, IsOneToOneOnTheCharactersSurface) {
     const World world = MakeWorld(Coarse(seed));
     for (const Pose& pose : world.poses)
       for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 7)
-        ASSERT_GT(pose.Jacobian(world.rest.points.row(i)).determinant(), 0.15) << "seed " << seed << " " << pose.name << " vertex " << i;
+        ASSERT_GT(pose.Jacobian(world.rest.points.row(i)).determinant(), 0.15)
+            << "seed " << seed << " " << pose.name << " vertex " << i;
   }
 }
 

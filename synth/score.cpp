@@ -32,14 +32,16 @@ Spread SpreadOf(std::vector<double> values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  return {sum / static_cast<double>(values.size()), values[(values.size() - 1) * 95 / 100], values.back()};
+  return {sum / static_cast<double>(values.size()), values[(values.size() - 1) * 95 / 100],
+          values.back()};
 }
 
 Spread SurfaceDistances(const Mesh& from, const Mesh& to, double unit) {
   const SurfaceSamples samples = SampleSurface(from.points, from.faces, kSamples, 1);
   const RayScene scene(to.points, to.faces);
   std::vector<double> distances;
-  for (const RayScene::Foot& foot : Feet(scene, samples.points)) distances.push_back(std::sqrt(foot.squared_distance) / unit);
+  for (const RayScene::Foot& foot : Feet(scene, samples.points))
+    distances.push_back(std::sqrt(foot.squared_distance) / unit);
   return SpreadOf(std::move(distances));
 }
 
@@ -59,10 +61,12 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
   }
   const Eigen::Index count = static_cast<Eigen::Index>(true_centers.size());
   if (count < 3)
-    throw InputError("synth: only " + std::to_string(count) +
-                     " of the true cameras are in the model; 3 are needed, so check that both are of one pose");
+    throw InputError(
+        "synth: only " + std::to_string(count) +
+        " of the true cameras are in the model; 3 are needed, so check that both are of one pose");
   PointsX3 a(count, 3), b(count, 3);
-  for (Eigen::Index i = 0; i < count; ++i) a.row(i) = model_centers[i].transpose(), b.row(i) = true_centers[i].transpose();
+  for (Eigen::Index i = 0; i < count; ++i)
+    a.row(i) = model_centers[i].transpose(), b.row(i) = true_centers[i].transpose();
   CameraScore score;
   score.truth_from_model = FitSimilarity(a, b);
   score.placed = static_cast<int>(count);
@@ -77,11 +81,13 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
 
 SurfaceScore ScoreSurface(const Mesh& truth, const Mesh& mesh) {
   const double diagonal = BoundingDiagonal(truth.points);
-  const Spread to = SurfaceDistances(mesh, truth, diagonal), from = SurfaceDistances(truth, mesh, diagonal);
+  const Spread to = SurfaceDistances(mesh, truth, diagonal),
+               from = SurfaceDistances(truth, mesh, diagonal);
   return {to.mean, to.p95, to.max, from.mean, from.p95, from.max};
 }
 
-Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarity3& truth_from_mesh, int rounds) {
+Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarity3& truth_from_mesh,
+                            int rounds) {
   const RayScene scene(truth.points, truth.faces);
   const PointsX3 samples = SampleSurface(mesh.points, mesh.faces, 6000, 2).points;
   Similarity3 best = truth_from_mesh;
@@ -93,21 +99,27 @@ Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarit
       goals.row(i) = feet[i].point.transpose();
       sorted.push_back(feet[i].squared_distance);
     }
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 9 / 10), sorted.end());
+    std::nth_element(sorted.begin(),
+                     sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 9 / 10),
+                     sorted.end());
     const double limit = sorted[sorted.size() * 9 / 10];
     Eigen::VectorXd weights(samples.rows());
-    for (Eigen::Index i = 0; i < samples.rows(); ++i) weights[i] = feet[i].squared_distance <= limit ? 1 : 0;
+    for (Eigen::Index i = 0; i < samples.rows(); ++i)
+      weights[i] = feet[i].squared_distance <= limit ? 1 : 0;
     best = FitSimilarity(samples, goals, weights);
   }
   return best;
 }
 
-CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a, const PointsX3& registered_b) {
+CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b,
+                                        const Mesh& template_a, const PointsX3& registered_b) {
   if (truth_a.points.rows() != truth_b.points.rows() || truth_a.faces != truth_b.faces)
-    throw InputError("synth: the true surfaces are not two poses of one world; render them together");
+    throw InputError(
+        "synth: the true surfaces are not two poses of one world; render them together");
   if (template_a.points.rows() != registered_b.rows())
-    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) + " vertices, but the template has " +
-                     std::to_string(template_a.points.rows()) + "; score it against the template that it was registered from");
+    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
+                     " vertices, but the template has " + std::to_string(template_a.points.rows()) +
+                     "; score it against the template that it was registered from");
   const RayScene scene(truth_a.points, truth_a.faces);
   const std::vector<RayScene::Foot> feet = Feet(scene, template_a.points);
   const double diagonal = BoundingDiagonal(truth_b.points);

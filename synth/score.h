@@ -9,10 +9,11 @@
 namespace keypose::synth {
 
 struct CameraScore {
-  Similarity3 truth_from_model;                          ///< fitted to the centres of the cameras that both have
-  int placed = 0, total = 0;                             ///< true cameras that the model has, and all
-  double mean_m = 0, max_m = 0;                          ///< distance of the centres after the fit
-  double mean_over_distance = 0, max_over_distance = 0;  ///< divided by the mean distance of the true cameras from `center`
+  Similarity3 truth_from_model;  ///< fitted to the centres of the cameras that both have
+  int placed = 0, total = 0;     ///< true cameras that the model has, and all
+  double mean_m = 0, max_m = 0;  ///< distance of the centres after the fit
+  double mean_over_distance = 0,
+         max_over_distance = 0;  ///< divided by the mean distance of the true cameras from `center`
 };
 
 /// Cameras are matched by name.
@@ -22,25 +23,35 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
 
 /// Distances between surfaces as fractions of the true bounding diagonal.
 struct SurfaceScore {
-  double mean_to_truth = 0, p95_to_truth = 0, max_to_truth = 0;        ///< from points of the mesh to the true surface
-  double mean_from_truth = 0, p95_from_truth = 0, max_from_truth = 0;  ///< from points of the true surface to the mesh
+  double mean_to_truth = 0, p95_to_truth = 0,
+         max_to_truth = 0;  ///< from points of the mesh to the true surface
+  double mean_from_truth = 0, p95_from_truth = 0,
+         max_from_truth = 0;  ///< from points of the true surface to the mesh
   double mean() const { return (mean_to_truth + mean_from_truth) / 2; }
 };
 
-/// @param mesh  in the truth's frame. Distances are taken at 40,000 points, uniform by area, of each. Same bits for any thread count.
+/// @param mesh  in the truth's frame. Distances are taken at 40,000 points, uniform by area, of
+/// each.
+/// Same bits for any thread count.
 SurfaceScore ScoreSurface(const Mesh& truth, const Mesh& mesh);
 
-/// Improves a similarity so that the mesh lies closer to the true surface (iterated closest points, farthest tenth left out).
-Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarity3& truth_from_mesh, int rounds = 40);
+/// Improves a similarity so that the mesh lies closer to the true surface (iterated closest points,
+/// farthest tenth left out).
+Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarity3& truth_from_mesh,
+                            int rounds = 40);
 
 /// A registered template against exact correspondence.
 struct CorrespondenceScore {
-  double mean = 0, p95 = 0, max = 0;  ///< distance between where a vertex is and where its material point is, over the diagonal of truth_b
+  double mean = 0, p95 = 0, max = 0;  ///< distance between where a vertex is and where its material
+                                      ///< point is, over the diagonal of truth_b
 };
 
-/// @param template_a    template mesh in the frame of truth_a; its vertices name material points by their closest point on truth_a
+/// @param template_a    template mesh in the frame of truth_a; its vertices name material points by
+/// their closest point on truth_a
 /// @param registered_b  the template's vertices moved onto pose B, in the frame of truth_b
-/// @throws InputError  the registered mesh has another vertex count than the template, or the truths differ in theirs
-CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a, const PointsX3& registered_b);
+/// @throws InputError  the registered mesh has another vertex count than the template, or the
+/// truths differ in theirs
+CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b,
+                                        const Mesh& template_a, const PointsX3& registered_b);
 
 }  // namespace keypose::synth

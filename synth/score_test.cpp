@@ -27,7 +27,9 @@ const World& Creature() {
 }
 
 Similarity3 SomeSimilarity() {
-  return {3.7, Eigen::AngleAxisd(1.1, Vector3d(0.3, -0.5, 0.8).normalized()).toRotationMatrix(), {0.4, -2, 1.5}};
+  return {3.7,
+          Eigen::AngleAxisd(1.1, Vector3d(0.3, -0.5, 0.8).normalized()).toRotationMatrix(),
+          {0.4, -2, 1.5}};
 }
 
 Scene RingScene() {
@@ -45,15 +47,17 @@ Scene Moved(const Scene& scene, const Similarity3& new_from_old) {
   Scene moved = scene;
   for (View& view : moved.views) {
     const Vector3d center = new_from_old * view.Center();
-    view.camera_from_world.rotation = view.camera_from_world.rotation * Eigen::Quaterniond(new_from_old.rotation).conjugate();
+    view.camera_from_world.rotation =
+        view.camera_from_world.rotation * Eigen::Quaterniond(new_from_old.rotation).conjugate();
     view.camera_from_world.translation = -(view.camera_from_world.rotation * center);
   }
   return moved;
 }
 
 Mesh BallOf(double radius) {
-  return Polygonize([&](const Vector3d& x) { return x.norm() - radius; }, Vector3d::Constant(-1.2 * radius),
-                    Vector3d::Constant(1.2 * radius), radius / 12);
+  return Polygonize([&](const Vector3d& x) { return x.norm() - radius; },
+                    Vector3d::Constant(-1.2 * radius), Vector3d::Constant(1.2 * radius),
+                    radius / 12);
 }
 
 TEST(ScoreCameras, FindsTheFrameThatTheModelIsIn) {
@@ -70,7 +74,8 @@ TEST(ScoreCameras, MeasuresAMisplacedCamera) {
   View& view = model.views[4];
   view.camera_from_world.translation += view.camera_from_world.rotation * Vector3d(0, 0, 0.010);
   const CameraScore score = ScoreCameras(truth, model, {0, 0, 0.1});
-  EXPECT_NEAR(score.max_m, 0.010, 0.004);  // the fit shares a tenth or so of the error among the others
+  EXPECT_NEAR(score.max_m, 0.010,
+              0.004);  // the fit shares a tenth or so of the error among the others
   EXPECT_LT(score.mean_m, 0.004);
 }
 
@@ -89,7 +94,8 @@ TEST(ScoreSurface, ConcentricBallsAreTheDifferenceOfTheirRadiiApart) {
   outer.points *= 1.03;
   const SurfaceScore score = ScoreSurface(outer, inner);
   const double diagonal = BoundingDiagonal(outer.points);
-  EXPECT_NEAR(score.mean_to_truth, 0.03 / diagonal, 0.0002);  // faces are chords, a little inside both balls
+  EXPECT_NEAR(score.mean_to_truth, 0.03 / diagonal,
+              0.0002);  // faces are chords, a little inside both balls
   EXPECT_NEAR(score.mean_from_truth, 0.03 / diagonal, 0.0002);
   EXPECT_NEAR(score.max_from_truth, 0.03 / diagonal, 0.0002);
 }
@@ -108,7 +114,8 @@ TEST(ScoreSurface, AMissingPartShowsFromTheTruthOnly) {
 
 TEST(RefineAlignment, UndoesASmallError) {
   const Mesh& truth = Creature().rest;
-  const Similarity3 error{1.01, Eigen::AngleAxisd(0.02, Vector3d::UnitY()).toRotationMatrix(), {0.001, -0.002, 0.001}};
+  const Similarity3 error{
+      1.01, Eigen::AngleAxisd(0.02, Vector3d::UnitY()).toRotationMatrix(), {0.001, -0.002, 0.001}};
   Mesh mesh = truth;
   mesh.points = Transformed(error, truth.points);
   const Similarity3 refined = RefineAlignment(truth, mesh, Similarity3{}, 60);
@@ -116,7 +123,8 @@ TEST(RefineAlignment, UndoesASmallError) {
 }
 
 TEST(ScoreCorrespondence, IsZeroForTheTruthAndTheShiftForAShift) {
-  const Mesh rest = TruthSurface(Creature(), Creature().PoseNamed("rest")), bent = TruthSurface(Creature(), Creature().PoseNamed("bent"));
+  const Mesh rest = TruthSurface(Creature(), Creature().PoseNamed("rest")),
+             bent = TruthSurface(Creature(), Creature().PoseNamed("bent"));
   EXPECT_LT(ScoreCorrespondence(rest, bent, rest, bent.points).max, 1e-12);
   PointsX3 shifted = bent.points;
   shifted.col(1).array() += 0.004;
@@ -126,10 +134,12 @@ TEST(ScoreCorrespondence, IsZeroForTheTruthAndTheShiftForAShift) {
 }
 
 TEST(ScoreCorrespondence, SlidingAlongTheSurfaceIsAnError) {
-  // A vertex that lies exactly on the surface, but at another material point: surface distance misses it, correspondence must not.
+  // A vertex that lies exactly on the surface, but at another material point: surface distance
+  // misses it, correspondence must not.
   const Mesh rest = TruthSurface(Creature(), Creature().PoseNamed("rest"));
   PointsX3 slid = rest.points;
-  for (Eigen::Index f = 0; f < rest.faces.rows(); ++f) slid.row(rest.faces(f, 0)) = rest.points.row(rest.faces(f, 1));
+  for (Eigen::Index f = 0; f < rest.faces.rows(); ++f)
+    slid.row(rest.faces(f, 0)) = rest.points.row(rest.faces(f, 1));
   EXPECT_GT(ScoreCorrespondence(rest, rest, rest, slid).mean, 0.001);
 }
 
@@ -150,8 +160,9 @@ TEST(PickLandmarks, ClicksLandOnTheTrueMaterialPointsOfTheModel) {
   const PointsX3 places = LandmarkPositions(Creature(), bent);
   ASSERT_EQ(static_cast<Eigen::Index>(picks.landmarks.size()), places.rows());
   for (std::size_t i = 0; i < picks.landmarks.size(); ++i) {
-    const Vector3d expected = model_from_truth * Vector3d(places.row(static_cast<Eigen::Index>(i)));
-    EXPECT_LT((PositionOf(picks.landmarks[i], model) - expected).norm(), 1e-9) << picks.landmarks[i].name;
+    const Vector3d expected = model_from_truth * Vector3d(places.row(i));
+    EXPECT_LT((PositionOf(picks.landmarks[i], model) - expected).norm(), 1e-9)
+        << picks.landmarks[i].name;
   }
 }
 

@@ -16,7 +16,8 @@ void Blur(ImageF& image, double sigma) {
   const int radius = std::max(1, static_cast<int>(std::ceil(3 * sigma)));
   std::vector<float> kernel(2 * radius + 1);
   float sum = 0;
-  for (int i = -radius; i <= radius; ++i) sum += kernel[i + radius] = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)));
+  for (int i = -radius; i <= radius; ++i)
+    sum += kernel[i + radius] = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)));
   for (float& k : kernel) k /= sum;
   const int channels = image.channels;
   const auto pass = [&](int count, int lines, std::size_t step, std::size_t line_step) {
@@ -24,11 +25,13 @@ void Blur(ImageF& image, double sigma) {
     for (int l = 0; l < lines; ++l) {
       float* start = image.data.data() + line_step * l;
       for (int i = -radius; i < count + radius; ++i)
-        std::copy_n(start + step * std::clamp(i, 0, count - 1), channels, line.data() + static_cast<std::size_t>(i + radius) * channels);
+        std::copy_n(start + step * std::clamp(i, 0, count - 1), channels,
+                    line.data() + static_cast<std::size_t>(i + radius) * channels);
       for (int i = 0; i < count; ++i)
         for (int c = 0; c < channels; ++c) {
           float value = 0;
-          for (int k = 0; k <= 2 * radius; ++k) value += kernel[k] * line[static_cast<std::size_t>(i + k) * channels + c];
+          for (int k = 0; k <= 2 * radius; ++k)
+            value += kernel[k] * line[static_cast<std::size_t>(i + k) * channels + c];
           start[step * i + c] = value;
         }
     }
@@ -50,10 +53,13 @@ const std::vector<std::uint8_t>& SrgbTable() {
   return table;
 }
 
-// About normal: the sum of four uniform numbers out of one hash. Tails end at 3.5 sigma, as a sensor's do.
+// About normal: the sum of four uniform numbers out of one hash. Tails end at 3.5 sigma, as a
+// sensor's do.
 float NoiseAt(std::uint64_t key) {
   const std::uint64_t h = Hash(key);
-  const double sum = static_cast<double>((h & 0xffff) + (h >> 16 & 0xffff) + (h >> 32 & 0xffff) + (h >> 48)) / 65535.0;
+  const double sum =
+      static_cast<double>((h & 0xffff) + (h >> 16 & 0xffff) + (h >> 32 & 0xffff) + (h >> 48)) /
+      65535.0;
   return static_cast<float>((sum - 2) * 1.7320508075688772);
 }
 
@@ -67,7 +73,8 @@ Image8 Develop(ImageF linear, const SensorOptions& options) {
   const std::uint64_t stream = Hash(options.seed) << 20;
   for (int y = 0; y < linear.height; ++y)
     for (int x = 0; x < linear.width; ++x) {
-      const double r2 = ((x + 0.5 - cx) * (x + 0.5 - cx) + (y + 0.5 - cy) * (y + 0.5 - cy)) / corner2;
+      const double r2 =
+          ((x + 0.5 - cx) * (x + 0.5 - cx) + (y + 0.5 - cy) * (y + 0.5 - cy)) / corner2;
       const float gain = static_cast<float>(1 - options.vignetting * r2);
       const float* in = linear.at(x, y);
       std::uint8_t* out = photograph.at(x, y);
@@ -76,7 +83,8 @@ Image8 Develop(ImageF linear, const SensorOptions& options) {
         const float light = std::max(0.0f, in[c] * gain);
         // Shot noise grows with the light, read noise does not.
         const float sigma = static_cast<float>(options.noise) * std::sqrt(1.2e-4f * light + 4e-6f);
-        const float value = light + sigma * (options.noise > 0 ? NoiseAt(stream + 3 * pixel + c) : 0.0f);
+        const float value =
+            light + sigma * (options.noise > 0 ? NoiseAt(stream + 3 * pixel + c) : 0.0f);
         out[c] = srgb[static_cast<int>(std::clamp(value, 0.0f, 1.0f) * 65535.0f + 0.5f)];
       }
     }

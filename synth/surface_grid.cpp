@@ -22,8 +22,9 @@ using Eigen::Vector3d;
 Mesh PolygonizeClay(const Clay& clay, double spacing) {
   Vector3d low, high;
   clay.Bounds(&low, &high);
-  return Polygonize([&](const Vector3d& x) { return clay.Distance(x); }, low - Vector3d::Constant(2 * spacing),
-                    high + Vector3d::Constant(2 * spacing), spacing);
+  return Polygonize([&](const Vector3d& x) { return clay.Distance(x); },
+                    low - Vector3d::Constant(2 * spacing), high + Vector3d::Constant(2 * spacing),
+                    spacing);
 }
 
 // One edge with its two faces and the corners opposite to it.
@@ -32,7 +33,8 @@ struct Edge {
 };
 
 std::uint64_t EdgeKey(int a, int b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 |
+         static_cast<std::uint32_t>(std::max(a, b));
 }
 
 std::vector<Edge> EdgesOf(const FacesX3& faces, std::unordered_map<std::uint64_t, int>* index) {
@@ -62,7 +64,8 @@ Vector3d Normal(const PointsX3& p, int a, int b, int c) {
   return u.cross(v).normalized();
 }
 
-// Whether the quad's other diagonal gives rounder triangles and no crease. In the face of a the edge runs a -> b.
+// Whether the quad's other diagonal gives rounder triangles and no crease. In the face of a the
+// edge runs a -> b.
 bool ShouldFlip(const PointsX3& p, const Edge& e) {
   constexpr double kFlat = 0.8;
   const int c = e.opposite[0], d = e.opposite[1];
@@ -81,7 +84,9 @@ int FlipRound(Mesh* mesh) {
   std::vector<char> touched(mesh->faces.rows(), 0);
   int flips = 0;
   for (const Edge& e : edges) {
-    if (e.face[1] < 0 || touched[e.face[0]] || touched[e.face[1]] || valence[e.a] < 5 || valence[e.b] < 5) continue;
+    if (e.face[1] < 0 || touched[e.face[0]] || touched[e.face[1]] || valence[e.a] < 5 ||
+        valence[e.b] < 5)
+      continue;
     const int c = e.opposite[0], d = e.opposite[1];
     if (!ShouldFlip(mesh->points, e) || !index.try_emplace(EdgeKey(c, d), -1).second) continue;
     mesh->faces.row(e.face[0]) << c, d, e.b;
@@ -93,18 +98,23 @@ int FlipRound(Mesh* mesh) {
   return flips;
 }
 
-// Each vertex to the mean of its neighbours' centroids, weighted by area, and back onto the surface.
+// Each vertex to the mean of its neighbours' centroids, weighted by area, and back onto the
+// surface.
 void RelaxRound(Mesh* mesh, const PosedSurface& surface) {
   PointsX3 sum = PointsX3::Zero(mesh->points.rows(), 3);
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh->points.rows());
   const Eigen::VectorXd areas = FaceAreas(mesh->points, mesh->faces);
   for (Eigen::Index f = 0; f < mesh->faces.rows(); ++f) {
     const auto corners = mesh->faces.row(f);
-    const Eigen::RowVector3d center = (mesh->points.row(corners[0]) + mesh->points.row(corners[1]) + mesh->points.row(corners[2])) / 3;
-    for (int k = 0; k < 3; ++k) sum.row(corners[k]) += areas[f] * center, weight[corners[k]] += areas[f];
+    const Eigen::RowVector3d center = (mesh->points.row(corners[0]) + mesh->points.row(corners[1]) +
+                                       mesh->points.row(corners[2])) /
+                                      3;
+    for (int k = 0; k < 3; ++k)
+      sum.row(corners[k]) += areas[f] * center, weight[corners[k]] += areas[f];
   }
   const auto move = [&](std::int64_t i) {
-    if (weight[i] > 0) mesh->points.row(i) = surface.Closest(sum.row(i).transpose() / weight[i]).transpose();
+    if (weight[i] > 0)
+      mesh->points.row(i) = surface.Closest(sum.row(i).transpose() / weight[i]).transpose();
   };
   ParallelFor(mesh->points.rows(), move, 64);
 }
@@ -136,14 +146,17 @@ void CollapseRound(Mesh* mesh, double shorter_than) {
   std::vector<int> place(target.size(), -1);
   std::vector<int> kept;
   for (std::size_t i = 0; i < target.size(); ++i)
-    if (target[i] == static_cast<int>(i)) place[i] = static_cast<int>(kept.size()), kept.push_back(static_cast<int>(i));
+    if (target[i] == static_cast<int>(i))
+      place[i] = static_cast<int>(kept.size()), kept.push_back(static_cast<int>(i));
   joined.points = mesh->points(kept, Eigen::all);
   std::vector<int> corners;
   for (Eigen::Index f = 0; f < mesh->faces.rows(); ++f) {
-    const int a = place[target[mesh->faces(f, 0)]], b = place[target[mesh->faces(f, 1)]], c = place[target[mesh->faces(f, 2)]];
+    const int a = place[target[mesh->faces(f, 0)]], b = place[target[mesh->faces(f, 1)]],
+              c = place[target[mesh->faces(f, 2)]];
     if (a != b && b != c && c != a) corners.insert(corners.end(), {a, b, c});
   }
-  joined.faces = Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  joined.faces =
+      Eigen::Map<const FacesX3>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
   *mesh = std::move(joined);
 }
 
@@ -168,12 +181,16 @@ void Even(Mesh* mesh, const PosedSurface& surface) {
 // A lattice of its own for each seed: any turn, any shift.
 Mesh EvenMesh(const PosedSurface& surface, double spacing, std::uint64_t seed) {
   Random random(Hash(seed) + 77);
-  const Eigen::Matrix3d turn = Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal()).normalized().matrix();
+  const Eigen::Matrix3d turn =
+      Eigen::Quaterniond(random.Normal(), random.Normal(), random.Normal(), random.Normal())
+          .normalized()
+          .matrix();
   const PointsX3 turned = surface.points() * turn;  // rows: turn^T x
   Vector3d low = turned.colwise().minCoeff(), high = turned.colwise().maxCoeff();
   for (int k = 0; k < 3; ++k) low[k] -= spacing * (2 + random.Uniform());
   high.array() += 3 * spacing;
-  Mesh mesh = Polygonize([&](const Vector3d& x) { return surface.Distance(turn * x); }, low, high, spacing);
+  Mesh mesh =
+      Polygonize([&](const Vector3d& x) { return surface.Distance(turn * x); }, low, high, spacing);
   mesh.points = PointsX3(mesh.points * turn.transpose());
   Even(&mesh, surface);
   return mesh;
@@ -199,7 +216,8 @@ double PosedSurface::Distance(const Vector3d& posed) const {
 Vector3d PosedSurface::MaterialAt(const Vector3d& posed) const {
   const RayScene::Foot foot = scene_.ClosestPoint(posed);
   Vector3d x = Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) x += foot.barycentric[k] * rest_.points.row(rest_.faces(foot.face, k)).transpose();
+  for (int k = 0; k < 3; ++k)
+    x += foot.barycentric[k] * rest_.points.row(rest_.faces(foot.face, k)).transpose();
   for (int round = 0; round < 6; ++round) {  // the dense mesh's chords lie a little inside
     const double value = clay_.Distance(x);
     if (std::abs(value) < 1e-12) break;
@@ -210,11 +228,14 @@ Vector3d PosedSurface::MaterialAt(const Vector3d& posed) const {
 }
 
 Tessellation Tessellate(const PosedSurface& surface, int vertices, std::uint64_t seed) {
-  if (vertices < 50) throw InputError("synth: a mesh of a clay solid needs at least 50 vertices; ask for more");
+  if (vertices < 50)
+    throw InputError("synth: a mesh of a clay solid needs at least 50 vertices; ask for more");
   double spacing = std::sqrt(5 * surface.area() / vertices);
   Mesh mesh = EvenMesh(surface, spacing, seed);
   // The share of vertices that a lattice keeps depends on the shape: measure it and correct.
-  for (int round = 0; round < 2 && std::abs(mesh.points.rows() / static_cast<double>(vertices) - 1) > 0.02; ++round) {
+  for (int round = 0;
+       round < 2 && std::abs(mesh.points.rows() / static_cast<double>(vertices) - 1) > 0.02;
+       ++round) {
     spacing *= std::sqrt(static_cast<double>(mesh.points.rows()) / vertices);
     mesh = EvenMesh(surface, spacing, seed);
   }

@@ -1,4 +1,5 @@
-// Evenly sized triangle meshes of a clay solid in a pose, each with its own vertices: what two scans of one thing look like.
+// Evenly sized triangle meshes of a clay solid in a pose, each with its own vertices: what two
+// scans of one thing look like.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +12,8 @@
 
 namespace keypose::synth {
 
-/// The surface of a solid in a pose, dense enough to measure distances to; every point of it knows its material point.
+/// The surface of a solid in a pose, dense enough to measure distances to; every point of it knows
+/// its material point.
 class PosedSurface {
  public:
   /// @param spacing  of the dense mesh [m]; a quarter of the wanted meshes' edge is fine
@@ -20,10 +22,13 @@ class PosedSurface {
 
   /// Signed distance [m] to the dense mesh, negative inside.
   double Distance(const Eigen::Vector3d& posed) const;
-  /// The material point of the rest pose, exactly on the solid, whose place is closest to `posed`, to the dense mesh's accuracy.
+  /// The material point of the rest pose, exactly on the solid, whose place is closest to `posed`,
+  /// to the dense mesh's accuracy.
   Eigen::Vector3d MaterialAt(const Eigen::Vector3d& posed) const;
   /// Closest point of the dense mesh.
-  Eigen::Vector3d Closest(const Eigen::Vector3d& posed) const { return scene_.ClosestPoint(posed).point; }
+  Eigen::Vector3d Closest(const Eigen::Vector3d& posed) const {
+    return scene_.ClosestPoint(posed).point;
+  }
 
   const PointsX3& points() const { return points_; }
   const Clay& clay() const { return clay_; }
@@ -46,10 +51,12 @@ struct Tessellation {
   PointsX3 material;  ///< in the rest pose, exactly on the solid
 };
 
-/// A closed mesh of about `vertices` vertices, evenly sized, whose lattice is turned and shifted by `seed`.
+/// A closed mesh of about `vertices` vertices, evenly sized, whose lattice is turned and shifted by
+/// `seed`.
 ///
 /// @throws InputError  fewer than 50 vertices, or so few that the lattice misses the solid
-/// Same bits for any thread count. Triangles are evened by edge flips (Delaunay) and by moving vertices to the middle of their neighbours.
+/// Same bits for any thread count. Triangles are evened by edge flips (Delaunay) and by moving
+/// vertices to the middle of their neighbours.
 Tessellation Tessellate(const PosedSurface& surface, int vertices, std::uint64_t seed);
 
 }  // namespace keypose::synth

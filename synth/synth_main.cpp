@@ -1,4 +1,5 @@
-// keypose-synth: worlds with known truth. Photographs, pairs for registration, simulated picks, scores, and damage for tests.
+// keypose-synth: worlds with known truth. Photographs, pairs for registration, simulated picks,
+// scores, and damage for tests.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -19,88 +20,143 @@ using namespace keypose::synth;
 class ConsoleProgress final : public Progress {
  public:
   void Update(double fraction, std::string_view what) override {
-    std::fprintf(stderr, "synth: %3.0f %% %.*s\n", 100 * fraction, static_cast<int>(what.size()), what.data());
+    std::fprintf(stderr, "synth: %3.0f %% %.*s\n", 100 * fraction, static_cast<int>(what.size()),
+                 what.data());
   }
 };
 
 void AddMishaps(CLI::App& photos, Mishaps& m) {
-  photos.add_option("--stray", m.strays, "photographs that show another character instead")->capture_default_str();
-  photos.add_option("--stray-seed", m.stray_seed, "that character; 0: the next one")->capture_default_str();
-  photos.add_option("--hand", m.hands, "photographs with a hand that covers part of the figure")->capture_default_str();
+  photos.add_option("--stray", m.strays, "photographs that show another character instead")
+      ->capture_default_str();
+  photos.add_option("--stray-seed", m.stray_seed, "that character; 0: the next one")
+      ->capture_default_str();
+  photos.add_option("--hand", m.hands, "photographs with a hand that covers part of the figure")
+      ->capture_default_str();
   photos.add_option_function<std::string>(
       "--moved", [&m](const std::string& text) { ReadMove(text, &m); },
-      "SHARE:MOVE: after that share of the photographs the figure is bumped; 0.5:5mm,7deg, or into another pose: 0.5:bow");
-  photos.add_option("--lamp-fall", m.lamp_falls_after, "after that share of the photographs the lamp lies on the other side; 1: never")
+      "SHARE:MOVE: after that share of the photographs the figure is bumped; 0.5:5mm,7deg, or into "
+      "another pose: 0.5:bow");
+  photos
+      .add_option("--lamp-fall", m.lamp_falls_after,
+                  "after that share of the photographs the lamp lies on the other side; 1: never")
       ->capture_default_str();
 }
 
 void AddPhotos(CLI::App& app, PhotosCommand& c) {
-  CLI::App* photos = app.add_subcommand("photos", "render turntable photographs of a clay character, with exact truth beside them");
+  CLI::App* photos = app.add_subcommand(
+      "photos", "render turntable photographs of a clay character, with exact truth beside them");
   photos->add_option("--output", c.output, "folder to write photos/ and truth/ into")->required();
-  photos->add_option("--poses", c.poses, "rest, bent, wave, bow, squash, twist, hip (hand on hip); columns: rest, bent, twist, squash")
+  photos
+      ->add_option("--poses", c.poses,
+                   "rest, bent, wave, bow, squash, twist, hip (hand on hip); columns: rest, bent, "
+                   "twist, squash")
       ->delimiter(',')
       ->capture_default_str();
-  photos->add_option("--character", c.world.character, "creature | columns (a torso on columns that one sees through)")
+  photos
+      ->add_option("--character", c.world.character,
+                   "creature | columns (a torso on columns that one sees through)")
       ->capture_default_str();
   photos->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
   photos->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
-  photos->add_flag("--prints-move", c.world.prints_move,
-                   "finger-prints move the surface, which needs a fine --spacing; else they only shade");
-  photos->add_option("--print-height", c.world.print_height_m, "of finger-prints [m]")->capture_default_str();
-  photos->add_option("--print-spacing", c.world.print_spacing_m, "of the ridges of finger-prints [m]")->capture_default_str();
-  photos->add_option("--spacing", c.world.spacing_m, "of the true surface's vertices, about [m]")->capture_default_str();
-  photos->add_option("--views", c.photographer.views, "photographs a pose, over all rings")->capture_default_str();
-  photos->add_option("--elevations", c.photographer.elevations_deg, "one ring each [deg]")->delimiter(',')->capture_default_str();
+  photos->add_flag(
+      "--prints-move", c.world.prints_move,
+      "finger-prints move the surface, which needs a fine --spacing; else they only shade");
+  photos->add_option("--print-height", c.world.print_height_m, "of finger-prints [m]")
+      ->capture_default_str();
+  photos
+      ->add_option("--print-spacing", c.world.print_spacing_m, "of the ridges of finger-prints [m]")
+      ->capture_default_str();
+  photos->add_option("--spacing", c.world.spacing_m, "of the true surface's vertices, about [m]")
+      ->capture_default_str();
+  photos->add_option("--views", c.photographer.views, "photographs a pose, over all rings")
+      ->capture_default_str();
+  photos->add_option("--elevations", c.photographer.elevations_deg, "one ring each [deg]")
+      ->delimiter(',')
+      ->capture_default_str();
   photos->add_option("--width", c.photographer.width, "[px]")->capture_default_str();
-  photos->add_option("--height", c.photographer.height, "[px]; 3/4 of the width when only that is given")->capture_default_str();
-  photos->add_option("--focal", c.photographer.focal_35mm, "35 mm equivalent [mm]")->capture_default_str();
-  photos->add_option("--noise", c.photographer.noise, "sensor noise, 1 is ordinary")->capture_default_str();
-  photos->add_option("--blur", c.photographer.blur_px, "standard deviation of the lens blur [px]")->capture_default_str();
-  photos->add_option("--vignetting", c.photographer.vignetting, "light lost in the corners")->capture_default_str();
-  photos->add_option("--backdrop", c.photographer.background, "studio | plain")->capture_default_str();
-  photos->add_option("--table-shadow", c.photographer.table_shadow, "darkness of the shadow on the table, 0 to 1")->capture_default_str();
+  photos
+      ->add_option("--height", c.photographer.height,
+                   "[px]; 3/4 of the width when only that is given")
+      ->capture_default_str();
+  photos->add_option("--focal", c.photographer.focal_35mm, "35 mm equivalent [mm]")
+      ->capture_default_str();
+  photos->add_option("--noise", c.photographer.noise, "sensor noise, 1 is ordinary")
+      ->capture_default_str();
+  photos->add_option("--blur", c.photographer.blur_px, "standard deviation of the lens blur [px]")
+      ->capture_default_str();
+  photos->add_option("--vignetting", c.photographer.vignetting, "light lost in the corners")
+      ->capture_default_str();
+  photos->add_option("--backdrop", c.photographer.background, "studio | plain")
+      ->capture_default_str();
+  photos
+      ->add_option("--table-shadow", c.photographer.table_shadow,
+                   "darkness of the shadow on the table, 0 to 1")
+      ->capture_default_str();
   photos->add_flag("!--no-shadows", c.photographer.shadows, "light that nothing blocks");
-  photos->add_flag("--charuco", c.photographer.plate.charuco, "a ChArUco plate under the character");
+  photos->add_flag("--charuco", c.photographer.board.charuco,
+                   "a ChArUco plate under the character");
   photos->add_flag("--flip", c.flip, "as many photographs again of the character on its back");
-  photos->add_flag("--background-plate", c.background_plate, "also photograph the empty set");
+  photos->add_flag("--background-plate", c.clean_plate, "also photograph the empty set");
   AddMishaps(*photos, c.photographer.mishaps);
-  photos->add_option("--photographer-seed", c.photographer.seed, "of jitter and noise")->capture_default_str();
+  photos->add_option("--photographer-seed", c.photographer.seed, "of jitter and noise")
+      ->capture_default_str();
   photos->callback([photos, &c] {
-    if (photos->count("--width") && !photos->count("--height")) c.photographer.height = c.photographer.width * 3 / 4;
+    if (photos->count("--width") && !photos->count("--height"))
+      c.photographer.height = c.photographer.width * 3 / 4;
     ConsoleProgress progress;
     std::printf("%d photographs in %s\n", RunPhotos(c, &progress), (c.output / "photos").c_str());
   });
 }
 
 void AddPair(CLI::App& app, PairCommand& c) {
-  CLI::App* pair = app.add_subcommand("pair", "two scans of a clay thing that bends far, and the exact place of every vertex");
+  CLI::App* pair = app.add_subcommand(
+      "pair", "two scans of a clay thing that bends far, and the exact place of every vertex");
   pair->add_option("DIR,--output", c.output, "folder to write into")->required();
   pair->add_option("--shape", c.pair.shape.shape, "tentacle | character")->capture_default_str();
-  pair->add_option("--seed", c.pair.shape.seed, "0 is the plain tentacle; others vary proportions and planes")->capture_default_str();
-  pair->add_option("--bend", c.pair.shape.bend_deg, "of the limbs [deg], 0 to 280")->capture_default_str();
-  pair->add_option("--twist", c.pair.shape.twist_deg, "of the limbs round their own axes [deg]")->capture_default_str();
-  pair->add_option("--squash", c.pair.shape.squash, "height of the target times this, widths by its inverse root")->capture_default_str();
-  pair->add_option("--landmarks", c.pair.shape.places, "picks; tips and body first, then along the limbs")->capture_default_str();
+  pair->add_option("--seed", c.pair.shape.seed,
+                   "0 is the plain tentacle; others vary proportions and planes")
+      ->capture_default_str();
+  pair->add_option("--bend", c.pair.shape.bend_deg, "of the limbs [deg], 0 to 280")
+      ->capture_default_str();
+  pair->add_option("--twist", c.pair.shape.twist_deg, "of the limbs round their own axes [deg]")
+      ->capture_default_str();
+  pair->add_option("--squash", c.pair.shape.squash,
+                   "height of the target times this, widths by its inverse root")
+      ->capture_default_str();
+  pair->add_option("--landmarks", c.pair.shape.places,
+                   "picks; tips and body first, then along the limbs")
+      ->capture_default_str();
   pair->add_option("--vertices", c.pair.vertices, "of the source, about")->capture_default_str();
-  pair->add_option("--ratio", c.pair.ratio, "target faces for one source face")->capture_default_str();
-  pair->add_option("--noise", c.pair.noise, "of target vertices, a standard deviation for each axis over the diagonal")
+  pair->add_option("--ratio", c.pair.ratio, "target faces for one source face")
       ->capture_default_str();
-  pair->add_option("--landmark-noise", c.pair.landmark_noise, "of the picks on the target; below 0: four times --noise")
+  pair->add_option("--noise", c.pair.noise,
+                   "of target vertices, a standard deviation for each axis over the diagonal")
       ->capture_default_str();
-  pair->add_option("--holes", c.pair.holes, "in the target, none on a landmark")->capture_default_str();
-  pair->add_option("--hole-area", c.pair.hole_area, "share of the target's area that the holes take in all")->capture_default_str();
-  pair->add_option("--turn", c.pair.turn_deg, "of the whole target about an axis of the seed's [deg]")->capture_default_str();
+  pair->add_option("--landmark-noise", c.pair.landmark_noise,
+                   "of the picks on the target; below 0: four times --noise")
+      ->capture_default_str();
+  pair->add_option("--holes", c.pair.holes, "in the target, none on a landmark")
+      ->capture_default_str();
+  pair->add_option("--hole-area", c.pair.hole_area,
+                   "share of the target's area that the holes take in all")
+      ->capture_default_str();
+  pair->add_option("--turn", c.pair.turn_deg,
+                   "of the whole target about an axis of the seed's [deg]")
+      ->capture_default_str();
   pair->add_option("--scale", c.pair.scale, "of the whole target")->capture_default_str();
   pair->callback([&c] { std::printf("%s\n", RunPair(c).c_str()); });
 }
 
 void AddPick(CLI::App& app, PickCommand& c) {
-  CLI::App* pick = app.add_subcommand("pick", "simulate an artist's clicks: the true landmarks on a reconstructed mesh");
+  CLI::App* pick = app.add_subcommand(
+      "pick", "simulate an artist's clicks: the true landmarks on a reconstructed mesh");
   pick->add_option("--truth", c.truth, "truth/POSE")->required();
   pick->add_option("--model", c.model, "the pose's COLMAP model")->required();
   pick->add_option("--mesh", c.mesh, "mesh in the model's frame")->required();
   pick->add_option("--output", c.output, "landmarks (.json)")->required();
-  pick->add_option("--reach", c.reach, "leave out landmarks farther from the mesh than this share of its diagonal")->capture_default_str();
+  pick->add_option("--reach", c.reach,
+                   "leave out landmarks farther from the mesh than this share of its diagonal")
+      ->capture_default_str();
   pick->callback([&c] { std::printf("%s\n", RunPick(c).c_str()); });
 }
 
@@ -111,21 +167,30 @@ struct ScoreFlags {
 
 void AddScore(CLI::App& app, ScoreFlags& flags) {
   ScoreCommand& c = flags.command;
-  CLI::App* score = app.add_subcommand("score", "compare a reconstruction with its truth; prints JSON");
+  CLI::App* score =
+      app.add_subcommand("score", "compare a reconstruction with its truth; prints JSON");
   score->add_option("--truth", c.truth, "truth/POSE")->required();
   score->add_option("--model", c.model, "the pose's COLMAP model")->required();
   score->add_option("--mesh", c.mesh, "mesh in the model's frame")->required();
   score->add_option("--cloud", c.cloud, "dense cloud in the model's frame");
-  score->add_option("--hull", c.hull, "visual hull in the truth's frame, from `synth hull`, to compare with");
-  CLI::Option* registered = score->add_option("--registered", c.registered, "the template, registered onto this pose");
-  for (CLI::Option* option : {score->add_option("--template-truth", c.template_truth, "truth/POSE of the template"),
-                              score->add_option("--template-model", c.template_model, "the template's COLMAP model"),
-                              score->add_option("--template-mesh", c.template_mesh, "the template, as registration took it")}) {
+  score->add_option("--hull", c.hull,
+                    "visual hull in the truth's frame, from `synth hull`, to compare with");
+  CLI::Option* registered =
+      score->add_option("--registered", c.registered, "the template, registered onto this pose");
+  for (CLI::Option* option :
+       {score->add_option("--template-truth", c.template_truth, "truth/POSE of the template"),
+        score->add_option("--template-model", c.template_model, "the template's COLMAP model"),
+        score->add_option("--template-mesh", c.template_mesh,
+                          "the template, as registration took it")}) {
     registered->needs(option);
     option->needs(registered);
   }
-  CLI::Option* texture = score->add_option("--texture", c.texture, "the registered template's texture, of this pose")->needs(registered);
-  texture->needs(score->add_option("--template-texture", c.template_texture, "the template's own texture")->needs(texture));
+  CLI::Option* texture =
+      score->add_option("--texture", c.texture, "the registered template's texture, of this pose")
+          ->needs(registered);
+  texture->needs(
+      score->add_option("--template-texture", c.template_texture, "the template's own texture")
+          ->needs(texture));
   score->add_option("--json", flags.json, "also write it here");
   score->callback([&flags] {
     const std::string json = RunScore(flags.command);
@@ -148,11 +213,17 @@ struct DamageFlags {
 };
 
 void AddDamage(CLI::App& app, DamageFlags& c) {
-  CLI::App* damage = app.add_subcommand("damage", "copy a folder of photographs and spoil some of the copies");
+  CLI::App* damage =
+      app.add_subcommand("damage", "copy a folder of photographs and spoil some of the copies");
   damage->add_option("--photos", c.photos, "folder to copy")->required();
   damage->add_option("--output", c.output, "folder of the copies")->required();
-  damage->add_option("--kind", c.kind, "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif")->required();
-  damage->add_option("--names", c.names, "file names to spoil; all when none is given")->delimiter(',');
+  damage
+      ->add_option(
+          "--kind", c.kind,
+          "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif")
+      ->required();
+  damage->add_option("--names", c.names, "file names to spoil; all when none is given")
+      ->delimiter(',');
   damage->callback([&c] { DamagePhotos(c.photos, c.output, DamageKindNamed(c.kind), c.names); });
 }
 

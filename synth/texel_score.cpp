@@ -25,16 +25,23 @@ struct Texel {
   Eigen::Vector3d barycentric;
 };
 
-void Check(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a, const PointsX3& registered_b, const Image8& a,
-           const Image8& b) {
-  if (truth_a.points.rows() != truth_b.points.rows() || truth_a.faces.rows() != truth_b.faces.rows() || truth_a.faces != truth_b.faces)
-    throw InputError("synth: the true surfaces are not two poses of one world; render them together");
+void Check(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a,
+           const PointsX3& registered_b, const Image8& a, const Image8& b) {
+  if (truth_a.points.rows() != truth_b.points.rows() ||
+      truth_a.faces.rows() != truth_b.faces.rows() || truth_a.faces != truth_b.faces)
+    throw InputError(
+        "synth: the true surfaces are not two poses of one world; render them together");
   if (template_a.points.rows() != registered_b.rows())
-    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) + " vertices, but the template has " +
-                     std::to_string(template_a.points.rows()) + "; score it against the template that it was registered from");
-  if (!template_a.has_uvs()) throw InputError("synth: the template has no texture coordinates; pass the mesh that unwrap wrote");
+    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
+                     " vertices, but the template has " + std::to_string(template_a.points.rows()) +
+                     "; score it against the template that it was registered from");
+  if (!template_a.has_uvs())
+    throw InputError(
+        "synth: the template has no texture coordinates; pass the mesh that unwrap wrote");
   if (a.width != b.width || a.height != b.height || a.channels != 3 || b.channels != 3 || a.empty())
-    throw InputError("synth: the textures differ in size or have not three channels; bake both poses with the same options");
+    throw InputError(
+        "synth: the textures differ in size or have not three channels; bake both poses with the "
+        "same options");
 }
 
 // Centres inside of the faces' parts of the layout; where parts meet the first face has the texel.
@@ -48,15 +55,21 @@ std::vector<Texel> CoveredTexels(const Mesh& mesh, int width, int height) {
       const auto uv = mesh.uvs.row(mesh.uv_faces(f, k));
       p[k] = {uv[0] * width - 0.5, (1 - uv[1]) * height - 0.5};
     }
-    const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) { return u.x() * v.y() - u.y() * v.x(); };
+    const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+      return u.x() * v.y() - u.y() * v.x();
+    };
     const double area = cross(p[1] - p[0], p[2] - p[0]);
     if (area == 0) continue;
-    const Eigen::Vector2d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
-    const auto first = [&](double at) { return std::max(0, static_cast<int>(std::ceil(at / step))) * step; };
+    const Eigen::Vector2d low = p[0].cwiseMin(p[1]).cwiseMin(p[2]),
+                          high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
+    const auto first = [&](double at) {
+      return std::max(0, static_cast<int>(std::ceil(at / step))) * step;
+    };
     for (int y = first(low.y()); y <= std::min<double>(high.y(), height - 1); y += step)
       for (int x = first(low.x()); x <= std::min<double>(high.x(), width - 1); x += step) {
         const Eigen::Vector2d at(x, y);
-        const double b = cross(at - p[0], p[2] - p[0]) / area, c = cross(p[1] - p[0], at - p[0]) / area;
+        const double b = cross(at - p[0], p[2] - p[0]) / area,
+                     c = cross(p[1] - p[0], at - p[0]) / area;
         char& done = taken[static_cast<std::size_t>(y) * width + x];
         if (b < 0 || c < 0 || b + c > 1 || done) continue;
         done = 1;
@@ -66,34 +79,40 @@ std::vector<Texel> CoveredTexels(const Mesh& mesh, int width, int height) {
   return texels;
 }
 
-Eigen::Vector3d Place(const PointsX3& points, const FacesX3& faces, int f, const Eigen::Vector3d& barycentric) {
+Eigen::Vector3d Place(const PointsX3& points, const FacesX3& faces, int f,
+                      const Eigen::Vector3d& barycentric) {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   for (int k = 0; k < 3; ++k) place += barycentric[k] * points.row(faces(f, k)).transpose();
   return place;
 }
 
 // Straight distances on the rest clay between what each texel shows in both poses.
-std::vector<double> ClayDistances(const Mesh& truth_a, const Mesh& truth_b, const Mesh& mesh, const PointsX3& registered_b,
-                                  const std::vector<Texel>& texels) {
+std::vector<double> ClayDistances(const Mesh& truth_a, const Mesh& truth_b, const Mesh& mesh,
+                                  const PointsX3& registered_b, const std::vector<Texel>& texels) {
   const RayScene scene_a(truth_a.points, truth_a.faces), scene_b(truth_b.points, truth_b.faces);
   std::vector<double> distances(texels.size());
   ParallelFor(
       static_cast<std::int64_t>(texels.size()),
       [&](std::int64_t i) {
         const Texel& t = texels[i];
-        const RayScene::Foot a = scene_a.ClosestPoint(Place(mesh.points, mesh.faces, t.face, t.barycentric));
-        const RayScene::Foot b = scene_b.ClosestPoint(Place(registered_b, mesh.faces, t.face, t.barycentric));
-        distances[i] = (a.point - Place(truth_a.points, truth_a.faces, b.face, b.barycentric)).norm();
+        const RayScene::Foot a =
+            scene_a.ClosestPoint(Place(mesh.points, mesh.faces, t.face, t.barycentric));
+        const RayScene::Foot b =
+            scene_b.ClosestPoint(Place(registered_b, mesh.faces, t.face, t.barycentric));
+        distances[i] =
+            (a.point - Place(truth_a.points, truth_a.faces, b.face, b.barycentric)).norm();
       },
       256);
   return distances;
 }
 
 double Psnr(double squares, double count) {
-  return squares > 0 ? std::min(kEqualDb, 10 * std::log10(255 * 255 / (squares / count))) : kEqualDb;
+  return squares > 0 ? std::min(kEqualDb, 10 * std::log10(255 * 255 / (squares / count)))
+                     : kEqualDb;
 }
 
-void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& texels, TexelScore& score) {
+void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& texels,
+                   TexelScore& score) {
   double difference = 0, squares = 0, squares_gain = 0;
   for (int c = 0; c < 3; ++c) {
     double aa = 0, ab = 0, bb = 0;
@@ -103,7 +122,8 @@ void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& t
       aa += p * p, ab += p * q, bb += q * q;
     }
     squares += aa - 2 * ab + bb;
-    squares_gain += bb > 0 ? aa - ab * ab / bb : aa;  // of a against the gain times b that is nearest to it
+    squares_gain +=
+        bb > 0 ? aa - ab * ab / bb : aa;  // of a against the gain times b that is nearest to it
   }
   const double count = 3.0 * static_cast<double>(texels.size());
   score.mean_difference = difference / count;
@@ -114,7 +134,8 @@ void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& t
 double LayoutTexels(const Mesh& mesh, int width, int height) {
   double area = 0;
   for (int f = 0; f < mesh.face_count(); ++f) {
-    const Eigen::RowVector2d p = mesh.uvs.row(mesh.uv_faces(f, 0)), q = mesh.uvs.row(mesh.uv_faces(f, 1)) - p,
+    const Eigen::RowVector2d p = mesh.uvs.row(mesh.uv_faces(f, 0)),
+                             q = mesh.uvs.row(mesh.uv_faces(f, 1)) - p,
                              r = mesh.uvs.row(mesh.uv_faces(f, 2)) - p;
     area += std::abs(q[0] * r[1] - q[1] * r[0]) / 2;
   }
@@ -123,21 +144,25 @@ double LayoutTexels(const Mesh& mesh, int width, int height) {
 
 }  // namespace
 
-TexelScore ScoreTexels(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a, const PointsX3& registered_b,
-                       const Image8& texture_a, const Image8& texture_b) {
+TexelScore ScoreTexels(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a,
+                       const PointsX3& registered_b, const Image8& texture_a,
+                       const Image8& texture_b) {
   Check(truth_a, truth_b, template_a, registered_b, texture_a, texture_b);
   const std::vector<Texel> texels = CoveredTexels(template_a, texture_a.width, texture_a.height);
-  if (texels.empty()) throw InputError("synth: the template's layout covers no texel; are these its textures?");
+  if (texels.empty())
+    throw InputError("synth: the template's layout covers no texel; are these its textures?");
   const double diagonal = BoundingDiagonal(truth_a.points);
   std::vector<double> distances = ClayDistances(truth_a, truth_b, template_a, registered_b, texels);
   std::sort(distances.begin(), distances.end());
   TexelScore score;
   score.texels = static_cast<int>(texels.size());
-  score.mean = std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size()) / diagonal;
+  score.mean = std::accumulate(distances.begin(), distances.end(), 0.0) /
+               static_cast<double>(distances.size()) / diagonal;
   score.p95 = distances[(distances.size() - 1) * 95 / 100] / diagonal;
   score.max = distances.back() / diagonal;
   const double area = SurfaceArea(template_a.points, template_a.faces);
-  score.texel = std::sqrt(area / LayoutTexels(template_a, texture_a.width, texture_a.height)) / diagonal;
+  score.texel =
+      std::sqrt(area / LayoutTexels(template_a, texture_a.width, texture_a.height)) / diagonal;
   CompareColors(texture_a, texture_b, texels, score);
   return score;
 }

@@ -45,7 +45,9 @@ struct World {
   PointsX3 registered = Upright(mesh.points);
   Image8 texture_a{40, 40, 3, 100}, texture_b{40, 40, 3, 100};
   World() { truth_b.points = Upright(truth_a.points); }
-  TexelScore Score() const { return ScoreTexels(truth_a, truth_b, mesh, registered, texture_a, texture_b); }
+  TexelScore Score() const {
+    return ScoreTexels(truth_a, truth_b, mesh, registered, texture_a, texture_b);
+  }
 };
 
 TEST(ScoreTexels, ExactRegistrationShowsTheSameSpots) {
@@ -100,16 +102,25 @@ TEST(ScoreTexels, SameBitsForAnyThreadCount) {
 
 TEST(ScoreTexels, WhatDoesNotBelongTogetherThrowsInputError) {
   World world;
-  EXPECT_THROW(ScoreTexels(world.truth_a, Sheet(3), world.mesh, world.registered, world.texture_a, world.texture_b), InputError);
-  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, world.mesh, world.registered.topRows(4), world.texture_a, world.texture_b),
+  EXPECT_THROW(ScoreTexels(world.truth_a, Sheet(3), world.mesh, world.registered, world.texture_a,
+                           world.texture_b),
                InputError);
-  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, world.mesh, world.registered, world.texture_a, Image8(20, 40, 3)), InputError);
+  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, world.mesh, world.registered.topRows(4),
+                           world.texture_a, world.texture_b),
+               InputError);
+  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, world.mesh, world.registered,
+                           world.texture_a, Image8(20, 40, 3)),
+               InputError);
   Mesh bare = world.mesh;
   bare.uvs.resize(0, 2);
-  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, bare, world.registered, world.texture_a, world.texture_b), InputError);
+  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, bare, world.registered, world.texture_a,
+                           world.texture_b),
+               InputError);
   Mesh aside = world.mesh;
   aside.uvs.array() += 5;
-  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, aside, world.registered, world.texture_a, world.texture_b), InputError);
+  EXPECT_THROW(ScoreTexels(world.truth_a, world.truth_b, aside, world.registered, world.texture_a,
+                           world.texture_b),
+               InputError);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The visual hull of exact silhouettes: the best that masks alone can give, to measure stereo against.
+// The visual hull of exact silhouettes: the best that masks alone can give, to measure stereo
+// against.
 #pragma once
 
 #include <vector>
@@ -15,8 +16,9 @@ namespace keypose::synth {
 /// @param low, high  box round the character [m]
 /// @param spacing    of the polygonisation [m]
 /// @throws InputError  as many masks as views are needed, of their size; nothing in common
-/// Same bits for any thread count. Source: Laurentini, TPAMI 1994.
-Mesh HullOfMasks(const std::vector<View>& views, const std::vector<Image8>& masks, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                 double spacing);
+/// Same bits for any thread count.
+/// Source: Laurentini, TPAMI 1994.
+Mesh HullOfMasks(const std::vector<View>& views, const std::vector<Image8>& masks,
+                 const Eigen::Vector3d& low, const Eigen::Vector3d& high, double spacing);
 
 }  // namespace keypose::synth

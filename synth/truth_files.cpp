@@ -7,8 +7,8 @@
 #include "core/io/colmap_io.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
+#include "synth/calibration_board.h"
 #include "synth/outer_surface.h"
-#include "synth/plate.h"
 
 namespace keypose::synth {
 namespace {
@@ -19,9 +19,12 @@ std::string LandmarksJson(const Truth& truth) {
   Json list = Json::array();
   for (const TruthLandmark& landmark : truth.landmarks) {
     const Eigen::Vector3d p = truth.surface.points.row(landmark.vertex);
-    list.push_back({{"name", landmark.name}, {"vertex", landmark.vertex}, {"position", {p[0], p[1], p[2]}}});
+    list.push_back(
+        {{"name", landmark.name}, {"vertex", landmark.vertex}, {"position", {p[0], p[1], p[2]}}});
   }
-  return Json{{"schema", 1}, {"vertices", truth.surface.vertex_count()}, {"landmarks", list}}.dump(1) + "\n";
+  return Json{{"schema", 1}, {"vertices", truth.surface.vertex_count()}, {"landmarks", list}}.dump(
+             1) +
+         "\n";
 }
 
 std::string PhotographName(int i) {
@@ -46,9 +49,12 @@ Json MishapsJson(const PhotographerOptions& options, std::uint64_t world_seed) {
   const Mishaps& m = options.mishaps;
   constexpr double kDegPerRad = 180 / 3.141592653589793;
   Json json = Json::object();
-  if (m.strays > 0) json["stray"] = {{"photographs", Names(StrayViews(m, options.views))}, {"seed", StraySeed(m, world_seed)}};
+  if (m.strays > 0)
+    json["stray"] = {{"photographs", Names(StrayViews(m, options.views))},
+                     {"seed", StraySeed(m, world_seed)}};
   if (m.hands > 0) json["hand"] = {{"photographs", Names(HandViews(m, options.views))}};
-  if (m.lamp_falls_after < 1) json["lamp_fall"] = {{"photographs", NamesAfter(m.lamp_falls_after, options.views)}};
+  if (m.lamp_falls_after < 1)
+    json["lamp_fall"] = {{"photographs", NamesAfter(m.lamp_falls_after, options.views)}};
   if (m.moved_from >= 1) return json;
   json["moved"] = {{"photographs", NamesAfter(m.moved_from, options.views)}};
   if (m.moved_pose.empty())
@@ -58,8 +64,8 @@ Json MishapsJson(const PhotographerOptions& options, std::uint64_t world_seed) {
   return json;
 }
 
-std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer, const WorldOptions& world_options,
-                      const PhotographerOptions& options) {
+std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer,
+                      const WorldOptions& world_options, const PhotographerOptions& options) {
   Json json{{"schema", 1},
             {"pose", pose.name},
             {"character", world_options.character},
@@ -84,13 +90,14 @@ std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer, c
               {"vignetting", options.vignetting},
               {"seed", options.seed}}}};
   if (options.mishaps.any()) json["mishaps"] = MishapsJson(options, world_options.seed);
-  if (options.plate.charuco) {
-    const Plate plate = MakePlate(options.plate);
+  if (options.board.charuco) {
+    const BoardPicture board = MakeBoardPicture(options.board);
     Json corners = Json::array();
-    for (Eigen::Index i = 0; i < plate.corners.rows(); ++i)
-      corners.push_back({plate.corners(i, 0), plate.corners(i, 1), plate.corners(i, 2)});
-    json["plate"] = {{"dictionary", "DICT_5X5_100"},       {"squares_x", options.plate.squares_x}, {"squares_y", options.plate.squares_y},
-                     {"square_m", options.plate.square_m}, {"marker_m", options.plate.marker_m},   {"corners_m", corners}};
+    for (Eigen::Index i = 0; i < board.corners.rows(); ++i)
+      corners.push_back({board.corners(i, 0), board.corners(i, 1), board.corners(i, 2)});
+    json["plate"] = {{"dictionary", "DICT_5X5_100"},         {"squares_x", options.board.squares_x},
+                     {"squares_y", options.board.squares_y}, {"square_m", options.board.square_m},
+                     {"marker_m", options.board.marker_m},   {"corners_m", corners}};
   }
   return json.dump(1) + "\n";
 }
@@ -99,30 +106,41 @@ std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer, c
 
 Truth ReadTruth(const std::filesystem::path& folder) {
   Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}, {}};
-  truth.outer = std::filesystem::exists(folder / "outer.ply") ? ReadMesh(folder / "outer.ply") : truth.surface;
-  truth.smooth = std::filesystem::exists(folder / "smooth.ply") ? ReadMesh(folder / "smooth.ply").points : truth.surface.points;
+  truth.outer = std::filesystem::exists(folder / "outer.ply") ? ReadMesh(folder / "outer.ply")
+                                                              : truth.surface;
+  truth.smooth = std::filesystem::exists(folder / "smooth.ply")
+                     ? ReadMesh(folder / "smooth.ply").points
+                     : truth.surface.points;
   if (truth.smooth.rows() != truth.surface.points.rows())
-    throw InputError("synth: " + (folder / "smooth.ply").string() + " does not belong to surface.ply; render the world again");
+    throw InputError("synth: " + (folder / "smooth.ply").string() +
+                     " does not belong to surface.ply; render the world again");
   const std::filesystem::path path = folder / "landmarks.json";
   try {
     const Json json = Json::parse(ReadFile(path));
     for (const Json& entry : json.at("landmarks"))
-      truth.landmarks.push_back({entry.at("name").get<std::string>(), entry.at("vertex").get<int>()});
+      truth.landmarks.push_back(
+          {entry.at("name").get<std::string>(), entry.at("vertex").get<int>()});
   } catch (const nlohmann::json::exception& fault) {
-    throw InputError("synth: " + path.string() + " is not a list of true landmarks (" + fault.what() + "); render the world again");
+    throw InputError("synth: " + path.string() + " is not a list of true landmarks (" +
+                     fault.what() + "); render the world again");
   }
   for (const TruthLandmark& landmark : truth.landmarks)
     if (landmark.vertex < 0 || landmark.vertex >= truth.surface.vertex_count())
-      throw InputError("synth: " + path.string() + ": landmark '" + landmark.name + "' is on vertex " + std::to_string(landmark.vertex) +
-                       ", but surface.ply has " + std::to_string(truth.surface.vertex_count()) + "; render the world again");
+      throw InputError("synth: " + path.string() + ": landmark '" + landmark.name +
+                       "' is on vertex " + std::to_string(landmark.vertex) +
+                       ", but surface.ply has " + std::to_string(truth.surface.vertex_count()) +
+                       "; render the world again");
   return truth;
 }
 
-void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world, const Pose& pose,
-                const WorldOptions& world_options, const PhotographerOptions& options) {
+void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world,
+                const Pose& pose, const WorldOptions& world_options,
+                const PhotographerOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(folder / "cameras", error);
-  if (error) throw DiskError("synth: cannot create the folder " + (folder / "cameras").string() + ": " + error.message());
+  if (error)
+    throw DiskError("synth: cannot create the folder " + (folder / "cameras").string() + ": " +
+                    error.message());
   WriteColmapModel(folder / "cameras", truth.cameras);
   WriteMesh(folder / "surface.ply", truth.surface);
   if (pose.touches) WriteMesh(folder / "outer.ply", truth.outer);

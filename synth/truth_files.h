@@ -1,9 +1,9 @@
 // The exact truth of synthetic photographs, as files beside them.
 //
-//     truth/POSE/cameras/        COLMAP's binary model: exact cameras in the character's frame [m], points on the true surface
-//     truth/POSE/masks/NAME.png  255 = character
-//     truth/POSE/surface.ply     vertex i is the same material point in every pose
-//     truth/POSE/outer.ply       of a pose with parts pressed into each other: what one sees of its solid, without walls inside
+//     truth/POSE/cameras/        COLMAP's binary model: exact cameras in the character's frame [m],
+//     points on the true surface truth/POSE/masks/NAME.png  255 = character truth/POSE/surface.ply
+//     vertex i is the same material point in every pose truth/POSE/outer.ply       of a pose with
+//     parts pressed into each other: what one sees of its solid, without walls inside
 //     truth/POSE/smooth.ply      its vertices without finger-prints, where these move the surface
 //     truth/POSE/landmarks.json  named vertices of surface.ply
 //     truth/POSE/world.json      what was rendered
@@ -22,9 +22,10 @@ namespace keypose::synth {
 
 /// The truth of one pose.
 struct Truth {
-  Scene cameras;    ///< views sorted by name
-  Mesh surface;     ///< material: vertex i is one point in every pose; crosses itself where parts are pressed together
-  Mesh outer;       ///< what is seen of it; the same unless parts are pressed together
+  Scene cameras;  ///< views sorted by name
+  Mesh surface;   ///< material: vertex i is one point in every pose; crosses itself where parts are
+                  ///< pressed together
+  Mesh outer;     ///< what is seen of it; the same unless parts are pressed together
   PointsX3 smooth;  ///< vertices of the surface without its finger-prints
   std::vector<TruthLandmark> landmarks;
 };
@@ -32,8 +33,10 @@ struct Truth {
 /// @throws InputError  a file missing or malformed @throws DiskError
 Truth ReadTruth(const std::filesystem::path& folder);
 
-/// Everything but the masks. @throws DiskError
-void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world, const Pose& pose,
-                const WorldOptions& world_options, const PhotographerOptions& options);
+/// Everything but the masks.
+/// @throws DiskError
+void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world,
+                const Pose& pose, const WorldOptions& world_options,
+                const PhotographerOptions& options);
 
 }  // namespace keypose::synth

@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-
 Camera MakeCamera(const PhotographerOptions& options) {
   Camera camera;
   camera.width = options.width;
@@ -30,35 +29,42 @@ Camera MakeCamera(const PhotographerOptions& options) {
   return camera;
 }
 
-/// Largest share of the image's half height or half width that the points reach in a ring of cameras.
-double Reach(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target, double distance) {
+/// Largest share of the image's half height or half width that the points reach in a ring of
+/// cameras.
+double Reach(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target,
+             double distance) {
   constexpr int kAround = 24;
   double reach = 0;
   for (int k = 0; k < kAround; ++k) {
     const double azimuth = 2 * kPi * k / kAround;
-    const Vector3d out(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    const Vector3d out(std::cos(elevation) * std::cos(azimuth),
+                       std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
     const Rigid3 camera_from_world = LookAt(target + distance * out, target);
     for (Eigen::Index i = 0; i < points.rows(); i += 8) {
       const Eigen::Vector2d pixel = camera.Project(camera_from_world * Vector3d(points.row(i)));
-      reach =
-          std::max({reach, std::abs(pixel[0] - camera.cx) / (camera.width / 2.0), std::abs(pixel[1] - camera.cy) / (camera.height / 2.0)});
+      reach = std::max({reach, std::abs(pixel[0] - camera.cx) / (camera.width / 2.0),
+                        std::abs(pixel[1] - camera.cy) / (camera.height / 2.0)});
     }
   }
   return reach;
 }
 
 /// Where the ring's cameras stand so that the points fill the wanted share of the image.
-double FitDistance(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target, double fill) {
+double FitDistance(const PointsX3& points, const Camera& camera, double elevation,
+                   const Vector3d& target, double fill) {
   const double radius = (points.rowwise() - target.transpose()).rowwise().norm().maxCoeff();
   double distance = 2.5 * radius * camera.fx / std::min(camera.width, camera.height);
-  for (int round = 0; round < 4; ++round) distance *= Reach(points, camera, elevation, target, distance) / fill;
+  for (int round = 0; round < 4; ++round)
+    distance *= Reach(points, camera, elevation, target, distance) / fill;
   return distance;
 }
 
-/// Cameras of a figure that was moved on the table, in the figure's own frame, in which they seem to have moved.
+/// Cameras of a figure that was moved on the table, in the figure's own frame, in which they seem
+/// to have moved.
 void Move(std::vector<RingView>& views, const Mishaps& mishaps) {
-  const Rigid3 table_from_world{Eigen::Quaterniond(Eigen::AngleAxisd(mishaps.moved_rad, Vector3d::UnitZ())),
-                                Vector3d(mishaps.moved_m, 0, 0)};
+  const Rigid3 table_from_world{
+      Eigen::Quaterniond(Eigen::AngleAxisd(mishaps.moved_rad, Vector3d::UnitZ())),
+      Vector3d(mishaps.moved_m, 0, 0)};
   const int n = static_cast<int>(views.size());
   for (int i = FirstAfter(mishaps.moved_from, n); i < n; ++i) {
     views[i].view.camera_from_world = Compose(views[i].view.camera_from_world, table_from_world);
@@ -79,18 +85,24 @@ std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOpt
     const int count = options.views / rings + (ring < options.views % rings ? 1 : 0);
     const double elevation = options.elevations_deg[ring] * kPi / 180;
     const double distance = FitDistance(points, camera, elevation, target, options.fill);
-    // The tripod is moved between rings: another aim, a slight tilt. Rings start half a step apart, so that views interleave.
-    const Vector3d aim = target + options.aim_jitter * distance * Vector3d(0, 0, random.Uniform(-1, 1));
-    const double roll = 2 * options.aim_jitter * random.Uniform(-1, 1), sideways = options.aim_jitter * distance * random.Uniform(-1, 1);
+    // The tripod is moved between rings: another aim, a slight tilt. Rings start half a step apart,
+    // so that views interleave.
+    const Vector3d aim =
+        target + options.aim_jitter * distance * Vector3d(0, 0, random.Uniform(-1, 1));
+    const double roll = 2 * options.aim_jitter * random.Uniform(-1, 1),
+                 sideways = options.aim_jitter * distance * random.Uniform(-1, 1);
     for (int k = 0; k < count; ++k) {
       RingView view;
       view.ring = ring;
-      view.azimuth_rad =
-          -kPi / 2 + 2 * kPi * (k + 0.5 * (ring % 2)) / count + options.azimuth_jitter_deg * kPi / 180 * random.Uniform(-1, 1);
-      const Vector3d out(std::cos(view.azimuth_rad), std::sin(view.azimuth_rad), 0), side(-out[1], out[0], 0);
-      const Vector3d eye = target + distance * (std::cos(elevation) * out + std::sin(elevation) * Vector3d::UnitZ());
+      view.azimuth_rad = -kPi / 2 + 2 * kPi * (k + 0.5 * (ring % 2)) / count +
+                         options.azimuth_jitter_deg * kPi / 180 * random.Uniform(-1, 1);
+      const Vector3d out(std::cos(view.azimuth_rad), std::sin(view.azimuth_rad), 0),
+          side(-out[1], out[0], 0);
+      const Vector3d eye =
+          target + distance * (std::cos(elevation) * out + std::sin(elevation) * Vector3d::UnitZ());
       const Vector3d goal = aim + sideways * side;
-      view.view.camera_from_world = LookAt(eye, goal, Eigen::AngleAxisd(roll, (goal - eye).normalized()) * Vector3d::UnitZ());
+      view.view.camera_from_world =
+          LookAt(eye, goal, Eigen::AngleAxisd(roll, (goal - eye).normalized()) * Vector3d::UnitZ());
       view.view.camera = camera;
       char name[32];
       std::snprintf(name, sizeof name, "IMG_%04d.jpg", static_cast<int>(placed.size()) + 1);
@@ -114,14 +126,18 @@ ImageF Backdrop(const PhotographerOptions& options) {
       const double u = (x + 0.5) / options.height, v = (y + 0.5) / options.height;
       Vector3d color(0.50, 0.495, 0.49);
       if (studio) {
-        // A sweep of paper: wall above, table below, an out-of-focus stain pattern, and the grain of the paper.
+        // A sweep of paper: wall above, table below, an out-of-focus stain pattern, and the grain
+        // of the paper.
         const double table = smooth((v - 0.42) / 0.30);
         color = (1 - table) * Vector3d(0.36, 0.37, 0.40) + table * Vector3d(0.55, 0.53, 0.51);
-        const double stains = FractalNoise({3.1 * u, 3.1 * v, 0.5}, 3, 0.5, 77), paper = GradientNoise({160 * u, 160 * v, 0.5}, 78);
+        const double stains = FractalNoise({3.1 * u, 3.1 * v, 0.5}, 3, 0.5, 77),
+                     paper = GradientNoise({160 * u, 160 * v, 0.5}, 78);
         color *= 1 + 0.10 * stains + 0.012 * paper;
         // Two blurred panels on the wall.
-        const double left = smooth((0.22 - std::abs(u - 0.16)) / 0.06) * smooth((0.13 - std::abs(v - 0.20)) / 0.05);
-        const double right = smooth((0.10 - std::abs(u - 1.16)) / 0.05) * smooth((0.22 - std::abs(v - 0.22)) / 0.05);
+        const double left =
+            smooth((0.22 - std::abs(u - 0.16)) / 0.06) * smooth((0.13 - std::abs(v - 0.20)) / 0.05);
+        const double right =
+            smooth((0.10 - std::abs(u - 1.16)) / 0.05) * smooth((0.22 - std::abs(v - 0.22)) / 0.05);
         color += 0.13 * left * Vector3d(0.1, 0.15, 0.35) - 0.14 * right * Vector3d(0.5, 0.6, 0.7);
       }
       float* out = backdrop.at(x, static_cast<int>(y));

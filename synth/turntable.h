@@ -5,15 +5,16 @@
 
 #include "core/camera.h"
 #include "core/image.h"
-#include "synth/photographer.h"
+#include "synth/photographer_options.h"
 
 namespace keypose::synth {
 
 /// A camera on a ring. In the world's frame the table stands still and the camera goes round it.
 struct RingView {
   View view;
-  double azimuth_rad = 0;  ///< of the camera about z; the lamp keeps its angle to it
-  Rigid3 table_from_world; ///< how the figure, in whose frame the camera is given, stands on the turntable
+  double azimuth_rad = 0;   ///< of the camera about z; the lamp keeps its angle to it
+  Rigid3 table_from_world;  ///< how the figure, in whose frame the camera is given, stands on the
+                            ///< turntable
   int ring = 0;
 };
 

@@ -25,21 +25,23 @@ constexpr double kFistRadius = 0.0140, kThumbRadius = 0.0050;  // [m] of the rig
 const Vector3d kThumb(0.010, -0.010, 0.0090);                  // [m] from the middle of the fist
 
 /// Linear light from the 0..255 sRGB value that a painter would name.
-Vector3d Srgb(int r, int g, int b) { return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)}; }
+Vector3d Srgb(int r, int g, int b) {
+  return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)};
+}
 
 struct Palette {
   Vector3d body, belly, limb, hand, scarf, horn, spot, spike;
 };
 
 const Palette kPalettes[] = {
-    {Srgb(72, 158, 150), Srgb(226, 204, 150), Srgb(82, 146, 166), Srgb(236, 176, 70), Srgb(206, 74, 62), Srgb(240, 224, 190),
-     Srgb(42, 104, 116), Srgb(228, 128, 62)},
-    {Srgb(204, 112, 76), Srgb(238, 206, 160), Srgb(190, 96, 80), Srgb(120, 148, 88), Srgb(70, 110, 168), Srgb(244, 232, 206),
-     Srgb(140, 62, 52), Srgb(236, 190, 84)},
-    {Srgb(150, 176, 84), Srgb(236, 226, 166), Srgb(118, 156, 82), Srgb(214, 108, 120), Srgb(112, 82, 150), Srgb(236, 216, 180),
-     Srgb(86, 118, 58), Srgb(222, 150, 70)},
-    {Srgb(158, 132, 186), Srgb(236, 214, 206), Srgb(138, 112, 170), Srgb(238, 196, 92), Srgb(84, 150, 130), Srgb(244, 230, 200),
-     Srgb(104, 74, 140), Srgb(222, 110, 98)},
+    {Srgb(72, 158, 150), Srgb(226, 204, 150), Srgb(82, 146, 166), Srgb(236, 176, 70),
+     Srgb(206, 74, 62), Srgb(240, 224, 190), Srgb(42, 104, 116), Srgb(228, 128, 62)},
+    {Srgb(204, 112, 76), Srgb(238, 206, 160), Srgb(190, 96, 80), Srgb(120, 148, 88),
+     Srgb(70, 110, 168), Srgb(244, 232, 206), Srgb(140, 62, 52), Srgb(236, 190, 84)},
+    {Srgb(150, 176, 84), Srgb(236, 226, 166), Srgb(118, 156, 82), Srgb(214, 108, 120),
+     Srgb(112, 82, 150), Srgb(236, 216, 180), Srgb(86, 118, 58), Srgb(222, 150, 70)},
+    {Srgb(158, 132, 186), Srgb(236, 214, 206), Srgb(138, 112, 170), Srgb(238, 196, 92),
+     Srgb(84, 150, 130), Srgb(244, 230, 200), Srgb(104, 74, 140), Srgb(222, 110, 98)},
 };
 
 // Builds the creature part by part and remembers the named places.
@@ -64,14 +66,19 @@ class Sculptor {
   std::vector<Pose> Poses() const;
 
  private:
-  double Vary(double value, double share) { return value * (1 + spread_ * random_.Uniform(-share, share)); }
-  Vector3d Vary(const Vector3d& p, double by_m) {
-    return p + spread_ * by_m * Vector3d(random_.Uniform(-1, 1), random_.Uniform(-1, 1), random_.Uniform(-1, 1));
+  double Vary(double value, double share) {
+    return value * (1 + spread_ * random_.Uniform(-share, share));
   }
-  void Add(const Vector3d& a, double ra, const Vector3d& b, double rb, const Vector3d& color, double blend = 0.006, bool crisp = false) {
+  Vector3d Vary(const Vector3d& p, double by_m) {
+    return p + spread_ * by_m *
+                   Vector3d(random_.Uniform(-1, 1), random_.Uniform(-1, 1), random_.Uniform(-1, 1));
+  }
+  void Add(const Vector3d& a, double ra, const Vector3d& b, double rb, const Vector3d& color,
+           double blend = 0.006, bool crisp = false) {
     clay_.lumps.push_back({a, b, ra, rb, blend, color, crisp});
   }
-  void Ball(const Vector3d& c, double r, const Vector3d& color, double blend = 0.004, bool crisp = false) {
+  void Ball(const Vector3d& c, double r, const Vector3d& color, double blend = 0.004,
+            bool crisp = false) {
     Add(c, r, c, r, color, blend, crisp);
   }
   void Name(const char* name, const Vector3d& place) { places_.emplace_back(name, place); }
@@ -97,9 +104,11 @@ class Sculptor {
 void Sculptor::Body() {
   const double girth = Vary(1, 0.12);
   Add({0, 0, 0.050}, 0.042 * girth, {0.003, 0.001, 0.088}, 0.032 * girth, palette_.body, 0.01);
-  Add({-0.002, -0.017 * girth, 0.046}, 0.029 * girth, {0.001, -0.014 * girth, 0.072}, 0.022 * girth, palette_.belly, 0.004);
+  Add({-0.002, -0.017 * girth, 0.046}, 0.029 * girth, {0.001, -0.014 * girth, 0.072}, 0.022 * girth,
+      palette_.belly, 0.004);
   trunk_.lumps = clay_.lumps;
-  const Vector3d left_toe = Vary(Vector3d(0.033, -0.040, 0.011), 0.004), right_toe = Vary(Vector3d(-0.044, -0.033, 0.012), 0.004);
+  const Vector3d left_toe = Vary(Vector3d(0.033, -0.040, 0.011), 0.004),
+                 right_toe = Vary(Vector3d(-0.044, -0.033, 0.012), 0.004);
   Add({0.027, -0.002, 0.015}, 0.018, left_toe, 0.0135, palette_.limb, 0.008);
   Add({-0.028, 0.001, 0.016}, 0.020, right_toe, 0.0155, palette_.limb, 0.008);
   thighs_.lumps.assign(clay_.lumps.end() - 2, clay_.lumps.end());
@@ -111,11 +120,13 @@ void Sculptor::Body() {
   Ball({-0.007, -0.0365 * girth, 0.079}, 0.0045, palette_.scarf, 0.001, true);
   Name("button", {0.001, -0.0455 * girth - 0.005, 0.058});
   // Spikes down the back, the third leaning to one side.
-  const double heights[4] = {0.150, 0.103, 0.083, 0.062}, backs[4] = {0.024, 0.028, 0.033, 0.039}, sizes[4] = {0.0075, 0.009, 0.010, 0.009};
+  const double heights[4] = {0.150, 0.103, 0.083, 0.062}, backs[4] = {0.024, 0.028, 0.033, 0.039},
+               sizes[4] = {0.0075, 0.009, 0.010, 0.009};
   for (int i = 1; i < 4; ++i) {
     const double lean = i == 2 ? 0.006 : -0.001;
     const Vector3d tip(lean, backs[i] * girth + Vary(0.013, 0.2), heights[i] + 0.011);
-    Add({0.001, backs[i] * girth - 0.004, heights[i]}, sizes[i], tip, 0.0022, palette_.spike, 0.003);
+    Add({0.001, backs[i] * girth - 0.004, heights[i]}, sizes[i], tip, 0.0022, palette_.spike,
+        0.003);
     if (i == 2) Name("back_spike", tip + Vector3d(0, 0.002, 0.001));
   }
   // A knotted scarf.
@@ -123,7 +134,8 @@ void Sculptor::Body() {
   for (int i = 0; i < kLinks; ++i) {
     const double a = 2 * kPi * i / kLinks, b = 2 * kPi * (i + 1) / kLinks;
     const auto at = [](double t) {
-      return Vector3d(0.001 + 0.0245 * std::cos(t), -0.001 + 0.0235 * std::sin(t), 0.116 + 0.004 * std::sin(t + 0.6));
+      return Vector3d(0.001 + 0.0245 * std::cos(t), -0.001 + 0.0235 * std::sin(t),
+                      0.116 + 0.004 * std::sin(t + 0.6));
     };
     Add(at(a), 0.0088, at(b), 0.0088, palette_.scarf, 0.003);
   }
@@ -134,14 +146,16 @@ void Sculptor::Body() {
 void Sculptor::Head() {
   const double size = Vary(1, 0.08);
   Add({0, 0, 0.105}, 0.021, {0.001, -0.003, 0.135}, 0.021, palette_.body, 0.01);
-  Add({-0.012, -0.006, 0.157}, 0.034 * size, {0.015, -0.006, 0.159}, 0.033 * size, palette_.body, 0.012);
+  Add({-0.012, -0.006, 0.157}, 0.034 * size, {0.015, -0.006, 0.159}, 0.033 * size, palette_.body,
+      0.012);
   const Vector3d muzzle = Vary(Vector3d(0.004, -0.050, 0.145), 0.003);
   Add({0.002, -0.030, 0.147}, 0.021, muzzle, 0.0155, palette_.belly, 0.008);
   const Vector3d nose = muzzle + Vector3d(0.001, -0.0135, 0.0075);
   Ball(nose, 0.0075, Srgb(52, 38, 40), 0.002, true);
   Name("nose", nose + Vector3d(0, -0.0075, 0));
   const double left = Vary(0.0105, 0.15), right = Vary(0.0088, 0.15);
-  const Vector3d left_eye(0.0195, -0.0335 * size - 0.0005, 0.1735), right_eye(-0.0155, -0.0345 * size - 0.0005, 0.1715);
+  const Vector3d left_eye(0.0195, -0.0335 * size - 0.0005, 0.1735),
+      right_eye(-0.0155, -0.0345 * size - 0.0005, 0.1715);
   const Vector3d look = Vector3d(0.18, -1, 0.12).normalized();
   Ball(left_eye, left, Srgb(246, 242, 232), 0.0015, true);
   Ball(right_eye, right, Srgb(246, 242, 232), 0.0015, true);
@@ -150,9 +164,12 @@ void Sculptor::Head() {
   Name("left_eye", left_eye + (left + 0.0018) * look);
   Name("right_eye", right_eye + (right + 0.0016) * look);
   // One brow, raised; a smile that goes up on one side.
-  Add(left_eye + Vector3d(-0.008, 0.002, 0.0125), 0.0034, left_eye + Vector3d(0.009, 0.004, 0.0150), 0.0028, palette_.spot, 0.002);
-  Add(muzzle + Vector3d(-0.010, -0.0085, -0.0075), 0.0022, muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024, palette_.scarf, 0.001);
-  Add(muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024, muzzle + Vector3d(0.0135, -0.0060, -0.0030), 0.0020, palette_.scarf, 0.001);
+  Add(left_eye + Vector3d(-0.008, 0.002, 0.0125), 0.0034, left_eye + Vector3d(0.009, 0.004, 0.0150),
+      0.0028, palette_.spot, 0.002);
+  Add(muzzle + Vector3d(-0.010, -0.0085, -0.0075), 0.0022,
+      muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024, palette_.scarf, 0.001);
+  Add(muzzle + Vector3d(0.002, -0.0125, -0.0092), 0.0024,
+      muzzle + Vector3d(0.0135, -0.0060, -0.0030), 0.0020, palette_.scarf, 0.001);
   // A tuft on the crown, off centre.
   Add({-0.006, 0.002, 0.188}, 0.0085, {-0.012, 0.012, 0.203}, 0.0035, palette_.spike, 0.004);
   Name("tuft", {-0.0125, 0.0135, 0.2060});
@@ -160,7 +177,8 @@ void Sculptor::Head() {
 
 void Sculptor::Ears() {
   // A long ear that folds over on the left, a stub of a horn on the right.
-  const Vector3d fold = Vary(Vector3d(0.056, 0.004, 0.196), 0.004), tip = fold + Vector3d(0.019, -0.004, Vary(-0.016, 0.3));
+  const Vector3d fold = Vary(Vector3d(0.056, 0.004, 0.196), 0.004),
+                 tip = fold + Vector3d(0.019, -0.004, Vary(-0.016, 0.3));
   Add({0.034, 0.0, 0.172}, 0.0125, fold, 0.0100, palette_.limb, 0.008);
   Add(fold, 0.0100, tip, 0.0072, palette_.limb, 0.004);
   Name("ear_fold", fold + Vector3d(0, 0, 0.0100));
@@ -183,7 +201,8 @@ void Sculptor::Arms() {
   Name("left_elbow", shoulder_ + 0.5 * (hand - shoulder_) + Vector3d(0, -0.012, 0));
   const Vector3d right_shoulder(-0.026, -0.001, 0.096);
   right_shoulder_ = right_shoulder;
-  const Vector3d elbow = Vary(Vector3d(-0.064, -0.010, 0.080), 0.003), fist = elbow + Vary(Vector3d(-0.001, -0.036, -0.008), 0.004);
+  const Vector3d elbow = Vary(Vector3d(-0.064, -0.010, 0.080), 0.003),
+                 fist = elbow + Vary(Vector3d(-0.001, -0.036, -0.008), 0.004);
   elbow_ = elbow;
   fist_ = fist;
   forearm_axis_ = (fist - elbow).normalized();
@@ -196,9 +215,10 @@ void Sculptor::Arms() {
 }
 
 void Sculptor::Tail() {
-  const Vector3d root(0.002, 0.030, 0.026), middle = Vary(Vector3d(0.020, 0.064, 0.020), 0.003),
-                                            rise = Vary(Vector3d(0.052, 0.078, 0.034), 0.003),
-                                            tip = rise + Vary(Vector3d(0.012, -0.004, 0.026), 0.003);
+  const Vector3d root(0.002, 0.030, 0.026),
+      middle = Vary(Vector3d(0.020, 0.064, 0.020), 0.003),
+      rise = Vary(Vector3d(0.052, 0.078, 0.034), 0.003),
+      tip = rise + Vary(Vector3d(0.012, -0.004, 0.026), 0.003);
   Add(root, 0.0200, middle, 0.0145, palette_.body, 0.008);
   Add(middle, 0.0145, rise, 0.0110, palette_.body, 0.004);
   Add(rise, 0.0110, tip, 0.0065, palette_.spike, 0.004);
@@ -207,23 +227,31 @@ void Sculptor::Tail() {
 }
 
 void Sculptor::Spots() {
-  const Vector3d places[] = {{-0.034, 0.018, 0.062}, {0.030, 0.026, 0.052}, {-0.018, 0.033, 0.082}, {0.034, 0.004, 0.070},
-                             {-0.030, 0.022, 0.172}, {0.012, 0.028, 0.166}, {0.044, -0.012, 0.160}, {-0.036, -0.016, 0.146},
+  const Vector3d places[] = {{-0.034, 0.018, 0.062}, {0.030, 0.026, 0.052},
+                             {-0.018, 0.033, 0.082}, {0.034, 0.004, 0.070},
+                             {-0.030, 0.022, 0.172}, {0.012, 0.028, 0.166},
+                             {0.044, -0.012, 0.160}, {-0.036, -0.016, 0.146},
                              {0.060, -0.006, 0.102}, {0.020, 0.070, 0.033}};
   for (const Vector3d& place : places)
-    clay_.spots.push_back({Vary(place, 0.004), Vary(0.0075, 0.3) * (0.75 + 0.06 * static_cast<double>(clay_.spots.size())), palette_.spot});
+    clay_.spots.push_back(
+        {Vary(place, 0.004),
+         Vary(0.0075, 0.3) * (0.75 + 0.06 * static_cast<double>(clay_.spots.size())),
+         palette_.spot});
 }
 
-// The upper arm turns about itself, which lets the forearm hang; then the forearm bends in until the fist is pressed into the hip.
+// The upper arm turns about itself, which lets the forearm hang; then the forearm bends in until
+// the fist is pressed into the hip.
 Pose Sculptor::HipPose(double turn_degrees, double bend_degrees) const {
   Deformation turn;
   turn.kind = Deformation::Kind::kTwist;
   turn.origin = right_shoulder_, turn.axis = (elbow_ - right_shoulder_).normalized();
   turn.begin = 0.014, turn.end = 0.040;
   turn.angle = -turn_degrees * kPi / 180;
-  const Vector3d upper_arm = right_shoulder_ + 0.45 * (elbow_ - right_shoulder_), thumb = fist_ + Vector3d(0.008, -0.008, 0.007);
+  const Vector3d upper_arm = right_shoulder_ + 0.45 * (elbow_ - right_shoulder_),
+                 thumb = fist_ + Vector3d(0.008, -0.008, 0.007);
   turn.spine = {upper_arm, elbow_, fist_, thumb}, turn.radius = 0.016, turn.falloff = 0.008;
-  const Vector3d hanging = Eigen::AngleAxisd(turn.angle, turn.axis) * forearm_axis_, inwards(0.9, 0.35, -0.25);
+  const Vector3d hanging = Eigen::AngleAxisd(turn.angle, turn.axis) * forearm_axis_,
+                 inwards(0.9, 0.35, -0.25);
   Deformation bend = LimbBend(elbow_, hanging, inwards, 0.006, 0.030, bend_degrees, elbow_, 0.016);
   bend.spine = {elbow_, fist_, thumb};
   return {"hip", {turn, bend}, true};
@@ -231,12 +259,17 @@ Pose Sculptor::HipPose(double turn_degrees, double bend_degrees) const {
 
 Pose Sculptor::HandOnHip() const {
   constexpr double kPressed = 0.0034, kClear = 0.004;  // [m] into the hip; between hand and thigh
-  const auto fist_gap = [&](const Clay& clay, const Pose& pose) { return clay.Distance(pose(fist_)) - kFistRadius; };
+  const auto fist_gap = [&](const Clay& clay, const Pose& pose) {
+    return clay.Distance(pose(fist_)) - kFistRadius;
+  };
   const Vector3d thumb = fist_ + kThumb;
-  const auto thumb_gap = [&](const Clay& clay, const Pose& pose) { return clay.Distance(pose(thumb)) - kThumbRadius; };
+  const auto thumb_gap = [&](const Clay& clay, const Pose& pose) {
+    return clay.Distance(pose(thumb)) - kThumbRadius;
+  };
   Pose best;
   double least = std::numeric_limits<double>::infinity();
-  // Fist and thumb are to sink in alike, so that no pinhole stays between them, and the hand keeps clear of the thigh.
+  // Fist and thumb are to sink in alike, so that no pinhole stays between them, and the hand keeps
+  // clear of the thigh.
   for (double turn = 90; turn > 30; turn -= 2) {
     double low = 0, high = 80;
     for (int round = 0; round < 40; ++round) {
@@ -254,13 +287,16 @@ Pose Sculptor::HandOnHip() const {
 
 std::vector<Pose> Sculptor::Poses() const {
   const auto left_arm = [&](double degrees) {
-    return LimbBend(shoulder_, arm_axis_, Vector3d::UnitZ(), 0.018, 0.048, degrees, shoulder_ + 0.055 * arm_axis_, 0.045);
+    return LimbBend(shoulder_, arm_axis_, Vector3d::UnitZ(), 0.018, 0.048, degrees,
+                    shoulder_ + 0.055 * arm_axis_, 0.045);
   };
   const auto forearm = [&](double degrees) {
-    return LimbBend(elbow_, forearm_axis_, Vector3d::UnitZ(), 0.006, 0.026, degrees, elbow_ + 0.032 * forearm_axis_, 0.026);
+    return LimbBend(elbow_, forearm_axis_, Vector3d::UnitZ(), 0.006, 0.026, degrees,
+                    elbow_ + 0.032 * forearm_axis_, 0.026);
   };
   const auto tail = [](double degrees) {
-    return LimbBend({0.002, 0.030, 0.024}, Vector3d::UnitY(), -Vector3d::UnitX(), 0.012, 0.036, degrees, {0.035, 0.065, 0.035}, 0.045);
+    return LimbBend({0.002, 0.030, 0.024}, Vector3d::UnitY(), -Vector3d::UnitX(), 0.012, 0.036,
+                    degrees, {0.035, 0.065, 0.035}, 0.045);
   };
   const auto lean = [](double degrees, const Vector3d& towards) {
     return LimbBend({0, 0, 0.03}, Vector3d::UnitZ(), towards, 0, 0.075, degrees);
@@ -283,7 +319,8 @@ Character SculptCreature(std::uint64_t seed) {
 }
 
 // The vertex nearest to each named place; places that fell on one vertex keep the first name.
-std::vector<TruthLandmark> FindLandmarks(const Mesh& rest, const std::vector<std::pair<std::string, Vector3d>>& places) {
+std::vector<TruthLandmark> FindLandmarks(
+    const Mesh& rest, const std::vector<std::pair<std::string, Vector3d>>& places) {
   const KdTree tree(rest.points);
   std::vector<TruthLandmark> landmarks;
   for (const auto& [name, place] : places) landmarks.push_back({name, tree.Nearest(place).index});
@@ -292,16 +329,21 @@ std::vector<TruthLandmark> FindLandmarks(const Mesh& rest, const std::vector<std
 
 void RequireValid(const WorldOptions& options) {
   if (options.character != "creature" && options.character != "columns")
-    throw UsageError("synth: character is '" + options.character + "'; it can be creature or columns");
+    throw UsageError("synth: character is '" + options.character +
+                     "'; it can be creature or columns");
   if (options.texture != "rich" && options.texture != "weak" && options.texture != "none")
     throw UsageError("synth: texture is '" + options.texture + "'; it can be rich, weak or none");
-  if (!(options.spacing_m > 0.0003 && options.spacing_m < 0.02)) throw InputError("synth: spacing_m must be in (0.0003, 0.02) metres");
-  if (!(options.print_height_m >= 0 && options.print_spacing_m > 0 && options.print_height_m < 0.2 * options.print_spacing_m))
+  if (!(options.spacing_m > 0.0003 && options.spacing_m < 0.02))
+    throw InputError("synth: spacing_m must be in (0.0003, 0.02) metres");
+  if (!(options.print_height_m >= 0 && options.print_spacing_m > 0 &&
+        options.print_height_m < 0.2 * options.print_spacing_m))
     throw InputError("synth: prints need a spacing above 0 and a height below a fifth of it");
   // Vertices are about half of spacing_m apart; fewer than six on a ridge would cut its crest.
   if (options.prints_move && options.spacing_m > options.print_spacing_m / 3)
-    throw InputError("synth: prints that move the surface need spacing_m of at most a third of their own spacing, " +
-                     std::to_string(options.print_spacing_m / 3) + " m");
+    throw InputError(
+        "synth: prints that move the surface need spacing_m of at most a third of their own "
+        "spacing, " +
+        std::to_string(options.print_spacing_m / 3) + " m");
 }
 
 void PressPrints(const Clay& clay, PointsX3* points) {
@@ -326,7 +368,8 @@ const Pose& World::PoseNamed(const std::string& name) const {
 
 World MakeWorld(const WorldOptions& options) {
   RequireValid(options);
-  Character character = options.character == "columns" ? SculptColumns(options.seed) : SculptCreature(options.seed);
+  Character character =
+      options.character == "columns" ? SculptColumns(options.seed) : SculptCreature(options.seed);
   World world;
   world.clay = std::move(character.clay);
   world.spacing_m = options.spacing_m;
@@ -337,7 +380,8 @@ World MakeWorld(const WorldOptions& options) {
   world.poses = std::move(character.poses);
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
-  world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high, options.spacing_m);
+  world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high,
+                          options.spacing_m);
   world.smooth = world.rest.points;
   if (options.prints_move) PressPrints(world.clay, &world.rest.points);
   world.landmarks = FindLandmarks(world.rest, character.places);
@@ -354,7 +398,8 @@ Mesh TruthSurface(const World& world, const Pose& pose, bool with_colors) {
     const Vector3d x = world.rest.points.row(i);
     const Vector3d color = world.clay.Paint(x, world.clay.LumpAt(x));
     for (int c = 0; c < 3; ++c) {
-      surface.colors(i, c) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(SrgbFromLinear(color[c]), 0.0, 1.0)));
+      surface.colors(i, c) = static_cast<std::uint8_t>(
+          std::lround(255 * std::clamp(SrgbFromLinear(color[c]), 0.0, 1.0)));
     }
   };
   ParallelFor(surface.points.rows(), paint, 512);
@@ -369,7 +414,7 @@ Mesh SeenSurface(const World& world, const Pose& pose) {
 PointsX3 LandmarkPositions(const World& world, const Pose& pose) {
   PointsX3 positions(static_cast<Eigen::Index>(world.landmarks.size()), 3);
   for (std::size_t i = 0; i < world.landmarks.size(); ++i)
-    positions.row(static_cast<Eigen::Index>(i)) = pose(Vector3d(world.rest.points.row(world.landmarks[i].vertex))).transpose();
+    positions.row(i) = pose(Vector3d(world.rest.points.row(world.landmarks[i].vertex))).transpose();
   return positions;
 }
 

@@ -46,13 +46,16 @@ TEST(MakeWorld, SurfaceHasTheSolidsVolume) {
   double inside = 0;
   for (double z = low[2] + kStep / 2; z < high[2]; z += kStep)
     for (double y = low[1] + kStep / 2; y < high[1]; y += kStep)
-      for (double x = low[0] + kStep / 2; x < high[0]; x += kStep) inside += world.clay.Distance({x, y, z}) < 0;
+      for (double x = low[0] + kStep / 2; x < high[0]; x += kStep)
+        inside += world.clay.Distance({x, y, z}) < 0;
   const double volume = inside * kStep * kStep * kStep;
-  EXPECT_NEAR(SignedVolume(world.rest.points, world.rest.faces) / volume, 1, 0.01);  // chords of 2.5 mm on limbs of 10 mm
+  EXPECT_NEAR(SignedVolume(world.rest.points, world.rest.faces) / volume, 1,
+              0.01);  // chords of 2.5 mm on limbs of 10 mm
 }
 
 TEST(MakeWorld, CharacterHasNoMirrorTwin) {
-  // The mirrored character must differ from itself by far more than reconstruction errors, or left and right could be mistaken.
+  // The mirrored character must differ from itself by far more than reconstruction errors, or left
+  // and right could be mistaken.
   const World world = MakeWorld(Coarse(1));
   double worst = 0;
   for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 5) {
@@ -124,16 +127,20 @@ TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
     EXPECT_EQ(Genus(seen), 1) << "seed " << seed;
     // A lattice as coarse as this one has pinholes beside the eyes; the map of a pose adds none.
     EXPECT_EQ(Genus(TruthSurface(world, hip)), Genus(world.rest)) << "seed " << seed;
-    EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), Genus(world.rest)) << "seed " << seed;
+    EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), Genus(world.rest))
+        << "seed " << seed;
   }
 }
 
 TEST(MakeWorld, HandOnHipLeavesAWindowThatAPhotographShows) {
-  // A line of sight from the front through the arm's loop: nothing there in the hip pose, and the arm on three sides of it.
+  // A line of sight from the front through the arm's loop: nothing there in the hip pose, and the
+  // arm on three sides of it.
   const World world = MakeWorld(Coarse(1));
   const Mesh seen = SeenSurface(world, world.PoseNamed("hip"));
   const RayScene scene(seen.points, seen.faces);
-  const auto blocked = [&](double x, double z) { return scene.Occluded({x, -1, z}, {0, 1, 0}, 0, 2); };
+  const auto blocked = [&](double x, double z) {
+    return scene.Occluded({x, -1, z}, {0, 1, 0}, 0, 2);
+  };
   int open = 0, row = 0;
   for (double x = -0.075; x < -0.030; x += 0.001) {
     const bool sees = !blocked(x, 0.068);
@@ -153,7 +160,8 @@ TEST(MakeWorld, ColumnsHaveThreeHandlesInEveryPose) {
     for (const Pose& pose : world.poses) {
       EXPECT_EQ(Genus(SeenSurface(world, pose)), 3) << "seed " << seed << " " << pose.name;
       for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 7)
-        ASSERT_GT(pose.Jacobian(world.rest.points.row(i)).determinant(), 0.15) << "seed " << seed << " " << pose.name << " vertex " << i;
+        ASSERT_GT(pose.Jacobian(world.rest.points.row(i)).determinant(), 0.15)
+            << "seed " << seed << " " << pose.name << " vertex " << i;
     }
   }
 }
@@ -170,9 +178,11 @@ TEST(OuterSurface, OverlappingBallsBecomeTheirUnion) {
   EXPECT_TRUE(CheckClosed(outer).closed());
   EXPECT_EQ(CheckClosed(outer).components, 1);
   EXPECT_EQ(Genus(outer), 0);
-  const double r = 0.05, cap = r - 0.03, lens = 2 * 3.141592653589793 * cap * cap * (3 * r - cap) / 3;
+  const double r = 0.05, cap = r - 0.03,
+               lens = 2 * 3.141592653589793 * cap * cap * (3 * r - cap) / 3;
   const double whole = 2 * SignedVolume(one.points, one.faces) - lens;
-  EXPECT_NEAR(CheckClosed(outer).volume / whole, 1, 0.01);  // chords of 2 mm, and the seam's crevice of 4 mm closed
+  EXPECT_NEAR(CheckClosed(outer).volume / whole, 1,
+              0.01);  // chords of 2 mm, and the seam's crevice of 4 mm closed
 }
 
 TEST(MakeWorld, BadOptionsThrow) {
@@ -205,7 +215,8 @@ TEST(TruthSurface, PosesStayClosedAndRaiseTheArm) {
   ASSERT_GE(finger, 0);
   const double rest_height = LandmarkPositions(world, world.PoseNamed("rest"))(finger, 2);
   EXPECT_GT(LandmarkPositions(world, world.PoseNamed("bent"))(finger, 2), rest_height + 0.03);
-  for (const Pose& pose : world.poses) EXPECT_TRUE(CheckClosed(TruthSurface(world, pose)).closed()) << pose.name;
+  for (const Pose& pose : world.poses)
+    EXPECT_TRUE(CheckClosed(TruthSurface(world, pose)).closed()) << pose.name;
 }
 
 }  // namespace

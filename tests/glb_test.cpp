@@ -35,33 +35,41 @@ class ExportedGlb : public ::testing::Test {
     vertices_ = mesh.vertex_count();
     for (int i = 0; i < kFrames; ++i) {
       Mesh frame = mesh;
-      for (int v = 0; v < frame.vertex_count(); ++v) frame.points(v, 0) += 0.05 * i * std::pow(frame.points(v, 2), 2);
+      for (int v = 0; v < frame.vertex_count(); ++v)
+        frame.points(v, 0) += 0.05 * i * std::pow(frame.points(v, 2), 2);
       WriteMesh(frames_ / ("frame_000" + std::to_string(i) + ".ply"), frame);
     }
     Image8 texture(64, 32, 3);
     for (int y = 0; y < texture.height; ++y) {
-      for (int x = 0; x < texture.width; ++x) texture.at(x, y)[0] = static_cast<std::uint8_t>(4 * x), texture.at(x, y)[1] = 120;
+      for (int x = 0; x < texture.width; ++x)
+        texture.at(x, y)[0] = static_cast<std::uint8_t>(4 * x), texture.at(x, y)[1] = 120;
     }
     WriteImage(texture_, texture);
   }
 
   RunResult Export(const std::vector<std::string>& more = {}) {
-    std::vector<std::string> command{"keypose-export", "--frames", frames_, "--animation", animation_};
+    std::vector<std::string> command{"keypose-export", "--frames", frames_, "--animation",
+                                     animation_};
     command.insert(command.end(), more.begin(), more.end());
     return RunProgram(command, folder_.path());
   }
   std::string Glb() const { return animation_ / "character.glb"; }
 
-  RunResult Validate() { return RunProgram({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Glb()}, folder_.path()); }
+  RunResult Validate() {
+    return RunProgram({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Glb()},
+                      folder_.path());
+  }
   RunResult ImportInBlender(int shape_keys, int vertices, int texture_width) {
     return RunProgram(
-        {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python", KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--",
-         Glb(), std::to_string(shape_keys), std::to_string(vertices), std::to_string(texture_width)},
+        {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
+         KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), std::to_string(shape_keys),
+         std::to_string(vertices), std::to_string(texture_width)},
         folder_.path());
   }
 
   TestFolder folder_;
-  fs::path frames_ = folder_.path() / "frames", animation_ = folder_.path() / "animation", texture_ = folder_.path() / "clay.png";
+  fs::path frames_ = folder_.path() / "frames", animation_ = folder_.path() / "animation",
+           texture_ = folder_.path() / "clay.png";
   int vertices_ = 0;
 };
 
@@ -71,7 +79,8 @@ class ExportedGlbOnTwos : public ExportedGlb {
     ExportedGlb::SetUp();
     // 0 0 2 2 4 0: on twos from one key to the next, which is the first picture again.
     for (const auto& [frame, as] : {std::pair(1, 0), std::pair(3, 2), std::pair(5, 0)})
-      fs::copy_file(frames_ / ("frame_000" + std::to_string(as) + ".ply"), frames_ / ("frame_000" + std::to_string(frame) + ".ply"),
+      fs::copy_file(frames_ / ("frame_000" + std::to_string(as) + ".ply"),
+                    frames_ / ("frame_000" + std::to_string(frame) + ".ply"),
                     fs::copy_options::overwrite_existing);
     WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, true, true, true, false});
     Image8 other(64, 32, 3);
@@ -80,18 +89,26 @@ class ExportedGlbOnTwos : public ExportedGlb {
   void WriteDistortion(const std::vector<double>& t, const std::vector<bool>& stands) {
     std::string text;
     for (std::size_t i = 0; i < t.size(); ++i)
-      text += std::string(i ? ", " : "") + R"({"t": )" + std::to_string(t[i]) + R"(, "stands": )" + (stands[i] ? "true" : "false") + "}";
-    WriteFile(frames_ / "distortion.json", R"({"schema": 2, "loop": false, "key_frames": [0, 5], "frames": [)" + text + "]}");
+      text += std::string(i ? ", " : "") + R"({"t": )" + std::to_string(t[i]) + R"(, "stands": )" +
+              (stands[i] ? "true" : "false") + "}";
+    WriteFile(frames_ / "distortion.json",
+              R"({"schema": 2, "loop": false, "key_frames": [0, 5], "frames": [)" + text + "]}");
   }
-  std::vector<std::string> BothTextures() const { return {"--textures", texture_, "--textures", other_texture_, "--poses", "rest,bent"}; }
+  std::vector<std::string> BothTextures() const {
+    return {"--textures", texture_, "--textures", other_texture_, "--poses", "rest,bent"};
+  }
   fs::path other_texture_ = folder_.path() / "bent.png";
 };
 
-bool HasValidator() { return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator"); }
+bool HasValidator() {
+  return HasProgram("node") && fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator");
+}
 
 TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
-  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
-  for (const auto& options : std::vector<std::vector<std::string>>{{"--textures", texture_}, {}, {"--hold", "3", "--loop", "pingpong"}}) {
+  if (!HasValidator())
+    GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  for (const auto& options : std::vector<std::vector<std::string>>{
+           {"--textures", texture_}, {}, {"--hold", "3", "--loop", "pingpong"}}) {
     const RunResult exported = Export(options);
     ASSERT_EQ(exported.exit_code, 0) << exported.output;
     const RunResult validated = Validate();
@@ -102,7 +119,8 @@ TEST_F(ExportedGlb, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
 }
 
 TEST_F(ExportedGlb, ValidatorScriptFailsOnABrokenFile) {
-  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  if (!HasValidator())
+    GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
   ASSERT_EQ(Export().exit_code, 0);
   fs::resize_file(Glb(), fs::file_size(Glb()) - 100);
   EXPECT_EQ(Validate().exit_code, 1);
@@ -115,13 +133,16 @@ TEST_F(ExportedGlb, BlenderFindsShapeKeysActionAndTexture) {
   const RunResult imported = ImportInBlender(kFrames - 1, vertices_, 64);
   EXPECT_EQ(imported.exit_code, 0) << imported.output;
   const RunResult wrong = ImportInBlender(kFrames, vertices_, 64);
-  EXPECT_EQ(wrong.exit_code, 1) << "the check must fail on another number of shape keys\n" << wrong.output;
+  EXPECT_EQ(wrong.exit_code, 1) << "the check must fail on another number of shape keys\n"
+                                << wrong.output;
 }
 
 TEST_F(ExportedGlbOnTwos, StepsAndTexturesOfTwoPosesPassTheKhronosValidator) {
-  if (!HasValidator()) GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
+  if (!HasValidator())
+    GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
   for (const bool all_steps : {true, false}) {
-    if (!all_steps) WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
+    if (!all_steps)
+      WriteDistortion({0, 0, 0.4, 0.4, 0.8, 1}, {true, true, false, false, false, false});
     const RunResult exported = Export(BothTextures());
     ASSERT_EQ(exported.exit_code, 0) << exported.output;
     const RunResult validated = Validate();
@@ -134,7 +155,8 @@ TEST_F(ExportedGlbOnTwos, BlenderStepsToo) {
   if (!HasProgram("blender")) GTEST_SKIP() << "blender is missing: run ./dev setup";
   const auto steps_in_blender = [&](const std::string& expected) {
     return RunProgram({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-                       KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), "2", std::to_string(vertices_), "64", expected},
+                       KEYPOSE_SOURCE_DIR "/tests/check_blender.py", "--", Glb(), "2",
+                       std::to_string(vertices_), "64", expected},
                       folder_.path());
   };
   ASSERT_EQ(Export(BothTextures()).exit_code, 0);
@@ -152,7 +174,8 @@ TEST_F(ExportedGlbOnTwos, TexturesThatAreNotOfTheKeysAreSaidAndTheFirstShows) {
   fs::remove(frames_ / "distortion.json");
   const RunResult exported = Export(BothTextures());
   EXPECT_EQ(exported.exit_code, 0) << exported.output;
-  EXPECT_NE(exported.output.find("shows the first texture only"), std::string::npos) << exported.output;
+  EXPECT_NE(exported.output.find("shows the first texture only"), std::string::npos)
+      << exported.output;
 }
 
 TEST_F(ExportedGlbOnTwos, FilmLiesBesideTheGlb) {
@@ -177,7 +200,8 @@ TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {
       EXPECT_TRUE(written.faces == frame.faces) << kind << " " << name;
       // 17 digits of OBJ are read back by tinyobjloader, whose parser is off by some last bits.
       ASSERT_EQ(written.vertex_count(), frame.vertex_count());
-      EXPECT_LE((written.points - frame.points).cwiseAbs().maxCoeff(), kind == "ply" ? 0 : 1e-14) << kind << " " << name;
+      EXPECT_LE((written.points - frame.points).cwiseAbs().maxCoeff(), kind == "ply" ? 0 : 1e-14)
+          << kind << " " << name;
       EXPECT_TRUE(written.has_uvs());
     }
   }
@@ -192,7 +216,9 @@ TEST_F(ExportedGlb, ExportAgainGivesTheSameBytes) {
   fs::remove_all(animation_);
   ASSERT_EQ(Export({"--textures", texture_}).exit_code, 0);
   EXPECT_EQ(fs::file_size(Glb()), size);
-  EXPECT_EQ(RunProgram({"/usr/bin/cmp", Glb(), folder_.path() / "first.glb"}, folder_.path()).exit_code, 0);
+  EXPECT_EQ(
+      RunProgram({"/usr/bin/cmp", Glb(), folder_.path() / "first.glb"}, folder_.path()).exit_code,
+      0);
 }
 
 TEST_F(ExportedGlb, MissingFrameIsAnInputErrorThatNamesIt) {

@@ -1,5 +1,6 @@
-// Folders of photographs as people hand them over: shuffled, with some missing, turned, copied twice, with wrong EXIF, half a file. Each
-// either gives the cameras that a clean folder gives, or says which photographs are at fault.
+// Folders of photographs as people hand them over: shuffled, with some missing, turned, copied
+// twice, with wrong EXIF, half a file. Each either gives the cameras that a clean folder gives, or
+// says which photographs are at fault.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,8 +40,9 @@ class ImageFolders : public ::testing::Test {
   static void SetUpTestSuite() {
     world_ = std::make_unique<TestFolder>();
     const RunResult made =
-        RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest", "--views", std::to_string(kViews),
-                    "--elevations", "25", "--width", "560", "--height", "420", "--spacing", "0.004"},
+        RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
+                    "--views", std::to_string(kViews), "--elevations", "25", "--width", "560",
+                    "--height", "420", "--spacing", "0.004"},
                    world_->path());
     ASSERT_EQ(made.exit_code, kOk) << made.output;
   }
@@ -49,7 +51,8 @@ class ImageFolders : public ::testing::Test {
   void SetUp() override {
     fs::create_directories(photos());
     for (int i = 1; i <= kViews; ++i)
-      fs::copy_file(world_->path() / "photos/rest" / NameOf(i), photos() / NameOf(i)), truth_name_[NameOf(i)] = NameOf(i);
+      fs::copy_file(world_->path() / "photos/rest" / NameOf(i), photos() / NameOf(i)),
+          truth_name_[NameOf(i)] = NameOf(i);
   }
 
   fs::path photos() const { return folder_.path() / "photos"; }
@@ -71,8 +74,9 @@ class ImageFolders : public ::testing::Test {
   void Spoil(const std::string& kind, const std::string& names) {
     const fs::path clean = folder_.path() / "clean";
     fs::rename(photos(), clean);
-    const RunResult made =
-        RunProgram({"keypose-synth", "damage", "--photos", clean, "--output", photos(), "--kind", kind, "--names", names}, folder_.path());
+    const RunResult made = RunProgram({"keypose-synth", "damage", "--photos", clean, "--output",
+                                       photos(), "--kind", kind, "--names", names},
+                                      folder_.path());
     ASSERT_EQ(made.exit_code, kOk) << made.output;
     fs::remove_all(clean);
   }
@@ -88,14 +92,19 @@ class ImageFolders : public ::testing::Test {
   }
 
   RunResult Capture() {
-    return RunProgram({"keypose", "capture", "--photos", photos(), "--images", folder_.path() / "images"}, folder_.path());
+    return RunProgram(
+        {"keypose", "capture", "--photos", photos(), "--images", folder_.path() / "images"},
+        folder_.path());
   }
   RunResult Sfm() {
-    return RunProgram({"keypose", "sfm", "--images", folder_.path() / "images", "--model", folder_.path() / "model"}, folder_.path());
+    return RunProgram({"keypose", "sfm", "--images", folder_.path() / "images", "--model",
+                       folder_.path() / "model"},
+                      folder_.path());
   }
 
   CameraErrors Errors() const {
-    const Scene found = ReadColmapModel(folder_.path() / "model"), truth = ReadColmapModel(world_->path() / "truth/rest/cameras");
+    const Scene found = ReadColmapModel(folder_.path() / "model"),
+                truth = ReadColmapModel(world_->path() / "truth/rest/cameras");
     std::map<std::string, const View*> by_name;
     for (const View& view : truth.views) by_name[view.name] = &view;
     const Eigen::Index count = static_cast<Eigen::Index>(found.views.size());
@@ -104,8 +113,10 @@ class ImageFolders : public ::testing::Test {
       a.row(i) = found.views[i].Center().transpose();
       b.row(i) = by_name.at(truth_name_.at(found.views[i].name))->Center().transpose();
     }
-    const Eigen::VectorXd errors = (Transformed(FitSimilarity(a, b), a) - b).rowwise().norm() / b.rowwise().norm().mean();
-    return {static_cast<int>(count), errors.mean(), errors.maxCoeff(), found.views[0].camera.fx / truth.views[0].camera.fx - 1};
+    const Eigen::VectorXd errors =
+        (Transformed(FitSimilarity(a, b), a) - b).rowwise().norm() / b.rowwise().norm().mean();
+    return {static_cast<int>(count), errors.mean(), errors.maxCoeff(),
+            found.views[0].camera.fx / truth.views[0].camera.fx - 1};
   }
 
   /// Capture and sfm both succeed, and all photographs are where they were taken.
@@ -170,7 +181,8 @@ TEST_F(ImageFolders, PhotographsOfAnotherSizeAreNamed) {
   ExpectRefused({NameOf(10)});
 }
 
-// Random mixtures of harmless and harmful faults: harmful ones are refused by name, all others give the right ring.
+// Random mixtures of harmless and harmful faults: harmful ones are refused by name, all others give
+// the right ring.
 TEST_F(ImageFolders, RandomHarmfulMixturesAreRefusedByName) {
   std::mt19937 random(11);
   const std::vector<std::string> kinds = {"truncate", "empty", "no-image", "resize"};

@@ -1,6 +1,7 @@
 #include "tests/include_rules.h"
 
 #include <algorithm>
+#include <functional>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -10,87 +11,247 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> kStageRooms{"capture",     "reconstruct", "cleanup", "texture", "register",
-                                        "interpolate", "export",      "report",  "studio"};
+const std::set<std::string> kStageRooms{"capture", "reconstruct", "cleanup",
+                                        "texture", "register",    "interpolate",
+                                        "export",  "report",      "studio"};
+const std::set<std::string> kLibraryRooms{"views", "deform"};
 const std::vector<std::string> kHeavy{"CGAL/", "pcl/", "ceres/", "tetgen", "opencv2/", "embree"};
 
 bool StartsWithAny(const std::string& text, const std::vector<std::string>& starts) {
-  return std::any_of(starts.begin(), starts.end(), [&](const auto& start) { return text.starts_with(start); });
+  return std::any_of(starts.begin(), starts.end(),
+                     [&](const auto& start) { return text.starts_with(start); });
 }
 
-// "core/io/files.h" -> "core/io", "register/nricp.h" -> "register", "pipeline/testing/x.h" -> "pipeline"
-std::string RoomOf(const std::string& path) {
+// "register/nricp/nricp.h" -> "register/nricp"
+std::string FolderOf(const std::string& path) {
+  const auto slash = path.rfind('/');
+  return slash == std::string::npos ? "" : path.substr(0, slash);
+}
+
+// "core/io/files.h" -> "core/io", "register/nricp/nricp.h" -> "register"
+std::string TopRoomOf(const std::string& path) {
   if (path.starts_with("core/io/")) return "core/io";
   if (path.starts_with("core/stage/")) return "core/stage";
   const auto slash = path.find('/');
   return slash == std::string::npos ? "" : path.substr(0, slash);
 }
 
-// Files are the business of a stage's own program, of tests, and of the adapters to COLMAP, which speaks in files.
-bool MayTouchFiles(const std::string& file) {
-  static const std::regex pattern(".*((_stage|_test|_bench|/main)\\.cpp|_colmap\\.(cpp|h))");
+bool IsTest(const std::string& file) {
+  static const std::regex pattern(".*(_test|_bench)\\.cpp|.*/testing/.*");
   return std::regex_match(file, pattern);
 }
 
-std::string ProjectReason(const std::string& file, const std::string& included) {
-  const std::string from = RoomOf(file), to = RoomOf(included);
+// A program: a file at a room's root that has the program's main, or that only programs there
+// share.
+bool IsProgram(const std::string& file) {
+  static const std::regex pattern(".*(_stage|/main)\\.cpp");
+  return std::regex_match(file, pattern);
+}
+
+const std::string* TargetOf(const Rooms& rooms, const std::string& folder) {
+  for (const auto& [target, room] : rooms)
+    if (room.folder == folder) return &target;
+  return nullptr;
+}
+
+// A room's root folder without a target of its own holds its programs and what they share.
+bool MayTouchFiles(const Rooms& rooms, const std::string& file) {
+  static const std::regex adapter(".*_colmap\\.(cpp|h)");
+  if (IsProgram(file) || IsTest(file) || std::regex_match(file, adapter)) return true;
+  const std::string* target = TargetOf(rooms, FolderOf(file));
+  return !target || rooms.at(*target).touches_files;
+}
+
+// All targets that a room's links lead to.
+std::set<std::string> Below(const Rooms& rooms, const std::string& target) {
+  std::set<std::string> below;
+  const std::function<void(const std::string&)> visit = [&](const std::string& name) {
+    const auto room = rooms.find(name);
+    if (room == rooms.end()) return;
+    for (const std::string& link : room->second.targets)
+      if (below.insert(link).second) visit(link);
+  };
+  visit(target);
+  return below;
+}
+
+// Between folders of stage and library rooms: what is linked may be included.
+std::string ArrowReason(const Rooms& rooms, const std::string& file, const std::string& included) {
+  const std::string from = FolderOf(file), to = FolderOf(included);
+  if (to == from || to.ends_with("/testing")) return "";
+  const std::string* source = TargetOf(rooms, from);
+  const std::string* target = TargetOf(rooms, to);
+  if (!source || IsProgram(file)) return "";
+  const std::string plan = from + "/CMakeLists.txt";
+  if (!target) return from + " may not include " + to + ", which is no room of its own";
+  const auto& links = rooms.at(*source).targets;
+  if (std::find(links.begin(), links.end(), *target) != links.end()) return "";
+  if (IsTest(file) && Below(rooms, *source).count(*target)) return "";
+  return from + " may not include " + to + ": " + plan + " does not link " + *target;
+}
+
+std::string FilesReason(const Rooms& rooms, const std::string& file) {
+  if (MayTouchFiles(rooms, file)) return "";
+  return "an algorithm does not touch files: core/io belongs in *_stage.cpp, main.cpp, tests and "
+         "sub-rooms declared with FILES";
+}
+
+std::string ProjectReason(const Rooms& rooms, const std::string& file,
+                          const std::string& included) {
+  const std::string from = TopRoomOf(file), to = TopRoomOf(included);
   if (to.empty()) return "\"" + included + "\" is not given from the project's root";
-  if (to == from || from == "tests" || from == "bench") return "";
-  const bool is_test = file.ends_with("_test.cpp");
-  if (is_test && from.starts_with("core") && to.starts_with("core")) return "";
-  std::set<std::string> may;
-  if (kStageRooms.count(from)) {
-    may = {"core", "core/io", "core/stage"};
-    if (to == "core/io" && !MayTouchFiles(file))
-      return "an algorithm does not touch files: core/io belongs in *_stage.cpp, main.cpp and tests";
-  } else if (from == "synth" || from == "pipeline") {
-    may = {"core", "core/io"};
-  } else if (from == "core/io" || from == "core/stage") {
-    may = {"core"};
+  if (from == "tests" || from == "bench") return "";
+  const bool in_house = kStageRooms.count(from) || kLibraryRooms.count(from);
+  if (to == from) return in_house ? ArrowReason(rooms, file, included) : "";
+  if (in_house) {
+    if (to == "core" || to == "core/stage") return "";
+    if (to == "core/io") return FilesReason(rooms, file);
+    if (kLibraryRooms.count(to)) return ArrowReason(rooms, file, included);
+    if (kStageRooms.count(to))
+      return from + " may not include " + to +
+             ": what two stage rooms need moves to core or a library room";
+    return from + " may not include " + to;
   }
+  if (IsTest(file) && from.starts_with("core") && to.starts_with("core")) return "";
   // files.h knows no format: whole files in and out, which the stage's own report needs too.
   if (from == "core/stage" && included == "core/io/files.h") return "";
-  if (may.count(to)) return "";
-  if (kStageRooms.count(from) && kStageRooms.count(to))
-    return "stage rooms never include each other: what " + from + " and " + to + " need moves to core";
+  if (to == "core" && from != "core") return "";
+  if (to == "core/io" && (from == "synth" || from == "pipeline")) return "";
   return from + " may not include " + to;
 }
 
 std::string SystemReason(const std::string& file, const std::string& included) {
   if (!file.ends_with(".h")) return "";
   if (StartsWithAny(included, kHeavy)) return "<" + included + "> stays inside .cpp files";
-  const bool standard = included.find('/') == std::string::npos && included.find('.') == std::string::npos;
-  if ((RoomOf(file) == "core" || RoomOf(file) == "core/io") && !standard && !included.starts_with("Eigen/"))
+  const bool standard =
+      included.find('/') == std::string::npos && included.find('.') == std::string::npos;
+  const std::string room = TopRoomOf(file);
+  if ((room == "core" || room == "core/io") && !standard && !included.starts_with("Eigen/"))
     return "headers of core include only Eigen and the standard library, not <" + included + ">";
   return "";
 }
 
-}  // namespace
+struct Include {
+  int line = 0;
+  bool ours = false;  // in quotes
+  std::string path;
+};
 
-std::vector<Breach> IncludeBreaches(const std::string& file, const std::string& text) {
+std::vector<Include> IncludesOf(const std::string& text) {
   static const std::regex pattern("^\\s*#\\s*include\\s*([<\"])([^>\"]+)[>\"].*");
-  std::vector<Breach> breaches;
+  std::vector<Include> includes;
   std::istringstream lines(text);
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     std::smatch match;
-    if (!std::regex_match(line, match, pattern)) continue;
-    const std::string reason = match[1] == "\"" ? ProjectReason(file, match[2]) : SystemReason(file, match[2]);
-    if (!reason.empty()) breaches.push_back({file + ":" + std::to_string(number), reason});
+    if (std::regex_match(line, match, pattern))
+      includes.push_back({number, match[1] == "\"", match[2]});
+  }
+  return includes;
+}
+
+// "deform/poisson/poisson_impl.h" -> "deform/poisson/poisson"
+std::string UnitOf(const std::string& path) {
+  static const std::regex ending("(_impl)?\\.(h|cpp|inc)$");
+  return std::regex_replace(path, ending, "");
+}
+
+using Arrows = std::map<std::string, std::set<std::string>>;
+
+// Every node that reaches itself, with the way round in words.
+std::vector<Breach> Circles(const Arrows& arrows, const std::string& verb) {
+  std::vector<Breach> breaches;
+  for (const auto& [start, unused] : arrows) {
+    std::map<std::string, std::string> came_from;
+    std::vector<std::string> open{start};
+    while (!open.empty() && !came_from.count(start)) {
+      const std::string node = open.back();
+      open.pop_back();
+      const auto next = arrows.find(node);
+      if (next == arrows.end()) continue;
+      for (const std::string& to : next->second)
+        if (came_from.emplace(to, node).second) open.push_back(to);
+    }
+    if (!came_from.count(start)) continue;
+    std::string way = start;
+    for (std::string node = came_from[start]; node != start; node = came_from[node])
+      way = node + verb + way;
+    breaches.push_back({start, "reaches itself: " + start + verb + way});
   }
   return breaches;
 }
 
+}  // namespace
+
+Rooms ParseRooms(const std::string& text) {
+  Rooms rooms;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string target, kind;
+    Room room;
+    if (!(words >> target >> room.folder >> kind)) continue;
+    room.touches_files = kind == "files";
+    for (std::string link; words >> link;) room.targets.push_back(link);
+    rooms[target] = room;
+  }
+  return rooms;
+}
+
+std::vector<Breach> IncludeBreaches(const Rooms& rooms, const std::string& file,
+                                    const std::string& text) {
+  std::vector<Breach> breaches;
+  for (const Include& include : IncludesOf(text)) {
+    const std::string reason =
+        include.ours ? ProjectReason(rooms, file, include.path) : SystemReason(file, include.path);
+    if (!reason.empty()) breaches.push_back({file + ":" + std::to_string(include.line), reason});
+  }
+  return breaches;
+}
+
+std::vector<Breach> LinkBreaches(const Rooms& rooms) {
+  std::vector<Breach> breaches;
+  Arrows arrows;
+  for (const auto& [target, room] : rooms) {
+    const std::string from = TopRoomOf(room.folder + "/");
+    for (const std::string& link : room.targets) {
+      arrows[target].insert(link);
+      const auto other = rooms.find(link);
+      if (other == rooms.end()) {
+        breaches.push_back({room.folder, "links " + link + ", which is no room"});
+        continue;
+      }
+      const std::string to = TopRoomOf(other->second.folder + "/");
+      if (to != from && to != "core" && !kLibraryRooms.count(to))
+        breaches.push_back({room.folder, "links " + link + " of another stage room"});
+    }
+  }
+  for (const Breach& circle : Circles(arrows, " -> ")) breaches.push_back(circle);
+  return breaches;
+}
+
+std::vector<Breach> UnitCycles(const std::map<std::string, std::string>& texts) {
+  Arrows arrows;
+  for (const auto& [file, text] : texts)
+    for (const Include& include : IncludesOf(text))
+      if (include.ours && UnitOf(include.path) != UnitOf(file))
+        arrows[UnitOf(file)].insert(UnitOf(include.path));
+  return Circles(arrows, " -> ");
+}
+
 std::vector<std::string> SourceFiles(const fs::path& root) {
+  static const std::set<std::string> endings{".h", ".cpp", ".inc"};
   std::vector<std::string> files;
-  for (auto entry = fs::recursive_directory_iterator(root); entry != fs::recursive_directory_iterator(); ++entry) {
+  for (auto entry = fs::recursive_directory_iterator(root);
+       entry != fs::recursive_directory_iterator(); ++entry) {
     const std::string name = entry->path().filename().string();
     if (entry->is_directory()) {
-      if (name.starts_with("build") || name.starts_with(".") || name == "node_modules") entry.disable_recursion_pending();
+      if (name.starts_with("build") || name.starts_with(".") || name == "node_modules")
+        entry.disable_recursion_pending();
       continue;
     }
-    if (entry->path().extension() == ".h" || entry->path().extension() == ".cpp")
+    if (endings.count(entry->path().extension().string()))
       files.push_back(fs::relative(entry->path(), root).generic_string());
   }
   std::sort(files.begin(), files.end());

@@ -1,5 +1,6 @@
-// Files that once broke a reader or a solver (../shared/data/mutants), through the programs that read them: each ends in a documented exit
-// code, in bounded time and memory, and where it fails, the message names the file.
+// Files that once broke a reader or a solver (../shared/data/mutants), through the programs that
+// read them: each ends in a documented exit code, in bounded time and memory, and where it fails,
+// the message names the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +22,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr double kSeconds = 60;
-constexpr const char* kKilobytes = "4000000";  // of address space; the libraries alone map a fifth of it
+// of address space; the libraries alone map a fifth of it
+constexpr const char* kKilobytes = "4000000";
 
 fs::path Data() {
   const char* data = std::getenv("KEYPOSE_DATA");
@@ -33,12 +35,14 @@ class Mutants : public ::testing::Test {
   static void SetUpTestSuite() {
     if (!fs::is_directory(Data())) return;
     world_ = std::make_unique<TestFolder>();
-    const RunResult made = RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest", "--views", "10", "--width",
-                                       "320", "--height", "240", "--spacing", "0.004"},
-                                      world_->path());
+    const RunResult made =
+        RunProgram({"keypose-synth", "photos", "--output", world_->path(), "--poses", "rest",
+                    "--views", "10", "--width", "320", "--height", "240", "--spacing", "0.004"},
+                   world_->path());
     ASSERT_EQ(made.exit_code, 0) << made.output;
-    const RunResult captured =
-        RunProgram({"keypose-capture", "--photos", Photos(), "--masks", Truth() / "masks", "--images", Images()}, world_->path());
+    const RunResult captured = RunProgram({"keypose-capture", "--photos", Photos(), "--masks",
+                                           Truth() / "masks", "--images", Images()},
+                                          world_->path());
     ASSERT_EQ(captured.exit_code, 0) << captured.output;
     Mesh sphere = MakeIcosphere(3);
     WriteMesh(Good(), sphere);
@@ -55,7 +59,9 @@ class Mutants : public ::testing::Test {
   static fs::path Good() { return world_->path() / "good.ply"; }
 
   void SetUp() override {
-    if (!fs::is_directory(Data())) GTEST_SKIP() << "no files at " << Data() << ": set KEYPOSE_DATA to the folder that holds mutants/";
+    if (!fs::is_directory(Data()))
+      GTEST_SKIP() << "no files at " << Data()
+                   << ": set KEYPOSE_DATA to the folder that holds mutants/";
   }
 
   std::vector<fs::path> FilesThatBegin(const std::string& prefix) {
@@ -67,13 +73,16 @@ class Mutants : public ::testing::Test {
   }
 
   /// @param name  of the file that a message must have
-  void Expect(const std::vector<std::string>& arguments, const std::string& name, const std::set<int>& codes) {
-    std::vector<std::string> command{"/bin/bash", "-c", std::string("ulimit -v ") + kKilobytes + "; exec \"$@\"", "bash"};
+  void Expect(const std::vector<std::string>& arguments, const std::string& name,
+              const std::set<int>& codes) {
+    std::vector<std::string> command{
+        "/bin/bash", "-c", std::string("ulimit -v ") + kKilobytes + "; exec \"$@\"", "bash"};
     command.push_back(std::string(KEYPOSE_BIN_DIR) + "/" + arguments[0]);
     command.insert(command.end(), arguments.begin() + 1, arguments.end());
     const RunResult result = RunProgram(command, folder_.path(), {}, kSeconds);
-    EXPECT_TRUE(codes.count(result.exit_code)) << arguments[0] << " on " << name << " ended with " << result.exit_code << "\n"
-                                               << result.output;
+    EXPECT_TRUE(codes.count(result.exit_code))
+        << arguments[0] << " on " << name << " ended with " << result.exit_code << "\n"
+        << result.output;
     EXPECT_THAT(result.output, Not(HasSubstr("this is a bug")));
     if (result.exit_code == 0) return;
     EXPECT_THAT(result.output, HasSubstr(name));
@@ -99,41 +108,50 @@ const std::set<int> kRefused{3}, kAnyDocumented{0, 3, 6};
 TEST_F(Mutants, MeshesThroughCleanup) {
   for (const char* prefix : {"off_binary", "sanitizer_mesh"})
     for (const fs::path& file : FilesThatBegin(prefix))
-      Expect({"keypose-cleanup", "--surface", file, "--clean", "clean.ply"}, file.filename(), kRefused);
+      Expect({"keypose-cleanup", "--surface", file, "--clean", "clean.ply"}, file.filename(),
+             kRefused);
   for (const char* prefix : {"ply_binary", "geo_cleanup", "nc.obj", "poly300.obj"})
     for (const fs::path& file : FilesThatBegin(prefix))
-      Expect({"keypose-cleanup", "--surface", file, "--clean", "clean.ply"}, file.filename(), kAnyDocumented);
+      Expect({"keypose-cleanup", "--surface", file, "--clean", "clean.ply"}, file.filename(),
+             kAnyDocumented);
 }
 
 TEST_F(Mutants, MeshesThroughRegisterOnBothSides) {
   for (const fs::path& file : FilesThatBegin("geo_register")) {
-    Expect({"keypose-register", "--source", file, "--target", Good(), "--registered", "out.ply"}, "", kAnyDocumented);
-    Expect({"keypose-register", "--source", Good(), "--target", file, "--registered", "out.ply"}, "", kAnyDocumented);
+    Expect({"keypose-register", "--source", file, "--target", Good(), "--registered", "out.ply"},
+           "", kAnyDocumented);
+    Expect({"keypose-register", "--source", Good(), "--target", file, "--registered", "out.ply"},
+           "", kAnyDocumented);
   }
 }
 
 TEST_F(Mutants, PicksThroughRegister) {
   for (const char* prefix : {"foo.pp", "lm_pp", "sanitizer_landmarks"})
     for (const fs::path& file : FilesThatBegin(prefix))
-      Expect(
-          {"keypose-register", "--source", Good(), "--target", Good(), "--landmarks", file, "--landmarks", file, "--registered", "out.ply"},
-          file.filename(), kRefused);
+      Expect({"keypose-register", "--source", Good(), "--target", Good(), "--landmarks", file,
+              "--landmarks", file, "--registered", "out.ply"},
+             file.filename(), kRefused);
 }
 
 TEST_F(Mutants, CamerasThroughBakeAndSfm) {
   for (const char* as : {"cameras.bin", "images.bin"})
     for (const fs::path& file : FilesThatBegin(std::string("colmap_bin_") + as)) {
       const fs::path model = ModelWith(file, as);
-      Expect({"keypose-bake", "--mesh", Unwrapped(), "--images", Images(), "--model", model, "--texture", "texture.png"}, as, kRefused);
-      Expect({"keypose-sfm", "--images", Images(), "--poses", model, "--model", "model"}, as, kRefused);
+      Expect({"keypose-bake", "--mesh", Unwrapped(), "--images", Images(), "--model", model,
+              "--texture", "texture.png"},
+             as, kRefused);
+      Expect({"keypose-sfm", "--images", Images(), "--poses", model, "--model", "model"}, as,
+             kRefused);
     }
 }
 
 TEST_F(Mutants, VolumeTextureThroughCapture) {
   for (const fs::path& file : FilesThatBegin("vol")) {
     fs::copy(Photos(), folder_.path() / "photos");
-    fs::copy_file(file, folder_.path() / "photos" / "IMG_0003.jpg", fs::copy_options::overwrite_existing);
-    Expect({"keypose-capture", "--photos", "photos", "--images", "images"}, "IMG_0003.jpg", kRefused);
+    fs::copy_file(file, folder_.path() / "photos" / "IMG_0003.jpg",
+                  fs::copy_options::overwrite_existing);
+    Expect({"keypose-capture", "--photos", "photos", "--images", "images"}, "IMG_0003.jpg",
+           kRefused);
   }
 }
 

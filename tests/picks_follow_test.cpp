@@ -1,4 +1,5 @@
-// Picks, painted stiffness and regions follow the clay when its mesh is made anew, or are refused by name: by the commands that users type.
+// Picks, painted stiffness and regions follow the clay when its mesh is made anew, or are refused
+// by name: by the commands that users type.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,18 +25,21 @@ using ::testing::Not;
 
 constexpr int kOk = 0, kUsage = 2, kInput = 3;
 
-/// A character, and the same made anew: other vertices, turned and scaled. `wrong` is another thing.
+/// A character, and the same made anew: other vertices, turned and scaled. `wrong` is another
+/// thing.
 class PicksFollow : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     world_ = std::make_unique<TestFolder>();
     const auto pair = [&](const std::string& folder, const std::vector<std::string>& more) {
-      std::vector<std::string> command = {"keypose-synth", "pair", folder, "--vertices", "2500", "--ratio", "1", "--noise", "0"};
+      std::vector<std::string> command = {"keypose-synth", "pair", folder,    "--vertices", "2500",
+                                          "--ratio",       "1",    "--noise", "0"};
       command.insert(command.end(), more.begin(), more.end());
       const RunResult made = RunProgram(command, world_->path());
       ASSERT_EQ(made.exit_code, kOk) << made.output;
     };
-    pair("clay", {"--shape", "character", "--seed", "3", "--bend", "0", "--turn", "40", "--scale", "1.2", "--landmarks", "8"});
+    pair("clay", {"--shape", "character", "--seed", "3", "--bend", "0", "--turn", "40", "--scale",
+                  "1.2", "--landmarks", "8"});
     pair("wrong", {"--shape", "tentacle", "--bend", "200", "--landmarks", "4"});
   }
   static void TearDownTestSuite() { world_.reset(); }
@@ -46,10 +50,13 @@ class PicksFollow : public ::testing::Test {
     arguments.insert(arguments.begin(), "keypose");
     return RunProgram(arguments, here());
   }
-  nlohmann::json Read(const std::string& name) const { return nlohmann::json::parse(ReadFile(here() / name)); }
+  nlohmann::json Read(const std::string& name) const {
+    return nlohmann::json::parse(ReadFile(here() / name));
+  }
 
   const fs::path before_ = World("clay/source.ply"), now_ = World("clay/target.ply");
-  const fs::path picks_before_ = World("clay/source_landmarks.json"), picks_now_ = World("clay/target_landmarks.json");
+  const fs::path picks_before_ = World("clay/source_landmarks.json"),
+                 picks_now_ = World("clay/target_landmarks.json");
 
  private:
   static std::unique_ptr<TestFolder> world_;
@@ -59,8 +66,9 @@ std::unique_ptr<TestFolder> PicksFollow::world_;
 
 TEST_F(PicksFollow, RegisterTakesThePicksToTheSameClay) {
   const Mesh before = ReadMesh(before_), now = ReadMesh(now_);
-  const RunResult run = Keypose({"register", "--source", now_, "--target", now_, "--landmarks", picks_before_, "--landmarks", picks_now_,
-                                 "--registered", "out.ply", "--report", "r.json"});
+  const RunResult run =
+      Keypose({"register", "--source", now_, "--target", now_, "--landmarks", picks_before_,
+               "--landmarks", picks_now_, "--registered", "out.ply", "--report", "r.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("8 picks were carried over"), HasSubstr("turned by")));
   // Source and target are one mesh: a pick that was carried to its true place has nowhere to go.
@@ -71,30 +79,36 @@ TEST_F(PicksFollow, RegisterTakesThePicksToTheSameClay) {
   for (std::size_t i = 0; i < then.size(); ++i) {
     Landmark same_number = then[i];
     same_number.face %= now.face_count();
-    by_number = std::max(by_number, (PositionOf(same_number, now) - PositionOf(truth[i], now)).norm());
+    by_number =
+        std::max(by_number, (PositionOf(same_number, now) - PositionOf(truth[i], now)).norm());
   }
   EXPECT_GT(by_number, 0.1 * BoundingDiagonal(now.points));
 }
 
 TEST_F(PicksFollow, BindCarriesThemAndWritesThemForTheNewMesh) {
-  const RunResult run = Keypose({"landmarks", "bind", "--mesh", now_, "--picks", picks_before_, "--bound", "bound.json"});
+  const RunResult run = Keypose(
+      {"landmarks", "bind", "--mesh", now_, "--picks", picks_before_, "--bound", "bound.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   const Mesh now = ReadMesh(now_);
   CarryLog log;
-  const auto carried = ReadLandmarks(here() / "bound.json", now, &log), truth = ReadLandmarks(picks_now_, now);
+  const auto carried = ReadLandmarks(here() / "bound.json", now, &log),
+             truth = ReadLandmarks(picks_now_, now);
   EXPECT_TRUE(log.notes.empty() && log.warnings.empty()) << "bound to this very mesh";
   ASSERT_EQ(carried.size(), truth.size());
   for (std::size_t i = 0; i < truth.size(); ++i)
-    EXPECT_LT((PositionOf(carried[i], now) - PositionOf(truth[i], now)).norm(), 0.008 * BoundingDiagonal(now.points)) << truth[i].name;
+    EXPECT_LT((PositionOf(carried[i], now) - PositionOf(truth[i], now)).norm(),
+              0.008 * BoundingDiagonal(now.points))
+        << truth[i].name;
 }
 
 TEST_F(PicksFollow, PicksOfAnotherThingAreRefusedByName) {
   const std::string name = ReadLandmarks(picks_before_, ReadMesh(before_))[0].name;
-  const RunResult run = Keypose({"register", "--source", World("wrong/source.ply"), "--target", now_, "--landmarks", picks_before_,
-                                 "--landmarks", picks_now_, "--registered", "out.ply"});
+  const RunResult run =
+      Keypose({"register", "--source", World("wrong/source.ply"), "--target", now_, "--landmarks",
+               picks_before_, "--landmarks", picks_now_, "--registered", "out.ply"});
   EXPECT_EQ(run.exit_code, kInput) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("source_landmarks.json"), HasSubstr("could not follow"), HasSubstr("'" + name + "'"),
-                                HasSubstr("pick them again")));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("source_landmarks.json"), HasSubstr("could not follow"),
+                                HasSubstr("'" + name + "'"), HasSubstr("pick them again")));
   EXPECT_FALSE(fs::exists(here() / "out.ply"));
 }
 
@@ -103,18 +117,28 @@ TEST_F(PicksFollow, OlderFilesAreBoundByACommand) {
   nlohmann::json old = nlohmann::json::parse(ReadFile(picks_before_));
   old["schema"] = 1;
   old["mesh"] = {{"vertices", before.vertex_count()}, {"faces", before.face_count()}};
-  for (auto& pick : old["landmarks"]) pick.erase("position"), pick.erase("normal"), pick.erase("color");
+  for (auto& pick : old["landmarks"])
+    pick.erase("position"), pick.erase("normal"), pick.erase("color");
   WriteFile(here() / "old picks.json", old.dump());
-  const RunResult run = Keypose({"register", "--source", before_, "--target", now_, "--landmarks", "old picks.json", "--landmarks",
-                                 picks_now_, "--registered", "out.ply", "--report", "r.json"});
+  const RunResult run =
+      Keypose({"register", "--source", before_, "--target", now_, "--landmarks", "old picks.json",
+               "--landmarks", picks_now_, "--registered", "out.ply", "--report", "r.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
-  EXPECT_THAT(Read("r.json")["warnings"].dump(), AllOf(HasSubstr("old picks.json does not say on which source"), HasSubstr("landmarks bind")));
+  EXPECT_THAT(
+      Read("r.json")["warnings"].dump(),
+      AllOf(HasSubstr("old picks.json does not say on which source"), HasSubstr("landmarks bind")));
   // In place, and the path has a space.
-  ASSERT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--picks", "old picks.json", "--bound", "old picks.json"}).exit_code, kOk);
+  ASSERT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--picks", "old picks.json", "--bound",
+                     "old picks.json"})
+                .exit_code,
+            kOk);
   EXPECT_EQ(Read("old picks.json")["schema"], 2);
-  EXPECT_EQ(Keypose({"landmarks", "bind", "--mesh", World("wrong/source.ply"), "--picks", "old picks.json", "--bound", "x.json"}).exit_code,
+  EXPECT_EQ(Keypose({"landmarks", "bind", "--mesh", World("wrong/source.ply"), "--picks",
+                     "old picks.json", "--bound", "x.json"})
+                .exit_code,
             kInput);
-  EXPECT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--bound", "x.json"}).exit_code, kUsage);
+  EXPECT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--bound", "x.json"}).exit_code,
+            kUsage);
 }
 
 TEST_F(PicksFollow, SwappedNumbersThatNothingBindsAreRefused) {
@@ -122,12 +146,14 @@ TEST_F(PicksFollow, SwappedNumbersThatNothingBindsAreRefused) {
   nlohmann::json old = nlohmann::json::parse(ReadFile(picks_before_));
   old["mesh"] = {{"vertices", before.vertex_count()}, {"faces", before.face_count()}};
   // Faces as the numbering of another mesh would have them.
-  for (auto& pick : old["landmarks"]) pick["face"] = (pick["face"].get<int>() * 7 + 1300) % before.face_count();
+  for (auto& pick : old["landmarks"])
+    pick["face"] = (pick["face"].get<int>() * 7 + 1300) % before.face_count();
   WriteFile(here() / "old.json", old.dump());
-  const RunResult run = Keypose({"register", "--source", before_, "--target", now_, "--landmarks", "old.json", "--landmarks", picks_now_,
-                                 "--registered", "out.ply"});
+  const RunResult run = Keypose({"register", "--source", before_, "--target", now_, "--landmarks",
+                                 "old.json", "--landmarks", picks_now_, "--registered", "out.ply"});
   EXPECT_EQ(run.exit_code, kInput) << run.output;
-  EXPECT_THAT(run.output, AllOf(HasSubstr("do not say on which mesh"), HasSubstr("landmarks bind")));
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("do not say on which mesh"), HasSubstr("landmarks bind")));
 }
 
 TEST_F(PicksFollow, PaintedStiffnessStaysOnItsPart) {
@@ -138,57 +164,70 @@ TEST_F(PicksFollow, PaintedStiffnessStaysOnItsPart) {
   for (Eigen::Index v = 0; v < painted.points.rows(); ++v)
     if (painted.points(v, 2) > 0.6 * top + 0.4 * low) painted.colors.row(v).setConstant(255);
   WriteMesh(here() / "painted.ply", painted);
-  const RunResult run = Keypose({"landmarks", "bind", "--mesh", now_, "--stiffness", "painted.ply", "--bound", "s.json"});
+  const RunResult run = Keypose(
+      {"landmarks", "bind", "--mesh", now_, "--stiffness", "painted.ply", "--bound", "s.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, HasSubstr("the stiffness was carried over"));
   const KdTree tree(truth.points);  // vertices of the painted mesh, where they truly are now
   const auto lines = Read("s.json")["stiffness"];
   int wrong = 0;
   for (int v = 0; v < now.vertex_count(); ++v) {
-    const std::string line = lines[static_cast<std::size_t>(v)];
+    const std::string line = lines[v];
     const double factor = std::stod(line.substr(line.rfind(' ')));
     wrong += (factor > 1) != (painted.colors(tree.Nearest(now.points.row(v)).index, 0) > 0);
   }
   EXPECT_LT(wrong, 0.02 * now.vertex_count());  // those on the border
   WriteMesh(here() / "painted.ply", ReadMesh(World("wrong/source.ply")));
-  EXPECT_EQ(Keypose({"register", "--source", now_, "--target", now_, "--stiffness", "painted.ply", "--registered", "o.ply"}).exit_code,
+  EXPECT_EQ(Keypose({"register", "--source", now_, "--target", now_, "--stiffness", "painted.ply",
+                     "--registered", "o.ply"})
+                .exit_code,
             kInput);
 }
 
 TEST_F(PicksFollow, RegionsOfTheTimelineTakeTheVerticesAtTheirPlaces) {
-  const Mesh before = ReadMesh(before_), now = ReadMesh(now_), truth = ReadMesh(World("clay/truth.ply"));
+  const Mesh before = ReadMesh(before_), now = ReadMesh(now_),
+             truth = ReadMesh(World("clay/truth.ply"));
   const Eigen::Vector3d tip = PositionOf(ReadLandmarks(picks_before_, before)[0], before);
   TimelineRegion region{"hand", {}, Eigen::Vector3d::Zero(), 0};
   for (int v = 0; v < before.vertex_count(); ++v)
-    if ((before.points.row(v).transpose() - tip).norm() < 0.08 * BoundingDiagonal(before.points)) region.vertices.push_back(v);
+    if ((before.points.row(v).transpose() - tip).norm() < 0.08 * BoundingDiagonal(before.points))
+      region.vertices.push_back(v);
   const nlohmann::json timeline = {{"schema", 2},
                                    {"fps", 4},
                                    {"keys", {{{"time", 0}}, {{"time", 1}}}},
                                    {"regions", {{{"name", "hand"}, {"vertices", region.vertices}}}},
                                    {"pins", {{{"region", "hand"}}}}};
   WriteFile(here() / "timeline.json", timeline.dump());
-  ASSERT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--timeline", "timeline.json", "--bound", "regions.json"}).exit_code, kOk);
-  const RunResult run = Keypose({"interpolate", "--keys", now_, "--keys", now_, "--timeline", "timeline.json", "--regions", "regions.json",
-                                 "--frames", "frames"});
+  ASSERT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--timeline", "timeline.json",
+                     "--bound", "regions.json"})
+                .exit_code,
+            kOk);
+  const RunResult run =
+      Keypose({"interpolate", "--keys", now_, "--keys", now_, "--timeline", "timeline.json",
+               "--regions", "regions.json", "--frames", "frames"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, HasSubstr("'hand' were carried over"));
   Timeline carried;
   carried.regions = {region};
   FollowRegions(here() / "regions.json", now, carried, nullptr);
-  EXPECT_NEAR(static_cast<double>(carried.regions[0].vertices.size()), static_cast<double>(region.vertices.size()),
+  EXPECT_NEAR(static_cast<double>(carried.regions[0].vertices.size()),
+              static_cast<double>(region.vertices.size()),
               0.25 * static_cast<double>(region.vertices.size()));
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), expected = Eigen::Vector3d::Zero();
   for (const int v : carried.regions[0].vertices)
-    center += now.points.row(v).transpose() / static_cast<double>(carried.regions[0].vertices.size());
-  for (const int v : region.vertices) expected += truth.points.row(v).transpose() / static_cast<double>(region.vertices.size());
+    center +=
+        now.points.row(v).transpose() / static_cast<double>(carried.regions[0].vertices.size());
+  for (const int v : region.vertices)
+    expected += truth.points.row(v).transpose() / static_cast<double>(region.vertices.size());
   EXPECT_LT((center - expected).norm(), 0.01 * BoundingDiagonal(now.points));
 
-  const RunResult unbound = Keypose({"interpolate", "--keys", before_, "--keys", before_, "--timeline", "timeline.json", "--frames", "f2"});
+  const RunResult unbound = Keypose({"interpolate", "--keys", before_, "--keys", before_,
+                                     "--timeline", "timeline.json", "--frames", "f2"});
   EXPECT_EQ(unbound.exit_code, kOk) << unbound.output;
   EXPECT_THAT(unbound.output, AllOf(HasSubstr("region 'hand'"), HasSubstr("landmarks bind")));
   const fs::path wrong = World("wrong/source.ply");
-  const RunResult lost = Keypose({"interpolate", "--keys", wrong, "--keys", wrong, "--timeline", "timeline.json", "--regions",
-                                  "regions.json", "--frames", "f3"});
+  const RunResult lost = Keypose({"interpolate", "--keys", wrong, "--keys", wrong, "--timeline",
+                                  "timeline.json", "--regions", "regions.json", "--frames", "f3"});
   EXPECT_EQ(lost.exit_code, kInput) << lost.output;
   EXPECT_THAT(lost.output, HasSubstr("'hand'"));
 }

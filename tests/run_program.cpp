@@ -18,7 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 std::vector<std::string> Environment(const std::vector<std::string>& changes) {
   std::vector<std::string> out = changes;
@@ -52,10 +54,13 @@ std::string Found(const std::string& name) {
 
 }  // namespace
 
-Program::Program(const std::vector<std::string>& command, const fs::path& folder, const std::vector<std::string>& environment) {
+Program::Program(const std::vector<std::string>& command, const fs::path& folder,
+                 const std::vector<std::string>& environment) {
   std::vector<std::string> words = command, entries = Environment(environment);
   words[0] = Found(words[0]);
-  if (words[0].empty()) throw std::runtime_error("no program " + command[0] + " in " KEYPOSE_BIN_DIR " or on PATH; build it first");
+  if (words[0].empty())
+    throw std::runtime_error("no program " + command[0] +
+                             " in " KEYPOSE_BIN_DIR " or on PATH; build it first");
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   const auto arguments = Pointers(words), variables = Pointers(entries);
@@ -63,7 +68,9 @@ Program::Program(const std::vector<std::string>& command, const fs::path& folder
   if (pid_ == 0) {
     setpgid(0, 0);
     const int nothing = open("/dev/null", O_RDONLY);
-    if (chdir(folder.c_str()) != 0 || dup2(nothing, 0) < 0 || dup2(ends[1], 1) < 0 || dup2(ends[1], 2) < 0) _exit(126);
+    if (chdir(folder.c_str()) != 0 || dup2(nothing, 0) < 0 || dup2(ends[1], 1) < 0 ||
+        dup2(ends[1], 2) < 0)
+      _exit(126);
     execve(arguments[0], arguments.data(), variables.data());
     _exit(127);
   }
@@ -105,7 +112,8 @@ bool Program::running() {
   if (waitpid(pid_, &status, WNOHANG) != pid_) return true;
   ended_ = true;
   result_.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  // What it left in the pipe; grandchildren may hold the other end open, so look no longer than something comes.
+  // What it left in the pipe; grandchildren may hold the other end open, so look no longer than
+  // something comes.
   for (std::size_t before = ~std::size_t{0}; pipe_ >= 0 && before != result_.output.size();) {
     before = result_.output.size();
     Read(20);
@@ -116,7 +124,8 @@ bool Program::running() {
 bool Program::WaitForOutput(const std::string& text, double seconds) {
   const auto start = Clock::now();
   while (result_.output.find(text) == std::string::npos) {
-    if (!running() || SecondsSince(start) > seconds) return result_.output.find(text) != std::string::npos;
+    if (!running() || SecondsSince(start) > seconds)
+      return result_.output.find(text) != std::string::npos;
     Read(20);
   }
   return true;
@@ -135,14 +144,15 @@ RunResult Program::Wait(double seconds) {
   return result_;
 }
 
-RunResult RunProgram(const std::vector<std::string>& command, const fs::path& folder, const std::vector<std::string>& environment,
-                     double seconds) {
+RunResult RunProgram(const std::vector<std::string>& command, const fs::path& folder,
+                     const std::vector<std::string>& environment, double seconds) {
   return Program(command, folder, environment).Wait(seconds);
 }
 
 TestFolder::TestFolder() {
   std::string pattern = (fs::temp_directory_path() / "keypose_test_XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw std::runtime_error("no folder for the test in " + fs::temp_directory_path().string());
+  if (!mkdtemp(pattern.data()))
+    throw std::runtime_error("no folder for the test in " + fs::temp_directory_path().string());
   path_ = pattern;
 }
 

@@ -10,23 +10,27 @@
 namespace keypose::tests {
 
 struct RunResult {
-  int exit_code = -1;  ///< 128 + the signal when one ended it; -1 when it ran past the limit and was killed
+  /// 128 + the signal when one ended it; -1 when it ran past the limit and was killed
+  int exit_code = -1;
   std::string output;  ///< standard output and error together
 };
 
 /// A child process in its own process group.
 class Program {
  public:
-  /// @param command      program and arguments; a first word without '/' is one of this build's, else of PATH
+  /// @param command      program and arguments; a first word without '/' is one of this build's,
+  /// else of PATH
   /// @param environment  "NAME=value" entries that replace or extend this process's
-  Program(const std::vector<std::string>& command, const std::filesystem::path& folder, const std::vector<std::string>& environment = {});
+  Program(const std::vector<std::string>& command, const std::filesystem::path& folder,
+          const std::vector<std::string>& environment = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
   /// To the whole group, as a terminal does on Ctrl-C.
   void SendSignal(int signal) const;
-  /// Waits until the output so far contains `text`. @return false when it ended, or after `seconds`
+  /// Waits until the output so far contains `text`.
+  /// @return false when it ended, or after `seconds`
   bool WaitForOutput(const std::string& text, double seconds);
   bool running();
   RunResult Wait(double seconds = 300);

@@ -343,7 +343,7 @@ def photo_cases():
         case('masks that are texts', ('mask', 'FIRST'), masks_of(b'white'), yaml=with_masks),
         case('masks empty', ('masks/rest', 'no mask in it'), lambda folder: (folder / 'masks/rest').mkdir(parents=True), yaml=with_masks, code=0),
         case('background a text', ('empty.jpg',), lambda folder: write(folder / 'empty.jpg', b'nothing'), yaml=with_background),
-        case('background of another size', ('background plate', '64 x 48'), lambda folder: write(folder / 'empty.jpg', whole_png(64, 48, 90)), yaml=with_background),
+        case('background of another size', ('clean plate', '64 x 48'), lambda folder: write(folder / 'empty.jpg', whole_png(64, 48, 90)), yaml=with_background),
         case('cameras of an empty folder', ('cameras', 'COLMAP'), lambda folder: (folder / 'cameras').mkdir(), yaml=with_cameras, command=('run', '--until', 'sfm/rest')),
         case('cameras cut short', ('cameras.bin', 'truncated'), lambda folder: [write(folder / f'cameras/{n}.bin', b'\x05\0\0\0\0\0\0\0\x01') for n in ('cameras', 'images', 'points3D')],
              yaml=with_cameras, command=('run', '--until', 'sfm/rest')),

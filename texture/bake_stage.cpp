@@ -10,7 +10,7 @@
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
-#include "texture/bake.h"
+#include "texture/bake/bake.h"
 
 namespace keypose::texture {
 namespace {
@@ -25,7 +25,9 @@ StageSpec Spec() {
                  {"model", "folder", "COLMAP model with the cameras", ""}};
   spec.outputs = {
       {"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"},
-      {"confidence", "file", "how far each texel is what photographs show: 255 well, 0 inpainted (.png)", "confidence.png", true, false}};
+      {"confidence", "file",
+       "how far each texel is what photographs show: 255 well, 0 inpainted (.png)",
+       "confidence.png", true, false}};
   spec.memory_gib = 3;
   spec.common = {"texture_size", "bits", "common_light"};
   return spec;
@@ -37,7 +39,8 @@ std::vector<int> MatchImages(const Scene& scene, const ImageSet& images) {
   for (const View& view : scene.views) {
     index.push_back(images.Find(view.name));
     if (index.back() < 0)
-      throw InputError("bake: the model has a view '" + view.name + "', but " + images.folder.string() +
+      throw InputError("bake: the model has a view '" + view.name + "', but " +
+                       images.folder.string() +
                        " has no such image; pass the images that the model was made from");
   }
   return index;
@@ -49,7 +52,8 @@ Photograph Load(const ImageSet& images, int index) {
   if (!images.images[index].mask.empty()) photograph.mask = ReadImage(images.MaskPath(index), 1);
   photograph.sharpness = images.images[index].sharpness;
   // A photograph that contradicts the others shows nothing of the figure that could be painted.
-  if (!images.images[index].trusted) photograph.mask = Image8(photograph.image.width, photograph.image.height, 1, 0);
+  if (!images.images[index].trusted)
+    photograph.mask = Image8(photograph.image.width, photograph.image.height, 1, 0);
   return photograph;
 }
 
@@ -60,7 +64,8 @@ struct Mean {
   double value() const { return count > 0 ? sum / count : 0; }
 };
 
-nlohmann::json ViewReport(const std::string& name, const ViewQuality& q, const Eigen::Vector3f& gain) {
+nlohmann::json ViewReport(const std::string& name, const ViewQuality& q,
+                          const Eigen::Vector3f& gain) {
   nlohmann::json view = {{"name", name},           {"used", q.used},
                          {"held_out", q.held_out}, {"pixels", q.pixels},
                          {"psnr_db", q.psnr_db},   {"psnr_gain_db", q.psnr_gain_db},
@@ -73,15 +78,19 @@ nlohmann::json ViewReport(const std::string& name, const ViewQuality& q, const E
   return view;
 }
 
-void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& result, bool left_out) {
+void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& result,
+                   bool left_out) {
   Mean psnr, psnr_gain, ssim, held_out, held_out_gain, held_out_ssim;
   int used = 0;
   nlohmann::json views = nlohmann::json::array();
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const ViewQuality& q = result.quality[v];
     used += q.used;
-    if (q.held_out) held_out.Add(q.held_out_psnr_db), held_out_gain.Add(q.held_out_psnr_gain_db), held_out_ssim.Add(q.held_out_ssim);
-    if (q.pixels > 0 && !(q.held_out && left_out)) psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db), ssim.Add(q.ssim);
+    if (q.held_out)
+      held_out.Add(q.held_out_psnr_db), held_out_gain.Add(q.held_out_psnr_gain_db),
+          held_out_ssim.Add(q.held_out_ssim);
+    if (q.pixels > 0 && !(q.held_out && left_out))
+      psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db), ssim.Add(q.ssim);
     views.push_back(ViewReport(scene.views[v].name, q, result.gains[v]));
   }
   stage.Report("views_total", static_cast<int>(scene.views.size()));
@@ -99,7 +108,9 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
   stage.ReportJson("views", views.dump());
 }
 
-std::string Percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
+std::string Percent(double share) {
+  return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
+}
 
 std::string Names(const std::vector<std::string>& names) {
   std::string list;
@@ -109,30 +120,38 @@ std::string Names(const std::vector<std::string>& names) {
 
 /// What contradicts the other photographs in colour, for a person.
 void ReportColors(StageContext& stage, const Scene& scene, const std::vector<ViewColors>& colors) {
-  nlohmann::json distrusted = nlohmann::json::array(), hidden = nlohmann::json::array(), views = nlohmann::json::object();
+  nlohmann::json distrusted = nlohmann::json::array(), hidden = nlohmann::json::array(),
+                 views = nlohmann::json::object();
   std::vector<std::string> other_light;
   for (std::size_t v = 0; v < colors.size(); ++v) {
     const ViewColors& c = colors[v];
     const std::string& name = scene.views[v].name;
-    views[name] = {{"contrary", c.contrary}, {"hidden", c.hidden_share}, {"light", {c.light.x(), c.light.y()}}};
+    views[name] = {{"contrary", c.contrary},
+                   {"hidden", c.hidden_share},
+                   {"light", {c.light.x(), c.light.y()}}};
     if (c.other_light) other_light.push_back(name);
     if (c.distrusted) {
       const std::string why =
-          Percent(c.contrary) + " of what it shows of the figure has other colours than the other photographs show there";
+          Percent(c.contrary) +
+          " of what it shows of the figure has other colours than the other photographs show there";
       distrusted.push_back({{"name", name}, {"why", why}});
       stage.Warn(name + " contradicts the other photographs: " + why +
-                 "; it was left out of the texture. It shows something else, or its camera is wrong: shoot it again, or delete it");
+                 "; it was left out of the texture. It shows something else, or its camera is "
+                 "wrong: shoot it again, or delete it");
     } else if (!c.hidden.empty()) {
       hidden.push_back({{"name", name}, {"share", c.hidden_share}});
       if (!c.told) continue;
-      stage.Warn("something lies before the figure in " + name + " (a hand, a tool, a lamp's mirror image): " + Percent(c.hidden_share) +
-                 " of what it shows has other colours than the other photographs show there, and was left out of the texture; "
+      stage.Warn("something lies before the figure in " + name +
+                 " (a hand, a tool, a lamp's mirror image): " + Percent(c.hidden_share) +
+                 " of what it shows has other colours than the other photographs show there, and "
+                 "was left out of the texture; "
                  "look at it, and shoot it again without");
     }
   }
   if (!other_light.empty())
     stage.Warn("the lamp stood elsewhere for " + Names(other_light) +
-               " than for the other photographs; they were painted from only where no others see the surface. Shoot them again in the same "
+               " than for the other photographs; they were painted from only where no others see "
+               "the surface. Shoot them again in the same "
                "light, if the texture shows patches");
   stage.ReportJson("distrusted", distrusted.dump());
   stage.ReportJson("hidden_parts", hidden.dump());
@@ -150,7 +169,8 @@ void WriteTexture(const std::filesystem::path& path, const BakeResult& result, i
 void Run(StageContext& stage, const BakeOptions& options) {
   const std::filesystem::path path = stage.Output("texture");
   if (!CanWriteLinear(path, options.bits))
-    throw UsageError("bake: a texture '" + path.filename().string() + "' with bits " + std::to_string(options.bits) +
+    throw UsageError("bake: a texture '" + path.filename().string() + "' with bits " +
+                     std::to_string(options.bits) +
                      " cannot be written: .png and .tif hold 8 or 16 bits, .exr holds 16 or 32");
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
   RequireUsable(mesh, stage.Input("mesh").string());
@@ -164,16 +184,19 @@ void Run(StageContext& stage, const BakeOptions& options) {
   stage.Report("texels", result.texels);
   stage.Report("seen_texels", result.seen_texels);
   stage.Report("unseen_texels", result.unseen_texels());
-  stage.Report("unseen_fraction", static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
+  stage.Report("unseen_fraction",
+               static_cast<double>(result.unseen_texels()) / static_cast<double>(result.texels));
   ReportQuality(stage, scene, result, options.leave_out);
   ReportColors(stage, scene, result.colors);
   WriteTexture(path, result, options.bits);
-  if (const auto confidence = stage.Output("confidence"); !confidence.empty()) WriteImage(confidence, result.confidence);
+  if (const auto confidence = stage.Output("confidence"); !confidence.empty())
+    WriteImage(confidence, result.confidence);
 }
 
 }  // namespace
 }  // namespace keypose::texture
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::texture::BakeOptions>(argc, argv, keypose::texture::Spec(), keypose::texture::Run);
+  return keypose::RunStage<keypose::texture::BakeOptions>(argc, argv, keypose::texture::Spec(),
+                                                          keypose::texture::Run);
 }

@@ -6,7 +6,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
-#include "texture/complete.h"
+#include "texture/bake/complete.h"
 
 namespace keypose::texture {
 namespace {
@@ -14,19 +14,25 @@ namespace {
 struct CompleteOptions {
   int gutter = 12;
 
-  void Describe(OptionVisitor& visit) { visit("gutter", gutter, {"how far colours continue around each chart", "px", 0, 256}); }
+  void Describe(OptionVisitor& visit) {
+    visit("gutter", gutter, {"how far colours continue around each chart", "px", 0, 256});
+  }
 };
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "complete";
   spec.version = "2";
-  spec.summary = "Fills what a pose's photographs do not show from the other poses' textures, in the pose's own light.";
-  spec.inputs = {{"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
-                 {"texture", "file", "the pose's own texture, from bake", ""},
-                 {"confidence", "file", "how far its texels are what photographs show, from bake", ""},
-                 {"textures", "file", "textures of the poses to take from; the own one among them is passed over", "", true, true},
-                 {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
+  spec.summary =
+      "Fills what a pose's photographs do not show from the other poses' textures, in the pose's "
+      "own light.";
+  spec.inputs = {
+      {"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
+      {"texture", "file", "the pose's own texture, from bake", ""},
+      {"confidence", "file", "how far its texels are what photographs show, from bake", ""},
+      {"textures", "file",
+       "textures of the poses to take from; the own one among them is passed over", "", true, true},
+      {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
   spec.outputs = {{"completed", "file", "the completed texture (.png)", "texture.png"}};
   spec.memory_gib = 2;
   return spec;
@@ -45,8 +51,10 @@ void AtSize(int width, int height, PoseTexture* texture) {
 void Run(StageContext& stage, const CompleteOptions& options) {
   const auto textures = stage.Inputs("textures"), confidences = stage.Inputs("confidences");
   if (textures.size() != confidences.size())
-    throw UsageError("complete: " + std::to_string(textures.size()) + " textures and " + std::to_string(confidences.size()) +
-                     " confidences were given; pass one confidence for each texture, in the same order");
+    throw UsageError(
+        "complete: " + std::to_string(textures.size()) + " textures and " +
+        std::to_string(confidences.size()) +
+        " confidences were given; pass one confidence for each texture, in the same order");
   const Mesh mesh = ReadMesh(stage.Input("mesh"));
   const PoseTexture own = Read(stage.Input("texture"), stage.Input("confidence"));
   std::vector<PoseTexture> others;
@@ -54,9 +62,11 @@ void Run(StageContext& stage, const CompleteOptions& options) {
     others.push_back(Read(textures[i], confidences[i]));
     AtSize(own.texture.width, own.texture.height, &others.back());
   }
-  Step(stage.progress(), 0.2, "completing the texture");
+  ReportProgress(stage.progress(), 0.2, "completing the texture");
   const Completed completed = CompleteTexture(mesh, own, others, options.gutter);
-  const auto share = [&](std::int64_t texels) { return static_cast<double>(texels) / static_cast<double>(completed.texels); };
+  const auto share = [&](std::int64_t texels) {
+    return static_cast<double>(texels) / static_cast<double>(completed.texels);
+  };
   stage.Report("texels", completed.texels);
   stage.Report("own_fraction", share(completed.own_texels));
   stage.Report("filled_fraction", share(completed.filled_texels));
@@ -68,5 +78,6 @@ void Run(StageContext& stage, const CompleteOptions& options) {
 }  // namespace keypose::texture
 
 int main(int argc, char** argv) {
-  return keypose::RunStage<keypose::texture::CompleteOptions>(argc, argv, keypose::texture::Spec(), keypose::texture::Run);
+  return keypose::RunStage<keypose::texture::CompleteOptions>(argc, argv, keypose::texture::Spec(),
+                                                              keypose::texture::Run);
 }

@@ -2,7 +2,7 @@
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
 #include "core/stage/stage.h"
-#include "texture/unwrap.h"
+#include "texture/unwrap/unwrap.h"
 
 namespace {
 
@@ -33,15 +33,23 @@ void Run(StageContext& stage, const UnwrapOptions& options) {
   keypose::WriteMesh(stage.Output("unwrapped"), result.mesh);
 }
 
-const StageSpec kSpec = {.name = "unwrap",
-                         .version = "2",
-                         .summary = "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
-                         .inputs = {{.name = "clean", .kind = "file", .help = "closed mesh (.ply, .obj, .off, .stl)", .file = ""}},
-                         .outputs = {{.name = "unwrapped", .kind = "file", .help = "the same mesh with UVs", .file = "unwrapped.obj"}},
-                         .tools = {},
-                         .cores = 0,
-                         .memory_gib = 1,
-                         .common = {"texture_size"}};
+const StageSpec kSpec = {
+    .name = "unwrap",
+    .version = "2",
+    .summary =
+        "Cuts a closed mesh into charts and packs them into one texture without flips or overlaps.",
+    .inputs = {{.name = "clean",
+                .kind = "file",
+                .help = "closed mesh (.ply, .obj, .off, .stl)",
+                .file = ""}},
+    .outputs = {{.name = "unwrapped",
+                 .kind = "file",
+                 .help = "the same mesh with UVs",
+                 .file = "unwrapped.obj"}},
+    .tools = {},
+    .cores = 0,
+    .memory_gib = 1,
+    .common = {"texture_size"}};
 
 }  // namespace
 

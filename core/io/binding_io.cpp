@@ -30,7 +30,8 @@ std::optional<Eigen::Vector3d> VectorFrom(const json& object, const char* name) 
 /// One line of numbers a point keeps the file short and readable.
 std::string LineOf(const MeshBinding& binding, Eigen::Index i) {
   const auto p = binding.points.row(i), n = binding.normals.row(i);
-  std::string line = fmt::format("{:.7g} {:.7g} {:.7g} {:.3f} {:.3f} {:.3f}", p[0], p[1], p[2], n[0], n[1], n[2]);
+  std::string line =
+      fmt::format("{:.7g} {:.7g} {:.7g} {:.3f} {:.3f} {:.3f}", p[0], p[1], p[2], n[0], n[1], n[2]);
   if (binding.colors.rows() > 0) {
     const auto c = binding.colors.row(i);
     line += fmt::format(" {:.0f} {:.0f} {:.0f}", c[0], c[1], c[2]);
@@ -43,18 +44,23 @@ void ShapeFrom(const json& shape, MeshBinding& binding, const std::filesystem::p
   binding.points.resize(count, 3);
   binding.normals.resize(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
-    std::istringstream line(shape[static_cast<std::size_t>(i)].get<std::string>());
+    std::istringstream line(shape[i].get<std::string>());
     std::vector<double> values;
     for (double value; line >> value;) values.push_back(value);
     const bool colored = values.size() == 9;
-    const bool usable = std::all_of(values.begin(), values.end(), [](double value) { return std::abs(value) <= kMostCoordinate; });
-    if (!usable || !line.eof() || (values.size() != 6 && !colored) || (i > 0 && colored != (binding.colors.rows() > 0)))
-      throw InputError(fmt::format("{}: line {} of `shape` does not hold a point, its normal and its colour; pick again", file.string(), i));
+    const bool usable = std::all_of(values.begin(), values.end(), [](double value) {
+      return std::abs(value) <= kMostCoordinate;
+    });
+    if (!usable || !line.eof() || (values.size() != 6 && !colored) ||
+        (i > 0 && colored != (binding.colors.rows() > 0)))
+      throw InputError(fmt::format(
+          "{}: line {} of `shape` does not hold a point, its normal and its colour; pick again",
+          file.string(), i));
     if (colored) binding.colors.conservativeResize(count, 3);
     for (Eigen::Index k = 0; k < 3; ++k) {
-      binding.points(i, k) = values[static_cast<std::size_t>(k)];
-      binding.normals(i, k) = values[static_cast<std::size_t>(k + 3)];
-      if (colored) binding.colors(i, k) = values[static_cast<std::size_t>(k + 6)];
+      binding.points(i, k) = values[k];
+      binding.normals(i, k) = values[k + 3];
+      if (colored) binding.colors(i, k) = values[k + 6];
     }
   }
 }
@@ -65,8 +71,9 @@ template <>
 json BindingJson(const MeshBinding& binding) {
   json shape = json::array();
   for (Eigen::Index i = 0; i < binding.points.rows(); ++i) shape.push_back(LineOf(binding, i));
-  return {{"vertices", binding.vertex_count}, {"faces", binding.face_count},  {"sha256", binding.geometry},
-          {"faces_sha256", binding.numbering}, {"diagonal", binding.diagonal}, {"shape", std::move(shape)}};
+  return {{"vertices", binding.vertex_count}, {"faces", binding.face_count},
+          {"sha256", binding.geometry},       {"faces_sha256", binding.numbering},
+          {"diagonal", binding.diagonal},     {"shape", std::move(shape)}};
 }
 
 template <>
@@ -79,9 +86,12 @@ MeshBinding BindingFrom(const json& object, const std::filesystem::path& file) {
   binding.diagonal = object.value("diagonal", 0.0);
   if (!binding.known()) return binding;
   if (!object.contains("shape") || object["shape"].size() < 50)
-    throw InputError(file.string() + ": `shape` must hold 50 points or more of the mesh that was picked on; pick again");
+    throw InputError(
+        file.string() +
+        ": `shape` must hold 50 points or more of the mesh that was picked on; pick again");
   if (!(binding.diagonal > 0 && binding.diagonal <= kMostCoordinate))
-    throw InputError(file.string() + ": `diagonal` of the mesh that was picked on is no size; pick again");
+    throw InputError(file.string() +
+                     ": `diagonal` of the mesh that was picked on is no size; pick again");
   ShapeFrom(object["shape"], binding, file);
   return binding;
 }
@@ -96,25 +106,34 @@ void AddPlace(const SurfacePlace& place, json& pick) {
 template <>
 std::optional<SurfacePlace> PlaceFrom(const json& pick) {
   const auto position = VectorFrom(pick, "position"), normal = VectorFrom(pick, "normal");
-  if (!position || !normal || !position->allFinite() || position->cwiseAbs().maxCoeff() > kMostCoordinate || !normal->allFinite() || normal->norm() < 1e-9) return std::nullopt;
+  if (!position || !normal || !position->allFinite() ||
+      position->cwiseAbs().maxCoeff() > kMostCoordinate || !normal->allFinite() ||
+      normal->norm() < 1e-9)
+    return std::nullopt;
   return SurfacePlace{*position, normal->normalized(), VectorFrom(pick, "color")};
 }
 
 FollowPicks::FollowPicks(MeshBinding binding, const Mesh& mesh, std::string file, std::string side)
     : binding_(std::move(binding)), file_(std::move(file)), side_(std::move(side)) {
   if (binding_.known()) {
-    if (binding_.geometry != GeometryHash(mesh)) carrier_ = std::make_unique<Carrier>(binding_, mesh);
+    if (binding_.geometry != GeometryHash(mesh))
+      carrier_ = std::make_unique<Carrier>(binding_, mesh);
     return;
   }
   const bool says_counts = binding_.vertex_count >= 0 && binding_.face_count >= 0;
-  if (says_counts && (binding_.vertex_count != mesh.vertex_count() || binding_.face_count != mesh.face_count()))
-    throw InputError(fmt::format("{}: picked on a {} with {} vertices and {} faces, but this one has {} vertices, {} faces; pick them "
-                                 "again. Or, while you still have that mesh: keypose landmarks bind --mesh THAT_MESH --picks {} --bound {}",
-                                 file_, side_, binding_.vertex_count, binding_.face_count, mesh.vertex_count(), mesh.face_count(), file_,
-                                 file_));
+  if (says_counts &&
+      (binding_.vertex_count != mesh.vertex_count() || binding_.face_count != mesh.face_count()))
+    throw InputError(
+        fmt::format("{}: picked on a {} with {} vertices and {} faces, but this one has {} "
+                    "vertices, {} faces; pick them "
+                    "again. Or, while you still have that mesh: keypose landmarks bind --mesh "
+                    "THAT_MESH --picks {} --bound {}",
+                    file_, side_, binding_.vertex_count, binding_.face_count, mesh.vertex_count(),
+                    mesh.face_count(), file_, file_));
 }
 
-CarriedPlace FollowPicks::Carry(const std::string& name, const std::optional<SurfacePlace>& place, bool needed) {
+CarriedPlace FollowPicks::Carry(const std::string& name, const std::optional<SurfacePlace>& place,
+                                bool needed) {
   CarriedPlace carried;
   if (place)
     carried = carrier_->Carry(*place);
@@ -123,40 +142,51 @@ CarriedPlace FollowPicks::Carry(const std::string& name, const std::optional<Sur
   if (carried.grade == CarriedPlace::Grade::kLost) {
     if (!needed) return carried;
     const bool all_for_one_reason = carrier_ && !carrier_->change().found();
-    lost_.push_back(all_for_one_reason ? fmt::format("'{}'", name) : fmt::format("'{}' ({})", name, carried.why));
+    lost_.push_back(all_for_one_reason ? fmt::format("'{}'", name)
+                                       : fmt::format("'{}' ({})", name, carried.why));
     if (all_for_one_reason) why_all_ = carried.why;
     return carried;
   }
   ++carried_;
   furthest_ = std::max(furthest_, carried.off);
-  if (carried.grade == CarriedPlace::Grade::kDoubtful) doubtful_.push_back(fmt::format("'{}' ({})", name, carried.why));
+  if (carried.grade == CarriedPlace::Grade::kDoubtful)
+    doubtful_.push_back(fmt::format("'{}' ({})", name, carried.why));
   return carried;
 }
 
 void FollowPicks::Finish(CarryLog* log) const {
   if (!lost_.empty())
-    throw InputError(fmt::format("{}: the {} was made anew since these were picked, and {} of {} could not follow: {}{}; pick them again "
-                                 "on it under the same names (keypose landmarks suggest, or MeshLab), or delete them from the file",
-                                 file_, side_, lost_.size(), static_cast<std::size_t>(carried_) + lost_.size(), fmt::join(lost_, ", "),
-                                 why_all_.empty() ? "" : "; " + why_all_));
+    throw InputError(
+        fmt::format("{}: the {} was made anew since these were picked, and {} of {} could not "
+                    "follow: {}{}; pick them again "
+                    "on it under the same names (keypose landmarks suggest, or MeshLab), or delete "
+                    "them from the file",
+                    file_, side_, lost_.size(), static_cast<std::size_t>(carried_) + lost_.size(),
+                    fmt::join(lost_, ", "), why_all_.empty() ? "" : "; " + why_all_));
   if (!log) return;
   if (!known()) {
     log->unbound = true;
-    log->warnings.push_back(fmt::format("{} does not say on which {} it was picked; its numbers are taken as they are, which is wrong if "
-                                        "that was made anew since. Look whether the picks lie where they should, then bind them to it: "
-                                        "keypose landmarks bind --help",
-                                        file_, side_));
+    log->warnings.push_back(
+        fmt::format("{} does not say on which {} it was picked; its numbers are taken as they are, "
+                    "which is wrong if "
+                    "that was made anew since. Look whether the picks lie where they should, then "
+                    "bind them to it: "
+                    "keypose landmarks bind --help",
+                    file_, side_));
     return;
   }
   if (!carrier_ || carried_ == 0) return;
-  const std::string how = fmt::format("{}: the {} was made anew since ({}); {} picks were carried over, {:.2f} % of the diagonal at most "
-                                      "from where they were",
-                                      file_, side_, carrier_->change().Words(), carried_, 100 * furthest_);
+  const std::string how = fmt::format(
+      "{}: the {} was made anew since ({}); {} picks were carried over, {:.2f} % of the diagonal "
+      "at most "
+      "from where they were",
+      file_, side_, carrier_->change().Words(), carried_, 100 * furthest_);
   if (doubtful_.empty())
     log->notes.push_back(how);
   else
     log->warnings.push_back(
-        fmt::format("{}. These are doubtful: {}; look at them, and pick again what is wrong", how, fmt::join(doubtful_, ", ")));
+        fmt::format("{}. These are doubtful: {}; look at them, and pick again what is wrong", how,
+                    fmt::join(doubtful_, ", ")));
 }
 
 }  // namespace keypose

@@ -1,4 +1,5 @@
-// Bindings and places in JSON files, and the carrying over of what such a file holds to the mesh at hand.
+// Bindings and places in JSON files, and the carrying over of what such a file holds to the mesh at
+// hand.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +15,8 @@ namespace keypose {
 
 // `Json` is nlohmann::json, whose header only the .cpp files of core include.
 
-/// {"vertices", "faces", "sha256", "faces_sha256", "diagonal", "shape": ["x y z nx ny nz r g b", ...]}
+/// {"vertices", "faces", "sha256", "faces_sha256", "diagonal", "shape": ["x y z nx ny nz r g b",
+/// ...]}
 template <class Json>
 Json BindingJson(const MeshBinding& binding);
 /// Of older files, which only have the counts: a binding that is not known().
@@ -40,12 +42,14 @@ class FollowPicks {
   /// @throws InputError  an older file's mesh had other counts
   FollowPicks(MeshBinding binding, const Mesh& mesh, std::string file, std::string side);
 
-  /// Whether face and vertex numbers hold: it is the mesh, or an older file that does not say which, of the same counts.
+  /// Whether face and vertex numbers hold: it is the mesh, or an older file that does not say
+  /// which, of the same counts.
   bool AsWritten() const { return !carrier_; }
   bool known() const { return binding_.known(); }
   /// @param place  none: lost, since the file does not have it
   /// @param needed  false: it may be lost without a fault
-  CarriedPlace Carry(const std::string& name, const std::optional<SurfacePlace>& place, bool needed = true);
+  CarriedPlace Carry(const std::string& name, const std::optional<SurfacePlace>& place,
+                     bool needed = true);
   const Carrier& carrier() const { return *carrier_; }
 
   /// @throws InputError  names those that could not follow, why, and the cure

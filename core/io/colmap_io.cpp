@@ -24,10 +24,14 @@ struct Model {
   const char* name;
   std::size_t parameters;
 };
-constexpr std::array<Model, 5> kModels{
-    {{0, "SIMPLE_PINHOLE", 3}, {1, "PINHOLE", 4}, {2, "SIMPLE_RADIAL", 4}, {3, "RADIAL", 5}, {4, "OPENCV", 8}}};
+constexpr std::array<Model, 5> kModels{{{0, "SIMPLE_PINHOLE", 3},
+                                        {1, "PINHOLE", 4},
+                                        {2, "SIMPLE_RADIAL", 4},
+                                        {3, "RADIAL", 5},
+                                        {4, "OPENCV", 8}}};
 
-Camera CameraFrom(int model, std::uint64_t width, std::uint64_t height, const std::vector<double>& p) {
+Camera CameraFrom(int model, std::uint64_t width, std::uint64_t height,
+                  const std::vector<double>& p) {
   Camera camera;
   camera.width = static_cast<int>(std::min(width, std::uint64_t{kMostPixels}));
   camera.height = static_cast<int>(std::min(height, std::uint64_t{kMostPixels}));
@@ -49,8 +53,9 @@ Camera CameraFrom(int model, std::uint64_t width, std::uint64_t height, const st
 const Model& FindModel(const std::string& name_or_id, const fs::path& where) {
   for (const Model& model : kModels)
     if (name_or_id == model.name || name_or_id == std::to_string(model.id)) return model;
-  throw InputError(where.string() + ": camera model " + name_or_id +
-                   " is not supported; use SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL or OPENCV");
+  throw InputError(
+      where.string() + ": camera model " + name_or_id +
+      " is not supported; use SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL or OPENCV");
 }
 
 class BinaryReader {
@@ -59,7 +64,8 @@ class BinaryReader {
   template <class T>
   T Get() {
     if (at_ + sizeof(T) > bytes_.size())
-      throw InputError(path_.string() + " is truncated at byte " + std::to_string(at_) + "; run sfm again");
+      throw InputError(path_.string() + " is truncated at byte " + std::to_string(at_) +
+                       "; run sfm again");
     T value;
     std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     at_ += sizeof(T);
@@ -71,7 +77,8 @@ class BinaryReader {
     return text;
   }
   void Skip(std::uint64_t bytes) {
-    if (bytes > bytes_.size() - at_) throw InputError(path_.string() + " is truncated; run sfm again");
+    if (bytes > bytes_.size() - at_)
+      throw InputError(path_.string() + " is truncated; run sfm again");
     at_ += bytes;
   }
   const fs::path& path() const { return path_; }
@@ -121,16 +128,21 @@ Rigid3 PoseFrom(const std::array<double, 7>& q, const std::string& where) {
   constexpr double kLeastNorm = 1e-6;  // of the quaternion, which is 1 but for rounding
   for (const double number : q)
     if (!(std::abs(number) <= kMostCoordinate))
-      throw InputError(where + " has a pose that is not finite or beyond 1e12; the file is damaged: run sfm again");
+      throw InputError(
+          where +
+          " has a pose that is not finite or beyond 1e12; the file is damaged: run sfm again");
   if (!(Eigen::Vector4d(q[0], q[1], q[2], q[3]).norm() > kLeastNorm))
-    throw InputError(where + " has no rotation (its quaternion is 0); the file is damaged: run sfm again");
-  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), Eigen::Vector3d(q[4], q[5], q[6])};
+    throw InputError(where +
+                     " has no rotation (its quaternion is 0); the file is damaged: run sfm again");
+  return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(),
+          Eigen::Vector3d(q[4], q[5], q[6])};
 }
 
 const Camera& CameraOf(const Cameras& cameras, std::uint32_t id, const fs::path& path) {
   const auto it = cameras.find(id);
   if (it == cameras.end())
-    throw InputError(path.string() + " names camera " + std::to_string(id) + ", which the cameras file does not have");
+    throw InputError(path.string() + " names camera " + std::to_string(id) +
+                     ", which the cameras file does not have");
   return it->second;
 }
 
@@ -143,11 +155,13 @@ std::vector<NamedView> ReadImagesBinary(const fs::path& path, const Cameras& cam
     named.id = in.Get<std::uint32_t>();
     std::array<double, 7> pose{};
     for (double& p : pose) p = in.Get<double>();
-    named.view.camera_from_world = PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
+    named.view.camera_from_world =
+        PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
     named.view.camera = CameraOf(cameras, in.Get<std::uint32_t>(), path);
     named.view.name = in.GetString();
     const auto features = in.Get<std::uint64_t>();
-    if (features > (std::uint64_t{1} << 32)) throw InputError(path.string() + " is damaged; run sfm again");
+    if (features > (std::uint64_t{1} << 32))
+      throw InputError(path.string() + " is damaged; run sfm again");
     in.Skip(features * 24);
     views.push_back(std::move(named));
   }
@@ -156,7 +170,8 @@ std::vector<NamedView> ReadImagesBinary(const fs::path& path, const Cameras& cam
 
 void RequireUsablePoint(const SparsePoint& point, const fs::path& path, std::uint64_t number) {
   if (!point.position.allFinite() || point.position.cwiseAbs().maxCoeff() > kMostCoordinate)
-    throw InputError(path.string() + ": point " + std::to_string(number) + " is not finite or beyond 1e12; the file is damaged: run sfm again");
+    throw InputError(path.string() + ": point " + std::to_string(number) +
+                     " is not finite or beyond 1e12; the file is damaged: run sfm again");
 }
 
 struct RawPoint {
@@ -228,7 +243,8 @@ std::vector<NamedView> ReadImagesText(const fs::path& path, const Cameras& camer
     in >> named.id;
     for (double& p : pose) in >> p;
     if (!(in >> camera >> std::ws) || !std::getline(in, named.view.name)) ThrowLine(path, lines[i]);
-    named.view.camera_from_world = PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
+    named.view.camera_from_world =
+        PoseFrom(pose, path.string() + ": image " + std::to_string(named.id));
     named.view.camera = CameraOf(cameras, camera, path);
     views.push_back(std::move(named));
   }
@@ -243,10 +259,13 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
     std::uint64_t id = 0;
     int r = 0, g = 0, b = 0;
     Eigen::Vector3d& x = raw.point.position;
-    if (!(in >> id >> x(0) >> x(1) >> x(2) >> r >> g >> b >> raw.point.error_px)) ThrowLine(path, line);
+    if (!(in >> id >> x(0) >> x(1) >> x(2) >> r >> g >> b >> raw.point.error_px))
+      ThrowLine(path, line);
     RequireUsablePoint(raw.point, path, id);
-    raw.point.color << static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b);
-    for (std::uint32_t image = 0, feature = 0; in >> image >> feature;) raw.image_ids.push_back(image);
+    raw.point.color << static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g),
+        static_cast<std::uint8_t>(b);
+    for (std::uint32_t image = 0, feature = 0; in >> image >> feature;)
+      raw.image_ids.push_back(image);
     points.push_back(std::move(raw));
   }
   return points;
@@ -256,26 +275,38 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
 
 void RequireUsableCamera(const Camera& camera, const std::string& where) {
   constexpr double kMost = 1e7, kLeastFocal = 1e-2;  // pixels, and far more than any lens distorts
-  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2};
-  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for what is no number
-  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) || !(camera.fy > kLeastFocal))
-    throw InputError(where + " has a focal length, centre or distortion that no lens has (not finite, 0, or beyond 1e7); it is damaged: run sfm "
-                             "again");
-  if (camera.width < 1 || camera.height < 1 || std::int64_t{camera.width} * camera.height > kMostPixels)
-    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+  const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy,
+                                      camera.k1, camera.k2, camera.p1, camera.p2};
+  const auto usable = [](double number) {
+    return std::abs(number) <= kMost;
+  };  // false for what is no number
+  if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) ||
+      !(camera.fy > kLeastFocal))
+    throw InputError(where +
+                     " has a focal length, centre or distortion that no lens has (not finite, 0, "
+                     "or beyond 1e7); it is damaged: run sfm "
+                     "again");
+  if (camera.width < 1 || camera.height < 1 ||
+      std::int64_t{camera.width} * camera.height > kMostPixels)
+    throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " +
+                     std::to_string(camera.height) +
                      " pixels, which cannot be; it is damaged: run sfm again");
 }
 
 Scene ReadColmapModel(const fs::path& folder) {
   const bool binary = fs::exists(folder / "images.bin");
   if (!binary && !fs::exists(folder / "images.txt"))
-    throw InputError(folder.string() + " has neither images.bin nor images.txt: it is not a COLMAP model folder");
+    throw InputError(folder.string() +
+                     " has neither images.bin nor images.txt: it is not a COLMAP model folder");
   const std::string extension = binary ? ".bin" : ".txt";
-  const fs::path cameras_file = folder / ("cameras" + extension), images_file = folder / ("images" + extension),
+  const fs::path cameras_file = folder / ("cameras" + extension),
+                 images_file = folder / ("images" + extension),
                  points_file = folder / ("points3D" + extension);
   const Cameras cameras = binary ? ReadCamerasBinary(cameras_file) : ReadCamerasText(cameras_file);
-  auto views = binary ? ReadImagesBinary(images_file, cameras) : ReadImagesText(images_file, cameras);
-  std::sort(views.begin(), views.end(), [](const auto& a, const auto& b) { return a.view.name < b.view.name; });
+  auto views =
+      binary ? ReadImagesBinary(images_file, cameras) : ReadImagesText(images_file, cameras);
+  std::sort(views.begin(), views.end(),
+            [](const auto& a, const auto& b) { return a.view.name < b.view.name; });
   Scene scene;
   std::map<std::uint32_t, int> index_of;
   for (NamedView& named : views) {
@@ -285,9 +316,11 @@ Scene ReadColmapModel(const fs::path& folder) {
   if (!fs::exists(points_file)) return scene;
   for (RawPoint& raw : binary ? ReadPointsBinary(points_file) : ReadPointsText(points_file)) {
     for (const std::uint32_t id : raw.image_ids)
-      if (const auto it = index_of.find(id); it != index_of.end()) raw.point.views.push_back(it->second);
+      if (const auto it = index_of.find(id); it != index_of.end())
+        raw.point.views.push_back(it->second);
     std::sort(raw.point.views.begin(), raw.point.views.end());
-    raw.point.views.erase(std::unique(raw.point.views.begin(), raw.point.views.end()), raw.point.views.end());
+    raw.point.views.erase(std::unique(raw.point.views.begin(), raw.point.views.end()),
+                          raw.point.views.end());
     scene.points.push_back(std::move(raw.point));
   }
   return scene;
@@ -301,7 +334,8 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
   std::map<Key, std::uint32_t> ids;
   std::vector<Key> order;
   for (const View& view : scene.views)
-    if (ids.emplace(key_of(view.camera), static_cast<std::uint32_t>(order.size() + 1)).second) order.push_back(key_of(view.camera));
+    if (ids.emplace(key_of(view.camera), static_cast<std::uint32_t>(order.size() + 1)).second)
+      order.push_back(key_of(view.camera));
   BinaryWriter cameras;
   cameras.Put<std::uint64_t>(order.size());
   for (const Key& key : order) {
@@ -311,7 +345,8 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
     cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[1]));
     for (std::size_t k = 2; k < key.size(); ++k) cameras.Put<double>(key[k]);
   }
-  // Each view gets one feature a track that it sees, at the track's projection, so that COLMAP's own programs read the model.
+  // Each view gets one feature a track that it sees, at the track's projection, so that COLMAP's
+  // own programs read the model.
   std::vector<std::vector<std::uint64_t>> seen(scene.views.size());
   BinaryWriter points;
   points.Put<std::uint64_t>(scene.points.size());
@@ -324,8 +359,8 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
     points.Put<std::uint64_t>(point.views.size());
     for (const int v : point.views) {
       points.Put<std::uint32_t>(static_cast<std::uint32_t>(v + 1));
-      points.Put<std::uint32_t>(static_cast<std::uint32_t>(seen[static_cast<std::size_t>(v)].size()));
-      seen[static_cast<std::size_t>(v)].push_back(p);
+      points.Put<std::uint32_t>(static_cast<std::uint32_t>(seen[v].size()));
+      seen[v].push_back(p);
     }
   }
   BinaryWriter images;
@@ -334,7 +369,9 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
     const View& view = scene.views[v];
     const Rigid3& pose = view.camera_from_world;
     images.Put<std::uint32_t>(static_cast<std::uint32_t>(v + 1));
-    for (const double q : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) images.Put<double>(q);
+    for (const double q :
+         {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
+      images.Put<double>(q);
     for (int k = 0; k < 3; ++k) images.Put<double>(pose.translation(k));
     images.Put<std::uint32_t>(ids[key_of(view.camera)]);
     images.PutString(view.name);

@@ -16,16 +16,25 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Bytes of the UTF-8 character at the start of `text`, 0 when there is none. Table 3-7 of the Unicode standard.
+/// Bytes of the UTF-8 character at the start of `text`, 0 when there is none. Table 3-7 of the
+/// Unicode standard.
 std::size_t Utf8Length(std::string_view text) {
-  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const auto follows = [&](std::size_t k, unsigned low = 0x80, unsigned high = 0xbf) { return byte(k) >= low && byte(k) <= high; };
+  const auto byte = [&](std::size_t k) {
+    return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
+  };
+  const auto follows = [&](std::size_t k, unsigned low = 0x80, unsigned high = 0xbf) {
+    return byte(k) >= low && byte(k) <= high;
+  };
   const unsigned lead = byte(0);
   if (lead < 0x80) return 1;
   if (lead >= 0xc2 && lead <= 0xdf) return follows(1) ? 2 : 0;
-  if (lead >= 0xe0 && lead <= 0xef) return follows(1, lead == 0xe0 ? 0xa0 : 0x80, lead == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
+  if (lead >= 0xe0 && lead <= 0xef)
+    return follows(1, lead == 0xe0 ? 0xa0 : 0x80, lead == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
   if (lead >= 0xf0 && lead <= 0xf4)
-    return follows(1, lead == 0xf0 ? 0x90 : 0x80, lead == 0xf4 ? 0x8f : 0xbf) && follows(2) && follows(3) ? 4 : 0;
+    return follows(1, lead == 0xf0 ? 0x90 : 0x80, lead == 0xf4 ? 0x8f : 0xbf) && follows(2) &&
+                   follows(3)
+               ? 4
+               : 0;
   return 0;
 }
 
@@ -35,7 +44,8 @@ std::string WithOddBytesAs(std::string_view text, const Instead& instead) {
   std::string out;
   while (!text.empty()) {
     const std::size_t length = Utf8Length(text);
-    out += length > 0 ? std::string(text.substr(0, length)) : instead(static_cast<unsigned char>(text[0]));
+    out += length > 0 ? std::string(text.substr(0, length))
+                      : instead(static_cast<unsigned char>(text[0]));
     text.remove_prefix(std::max<std::size_t>(1, length));
   }
   return out;
@@ -79,7 +89,9 @@ bool IsShallowJson(std::string_view text) {
 }
 
 void RequireShallowJson(std::string_view text, const std::string& where) {
-  if (!IsShallowJson(text)) throw InputError(where + " is nested more than 100 levels deep; it is damaged, or no file of Keypose");
+  if (!IsShallowJson(text))
+    throw InputError(where +
+                     " is nested more than 100 levels deep; it is damaged, or no file of Keypose");
 }
 
 std::string JsonFault(const std::exception& error) {
@@ -91,7 +103,8 @@ std::string JsonFault(const std::exception& error) {
 std::string ReadFile(const fs::path& path) {
   std::error_code missing;
   const fs::file_status status = fs::status(path, missing);
-  if (fs::is_directory(status)) throw DiskError(path.string() + " is a folder, but a file is needed");
+  if (fs::is_directory(status))
+    throw DiskError(path.string() + " is a folder, but a file is needed");
   if (fs::exists(status) && !fs::is_regular_file(status))
     throw DiskError(path.string() + " is a pipe or a device, but a file is needed; save it as one");
   std::ifstream in(path, std::ios::binary);
@@ -112,7 +125,8 @@ void WriteFile(const fs::path& path, std::string_view text) {
     const int reason = errno;
     std::error_code ignored;
     if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);  // never a device
-    throw DiskError("cannot write " + path.string() + ": " + (reason ? std::strerror(reason) : "the disk took only a part") +
+    throw DiskError("cannot write " + path.string() + ": " +
+                    (reason ? std::strerror(reason) : "the disk took only a part") +
                     (reason == ENOSPC ? "; free some space and run again" : ""));
   }
 }
@@ -121,7 +135,8 @@ void WriteFileAtomically(const fs::path& path, std::string_view text) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   // /dev/stdout, a FIFO: renamed over, the device itself would be gone.
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return WriteFile(path, text);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+    return WriteFile(path, text);
   const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());
   WriteFile(temporary, text);
   std::error_code error;

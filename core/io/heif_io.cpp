@@ -39,18 +39,24 @@ Image8 ReadHeif(const std::filesystem::path& path) {
   RequireOk(heif_context_get_primary_image_handle(context.get(), &raw_handle), path);
   const std::unique_ptr<heif_image_handle, FreeHandle> handle(raw_handle);
   heif_image* raw_picture = nullptr;
-  RequireOk(heif_decode_image(handle.get(), &raw_picture, heif_colorspace_RGB, heif_chroma_interleaved_RGB, nullptr), path);
+  RequireOk(heif_decode_image(handle.get(), &raw_picture, heif_colorspace_RGB,
+                              heif_chroma_interleaved_RGB, nullptr),
+            path);
   const std::unique_ptr<heif_image, FreePicture> picture(raw_picture);
   const int width = heif_image_get_width(picture.get(), heif_channel_interleaved),
             height = heif_image_get_height(picture.get(), heif_channel_interleaved);
   int stride = 0;
-  const std::uint8_t* rows = heif_image_get_plane_readonly(picture.get(), heif_channel_interleaved, &stride);
-  if (!rows || width != heif_image_handle_get_width(handle.get()) || height != heif_image_handle_get_height(handle.get()) ||
-      stride < 3 * width)
-    throw InputError("image " + path.string() + " is damaged: its picture has another size than its container says; leave it out");
+  const std::uint8_t* rows =
+      heif_image_get_plane_readonly(picture.get(), heif_channel_interleaved, &stride);
+  if (!rows || width != heif_image_handle_get_width(handle.get()) ||
+      height != heif_image_handle_get_height(handle.get()) || stride < 3 * width)
+    throw InputError(
+        "image " + path.string() +
+        " is damaged: its picture has another size than its container says; leave it out");
   Image8 image(width, height, 3);
   for (int y = 0; y < height; ++y)
-    std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width), image.at(0, y));
+    std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width),
+                image.at(0, y));
   return image;
 }
 

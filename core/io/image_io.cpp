@@ -34,8 +34,11 @@ constexpr const char* kKinds = "JPEG, PNG, TIFF or HEIC";
 void RequireReadable(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) throw DiskError("image " + path.string() + " does not exist");
-  if (!fs::is_regular_file(path, error)) throw DiskError("image " + path.string() + " is not a file");
-  if (fs::file_size(path, error) == 0) throw InputError("image " + path.string() + " is empty (0 bytes): copy it from the camera again");
+  if (!fs::is_regular_file(path, error))
+    throw DiskError("image " + path.string() + " is not a file");
+  if (fs::file_size(path, error) == 0)
+    throw InputError("image " + path.string() +
+                     " is empty (0 bytes): copy it from the camera again");
 }
 
 /// @throws InputError  told by its bytes, it is none of the kinds that are read
@@ -47,39 +50,52 @@ std::string RequireKnownKind(const fs::path& path) {
   head.resize(static_cast<std::size_t>(in.gcount()));
   const std::string kind = ImageKindOf(head);
   if (kind.empty())
-    throw InputError("cannot read image " + path.string() + ": its first bytes are not those of a " + kKinds +
+    throw InputError("cannot read image " + path.string() +
+                     ": its first bytes are not those of a " + kKinds +
                      ", whatever its name says; save it as JPEG or PNG, or leave it out");
   return kind;
 }
 
 [[noreturn]] void ThrowDamaged(const fs::path& path, const std::string& reason) {
-  throw InputError("image " + path.string() + " is truncated or damaged" + (reason.empty() ? "" : " (" + reason + ")") +
+  throw InputError("image " + path.string() + " is truncated or damaged" +
+                   (reason.empty() ? "" : " (" + reason + ")") +
                    ": copy it from the camera again, or leave it out");
 }
 
 [[noreturn]] void ThrowTooLarge(const fs::path& path, const std::string& size) {
-  throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " + std::to_string(kMostPixels / 1000000) +
+  throw InputError("image " + path.string() + " claims " + size + ", and pictures of at most " +
+                   std::to_string(kMostPixels / 1000000) +
                    " million pixels are read; it is damaged, or make it smaller");
 }
 
 /// Sizes as the header claims them, before memory is taken for them.
 void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
-  const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
-  if (spec.width < 1 || spec.height < 1) throw InputError("image " + path.string() + " has no pixels (" + size + "); leave it out");
-  const auto pixels = [](int width, int height) { return static_cast<std::int64_t>(width) * height; };
-  if (pixels(spec.width, spec.height) > kMostPixels || pixels(spec.tile_width, spec.tile_height) > kMostPixels)
+  const std::string size =
+      std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
+  if (spec.width < 1 || spec.height < 1)
+    throw InputError("image " + path.string() + " has no pixels (" + size + "); leave it out");
+  const auto pixels = [](int width, int height) {
+    return static_cast<std::int64_t>(width) * height;
+  };
+  if (pixels(spec.width, spec.height) > kMostPixels ||
+      pixels(spec.tile_width, spec.tile_height) > kMostPixels)
     ThrowTooLarge(path, size);
   if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.nchannels > kMostChannels)
-    throw InputError("image " + path.string() + " is not a flat picture of 1 to 4 channels (depth " + std::to_string(spec.depth) + ", " +
-                     std::to_string(spec.nchannels) + " channels); save it as JPEG or PNG");
+    throw InputError("image " + path.string() +
+                     " is not a flat picture of 1 to 4 channels (depth " +
+                     std::to_string(spec.depth) + ", " + std::to_string(spec.nchannels) +
+                     " channels); save it as JPEG or PNG");
 }
 
-/// Twice the pixels as they are read: while they are turned or get other channels, there are two. Small pictures are not worth the question.
+/// Twice the pixels as they are read: while they are turned or get other channels, there are two.
+/// Small pictures are not worth the question.
 void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
   constexpr std::int64_t kSmall = 64 << 20;
-  const std::int64_t bytes = std::int64_t{2} * spec.width * spec.height * std::max(3, spec.nchannels);
+  const std::int64_t bytes =
+      std::int64_t{2} * spec.width * spec.height * std::max(3, spec.nchannels);
   if (bytes > kSmall)
-    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels)");
+    RequireMemory(bytes, "image " + path.string() + " (" + std::to_string(spec.width) + " x " +
+                             std::to_string(spec.height) + " pixels)");
 }
 
 /// HEIC's decoder takes memory for the pixels before it tells their number.
@@ -89,8 +105,8 @@ void RequireModestHeif(const fs::path& path) {
   RequireMemory(6 * pixels, "image " + path.string());
 }
 
-/// Of the kind that its bytes say and of no other: the library itself would take any file to whichever of its readers likes it, and some of
-/// those write past their buffers.
+/// Of the kind that its bytes say and of no other: the library itself would take any file to
+/// whichever of its readers likes it, and some of those write past their buffers.
 std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
@@ -101,7 +117,8 @@ std::unique_ptr<ImageInput> Open(const fs::path& path) {
   auto input = ImageInput::create(kind);
   if (!input || !input->open(path.string(), spec)) {
     const std::string reason = input ? input->geterror() : OIIO::geterror();
-    throw InputError("cannot read image " + path.string() + ": " + reason + "; it is truncated or not a " + kKinds);
+    throw InputError("cannot read image " + path.string() + ": " + reason +
+                     "; it is truncated or not a " + kKinds);
   }
   RequireModestSize(path, input->spec());
   return input;
@@ -136,8 +153,10 @@ Image8 Oriented(const Image8& in, int orientation) {
   for (int y = 0; y < in.height; ++y)
     for (int x = 0; x < in.width; ++x) {
       const int rx = in.width - 1 - x, ry = in.height - 1 - y;
-      const std::array<std::array<int, 2>, 9> to{{{x, y}, {x, y}, {rx, y}, {rx, ry}, {x, ry}, {y, x}, {ry, x}, {ry, rx}, {y, rx}}};
-      std::memcpy(out.at(to[orientation][0], to[orientation][1]), in.at(x, y), static_cast<std::size_t>(in.channels));
+      const std::array<std::array<int, 2>, 9> to{
+          {{x, y}, {x, y}, {rx, y}, {rx, ry}, {x, ry}, {y, x}, {ry, x}, {ry, rx}, {y, rx}}};
+      std::memcpy(out.at(to[orientation][0], to[orientation][1]), in.at(x, y),
+                  static_cast<std::size_t>(in.channels));
     }
   return out;
 }
@@ -149,7 +168,10 @@ Image8 WithChannels(const Image8& in, int channels) {
   for (std::size_t i = 0; i < pixels; ++i) {
     const std::uint8_t* p = in.data.data() + i * in.channels;
     if (channels == 1)  // BT.601 luma
-      out.data[i] = in.channels < 3 ? p[0] : static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
+      out.data[i] =
+          in.channels < 3
+              ? p[0]
+              : static_cast<std::uint8_t>((299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000);
     else
       for (int c = 0; c < channels; ++c) out.data[i * channels + c] = in.channels < 3 ? p[0] : p[c];
   }
@@ -172,12 +194,16 @@ float SrgbFraction(float linear) {
 /// Writes what was opened as `spec` says, or leaves no file.
 void WriteAll(const fs::path& path, const ImageSpec& spec, TypeDesc from, const void* data) {
   auto output = ImageOutput::create(path.string());
-  if (!output) throw DiskError("cannot write image " + path.string() + ": its extension is not a known image format");
-  if (output->open(path.string(), spec) && output->write_image(from, data) && output->close()) return;
+  if (!output)
+    throw DiskError("cannot write image " + path.string() +
+                    ": its extension is not a known image format");
+  if (output->open(path.string(), spec) && output->write_image(from, data) && output->close())
+    return;
   const std::string reason = output->geterror();
   std::error_code ignored;
   fs::remove(path, ignored);
-  throw DiskError("cannot write image " + path.string() + ": " + (reason.empty() ? "the disk may be full" : reason));
+  throw DiskError("cannot write image " + path.string() + ": " +
+                  (reason.empty() ? "the disk may be full" : reason));
 }
 
 }  // namespace
@@ -193,8 +219,10 @@ ImageInfo ReadImageInfo(const fs::path& path) {
   info.focal_mm = PositiveAttribute(spec, "Exif:FocalLength");
   info.focal_35mm = PositiveAttribute(spec, "Exif:FocalLengthIn35mmFilm");
   info.sensor_width_mm = SensorWidth(spec);
-  const std::string make(spec.get_string_attribute("Make")), model(spec.get_string_attribute("Model"));
-  info.camera_model = WithoutOddBytes(model.empty() || make.empty() ? make + model : make + " " + model);
+  const std::string make(spec.get_string_attribute("Make")),
+      model(spec.get_string_attribute("Model"));
+  info.camera_model =
+      WithoutOddBytes(model.empty() || make.empty() ? make + model : make + " " + model);
   info.date_time = WithoutOddBytes(std::string(spec.get_string_attribute("DateTime")));
   info.format = input->format_name();
   return info;
@@ -210,20 +238,24 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   const ImageSpec spec = input->spec();
   RequireMemoryFor(path, spec);
   Image8 raw(spec.width, spec.height, spec.nchannels);
-  const bool complete = input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
+  const bool complete =
+      input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
   // libjpeg fills what is missing with grey and only warns.
   const bool is_jpeg = std::string_view(input->format_name()) == "jpeg";
-  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg"))) ThrowDamaged(path, input->geterror());
+  if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
+    ThrowDamaged(path, input->geterror());
   const int wanted = channels > 0 ? channels : (spec.nchannels >= 3 ? 3 : 1);
   return Oriented(WithChannels(raw, wanted), OrientationOf(spec));
 } catch (const std::bad_alloc&) {
-  throw DiskError("not enough memory to read image " + path.string() + "; close other programs, or make the pictures smaller");
+  throw DiskError("not enough memory to read image " + path.string() +
+                  "; close other programs, or make the pictures smaller");
 }
 
 void WriteImage(const fs::path& path, const Image8& image, int quality, const ExifToWrite* exif) {
   ImageSpec spec(image.width, image.height, image.channels, TypeDesc::UINT8);
   spec.attribute("CompressionQuality", quality);
-  spec.attribute("Compression", path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
+  spec.attribute("Compression",
+                 path.extension() == ".png" ? "zip" : "jpeg:" + std::to_string(quality));
   spec.attribute("png:compressionLevel", 4);
   if (image.channels == 3) spec.attribute("oiio:ColorSpace", "sRGB");
   if (exif) {
@@ -231,7 +263,8 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
     spec.attribute("Model", exif->model);
     spec.attribute("Orientation", exif->orientation);
     if (exif->focal_mm > 0) spec.attribute("Exif:FocalLength", static_cast<float>(exif->focal_mm));
-    if (exif->focal_35mm > 0) spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
+    if (exif->focal_35mm > 0)
+      spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(exif->focal_35mm)));
   }
   WriteAll(path, spec, TypeDesc::UINT8, image.data.data());
 }
@@ -239,7 +272,8 @@ void WriteImage(const fs::path& path, const Image8& image, int quality, const Ex
 bool CanWriteLinear(const fs::path& path, int bits) {
   const std::string extension = ExtensionOf(path);
   if (extension == ".exr") return bits == 0 || bits == 16 || bits == 32;
-  return (extension == ".png" || extension == ".tif" || extension == ".tiff") && (bits == 0 || bits == 8 || bits == 16);
+  return (extension == ".png" || extension == ".tif" || extension == ".tiff") &&
+         (bits == 0 || bits == 8 || bits == 16);
 }
 
 void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
@@ -259,23 +293,29 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("png:compressionLevel", 4);
   ImageF srgb(linear.width, linear.height, linear.channels);
-  ParallelBlocks(static_cast<std::int64_t>(srgb.data.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
-  });
+  ParallelBlocks(static_cast<std::int64_t>(srgb.data.size()), 1 << 16,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t at = begin; at < end; ++at)
+                     srgb.data[at] = SrgbFraction(linear.data[at]);
+                 });
   WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
 }
 
 Image8 Resized(const Image8& image, int width, int height) {
   Image8 out(width, height, image.channels);
-  const double sx = static_cast<double>(image.width) / width, sy = static_cast<double>(image.height) / height;
+  const double sx = static_cast<double>(image.width) / width,
+               sy = static_cast<double>(image.height) / height;
   const double rx = std::max(1.0, sx) / 2, ry = std::max(1.0, sy) / 2;
-  // Tent of one source pixel when enlarging, box of the footprint when shrinking, as separable weights.
+  // Tent of one source pixel when enlarging, box of the footprint when shrinking, as separable
+  // weights.
   const auto taps = [](double center, double radius, int size) {
     std::vector<std::pair<int, double>> weights;
     double total = 0;
-    const int first = static_cast<int>(std::floor(center - radius)), last = static_cast<int>(std::ceil(center + radius));
+    const int first = static_cast<int>(std::floor(center - radius)),
+              last = static_cast<int>(std::ceil(center + radius));
     for (int i = first; i <= last; ++i) {
-      const double overlap = std::min(i + 1.0, center + radius) - std::max<double>(i, center - radius);
+      const double overlap =
+          std::min(i + 1.0, center + radius) - std::max<double>(i, center - radius);
       if (overlap <= 0) continue;
       weights.emplace_back(std::clamp(i, 0, size - 1), overlap);
       total += overlap;

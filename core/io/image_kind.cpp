@@ -11,11 +11,13 @@ constexpr auto kNone = std::string_view::npos;
 
 std::uint32_t BigEndian(std::string_view bytes, std::size_t at, std::size_t count) {
   std::uint32_t value = 0;
-  for (std::size_t k = 0; k < count; ++k) value = (value << 8) | static_cast<unsigned char>(bytes[at + k]);
+  for (std::size_t k = 0; k < count; ++k)
+    value = (value << 8) | static_cast<unsigned char>(bytes[at + k]);
   return value;
 }
 
-/// The brands of the first box: HEVC pictures as phones write them, and no AVIF, which shares the container.
+/// The brands of the first box: HEVC pictures as phones write them, and no AVIF, which shares the
+/// container.
 bool IsHeif(std::string_view head) {
   if (head.size() < 16 || head.substr(4, 4) != "ftyp") return false;
   const std::size_t end = std::min<std::size_t>(head.size(), BigEndian(head, 0, 4));
@@ -23,7 +25,8 @@ bool IsHeif(std::string_view head) {
   for (std::size_t at = 8; at + 4 <= end; at += 4) {
     if (at == 12) continue;  // the version of the major brand
     const std::string_view brand = head.substr(at, 4);
-    for (const std::string_view known : {"heic", "heix", "heim", "heis", "hevc", "hevx"}) hevc |= brand == known;
+    for (const std::string_view known : {"heic", "heix", "heim", "heis", "hevc", "hevx"})
+      hevc |= brand == known;
     for (const std::string_view known : {"mif1", "msf1"}) container |= brand == known;
     for (const std::string_view known : {"avif", "avis", "avci", "jpeg"}) other |= brand == known;
   }
@@ -37,10 +40,12 @@ std::size_t BehindSegment(std::string_view bytes, std::size_t at) {
   return length < 2 || at + length > bytes.size() ? kNone : at + length;
 }
 
-/// Walks from marker to marker: what lies in a segment, such as a thumbnail with an end mark of its own, is stepped over.
+/// Walks from marker to marker: what lies in a segment, such as a thumbnail with an end mark of its
+/// own, is stepped over.
 bool IsWholeJpeg(std::string_view bytes) {
   constexpr unsigned kEnd = 0xd9, kStart = 0xd8, kFirstRestart = 0xd0, kTemporary = 0x01;
-  for (std::size_t at = bytes.find('\xff', 2); at != kNone && at + 1 < bytes.size(); at = bytes.find('\xff', at)) {
+  for (std::size_t at = bytes.find('\xff', 2); at != kNone && at + 1 < bytes.size();
+       at = bytes.find('\xff', at)) {
     const unsigned marker = static_cast<unsigned char>(bytes[at + 1]);
     if (marker == kEnd) return true;
     if (marker == 0xff) {  // a fill byte
@@ -49,7 +54,8 @@ bool IsWholeJpeg(std::string_view bytes) {
     }
     at += 2;
     // A zero is a stuffed byte of the picture itself; restarts and the like have no segment.
-    if (marker == 0 || marker == kTemporary || (marker >= kFirstRestart && marker <= kStart)) continue;
+    if (marker == 0 || marker == kTemporary || (marker >= kFirstRestart && marker <= kStart))
+      continue;
     at = BehindSegment(bytes, at);
     if (at == kNone) return false;
   }
@@ -84,10 +90,12 @@ bool IsWholeImage(std::string_view bytes, const std::string& kind) {
 }
 
 std::int64_t ClaimedHeifPixels(std::string_view bytes) {
-  // Each picture has its size in a box 'ispe': type, four bytes of version and flags, width, height. What only looks like one, within a
-  // picture's own bytes, is told by the length before it, which is always 20.
-  // A side is cut off at 2^30, so that two of them have a product.
-  const auto side = [&](std::size_t at) { return std::min(std::int64_t{1} << 30, std::int64_t{BigEndian(bytes, at, 4)}); };
+  // Each picture has its size in a box 'ispe': type, four bytes of version and flags, width,
+  // height. What only looks like one, within a picture's own bytes, is told by the length before
+  // it, which is always 20. A side is cut off at 2^30, so that two of them have a product.
+  const auto side = [&](std::size_t at) {
+    return std::min(std::int64_t{1} << 30, std::int64_t{BigEndian(bytes, at, 4)});
+  };
   std::int64_t most = 0;
   for (std::size_t at = bytes.find("ispe"); at != kNone; at = bytes.find("ispe", at + 4)) {
     if (at < 4 || at + 16 > bytes.size() || BigEndian(bytes, at - 4, 4) != 20) continue;

@@ -15,32 +15,38 @@ using nlohmann::json;
 
 namespace {
 
-json CornersJson(const std::vector<PlateCorner>& corners) {
+json CornersJson(const std::vector<BoardCorner>& corners) {
   json list = json::array();
-  for (const PlateCorner& corner : corners) list.push_back({corner.id, corner.pixel.x(), corner.pixel.y()});
+  for (const BoardCorner& corner : corners)
+    list.push_back({corner.id, corner.pixel.x(), corner.pixel.y()});
   return list;
 }
 
-std::vector<PlateCorner> CornersFrom(const json& list, const PlateLayout& plate) {
-  std::vector<PlateCorner> corners;
+std::vector<BoardCorner> CornersFrom(const json& list, const BoardLayout& plate) {
+  std::vector<BoardCorner> corners;
   for (const json& entry : list) {
-    const PlateCorner corner{entry.at(0), Eigen::Vector2d(entry.at(1).get<double>(), entry.at(2).get<double>())};
-    if (corner.id < 0 || corner.id >= plate.CornerCount()) throw InputError("a plate corner has the id " + std::to_string(corner.id));
+    const BoardCorner corner{entry.at(0),
+                             Eigen::Vector2d(entry.at(1).get<double>(), entry.at(2).get<double>())};
+    if (corner.id < 0 || corner.id >= plate.CornerCount())
+      throw InputError("a plate corner has the id " + std::to_string(corner.id));
     corners.push_back(corner);
   }
   return corners;
 }
 
-PlateLayout PlateFrom(const json& entry) {
-  PlateLayout plate{entry.at("columns"), entry.at("rows"), entry.at("square_m"), entry.at("marker_m")};
+BoardLayout BoardFrom(const json& entry) {
+  BoardLayout plate{entry.at("columns"), entry.at("rows"), entry.at("square_m"),
+                    entry.at("marker_m")};
   if (const auto problems = plate.Problems(); !problems.empty()) throw InputError(problems.front());
   return plate;
 }
 
-/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that leads outside. What does not exist yet
-/// is judged by the part that does.
+/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that
+/// leads outside. What does not exist yet is judged by the part that does.
 bool LiesBelow(const fs::path& folder, const fs::path& relative) {
-  if (relative.empty() || relative.has_root_path() || relative.native().find('\0') != std::string::npos) return false;
+  if (relative.empty() || relative.has_root_path() ||
+      relative.native().find('\0') != std::string::npos)
+    return false;
   std::error_code error;
   const fs::path base = fs::canonical(folder, error);
   if (error) return false;
@@ -49,33 +55,40 @@ bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   return resolved != base && IsWithin(resolved, base);
 }
 
-/// What capture.json says of an image decides what is read and, by stages that copy the set, what is written: a name with a step upwards or
-/// a link must not lead them elsewhere.
+/// What capture.json says of an image decides what is read and, by stages that copy the set, what
+/// is written: a name with a step upwards or a link must not lead them elsewhere.
 void RequireBelow(const fs::path& folder, const CapturedImage& image) {
   if (fs::path(image.name).filename() != image.name || !LiesBelow(folder, image.name))
-    throw InputError("the photograph '" + image.name + "' is not a file of the folder (links are followed)");
+    throw InputError("the photograph '" + image.name +
+                     "' is not a file of the folder (links are followed)");
   if (!image.mask.empty() && !LiesBelow(folder, image.mask))
-    throw InputError("the mask '" + image.mask + "' of " + image.name + " lies outside of the folder (links are followed)");
+    throw InputError("the mask '" + image.mask + "' of " + image.name +
+                     " lies outside of the folder (links are followed)");
 }
 
 void RequireUsableNumbers(const CapturedImage& image) {
   if (image.width < 0 || image.height < 0 || std::int64_t{image.width} * image.height > kMostPixels)
-    throw InputError(image.name + " is " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels");
-  if (!(image.focal_px >= 0 && image.focal_px < 1e7)) throw InputError(image.name + " has a focal length that no lens has");
+    throw InputError(image.name + " is " + std::to_string(image.width) + " x " +
+                     std::to_string(image.height) + " pixels");
+  if (!(image.focal_px >= 0 && image.focal_px < 1e7))
+    throw InputError(image.name + " has a focal length that no lens has");
 }
 
 }  // namespace
 
 int ImageSet::Find(const std::string& name) const {
-  const auto it =
-      std::lower_bound(images.begin(), images.end(), name, [](const CapturedImage& image, const std::string& n) { return image.name < n; });
+  const auto it = std::lower_bound(
+      images.begin(), images.end(), name,
+      [](const CapturedImage& image, const std::string& n) { return image.name < n; });
   return it != images.end() && it->name == name ? static_cast<int>(it - images.begin()) : -1;
 }
 
 ImageSet ReadImageSet(const fs::path& folder) {
   const fs::path file = folder / "capture.json";
   if (!fs::exists(file))
-    throw InputError(folder.string() + " has no capture.json: it is not an images folder; make one with 'keypose capture --photos " +
+    throw InputError(folder.string() +
+                     " has no capture.json: it is not an images folder; make one with 'keypose "
+                     "capture --photos " +
                      folder.string() + "'");
   ImageSet set;
   set.folder = folder;
@@ -84,7 +97,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
   try {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
-    if (root.contains("plate")) set.plate = PlateFrom(root.at("plate"));
+    if (root.contains("plate")) set.board = BoardFrom(root.at("plate"));
     for (const json& entry : root.at("images")) {
       CapturedImage image;
       image.name = entry.at("name");
@@ -99,25 +112,33 @@ ImageSet ReadImageSet(const fs::path& folder) {
       image.exposure = entry.value("exposure", 0.0);
       image.mask_fraction = entry.value("mask_fraction", 0.0);
       image.group = entry.value("group", "");
-      if (set.plate && entry.contains("plate_corners")) image.plate_corners = CornersFrom(entry.at("plate_corners"), *set.plate);
+      if (set.board && entry.contains("plate_corners"))
+        image.board_corners = CornersFrom(entry.at("plate_corners"), *set.board);
       RequireUsableNumbers(image);
       set.images.push_back(std::move(image));
     }
   } catch (const InputError& error) {
-    throw InputError(file.string() + " is damaged (" + error.what() + "); run 'keypose capture' again");
+    throw InputError(file.string() + " is damaged (" + error.what() +
+                     "); run 'keypose capture' again");
   } catch (const json::exception& error) {
-    throw InputError(file.string() + " is damaged (" + JsonFault(error) + "); run 'keypose capture' again");
+    throw InputError(file.string() + " is damaged (" + JsonFault(error) +
+                     "); run 'keypose capture' again");
   }
-  std::sort(set.images.begin(), set.images.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  std::sort(set.images.begin(), set.images.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
   for (std::size_t i = 0; i < set.images.size(); ++i) {
     const std::string& name = set.images[i].name;
-    if (i > 0 && set.images[i - 1].name == name) throw InputError(file.string() + " names " + name + " twice; run 'keypose capture' again");
+    if (i > 0 && set.images[i - 1].name == name)
+      throw InputError(file.string() + " names " + name + " twice; run 'keypose capture' again");
     try {
       RequireBelow(folder, set.images[i]);
     } catch (const InputError& error) {
-      throw InputError(file.string() + ": " + error.what() + "; run 'keypose capture' again, and trust no folder that says such things");
+      throw InputError(file.string() + ": " + error.what() +
+                       "; run 'keypose capture' again, and trust no folder that says such things");
     }
-    if (!fs::exists(folder / name)) throw InputError(file.string() + " names " + name + ", but that photograph is not in the folder");
+    if (!fs::exists(folder / name))
+      throw InputError(file.string() + " names " + name +
+                       ", but that photograph is not in the folder");
   }
   return set;
 }
@@ -127,20 +148,21 @@ void WriteImageSet(const ImageSet& set) {
   root["schema"] = 1;
   root["camera_model"] = set.camera_model;
   root["images"] = json::array();
-  if (set.plate)
+  if (set.board)
     root["plate"] = {{"dictionary", "DICT_5X5_100"},
-                     {"columns", set.plate->columns},
-                     {"rows", set.plate->rows},
-                     {"square_m", set.plate->square_m},
-                     {"marker_m", set.plate->marker_m}};
+                     {"columns", set.board->columns},
+                     {"rows", set.board->rows},
+                     {"square_m", set.board->square_m},
+                     {"marker_m", set.board->marker_m}};
   for (const CapturedImage& image : set.images) {
-    json entry = {
-        {"name", image.name}, {"width", image.width},         {"height", image.height},     {"focal_px", image.focal_px},
-        {"mask", image.mask}, {"sharpness", image.sharpness}, {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
+    json entry = {{"name", image.name},         {"width", image.width},
+                  {"height", image.height},     {"focal_px", image.focal_px},
+                  {"mask", image.mask},         {"sharpness", image.sharpness},
+                  {"exposure", image.exposure}, {"mask_fraction", image.mask_fraction}};
     if (image.mask_given) entry["mask_given"] = true;
     if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
     if (!image.group.empty()) entry["group"] = image.group;
-    if (!image.plate_corners.empty()) entry["plate_corners"] = CornersJson(image.plate_corners);
+    if (!image.board_corners.empty()) entry["plate_corners"] = CornersJson(image.board_corners);
     root["images"].push_back(std::move(entry));
   }
   WriteFile(set.folder / "capture.json", root.dump(1) + "\n");

@@ -42,8 +42,9 @@ Mesh ColoredSphereWithUvs() {
   return mesh;
 }
 
-/// A HEIC photograph of 128 x 80, red in its upper left quarter as it was shot, that says how it is to be turned as a phone does: in the
-/// container (irot), which decoders apply, and again in EXIF. (The library's writer reads beyond rows whose bytes are no multiple of 16.)
+/// A HEIC photograph of 128 x 80, red in its upper left quarter as it was shot, that says how it is
+/// to be turned as a phone does: in the container (irot), which decoders apply, and again in EXIF.
+/// (The library's writer reads beyond rows whose bytes are no multiple of 16.)
 fs::path PutHeic(const fs::path& path, int orientation) {
   Image8 image(128, 80, 3, 30);
   for (int y = 0; y < 40; ++y)
@@ -62,7 +63,8 @@ fs::path PutHeic(const fs::path& path, int orientation) {
   heif::Encoder encoder(heif_compression_HEVC);
   heif::Context::EncodingOptions options;
   options.image_orientation = static_cast<heif_orientation>(orientation);
-  heif::ImageHandle turned = to.encode_image(handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
+  heif::ImageHandle turned = to.encode_image(
+      handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
   for (const heif_item_id id : handle.get_list_of_metadata_block_IDs("Exif")) {
     const std::vector<std::uint8_t> block = handle.get_metadata(id);
     // The first four bytes say where the TIFF header is; the writer puts its own.
@@ -91,7 +93,8 @@ TEST_F(ImageIo, HeicIsTurnedOnceAndKeepsItsFocalLength) {
   const Image8 image = ReadImage(path, 3);
   ASSERT_EQ(image.width, 80);
   ASSERT_EQ(image.height, 128);
-  EXPECT_TRUE(IsRed(image, 60, 20)) << "what was upper left is upper right after a turn to the right";
+  EXPECT_TRUE(IsRed(image, 60, 20))
+      << "what was upper left is upper right after a turn to the right";
   EXPECT_FALSE(IsRed(image, 20, 20));
   EXPECT_FALSE(IsRed(image, 60, 100));
 }
@@ -126,7 +129,8 @@ TEST_F(MeshIo, PlyKeepsEveryBitAndTheUvs) {
   EXPECT_LT((read.normals - mesh.normals).norm(), 1e-5);
   ASSERT_TRUE(read.has_uvs());
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(read.uvs.row(read.uv_faces(f, k)), mesh.uvs.row(mesh.uv_faces(f, k)));
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(read.uvs.row(read.uv_faces(f, k)), mesh.uvs.row(mesh.uv_faces(f, k)));
 }
 
 TEST_F(MeshIo, ObjKeepsPositionsUvsAndNamesItsMaterial) {
@@ -148,10 +152,15 @@ TEST_F(MeshIo, FormatIsToldByContentNotByName) {
 }
 
 TEST_F(MeshIo, ReadsQuadsNegativeIndicesOffAndStl) {
-  EXPECT_EQ(ReadMesh(Put("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4 -3 -2 -1\n")).face_count(), 2);
-  EXPECT_EQ(ReadMesh(Put("t.off", "OFF\n# a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")).face_count(), 1);
-  const Mesh stl = ReadMesh(
-      Put("t.stl", "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n"));
+  EXPECT_EQ(
+      ReadMesh(Put("q.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf -4 -3 -2 -1\n")).face_count(),
+      2);
+  EXPECT_EQ(ReadMesh(Put("t.off", "OFF\n# a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"))
+                .face_count(),
+            1);
+  const Mesh stl = ReadMesh(Put("t.stl",
+                                "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 "
+                                "0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n"));
   EXPECT_EQ(stl.face_count(), 1);
   EXPECT_EQ(stl.vertex_count(), 3);
 }
@@ -159,13 +168,16 @@ TEST_F(MeshIo, ReadsQuadsNegativeIndicesOffAndStl) {
 TEST_F(MeshIo, DamagedFilesThrowInputErrorWithThePath) {
   WriteMesh(folder_ / "whole.ply", MakeIcosphere(2));
   const std::string bytes = ReadFile(folder_ / "whole.ply");
-  for (const auto& path : {Put("cut.ply", bytes.substr(0, bytes.size() / 2)), Put("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
-                           Put("noise.bin", "\x01\x02\x03 nothing"), Put("empty.ply", ""), Put("cut.off", "OFF\n3 1 0\n0 0 0\n")}) {
+  for (const auto& path : {Put("cut.ply", bytes.substr(0, bytes.size() / 2)),
+                           Put("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
+                           Put("noise.bin", "\x01\x02\x03 nothing"), Put("empty.ply", ""),
+                           Put("cut.off", "OFF\n3 1 0\n0 0 0\n")}) {
     try {
       ReadMesh(path);
       ADD_FAILURE() << path << " was read";
     } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(path.filename().string()), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(path.filename().string()), std::string::npos)
+          << error.what();
     }
   }
   EXPECT_THROW(ReadMesh(folder_ / "absent.ply"), DiskError);
@@ -174,7 +186,8 @@ TEST_F(MeshIo, DamagedFilesThrowInputErrorWithThePath) {
 TEST_F(MeshIo, ObjLinesContinuedWithABackslashAreRead) {
   const std::string plain = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
   const std::string folded = "v 0 \\\n0 0\nv 1 0 0\nv 1 1 \\\r\n 0\nv 0 1 0\nf 1 2 \\\n 3 \\\n 4\n";
-  const Mesh expected = ReadMesh(Put("plain.obj", plain)), read = ReadMesh(Put("folded.obj", folded));
+  const Mesh expected = ReadMesh(Put("plain.obj", plain)),
+             read = ReadMesh(Put("folded.obj", folded));
   EXPECT_EQ(read.points, expected.points);
   EXPECT_EQ(read.faces, expected.faces);
   EXPECT_EQ(read.faces.rows(), 2);
@@ -263,7 +276,8 @@ TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
   const Image8 image = ReadImage(folder_ / "g.jpg");
   ASSERT_EQ(image.width, 32);
   ASSERT_EQ(image.height, 64);
-  // Orientation 6: the stored top row is the right-hand column, so red grows downwards and green to the left.
+  // Orientation 6: the stored top row is the right-hand column, so red grows downwards and green to
+  // the left.
   EXPECT_LT(image.at(16, 2)[0], image.at(16, 61)[0]);
   EXPECT_GT(image.at(2, 32)[1], image.at(29, 32)[1]);
 }
@@ -283,7 +297,8 @@ TEST_F(ImageIo, TruncatedJpegThrowsAndNamesTheFile) {
 TEST_F(ImageIo, ResizingKeepsTheMean) {
   Image8 image(64, 64, 1);
   for (int y = 0; y < 64; ++y)
-    for (int x = 0; x < 64; ++x) *image.at(x, y) = static_cast<std::uint8_t>((x * 7 + y * 13) % 200);
+    for (int x = 0; x < 64; ++x)
+      *image.at(x, y) = static_cast<std::uint8_t>((x * 7 + y * 13) % 200);
   const auto mean = [](const Image8& i) {
     double sum = 0;
     for (const auto v : i.data) sum += v;
@@ -300,7 +315,8 @@ Scene SmallScene() {
     View view;
     view.name = name;
     view.camera = {640, 480, 500, 501, 320, 240, 0.01, -0.02, 1e-4, 2e-4};
-    view.camera_from_world = {Eigen::Quaterniond(1, 0.1, 0.2, name[0] * 0.01).normalized(), {0, 0.1, 3}};
+    view.camera_from_world = {Eigen::Quaterniond(1, 0.1, 0.2, name[0] * 0.01).normalized(),
+                              {0, 0.1, 3}};
     scene.views.push_back(view);
   }
   SparsePoint point;
@@ -318,7 +334,8 @@ TEST_F(ColmapIo, BinaryModelComesBack) {
   const Scene read = ReadColmapModel(folder_);
   ASSERT_EQ(read.views.size(), 2u);
   for (int v = 0; v < 2; ++v) {
-    EXPECT_LT((read.views[v].Project({0.1, 0, 0.2}) - scene.views[v].Project({0.1, 0, 0.2})).norm(), 1e-9);
+    EXPECT_LT((read.views[v].Project({0.1, 0, 0.2}) - scene.views[v].Project({0.1, 0, 0.2})).norm(),
+              1e-9);
     EXPECT_EQ(read.views[v].name, scene.views[v].name);
   }
   ASSERT_EQ(read.points.size(), 1u);
@@ -348,7 +365,8 @@ TEST_F(LandmarksIo, PicksComeBackAndKnowTheirMesh) {
 
 /// What stands in the text of a schema 1 file, as older programs wrote it.
 std::string OldPicks(const Mesh& mesh) {
-  return R"({"schema":1,"mesh":{"vertices":)" + std::to_string(mesh.vertex_count()) + R"(,"faces":)" + std::to_string(mesh.face_count()) +
+  return R"({"schema":1,"mesh":{"vertices":)" + std::to_string(mesh.vertex_count()) +
+         R"(,"faces":)" + std::to_string(mesh.face_count()) +
          R"(},"landmarks":[{"name":"nose","face":3,"barycentric":[0.2,0.3,0.5]}]})";
 }
 
@@ -368,9 +386,10 @@ TEST_F(LandmarksIo, PointsThatHangBesideTheMeshWerePickedOnAnother) {
     std::string text = "<PickedPoints>\n";
     for (const char* axis : {"x", "y", "z"})
       for (const double side : {-radius, radius})
-        text += "<point " + std::string(axis == std::string("x") ? "" : "x=\"0\" ") + (axis == std::string("y") ? "" : "y=\"0\" ") +
-                (axis == std::string("z") ? "" : "z=\"0\" ") + axis + "=\"" + std::to_string(side) + "\" name=\"" + axis +
-                std::to_string(side) + "\"/>\n";
+        text += "<point " + std::string(axis == std::string("x") ? "" : "x=\"0\" ") +
+                (axis == std::string("y") ? "" : "y=\"0\" ") +
+                (axis == std::string("z") ? "" : "z=\"0\" ") + axis + "=\"" + std::to_string(side) +
+                "\" name=\"" + axis + std::to_string(side) + "\"/>\n";
     return Put("p.pp", text + "</PickedPoints>\n");
   };
   CarryLog log;
@@ -382,12 +401,16 @@ TEST_F(LandmarksIo, PointsThatHangBesideTheMeshWerePickedOnAnother) {
 }
 
 TEST_F(LandmarksIo, FaceBeyondTheMeshIsNamed) {
-  Put("l.json", R"({"schema":1,"landmarks":[{"name":"left-eye","face":9001,"barycentric":[1,0,0]}]})");
+  Put("l.json",
+      R"({"schema":1,"landmarks":[{"name":"left-eye","face":9001,"barycentric":[1,0,0]}]})");
   try {
     ReadLandmarks(folder_ / "l.json", MakeIcosphere(1));
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("'left-eye' is on face 9001, but the mesh has 80 faces"), std::string::npos) << error.what();
+    EXPECT_NE(
+        std::string(error.what()).find("'left-eye' is on face 9001, but the mesh has 80 faces"),
+        std::string::npos)
+        << error.what();
   }
 }
 
@@ -404,7 +427,8 @@ TEST_F(LandmarksIo, TextPairsGiveTheVertices) {
 
 TEST_F(LandmarksIo, PairsComeBackWithWhatAPersonSaidOfThem) {
   const Mesh source = MakeIcosphere(1), target = MakeIcosphere(2);
-  LandmarkPair pair{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 300, {1, 0, 0}}, false, 0.5, "tip"};
+  LandmarkPair pair{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 300, {1, 0, 0}}, false, 0.5,
+                    "tip"};
   WriteLandmarkPairs(folder_ / "pairs.json", source, target, {pair});
   const auto read = ReadLandmarkPairs({folder_ / "pairs.json"}, source, target);
   ASSERT_EQ(read.size(), 1u);
@@ -414,13 +438,22 @@ TEST_F(LandmarksIo, PairsComeBackWithWhatAPersonSaidOfThem) {
   EXPECT_FALSE(read[0].confirmed);
   EXPECT_EQ(read[0].confidence, 0.5);
   EXPECT_EQ(read[0].origin, "tip");
-  EXPECT_THROW(ReadLandmarkPairs({folder_ / "pairs.json"}, MakeBox(1, 1, 3), target), InputError);  // of another shape
-  EXPECT_THROW(ReadLandmarkPairs({Put("one.json", R"({"schema":1,"landmarks":[]})")}, source, target), InputError);
-  EXPECT_THROW(ReadLandmarkPairs({Put("cut.json", R"({"schema":1,"pairs":[{"name":)")}, source, target), InputError);
+  EXPECT_THROW(ReadLandmarkPairs({folder_ / "pairs.json"}, MakeBox(1, 1, 3), target),
+               InputError);  // of another shape
+  EXPECT_THROW(
+      ReadLandmarkPairs({Put("one.json", R"({"schema":1,"landmarks":[]})")}, source, target),
+      InputError);
+  EXPECT_THROW(
+      ReadLandmarkPairs({Put("cut.json", R"({"schema":1,"pairs":[{"name":)")}, source, target),
+      InputError);
   const std::string place = R"({"face":1,"barycentric":[1,0,0]})";
   const std::string entry = R"({"name":"a","source":)" + place + R"(,"target":)" + place + "}";
-  EXPECT_TRUE(ReadLandmarkPairs({Put("hand.json", R"({"pairs":[)" + entry + "]}")}, source, target)[0].confirmed);
-  EXPECT_THROW(ReadLandmarkPairs({Put("twice.json", R"({"pairs":[)" + entry + "," + entry + "]}")}, source, target), InputError);
+  EXPECT_TRUE(
+      ReadLandmarkPairs({Put("hand.json", R"({"pairs":[)" + entry + "]}")}, source, target)[0]
+          .confirmed);
+  EXPECT_THROW(ReadLandmarkPairs({Put("twice.json", R"({"pairs":[)" + entry + "," + entry + "]}")},
+                                 source, target),
+               InputError);
 }
 
 TEST_F(LandmarksIo, MeshLabPicksSnapToTheSurfaceAndJoinByName) {
@@ -443,13 +476,16 @@ TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
   EXPECT_THROW(WriteFile("/dev/full", std::string(1 << 20, 'x')), DiskError);
 }
 
-TEST(NearestWord, FindsTheTypo) { EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces"); }
+TEST(NearestWord, FindsTheTypo) {
+  EXPECT_EQ(NearestWord("facse", {"alpha", "faces", "offset"}), "faces");
+}
 
 using PosesIo = IoTest;
 
 TEST_F(PosesIo, TransformsAreCameraToWorldWithYUp) {
   // A camera at (0, -2, 0) that looks along +y, z up.
-  const fs::path file = Put("transforms.json", R"({"fl_x": 900, "w": 640, "h": 480, "k1": 0.01, "frames": [
+  const fs::path file =
+      Put("transforms.json", R"({"fl_x": 900, "w": 640, "h": 480, "k1": 0.01, "frames": [
     {"file_path": "./images/b.jpg", "transform_matrix": [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0], [0, 0, 0, 1]]},
     {"file_path": "./images/a", "cx": 300, "transform_matrix": [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0]]}]})");
   const std::vector<View> views = ReadPoses(file);
@@ -479,9 +515,11 @@ TEST_F(PosesIo, FaultsAreInputErrorsThatNameTheFrame) {
     "transform_matrix": [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 0], [0, 0, 0, 1]]}]})")
                 .find("frame q.jpg"),
             std::string::npos);
-  EXPECT_NE(message(R"({"frames": [{"file_path": "q.jpg", "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}]})")
-                .find("no focal length"),
-            std::string::npos);
+  EXPECT_NE(
+      message(
+          R"({"frames": [{"file_path": "q.jpg", "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}]})")
+          .find("no focal length"),
+      std::string::npos);
   EXPECT_THROW(ReadPoses(Put("poses.csv", "a")), InputError);
 }
 
@@ -490,39 +528,39 @@ using ImageSetIo = IoTest;
 TEST_F(ImageSetIo, PlateAndGroupsComeBackAsTheyWereWritten) {
   ImageSet set;
   set.folder = folder_;
-  set.plate = PlateLayout{9, 7, 0.030, 0.02};
+  set.board = BoardLayout{9, 7, 0.030, 0.02};
   CapturedImage image;
   image.name = "a.jpg";
   image.group = "lying";
-  image.plate_corners = {{0, Eigen::Vector2d(1.25, 1.0 / 3)}, {47, Eigen::Vector2d(-2, 1e3)}};
+  image.board_corners = {{0, Eigen::Vector2d(1.25, 1.0 / 3)}, {47, Eigen::Vector2d(-2, 1e3)}};
   set.images = {image};
   WriteFile(folder_ / "a.jpg", "x");
   WriteImageSet(set);
   const ImageSet read = ReadImageSet(folder_);
-  ASSERT_TRUE(read.plate.has_value());
-  EXPECT_EQ(read.plate->columns, 9);
-  EXPECT_EQ(read.plate->marker_m, 0.02);
+  ASSERT_TRUE(read.board.has_value());
+  EXPECT_EQ(read.board->columns, 9);
+  EXPECT_EQ(read.board->marker_m, 0.02);
   EXPECT_EQ(read.images[0].group, "lying");
-  ASSERT_EQ(read.images[0].plate_corners.size(), 2u);
-  EXPECT_EQ(read.images[0].plate_corners[1].id, 47);
-  EXPECT_EQ(read.images[0].plate_corners[0].pixel, image.plate_corners[0].pixel);
+  ASSERT_EQ(read.images[0].board_corners.size(), 2u);
+  EXPECT_EQ(read.images[0].board_corners[1].id, 47);
+  EXPECT_EQ(read.images[0].board_corners[0].pixel, image.board_corners[0].pixel);
 }
 
 TEST_F(ImageSetIo, PlateCornerThatThePlateDoesNotHaveIsAnInputError) {
   ImageSet set;
   set.folder = folder_;
-  set.plate = PlateLayout{3, 3, 0.030, 0.02};
+  set.board = BoardLayout{3, 3, 0.030, 0.02};
   CapturedImage image;
   image.name = "a.jpg";
-  image.plate_corners = {{4, Eigen::Vector2d::Zero()}};
+  image.board_corners = {{4, Eigen::Vector2d::Zero()}};
   set.images = {image};
   WriteFile(folder_ / "a.jpg", "x");
   WriteImageSet(set);
   EXPECT_THROW(ReadImageSet(folder_), InputError);
 }
 
-TEST(PlateLayout, CornersAreCentredAndRunFromTheTopLeft) {
-  const PlateLayout plate;
+TEST(BoardLayout, CornersAreCentredAndRunFromTheTopLeft) {
+  const BoardLayout plate;
   ASSERT_EQ(plate.CornerCount(), 70);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int id = 0; id < plate.CornerCount(); ++id) sum += plate.Corner(id);
@@ -530,8 +568,8 @@ TEST(PlateLayout, CornersAreCentredAndRunFromTheTopLeft) {
   EXPECT_LT((plate.Corner(0) - Eigen::Vector3d(-4.5 * 0.022, 3 * 0.022, 0)).norm(), 1e-15);
   EXPECT_LT((plate.Corner(1) - plate.Corner(0) - Eigen::Vector3d(0.022, 0, 0)).norm(), 1e-15);
   EXPECT_TRUE(plate.Problems().empty());
-  EXPECT_FALSE((PlateLayout{15, 15, 0.02, 0.015}.Problems().empty()));
-  EXPECT_FALSE((PlateLayout{11, 8, 0.02, 0.02}.Problems().empty()));
+  EXPECT_FALSE((BoardLayout{15, 15, 0.02, 0.015}.Problems().empty()));
+  EXPECT_FALSE((BoardLayout{11, 8, 0.02, 0.02}.Problems().empty()));
 }
 
 }  // namespace

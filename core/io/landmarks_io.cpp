@@ -23,41 +23,52 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kClickedOn = 1e-4;     // of the diagonal: rounding of numbers in the file
-constexpr double kMostSnap = 0.005;     // the median of points that were clicked on this mesh, made a little anew
+constexpr double kClickedOn = 1e-4;  // of the diagonal: rounding of numbers in the file
+// the median of points that were clicked on this mesh, made a little anew
+constexpr double kMostSnap = 0.005;
 constexpr double kFurthestSnap = 0.02;  // any point
 
 void RequireUniqueNames(const std::vector<Landmark>& landmarks, const fs::path& path) {
   std::set<std::string> names;
   for (const Landmark& landmark : landmarks)
     if (!names.insert(landmark.name).second)
-      throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one", path.string(), landmark.name));
+      throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one",
+                                   path.string(), landmark.name));
 }
 
 void RequireOnMesh(const Landmark& landmark, const Mesh& mesh, const fs::path& path) {
   if (landmark.face < 0 || landmark.face >= mesh.face_count())
-    throw InputError(fmt::format(
-        "{}: landmark '{}' is on face {}, but the mesh has {} faces; it was picked on another mesh: pick it again, or pass that mesh",
-        path.string(), landmark.name, landmark.face, mesh.face_count()));
-  if (!landmark.barycentric.allFinite() || landmark.barycentric.minCoeff() < -1e-6 || std::abs(landmark.barycentric.sum() - 1) > 1e-6)
-    throw InputError(fmt::format("{}: landmark '{}' has barycentric coordinates that do not lie in its triangle; pick it again",
-                                 path.string(), landmark.name));
+    throw InputError(
+        fmt::format("{}: landmark '{}' is on face {}, but the mesh has {} faces; it was picked on "
+                    "another mesh: pick it again, or pass that mesh",
+                    path.string(), landmark.name, landmark.face, mesh.face_count()));
+  if (!landmark.barycentric.allFinite() || landmark.barycentric.minCoeff() < -1e-6 ||
+      std::abs(landmark.barycentric.sum() - 1) > 1e-6)
+    throw InputError(
+        fmt::format("{}: landmark '{}' has barycentric coordinates that do not lie in its "
+                    "triangle; pick it again",
+                    path.string(), landmark.name));
 }
 
 /// A vertex as a landmark: a corner of the first face that uses it.
 class VertexLandmarks {
  public:
-  explicit VertexLandmarks(const Mesh& mesh) : first_face_(static_cast<std::size_t>(mesh.vertex_count()), {-1, 0}) {
+  explicit VertexLandmarks(const Mesh& mesh)
+      : first_face_(static_cast<std::size_t>(mesh.vertex_count()), {-1, 0}) {
     for (Eigen::Index f = mesh.faces.rows() - 1; f >= 0; --f)
-      for (int k = 0; k < 3; ++k) first_face_[static_cast<std::size_t>(mesh.faces(f, k))] = {static_cast<int>(f), k};
+      for (int k = 0; k < 3; ++k) first_face_[mesh.faces(f, k)] = {static_cast<int>(f), k};
   }
-  Landmark At(long vertex, const std::string& name, const std::string& where, const char* which) const {
+  Landmark At(long vertex, const std::string& name, const std::string& where,
+              const char* which) const {
     if (vertex < 0 || vertex >= static_cast<long>(first_face_.size()))
       throw InputError(
-          fmt::format("{}: {} vertex {} does not exist, the {} has {} vertices; the pairs were picked on another mesh: pick them again",
+          fmt::format("{}: {} vertex {} does not exist, the {} has {} vertices; the pairs were "
+                      "picked on another mesh: pick them again",
                       where, which, vertex, which, first_face_.size()));
-    const auto [face, corner] = first_face_[static_cast<std::size_t>(vertex)];
-    if (face < 0) throw InputError(fmt::format("{}: {} vertex {} belongs to no face, so it cannot be a landmark", where, which, vertex));
+    const auto [face, corner] = first_face_[vertex];
+    if (face < 0)
+      throw InputError(fmt::format(
+          "{}: {} vertex {} belongs to no face, so it cannot be a landmark", where, which, vertex));
     Landmark landmark;
     landmark.name = name;
     landmark.face = face;
@@ -69,7 +80,8 @@ class VertexLandmarks {
   std::vector<std::pair<int, int>> first_face_;
 };
 
-std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& source, const Mesh& target) {
+std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& source,
+                                          const Mesh& target) {
   const VertexLandmarks on_source(source), on_target(target);
   std::istringstream in(ReadFile(path));
   std::vector<LandmarkPair> pairs;
@@ -84,11 +96,14 @@ std::vector<LandmarkPair> ReadVertexPairs(const fs::path& path, const Mesh& sour
     std::string rest;
     const std::string where = fmt::format("{}:{}", path.string(), number);
     if (!(words >> s >> t) || (words >> rest))
-      throw InputError(where + ": a line must hold 'source_vertex target_vertex', two whole numbers from 0");
+      throw InputError(
+          where + ": a line must hold 'source_vertex target_vertex', two whole numbers from 0");
     if (const auto [it, is_new] = line_of_source.emplace(s, number); !is_new)
-      throw InputError(fmt::format("{}: source vertex {} is in line {} already; delete one", where, s, it->second));
+      throw InputError(fmt::format("{}: source vertex {} is in line {} already; delete one", where,
+                                   s, it->second));
     const std::string name = fmt::format("{}-{}", s, t);
-    pairs.push_back({name, on_source.At(s, name, where, "source"), on_target.At(t, name, where, "target")});
+    pairs.push_back(
+        {name, on_source.At(s, name, where, "source"), on_target.At(t, name, where, "target")});
   }
   if (pairs.empty()) throw InputError(path.string() + " holds no landmark");
   return pairs;
@@ -102,13 +117,14 @@ json PickJson(const Landmark& landmark, const SurfacePlaces& places) {
 }
 
 /// @return no landmark: it was lost and is not needed, or FollowPicks::Finish will name it
-std::optional<Landmark> PickFrom(const json& pick, const std::string& name, const Mesh& mesh, const fs::path& path, FollowPicks& follow,
-                                 bool needed = true) {
+std::optional<Landmark> PickFrom(const json& pick, const std::string& name, const Mesh& mesh,
+                                 const fs::path& path, FollowPicks& follow, bool needed = true) {
   Landmark landmark;
   landmark.name = name;
   if (follow.AsWritten()) {
     landmark.face = pick.at("face");
-    for (int k = 0; k < 3; ++k) landmark.barycentric(k) = pick.at("barycentric").at(static_cast<std::size_t>(k));
+    for (int k = 0; k < 3; ++k)
+      landmark.barycentric(k) = pick.at("barycentric").at(static_cast<std::size_t>(k));
     RequireOnMesh(landmark, mesh, path);
     return landmark;
   }
@@ -123,7 +139,8 @@ MeshBinding BindingIn(const json& root, const char* side, const fs::path& path) 
   return BindingFrom(root.contains(side) ? root[side] : json::object(), path);
 }
 
-std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, const Mesh& source, const Mesh& target, CarryLog* log) {
+std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, const Mesh& source,
+                                    const Mesh& target, CarryLog* log) {
   FollowPicks on_source(BindingIn(root, "source", path), source, path.string(), "source");
   FollowPicks on_target(BindingIn(root, "target", path), target, path.string(), "target");
   std::vector<LandmarkPair> pairs;
@@ -133,12 +150,15 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
     LandmarkPair pair;
     pair.name = entry.at("name");
     if (!names.insert(pair.name).second)
-      throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one", path.string(), pair.name));
+      throw InputError(fmt::format("{}: landmark '{}' is there twice; rename or delete one",
+                                   path.string(), pair.name));
     pair.confirmed = entry.value("confirmed", true);
     pair.confidence = entry.value("confidence", 1.0);
     pair.origin = entry.value("origin", "");
-    const auto from = PickFrom(entry.at("source"), pair.name, source, path, on_source, pair.confirmed);
-    const auto to = PickFrom(entry.at("target"), pair.name, target, path, on_target, pair.confirmed);
+    const auto from =
+        PickFrom(entry.at("source"), pair.name, source, path, on_source, pair.confirmed);
+    const auto to =
+        PickFrom(entry.at("target"), pair.name, target, path, on_target, pair.confirmed);
     if (!from || !to) {
       dropped += !pair.confirmed;
       continue;
@@ -151,20 +171,23 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
   on_target.Finish(log);
   if (dropped > 0 && log)
     log->warnings.push_back(
-        fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that was made anew, and are "
+        fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that "
+                    "was made anew, and are "
                     "left out",
                     path.string(), dropped));
   return pairs;
 }
 
-std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text, const Mesh& source, const Mesh& target,
-                                        CarryLog* log) {
+std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string& text,
+                                        const Mesh& source, const Mesh& target, CarryLog* log) {
   std::vector<LandmarkPair> pairs;
   RequireShallowJson(text, path.string());
   try {
     const json root = json::parse(text);
     if (!root.contains("pairs") && root.contains("landmarks"))
-      throw InputError(path.string() + " holds the picks of one mesh; give the other mesh's picks as a second file");
+      throw InputError(
+          path.string() +
+          " holds the picks of one mesh; give the other mesh's picks as a second file");
     pairs = PairsFrom(root, path, source, target, log);
   } catch (const json::exception& error) {
     throw InputError(path.string() + " is not a file of landmark pairs: " + JsonFault(error));
@@ -173,32 +196,43 @@ std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string&
   return pairs;
 }
 
-/// Clicked points lie on the mesh that was clicked on; points that hang beside it were clicked on another.
-void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string& side, CarryLog* log) {
+/// Clicked points lie on the mesh that was clicked on; points that hang beside it were clicked on
+/// another.
+void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string& side,
+                CarryLog* log) {
   if (off.empty()) return;
   std::sort(off.begin(), off.end());
   const double median = off[off.size() / 2], furthest = off.back();
   if (furthest < kClickedOn) return;
-  const std::string how =
-      fmt::format("{}: its points do not lie on the {}: half of them are {:.2f} % of its diagonal or more away, one {:.2f} %",
-                  path.string(), side, 100 * median, 100 * furthest);
+  const std::string how = fmt::format(
+      "{}: its points do not lie on the {}: half of them are {:.2f} % of its diagonal or more "
+      "away, one {:.2f} %",
+      path.string(), side, 100 * median, 100 * furthest);
   if (median > kMostSnap)
-    throw InputError(how + fmt::format("; they were picked on another mesh: pick them again. Or, while you still have that mesh: keypose "
-                                       "landmarks bind --mesh THAT_MESH --picks {} --bound FILE.json",
-                                       path.string()));
+    throw InputError(how +
+                     fmt::format("; they were picked on another mesh: pick them again. Or, while "
+                                 "you still have that mesh: keypose "
+                                 "landmarks bind --mesh THAT_MESH --picks {} --bound FILE.json",
+                                 path.string()));
   if (log)
-    log->warnings.push_back(
-        how + fmt::format("; the nearest places are taken. If the {} was made anew since, look at them, or pick again", side));
+    log->warnings.push_back(how + fmt::format("; the nearest places are taken. If the {} was made "
+                                              "anew since, look at them, or pick again",
+                                              side));
 }
 
-/// The XML library calls itself for each level. Comments and quoted values are stepped over as it does; what else begins with '<!' is not,
-/// so that a level may be counted twice, and none is missed.
+/// The XML library calls itself for each level. Comments and quoted values are stepped over as it
+/// does; what else begins with '<!' is not, so that a level may be counted twice, and none is
+/// missed.
 void RequireShallowXml(const std::string& text, const fs::path& path) {
   constexpr int kMostLevels = 100;
   int level = 0;
   for (std::size_t at = text.find('<'); at < text.size(); at = text.find('<', at)) {
-    const auto begins = [&](const char* mark) { return text.compare(at, std::strlen(mark), mark) == 0; };
-    const auto behind = [&](const char* mark) { return std::min(text.size(), text.find(mark, at)); };
+    const auto begins = [&](const char* mark) {
+      return text.compare(at, std::strlen(mark), mark) == 0;
+    };
+    const auto behind = [&](const char* mark) {
+      return std::min(text.size(), text.find(mark, at));
+    };
     if (begins("<!--")) {
       at = behind("-->");
     } else if (begins("<![CDATA[")) {
@@ -211,16 +245,20 @@ void RequireShallowXml(const std::string& text, const fs::path& path) {
     } else {
       char quote = 0;
       for (++at; at < text.size() && (quote || text[at] != '>'); ++at) {
-        if (quote ? text[at] == quote : text[at] == '"' || text[at] == '\'') quote = quote ? 0 : text[at];
+        if (quote ? text[at] == quote : text[at] == '"' || text[at] == '\'')
+          quote = quote ? 0 : text[at];
       }
       level += at == text.size() || text[at - 1] != '/';
     }
     if (level > kMostLevels)
-      throw InputError(path.string() + " is not a MeshLab picked-points file: its elements are nested more than 100 levels deep");
+      throw InputError(path.string() +
+                       " is not a MeshLab picked-points file: its elements are nested more than "
+                       "100 levels deep");
   }
 }
 
-std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
+std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, CarryLog* log,
+                                       const std::string& side) {
   boost::property_tree::ptree tree;
   std::string text = ReadFile(path);
   RequireShallowXml(text, path);
@@ -228,12 +266,14 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
   try {
     boost::property_tree::read_xml(in, tree);
   } catch (const boost::property_tree::xml_parser_error& error) {
-    throw InputError(fmt::format("{}:{}: not a MeshLab picked-points file: {}", path.string(), error.line(), error.message()));
+    throw InputError(fmt::format("{}:{}: not a MeshLab picked-points file: {}", path.string(),
+                                 error.line(), error.message()));
   }
   const auto picked = tree.get_child_optional("PickedPoints");
   if (!picked)
     throw InputError(path.string() +
-                     " is not a MeshLab picked-points file: it has no element PickedPoints; save the points from MeshLab again");
+                     " is not a MeshLab picked-points file: it has no element PickedPoints; save "
+                     "the points from MeshLab again");
   const RayScene scene(mesh.points, mesh.faces);
   const double diagonal = BoundingDiagonal(mesh.points);
   std::vector<double> off;
@@ -242,16 +282,19 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
     if (tag != "point" || node.get<int>("<xmlattr>.active", 1) == 0) continue;
     Landmark landmark;
     landmark.name = node.get<std::string>("<xmlattr>.name", "");
-    const Eigen::Vector3d position(node.get<double>("<xmlattr>.x", NAN), node.get<double>("<xmlattr>.y", NAN),
+    const Eigen::Vector3d position(node.get<double>("<xmlattr>.x", NAN),
+                                   node.get<double>("<xmlattr>.y", NAN),
                                    node.get<double>("<xmlattr>.z", NAN));
     if (!position.allFinite() || position.cwiseAbs().maxCoeff() > kMostCoordinate)
-      throw InputError(fmt::format("{}: point '{}' has no x, y, z that can be used", path.string(), landmark.name));
+      throw InputError(fmt::format("{}: point '{}' has no x, y, z that can be used", path.string(),
+                                   landmark.name));
     const RayScene::Foot foot = scene.ClosestPoint(position);
     off.push_back(std::sqrt(foot.squared_distance) / diagonal);
     if (off.back() > kFurthestSnap)
-      throw InputError(fmt::format(
-          "{}: landmark '{}' is {:.3g} away from the mesh, more than 2 % of its diagonal; it was picked on another mesh: pick it again",
-          path.string(), landmark.name, std::sqrt(foot.squared_distance)));
+      throw InputError(
+          fmt::format("{}: landmark '{}' is {:.3g} away from the mesh, more than 2 % of its "
+                      "diagonal; it was picked on another mesh: pick it again",
+                      path.string(), landmark.name, std::sqrt(foot.squared_distance)));
     landmark.face = foot.face;
     landmark.barycentric = foot.barycentric;
     landmarks.push_back(landmark);
@@ -263,14 +306,17 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
 
 }  // namespace
 
-std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
+std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog* log,
+                                const std::string& side) {
   const std::string text = ReadFile(path);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && text[first] == '<') return ReadPickedPoints(path, mesh, log, side);
+  if (first != std::string::npos && text[first] == '<')
+    return ReadPickedPoints(path, mesh, log, side);
   return ReadLandmarks(path, mesh, log, side);
 }
 
-std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, CarryLog* log, const std::string& side) {
+std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, CarryLog* log,
+                                    const std::string& side) {
   std::vector<Landmark> landmarks;
   const std::string text = ReadFile(path);
   RequireShallowJson(text, path.string());
@@ -278,7 +324,8 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, Carr
     const json root = json::parse(text);
     FollowPicks follow(BindingIn(root, "mesh", path), mesh, path.string(), side);
     for (const json& entry : root.at("landmarks"))
-      if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow)) landmarks.push_back(std::move(*landmark));
+      if (auto landmark = PickFrom(entry, entry.at("name"), mesh, path, follow))
+        landmarks.push_back(std::move(*landmark));
     follow.Finish(log);
   } catch (const json::exception& error) {
     throw InputError(path.string() + " is not a landmarks file: " + JsonFault(error));
@@ -287,7 +334,8 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, Carr
   return landmarks;
 }
 
-void WriteLandmarks(const fs::path& path, const Mesh& mesh, const std::vector<Landmark>& landmarks) {
+void WriteLandmarks(const fs::path& path, const Mesh& mesh,
+                    const std::vector<Landmark>& landmarks) {
   const SurfacePlaces places(mesh);
   json root;
   root["schema"] = 2;
@@ -301,7 +349,8 @@ void WriteLandmarks(const fs::path& path, const Mesh& mesh, const std::vector<La
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
-void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& target, const std::vector<LandmarkPair>& pairs) {
+void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& target,
+                        const std::vector<LandmarkPair>& pairs) {
   const SurfacePlaces on_source(source), on_target(target);
   json root;
   root["schema"] = 2;
@@ -318,38 +367,47 @@ void WriteLandmarkPairs(const fs::path& path, const Mesh& source, const Mesh& ta
   WriteFileAtomically(path, root.dump(1) + "\n");
 }
 
-std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source, const Mesh& target, CarryLog* log) {
+std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, const Mesh& source,
+                                            const Mesh& target, CarryLog* log) {
   if (paths.empty()) return {};
   if (paths.size() == 1) {
     const std::string text = ReadFile(paths[0]);
     const std::size_t first = text.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && text[first] == '{') return ReadJsonPairs(paths[0], text, source, target, log);
+    if (first != std::string::npos && text[first] == '{')
+      return ReadJsonPairs(paths[0], text, source, target, log);
     if (log) {
       log->unbound = true;
-      log->warnings.push_back(paths[0].string() +
-                              " does not say on which meshes it was picked; its vertex numbers are taken as they are, which is wrong if "
-                              "one of the two was made anew since. Bind it to them: keypose landmarks bind --help");
+      log->warnings.push_back(
+          paths[0].string() +
+          " does not say on which meshes it was picked; its vertex numbers are taken as they are, "
+          "which is wrong if "
+          "one of the two was made anew since. Bind it to them: keypose landmarks bind --help");
     }
     return ReadVertexPairs(paths[0], source, target);
   }
   if (paths.size() > 2)
-    throw InputError("landmarks: give one file of pairs, or the source's picks and the target's; not " + std::to_string(paths.size()) +
-                     " files");
-  const auto on_source = ReadPicks(paths[0], source, log, "source"), on_target = ReadPicks(paths[1], target, log, "target");
+    throw InputError(
+        "landmarks: give one file of pairs, or the source's picks and the target's; not " +
+        std::to_string(paths.size()) + " files");
+  const auto on_source = ReadPicks(paths[0], source, log, "source"),
+             on_target = ReadPicks(paths[1], target, log, "target");
   std::map<std::string, Landmark> by_name;
   for (const Landmark& landmark : on_target) by_name[landmark.name] = landmark;
   std::vector<LandmarkPair> pairs;
   for (const Landmark& landmark : on_source)
-    if (const auto it = by_name.find(landmark.name); it != by_name.end()) pairs.push_back({landmark.name, landmark, it->second});
+    if (const auto it = by_name.find(landmark.name); it != by_name.end())
+      pairs.push_back({landmark.name, landmark, it->second});
   if (pairs.empty())
-    throw InputError(fmt::format("{} and {} share no landmark name; give the same spot of clay the same name on both poses",
-                                 paths[0].string(), paths[1].string()));
+    throw InputError(fmt::format(
+        "{} and {} share no landmark name; give the same spot of clay the same name on both poses",
+        paths[0].string(), paths[1].string()));
   return pairs;
 }
 
 Eigen::Vector3d PositionOf(const Landmark& landmark, const Mesh& mesh) {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) position += landmark.barycentric(k) * mesh.points.row(mesh.faces(landmark.face, k)).transpose();
+  for (int k = 0; k < 3; ++k)
+    position += landmark.barycentric(k) * mesh.points.row(mesh.faces(landmark.face, k)).transpose();
   return position;
 }
 

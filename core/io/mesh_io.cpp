@@ -32,27 +32,31 @@ namespace {
 /// Triangles of a polygon list by fanning; polygons of fewer than three corners are dropped.
 class Fan {
  public:
-  explicit Fan(const fs::path& path, std::int64_t vertex_count) : path_(path), vertex_count_(vertex_count) {}
+  explicit Fan(const fs::path& path, std::int64_t vertex_count)
+      : path_(path), vertex_count_(vertex_count) {}
   template <class Corner>
   void Add(const Corner* corners, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) Check(corners[k]);
     for (std::size_t k = 1; k + 1 < count; ++k)
-      triangles_.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k]), static_cast<int>(corners[k + 1])});
+      triangles_.push_back({static_cast<int>(corners[0]), static_cast<int>(corners[k]),
+                            static_cast<int>(corners[k + 1])});
     ++polygons_;
   }
   FacesX3 Take() const {
     FacesX3 faces(static_cast<Eigen::Index>(triangles_.size()), 3);
     for (std::size_t f = 0; f < triangles_.size(); ++f)
-      for (int k = 0; k < 3; ++k) faces(static_cast<Eigen::Index>(f), k) = triangles_[f][static_cast<std::size_t>(k)];
+      for (int k = 0; k < 3; ++k) faces(static_cast<Eigen::Index>(f), k) = triangles_[f][k];
     return faces;
   }
 
  private:
   template <class Corner>
   void Check(Corner v) const {
-    const auto number = static_cast<double>(v);  // PLY may hold fractions and what is no number at all
+    // PLY may hold fractions and what is no number at all
+    const auto number = static_cast<double>(v);
     if (!(number >= 0 && number < static_cast<double>(vertex_count_)))
-      throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}", path_.string(), polygons_, v, vertex_count_));
+      throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}",
+                                   path_.string(), polygons_, v, vertex_count_));
   }
   const fs::path& path_;
   std::int64_t vertex_count_;
@@ -63,8 +67,9 @@ class Fan {
 PointsX3 ColumnsToPoints(const PlyElement& element, const std::array<const char*, 3>& names) {
   PointsX3 points(static_cast<Eigen::Index>(element.count), 3);
   for (int k = 0; k < 3; ++k) {
-    const auto& column = element.scalars.at(names[static_cast<std::size_t>(k)]);
-    for (std::size_t i = 0; i < column.size(); ++i) points(static_cast<Eigen::Index>(i), k) = column[i];
+    const auto& column = element.scalars.at(names[k]);
+    for (std::size_t i = 0; i < column.size(); ++i)
+      points(static_cast<Eigen::Index>(i), k) = column[i];
   }
   return points;
 }
@@ -73,10 +78,10 @@ ColorsX3 ColumnsToColors(const PlyElement& element) {
   const std::array<const char*, 3> names{"red", "green", "blue"};
   ColorsX3 colors(static_cast<Eigen::Index>(element.count), 3);
   for (int k = 0; k < 3; ++k) {
-    const auto& column = element.scalars.at(names[static_cast<std::size_t>(k)]);
+    const auto& column = element.scalars.at(names[k]);
     for (std::size_t i = 0; i < column.size(); ++i)
-      colors(static_cast<Eigen::Index>(i), k) =
-          static_cast<std::uint8_t>(std::lround(std::isfinite(column[i]) ? std::clamp(column[i], 0.0, 255.0) : 0.0));
+      colors(static_cast<Eigen::Index>(i), k) = static_cast<std::uint8_t>(
+          std::lround(std::isfinite(column[i]) ? std::clamp(column[i], 0.0, 255.0) : 0.0));
   }
   return colors;
 }
@@ -90,11 +95,14 @@ const PlyElement& VertexElement(const PlyTable& table, const fs::path& path) {
 
 template <class Target>
 void ReadVertexExtras(const PlyElement& vertex, Target& target) {
-  if (vertex.Has("nx") && vertex.Has("ny") && vertex.Has("nz")) target.normals = ColumnsToPoints(vertex, {"nx", "ny", "nz"});
-  if (vertex.Has("red") && vertex.Has("green") && vertex.Has("blue")) target.colors = ColumnsToColors(vertex);
+  if (vertex.Has("nx") && vertex.Has("ny") && vertex.Has("nz"))
+    target.normals = ColumnsToPoints(vertex, {"nx", "ny", "nz"});
+  if (vertex.Has("red") && vertex.Has("green") && vertex.Has("blue"))
+    target.colors = ColumnsToColors(vertex);
 }
 
-/// Per-face texture coordinates (MeshLab's `texcoord` list), welded to unique pairs. Triangles only.
+/// Per-face texture coordinates (MeshLab's `texcoord` list), welded to unique pairs. Triangles
+/// only.
 void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
   const auto it = face.lists.find("texcoord");
   if (it == face.lists.end() || static_cast<Eigen::Index>(face.count) != mesh.faces.rows()) return;
@@ -106,12 +114,13 @@ void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const std::size_t at = static_cast<std::size_t>(f) * 6 + static_cast<std::size_t>(k) * 2;
-      const auto [entry, is_new] = ids.emplace(std::pair(list.values[at], list.values[at + 1]), static_cast<int>(uvs.size()));
+      const auto [entry, is_new] = ids.emplace(std::pair(list.values[at], list.values[at + 1]),
+                                               static_cast<int>(uvs.size()));
       if (is_new) uvs.emplace_back(list.values[at], list.values[at + 1]);
       mesh.uv_faces(f, k) = entry->second;
     }
   mesh.uvs.resize(static_cast<Eigen::Index>(uvs.size()), 2);
-  for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(static_cast<Eigen::Index>(i)) = uvs[i];
+  for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(i) = uvs[i];
 }
 
 Mesh ReadPlyMesh(const fs::path& path) {
@@ -136,7 +145,8 @@ Mesh ReadPlyMesh(const fs::path& path) {
   return mesh;
 }
 
-/// Reads a number at `at` as strtod does, and most of them much faster; nullptr where there is none or it is not finite.
+/// Reads a number at `at` as strtod does, and most of them much faster; nullptr where there is none
+/// or it is not finite.
 const char* SkipNumber(const char* at, const char* end) {
   while (at < end && (*at == ' ' || *at == '\t')) ++at;
   double value = 0;
@@ -147,15 +157,17 @@ const char* SkipNumber(const char* at, const char* end) {
   return stop == at || stop > end || !std::isfinite(value) ? nullptr : stop;
 }
 
-/// A backslash at the end of a line continues it on the next; the OBJ library does not know that. The line ends that go are put after the
-/// whole line, so that the lines below keep their numbers.
+/// A backslash at the end of a line continues it on the next; the OBJ library does not know that.
+/// The line ends that go are put after the whole line, so that the lines below keep their numbers.
 std::string WithWholeLines(std::string text) {
   if (text.find('\\') == std::string::npos) return text;
   std::string whole;
   whole.reserve(text.size());
   std::size_t taken = 0;
   for (std::size_t at = 0; at < text.size(); ++at) {
-    const std::size_t end = text[at] != '\\' ? at : text.compare(at + 1, 2, "\r\n") == 0 ? at + 2 : at + 1;
+    const std::size_t end = text[at] != '\\'                       ? at
+                            : text.compare(at + 1, 2, "\r\n") == 0 ? at + 2
+                                                                   : at + 1;
     if (end > at && end < text.size() && text[end] == '\n') {
       whole += ' ';
       ++taken;
@@ -168,43 +180,56 @@ std::string WithWholeLines(std::string text) {
   return whole;
 }
 
-/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the positions' own text first.
+/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the
+/// positions' own text first.
 void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   int number = 0;
   for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find('\n', begin), text.size());
     ++number;
-    if (end - begin < 2 || text[begin] != 'v' || (text[begin + 1] != ' ' && text[begin + 1] != '\t')) continue;
+    if (end - begin < 2 || text[begin] != 'v' ||
+        (text[begin + 1] != ' ' && text[begin + 1] != '\t'))
+      continue;
     const char* at = text.data() + begin + 1;
     for (int k = 0; k < 3; ++k) {
       at = SkipNumber(at, text.data() + end);
       if (!at)
-        throw InputError(
-            fmt::format("{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the file and export it again",
-                        path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
+        throw InputError(fmt::format(
+            "{}:{}: '{}' is not a vertex with three finite numbers (NaN or infinity?); repair the "
+            "file and export it again",
+            path.string(), number, text.substr(begin, std::min<std::size_t>(60, end - begin))));
     }
   }
 }
 
-/// What the OBJ library calls back with. Its ready-made arrays count a polygon's corners in a byte; its callbacks do not.
+/// What the OBJ library calls back with. Its ready-made arrays count a polygon's corners in a byte;
+/// its callbacks do not.
 class ObjCollector {
  public:
   explicit ObjCollector(const fs::path& path) : path_(path) {}
 
   void Read(std::istream& in) {
     tinyobj::callback_t calls;
-    calls.vertex_cb = [](void* self, double x, double y, double z, double) { Of(self).Put(Of(self).points_, {x, y, z}); };
-    calls.texcoord_cb = [](void* self, double u, double v, double) { Of(self).Put(Of(self).uvs_, {u, v}); };
-    calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) { Of(self).AddFace(corners, count); };
+    calls.vertex_cb = [](void* self, double x, double y, double z, double) {
+      Of(self).Put(Of(self).points_, {x, y, z});
+    };
+    calls.texcoord_cb = [](void* self, double u, double v, double) {
+      Of(self).Put(Of(self).uvs_, {u, v});
+    };
+    calls.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+      Of(self).AddFace(corners, count);
+    };
     std::string warning, error;
     const bool read = tinyobj::LoadObjWithCallback(in, calls, this, nullptr, &warning, &error);
     if (!read || !error.empty())
-      throw InputError("cannot read OBJ file " + path_.string() + ": " + (error.empty() ? "malformed" : error));
+      throw InputError("cannot read OBJ file " + path_.string() + ": " +
+                       (error.empty() ? "malformed" : error));
   }
 
   Mesh Take() const {
     Mesh mesh;
-    mesh.points = Eigen::Map<const PointsX3>(points_.data(), static_cast<Eigen::Index>(points_.size() / 3), 3);
+    mesh.points = Eigen::Map<const PointsX3>(points_.data(),
+                                             static_cast<Eigen::Index>(points_.size() / 3), 3);
     mesh.faces = Fanned(corners_, mesh.points.rows());
     if (uvs_.empty() || uv_corners_.size() != corners_.size()) return mesh;
     mesh.uvs = Eigen::Map<const UvsX2>(uvs_.data(), static_cast<Eigen::Index>(uvs_.size() / 2), 2);
@@ -215,18 +240,25 @@ class ObjCollector {
  private:
   static ObjCollector& Of(void* self) { return *static_cast<ObjCollector*>(self); }
 
-  void Put(std::vector<double>& values, std::initializer_list<double> more) { values.insert(values.end(), more); }
+  void Put(std::vector<double>& values, std::initializer_list<double> more) {
+    values.insert(values.end(), more);
+  }
 
   /// From 0. In the file they count from 1, or backwards from the last one before the face.
-  static int FromZero(int index, std::size_t so_far) { return index > 0 ? index - 1 : index + static_cast<int>(so_far); }
+  static int FromZero(int index, std::size_t so_far) {
+    return index > 0 ? index - 1 : index + static_cast<int>(so_far);
+  }
 
   void AddFace(const tinyobj::index_t* corners, int count) {
     for (int k = 0; k < count; ++k) {
       if (corners[k].vertex_index == 0)
-        throw InputError(fmt::format("{}: face {} has a corner that names no vertex (they count from 1)", path_.string(), sizes_.size()));
+        throw InputError(
+            fmt::format("{}: face {} has a corner that names no vertex (they count from 1)",
+                        path_.string(), sizes_.size()));
       corners_.push_back(FromZero(corners[k].vertex_index, points_.size() / 3));
       // Coordinates on a texture count only when all faces have them.
-      if (corners[k].texcoord_index != 0) uv_corners_.push_back(FromZero(corners[k].texcoord_index, uvs_.size() / 2));
+      if (corners[k].texcoord_index != 0)
+        uv_corners_.push_back(FromZero(corners[k].texcoord_index, uvs_.size() / 2));
     }
     sizes_.push_back(static_cast<std::size_t>(count));
   }
@@ -261,15 +293,15 @@ Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Poly
   Mesh mesh;
   mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
   for (std::size_t v = 0; v < points.size(); ++v)
-    mesh.points.row(static_cast<Eigen::Index>(v)) << points[v].x(), points[v].y(), points[v].z();
+    mesh.points.row(v) << points[v].x(), points[v].y(), points[v].z();
   Fan fan(path, mesh.points.rows());
   for (const auto& polygon : polygons) fan.Add(polygon.data(), polygon.size());
   mesh.faces = fan.Take();
   return mesh;
 }
 
-/// CGAL's own loop over its scanner takes memory for whatever the header and each face claim; here nothing may claim more than the rest of
-/// the file can hold.
+/// CGAL's own loop over its scanner takes memory for whatever the header and each face claim; here
+/// nothing may claim more than the rest of the file can hold.
 class OffReader {
  public:
   explicit OffReader(const fs::path& path)
@@ -277,8 +309,10 @@ class OffReader {
     if (!in_) Fail("its header is malformed");
     // The shortest vertex is "0 0 0", the shortest face "0", each with its line end.
     if (scanner_.size_of_vertices() > bytes_ / 6 || scanner_.size_of_facets() > bytes_ / 2)
-      Fail(fmt::format("it claims {} vertices and {} faces, more than its {} bytes can hold; it is truncated or damaged",
-                       scanner_.size_of_vertices(), scanner_.size_of_facets(), bytes_));
+      Fail(
+          fmt::format("it claims {} vertices and {} faces, more than its {} bytes can hold; it is "
+                      "truncated or damaged",
+                      scanner_.size_of_vertices(), scanner_.size_of_facets(), bytes_));
   }
 
   Mesh Read() {
@@ -296,14 +330,19 @@ class OffReader {
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& why) const { throw InputError("cannot read OFF file " + path_.string() + ": " + why); }
+  [[noreturn]] void Fail(const std::string& why) const {
+    throw InputError("cannot read OFF file " + path_.string() + ": " + why);
+  }
 
   void ReadVertex(Eigen::Index v, PointsX3& points) {
     double x = 0, y = 0, z = 0, w = 1;
     scanner_.scan_vertex(x, y, z, w);
-    if (scanner_.binary()) scanner_.skip_to_next_vertex(static_cast<std::size_t>(v));  // a line of text is behind us anyway
+    if (scanner_.binary())
+      scanner_.skip_to_next_vertex(
+          static_cast<std::size_t>(v));  // a line of text is behind us anyway
     if (!in_ && !in_.eof()) Fail(fmt::format("vertex {} is malformed", v));
-    if (in_.eof() && scanner_.size_of_facets() > 0) Fail(fmt::format("it ends at vertex {}; it is truncated", v));
+    if (in_.eof() && scanner_.size_of_facets() > 0)
+      Fail(fmt::format("it ends at vertex {}; it is truncated", v));
     if (w == 0) Fail(fmt::format("vertex {} lies at infinity (its fourth coordinate is 0)", v));
     points.row(v) << x / w, y / w, z / w;
   }
@@ -312,7 +351,9 @@ class OffReader {
     std::size_t count = 0;
     scanner_.scan_facet(count, f);
     if (!in_ && !in_.eof()) Fail(fmt::format("face {} is malformed", f));
-    if (count > bytes_ / 2) Fail(fmt::format("face {} claims {} corners, which the file cannot hold", f, static_cast<std::int64_t>(count)));
+    if (count > bytes_ / 2)
+      Fail(fmt::format("face {} claims {} corners, which the file cannot hold", f,
+                       static_cast<std::int64_t>(count)));
     corners.assign(count, 0);
     for (std::size_t k = 0; k < count; ++k) {
       scanner_.scan_facet_vertex_index(corners[k], k + 1, f);
@@ -368,9 +409,12 @@ void Put(std::string& bytes, T value) {
 /// Header lines and bytes of the vertex element that meshes and clouds share.
 template <class Source>
 void PutVertexHeader(std::string& out, const Source& source) {
-  out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n", source.points.rows());
-  if (source.normals.rows() == source.points.rows()) out += "property float nx\nproperty float ny\nproperty float nz\n";
-  if (source.colors.rows() == source.points.rows()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
+                     source.points.rows());
+  if (source.normals.rows() == source.points.rows())
+    out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (source.colors.rows() == source.points.rows())
+    out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 }
 
 template <class Source>
@@ -387,7 +431,8 @@ constexpr const char* kPlyHead = "ply\nformat binary_little_endian 1.0\ncomment 
 std::string PlyBytes(const Mesh& mesh) {
   std::string out = kPlyHead;
   PutVertexHeader(out, mesh);
-  out += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
+  out +=
+      fmt::format("element face {}\nproperty list uchar int vertex_indices\n", mesh.faces.rows());
   if (mesh.has_uvs()) out += "property list uchar double texcoord\n";
   out += "end_header\n";
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) PutVertex(out, mesh, v);
@@ -407,9 +452,11 @@ std::string ObjText(const Mesh& mesh, const std::string& material_library) {
   auto to = std::back_inserter(out);
   if (!material_library.empty()) fmt::format_to(to, "mtllib {}\nusemtl clay\n", material_library);
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
-    fmt::format_to(to, "v {:.17g} {:.17g} {:.17g}\n", mesh.points(v, 0), mesh.points(v, 1), mesh.points(v, 2));
+    fmt::format_to(to, "v {:.17g} {:.17g} {:.17g}\n", mesh.points(v, 0), mesh.points(v, 1),
+                   mesh.points(v, 2));
   if (mesh.has_uvs())
-    for (Eigen::Index t = 0; t < mesh.uvs.rows(); ++t) fmt::format_to(to, "vt {:.17g} {:.17g}\n", mesh.uvs(t, 0), mesh.uvs(t, 1));
+    for (Eigen::Index t = 0; t < mesh.uvs.rows(); ++t)
+      fmt::format_to(to, "vt {:.17g} {:.17g}\n", mesh.uvs(t, 0), mesh.uvs(t, 1));
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
     fmt::format_to(to, "f");
     for (int k = 0; k < 3; ++k) {
@@ -435,26 +482,33 @@ Mesh ReadMesh(const fs::path& path) {
   head.resize(static_cast<std::size_t>(in.gcount()));
   in.close();
   if (head.empty()) throw InputError("mesh " + path.string() + " is empty (0 bytes)");
-  const auto next_word = [&head](std::size_t from) { return std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf", from), head.size()); };
+  const auto next_word = [&head](std::size_t from) {
+    return std::min(head.find_first_not_of(" \t\r\n\xef\xbb\xbf", from), head.size());
+  };
   std::size_t word = next_word(0);
-  while (word < head.size() && head[word] == '#') word = next_word(std::min(head.find('\n', word), head.size()));
+  while (word < head.size() && head[word] == '#')
+    word = next_word(std::min(head.find('\n', word), head.size()));
   std::string start = head.substr(word, 8);
-  std::transform(start.begin(), start.end(), start.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(start.begin(), start.end(), start.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   if (start.rfind("PLY", 0) == 0) return ReadPlyMesh(path);
   if (start.find("OFF") != std::string::npos && start.find("OFF") < 5) return ReadOffMesh(path);
   if (start.rfind("SOLID", 0) == 0 || LooksLikeBinaryStl(path, head)) return ReadStlMesh(path);
   if (LooksLikeObj(head)) return ReadObjMesh(path);
-  throw InputError(path.string() + " is not a PLY, OBJ, OFF or STL mesh (judged by its first bytes)");
+  throw InputError(path.string() +
+                   " is not a PLY, OBJ, OFF or STL mesh (judged by its first bytes)");
 }
 
 void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& material_texture) {
   if (path.extension() == ".ply") return WriteFile(path, PlyBytes(mesh));
-  if (path.extension() != ".obj") throw UsageError("cannot write mesh " + path.string() + ": name it .ply or .obj");
+  if (path.extension() != ".obj")
+    throw UsageError("cannot write mesh " + path.string() + ": name it .ply or .obj");
   fs::path library;
   if (!material_texture.empty() && mesh.has_uvs()) {
     library = path;
     library.replace_extension(".mtl");
-    WriteFile(library, fmt::format("newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n", material_texture));
+    WriteFile(library, fmt::format("newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n",
+                                   material_texture));
   }
   WriteFile(path, ObjText(mesh, library.filename().string()));
 }
@@ -472,13 +526,15 @@ PlyFrames::PlyFrames(const Mesh& mesh) {
 
 void PlyFrames::Write(const fs::path& path, const PointsX3& points) {
   for (Eigen::Index v = 0; v < points.rows(); ++v)
-    std::memcpy(bytes_.data() + vertices_at_ + static_cast<std::size_t>(v) * vertex_bytes_, points.data() + 3 * v, 3 * sizeof(double));
+    std::memcpy(bytes_.data() + vertices_at_ + static_cast<std::size_t>(v) * vertex_bytes_,
+                points.data() + 3 * v, 3 * sizeof(double));
   WriteFile(path, bytes_);
 }
 
 PointCloud ReadPointCloud(const fs::path& path) {
   if (!fs::exists(path)) throw DiskError("point cloud " + path.string() + " does not exist");
-  if (!fs::is_regular_file(path)) throw DiskError("point cloud " + path.string() + " is not a file");
+  if (!fs::is_regular_file(path))
+    throw DiskError("point cloud " + path.string() + " is not a file");
   const PlyTable table = ReadPly(path);
   const PlyElement& vertex = VertexElement(table, path);
   PointCloud cloud;
@@ -486,7 +542,9 @@ PointCloud ReadPointCloud(const fs::path& path) {
   ReadVertexExtras(vertex, cloud);
   if (vertex.Has("confidence")) {
     const auto& column = vertex.scalars.at("confidence");
-    cloud.confidence = Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size())).cast<float>();
+    cloud.confidence =
+        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()))
+            .cast<float>();
   }
   return cloud;
 }

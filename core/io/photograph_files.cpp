@@ -24,15 +24,18 @@ bool IsOneOf(const std::string& extension, const std::array<const char*, N>& kno
 
 constexpr std::array<const char*, 3> kHeic = {".heic", ".heif", ".hif"};
 constexpr std::array<const char*, 5> kPlain = {".jpg", ".jpeg", ".png", ".tif", ".tiff"};
-constexpr std::array<const char*, 14> kRaw = {".raw", ".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw",
-                                              ".arw", ".raf", ".orf", ".rw2", ".pef", ".srw", ".x3f"};
+constexpr std::array<const char*, 14> kRaw = {".raw", ".dng", ".cr2", ".cr3", ".crw",
+                                              ".nef", ".nrw", ".arw", ".raf", ".orf",
+                                              ".rw2", ".pef", ".srw", ".x3f"};
 constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
 constexpr std::array<const char*, 5> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd"};
 
 }  // namespace
 
 bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kHeic); }
-bool IsPhotographName(const fs::path& file) { return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain); }
+bool IsPhotographName(const fs::path& file) {
+  return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain);
+}
 
 bool IsLitterName(const fs::path& file) {
   const std::string name = file.filename().string();
@@ -42,12 +45,14 @@ bool IsLitterName(const fs::path& file) {
 std::string KindsOf(const std::vector<fs::path>& files) {
   constexpr std::size_t kNamed = 2;
   std::map<std::string, std::vector<std::string>> kinds;
-  for (const fs::path& file : files) kinds[LowerExtensionOf(file)].push_back(file.filename().string());
+  for (const fs::path& file : files)
+    kinds[LowerExtensionOf(file)].push_back(file.filename().string());
   std::string text;
   for (auto& [kind, names] : kinds) {
     std::sort(names.begin(), names.end());
     text += text.empty() ? "" : ", ";
-    text += std::to_string(names.size()) + " " + (kind.empty() ? "without an extension" : kind) + " (" + names[0];
+    text += std::to_string(names.size()) + " " + (kind.empty() ? "without an extension" : kind) +
+            " (" + names[0];
     for (std::size_t i = 1; i < std::min(names.size(), kNamed); ++i) text += ", " + names[i];
     text += names.size() > kNamed ? " ...)" : ")";
   }
@@ -56,12 +61,16 @@ std::string KindsOf(const std::vector<fs::path>& files) {
 
 std::string CureFor(const std::vector<fs::path>& files) {
   const auto some = [&](const auto& known) {
-    return std::any_of(files.begin(), files.end(), [&](const fs::path& file) { return IsOneOf(LowerExtensionOf(file), known); });
+    return std::any_of(files.begin(), files.end(), [&](const fs::path& file) {
+      return IsOneOf(LowerExtensionOf(file), known);
+    });
   };
   std::string cure;
   const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };
-  if (some(kRaw)) add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
-  if (some(kVideo)) add("take photographs rather than a film, or save its sharpest pictures as JPEG");
+  if (some(kRaw))
+    add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
+  if (some(kVideo))
+    add("take photographs rather than a film, or save its sharpest pictures as JPEG");
   if (some(kOtherPictures)) add("save pictures of other formats as JPEG or PNG");
   return cure;
 }

@@ -8,7 +8,8 @@
 namespace keypose {
 
 /// The kinds that are read, for messages.
-inline const char* const kReadablePhotographs = ".jpg, .jpeg, .png, .tif, .tiff, .heic, .heif, .hif";
+inline const char* const kReadablePhotographs =
+    ".jpg, .jpeg, .png, .tif, .tiff, .heic, .heif, .hif";
 
 /// @return whether the name's extension (any case) is one of kReadablePhotographs
 bool IsPhotographName(const std::filesystem::path& file);
@@ -20,7 +21,8 @@ bool IsLitterName(const std::filesystem::path& file);
 /// "12 .mov (IMG_1.mov, IMG_2.mov ...), 1 .txt (notes.txt)"; empty for none.
 /// @param files  only their names count
 std::string KindsOf(const std::vector<std::filesystem::path>& files);
-/// What to do with files that are not read, where that is known of their kind: "export the RAW files as JPEG"; may be empty.
+/// What to do with files that are not read, where that is known of their kind: "export the RAW
+/// files as JPEG"; may be empty.
 std::string CureFor(const std::vector<std::filesystem::path>& files);
 
 }  // namespace keypose

@@ -21,8 +21,10 @@ class Collector {
   explicit Collector(PlyTable& table) : table_(table) {}
 
   void Register(ply::ply_parser& parser) {
-    parser.error_callback([this](std::size_t line, const std::string& text) { Remember(line, text); });
-    parser.warning_callback([this](std::size_t line, const std::string& text) { Remember(line, text); });
+    parser.error_callback(
+        [this](std::size_t line, const std::string& text) { Remember(line, text); });
+    parser.warning_callback(
+        [this](std::size_t line, const std::string& text) { Remember(line, text); });
     parser.info_callback([](std::size_t, const std::string&) {});
     parser.element_definition_callback([this](const std::string& name, std::size_t count) {
       PlyElement& element = table_[name];
@@ -30,7 +32,8 @@ class Collector {
       return std::tuple<std::function<void()>, std::function<void()>>([] {}, [] {});
     });
     ply::ply_parser::scalar_property_definition_callbacks_type scalars;
-    RegisterScalars<ply::int8, ply::int16, ply::int32, ply::uint8, ply::uint16, ply::uint32, ply::float32, ply::float64>(scalars);
+    RegisterScalars<ply::int8, ply::int16, ply::int32, ply::uint8, ply::uint16, ply::uint32,
+                    ply::float32, ply::float64>(scalars);
     parser.scalar_property_definition_callbacks(scalars);
     ply::ply_parser::list_property_definition_callbacks_type lists;
     RegisterLists<ply::uint8>(lists);
@@ -52,14 +55,17 @@ class Collector {
   }
   template <class Scalar, class Callbacks>
   void RegisterScalar(Callbacks& callbacks) {
-    callbacks.template get<Scalar>() = [this](const std::string& element, const std::string& property) {
+    callbacks.template get<Scalar>() = [this](const std::string& element,
+                                              const std::string& property) {
       std::vector<double>* column = &table_[element].scalars[property];
-      return std::function<void(Scalar)>([column](Scalar value) { column->push_back(static_cast<double>(value)); });
+      return std::function<void(Scalar)>(
+          [column](Scalar value) { column->push_back(static_cast<double>(value)); });
     };
   }
   template <class Size, class Callbacks>
   void RegisterLists(Callbacks& callbacks) {
-    RegisterListsOf<Size, ply::int8, ply::int16, ply::int32, ply::uint8, ply::uint16, ply::uint32, ply::float32, ply::float64>(callbacks);
+    RegisterListsOf<Size, ply::int8, ply::int16, ply::int32, ply::uint8, ply::uint16, ply::uint32,
+                    ply::float32, ply::float64>(callbacks);
   }
   template <class Size, class... Scalars, class Callbacks>
   void RegisterListsOf(Callbacks& callbacks) {
@@ -67,9 +73,11 @@ class Collector {
   }
   template <class Size, class Scalar, class Callbacks>
   void RegisterList(Callbacks& callbacks) {
-    callbacks.template get<Size, Scalar>() = [this](const std::string& element, const std::string& property) {
+    callbacks.template get<Size, Scalar>() = [this](const std::string& element,
+                                                    const std::string& property) {
       PlyList* list = &table_[element].lists[property];
-      return std::tuple<std::function<void(Size)>, std::function<void(Scalar)>, std::function<void()>>(
+      return std::tuple<std::function<void(Size)>, std::function<void(Scalar)>,
+                        std::function<void()>>(
           [](Size) {}, [list](Scalar value) { list->values.push_back(static_cast<double>(value)); },
           [list] { list->offsets.push_back(list->values.size()); });
     };
@@ -79,8 +87,8 @@ class Collector {
   std::string fault_;
 };
 
-/// PCL reads a count of -1 as 2^64 - 1, and goes through an element without properties without reading anything: each row takes a byte or
-/// more of the file, or the header is damaged.
+/// PCL reads a count of -1 as 2^64 - 1, and goes through an element without properties without
+/// reading anything: each row takes a byte or more of the file, or the header is damaged.
 void RequireCountsThatFit(const std::filesystem::path& path) {
   const std::uintmax_t bytes = std::filesystem::file_size(path);
   std::ifstream in(path, std::ios::binary);
@@ -93,8 +101,10 @@ void RequireCountsThatFit(const std::filesystem::path& path) {
     std::uintmax_t rows = 0;
     const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), rows);
     if (error != std::errc() || end != count.data() + count.size() || rows > bytes)
-      throw InputError("cannot read PLY file " + path.string() + ": line " + std::to_string(number) + " claims " + count + " of '" + name +
-                       "', more than the file's " + std::to_string(bytes) + " bytes can hold; it is truncated or damaged");
+      throw InputError("cannot read PLY file " + path.string() + ": line " +
+                       std::to_string(number) + " claims " + count + " of '" + name +
+                       "', more than the file's " + std::to_string(bytes) +
+                       " bytes can hold; it is truncated or damaged");
   }
 }
 
@@ -109,12 +119,15 @@ PlyTable ReadPly(const std::filesystem::path& path) {
   const bool complete = parser.parse(path.string());
   bool counts_hold = true;
   for (const auto& [name, element] : table) {
-    for (const auto& [property, column] : element.scalars) counts_hold &= column.size() == element.count;
-    for (const auto& [property, list] : element.lists) counts_hold &= list.offsets.size() == element.count + 1;
+    for (const auto& [property, column] : element.scalars)
+      counts_hold &= column.size() == element.count;
+    for (const auto& [property, list] : element.lists)
+      counts_hold &= list.offsets.size() == element.count + 1;
   }
   if (!complete || !counts_hold)
     throw InputError("cannot read PLY file " + path.string() + ": " +
-                     (collector.fault().empty() ? "it ends before its header says; it is truncated" : collector.fault()));
+                     (collector.fault().empty() ? "it ends before its header says; it is truncated"
+                                                : collector.fault()));
   return table;
 }
 

@@ -1,4 +1,5 @@
-// Writes PNG images by libpng: for programs that make a picture but read no photographs, which start faster without OpenImageIO.
+// Writes PNG images by libpng: for programs that make a picture but read no photographs, which
+// start faster without OpenImageIO.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +8,8 @@
 
 namespace keypose {
 
-/// 1 (grey) or 3 (sRGB) channels, 8 bit. @throws DiskError  names the path and the reason
+/// 1 (grey) or 3 (sRGB) channels, 8 bit.
+/// @throws DiskError  names the path and the reason
 void WritePng(const std::filesystem::path& path, const Image8& image);
 
 }  // namespace keypose

@@ -27,15 +27,18 @@ Camera CameraOfFrame(const json& root, const json& frame, const std::string& whe
   Camera camera;
   const auto pixels = [&](const char* name) {
     const double number = Number(root, frame, name, 0);
-    if (!(number >= 0 && number <= kMostSide)) throw InputError(where + ": `" + name + "` is no number of pixels");
+    if (!(number >= 0 && number <= kMostSide))
+      throw InputError(where + ": `" + name + "` is no number of pixels");
     return static_cast<int>(number);
   };
   camera.width = pixels("w");
   camera.height = pixels("h");
   camera.fx = Number(root, frame, "fl_x", 0);
   const double angle = Number(root, frame, "camera_angle_x", 0);
-  if (camera.fx <= 0 && angle > 0 && camera.width > 0) camera.fx = camera.width / (2 * std::tan(angle / 2));
-  if (camera.fx <= 0 && angle > 0) camera.fx = -1 / (2 * std::tan(angle / 2));  // times a width that the caller knows
+  if (camera.fx <= 0 && angle > 0 && camera.width > 0)
+    camera.fx = camera.width / (2 * std::tan(angle / 2));
+  if (camera.fx <= 0 && angle > 0)
+    camera.fx = -1 / (2 * std::tan(angle / 2));  // times a width that the caller knows
   camera.fy = Number(root, frame, "fl_y", camera.fx);
   camera.cx = Number(root, frame, "cx", camera.width / 2.0);
   camera.cy = Number(root, frame, "cy", camera.height / 2.0);
@@ -43,7 +46,8 @@ Camera CameraOfFrame(const json& root, const json& frame, const std::string& whe
   camera.k2 = Number(root, frame, "k2", 0);
   camera.p1 = Number(root, frame, "p1", 0);
   camera.p2 = Number(root, frame, "p2", 0);
-  Camera sized = camera;  // where the file gives no size or an angle alone, the caller knows the photograph's size
+  Camera sized = camera;  // where the file gives no size or an angle alone, the caller knows the
+                          // photograph's size
   if (sized.width == 0 || sized.height == 0) sized.width = sized.height = 1;
   sized.fx = std::abs(sized.fx);
   sized.fy = std::abs(sized.fy);
@@ -55,17 +59,21 @@ Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
   Eigen::Matrix4d world_from_gl;
   for (int r = 0; r < 4; ++r)
     for (int c = 0; c < 4; ++c)
-      world_from_gl(r, c) = matrix.size() == 3 && r == 3
-                                ? static_cast<double>(c == 3)
-                                : matrix.at(static_cast<std::size_t>(r)).at(static_cast<std::size_t>(c)).get<double>();
+      world_from_gl(r, c) = matrix.size() == 3 && r == 3 ? static_cast<double>(c == 3)
+                                                         : matrix.at(static_cast<std::size_t>(r))
+                                                               .at(static_cast<std::size_t>(c))
+                                                               .get<double>();
   Eigen::Matrix3d rotation = world_from_gl.topLeftCorner<3, 3>();
-  const double off = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!world_from_gl.allFinite() || world_from_gl.cwiseAbs().maxCoeff() > kMostCoordinate || !(off < 1e-3) || rotation.determinant() < 0)
-    throw InputError(where + ": transform_matrix is no rotation and translation (off by " + std::to_string(off) +
-                     "); write the camera-to-world matrix without scale");
+  const double off =
+      (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!world_from_gl.allFinite() || world_from_gl.cwiseAbs().maxCoeff() > kMostCoordinate ||
+      !(off < 1e-3) || rotation.determinant() < 0)
+    throw InputError(where + ": transform_matrix is no rotation and translation (off by " +
+                     std::to_string(off) + "); write the camera-to-world matrix without scale");
   rotation.col(1) = -rotation.col(1).eval();  // y down and z forward
   rotation.col(2) = -rotation.col(2).eval();
-  const Rigid3 world_from_camera{Eigen::Quaterniond(rotation).normalized(), world_from_gl.topRightCorner<3, 1>()};
+  const Rigid3 world_from_camera{Eigen::Quaterniond(rotation).normalized(),
+                                 world_from_gl.topRightCorner<3, 1>()};
   return world_from_camera.Inverse();
 }
 
@@ -80,7 +88,8 @@ std::vector<View> ReadTransforms(const fs::path& path) {
       view.name = fs::path(frame.at("file_path").get<std::string>()).filename().string();
       const std::string where = path.string() + ", frame " + view.name;
       view.camera = CameraOfFrame(root, frame, where);
-      if (view.camera.fx == 0) throw InputError(where + " has no focal length; give fl_x or camera_angle_x");
+      if (view.camera.fx == 0)
+        throw InputError(where + " has no focal length; give fl_x or camera_angle_x");
       view.camera_from_world = CameraFromWorld(frame.at("transform_matrix"), where);
       views.push_back(std::move(view));
     }
@@ -99,11 +108,14 @@ std::vector<View> ReadPoses(const fs::path& path) {
   else if (path.extension() == ".json")
     views = ReadTransforms(path);
   else
-    throw InputError(path.string() + " is neither a folder with a COLMAP model nor a transforms.json");
+    throw InputError(path.string() +
+                     " is neither a folder with a COLMAP model nor a transforms.json");
   if (views.empty()) throw InputError(path.string() + " holds no camera");
-  std::sort(views.begin(), views.end(), [](const View& a, const View& b) { return a.name < b.name; });
+  std::sort(views.begin(), views.end(),
+            [](const View& a, const View& b) { return a.name < b.name; });
   for (std::size_t i = 1; i < views.size(); ++i)
-    if (views[i].name == views[i - 1].name) throw InputError(path.string() + " has two cameras for " + views[i].name);
+    if (views[i].name == views[i - 1].name)
+      throw InputError(path.string() + " has two cameras for " + views[i].name);
   return views;
 }
 

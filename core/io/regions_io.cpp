@@ -46,7 +46,7 @@ double MeanEdge(const Mesh& mesh) {
 std::vector<std::pair<int, int>> CornersOfVertices(const Mesh& mesh) {
   std::vector<std::pair<int, int>> corners(static_cast<std::size_t>(mesh.vertex_count()), {-1, 0});
   for (Eigen::Index f = mesh.faces.rows() - 1; f >= 0; --f)
-    for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(mesh.faces(f, k))] = {static_cast<int>(f), k};
+    for (int k = 0; k < 3; ++k) corners[mesh.faces(f, k)] = {static_cast<int>(f), k};
   return corners;
 }
 
@@ -57,21 +57,26 @@ RegionsFile ReadRegions(const std::filesystem::path& path) {
   try {
     const json root = json::parse(text);
     file.binding = BindingFrom(root.at("mesh"), path);
-    if (!file.binding.known()) throw InputError(path.string() + " does not say which mesh its regions are of; bind them again");
+    if (!file.binding.known())
+      throw InputError(path.string() +
+                       " does not say which mesh its regions are of; bind them again");
     for (const json& entry : root.at("regions")) {
       BoundRegion region;
       region.vertices = entry.value("vertices", std::vector<int>());
       region.spacing = entry.value("spacing", 0.0);
       region.radius = entry.value("radius", 0.0);
       if (entry.contains("center"))
-        for (std::size_t k = 0; k < 3; ++k) region.center[static_cast<Eigen::Index>(k)] = entry["center"].at(k);
+        for (std::size_t k = 0; k < 3; ++k)
+          region.center[static_cast<Eigen::Index>(k)] = entry["center"].at(k);
       for (const json& place : entry.value("places", json::array()))
         if (const auto read = PlaceFrom(place)) region.places.push_back(*read);
-      if (region.places.size() != region.vertices.size()) throw InputError(path.string() + ": a region has not one place a vertex");
+      if (region.places.size() != region.vertices.size())
+        throw InputError(path.string() + ": a region has not one place a vertex");
       file.regions[entry.at("name").get<std::string>()] = std::move(region);
     }
   } catch (const json::exception& error) {
-    throw InputError(fmt::format("{} is not a file of regions: {}", path.string(), JsonFault(error)));
+    throw InputError(
+        fmt::format("{} is not a file of regions: {}", path.string(), JsonFault(error)));
   }
   return file;
 }
@@ -82,15 +87,16 @@ bool SameSet(std::vector<int> a, std::vector<int> b) {
   return a == b;
 }
 
-/// The vertices now at the places of the region: the corner nearest to each, and all within half an edge of one.
-std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carrier, const Mesh& now, const std::string& name,
-                                 std::vector<std::string>& lost) {
+/// The vertices now at the places of the region: the corner nearest to each, and all within half an
+/// edge of one.
+std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carrier, const Mesh& now,
+                                 const std::string& name, std::vector<std::string>& lost) {
   std::set<int> found;
   PointsX3 places(static_cast<Eigen::Index>(region.places.size()), 3);
   int missing = 0;
   std::string why;
   for (std::size_t i = 0; i < region.places.size(); ++i) {
-    places.row(static_cast<Eigen::Index>(i)) = region.places[i].position.transpose();
+    places.row(i) = region.places[i].position.transpose();
     const CarriedPlace carried = carrier.Carry(region.places[i]);
     if (carried.grade == CarriedPlace::Grade::kLost) {
       ++missing;
@@ -102,7 +108,8 @@ std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carri
     found.insert(now.faces(carried.face, corner));
   }
   if (missing > kMayBeLost * static_cast<double>(region.places.size())) {
-    lost.push_back(fmt::format("'{}' ({} of {} vertices: {})", name, missing, region.places.size(), why));
+    lost.push_back(
+        fmt::format("'{}' ({} of {} vertices: {})", name, missing, region.places.size(), why));
     return {};
   }
   const KdTree tree(places);
@@ -111,7 +118,7 @@ std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carri
   for (int v = 0; v < now.vertex_count(); ++v) {
     const KdTree::Neighbor near = tree.Nearest(carrier.BackFrom(now.points.row(v)));
     if (std::sqrt(near.squared_distance) > 0.5 * region.spacing) continue;
-    const Eigen::Vector3d normal = turn * region.places[static_cast<std::size_t>(near.index)].normal;
+    const Eigen::Vector3d normal = turn * region.places[near.index].normal;
     if (normal.dot(normals.row(v)) > 0) found.insert(v);
   }
   return {found.begin(), found.end()};
@@ -120,14 +127,16 @@ std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carri
 void Unbound(const TimelineRegion& region, CarryLog* log) {
   if (!log || region.vertices.empty()) return;
   log->warnings.push_back(
-      fmt::format("the timeline's region '{}' is a list of vertices that nothing binds to a mesh: made anew, the template "
-                  "has other vertices under these numbers. Bind it (keypose landmarks bind --mesh FIRST_KEY --timeline "
+      fmt::format("the timeline's region '{}' is a list of vertices that nothing binds to a mesh: "
+                  "made anew, the template "
+                  "has other vertices under these numbers. Bind it (keypose landmarks bind --mesh "
+                  "FIRST_KEY --timeline "
                   "pipeline.yaml --bound regions.json), or give it as a ball (center, radius)",
                   region.name));
 }
 
-void CarryRegion(const BoundRegion& bound, const Carrier& carrier, const Mesh& now, TimelineRegion& region,
-                 std::vector<std::string>& lost) {
+void CarryRegion(const BoundRegion& bound, const Carrier& carrier, const Mesh& now,
+                 TimelineRegion& region, std::vector<std::string>& lost) {
   if (!region.vertices.empty()) {
     region.vertices = CarriedVertices(bound, carrier, now, region.name, lost);
     return;
@@ -142,11 +151,13 @@ void CarryRegion(const BoundRegion& bound, const Carrier& carrier, const Mesh& n
 
 }  // namespace
 
-void WriteRegions(const std::filesystem::path& path, const Mesh& mesh, const std::vector<TimelineRegion>& regions) {
+void WriteRegions(const std::filesystem::path& path, const Mesh& mesh,
+                  const std::vector<TimelineRegion>& regions) {
   const SurfacePlaces places(mesh);
   const auto corners = CornersOfVertices(mesh);
   const double spacing = MeanEdge(mesh);
-  json root = {{"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"regions", json::array()}};
+  json root = {
+      {"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"regions", json::array()}};
   for (const TimelineRegion& region : regions) {
     json entry = {{"name", region.name}};
     if (region.vertices.empty()) {
@@ -158,12 +169,13 @@ void WriteRegions(const std::filesystem::path& path, const Mesh& mesh, const std
       entry["places"] = json::array();
     }
     for (const int v : region.vertices) {
-      if (v < 0 || v >= mesh.vertex_count() || corners[static_cast<std::size_t>(v)].first < 0)
+      if (v < 0 || v >= mesh.vertex_count() || corners[v].first < 0)
         throw InputError(
-            fmt::format("region '{}' has vertex {}, but the mesh has no such vertex on a face ({} vertices); it was counted on "
+            fmt::format("region '{}' has vertex {}, but the mesh has no such vertex on a face ({} "
+                        "vertices); it was counted on "
                         "another mesh",
                         region.name, v, mesh.vertex_count()));
-      const auto [face, corner] = corners[static_cast<std::size_t>(v)];
+      const auto [face, corner] = corners[v];
       json place = json::object();
       AddPlace(places.At(face, Eigen::Vector3d::Unit(corner)), place);
       entry["places"].push_back(std::move(place));
@@ -173,7 +185,8 @@ void WriteRegions(const std::filesystem::path& path, const Mesh& mesh, const std
   WriteFileAtomically(path, root.dump() + "\n");
 }
 
-void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Timeline& timeline, CarryLog* log) {
+void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Timeline& timeline,
+                   CarryLog* log) {
   if (timeline.regions.empty()) return;
   if (path.empty()) {
     for (const TimelineRegion& region : timeline.regions) Unbound(region, log);
@@ -189,10 +202,13 @@ void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Tim
       Unbound(region, log);
       continue;
     }
-    const bool moved_ball = (bound->second.center - region.center).norm() > 0 || bound->second.radius != region.radius;
-    if (!SameSet(bound->second.vertices, region.vertices) || (region.vertices.empty() && moved_ball))
+    const bool moved_ball =
+        (bound->second.center - region.center).norm() > 0 || bound->second.radius != region.radius;
+    if (!SameSet(bound->second.vertices, region.vertices) ||
+        (region.vertices.empty() && moved_ball))
       throw InputError(
-          fmt::format("the timeline's region '{}' was changed since {} was written; bind the regions again: keypose landmarks "
+          fmt::format("the timeline's region '{}' was changed since {} was written; bind the "
+                      "regions again: keypose landmarks "
                       "bind --mesh FIRST_KEY --timeline pipeline.yaml --bound {}",
                       region.name, path.filename().string(), path.filename().string()));
     if (!carrier) continue;
@@ -201,12 +217,14 @@ void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Tim
   }
   if (!lost.empty())
     throw InputError(
-        fmt::format("{}: the template was made anew since, and these regions of the timeline could not follow: {}; list their "
+        fmt::format("{}: the template was made anew since, and these regions of the timeline could "
+                    "not follow: {}; list their "
                     "vertices again and bind them (keypose landmarks bind --timeline)",
                     path.filename().string(), fmt::join(lost, ", ")));
   if (!carried.empty() && log)
-    log->notes.push_back(fmt::format("{}: the template was made anew since ({}); the regions {} were carried over",
-                                     path.filename().string(), carrier->change().Words(), fmt::join(carried, ", ")));
+    log->notes.push_back(
+        fmt::format("{}: the template was made anew since ({}); the regions {} were carried over",
+                    path.filename().string(), carrier->change().Words(), fmt::join(carried, ", ")));
 }
 
 }  // namespace keypose

@@ -8,7 +8,7 @@ Sight ReadSight(const ImageSet& set, const Scene& scene) {
   Sight sight;
   for (const View& view : scene.views) {
     const int i = set.Find(view.name);
-    if (i < 0 || set.images[static_cast<std::size_t>(i)].mask.empty() || !set.images[static_cast<std::size_t>(i)].trusted) continue;
+    if (i < 0 || set.images[i].mask.empty() || !set.images[i].trusted) continue;
     sight.views.push_back(view);
     sight.masks.push_back(ReadImage(set.MaskPath(i), 1));
   }

@@ -19,7 +19,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kNoCounterpart = 0.02;      // of the diagonal: a vertex of the source lies so far from all that was painted
+// of the diagonal: a vertex of the source lies so far from all that was painted
+constexpr double kNoCounterpart = 0.02;
 constexpr double kMayLackCounterpart = 0.1;  // share of vertices
 
 struct Painted {
@@ -38,23 +39,27 @@ Painted PaintedFromJson(const std::string& text, const std::string& name) {
     painted.points.resize(static_cast<Eigen::Index>(lines.size()), 3);
     painted.stiffness.resize(painted.points.rows());
     for (Eigen::Index i = 0; i < painted.points.rows(); ++i) {
-      std::istringstream line(lines[static_cast<std::size_t>(i)].get<std::string>());
+      std::istringstream line(lines[i].get<std::string>());
       double factor = 0;
       for (int k = 0; k < 3; ++k) line >> painted.points(i, k);
       const bool near = painted.points.row(i).cwiseAbs().maxCoeff() <= kMostCoordinate;
       if (!(line >> factor) || !near || !std::isfinite(factor) || factor <= 0)
-        throw InputError(fmt::format("{}: entry {} of `stiffness` must be a place and a positive number", name, i));
+        throw InputError(fmt::format(
+            "{}: entry {} of `stiffness` must be a place and a positive number", name, i));
       painted.stiffness[i] = factor;
     }
   } catch (const json::exception& error) {
     throw InputError(name + " is not a bound stiffness: " + JsonFault(error));
   }
   if (!painted.binding.known() || painted.points.rows() != painted.binding.vertex_count)
-    throw InputError(name + ": it does not have one entry for each vertex of the mesh that it names; bind it again");
+    throw InputError(
+        name +
+        ": it does not have one entry for each vertex of the mesh that it names; bind it again");
   return painted;
 }
 
-Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const std::string& name, CarryLog* log) {
+Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const std::string& name,
+                            CarryLog* log) {
   const Carrier carrier(painted.binding, source);
   const FrameChange& change = carrier.change();
   const KdTree tree(painted.points);
@@ -68,20 +73,26 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
   }
   const double share = static_cast<double>(far) / source.vertex_count();
   if (!change.found() || share > kMayLackCounterpart)
-    throw InputError(
-        fmt::format("register: the source was made anew since {} was painted, and the stiffness could not follow: {}; paint it "
-                    "again on the source mesh",
-                    name,
-                    change.found()     ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
-                    : change.ambiguous ? "the thing looks the same from several sides"
-                                       : fmt::format("{:.0f} % of both shapes agree at best", 100 * change.agreeing)));
+    throw InputError(fmt::format(
+        "register: the source was made anew since {} was painted, and the stiffness could not "
+        "follow: {}; paint it "
+        "again on the source mesh",
+        name,
+        change.found()
+            ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
+        : change.ambiguous
+            ? "the thing looks the same from several sides"
+            : fmt::format("{:.0f} % of both shapes agree at best", 100 * change.agreeing)));
   if (!log) return stiffness;
-  const std::string how = fmt::format("{}: the source was made anew since ({}); the stiffness was carried over", name, change.Words());
+  const std::string how =
+      fmt::format("{}: the source was made anew since ({}); the stiffness was carried over", name,
+                  change.Words());
   if (far == 0)
     log->notes.push_back(how);
   else
     log->warnings.push_back(
-        fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; look whether stiff parts "
+        fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; "
+                    "look whether stiff parts "
                     "still are",
                     how, 100 * share));
   return stiffness;
@@ -90,15 +101,18 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
 }  // namespace
 
 std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffness) {
-  json root = {{"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"stiffness", json::array()}};
+  json root = {
+      {"schema", 2}, {"mesh", BindingJson<json>(BindTo(mesh))}, {"stiffness", json::array()}};
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const auto p = mesh.points.row(v);
-    root["stiffness"].push_back(fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", p[0], p[1], p[2], stiffness[v]));
+    root["stiffness"].push_back(
+        fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", p[0], p[1], p[2], stiffness[v]));
   }
   return root.dump(1) + "\n";
 }
 
-Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const Mesh& painted, const std::string& name, CarryLog* log) {
+Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const Mesh& painted,
+                            const std::string& name, CarryLog* log) {
   if (text.starts_with("ply")) {
     const Eigen::VectorXd stiffness = StiffnessFromColors(painted, painted.vertex_count(), name);
     if (GeometryHash(painted) == GeometryHash(source)) return stiffness;
@@ -107,15 +121,18 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
     shape.faces = painted.faces;
     return CarriedOver({BindTo(shape), painted.points, stiffness}, source, name, log);
   }
-  if (text.find_first_not_of(" \t\r\n") != std::string::npos && text[text.find_first_not_of(" \t\r\n")] == '{') {
+  if (text.find_first_not_of(" \t\r\n") != std::string::npos &&
+      text[text.find_first_not_of(" \t\r\n")] == '{') {
     const Painted bound = PaintedFromJson(text, name);
     if (bound.binding.geometry == GeometryHash(source)) return bound.stiffness;
     return CarriedOver(bound, source, name, log);
   }
   if (log)
     log->warnings.push_back(name +
-                            " does not say on which mesh its stiffness was painted; if the source was made anew since, stiff parts are "
-                            "elsewhere now. Bind it: keypose landmarks bind --mesh SOURCE --stiffness FILE --bound FILE.json");
+                            " does not say on which mesh its stiffness was painted; if the source "
+                            "was made anew since, stiff parts are "
+                            "elsewhere now. Bind it: keypose landmarks bind --mesh SOURCE "
+                            "--stiffness FILE --bound FILE.json");
   return ParseStiffness(text, source.vertex_count(), name);
 }
 

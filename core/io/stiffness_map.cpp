@@ -12,8 +12,9 @@ namespace {
 
 void CheckCount(Eigen::Index count, int vertex_count, const std::string& name) {
   if (count != vertex_count)
-    throw InputError("register: " + name + " has " + std::to_string(count) + " stiffness values, but the source has " +
-                     std::to_string(vertex_count) + " vertices; paint it on the source mesh");
+    throw InputError("register: " + name + " has " + std::to_string(count) +
+                     " stiffness values, but the source has " + std::to_string(vertex_count) +
+                     " vertices; paint it on the source mesh");
 }
 
 }  // namespace
@@ -42,9 +43,11 @@ Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const 
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count, const std::string& name) {
+Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count,
+                                    const std::string& name) {
   if (painted.colors.rows() == 0)
-    throw InputError("register: " + name + " has no vertex colours; paint greys, or pass a text file of numbers");
+    throw InputError("register: " + name +
+                     " has no vertex colours; paint greys, or pass a text file of numbers");
   CheckCount(painted.colors.rows(), vertex_count, name);
   const Eigen::VectorXd luma = painted.colors.cast<double>() * Eigen::Vector3d(0.299, 0.587, 0.114);
   return luma.unaryExpr([](double y) { return std::pow(8.0, y / 127.5 - 1.0); });

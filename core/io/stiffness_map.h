@@ -8,8 +8,10 @@
 
 namespace keypose {
 
-/// Numbers separated by white space, one for each vertex; '#' starts a comment to the end of the line.
-/// @throws InputError  not a number, not positive, or another count than `vertex_count`; names the line
+/// Numbers separated by white space, one for each vertex; '#' starts a comment to the end of the
+/// line.
+/// @throws InputError  not a number, not positive, or another count than `vertex_count`; names the
+/// line
 Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const std::string& name);
 
 /// Painted greys: factor 8^(luma / 127.5 - 1), so black is 1/8, middle grey 1, white 8.

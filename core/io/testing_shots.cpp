@@ -18,15 +18,16 @@ MaskShot MasksOf(const Mesh& mesh, std::vector<View> views) {
   for (View& view : views) {
     const Raster raster = Rasterize(mesh, scene, view);
     Image8 mask(view.camera.width, view.camera.height, 1);
-    for (std::size_t p = 0; p < mask.data.size(); ++p) mask.data[p] = raster.face.data[p] >= 0 ? 255 : 0;
+    for (std::size_t p = 0; p < mask.data.size(); ++p)
+      mask.data[p] = raster.face.data[p] >= 0 ? 255 : 0;
     shot.views.push_back(std::move(view));
     shot.masks.push_back(std::move(mask));
   }
   return shot;
 }
 
-MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle, const std::vector<double>& elevations_deg, int views_a_ring,
-                        int side_px) {
+MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle,
+                        const std::vector<double>& elevations_deg, int views_a_ring, int side_px) {
   std::vector<View> views;
   for (const double elevation : elevations_deg)
     for (int i = 0; i < views_a_ring; ++i) {
@@ -36,7 +37,8 @@ MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle, const s
       view.camera.width = view.camera.height = side_px;
       view.camera.fx = view.camera.fy = 2 * side_px;
       view.camera.cx = view.camera.cy = 0.5 * side_px;
-      const Eigen::Vector3d toward(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+      const Eigen::Vector3d toward(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e),
+                                   std::sin(e));
       view.camera_from_world = LookAt(middle + 4 * toward, middle);
       views.push_back(view);
     }
@@ -51,7 +53,8 @@ void WriteShot(const std::filesystem::path& folder, const MaskShot& shot) {
   Scene scene;
   for (std::size_t i = 0; i < shot.views.size(); ++i) {
     CapturedImage image;
-    image.name = shot.views[i].name, image.width = shot.masks[i].width, image.height = shot.masks[i].height;
+    image.name = shot.views[i].name, image.width = shot.masks[i].width,
+    image.height = shot.masks[i].height;
     image.mask = "masks/" + image.name + ".png";
     WriteImage(set.folder / image.name, shot.masks[i]);
     WriteImage(set.folder / image.mask, shot.masks[i]);

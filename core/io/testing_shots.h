@@ -18,11 +18,13 @@ struct MaskShot {
 /// The mesh as each view sees it.
 MaskShot MasksOf(const Mesh& mesh, std::vector<View> views);
 
-/// From rings of cameras at distance 4 that look at `middle`; focal length twice the pictures' side, so that a pixel is 2 / side_px there.
-MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle, const std::vector<double>& elevations_deg, int views_a_ring,
-                        int side_px);
+/// From rings of cameras at distance 4 that look at `middle`; focal length twice the pictures'
+/// side, so that a pixel is 2 / side_px there.
+MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle,
+                        const std::vector<double>& elevations_deg, int views_a_ring, int side_px);
 
-/// `images` and `model` in a folder, as capture, masks and sfm make them; the photographs show the masks.
+/// `images` and `model` in a folder, as capture, masks and sfm make them; the photographs show the
+/// masks.
 void WriteShot(const std::filesystem::path& folder, const MaskShot& shot);
 
 }  // namespace keypose

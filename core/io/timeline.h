@@ -18,12 +18,14 @@ struct TimelineError : InputError {
   int key;
 };
 
-/// Reads {"schema": 2, "fps": 24, "keys": [{"pose": "rest", "time": 0}, ...], ...}; docs/file-formats.md has all fields. Schema 1 (fps,
-/// pose and time only) is read too.
+/// Reads {"schema": 2, "fps": 24, "keys": [{"pose": "rest", "time": 0}, ...], ...};
+/// docs/file-formats.md has all fields. Schema 1 (fps, pose and time only) is read too.
 ///
 /// @param source  how messages name it
-/// @throws TimelineError  malformed, an unknown field (with the nearest known one), a value out of range, keys not in the order of time, a
-///                        hold that does not end before the next key, a region that does not exist; names key and field
+/// @throws TimelineError  malformed, an unknown field (with the nearest known one), a value out of
+/// range, keys not in the order of time, a
+///                        hold that does not end before the next key, a region that does not exist;
+///                        names key and field
 Timeline ParseTimeline(const std::string& json, const std::string& source);
 
 }  // namespace keypose

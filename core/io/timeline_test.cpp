@@ -13,7 +13,8 @@ std::string WithKey(const std::string& field) {
          field + "}]}";
 }
 std::string WithTop(const std::string& top) {
-  return R"({"schema":2,"fps":24,)" + top + R"(,"keys":[{"pose":"rest","time":0},{"pose":"up","time":1}]})";
+  return R"({"schema":2,"fps":24,)" + top +
+         R"(,"keys":[{"pose":"rest","time":0},{"pose":"up","time":1}]})";
 }
 
 std::string Complaint(const std::string& text) {
@@ -26,8 +27,8 @@ std::string Complaint(const std::string& text) {
 }
 
 TEST(ParseTimeline, ReadsEveryField) {
-  const Timeline t =
-      Parse(R"({"schema":2,"fps":12.5,"loop":true,"overshoot":true,"interpolation":"linear","ease":"in","step":2,"table":-0.5,
+  const Timeline t = Parse(
+      R"({"schema":2,"fps":12.5,"loop":true,"overshoot":true,"interpolation":"linear","ease":"in","step":2,"table":-0.5,
     "volume":[{"time":0.5,"ratio":0.8}],
     "regions":[{"name":"foot","vertices":[3,4]},{"name":"hand","center":[1,2,3],"radius":0.25}],
     "pins":[{"region":"foot","from":0,"to":1}],
@@ -55,25 +56,33 @@ TEST(ParseTimeline, ReadsEveryField) {
 }
 
 TEST(ParseTimeline, SchemaOneIsReadAsBeforeAndKnowsNothingElse) {
-  const Timeline t = Parse(R"({"schema":1,"fps":24,"keys":[{"pose":"a","time":0},{"pose":"b","time":0.5}]})");
+  const Timeline t =
+      Parse(R"({"schema":1,"fps":24,"keys":[{"pose":"a","time":0},{"pose":"b","time":0.5}]})");
   EXPECT_EQ(t.keys[1].time_s.value(), 0.5);
   EXPECT_EQ(t.keys[0].travel, Travel::kSmooth);
   EXPECT_TRUE(t.keys[0].ease.even());
-  EXPECT_NE(Complaint(R"({"schema":1,"fps":24,"keys":[{"pose":"a","time":0,"hold":1},{"pose":"b","time":2}]})").find("no field 'hold'"),
-            std::string::npos);
+  EXPECT_NE(
+      Complaint(
+          R"({"schema":1,"fps":24,"keys":[{"pose":"a","time":0,"hold":1},{"pose":"b","time":2}]})")
+          .find("no field 'hold'"),
+      std::string::npos);
   EXPECT_NE(Complaint(R"({"schema":3,"fps":24,"keys":[]})").find("update"), std::string::npos);
 }
 
 TEST(ParseTimeline, KeysMayHaveNoTimesButAllOrNone) {
-  EXPECT_FALSE(Parse(R"({"schema":2,"fps":24,"keys":[{"pose":"a","hold":1},{"pose":"b"}]})").has_times());
-  EXPECT_NE(Complaint(R"({"schema":2,"fps":24,"keys":[{"pose":"a"},{"pose":"b","time":1}]})").find("key 1 ('b'): field 'time'"),
+  EXPECT_FALSE(
+      Parse(R"({"schema":2,"fps":24,"keys":[{"pose":"a","hold":1},{"pose":"b"}]})").has_times());
+  EXPECT_NE(Complaint(R"({"schema":2,"fps":24,"keys":[{"pose":"a"},{"pose":"b","time":1}]})")
+                .find("key 1 ('b'): field 'time'"),
             std::string::npos);
 }
 
 TEST(ParseTimeline, NamesKeyAndFieldAndTheNearestKnownOne) {
   EXPECT_EQ(Complaint(WithKey("")), "");
-  EXPECT_EQ(Complaint(WithKey(R"(,"eas":"in")")), "timeline.json: key 1 ('up') has no field 'eas'; did you mean 'ease'?");
-  EXPECT_EQ(Complaint(WithTop(R"("lop":true)")), "timeline.json has no field 'lop'; did you mean 'loop'?");
+  EXPECT_EQ(Complaint(WithKey(R"(,"eas":"in")")),
+            "timeline.json: key 1 ('up') has no field 'eas'; did you mean 'ease'?");
+  EXPECT_EQ(Complaint(WithTop(R"("lop":true)")),
+            "timeline.json has no field 'lop'; did you mean 'loop'?");
   for (const auto& [field, words] : std::map<std::string, std::string>{
            {R"(,"ease":"inn")", "key 1 ('up'): field 'ease' is 'inn'"},
            {R"(,"ease":[0,0,1])", "key 1 ('up'): field 'ease' is [0,0,1]"},
@@ -84,21 +93,31 @@ TEST(ParseTimeline, NamesKeyAndFieldAndTheNearestKnownOne) {
            {R"(,"step":1.5)", "key 1 ('up'): field 'step' is 1.5, but it must be a whole number"},
            {R"(,"step":0)", "field 'step'"},
            {R"(,"turns":{"leg":0.5})", "key 1 ('up'): field 'turns'"},
-           {R"(,"turns":{"leg":{"turns":1,"axle":[0,0,1]}})", "turns of 'leg' has no field 'axle'; did you mean 'axis'?"},
+           {R"(,"turns":{"leg":{"turns":1,"axle":[0,0,1]}})",
+            "turns of 'leg' has no field 'axle'; did you mean 'axis'?"},
            {R"(,"turns":{"leg":{"axis":[0,0,1]}})", "say no number of turns"},
-           {R"(,"turns":{"lek":1})", "names the region 'lek', which is not among `regions`; did you mean 'leg'?"}})
-    EXPECT_NE(Complaint(WithKey(field)).find(words), std::string::npos) << field << " gives: " << Complaint(WithKey(field));
+           {R"(,"turns":{"lek":1})",
+            "names the region 'lek', which is not among `regions`; did you mean 'leg'?"}})
+    EXPECT_NE(Complaint(WithKey(field)).find(words), std::string::npos)
+        << field << " gives: " << Complaint(WithKey(field));
 }
 
 TEST(ParseTimeline, RefusesWhatCannotBe) {
   for (const std::string& text :
-       {std::string("not json"), std::string("[]"), std::string(R"({"fps":24})"), std::string(R"({"keys":[{"time":0},{"time":1}]})"),
-        std::string(R"({"fps":0,"keys":[{"time":0},{"time":1}]})"), std::string(R"({"fps":24,"keys":[{"time":0}]})"),
-        std::string(R"({"fps":24,"keys":[{"time":1},{"time":0}]})"), std::string(R"({"fps":24,"keys":[{"time":0},7]})"),
-        std::string(R"({"fps":24,"keys":[{"time":0,"hold":2},{"time":1}]})"), WithTop(R"("regions":[{"name":"a"}])"),
-        WithTop(R"("regions":[{"name":"a","vertices":[-1]}])"), WithTop(R"("regions":[{"center":[0,0,0],"radius":1}])"),
-        WithTop(R"("pins":[{"region":"nothing"}])"), WithTop(R"("trajectories":[{"region":"x","points":[]}])"),
-        WithTop(R"("volume":[{"time":1,"ratio":0}])"), WithTop(R"("volume":"much")"), WithTop(R"("table":"low")")})
+       {std::string("not json"), std::string("[]"), std::string(R"({"fps":24})"),
+        std::string(R"({"keys":[{"time":0},{"time":1}]})"),
+        std::string(R"({"fps":0,"keys":[{"time":0},{"time":1}]})"),
+        std::string(R"({"fps":24,"keys":[{"time":0}]})"),
+        std::string(R"({"fps":24,"keys":[{"time":1},{"time":0}]})"),
+        std::string(R"({"fps":24,"keys":[{"time":0},7]})"),
+        std::string(R"({"fps":24,"keys":[{"time":0,"hold":2},{"time":1}]})"),
+        WithTop(R"("regions":[{"name":"a"}])"),
+        WithTop(R"("regions":[{"name":"a","vertices":[-1]}])"),
+        WithTop(R"("regions":[{"center":[0,0,0],"radius":1}])"),
+        WithTop(R"("pins":[{"region":"nothing"}])"),
+        WithTop(R"("trajectories":[{"region":"x","points":[]}])"),
+        WithTop(R"("volume":[{"time":1,"ratio":0}])"), WithTop(R"("volume":"much")"),
+        WithTop(R"("table":"low")")})
     EXPECT_THROW(Parse(text), TimelineError) << text;
 }
 

@@ -19,7 +19,8 @@ StageSpec FolderSpec() {
           "1",
           "Copies photographs.",
           {{"photos", "folder", "what to copy", ""}, {"list", "file", "names", "", true}},
-          {{"images", "folder", "the copies", "images"}, {"note", "file", "what was done", "note.txt", true}},
+          {{"images", "folder", "the copies", "images"},
+           {"note", "file", "what was done", "note.txt", true}},
           {},
           1,
           0.1};
@@ -28,7 +29,8 @@ StageSpec FolderSpec() {
 void CopyPhotographs(StageContext& stage, const NoOptions&) {
   const fs::path images = stage.Output("images");
   for (const auto& entry : fs::directory_iterator(stage.Input("photos")))
-    if (entry.is_regular_file() && !entry.path().filename().string().starts_with(".")) fs::copy_file(entry.path(), images / entry.path().filename());
+    if (entry.is_regular_file() && !entry.path().filename().string().starts_with("."))
+      fs::copy_file(entry.path(), images / entry.path().filename());
   fs::create_directories(images / "masks");
   WriteFile(images / "masks/a.png", "mask");
   if (stage.Has("note")) WriteFile(stage.Output("note"), "done");
@@ -37,7 +39,8 @@ void CopyPhotographs(StageContext& stage, const NoOptions&) {
 class OutputGuardTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::canonical(fs::temp_directory_path()) / ("keypose_guard_" + std::to_string(::getpid()));
+    folder_ =
+        fs::canonical(fs::temp_directory_path()) / ("keypose_guard_" + std::to_string(::getpid()));
     fs::create_directories(folder_ / "shoot");
     WriteFile(folder_ / "shoot/a.jpg", "original");
     before_ = fs::current_path();
@@ -53,14 +56,16 @@ class OutputGuardTest : public testing::Test {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<NoOptions>(static_cast<int>(argv.size()), argv.data(), FolderSpec(), CopyPhotographs);
+    const int code = RunStage<NoOptions>(static_cast<int>(argv.size()), argv.data(), FolderSpec(),
+                                         CopyPhotographs);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   }
   void ExpectOriginal() const { EXPECT_EQ(ReadFile(folder_ / "shoot/a.jpg"), "original"); }
   int HiddenLeft() const {
     int count = 0;
-    for (const auto& entry : fs::directory_iterator(folder_)) count += entry.path().filename().string().starts_with(".");
+    for (const auto& entry : fs::directory_iterator(folder_))
+      count += entry.path().filename().string().starts_with(".");
     return count;
   }
   fs::path folder_, before_;
@@ -83,7 +88,11 @@ TEST_F(OutputGuardTest, NeverReplacesAnInputOrWhatHoldsOne) {
   fs::create_directories(folder_ / "work/shoot");
   WriteFile(folder_ / "work/shoot/b.jpg", "b");
   fs::create_directory_symlink(folder_ / "shoot", folder_ / "link");
-  for (const auto& [photos, images] : {std::pair{"shoot", "shoot"}, {"shoot", "link"}, {"link", "shoot"}, {"work/shoot", "work"}, {"work", "work/shoot"}})
+  for (const auto& [photos, images] : {std::pair{"shoot", "shoot"},
+                                       {"shoot", "link"},
+                                       {"link", "shoot"},
+                                       {"work/shoot", "work"},
+                                       {"work", "work/shoot"}})
     for (const bool overwrite : {false, true}) {
       std::vector<std::string> arguments{"--photos", photos, "--images", images};
       if (overwrite) arguments.push_back("--overwrite");
@@ -92,8 +101,12 @@ TEST_F(OutputGuardTest, NeverReplacesAnInputOrWhatHoldsOne) {
       EXPECT_TRUE(fs::exists(folder_ / "work/shoot/b.jpg"));
     }
   WriteFile(folder_ / "names.txt", "names");
-  EXPECT_EQ(Run({"--photos", "shoot", "--images", "out", "--list", "names.txt", "--note", "./names.txt"}), 4);
-  EXPECT_EQ(Run({"--photos", "shoot", "--images", "out", "--list", "names.txt", "--report", "names.txt"}), 4);
+  EXPECT_EQ(
+      Run({"--photos", "shoot", "--images", "out", "--list", "names.txt", "--note", "./names.txt"}),
+      4);
+  EXPECT_EQ(
+      Run({"--photos", "shoot", "--images", "out", "--list", "names.txt", "--report", "names.txt"}),
+      4);
   EXPECT_EQ(ReadFile(folder_ / "names.txt"), "names");
 }
 
@@ -151,7 +164,8 @@ TEST_F(OutputGuardTest, TheRunnersFoldersHaveNoMark) {
   ::setenv("KEYPOSE_PROGRESS_FD", "999", 1);
   EXPECT_EQ(Run({"--photos", "shoot", "--images", "out"}), 0) << error_;
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "out")) files += entry.path().filename().string().starts_with(".");
+  for (const auto& entry : fs::directory_iterator(folder_ / "out"))
+    files += entry.path().filename().string().starts_with(".");
   EXPECT_EQ(files, 0);
 }
 

@@ -1,25 +1,27 @@
-// The context of a running stage: ports bound to paths, outputs that appear only on success, the report. Used by stage_main.cpp only.
+// The context of a running stage: ports bound to paths, outputs that appear only on success, the
+// report. Used by stage_main.cpp only.
 #pragma once
 
-#include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/stage/output_guard.h"
 #include "core/stage/stage.h"
 
 namespace keypose::internal {
 
-using PortPaths = std::map<std::string, std::vector<std::filesystem::path>, std::less<>>;
-
 /// How outputs come to their places.
 struct Placing {
   bool overwrite = false;  ///< folders that this stage did not write may be replaced
-  bool mark = false;       ///< folders say who wrote them, see MarkFolder; the runner's are its own, and are kept by their content alone
+  bool mark = false;  ///< folders say who wrote them, see MarkFolder; the runner's are its own, and
+                      ///< are kept by their content alone
 };
 
-/// Outputs are written under hidden temporary folders beside their final place, and renamed by Commit.
+/// Outputs are written under hidden temporary folders beside their final place, and renamed by
+/// Commit.
 class RunningStage final : public StageContext {
  public:
-  RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Placing placing, Progress* progress);
+  RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Placing placing,
+               Progress* progress);
   ~RunningStage() override;  ///< removes what was not committed, and the scratch folder
 
   bool Has(std::string_view port) const override;
@@ -30,15 +32,23 @@ class RunningStage final : public StageContext {
   Progress* progress() override { return progress_; }
   using StageContext::Report;
   void Report(std::string_view name, double value) override;
-  void Report(std::string_view name, std::int64_t value) override { measurements_[std::string(name)] = value; }
-  void Report(std::string_view name, bool value) override { measurements_[std::string(name)] = value; }
-  void Report(std::string_view name, const std::string& value) override { measurements_[std::string(name)] = value; }
+  void Report(std::string_view name, std::int64_t value) override {
+    measurements_[std::string(name)] = value;
+  }
+  void Report(std::string_view name, bool value) override {
+    measurements_[std::string(name)] = value;
+  }
+  void Report(std::string_view name, const std::string& value) override {
+    measurements_[std::string(name)] = value;
+  }
   void ReportJson(std::string_view name, const std::string& json) override;
   void Note(const std::string& line) override;
   void Warn(const std::string& sentence) override;
   void Verdict(const std::string& about, const std::string& grade, const std::string& why) override;
 
-  /// Moves all outputs to their final paths. @throws InputError a promised output was not written @throws DiskError
+  /// Moves all outputs to their final paths.
+  /// @throws InputError a promised output was not written
+  /// @throws DiskError
   void Commit();
   const nlohmann::json& measurements() const { return measurements_; }
   const nlohmann::json& warnings() const { return warnings_; }

@@ -40,7 +40,8 @@ void CatchSignals() {
   signal(SIGPIPE, SIG_IGN);
 }
 
-/// Progress as JSON lines to the runner's descriptor, or as percent lines for a person at a terminal.
+/// Progress as JSON lines to the runner's descriptor, or as percent lines for a person at a
+/// terminal.
 class StageProgress final : public Progress {
  public:
   explicit StageProgress(const std::string& stage) : stage_(stage) {
@@ -59,7 +60,8 @@ class StageProgress final : public Progress {
       const std::string line = json{{"fraction", fraction}, {"what", what}}.dump() + "\n";
       if (write(descriptor_, line.data(), line.size()) < 0) descriptor_ = -1;
     } else if (terminal_) {
-      std::fprintf(stderr, "\r\033[K%s %3.0f %%  %.*s", stage_.c_str(), 100 * fraction, static_cast<int>(what.size()), what.data());
+      std::fprintf(stderr, "\r\033[K%s %3.0f %%  %.*s", stage_.c_str(), 100 * fraction,
+                   static_cast<int>(what.size()), what.data());
       std::fflush(stderr);
       drawn_ = true;
     }
@@ -92,7 +94,8 @@ json Describe(const StageSpec& spec, const BoundOptions& options) {
   DescribeVisitor visitor(spec.common);
   options.visit(visitor);
   json tools = json::array();
-  for (const std::string& tool : spec.tools) tools.push_back({{"name", tool}, {"version", ToolVersion(tool)}});
+  for (const std::string& tool : spec.tools)
+    tools.push_back({{"name", tool}, {"version", ToolVersion(tool)}});
   return {{"schema", 1},
           {"stage", spec.name},
           {"version", spec.version},
@@ -101,7 +104,9 @@ json Describe(const StageSpec& spec, const BoundOptions& options) {
           {"outputs", DescribePorts(spec.outputs)},
           {"options", visitor.options},
           {"tools", tools},
-          {"resources", {{"cores", spec.cores}, {"memory_bytes", static_cast<std::int64_t>(spec.memory_gib * (1 << 30))}}}};
+          {"resources",
+           {{"cores", spec.cores},
+            {"memory_bytes", static_cast<std::int64_t>(spec.memory_gib * (1 << 30))}}}};
 }
 
 std::string RangeText(double min, double max) {
@@ -110,19 +115,26 @@ std::string RangeText(double min, double max) {
   return std::isfinite(max) ? fmt::format(", at most {}", max) : "";
 }
 
-/// Adds one flag for each common option, or for each other one; the parsed value lands in the options struct.
+/// Adds one flag for each common option, or for each other one; the parsed value lands in the
+/// options struct.
 class FlagVisitor final : public OptionVisitor {
  public:
   FlagVisitor(CLI::App& app, const std::vector<std::string>& common, bool add_common)
       : app_(app), common_(common), add_common_(add_common) {}
   void operator()(const char* name, bool& value, const OptionDoc& doc) override {
-    if (CLI::Option* flag = Add(name, value, doc.help)) flag->type_name("true|false")->default_str(value ? "true" : "false");
+    if (CLI::Option* flag = Add(name, value, doc.help))
+      flag->type_name("true|false")->default_str(value ? "true" : "false");
   }
-  void operator()(const char* name, int& value, const OptionDoc& doc) override { AddNumber(name, value, doc); }
-  void operator()(const char* name, double& value, const OptionDoc& doc) override { AddNumber(name, value, doc); }
+  void operator()(const char* name, int& value, const OptionDoc& doc) override {
+    AddNumber(name, value, doc);
+  }
+  void operator()(const char* name, double& value, const OptionDoc& doc) override {
+    AddNumber(name, value, doc);
+  }
   void operator()(const char* name, std::string& value, const OptionDoc& doc) override {
     CLI::Option* flag = Add(name, value, doc.help);
-    if (flag && !doc.choices.empty()) flag->type_name(fmt::format("{}", fmt::join(doc.choices, "|")));
+    if (flag && !doc.choices.empty())
+      flag->type_name(fmt::format("{}", fmt::join(doc.choices, "|")));
   }
   int added() const { return added_; }
 
@@ -137,8 +149,12 @@ class FlagVisitor final : public OptionVisitor {
     const bool is_common = std::find(common_.begin(), common_.end(), name) != common_.end();
     if (is_common != add_common_) return nullptr;
     ++added_;
-    const char* group = common_.empty() ? "Options" : is_common ? "Common options" : "Further options";
-    return app_.add_option(fmt::format("--{}", name), value, help)->capture_default_str()->group(group);
+    const char* group = common_.empty() ? "Options"
+                        : is_common     ? "Common options"
+                                        : "Further options";
+    return app_.add_option(fmt::format("--{}", name), value, help)
+        ->capture_default_str()
+        ->group(group);
   }
   CLI::App& app_;
   const std::vector<std::string>& common_;
@@ -154,22 +170,37 @@ struct Arguments {
   bool overwrite = false;
 };
 
-/// Parses argv. @return an exit code when the run ends here (help, describe, usage error)
+/// Parses argv.
+/// @return an exit code when the run ends here (help, describe, usage error)
 class CommandLine {
  public:
-  CommandLine(const StageSpec& spec, const BoundOptions& options, const std::vector<BoundAction>& actions)
-      : spec_(spec), options_(options), actions_(actions), app_(spec.summary, "keypose " + spec.name) {
-    app_.set_help_flag();  // added anew below: groups are shown in the order in which they appear here
+  CommandLine(const StageSpec& spec, const BoundOptions& options,
+              const std::vector<BoundAction>& actions)
+      : spec_(spec),
+        options_(options),
+        actions_(actions),
+        app_(spec.summary, "keypose " + spec.name) {
+    app_.set_help_flag();  // added anew below: groups are shown in the order in which they appear
+                           // here
     AddPorts(spec.inputs, "Inputs");
     AddPorts(spec.outputs, "Outputs");
     for (const BoundAction& action : actions_)
-      app_.add_option("--" + action.name, action_files_[action.name], action.help)->group("Instead of a run")->type_name("FILE");
+      app_.add_option("--" + action.name, action_files_[action.name], action.help)
+          ->group("Instead of a run")
+          ->type_name("FILE");
     AddOptions();
     const char* rest = "Report and help";
-    if (!HasReportPort()) app_.add_option("--report", report_, "write measurements to this JSON file")->group(rest)->type_name("FILE");
-    app_.add_flag("--overwrite", overwrite_, "replace folders of outputs even if they hold what this stage did not write")->group(rest);
+    if (!HasReportPort())
+      app_.add_option("--report", report_, "write measurements to this JSON file")
+          ->group(rest)
+          ->type_name("FILE");
+    app_.add_flag("--overwrite", overwrite_,
+                  "replace folders of outputs even if they hold what this stage did not write")
+        ->group(rest);
     app_.set_help_flag("-h,--help", "print this help")->group(rest);
-    app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version, "print the stage's version")->group(rest);
+    app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version,
+                          "print the stage's version")
+        ->group(rest);
     app_.add_flag("--describe", describe_, "print ports and options as JSON")->group(rest);
   }
 
@@ -183,7 +214,8 @@ class CommandLine {
       std::cout << version.what() << "\n";
       return 0;
     } catch (const CLI::ParseError& error) {
-      throw UsageError(std::string(error.what()) + Suggestion() + "; 'keypose " + spec_.name + " --help' lists ports and options");
+      throw UsageError(std::string(error.what()) + Suggestion() + "; 'keypose " + spec_.name +
+                       " --help' lists ports and options");
     }
     if (describe_) {
       std::cout << Describe(spec_, options_).dump(1) << "\n";
@@ -209,49 +241,60 @@ class CommandLine {
 
   void PrintHelp() const {
     // Here and not sooner: a wrong word in the help must not stop a run.
-    if (common_added_ != static_cast<int>(spec_.common.size()))
-      throw std::logic_error(fmt::format("stage {} calls an option common that it does not have", spec_.name));
+    if (common_added_ != std::ssize(spec_.common))
+      throw std::logic_error(
+          fmt::format("stage {} calls an option common that it does not have", spec_.name));
     std::cout << app_.help();
   }
 
   void AddPorts(const std::vector<Port>& ports, const char* group) {
     for (const Port& port : ports) {
       auto* flag =
-          app_.add_option("--" + port.name, paths_[port.name], port.help + " (" + port.kind + (port.optional ? ", optional" : "") + ")");
+          app_.add_option("--" + port.name, paths_[port.name],
+                          port.help + " (" + port.kind + (port.optional ? ", optional" : "") + ")");
       flag->group(group)->allow_extra_args(false)->type_name("PATH");
-      if (!port.repeatable && port.name != "report") flag->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
+      if (!port.repeatable && port.name != "report")
+        flag->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::Throw);
     }
   }
 
   bool HasReportPort() const {
-    return std::any_of(spec_.outputs.begin(), spec_.outputs.end(), [](const Port& port) { return port.name == "report"; });
+    return std::any_of(spec_.outputs.begin(), spec_.outputs.end(),
+                       [](const Port& port) { return port.name == "report"; });
   }
 
   /// @return whether something else than a run is asked for
   bool TakeAction(Arguments& arguments) {
     for (const BoundAction& action : actions_)
-      if (app_.count("--" + action.name)) arguments.action = &action, arguments.action_file = action_files_[action.name];
+      if (app_.count("--" + action.name))
+        arguments.action = &action, arguments.action_file = action_files_[action.name];
     if (!arguments.action) return false;
     for (const auto& [port, given] : paths_)
       if (!given.empty())
-        throw UsageError(fmt::format("--{} is done instead of a run and takes no --{}; leave it out", arguments.action->name, port));
+        throw UsageError(
+            fmt::format("--{} is done instead of a run and takes no --{}; leave it out",
+                        arguments.action->name, port));
     CheckOptions();
     return true;
   }
 
-  /// A stage whose output is itself called `report` takes --report twice: a .json path is the file of measurements, the other one the
-  /// output.
+  /// A stage whose output is itself called `report` takes --report twice: a .json path is the file
+  /// of measurements, the other one the output.
   void TakeReportFile() {
     if (!HasReportPort()) return;
     auto& given = paths_["report"];
-    const auto is_file = [](const std::string& path) { return fs::path(path).extension() == ".json"; };
+    const auto is_file = [](const std::string& path) {
+      return fs::path(path).extension() == ".json";
+    };
     const auto file = std::find_if(given.begin(), given.end(), is_file);
     if (file != given.end()) {
       report_ = *file;
       given.erase(file);
     }
     if (given.size() > 1)
-      throw UsageError("--report is given more than once; name one output, and at most one .json file for the measurements");
+      throw UsageError(
+          "--report is given more than once; name one output, and at most one .json file for the "
+          "measurements");
   }
 
   std::string Suggestion() {
@@ -259,22 +302,26 @@ class CommandLine {
     std::vector<std::string> known;
     for (const auto* option : app_.get_options()) known.push_back(option->get_name());
     for (const std::string& extra : extras)
-      if (extra.rfind("--", 0) == 0) return "; did you mean " + NearestWord(extra.substr(0, extra.find('=')), known) + "?";
+      if (extra.rfind("--", 0) == 0)
+        return "; did you mean " + NearestWord(extra.substr(0, extra.find('=')), known) + "?";
     return "";
   }
 
   void Bind(const std::vector<Port>& ports, bool must_exist, PortPaths& bound) {
     for (const Port& port : ports) {
       const auto& given = paths_[port.name];
-      if (given.empty() && !port.optional) throw UsageError(fmt::format("--{} is missing: {}", port.name, port.help));
+      if (given.empty() && !port.optional)
+        throw UsageError(fmt::format("--{} is missing: {}", port.name, port.help));
       if (given.empty()) continue;
       for (const std::string& path : given) {
         if (must_exist && !fs::exists(path))
-          throw InputError(fmt::format("{}: --{} {} does not exist; check the path", spec_.name, port.name, path));
+          throw InputError(fmt::format("{}: --{} {} does not exist; check the path", spec_.name,
+                                       port.name, path));
         if (must_exist && port.kind == "folder" && !fs::is_directory(path))
           throw InputError(fmt::format("{}: --{} {} is not a folder", spec_.name, port.name, path));
         if (must_exist && port.kind == "file" && fs::is_directory(path))
-          throw InputError(fmt::format("{}: --{} {} is a folder, but a file is needed", spec_.name, port.name, path));
+          throw InputError(fmt::format("{}: --{} {} is a folder, but a file is needed", spec_.name,
+                                       port.name, path));
         bound[port.name].emplace_back(path);
       }
     }
@@ -307,7 +354,8 @@ std::int64_t PeakBytes() {
   return std::int64_t{1024} * std::max(own.ru_maxrss, children.ru_maxrss);
 }
 
-void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::path& path, double seconds, const RunningStage& stage) {
+void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::path& path,
+                 double seconds, const RunningStage& stage) {
   ValuesVisitor values;
   options.visit(values);
   const json report = {{"schema", 1},
@@ -322,8 +370,8 @@ void WriteReport(const StageSpec& spec, const BoundOptions& options, const fs::p
   WriteFileAtomically(path, report.dump(1) + "\n");
 }
 
-int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run,
-        const std::vector<BoundAction>& actions) {
+int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& options,
+        const std::function<void(StageContext&)>& run, const std::vector<BoundAction>& actions) {
   const auto start = std::chrono::steady_clock::now();
   Arguments arguments;
   CommandLine command_line(spec, options, actions);
@@ -335,12 +383,14 @@ int Run(int argc, char** argv, const StageSpec& spec, const BoundOptions& option
   CheckOutputs(spec, arguments.inputs, arguments.outputs, arguments.report, arguments.overwrite);
   CatchSignals();
   StageProgress progress(spec.name);
-  RunningStage stage(spec, arguments.inputs, arguments.outputs, {arguments.overwrite, !std::getenv("KEYPOSE_PROGRESS_FD")}, &progress);
+  RunningStage stage(spec, arguments.inputs, arguments.outputs,
+                     {arguments.overwrite, !std::getenv("KEYPOSE_PROGRESS_FD")}, &progress);
   run(stage);
   if (g_interrupted) throw Cancelled();
   stage.Commit();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  if (!arguments.report.empty()) WriteReport(spec, options, arguments.report, seconds.count(), stage);
+  if (!arguments.report.empty())
+    WriteReport(spec, options, arguments.report, seconds.count(), stage);
   return 0;
 }
 
@@ -351,18 +401,22 @@ int Fail(const StageSpec& spec, ExitCode code, const std::string& message) {
 
 }  // namespace
 
-int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options, const std::function<void(StageContext&)>& run,
-         const std::vector<BoundAction>& actions) {
+int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& options,
+         const std::function<void(StageContext&)>& run, const std::vector<BoundAction>& actions) {
   try {
     return Run(argc, argv, spec, options, run, actions);
   } catch (const Error& error) {
     return Fail(spec, error.code(), error.what());
   } catch (const fs::filesystem_error& error) {
-    return Fail(spec, ExitCode::kDisk, std::string(error.what()) + "; check permissions and free space");
+    return Fail(spec, ExitCode::kDisk,
+                std::string(error.what()) + "; check permissions and free space");
   } catch (const std::bad_alloc&) {
-    return Fail(spec, ExitCode::kDisk, "out of memory; close other programs, or lower the resolution options");
+    return Fail(spec, ExitCode::kDisk,
+                "out of memory; close other programs, or lower the resolution options");
   } catch (const std::exception& error) {
-    return Fail(spec, ExitCode::kBug, std::string(error.what()) + " (this is a bug in Keypose; please report it with the log)");
+    return Fail(
+        spec, ExitCode::kBug,
+        std::string(error.what()) + " (this is a bug in Keypose; please report it with the log)");
   }
 }
 

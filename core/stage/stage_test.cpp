@@ -27,7 +27,14 @@ struct TestOptions {
 };
 
 StageSpec Spec() {
-  return {"test", "1", "Copies a text.", {{"text", "file", "what to copy", ""}}, {{"copy", "file", "the copies", "copy.txt"}}, {}, 1, 0.1};
+  return {"test",
+          "1",
+          "Copies a text.",
+          {{"text", "file", "what to copy", ""}},
+          {{"copy", "file", "the copies", "copy.txt"}},
+          {},
+          1,
+          0.1};
 }
 
 void CopyStage(StageContext& stage, const TestOptions& options) {
@@ -35,7 +42,8 @@ void CopyStage(StageContext& stage, const TestOptions& options) {
   for (int i = 0; i < options.copies; ++i) out += ReadFile(stage.Input("text"));
   WriteFile(stage.Output("copy"), out);
   stage.Report("copies", options.copies);
-  if (options.copies > 2) stage.Warn("'clay' is copied " + std::to_string(options.copies) + " times");
+  if (options.copies > 2)
+    stage.Warn("'clay' is copied " + std::to_string(options.copies) + " times");
   stage.Verdict("clay", options.copies > 2 ? "look" : "good", "counted");
   if (options.mode == "fail") throw InputError("told to fail");
   if (options.mode == "bug") throw std::logic_error("a bug");
@@ -61,11 +69,15 @@ class StageTest : public testing::Test {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage);
+    const int code =
+        RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   }
-  int EntriesLeft() const { return static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{})); }
+  int EntriesLeft() const {
+    return static_cast<int>(
+        std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
+  }
   fs::path folder_;
   std::string error_;
 };
@@ -149,7 +161,8 @@ TEST_F(StageTest, HelpHasPortsThenCommonOptionsThenTheRest) {
   spec.common = {"mode"};
   const std::string help = HelpOf(spec);
   std::size_t before = 0;
-  for (const char* part : {"--text", "--copy", "Common options", "--mode", "Further options", "--copies", "--report", "--help"}) {
+  for (const char* part : {"--text", "--copy", "Common options", "--mode", "Further options",
+                           "--copies", "--report", "--help"}) {
     const std::size_t at = help.find(part, before);
     ASSERT_NE(at, std::string::npos) << part << " is missing or too early in\n" << help;
     before = at;
@@ -168,12 +181,14 @@ TEST_F(StageTest, CommonOptionThatIsNoneIsABug) {
 
 TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
   const std::vector<StageAction<TestOptions>> actions = {
-      {"card", "write a card and stop", [](const fs::path& file, const TestOptions& o) { WriteFile(file, o.mode); }}};
+      {"card", "write a card and stop",
+       [](const fs::path& file, const TestOptions& o) { WriteFile(file, o.mode); }}};
   const auto run = [&](std::vector<std::string> arguments) {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage, actions);
+    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(),
+                                           CopyStage, actions);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   };
@@ -188,18 +203,25 @@ TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
 
 void ToolStage(StageContext& stage, const TestOptions& options) {
   const std::string output =
-      RunTool(stage, options.loud ? "no-such-program" : "sh", {"-c", options.copies == 9 ? "echo broken; exit 4" : "echo fine"});
+      RunTool(stage, options.loud ? "no-such-program" : "sh",
+              {"-c", options.copies == 9 ? "echo broken; exit 4" : "echo fine"});
   WriteFile(stage.Output("copy"), output);
 }
 
 TEST_F(StageTest, ExternalToolsFailWithExitCodeFive) {
   const auto run = [&](const char* flag, const char* value) {
-    std::vector<std::string> arguments{"keypose-test", "--text", (folder_ / "in.txt").string(), "--copy", (folder_ / "out.txt").string(),
-                                       flag,           value};
+    std::vector<std::string> arguments{"keypose-test",
+                                       "--text",
+                                       (folder_ / "in.txt").string(),
+                                       "--copy",
+                                       (folder_ / "out.txt").string(),
+                                       flag,
+                                       value};
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), ToolStage);
+    const int code =
+        RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), ToolStage);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   };
@@ -219,7 +241,8 @@ TEST_F(StageTest, ToolThatFailsToSayItsVersionHasNone) {
     return ToolVersion("tool");
   };
   EXPECT_EQ(version_of("echo tool 2.1"), "tool 2.1");
-  EXPECT_THROW(version_of("echo cannot allocate memory; exit 1"), ToolError) << "else its complaint would enter fingerprints";
+  EXPECT_THROW(version_of("echo cannot allocate memory; exit 1"), ToolError)
+      << "else its complaint would enter fingerprints";
   EXPECT_THROW(version_of("kill -9 $$"), ToolError);
   EXPECT_THROW(version_of("true"), ToolError);
   ::unsetenv("KEYPOSE_TOOL");

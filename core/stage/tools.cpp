@@ -22,13 +22,15 @@ namespace {
 
 std::string OverrideName(const std::string& program) {
   std::string name = "KEYPOSE_" + program;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return name;
 }
 
 /// Path of the program, empty when it is not installed.
 std::string FindProgram(const std::string& program) {
-  if (const char* path = std::getenv(OverrideName(program).c_str())) return access(path, X_OK) == 0 ? path : "";
+  if (const char* path = std::getenv(OverrideName(program).c_str()))
+    return access(path, X_OK) == 0 ? path : "";
   const char* path_list = std::getenv("PATH");
   std::istringstream folders(path_list ? path_list : "/usr/bin:/bin");
   for (std::string folder; std::getline(folders, folder, ':');) {
@@ -44,8 +46,8 @@ struct Finished {
   bool interrupted = false;
 };
 
-[[noreturn]] void Exec(const std::string& path, const std::vector<std::string>& arguments, const std::vector<std::string>& environment,
-                       int out, pid_t parent) {
+[[noreturn]] void Exec(const std::string& path, const std::vector<std::string>& arguments,
+                       const std::vector<std::string>& environment, int out, pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent died before prctl took hold
@@ -60,10 +62,12 @@ struct Finished {
 }
 
 /// Runs to the end, gathering output; kills the whole group when `cancelled` says so.
-Finished RunToEnd(const std::string& path, const std::vector<std::string>& arguments, const std::vector<std::string>& environment,
+Finished RunToEnd(const std::string& path, const std::vector<std::string>& arguments,
+                  const std::vector<std::string>& environment,
                   const std::function<bool()>& cancelled, bool echo) {
   int pipe_ends[2];
-  if (pipe2(pipe_ends, O_CLOEXEC) != 0) throw ToolError(fmt::format("cannot start {}: {}", path, std::strerror(errno)));
+  if (pipe2(pipe_ends, O_CLOEXEC) != 0)
+    throw ToolError(fmt::format("cannot start {}: {}", path, std::strerror(errno)));
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw ToolError(fmt::format("cannot start {}: {}", path, std::strerror(errno)));
@@ -91,7 +95,8 @@ Finished RunToEnd(const std::string& path, const std::vector<std::string>& argum
 }
 
 std::string HowItEnded(int status) {
-  return WIFSIGNALED(status) ? fmt::format("was killed by signal {}", WTERMSIG(status)) : fmt::format("failed with exit code {}", WEXITSTATUS(status));
+  return WIFSIGNALED(status) ? fmt::format("was killed by signal {}", WTERMSIG(status))
+                             : fmt::format("failed with exit code {}", WEXITSTATUS(status));
 }
 
 std::string LastLines(const std::string& text, int count) {
@@ -107,18 +112,21 @@ std::string LastLines(const std::string& text, int count) {
 
 }  // namespace
 
-std::string RunTool(StageContext& stage, const std::string& program, const std::vector<std::string>& arguments,
+std::string RunTool(StageContext& stage, const std::string& program,
+                    const std::vector<std::string>& arguments,
                     const std::vector<std::string>& environment) {
   const std::string path = FindProgram(program);
   if (path.empty())
     throw ToolError(
-        fmt::format("the program '{0}' is not installed or not on PATH; install it (Debian: apt-get install {0}), or set {1} to its path",
+        fmt::format("the program '{0}' is not installed or not on PATH; install it (Debian: "
+                    "apt-get install {0}), or set {1} to its path",
                     program, OverrideName(program)));
   const auto cancelled = [&] { return stage.progress() && stage.progress()->cancelled(); };
   Finished finished = RunToEnd(path, arguments, environment, cancelled, true);
   if (finished.interrupted || cancelled()) throw Cancelled();
   if (!WIFEXITED(finished.status) || WEXITSTATUS(finished.status) != 0) {
-    throw ToolError(fmt::format("{} {} {}; its last lines:\n{}", program, arguments.empty() ? "" : arguments.front(),
+    throw ToolError(fmt::format("{} {} {}; its last lines:\n{}", program,
+                                arguments.empty() ? "" : arguments.front(),
                                 HowItEnded(finished.status), LastLines(finished.output, 12)));
   }
   return std::move(finished.output);
@@ -131,15 +139,19 @@ std::string ToolVersion(const std::string& program) {
   const std::string flag = program == "colmap" ? "help" : "--version";
   const Finished finished = RunToEnd(
       path, {flag}, {"QT_QPA_PLATFORM=offscreen"}, [] { return false; }, false);
-  // What a program that failed says is not its version: it would enter fingerprints, and all that hangs on the tool would be made anew twice.
+  // What a program that failed says is not its version: it would enter fingerprints, and all that
+  // hangs on the tool would be made anew twice.
   if (!WIFEXITED(finished.status) || WEXITSTATUS(finished.status) != 0)
-    throw ToolError(fmt::format("{} {} failed, so its version is not known ({}); its last lines:\n{}\nmend or install {} anew, or run again if the "
-                                "machine was short of memory",
-                                path, flag, HowItEnded(finished.status), LastLines(finished.output, 6), program));
+    throw ToolError(fmt::format(
+        "{} {} failed, so its version is not known ({}); its last lines:\n{}\nmend or install {} "
+        "anew, or run again if the "
+        "machine was short of memory",
+        path, flag, HowItEnded(finished.status), LastLines(finished.output, 6), program));
   std::istringstream lines(finished.output);
   for (std::string line; std::getline(lines, line);)
     if (line.find_first_not_of(" \t\r-") != std::string::npos) return line.substr(0, 200);
-  throw ToolError(fmt::format("{} {} says nothing, so its version is not known; install {} anew", path, flag, program));
+  throw ToolError(fmt::format("{} {} says nothing, so its version is not known; install {} anew",
+                              path, flag, program));
 }
 
 }  // namespace keypose

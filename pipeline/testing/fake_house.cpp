@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pipeline/build_graph.h"
+
 namespace keypose::pipeline {
 namespace {
 
@@ -19,24 +21,34 @@ json Optional(json port) {
   return port;
 }
 json Option(const std::string& name, const std::string& type, const json& value) {
-  return {{"name", name}, {"type", type}, {"default", value}, {"unit", ""}, {"min", nullptr}, {"max", nullptr}, {"choices", json::array()}};
+  return {{"name", name},   {"type", type},   {"default", value},        {"unit", ""},
+          {"min", nullptr}, {"max", nullptr}, {"choices", json::array()}};
 }
 
-json Describe(const std::string& stage, const json& inputs, const json& outputs, const json& options) {
-  return {{"schema", 1},         {"stage", stage},         {"version", "1"},
-          {"summary", "a test"}, {"inputs", inputs},       {"outputs", outputs},
-          {"options", options},  {"tools", json::array()}, {"resources", {{"cores", 0}, {"memory_bytes", 1000}}}};
+json Describe(const std::string& stage, const json& inputs, const json& outputs,
+              const json& options) {
+  return {{"schema", 1},
+          {"stage", stage},
+          {"version", "1"},
+          {"summary", "a test"},
+          {"inputs", inputs},
+          {"outputs", outputs},
+          {"options", options},
+          {"tools", json::array()},
+          {"resources", {{"cores", 0}, {"memory_bytes", 1000}}}};
 }
 
 std::string ReadAll(const MemoryDisk& disk, const std::filesystem::path& path) {
   if (!disk.Stat(path)->folder) return disk.Read(path);
   std::string text;
-  for (const std::string& name : disk.FilesBelow(path)) text += name + "=" + disk.Read(path / name) + ";";
+  for (const std::string& name : disk.FilesBelow(path))
+    text += name + "=" + disk.Read(path / name) + ";";
   return text;
 }
 
 /// Its output tells of options and inputs, so that any difference in them shows.
-int Concatenate(const FakeCall& call, MemoryDisk& disk, const std::string& output, const std::vector<std::string>& ports) {
+int Concatenate(const FakeCall& call, MemoryDisk& disk, const std::string& output,
+                const std::vector<std::string>& ports) {
   std::string text = call.Flag("tone") + call.Flag("depth");
   for (const std::string& port : ports) {
     if (!call.flags.contains(port)) continue;
@@ -52,14 +64,16 @@ int Concatenate(const FakeCall& call, MemoryDisk& disk, const std::string& outpu
 int Shoot(const FakeCall& call, MemoryDisk& disk) {
   const std::filesystem::path photos = call.Flag("photos"), images = call.Flag("images");
   disk.MakeFolder(images);
-  for (const std::string& name : disk.FilesBelow(photos)) disk.Write(images / name, disk.Read(photos / name) + call.Flag("tone"));
+  for (const std::string& name : disk.FilesBelow(photos))
+    disk.Write(images / name, disk.Read(photos / name) + call.Flag("tone"));
   return 0;
 }
 
 int Solve(const FakeCall& call, MemoryDisk& disk) {
   const std::filesystem::path images = call.Flag("images");
   std::string text = call.Flag("depth");
-  for (const std::string& name : disk.FilesBelow(images)) text += disk.Read(images / name).substr(0, 1);
+  for (const std::string& name : disk.FilesBelow(images))
+    text += disk.Read(images / name).substr(0, 1);
   disk.Write(call.Flag("model"), text);
   return 0;
 }
@@ -75,7 +89,9 @@ int Tell(const FakeCall& call, MemoryDisk& disk) {
 class Notes final : public RunObserver {
  public:
   void Begin(const Forecast& all) override { forecast = all; }
-  void Started(const std::string& step, const std::vector<std::string>&, int) override { ran.push_back(step); }
+  void Started(const std::string& step, const std::vector<std::string>&, int) override {
+    ran.push_back(step);
+  }
   void Progressed(const std::string&, double, const std::string&) override {}
   void Finished(const std::string&, const std::string&, double) override {}
   void Note(const std::string& line) override { lines.push_back(line); }
@@ -126,9 +142,10 @@ struct FakeHouse::Parts {
         workshop{house.disk, hasher, store, records, house.project} {
     std::vector<Override> overrides;
     for (const std::string& text : set) overrides.push_back(ParseOverride(text));
-    const PipelineFile own = ParsePipelineFile(house.disk.Read(house.project / "pipeline.yaml"), "pipeline.yaml");
-    graph = BuildGraph(Overlay(ParsePipelineFile(house.default_pipeline, "default.yaml"), own), overrides, {house.project, "/bin"},
-                       house.disk, catalog);
+    const PipelineFile own =
+        ParsePipelineFile(house.disk.Read(house.project / "pipeline.yaml"), "pipeline.yaml");
+    graph = BuildGraph(Overlay(ParsePipelineFile(house.default_pipeline, "default.yaml"), own),
+                       overrides, {house.project, "/bin"}, house.disk, catalog);
   }
   StageCatalog catalog;
   ContentHasher hasher;
@@ -139,42 +156,55 @@ struct FakeHouse::Parts {
 };
 
 FakeHouse::FakeHouse() {
-  const auto add = [&](const std::string& stage, const json& inputs, const json& outputs, const json& options, auto run) {
+  const auto add = [&](const std::string& stage, const json& inputs, const json& outputs,
+                       const json& options, auto run) {
     disk.Write("/bin/keypose-" + stage, stage);
     processes.stages["/bin/keypose-" + stage] = {Describe(stage, inputs, outputs, options), run};
   };
   const json depth = Option("depth", "int", 9), tone = Option("tone", "string", "plain");
   const auto list = [](auto... items) { return json::array({items...}); };
-  add("shoot", list(Port("photos", "folder")), list(Port("images", "folder", "images")), list(tone), Shoot);
-  add("solve", list(Port("images", "folder")), list(Port("model", "file", "model.txt")), list(depth, Option("speed", "double", 0.5)),
-      Solve);
+  add("shoot", list(Port("photos", "folder")), list(Port("images", "folder", "images")), list(tone),
+      Shoot);
+  add("solve", list(Port("images", "folder")), list(Port("model", "file", "model.txt")),
+      list(depth, Option("speed", "double", 0.5)), Solve);
   add("shape", list(Port("model", "file")), list(Port("mesh", "file", "mesh.txt")), list(depth),
       [](const FakeCall& call, MemoryDisk& d) { return Concatenate(call, d, "mesh", {"model"}); });
-  add("match", list(Port("source", "file"), Port("target", "file"), Many(Optional(Port("landmarks", "file")))),
-      list(Port("matched", "file", "matched.txt")), json::array(), [](const FakeCall& call, MemoryDisk& d) {
+  add("match",
+      list(Port("source", "file"), Port("target", "file"),
+           Many(Optional(Port("landmarks", "file")))),
+      list(Port("matched", "file", "matched.txt")), json::array(),
+      [](const FakeCall& call, MemoryDisk& d) {
         return Concatenate(call, d, "matched", {"source", "target", "landmarks"});
       });
-  add("blend", list(Many(Port("keys", "file")), Optional(Port("timeline", "file"))), list(Port("frames", "folder", "frames")),
-      json::array(), [](const FakeCall& call, MemoryDisk& d) {
+  add("blend", list(Many(Port("keys", "file")), Optional(Port("timeline", "file"))),
+      list(Port("frames", "folder", "frames")), json::array(),
+      [](const FakeCall& call, MemoryDisk& d) {
         const auto& keys = call.flags.at("keys");
         const std::filesystem::path frames = call.Flag("frames");
-        for (std::size_t i = 0; i < keys.size(); ++i) d.Write(frames / ("frame_" + std::to_string(i)), d.Read(keys[i]));
-        if (call.flags.contains("timeline")) d.Write(frames / "timeline", d.Read(call.Flag("timeline")));
+        for (std::size_t i = 0; i < keys.size(); ++i)
+          d.Write(frames / ("frame_" + std::to_string(i)), d.Read(keys[i]));
+        if (call.flags.contains("timeline"))
+          d.Write(frames / "timeline", d.Read(call.Flag("timeline")));
         return 0;
       });
-  add("tell", list(Port("run", "folder")), list(Port("report_page", "folder", "report")), json::array(), Tell);
+  add("tell", list(Port("run", "folder")), list(Port("report_page", "folder", "report")),
+      json::array(), Tell);
   WriteProject("poses: {rest: photos/rest, bent: photos/bent}\ntemplate: rest\n");
   for (const std::string pose : {"rest", "bent"}) {
     for (int i = 0; i < 3; ++i)
-      disk.Write(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"), pose.substr(0, 1) + " picture " + std::to_string(i));
+      disk.Write(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"),
+                 pose.substr(0, 1) + " picture " + std::to_string(i));
   }
 }
 
 FakeHouse::~FakeHouse() = default;
 
-std::unique_ptr<FakeHouse::Parts> FakeHouse::Open(const std::vector<std::string>& set) { return std::make_unique<Parts>(*this, set); }
+std::unique_ptr<FakeHouse::Parts> FakeHouse::Open(const std::vector<std::string>& set) {
+  return std::make_unique<Parts>(*this, set);
+}
 
-FakeHouse::Outcome FakeHouse::Run(const Selection& selection, const std::vector<std::string>& set, int cores) {
+FakeHouse::Outcome FakeHouse::Run(const Selection& selection, const std::vector<std::string>& set,
+                                  int cores) {
   const auto parts = Open(set);
   Plan plan(parts->graph, parts->workshop, selection);
   ResultsFolder results(disk, project / "out", project / ".keypose/out.json");
@@ -182,7 +212,8 @@ FakeHouse::Outcome FakeHouse::Run(const Selection& selection, const std::vector<
   RunRecord record;
   record.name = "run" + std::to_string(1000 + runs_++);
   Outcome outcome;
-  outcome.result = Builder(plan, parts->workshop, processes, clock, results, notes, {cores, 0}).Run(record);
+  outcome.result =
+      Builder(plan, parts->workshop, processes, clock, results, notes, {cores, 0}).Run(record);
   outcome.ran = notes.ran;
   std::sort(outcome.ran.begin(), outcome.ran.end());
   outcome.notes = notes.lines;

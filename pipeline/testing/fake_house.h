@@ -1,4 +1,5 @@
-// A whole project in memory: two poses, six stages that are functions on text, and a run with one call.
+// A whole project in memory: two poses, six stages that are functions on text, and a run with one
+// call.
 #pragma once
 
 #include <memory>
@@ -14,11 +15,13 @@ namespace keypose::pipeline {
 
 using Names = std::vector<std::string>;
 /// The steps of its project, sorted.
-inline const Names kAllSteps = {"blend",      "match/bent", "shape/bent", "shape/rest", "shoot/bent",
-                                "shoot/rest", "solve/bent", "solve/rest", "tell"};
+inline const Names kAllSteps = {"blend",      "match/bent", "shape/bent",
+                                "shape/rest", "shoot/bent", "shoot/rest",
+                                "solve/bent", "solve/rest", "tell"};
 
-/// The default pipeline of the fake house: shoot (folder) -> solve -> shape -> match (pair) -> blend (animation) -> tell (project).
-/// `solve` depends on the number of photographs and on their first letters only, so that other changes are cut off there.
+/// The default pipeline of the fake house: shoot (folder) -> solve -> shape -> match (pair) ->
+/// blend (animation) -> tell (project). `solve` depends on the number of photographs and on their
+/// first letters only, so that other changes are cut off there.
 extern const char* const kFakePipeline;
 
 class FakeHouse {
@@ -33,7 +36,8 @@ class FakeHouse {
     Forecast forecast;
     Ending ending;
   };
-  Outcome Run(const Selection& selection = {}, const std::vector<std::string>& set = {}, int cores = 4);
+  Outcome Run(const Selection& selection = {}, const std::vector<std::string>& set = {},
+              int cores = 4);
   /// The plan as `status` sees it.
   struct View {
     std::unique_ptr<Graph> graph;

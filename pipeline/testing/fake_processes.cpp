@@ -24,7 +24,8 @@ int FakeProcesses::Start(const Command& command) {
 std::vector<ProcessEvent> FakeProcesses::Wait(double) {
   if (running_.empty()) return {};
   const auto first =
-      std::min_element(running_.begin(), running_.end(), [](const auto& a, const auto& b) { return a.second.end < b.second.end; });
+      std::min_element(running_.begin(), running_.end(),
+                       [](const auto& a, const auto& b) { return a.second.end < b.second.end; });
   const Process process = first->second;
   ProcessEvent event;
   event.id = first->first;
@@ -38,12 +39,14 @@ std::vector<ProcessEvent> FakeProcesses::Wait(double) {
   return {event};
 }
 
-std::vector<ProcessRunner::Answer> FakeProcesses::Ask(const std::vector<std::vector<std::string>>& commands) {
+std::vector<ProcessRunner::Answer> FakeProcesses::Ask(
+    const std::vector<std::vector<std::string>>& commands) {
   std::vector<Answer> answers;
   for (const auto& command : commands) {
     ++asked;
     const auto it = stages.find(command[0]);
-    answers.push_back(it == stages.end() ? Answer{127, "", "no such program"} : Answer{0, it->second.describe.dump(), ""});
+    answers.push_back(it == stages.end() ? Answer{127, "", "no such program"}
+                                         : Answer{0, it->second.describe.dump(), ""});
   }
   return answers;
 }

@@ -1,4 +1,5 @@
-// Stage programs that are functions, on a memory disk and a clock that jumps to the next end of a process.
+// Stage programs that are functions, on a memory disk and a clock that jumps to the next end of a
+// process.
 #pragma once
 
 #include <functional>
@@ -19,7 +20,9 @@ struct FakeCall {
   std::map<std::string, std::vector<std::string>> flags;
   std::map<std::string, std::string> environment;
   std::filesystem::path log;
-  std::string Flag(const std::string& name) const { return flags.count(name) ? flags.at(name).front() : ""; }
+  std::string Flag(const std::string& name) const {
+    return flags.count(name) ? flags.at(name).front() : "";
+  }
 };
 
 struct FakeStage {

@@ -1,4 +1,5 @@
-// The program `keypose` as an installation of its own, with a project of two poses; its stages are small text programs.
+// The program `keypose` as an installation of its own, with a project of two poses; its stages are
+// small text programs.
 #pragma once
 
 #include <fcntl.h>
@@ -28,14 +29,19 @@ inline constexpr char kTestPipeline[] = R"(steps:
   merge: {stage: merge, for: project, inputs: {texts: join.text@all}, out: {all: all}, show: {all: all texts, all/9.txt: the tenth}}
 )";
 
-inline double SecondsSince(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-inline void SleepSeconds(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+inline double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+inline void SleepSeconds(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
 
 /// All files below a folder with their content; times and the run records do not count.
 inline std::map<std::string, std::string> Snapshot(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).string()] = ReadFile(entry.path());
   }
   return files;
 }
@@ -68,22 +74,26 @@ class RunTest : public ::testing::Test {
     fs::create_directories(root / "bin");
     fs::create_directories(root / "share/keypose");
     fs::copy_file(KEYPOSE_PROGRAM, root / "bin/keypose");
-    for (const std::string stage : {"gather", "join", "merge"}) fs::copy_file(KEYPOSE_TEXT_STAGE, root / ("bin/keypose-" + stage));
+    for (const std::string stage : {"gather", "join", "merge"})
+      fs::copy_file(KEYPOSE_TEXT_STAGE, root / ("bin/keypose-" + stage));
     WriteFile(root / "share/keypose/pipeline.yaml", kTestPipeline);
   }
   static void MakeProject(const fs::path& project) {
     for (const std::string pose : {"rest", "bent"}) {
       fs::create_directories(project / "photos" / pose);
       for (int i = 0; i < 4; ++i)
-        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"), pose + " picture " + std::to_string(i) + "\n");
+        WriteFile(project / "photos" / pose / ("IMG_" + std::to_string(i) + ".jpg"),
+                  pose + " picture " + std::to_string(i) + "\n");
     }
     WriteFile(project / "pipeline.yaml", "poses: {rest: photos/rest, bent: photos/bent}\n");
   }
 
-  pid_t Start(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+  pid_t Start(const std::vector<std::string>& arguments,
+              const std::map<std::string, std::string>& environment = {}) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
-    const int out = open((root_ / ("output" + std::to_string(getpid()))).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    const int out = open((root_ / ("output" + std::to_string(getpid()))).c_str(),
+                         O_WRONLY | O_CREAT | O_TRUNC, 0666);
     dup2(out, 1);
     dup2(out, 2);
     for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
@@ -98,12 +108,15 @@ class RunTest : public ::testing::Test {
   Ended Finish(pid_t pid) const {
     int status = 0;
     waitpid(pid, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), ReadFile(root_ / ("output" + std::to_string(pid)))};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            ReadFile(root_ / ("output" + std::to_string(pid)))};
   }
-  Ended Keypose(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment = {}) const {
+  Ended Keypose(const std::vector<std::string>& arguments,
+                const std::map<std::string, std::string>& environment = {}) const {
     return Finish(Start(arguments, environment));
   }
-  Ended Run(const std::vector<std::string>& more = {}, const std::map<std::string, std::string>& environment = {}) const {
+  Ended Run(const std::vector<std::string>& more = {},
+            const std::map<std::string, std::string>& environment = {}) const {
     std::vector<std::string> arguments = {"run", "-C", (root_ / "hero").string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Keypose(arguments, environment);
@@ -120,7 +133,8 @@ class RunTest : public ::testing::Test {
     return count;
   }
   static std::vector<pid_t> ChildrenOf(pid_t parent) {
-    std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
+    std::ifstream in("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) +
+                     "/children");
     std::vector<pid_t> children;
     for (pid_t child = 0; in >> child;) children.push_back(child);
     return children;
@@ -131,7 +145,9 @@ class RunTest : public ::testing::Test {
   }
   /// Until a step is at work (a program that only describes itself does not count).
   bool WaitForStage() const {
-    const auto at_work = [&] { return fs::exists(root_ / "hero/.keypose/tmp/gather.rest/made/log.txt"); };
+    const auto at_work = [&] {
+      return fs::exists(root_ / "hero/.keypose/tmp/gather.rest/made/log.txt");
+    };
     for (int i = 0; i < 1000 && !at_work(); ++i) SleepSeconds(0.01);
     return at_work();
   }

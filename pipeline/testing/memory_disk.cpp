@@ -14,7 +14,9 @@ std::string Key(const std::filesystem::path& path) {
   return key;
 }
 
-bool Below(const std::string& key, const std::string& folder) { return key.size() > folder.size() + 1 && key.starts_with(folder + "/"); }
+bool Below(const std::string& key, const std::string& folder) {
+  return key.size() > folder.size() + 1 && key.starts_with(folder + "/");
+}
 
 }  // namespace
 
@@ -25,7 +27,8 @@ void MemoryDisk::CheckSpace(const Path& path) const {
 std::optional<FileStat> MemoryDisk::Stat(const Path& path) const {
   const std::string key = Key(path);
   if (const auto it = files_.find(key); it != files_.end()) {
-    return FileStat{false, it->second.text.size(), it->second.mtime_ns, it->second.inode, it->second.mtime_ns};
+    return FileStat{false, it->second.text.size(), it->second.mtime_ns, it->second.inode,
+                    it->second.mtime_ns};
   }
   if (folders_.contains(key)) return FileStat{true, 0, 0, 0, 0};
   return std::nullopt;
@@ -44,7 +47,8 @@ std::vector<std::string> MemoryDisk::Children(const Path& folder) const {
   std::set<std::string> names;
   const std::string key = Key(folder);
   const auto add = [&](const std::string& name) {
-    if (Below(name, key)) names.insert(name.substr(key.size() + 1, name.find('/', key.size() + 1) - key.size() - 1));
+    if (Below(name, key))
+      names.insert(name.substr(key.size() + 1, name.find('/', key.size() + 1) - key.size() - 1));
   };
   for (const auto& [name, file] : files_) add(name);
   for (const std::string& name : folders_) add(name);
@@ -53,7 +57,8 @@ std::vector<std::string> MemoryDisk::Children(const Path& folder) const {
 
 std::string MemoryDisk::Read(const Path& path) const {
   const auto it = files_.find(Key(path));
-  if (it == files_.end()) throw DiskError("cannot read " + path.string() + ": No such file or directory");
+  if (it == files_.end())
+    throw DiskError("cannot read " + path.string() + ": No such file or directory");
   return it->second.text;
 }
 
@@ -74,7 +79,9 @@ void MemoryDisk::Write(const Path& path, std::string_view text) {
 }
 
 void MemoryDisk::MakeFolder(const Path& path) {
-  for (Path folder = path.lexically_normal(); folder.has_relative_path(); folder = folder.parent_path()) folders_.insert(Key(folder));
+  for (Path folder = path.lexically_normal(); folder.has_relative_path();
+       folder = folder.parent_path())
+    folders_.insert(Key(folder));
 }
 
 void MemoryDisk::Move(const Path& from, const Path& to) {

@@ -1,10 +1,12 @@
-// Three small stages for the tests of the runner with real processes; which one it is, its own name says:
+// Three small stages for the tests of the runner with real processes; which one it is, its own name
+// says:
 //   keypose-gather  photos (folder) -> images (folder): every file in capitals
 //   keypose-join    images (folder) -> text (file): all files one after the other
 //   keypose-merge   texts (files)   -> all (folder): one file for each
-// Each writes its output in small pieces. Environment: TEXT_STAGE_DELAY_MS is slept for each piece; TEXT_STAGE_SPAWN starts a long-lived
-// child in a session of its own, as a careless external tool would; TEXT_STAGE_WARNING is what gather warns of; TEXT_STAGE_GRADE is what
-// merge judges `rest` to be; TEXT_STAGE_LOG_LINES are so many more lines of log.
+// Each writes its output in small pieces. Environment: TEXT_STAGE_DELAY_MS is slept for each piece;
+// TEXT_STAGE_SPAWN starts a long-lived child in a session of its own, as a careless external tool
+// would; TEXT_STAGE_WARNING is what gather warns of; TEXT_STAGE_GRADE is what merge judges `rest`
+// to be; TEXT_STAGE_LOG_LINES are so many more lines of log.
 #include <unistd.h>
 
 #include <algorithm>
@@ -46,14 +48,25 @@ std::vector<fs::path> Sorted(const fs::path& folder) {
 
 int Describe(const std::string& stage) {
   const auto port = [](const char* name, const char* kind, const char* file, bool many) {
-    return json{{"name", name}, {"kind", kind}, {"file", file}, {"repeatable", many}, {"optional", false}, {"help", ""}};
+    return json{{"name", name},       {"kind", kind},      {"file", file},
+                {"repeatable", many}, {"optional", false}, {"help", ""}};
   };
   json inputs, outputs;
-  if (stage == "gather") inputs = port("photos", "folder", "", false), outputs = port("images", "folder", "images", false);
-  if (stage == "join") inputs = port("images", "folder", "", false), outputs = port("text", "file", "text.txt", false);
-  if (stage == "merge") inputs = port("texts", "file", "", true), outputs = port("all", "folder", "all", false);
-  const json code = {{"name", "exit_code"},      {"type", "int"}, {"default", 0}, {"unit", ""}, {"min", 0}, {"max", 255},
-                     {"choices", json::array()}, {"help", ""}};
+  if (stage == "gather")
+    inputs = port("photos", "folder", "", false),
+    outputs = port("images", "folder", "images", false);
+  if (stage == "join")
+    inputs = port("images", "folder", "", false), outputs = port("text", "file", "text.txt", false);
+  if (stage == "merge")
+    inputs = port("texts", "file", "", true), outputs = port("all", "folder", "all", false);
+  const json code = {{"name", "exit_code"},
+                     {"type", "int"},
+                     {"default", 0},
+                     {"unit", ""},
+                     {"min", 0},
+                     {"max", 255},
+                     {"choices", json::array()},
+                     {"help", ""}};
   std::cout << json{{"schema", 1},
                     {"stage", stage},
                     {"version", "1"},
@@ -76,7 +89,8 @@ class Writer {
     fs::create_directories(path.parent_path());
     std::ofstream out(path, std::ios::binary | std::ios::app);
     for (std::size_t half = 0; half < 2; ++half) {
-      out << text.substr(half ? text.size() / 2 : 0, half ? std::string::npos : text.size() / 2) << std::flush;
+      out << text.substr(half ? text.size() / 2 : 0, half ? std::string::npos : text.size() / 2)
+          << std::flush;
       if (!out) {
         std::cerr << "error: cannot write " << path << ": the disk is full\n";
         std::exit(4);
@@ -85,7 +99,10 @@ class Writer {
       if (stop) std::exit(130);
     }
     const std::string line =
-        json{{"fraction", static_cast<double>(++done_) / static_cast<double>(pieces_)}, {"what", "writing"}}.dump() + "\n";
+        json{{"fraction", static_cast<double>(++done_) / static_cast<double>(pieces_)},
+             {"what", "writing"}}
+            .dump() +
+        "\n";
     if (progress_fd_ >= 0 && write(progress_fd_, line.data(), line.size()) < 0) progress_fd_ = -1;
   }
 
@@ -103,8 +120,10 @@ void SpawnStray() {
 }
 
 void WriteReport(const std::string& stage, const fs::path& path) {
-  json report = {{"schema", 1}, {"stage", stage}, {"warnings", json::array()}, {"verdicts", json::array()}};
-  if (const char* text = std::getenv("TEXT_STAGE_WARNING"); text && stage == "gather") report["warnings"].push_back(text);
+  json report = {
+      {"schema", 1}, {"stage", stage}, {"warnings", json::array()}, {"verdicts", json::array()}};
+  if (const char* text = std::getenv("TEXT_STAGE_WARNING"); text && stage == "gather")
+    report["warnings"].push_back(text);
   if (const char* grade = std::getenv("TEXT_STAGE_GRADE"); grade && stage == "merge")
     report["verdicts"].push_back({{"about", "rest"}, {"grade", grade}, {"why", "it was told so"}});
   std::ofstream(path) << report;
@@ -114,13 +133,15 @@ int Run(const std::string& stage, std::map<std::string, std::vector<std::string>
   SpawnStray();
   std::cout << stage << " at work" << std::endl;
   const char* lines = std::getenv("TEXT_STAGE_LOG_LINES");
-  for (int i = 0; i < (lines ? std::atoi(lines) : 0); ++i) std::cout << "line " << i << " of a long log\n";
+  for (int i = 0; i < (lines ? std::atoi(lines) : 0); ++i)
+    std::cout << "line " << i << " of a long log\n";
   if (stage == "gather") {
     const auto files = Sorted(flags["photos"][0]);
     Writer writer(files.size());
     for (const fs::path& file : files) {
       std::string text = ReadAll(file);
-      std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+      std::transform(text.begin(), text.end(), text.begin(),
+                     [](unsigned char c) { return std::toupper(c); });
       writer.Write(fs::path(flags["images"][0]) / file.filename(), text);
     }
   } else if (stage == "join") {
@@ -130,7 +151,8 @@ int Run(const std::string& stage, std::map<std::string, std::vector<std::string>
   } else {
     Writer writer(flags["texts"].size());
     for (std::size_t i = 0; i < flags["texts"].size(); ++i)
-      writer.Write(fs::path(flags["all"][0]) / (std::to_string(i) + ".txt"), ReadAll(flags["texts"][i]));
+      writer.Write(fs::path(flags["all"][0]) / (std::to_string(i) + ".txt"),
+                   ReadAll(flags["texts"][i]));
   }
   WriteReport(stage, flags["report"][0]);
   const int code = std::atoi(flags["exit_code"][0].c_str());

@@ -1,4 +1,5 @@
-// Shared by the fuzz programs: what a reader is given is a file, and only its documented errors may come out.
+// Shared by the fuzz programs: what a reader is given is a file, and only its documented errors may
+// come out.
 #pragma once
 
 #include <unistd.h>
@@ -29,9 +30,12 @@ inline std::filesystem::path Put(const std::string& name, std::string_view bytes
   return Folder() / name;
 }
 
-inline std::string_view Bytes(const std::uint8_t* data, std::size_t size) { return {reinterpret_cast<const char*>(data), size}; }
+inline std::string_view Bytes(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
 
-/// Runs a reader; an exception that is no keypose::Error ends the program, and libFuzzer keeps the input.
+/// Runs a reader; an exception that is no keypose::Error ends the program, and libFuzzer keeps the
+/// input.
 template <class Read>
 int Expect(const Read& read) {
   try {
@@ -41,8 +45,8 @@ int Expect(const Read& read) {
   return 0;
 }
 
-/// Whether a file was bound to another mesh than the one with this hash. To carry it over is no reading, and takes half a minute under the
-/// sanitizers.
+/// Whether a file was bound to another mesh than the one with this hash. To carry it over is no
+/// reading, and takes half a minute under the sanitizers.
 inline bool IsOfAnotherMesh(std::string_view text, const std::string& hash) {
   return text.find("sha256") != std::string_view::npos && text.find(hash) == std::string_view::npos;
 }

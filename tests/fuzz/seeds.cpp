@@ -1,4 +1,5 @@
-// Writes one folder of small valid files for each fuzz program: what Keypose's own writers make, and what people write by hand.
+// Writes one folder of small valid files for each fuzz program: what Keypose's own writers make,
+// and what people write by hand.
 #include <iostream>
 
 #include "core/geometry.h"
@@ -33,17 +34,23 @@ void Meshes() {
   mesh.uv_faces = mesh.faces;
   WriteMesh(In("mesh", "uv.ply"), mesh);
   WriteMesh(In("mesh", "uv.obj"), mesh);
-  WriteFile(In("mesh", "quad.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 \\\n 0\nv 0 1 0\nvt 0 0\nf -4/1 -3/1 -2/1 -1/1\n");
+  WriteFile(In("mesh", "quad.obj"),
+            "v 0 0 0\nv 1 0 0\nv 1 1 \\\n 0\nv 0 1 0\nvt 0 0\nf -4/1 -3/1 -2/1 -1/1\n");
   WriteFile(In("mesh", "t.off"), "OFF\n# a comment\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   WriteFile(In("mesh", "c.off"),
-            "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0 0\n1 0 0 0 0 1 0 255 0 255 1 0\n0 1 0 0 0 1 0 0 255 255 0 1\n3 0 1 2 9 9 9\n");
-  WriteFile(In("mesh", "b.off"), std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) + std::string(36, '\0') +
+            "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255 0 0\n1 0 0 0 0 1 0 255 0 255 1 0\n0 1 0 0 0 1 "
+            "0 0 255 255 0 1\n3 0 1 2 9 9 9\n");
+  WriteFile(In("mesh", "b.off"), std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) +
+                                     std::string(36, '\0') +
                                      std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\0", 20));
   WriteFile(In("mesh", "t.stl"),
-            "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid t\n");
-  WriteFile(In("mesh", "b.stl"), std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'));
+            "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+            "0\nendloop\nendfacet\nendsolid t\n");
+  WriteFile(In("mesh", "b.stl"),
+            std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\0'));
   WriteFile(In("mesh", "a.ply"),
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+            "float z\nelement face 1\n"
             "property list uchar int vertex_index\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   PointCloud cloud;
   cloud.points = mesh.points;
@@ -55,9 +62,11 @@ void Meshes() {
 
 void Images() {
   Image8 image(64, 16, 3);  // the library's own HEIC writer reads beyond rows of fewer pixels
-  for (std::size_t k = 0; k < image.data.size(); ++k) image.data[k] = static_cast<std::uint8_t>(7 * k);
+  for (std::size_t k = 0; k < image.data.size(); ++k)
+    image.data[k] = static_cast<std::uint8_t>(7 * k);
   const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};
-  for (const char* name : {"a.jpg", "a.png", "a.tif", "a.heic"}) WriteImage(In("image", name), image, 90, &exif);
+  for (const char* name : {"a.jpg", "a.png", "a.tif", "a.heic"})
+    WriteImage(In("image", name), image, 90, &exif);
   WriteImage(In("image", "grey.png"), Image8(9, 7, 1, 100));
 }
 
@@ -78,7 +87,8 @@ void Models() {
     whole += (whole.empty() ? "" : "\n=====\n") + ReadFile(fuzz::Folder() / name);
   WriteFile(In("colmap", "binary"), whole);
   WriteFile(In("colmap", "text"),
-            "# text\n1 OPENCV 640 480 500 501 320 240 0 0 0 0\n=====\n1 1 0 0 0 0 0 3 1 a.jpg\n1 2 -1\n=====\n1 0 0 3 9 9 9 0.5 1 0\n");
+            "# text\n1 OPENCV 640 480 500 501 320 240 0 0 0 0\n=====\n1 1 0 0 0 0 0 3 1 a.jpg\n1 2 "
+            "-1\n=====\n1 0 0 3 9 9 9 0.5 1 0\n");
   WriteFile(
       In("poses", "transforms.json"),
       R"({"fl_x":900,"w":640,"h":480,"k1":0.01,"frames":[{"file_path":"a.jpg","transform_matrix":[[1,0,0,0],[0,0,-1,-2],[0,1,0,0],[0,0,0,1]]}]})");
@@ -91,8 +101,10 @@ void Landmarks() {
                      {{"ear", {"ear", 3, {0.25, 0.25, 0.5}}, {"ear", 30, {1, 0, 0}}, true, 1, ""}});
   WriteFile(In("landmarks", "pairs.txt"), "# two\n3 5\n7 9\n");
   WriteFile(In("landmarks", "picks.pp"),
-            "<!DOCTYPE PickedPoints>\n<PickedPoints>\n<point x=\"1\" y=\"0\" z=\"0\" name=\"tip\" active=\"1\"/>\n</PickedPoints>\n");
-  WriteFile(In("stiffness", "bound.json"), BoundStiffnessText(mesh, Eigen::VectorXd::Ones(mesh.vertex_count())));
+            "<!DOCTYPE PickedPoints>\n<PickedPoints>\n<point x=\"1\" y=\"0\" z=\"0\" name=\"tip\" "
+            "active=\"1\"/>\n</PickedPoints>\n");
+  WriteFile(In("stiffness", "bound.json"),
+            BoundStiffnessText(mesh, Eigen::VectorXd::Ones(mesh.vertex_count())));
   WriteFile(In("stiffness", "numbers.txt"), "1 2 0.5 # stiff\n1e3\n");
   TimelineRegion tip, ball;
   tip.name = "tip";
@@ -105,12 +117,12 @@ void Landmarks() {
 void Sets() {
   ImageSet set;
   set.folder = fuzz::Folder();
-  set.plate = PlateLayout{};
+  set.board = BoardLayout{};
   CapturedImage image;
   image.name = "a.jpg";
   image.width = 4;
   image.height = 3;
-  image.plate_corners = {{4, Eigen::Vector2d(1, 2)}};
+  image.board_corners = {{4, Eigen::Vector2d(1, 2)}};
   set.images = {image};
   WriteImageSet(set);
   WriteFile(In("image_set", "capture.json"), ReadFile(fuzz::Folder() / "capture.json"));
@@ -122,23 +134,30 @@ void Sets() {
 
 void Projects() {
   WriteFile(In("pipeline_file", "whole.yaml"),
-            "name: hero\nposes:\n  rest: photos/rest\n  bent: {photos: p, masks: m, background: b.jpg, landmarks: l.json, cameras: c, "
+            "name: hero\nposes:\n  rest: photos/rest\n  bent: {photos: p, masks: m, background: "
+            "b.jpg, landmarks: l.json, cameras: c, "
             "options: {dense: {levels: 4}}}\n"
             "template: rest\nfps: 24\noptions: {cleanup: {faces: 9000}}\n"
             "timeline:\n  loop: true\n  regions: [{name: tip, center: [0, 0, 1], radius: .2}]\n"
-            "  keys: [{pose: rest, at: 0, ease: in-out, turns: {tip: 1}}, &k {pose: bent, at: 0.5, hold: .2}, {pose: rest, at: 2}]\n"
-            "steps:\n  smooth: {stage: cleanup, for: pose, inputs: {surface: {template: a.b@all, others: [c.d]}}, options: {faces: 9}, "
+            "  keys: [{pose: rest, at: 0, ease: in-out, turns: {tip: 1}}, &k {pose: bent, at: 0.5, "
+            "hold: .2}, {pose: rest, at: 2}]\n"
+            "steps:\n  smooth: {stage: cleanup, for: pose, inputs: {surface: {template: a.b@all, "
+            "others: [c.d]}}, options: {faces: 9}, "
             "out: {clean: \"{pose}/s.ply\"},\n"
             "    show: {\"{pose}/s.ply\": it}, cost: {fixed: 1}, enabled: false, program: ./x}\n");
-  WriteFile(In("pipeline_file", "short.yaml"), "poses: {rest: photos/rest}\ntimeline: [rest, rest]\n");
-  const std::string recipe = R"({"stage":"mesh","version":"1","tools":{"colmap":"3.8"},"options":{"depth":"9"},)"
-                             R"("inputs":[{"port":"cloud","origin":"dense/rest.cloud","sha256":"00","files":{"a":"11"}}]})";
+  WriteFile(In("pipeline_file", "short.yaml"),
+            "poses: {rest: photos/rest}\ntimeline: [rest, rest]\n");
+  const std::string recipe =
+      R"({"stage":"mesh","version":"1","tools":{"colmap":"3.8"},"options":{"depth":"9"},)"
+      R"("inputs":[{"port":"cloud","origin":"dense/rest.cloud","sha256":"00","files":{"a":"11"}}]})";
   WriteFile(
       In("state", "manifest"),
       R"(m{"schema":2,"fingerprint":"0","recipe":)" + recipe +
           R"(,"outputs":{"text":{"file":"text","folder":true,"sha256":"0","files":{"a":"1"}}},"files":{"text/a":{"sha256":"1","stamp":[1,2,3,4]}},)"
           R"("seconds":1.5,"peak_bytes":1000})");
-  WriteFile(In("state", "out"), R"(o{"a":{"step":"mesh","sha256":"00","next":"","size":1,"mtime_ns":2,"inode":3,"ctime_ns":4}})");
+  WriteFile(
+      In("state", "out"),
+      R"(o{"a":{"step":"mesh","sha256":"00","next":"","size":1,"mtime_ns":2,"inode":3,"ctime_ns":4}})");
   WriteFile(In("state", "hashes"), R"(h{"a":[1,2,3,4,"00"]})");
   WriteFile(
       In("state", "record"),

@@ -1,4 +1,5 @@
-// What the runner keeps below .keypose, and what programs say of themselves; the first letter chooses which.
+// What the runner keeps below .keypose, and what programs say of themselves; the first letter
+// chooses which.
 #include <nlohmann/json.hpp>
 
 #include "pipeline/artifact_store.h"
@@ -25,7 +26,9 @@ void LookAtManifest(MemoryDisk& disk, const std::string& text) {
   }
   ArtifactStore store(disk, "/state");
   disk.Write(store.FolderOf(fingerprint) / "manifest.json",
-             manifest.is_discarded() ? text : manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+             manifest.is_discarded()
+                 ? text
+                 : manifest.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   disk.Write(store.FolderOf(fingerprint) / "text/a", "a");
   std::string damage;
   store.Find(fingerprint, &damage);

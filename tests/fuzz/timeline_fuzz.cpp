@@ -4,5 +4,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;
-  return fuzz::Expect([&] { ParseTimeline(std::string(fuzz::Bytes(data, size)), "timeline.json"); });
+  return fuzz::Expect(
+      [&] { ParseTimeline(std::string(fuzz::Bytes(data, size)), "timeline.json"); });
 }

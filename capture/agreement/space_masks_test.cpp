@@ -1,0 +1,192 @@
+// Masks that agree in space, on a ring of photographs of a ball, whose outline is known exactly.
+#include "capture/agreement/space_masks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/agreement/space_queries.h"
+#include "capture/testing/test_ring.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+const SpaceOptions kCoarse{.resolution = 80};
+
+TEST(DenialsByOthers, CountsTheOthersAndNeverTheViewItself) {
+  const TestRing ring = MakeTestRing();
+  const std::vector<Image8> denials = DenialsByOthers(ring.views, ring.masks, kCoarse);
+  EXPECT_EQ(*denials[0].at(kRingWidth / 2, kRingHeight / 2), 0);
+  EXPECT_EQ(*denials[0].at(3, 3), 3);  // 18 views: a sixth
+  // The part that view 9 lacks is denied by nobody else; a bright thing that two views show is
+  // denied by most.
+  EXPECT_EQ(*denials[9].at(kRingWidth / 2 - 20, kRingHeight / 2 + 20), 0);
+  EXPECT_GE(*denials[3].at(kRingWidth / 2 + 62, kRingHeight / 2), 3);
+}
+
+TEST(ThicknessOfHull, IsTheBallsChord) {
+  TestRing ring = MakeTestRing();
+  const std::vector<Image8> thickness = ThicknessOfHull(ring.views, ring.truths, kCoarse);
+  // The space is the ball and a voxel's margin; the hull of 18 views is a little larger than the
+  // ball.
+  EXPECT_NEAR(*thickness[0].at(kRingWidth / 2, kRingHeight / 2), 97, 6);
+  const double sine = 30 / std::hypot(30, kRingFocal) * kRingDistance /
+                      kBallRadius;  // of the ray that meets the image 30 pixels beside the middle
+  EXPECT_NEAR(*thickness[0].at(kRingWidth / 2 + 30, kRingHeight / 2),
+              97 * std::sqrt(1 - sine * sine), 10);
+  EXPECT_EQ(*thickness[0].at(3, 3), 0);
+}
+
+// Voxels of one pixel and a hull that two denials carve make the ball a pixel larger all round: 5
+// %; the hull of 18 views, some more.
+TEST(AgreementInSpace, IsNearOneWhereMasksAreRightAndLowWhereOneIsNot) {
+  TestRing ring = MakeTestRing();
+  const auto agreement =
+      AgreementInSpace(ring.masks, DenialsByOthers(ring.views, ring.masks, kCoarse));
+  EXPECT_GT(agreement[0], 0.88);
+  EXPECT_LT(agreement[3], agreement[0] - 0.04);
+  EXPECT_LT(agreement[9], agreement[0] - 0.04);
+}
+
+TEST(RefineInSpace, DropsWhatTwoViewsAddAndRestoresWhatOneLacks) {
+  const TestRing ring = MakeTestRing();
+  ASSERT_LT(Iou(ring.masks[3], ring.truths[3]), 0.95);
+  ASSERT_LT(Iou(ring.masks[9], ring.truths[9]), 0.90);
+  const RefinedMasks refined = RefineInSpace(ring.images, ring.masks, ring.views, {}, {}, kCoarse);
+  for (std::size_t i = 0; i < refined.masks.size(); ++i)
+    EXPECT_GT(Iou(refined.masks[i], ring.truths[i]), 0.97) << "view " << i;
+  EXPECT_GT(refined.agreement[3], refined.agreement_before[3]);
+}
+
+/// A dark side before a dark set: the photograph alone does not tell where the ball ends, and its mask
+/// lacks so much that the view contradicts the others. Its colours do not, so it is asked again.
+TEST(RefineInSpace, AViewThatContradictsByOutlineAloneIsAskedOnceMoreWithTheOthers) {
+  TestRing ring = MakeTestRing();
+  Darken(ring, 14, -8, 4);
+  ASSERT_LT(Iou(ring.masks[14], ring.truths[14]), 0.5);
+  const RefinedMasks refined = RefineInSpace(ring.images, ring.masks, ring.views, {}, {}, kCoarse);
+  EXPECT_FALSE(refined.consensus_before.inlier[14]);
+  EXPECT_TRUE(refined.consensus.inlier[14]);
+  EXPECT_GT(Iou(refined.masks[14], ring.truths[14]), 0.95);
+}
+
+/// What clearly shows the set holds against the others' word: this photograph is of a smaller figure.
+TEST(RefineInSpace, AViewThatClearlyShowsTheSetStaysAnOutlier) {
+  TestRing ring = MakeTestRing();
+  Redraw(ring, 14, 0, 0, 24);
+  const RefinedMasks refined = RefineInSpace(ring.images, ring.masks, ring.views, {}, {}, kCoarse);
+  EXPECT_FALSE(refined.consensus.inlier[14]);
+  EXPECT_GT(Iou(refined.masks[14], ring.truths[14]), 0.9);
+  for (std::size_t i = 0; i < refined.masks.size(); ++i)
+    EXPECT_EQ(refined.consensus.inlier[i], i != 14) << "view " << i;
+}
+
+TEST(RefineInSpace, SameBitsForAnyThreadCount) {
+  const TestRing ring = MakeTestRing();
+  SetThreadCount(1);
+  const RefinedMasks one = RefineInSpace(ring.images, ring.masks, ring.views, {}, {}, kCoarse);
+  SetThreadCount(4);
+  const RefinedMasks four = RefineInSpace(ring.images, ring.masks, ring.views, {}, {}, kCoarse);
+  SetThreadCount(0);
+  for (std::size_t i = 0; i < one.masks.size(); ++i)
+    EXPECT_EQ(one.masks[i].data, four.masks[i].data);
+  EXPECT_EQ(one.agreement, four.agreement);
+}
+
+TEST(DenialsByOthers, BlackMasksAndMasksWithoutCommonSpaceThrow) {
+  TestRing ring = MakeTestRing();
+  for (std::size_t i = 0; i < ring.views.size(); ++i)
+    for (int y = 0; y < kRingHeight; ++y)
+      for (int x = 0; x < kRingWidth; ++x)
+        *ring.masks[i].at(x, y) =
+            x < 12 && y < 12 && i % 2 == 0 ? 255 : (x > kRingWidth - 12 && i % 2 ? 255 : 0);
+  EXPECT_THROW(DenialsByOthers(ring.views, ring.masks, SpaceOptions{.most_denials = 2}),
+               InputError);
+  for (Image8& mask : ring.masks) mask = Image8(kRingWidth, kRingHeight, 1, 0);
+  EXPECT_THROW(DenialsByOthers(ring.views, ring.masks, kCoarse), InputError);
+}
+
+TEST(JudgeOutlines, ViewThatDeniesWhatAllOthersUpholdIsAnOutlierAndGivesTheirSpaceBack) {
+  TestRing ring = MakeTestRing();
+  const std::vector<Image8> before = DenialsByOthers(ring.views, ring.truths, kCoarse);
+  Redraw(ring, 7, 14, -9, 30);
+  const auto by = [&](const std::vector<char>& inlier) {
+    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+  };
+  Denials denials = by({});
+  EXPECT_NE(denials.pictures[0].data, before[0].data);  // it has carved
+  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  EXPECT_FALSE(consensus.undecided);
+  for (std::size_t i = 0; i < ring.views.size(); ++i) EXPECT_EQ(consensus.inlier[i], i != 7) << i;
+  EXPECT_GT(consensus.fits[7].missing[0], 0.2);
+  EXPECT_LT(consensus.fits[0].missing[0], 0.01);
+}
+
+TEST(JudgeOutlines, TwoThatContradictInTheSameWayAreBothFound) {
+  TestRing ring = MakeTestRing();
+  Redraw(ring, 7, 14, -9, 30);
+  Redraw(ring, 8, 14, -9, 30);
+  const auto by = [&](const std::vector<char>& inlier) {
+    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+  };
+  Denials denials = by({});
+  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  for (std::size_t i = 0; i < ring.views.size(); ++i)
+    EXPECT_EQ(consensus.inlier[i], i != 7 && i != 8) << i;
+}
+
+/// Six upright columns in a circle; only along the gaps that face each other does one see through.
+bool OnColumns(const View& view, int x, int y) {
+  const Eigen::Vector3d eye =
+      view.camera_from_world.rotation.conjugate() * -view.camera_from_world.translation;
+  const Eigen::Vector3d in_camera((x + 0.5 - kRingWidth / 2.0) / kRingFocal,
+                                  (y + 0.5 - kRingHeight / 2.0) / kRingFocal, 1);
+  const Eigen::Vector3d ray = view.camera_from_world.rotation.conjugate() * in_camera;
+  for (int column = 0; column < 6; ++column) {
+    const double angle = (10 + 60 * column) * M_PI / 180;
+    const Eigen::Vector2d to = 0.55 * Eigen::Vector2d(std::cos(angle), std::sin(angle)) -
+                               eye.head<2>(),
+                          along = ray.head<2>();
+    const double t = to.dot(along) / along.squaredNorm();
+    if ((to - t * along).norm() < 0.2 && std::abs(eye.z() + t * ray.z()) < 0.6) return true;
+  }
+  return false;
+}
+
+TEST(JudgeOutlines, ToLookThroughBetweenColumnsIsNoFault) {
+  TestRing ring = MakeTestRing();
+  for (std::size_t i = 0; i < ring.views.size(); ++i)
+    for (int y = 0; y < kRingHeight; ++y)
+      for (int x = 0; x < kRingWidth; ++x)
+        *ring.truths[i].at(x, y) = OnColumns(ring.views[i], x, y) ? 255 : 0;
+  const auto by = [&](const std::vector<char>& inlier) {
+    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+  };
+  Denials denials = by({});
+  // Some views lack far more than the middle one of what no other denies: they alone see through.
+  const std::vector<OutlineFit> fits = FitsOfOutlines(ring.truths, denials, {});
+  const auto most = std::max_element(fits.begin(), fits.end(),
+                                     [](auto& a, auto& b) { return a.missing[0] < b.missing[0]; });
+  ASSERT_GT(most->missing[0], 1.2 * ConsensusOptions{}.missing);
+  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  EXPECT_FALSE(consensus.undecided);
+  EXPECT_EQ(std::count(consensus.inlier.begin(), consensus.inlier.end(), 1),
+            static_cast<std::ptrdiff_t>(ring.views.size()));
+}
+
+TEST(Touched, AreTheFewViewsThatHoldWhatTheOthersSeePast) {
+  ViewConsensus consensus;
+  consensus.inlier.assign(18, 1);
+  consensus.fits.resize(18);
+  consensus.fits[5].excess = 0.3;
+  EXPECT_EQ(Touched(consensus, {}), std::vector<std::size_t>{5});
+  for (std::size_t i = 0; i < 9; ++i)
+    consensus.fits[i].excess = 0.3;  // a stand that half of them show
+  EXPECT_TRUE(Touched(consensus, {}).empty());
+}
+
+}  // namespace
+}  // namespace keypose::capture

@@ -1,0 +1,144 @@
+#include "capture/agreement/view_consensus.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+/// What is left of a set of pixels when all that is narrower than a disc goes.
+double OpenedArea(const cv::Mat& set, double radius) {
+  const int side = 2 * static_cast<int>(std::ceil(radius)) + 1;
+  cv::Mat opened;
+  cv::morphologyEx(set, opened, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
+  return cv::countNonZero(opened);
+}
+
+OutlineFit FitOf(const Image8& mask, const Image8& denials, int most, double depth) {
+  const double radius = depth * std::max(mask.width, mask.height);
+  cv::Mat lacking[OutlineFit::kDoubts], beyond(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
+  for (cv::Mat& set : lacking) set = cv::Mat(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
+  double figure = 0;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      const bool inside = *mask.at(x, y) > 127;
+      const int denied = *denials.at(x, y);
+      figure += denied == 0 || (inside && denied < most);
+      for (int doubt = 0; doubt < OutlineFit::kDoubts; ++doubt)
+        if (!inside && denied <= doubt) lacking[doubt].at<std::uint8_t>(y, x) = 255;
+      if (inside && denied >= most) beyond.at<std::uint8_t>(y, x) = 255;
+    }
+  OutlineFit fit;
+  figure = std::max(figure, 1.0);
+  for (int doubt = 0; doubt < OutlineFit::kDoubts; ++doubt)
+    fit.missing[doubt] = OpenedArea(lacking[doubt], radius) / figure;
+  fit.excess = OpenedArea(beyond, radius) / figure;
+  return fit;
+}
+
+double UsualOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// How much more than usual a view lacks, the most over the doubts.
+std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vector<char>& inlier) {
+  std::vector<double> faults(fits.size(), 0);
+  for (int doubt = 0; doubt < OutlineFit::kDoubts; ++doubt) {
+    std::vector<double> of_inliers;
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      if (inlier[i]) of_inliers.push_back(fits[i].missing[doubt]);
+    const double usual = UsualOf(of_inliers);
+    for (std::size_t i = 0; i < fits.size(); ++i)
+      faults[i] = std::max(faults[i], fits[i].missing[doubt] - usual);
+  }
+  return faults;
+}
+
+/// Share of a mask whose rays end in nothing that this view did not deny as well.
+double RobbedShare(const Image8& mask, const Image8& all, const Image8& without, double depth) {
+  cv::Mat robbed(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
+  double figure = 1;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (*mask.at(x, y) <= 127) continue;
+      ++figure;
+      if (*all.at(x, y) > *without.at(x, y)) robbed.at<std::uint8_t>(y, x) = 255;
+    }
+  return OpenedArea(robbed, depth * std::max(mask.width, mask.height)) / figure;
+}
+
+/// Whether at least two other inliers lose a part of their figure by what view `i` denies.
+bool Robs(std::size_t i, const std::vector<Image8>& masks, const std::vector<char>& inlier,
+          const Denials& all, const Denials& without, const ConsensusOptions& options) {
+  std::vector<char> robbed(masks.size(), 0);
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t k) {
+    const auto j = static_cast<std::size_t>(k);
+    if (j == i || !inlier[j]) return;
+    robbed[j] =
+        RobbedShare(masks[j], all.pictures[j], without.pictures[j], options.depth) > options.robbed;
+  });
+  return std::count(robbed.begin(), robbed.end(), 1) >= 2;
+}
+
+}  // namespace
+
+std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks, const Denials& denials,
+                                       const ConsensusOptions& options) {
+  std::vector<OutlineFit> fits(masks.size());
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    fits[i] = FitOf(masks[i], denials.pictures[i], denials.most, options.depth);
+  });
+  return fits;
+}
+
+std::vector<std::size_t> Touched(const ViewConsensus& consensus, const ConsensusOptions& options) {
+  std::vector<double> excesses;
+  for (const OutlineFit& fit : consensus.fits) excesses.push_back(fit.excess);
+  const double usual = UsualOf(excesses);
+  std::vector<std::size_t> touched;
+  for (std::size_t i = 0; i < consensus.fits.size(); ++i)
+    if (consensus.inlier[i] && consensus.fits[i].excess > usual + options.touching)
+      touched.push_back(i);
+  if (static_cast<double>(touched.size()) >
+      options.few * static_cast<double>(consensus.fits.size()))
+    touched.clear();
+  return touched;
+}
+
+ViewConsensus JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
+                            const std::function<Denials(const std::vector<char>&)>& denials_by,
+                            const ConsensusOptions& options) {
+  ViewConsensus consensus{
+      std::vector<char>(masks.size(), 1), FitsOfOutlines(masks, denials, options), {}, false};
+  const auto most =
+      static_cast<std::size_t>(options.most_doubtful * static_cast<double>(masks.size()));
+  std::vector<char> cleared(masks.size(), 0);  // they look through gaps
+  for (std::size_t gone = 0;;) {
+    std::vector<double> faults = Faults(consensus.fits, consensus.inlier);
+    for (std::size_t i = 0; i < faults.size(); ++i)
+      if (!consensus.inlier[i] || cleared[i]) faults[i] = 0;
+    const auto worst =
+        static_cast<std::size_t>(std::max_element(faults.begin(), faults.end()) - faults.begin());
+    if (faults[worst] <= options.missing) break;
+    std::vector<char> inlier = consensus.inlier;
+    inlier[worst] = 0;
+    Denials without = denials_by(inlier);
+    cleared[worst] = !Robs(worst, masks, inlier, denials, without, options);
+    if (cleared[worst]) continue;
+    consensus.undecided = gone++ >= most;
+    if (consensus.undecided) break;
+    consensus.inlier = std::move(inlier);
+    denials = std::move(without);
+    consensus.fits = FitsOfOutlines(masks, denials, options);
+  }
+  return consensus;
+}
+
+}  // namespace keypose::capture

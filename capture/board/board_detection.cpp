@@ -1,0 +1,423 @@
+#include "capture/board/board_detection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/board/board_print.h"
+#include "core/errors.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr double kSearch_px = 2000;  // longer side at which markers are looked for
+constexpr double kContrast = 20;     // grey levels between paper and ink at least
+constexpr double kLeastSquare_px = 6;
+// with what is printed round a corner; a figure in front of it leaves less
+constexpr double kCorrelation = 0.9;
+
+cv::Mat GreyOf(const Image8& image) {
+  const cv::Mat view(image.height, image.width, CV_8UC(image.channels),
+                     const_cast<std::uint8_t*>(image.data.data()));
+  if (image.channels == 1) return view;
+  cv::Mat grey;
+  cv::cvtColor(view, grey, cv::COLOR_RGB2GRAY);
+  return grey;
+}
+
+/// Corner k of a marker on the board, clockwise from its top left; y up.
+cv::Point2d MarkerCorner(const BoardLayout& board, int marker, int k) {
+  // Markers lie in every other square, row by row; the first row begins with a black square.
+  int seen = 0;
+  for (int row = 0; row < board.rows; ++row) {
+    const int in_row = board.columns / 2 + (board.columns % 2 && row % 2);
+    if (marker >= seen + in_row) {
+      seen += in_row;
+      continue;
+    }
+    const int column = 2 * (marker - seen) + (row % 2 == 0);
+    const double half = board.marker_m / 2, x = (column + 0.5) * board.square_m - board.Width() / 2,
+                 y = board.Height() / 2 - (row + 0.5) * board.square_m;
+    return {x + (k == 1 || k == 2 ? half : -half), y + (k < 2 ? half : -half)};
+  }
+  throw InputError("capture: the board has no marker " + std::to_string(marker));
+}
+
+/// Marker corners on the board and in the photograph.
+struct MarkerPoints {
+  std::vector<cv::Point2d> board, image;
+};
+
+MarkerPoints FindMarkers(const cv::Mat& grey, const BoardLayout& board) {
+  const double factor = std::min(1.0, kSearch_px / std::max(grey.cols, grey.rows));
+  cv::Mat small = grey;
+  if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->minMarkerPerimeterRate = 0.012;  // markers seen from low down are flat
+  parameters->polygonalApproxAccuracyRate = 0.05;
+  parameters->adaptiveThreshWinSizeMax = 43;
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(small, cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100),
+                           corners, ids, parameters);
+  MarkerPoints points;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= board.MarkerCount()) continue;
+    for (int k = 0; k < 4; ++k) {
+      const cv::Point2f p = corners[i][k];
+      points.board.push_back(MarkerCorner(board, ids[i], k));
+      // From pixel centres at whole numbers of the small image to those of the large one.
+      points.image.emplace_back((p.x + 0.5) / factor - 0.5, (p.y + 0.5) / factor - 0.5);
+    }
+  }
+  return points;
+}
+
+cv::Point2d Map(const cv::Matx33d& h, const cv::Point2d& p) {
+  const cv::Vec3d q = h * cv::Vec3d(p.x, p.y, 1);
+  return {q[0] / q[2], q[1] / q[2]};
+}
+
+/// A homography and what the marker corners miss it by, which is smooth: the lens.
+class BoardMap {
+ public:
+  explicit BoardMap(const MarkerPoints& points, double square_m) : square_m_(square_m) {
+    if (points.board.size() < 8) return;
+    std::vector<std::uint8_t> inlier;
+    const cv::Mat h =
+        cv::findHomography(points.board, points.image, cv::RANSAC, 6, inlier, 2000, 0.999);
+    if (h.empty()) return;
+    h_ = cv::Matx33d(h.ptr<double>());
+    board_from_image_ = h_.inv();
+    for (std::size_t i = 0; i < inlier.size(); ++i) {
+      if (!inlier[i]) continue;
+      places_.push_back(points.board[i]);
+      misses_.push_back(points.image[i] - Map(h_, points.board[i]));
+    }
+    found_ = places_.size() >= 8;
+  }
+  bool found() const { return found_; }
+  cv::Point2d operator()(const cv::Point2d& on_board) const {
+    return Map(h_, on_board) + Miss(on_board);
+  }
+  /// Where on the board a pixel lies.
+  cv::Point2d OnBoard(const cv::Point2d& pixel) const {
+    cv::Point2d p = Map(board_from_image_, pixel);
+    for (int round = 0; round < 2; ++round) p = Map(board_from_image_, pixel - Miss(p));
+    return p;
+  }
+
+ private:
+  cv::Point2d Miss(const cv::Point2d& on_board) const {
+    cv::Point2d sum(0, 0);
+    double total = 1e-3;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const cv::Point2d d = (places_[i] - on_board) / (1.5 * square_m_);
+      const double weight = std::exp(-d.dot(d) / 2);
+      sum += weight * misses_[i];
+      total += weight;
+    }
+    return sum / total;
+  }
+
+  double square_m_;
+  cv::Matx33d h_, board_from_image_;
+  std::vector<cv::Point2d> places_, misses_;
+  bool found_ = false;
+};
+
+/// Shortest side of a square at a corner, as the photograph shows it [px].
+double SquareSize(const BoardMap& map, const BoardLayout& board, const Eigen::Vector3d& at) {
+  const double half = board.square_m / 2;
+  const cv::Point2d right = map({at.x() + half, at.y()}) - map({at.x() - half, at.y()}),
+                    up = map({at.x(), at.y() + half}) - map({at.x(), at.y() - half});
+  // Height of the parallelogram over its longer side: what a flat view leaves of a square.
+  return std::abs(right.cross(up)) / std::max({cv::norm(right), cv::norm(up), 1e-9});
+}
+
+/// What is printed at a place of the board.
+class BoardInk {
+ public:
+  explicit BoardInk(const BoardLayout& board) : board_(board) {
+    for (int marker = 0; marker < board.MarkerCount(); ++marker)
+      markers_.push_back(MarkerInk(marker));
+  }
+  /// 1 on ink, 0 on paper.
+  double At(const cv::Point2d& p) const {
+    const double x = (p.x + board_.Width() / 2) / board_.square_m,
+                 y = (board_.Height() / 2 - p.y) / board_.square_m;
+    const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+    if (column < 0 || row < 0 || column >= board_.columns || row >= board_.rows) return 0;
+    if ((row + column) % 2 == 0) return 1;
+    const auto& ink = markers_[(row * board_.columns + column) / 2];
+    const double share = board_.marker_m / board_.square_m, cells = static_cast<double>(ink.size());
+    const double u = (x - column - (1 - share) / 2) / share * cells,
+                 v = (y - row - (1 - share) / 2) / share * cells;
+    if (u < 0 || v < 0 || u >= cells || v >= cells) return 0;
+    return ink[v][u];
+  }
+
+ private:
+  const BoardLayout& board_;
+  std::vector<std::vector<std::vector<int>>> markers_;
+};
+
+/// The board's picture round one corner as this photograph should show it, and the pixels that show
+/// it.
+struct Patch {
+  cv::Mat expected;  // 32F, 0 on paper and 1 on ink
+  cv::Mat inside;    // 8U, pixels that count
+  cv::Point origin;  // in the photograph
+};
+
+/// The four half squares that meet in a corner.
+Patch ExpectedPatch(const cv::Mat& grey, const BoardMap& map, const BoardInk& ink,
+                    const BoardLayout& board, const cv::Point2d& at) {
+  constexpr double kReach = 0.5;  // squares
+  constexpr double kBlur_px = 0.7;
+  constexpr int kRim = 3, kSamples = 16;
+  const double reach = kReach * board.square_m;
+  std::vector<cv::Point2f> on_board, seen;
+  for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    const cv::Point2d corner(at.x + dx * reach, at.y + dy * reach);
+    on_board.emplace_back((corner - at) / reach);
+    seen.emplace_back(map(corner));
+  }
+  const cv::Rect box = cv::boundingRect(seen);
+  Patch patch;
+  patch.origin = box.tl() - cv::Point(kRim, kRim);
+  const cv::Rect whole(patch.origin, box.size() + cv::Size(2 * kRim, 2 * kRim));
+  if ((whole & cv::Rect(0, 0, grey.cols, grey.rows)) != whole) return {};
+  for (cv::Point2f& p : seen) p -= cv::Point2f(patch.origin);
+  const cv::Mat back = cv::getPerspectiveTransform(seen, on_board);
+  const cv::Matx33d board_from_patch(back.ptr<double>());
+  patch.expected.create(whole.size(), CV_32F);
+  patch.inside.create(whole.size(), CV_8U);
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x) {
+      double sum = 0;
+      for (int k = 0; k < kSamples; ++k) {
+        // No two in a row or a column, so that an edge along the pixels is placed to a sixteenth
+        // too.
+        const cv::Point2d sub(x + (k + 0.5) / kSamples - 0.5,
+                              y + (7 * k % kSamples + 0.5) / kSamples - 0.5);
+        sum += ink.At(at + reach * Map(board_from_patch, sub));
+      }
+      patch.expected.at<float>(y, x) = static_cast<float>(sum / kSamples);
+      const cv::Point2d q = Map(board_from_patch, cv::Point2d(x, y));
+      patch.inside.at<std::uint8_t>(y, x) = std::abs(q.x) < 1 && std::abs(q.y) < 1;
+    }
+  cv::GaussianBlur(patch.expected, patch.expected, {0, 0}, kBlur_px);
+  return patch;
+}
+
+struct Fit {
+  cv::Point2d offset;
+  double correlation = 0;
+};
+
+/// Where the photograph shows the patch, by Gauss-Newton over shift, brightness and contrast.
+Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
+  Fit fit;
+  cv::Mat dx, dy;
+  cv::Sobel(patch.expected, dx, CV_32F, 1, 0, 3, 1.0 / 8);
+  cv::Sobel(patch.expected, dy, CV_32F, 0, 1, 3, 1.0 / 8);
+  for (int round = 0; round < 12; ++round) {
+    cv::Mat shown;
+    const cv::Point2d middle(patch.origin.x + fit.offset.x + (patch.expected.cols - 1) / 2.0,
+                             patch.origin.y + fit.offset.y + (patch.expected.rows - 1) / 2.0);
+    cv::getRectSubPix(grey, patch.expected.size(), middle, shown, CV_32F);
+    // shown = a + b expected - b (gradient . d)
+    cv::Matx44d normal = cv::Matx44d::zeros();
+    cv::Vec4d right(0, 0, 0, 0);
+    double count = 0, st = 0, ss = 0, tt = 0, s1 = 0, t1 = 0;
+    for (int y = 0; y < shown.rows; ++y)
+      for (int x = 0; x < shown.cols; ++x) {
+        if (!patch.inside.at<std::uint8_t>(y, x)) continue;
+        const double t = patch.expected.at<float>(y, x), s = shown.at<float>(y, x);
+        const cv::Vec4d row(1, t, dx.at<float>(y, x), dy.at<float>(y, x));
+        normal += row * row.t();
+        right += s * row;
+        count += 1, s1 += s, t1 += t, ss += s * s, tt += t * t, st += s * t;
+      }
+    const double variance = (ss - s1 * s1 / count) * (tt - t1 * t1 / count);
+    fit.correlation = variance > 0 ? -(st - s1 * t1 / count) / std::sqrt(variance) : 0;
+    bool solved = false;
+    const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
+    if (!solved) return {};
+    const cv::Vec4d x = inverse * right;
+    if (x[1] > -kContrast) return {};  // ink must be darker than paper
+    // The photograph shows expected(p - d) = expected - gradient . d.
+    const cv::Point2d step(-x[2] / x[1], -x[3] / x[1]);
+    fit.offset += step;
+    if (!(cv::norm(fit.offset) <= most_px)) return {};
+    if (cv::norm(step) < 1e-3) break;
+  }
+  return fit;
+}
+
+/// All corners that the photograph shows where the map foretells them.
+std::vector<BoardCorner> FitCorners(const cv::Mat& grey, const BoardMap& map, const BoardInk& ink,
+                                    const BoardLayout& board) {
+  std::vector<BoardCorner> corners;
+  for (int id = 0; id < board.CornerCount(); ++id) {
+    const Eigen::Vector3d at = board.Corner(id);
+    const double size = SquareSize(map, board, at);
+    if (size < kLeastSquare_px) continue;
+    const Patch patch = ExpectedPatch(grey, map, ink, board, {at.x(), at.y()});
+    if (patch.expected.empty()) continue;
+    const Fit fit = FitPatch(grey, patch, std::max(2.0, 0.15 * size));
+    if (fit.correlation < kCorrelation) continue;
+    const cv::Point2d pixel = map({at.x(), at.y()}) + fit.offset;
+    corners.push_back({id, Eigen::Vector2d(pixel.x + 0.5, pixel.y + 0.5)});
+  }
+  return corners;
+}
+
+MarkerPoints PointsOf(const std::vector<BoardCorner>& corners, const BoardLayout& board) {
+  MarkerPoints points;
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d at = board.Corner(corner.id);
+    points.board.emplace_back(at.x(), at.y());
+    points.image.emplace_back(corner.pixel.x() - 0.5, corner.pixel.y() - 0.5);
+  }
+  return points;
+}
+
+/// Share of ink in each pixel of the shrunk photograph; below 0 off the board and its rim of half a
+/// square.
+cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map, const BoardLayout& board) {
+  constexpr int kSamples = 16;
+  const BoardInk ink(board);
+  const double width = board.Width() / 2 + board.square_m / 2,
+               height = board.Height() / 2 + board.square_m / 2;
+  cv::Mat share(size, CV_32F, cv::Scalar(-1));
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) {
+      const auto at = [&](double dx, double dy) {
+        return map.OnBoard({(x + dx) / factor - 0.5, (y + dy) / factor - 0.5});
+      };
+      const cv::Point2d middle = at(0.5, 0.5);
+      if (std::abs(middle.x) > width || std::abs(middle.y) > height) continue;
+      const cv::Point2d right = at(1, 0.5) - at(0, 0.5), down = at(0.5, 1) - at(0.5, 0);
+      double sum = 0;
+      for (int k = 0; k < kSamples; ++k)
+        sum += ink.At(middle + ((k + 0.5) / kSamples - 0.5) * right +
+                      ((7 * k % kSamples + 0.5) / kSamples - 0.5) * down);
+      share.at<float>(y, x) = static_cast<float>(sum / kSamples);
+    }
+  return share;
+}
+
+/// Medians of the pixels under a mask, by channel.
+cv::Vec3f MedianColor(const cv::Mat& image, const cv::Mat& mask) {
+  cv::Vec3f median(0, 0, 0);
+  for (int c = 0; c < 3; ++c) {
+    std::vector<float> values;
+    for (int y = 0; y < image.rows; ++y)
+      for (int x = 0; x < image.cols; ++x)
+        if (mask.at<std::uint8_t>(y, x)) values.push_back(image.at<cv::Vec3f>(y, x)[c]);
+    if (values.empty()) return median;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[c] = *middle;
+  }
+  return median;
+}
+
+/// Pixels next to corners that were found, where nothing can stand in front of the board.
+cv::Mat NextToCorners(const cv::Size& size, const std::vector<BoardCorner>& corners, double factor,
+                      const BoardMap& map, const BoardLayout& board) {
+  cv::Mat near(size, CV_8U, cv::Scalar(0));
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d at = board.Corner(corner.id);
+    std::vector<cv::Point> outline;
+    for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      const cv::Point2d p =
+          map({at.x() + 0.5 * dx * board.square_m, at.y() + 0.5 * dy * board.square_m});
+      outline.emplace_back(static_cast<int>(std::lround((p.x + 0.5) * factor - 0.5)),
+                           static_cast<int>(std::lround((p.y + 0.5) * factor - 0.5)));
+    }
+    cv::fillConvexPoly(near, outline, cv::Scalar(255));
+  }
+  return near;
+}
+
+/// Colour distance of each pixel to paper and ink in the light that its neighbourhood suggests.
+cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
+                        const cv::Vec3f& black) {
+  const cv::Size window(7, 7);
+  cv::Mat expected(rgb.size(), CV_32FC3, cv::Scalar(0, 0, 0)),
+      product(rgb.size(), CV_32F, cv::Scalar(0)), square = product.clone();
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const float share = ink.at<float>(y, x);
+      if (share < 0) continue;
+      const cv::Vec3f e = (1 - share) * paper + share * black;
+      expected.at<cv::Vec3f>(y, x) = e;
+      product.at<float>(y, x) = e.dot(rgb.at<cv::Vec3f>(y, x));
+      square.at<float>(y, x) = e.dot(e);
+    }
+  cv::boxFilter(product, product, CV_32F, window);
+  cv::boxFilter(square, square, CV_32F, window);
+  cv::Mat distance(rgb.size(), CV_32F, cv::Scalar(0));
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      if (ink.at<float>(y, x) < 0) continue;
+      const float light = std::clamp(
+          product.at<float>(y, x) / std::max(square.at<float>(y, x), 1.0F), 0.35F, 1.15F);
+      distance.at<float>(y, x) = static_cast<float>(
+          cv::norm(rgb.at<cv::Vec3f>(y, x) - light * expected.at<cv::Vec3f>(y, x)));
+    }
+  cv::boxFilter(distance, distance, CV_32F, {3, 3});
+  return distance;
+}
+
+}  // namespace
+
+std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board) {
+  if (const auto problems = board.Problems(); !problems.empty())
+    throw InputError("capture: " + problems.front());
+  const cv::Mat grey = GreyOf(image);
+  const BoardMap rough(FindMarkers(grey, board), board.square_m);
+  if (!rough.found()) return {};
+  const BoardInk ink(board);
+  const std::vector<BoardCorner> first = FitCorners(grey, rough, ink, board);
+  // Marker corners err by half a pixel, which bends the patches; the corners found foretell them
+  // better.
+  const BoardMap fine(PointsOf(first, board), board.square_m);
+  return fine.found() ? FitCorners(grey, fine, ink, board) : first;
+}
+
+BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
+                      const BoardLayout& board, double limit) {
+  // grey levels of distance, over three channels, at which print is as likely as not
+  constexpr double kEven = 30;
+  BoardOdds known;
+  const BoardMap map(PointsOf(corners, board), board.square_m);
+  if (!map.found()) return known;
+  cv::Mat rgb;
+  cv::Mat(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.data.data()))
+      .convertTo(rgb, CV_32FC3);
+  const cv::Mat ink = InkOf(rgb.size(), factor, map, board),
+                near = NextToCorners(rgb.size(), corners, factor, map, board);
+  const cv::Vec3f paper = MedianColor(rgb, near & (ink >= 0) & (ink < 0.05)),
+                  black = MedianColor(rgb, near & (ink > 0.95));
+  if (!(cv::norm(paper) > cv::norm(black) + kContrast)) return known;
+  const cv::Mat distance = DistanceToPrint(rgb, ink, paper, black);
+  known.on_board = Image8(image.width, image.height, 1);
+  known.odds = ImageF(image.width, image.height, 1);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      if (ink.at<float>(y, x) < 0) continue;
+      *known.on_board.at(x, y) = 255;
+      *known.odds.at(x, y) =
+          static_cast<float>(std::clamp(4 * (distance.at<float>(y, x) / kEven - 1), -limit, limit));
+    }
+  return known;
+}
+
+}  // namespace keypose::capture

@@ -1,0 +1,36 @@
+// The calibration board as a page to print.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/calibration_board.h"
+#include "core/image.h"
+
+namespace keypose::capture {
+
+struct Page {
+  std::string name;
+  double width_mm = 0, height_mm = 0;  ///< landscape
+};
+
+/// A4, A3 or letter, landscape.
+/// @throws UsageError  another name
+Page PageNamed(const std::string& name);
+
+/// The board as a vector PDF of one page: squares and markers in exact millimetres, a cross and a
+/// circle in the middle, a ruler of 100 mm to check the printer's scale, and how to use it. Same
+/// bytes at every call.
+/// @throws UsageError  the board is not valid, or with its white rim does not fit on the page; says
+/// how large its squares may be
+std::string BoardPdf(const BoardLayout& board, const Page& page);
+
+/// The same page as grey pixels.
+/// @throws UsageError  as BoardPdf
+Image8 BoardPicture(const BoardLayout& board, const Page& page, double px_per_mm);
+
+/// Bits of a marker of the dictionary, rows from the top, its black border included: 7 x 7, 1 where
+/// the ink is.
+std::vector<std::vector<int>> MarkerInk(int marker);
+
+}  // namespace keypose::capture

@@ -1,0 +1,166 @@
+// The calibration board: what the page shows, that OpenCV reads it as its own board, and corners
+// against known cameras.
+#include "core/calibration_board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/board/board_detection.h"
+#include "capture/board/board_print.h"
+#include "core/camera.h"
+#include "core/errors.h"
+
+namespace keypose::capture {
+namespace {
+
+using testing::HasSubstr;
+
+cv::Mat View(const Image8& image) {
+  return {image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data.data())};
+}
+
+TEST(BoardPrint, PageIsTheBoardThatOpenCvDraws) {
+  const BoardLayout board;
+  const Page page = PageNamed("A4");
+  constexpr double kScale = 8;  // px/mm
+  const Image8 picture = BoardPicture(board, page, kScale);
+  const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
+  const auto cv_board =
+      cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
+                                      static_cast<float>(board.marker_m), dictionary);
+  const int square = static_cast<int>(1000 * board.square_m * kScale);
+  cv::Mat drawing;
+  cv_board->draw({board.columns * square, board.rows * square}, drawing, 0, 1);
+  const cv::Rect middle((picture.width - drawing.cols) / 2, (picture.height - drawing.rows) / 2,
+                        drawing.cols, drawing.rows);
+  cv::Mat difference = cv::abs(View(picture)(middle) - drawing) > 127;
+  // The cross in the middle is the one thing that is not on OpenCV's.
+  difference(cv::Rect(drawing.cols / 2 - 40, drawing.rows / 2 - 40, 80, 80)).setTo(0);
+  // Borders of markers are rounded to whole pixels there: nothing thicker than that may differ.
+  cv::erode(difference, difference, cv::Mat::ones(5, 5, CV_8U));
+  EXPECT_EQ(cv::countNonZero(difference), 0);
+  EXPECT_GT(cv::countNonZero(drawing < 127), drawing.total() / 3);
+}
+
+TEST(BoardPrint, CornersLieInExactMillimetres) {
+  const BoardLayout board{7, 5, 0.020, 0.015};
+  const Page page = PageNamed("letter");
+  constexpr double kScale = 6;
+  const Image8 picture = BoardPicture(board, page, kScale);
+  cv::GaussianBlur(View(picture), View(picture), {0, 0}, 0.7);  // as sharp as a lens is
+  const auto corners = FindBoard(picture, board);
+  ASSERT_EQ(corners.size(), 24u);
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d at = 1000 * board.Corner(corner.id);
+    const Eigen::Vector2d expected(kScale * (page.width_mm / 2 + at.x()),
+                                   kScale * (page.height_mm / 2 - at.y()));
+    EXPECT_LT((corner.pixel - expected).norm(), 0.05) << corner.id;
+  }
+}
+
+TEST(BoardPrint, PdfHasOnePageOfThePapersSizeAndTheSameBytesEachTime) {
+  const std::string pdf = BoardPdf({}, PageNamed("A4"));
+  EXPECT_EQ(pdf.substr(0, 5), "%PDF-");
+  EXPECT_THAT(pdf, HasSubstr("/Count 1"));
+  EXPECT_THAT(pdf, HasSubstr("841.88"));  // 297 mm in points
+  EXPECT_THAT(pdf, HasSubstr("595.27"));
+  EXPECT_EQ(pdf, BoardPdf({}, PageNamed("A4")));
+}
+
+TEST(BoardPrint, BoardThatDoesNotFitIsAUsageErrorThatSaysWhatFits) {
+  try {
+    BoardPdf({11, 8, 0.040, 0.030}, PageNamed("A4"));
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("--board_square_mm may be 24.4 at most"));
+  }
+  EXPECT_THROW(BoardPdf({20, 20, 0.005, 0.004}, PageNamed("A4")), UsageError);
+  EXPECT_THROW(PageNamed("A7"), UsageError);
+}
+
+/// The board as a camera sees it, with 3 x 3 rays a pixel; `hidden` is covered by something grey.
+Image8 Photograph(const BoardLayout& board, const keypose::View& view,
+                  const std::function<bool(double, double)>& hidden) {
+  constexpr double kScale = 10;
+  const Page page = PageNamed("A4");
+  const Image8 picture = BoardPicture(board, page, kScale);
+  const Camera& camera = view.camera;
+  Image8 image(camera.width, camera.height, 1);
+  const Rigid3 world_from_camera = view.camera_from_world.Inverse();
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      double sum = 0;
+      for (int k = 0; k < 9; ++k) {
+        const Eigen::Vector2d pixel(x + (k % 3 + 0.5) / 3, y + (k / 3 + 0.5) / 3);
+        const Eigen::Vector3d ray = world_from_camera.rotation * camera.Unproject(pixel),
+                              eye = world_from_camera.translation;
+        const Eigen::Vector3d p = eye - ray * (eye.z() / ray.z());
+        const int px = static_cast<int>(kScale * (page.width_mm / 2 + 1000 * p.x())),
+                  py = static_cast<int>(kScale * (page.height_mm / 2 - 1000 * p.y()));
+        const bool on =
+            ray.z() < 0 && px >= 0 && py >= 0 && px < picture.width && py < picture.height;
+        sum += hidden(p.x(), p.y()) ? 110 : on ? 30 + *picture.at(px, py) * 0.7 : 120;
+      }
+      *image.at(x, y) = static_cast<std::uint8_t>(std::lround(sum / 9));
+    }
+  cv::GaussianBlur(View(image), View(image), {0, 0}, 0.7);
+  return image;
+}
+
+keypose::View ViewFrom(double elevation_deg) {
+  keypose::View view;
+  view.camera.width = 1000, view.camera.height = 700;
+  view.camera.fx = view.camera.fy = 1900, view.camera.cx = 503, view.camera.cy = 352;
+  view.camera.k1 = -0.06;
+  const double e = elevation_deg * 3.14159265 / 180;
+  const Eigen::Vector3d eye =
+      0.55 * Eigen::Vector3d(0.3 * std::cos(e), -std::sqrt(1 - 0.09) * std::cos(e), std::sin(e));
+  const Eigen::Vector3d z = -eye.normalized(), x = z.cross(Eigen::Vector3d::UnitZ()).normalized(),
+                        y = z.cross(x);
+  Eigen::Matrix3d rotation;
+  rotation << x.transpose(), y.transpose(), z.transpose();
+  view.camera_from_world.rotation = rotation;
+  view.camera_from_world.translation = -(view.camera_from_world.rotation * eye);
+  return view;
+}
+
+TEST(BoardDetection, CornersAreWhereTheCameraSeesThem) {
+  const BoardLayout board;
+  for (const double elevation : {15.0, 45.0}) {
+    const keypose::View view = ViewFrom(elevation);
+    const auto corners =
+        FindBoard(Photograph(board, view, [](double, double) { return false; }), board);
+    ASSERT_GE(corners.size(), 60u) << elevation;
+    double sum = 0;
+    for (const BoardCorner& corner : corners)
+      sum += (corner.pixel - view.Project(board.Corner(corner.id))).squaredNorm();
+    EXPECT_LT(std::sqrt(sum / static_cast<double>(corners.size())), 0.03)
+        << elevation;  // eight bits a pixel allow a hundredth
+  }
+}
+
+TEST(BoardDetection, HiddenCornersAreNotGuessed) {
+  const BoardLayout board;
+  const keypose::View view = ViewFrom(40);
+  const auto hidden = [](double x, double y) { return std::abs(x) < 0.05 && std::abs(y) < 0.04; };
+  const auto corners = FindBoard(Photograph(board, view, hidden), board);
+  EXPECT_GE(corners.size(), 40u);
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d at = board.Corner(corner.id);
+    EXPECT_FALSE(hidden(at.x(), at.y())) << corner.id;
+    EXPECT_LT((corner.pixel - view.Project(at)).norm(), 0.5) << corner.id;
+  }
+}
+
+TEST(BoardDetection, PictureWithoutABoardGivesNone) {
+  Image8 image(640, 480, 3);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    image.data[i] = static_cast<std::uint8_t>((i * 2654435761u) >> 24);
+  EXPECT_TRUE(FindBoard(image, {}).empty());
+}
+
+}  // namespace
+}  // namespace keypose::capture

@@ -1,0 +1,208 @@
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "capture/photographs.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/photograph_files.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string Lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::uint64_t Fnv1a(const std::string& bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return hash;
+}
+
+Photograph Inspect(const fs::path& file) {
+  const ImageInfo info = ReadImageInfo(file);
+  const std::string bytes = ReadFile(file);
+  Photograph photograph;
+  photograph.name = WrittenName(file);
+  photograph.width = info.width;
+  photograph.height = info.height;
+  photograph.digest = Fnv1a(bytes);
+  photograph.bytes = bytes.size();
+  photograph.camera_model = info.camera_model;
+  photograph.focal_px = FocalPx(info.width, info.height, info.focal_35mm.value_or(0),
+                                info.focal_mm.value_or(0), info.sensor_width_mm.value_or(0));
+  return photograph;
+}
+
+std::vector<fs::path> PhotographsIn(const fs::path& folder) {
+  std::vector<fs::path> files = ImagesIn(folder);
+  std::erase_if(files,
+                [](const fs::path& file) { return Lower(file.stem().string()) == "background"; });
+  return files;
+}
+
+std::vector<PhotographGroup> GroupsBelow(const fs::path& folder) {
+  std::vector<PhotographGroup> groups;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory() || name == "masks" || name.front() == '.') continue;
+    PhotographGroup group{name, entry.path(), PhotographsIn(entry.path())};
+    if (!group.files.empty()) groups.push_back(std::move(group));
+  }
+  std::sort(groups.begin(), groups.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return groups;
+}
+
+/// Photographs whose names begin with "lying" apart from the others.
+std::vector<PhotographGroup> SplitByName(const fs::path& folder,
+                                         const std::vector<fs::path>& files) {
+  PhotographGroup lying{"lying", folder, {}}, upright{"upright", folder, {}};
+  for (const fs::path& file : files)
+    (Lower(file.filename().string()).rfind("lying", 0) == 0 ? lying : upright)
+        .files.push_back(file);
+  if (lying.files.empty() || upright.files.empty()) return {{"", folder, files}};
+  return {lying, upright};
+}
+
+/// Their names go into capture.json and reports, which hold UTF-8 alone.
+void RequireNamesInUtf8(const std::vector<PhotographGroup>& groups) {
+  std::vector<std::string> odd;
+  for (const PhotographGroup& group : groups) {
+    if (!IsValidUtf8(group.name)) odd.push_back(PrintableName(group.name));
+    for (const fs::path& file : group.files)
+      if (!IsValidUtf8(file.filename().string())) odd.push_back(PrintableName(file));
+  }
+  if (!odd.empty())
+    throw InputError("capture: these names are not in UTF-8: " + JoinNames(odd) +
+                     "; rename them (another system wrote them in its own code)");
+}
+
+/// Two photographs of one name after HEIC became JPEG: a phone or a program has written both.
+void RequireDifferentNames(const std::vector<Photograph>& photographs) {
+  std::set<std::string> names;
+  for (const Photograph& photograph : photographs) {
+    if (names.insert(photograph.name).second) continue;
+    throw InputError("capture: " + photograph.name +
+                     " is there twice, as HEIC and as JPEG; leave one of the two kinds out");
+  }
+}
+
+/// Files of the folder that are not among its photographs, masks and clean plate, and of those of
+/// its subfolders that hold no photographs.
+void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::path>* ignored) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
+    if (entry.is_regular_file() && !IsPhotographName(entry.path()))
+      ignored->push_back(entry.path());
+    // A link to a folder above would be walked again and again.
+    if (with_subfolders && entry.is_directory() && !entry.is_symlink() &&
+        PhotographsIn(entry.path()).empty())
+      AddIgnored(entry.path(), true, ignored);
+  }
+}
+
+/// Why nothing was found, and what to do.
+[[noreturn]] void FailForWantOfPhotographs(const fs::path& folder) {
+  const std::vector<fs::path> others = IgnoredFiles(folder, {});
+  const std::string start =
+      "capture: " + folder.string() + " has no photographs (" + kReadablePhotographs + ")";
+  if (others.empty()) throw InputError(start + "; check the folder's path");
+  const std::string cure = CureFor(others);
+  throw InputError(start + "; there are " + KindsOf(others) + "; " +
+                   (cure.empty() ? "check the folder's path" : cure));
+}
+
+}  // namespace
+
+std::vector<fs::path> ImagesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && IsPhotographName(entry.path()) && !IsLitterName(entry.path()))
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string WrittenName(const fs::path& file) {
+  return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string();
+}
+
+std::vector<fs::path> IgnoredFiles(const fs::path& folder,
+                                   const std::vector<PhotographGroup>& groups) {
+  std::vector<fs::path> ignored;
+  AddIgnored(folder, true, &ignored);
+  for (const PhotographGroup& group : groups)
+    if (group.folder != folder) AddIgnored(group.folder, false, &ignored);
+  std::sort(ignored.begin(), ignored.end());
+  return ignored;
+}
+
+std::vector<PhotographGroup> ListPhotographs(const fs::path& folder) {
+  const std::vector<fs::path> files = PhotographsIn(folder);
+  const std::vector<PhotographGroup> below = GroupsBelow(folder);
+  if (files.empty() && below.empty()) FailForWantOfPhotographs(folder);
+  if (!files.empty() && !below.empty())
+    throw InputError("capture: " + folder.string() + " has photographs of its own (" +
+                     files.front().filename().string() + ") and in its subfolder " +
+                     below.front().name +
+                     "; put those of each placement of the figure in a subfolder (upright, lying), "
+                     "or all in one folder");
+  return below.empty() ? SplitByName(folder, files) : below;
+}
+
+fs::path FindBackground(const fs::path& folder) {
+  for (const fs::path& file : ImagesIn(folder))
+    if (Lower(file.stem().string()) == "background") return file;
+  return {};
+}
+
+std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups) {
+  std::vector<std::pair<const PhotographGroup*, fs::path>> files;
+  for (const PhotographGroup& group : groups)
+    for (const fs::path& file : group.files) files.emplace_back(&group, file);
+  RequireNamesInUtf8(groups);
+  const bool in_subfolders = groups.size() > 1 && groups[0].folder != groups[1].folder;
+  std::vector<Photograph> photographs(files.size());
+  std::vector<std::string> faults(files.size()), reasons(files.size());
+  ParallelFor(static_cast<std::int64_t>(files.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    const auto& [group, file] = files[i];
+    try {
+      photographs[i] = Inspect(file);
+      photographs[i].group = group->name;
+      if (in_subfolders) photographs[i].name = group->name + "_" + photographs[i].name;
+    } catch (const InputError& error) {
+      faults[i] = file.filename().string();
+      reasons[i] = error.what();
+    }
+  });
+  std::erase(faults, "");
+  std::erase(reasons, "");
+  if (faults.size() == 1) throw InputError("capture: " + reasons[0]);
+  if (!faults.empty())
+    throw InputError(
+        "capture: " + std::to_string(faults.size()) + " of " + std::to_string(files.size()) +
+        " photographs cannot be read: " + JoinNames(faults) +
+        "; copy them from the camera again, or leave them out. The first: " + reasons[0]);
+  RequireDifferentNames(photographs);
+  return photographs;
+}
+
+fs::path FindMask(const fs::path& folder, const std::string& photograph_name) {
+  const std::string stem = fs::path(photograph_name).stem().string();
+  for (const fs::path& file : ImagesIn(folder)) {
+    const std::string mask = file.stem().string();
+    if (mask == stem || mask == photograph_name || mask == stem + "_mask") return file;
+  }
+  return {};
+}
+
+}  // namespace keypose::capture

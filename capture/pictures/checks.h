@@ -1,0 +1,48 @@
+// What makes a set of photographs unfit, found before any work is done on it.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace keypose::capture {
+
+/// What the header of a photograph says.
+struct Photograph {
+  std::string name;   ///< file name; with its subfolder's name and _ before it where there is one
+  std::string group;  ///< placement of the figure: the subfolder, or "lying" and "upright"; ""
+                      ///< where there is one placement
+  int width = 0, height = 0;  ///< after EXIF orientation
+  std::uint64_t digest = 0;   ///< of the file's bytes
+  std::uint64_t bytes = 0;
+  double focal_px = 0;  ///< 0 when unknown
+  std::string camera_model;
+};
+
+/// Focal length in pixels of an image `width` x `height`, from EXIF values that are 0 when absent;
+/// 0 when nothing is known. The 35 mm equivalent is taken along the longer side (36 mm). Where the
+/// sensor's width is missing, or can only come from a photograph that was shrunk, 23 mm is assumed
+/// for lenses of 10 mm and longer: a start for sfm, which refines it.
+double FocalPx(int width, int height, double focal_35mm, double focal_mm, double sensor_width_mm);
+
+/// Which photographs must be turned by 90 degrees so that all have one size; empty when none.
+/// @throws InputError  two sizes that differ by more than a turn; names photographs of each
+std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
+
+/// @throws InputError  fewer than `min_images`, or two files with the same bytes; names them
+void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images,
+                              const std::string& folder);
+
+/// @throws InputError  a photograph that is too small or too narrow for anything to be found in it;
+/// names all of them
+void RequireUsableSizes(const std::vector<Photograph>& photographs);
+
+/// The largest difference of a known focal length from their median, over that median; 0 when fewer
+/// than two are known.
+double FocalSpread(const std::vector<Photograph>& photographs);
+double MedianFocalPx(const std::vector<Photograph>& photographs);
+
+/// "a.jpg, b.jpg, c.jpg and 4 more".
+std::string JoinNames(const std::vector<std::string>& names, std::size_t at_most = 12);
+
+}  // namespace keypose::capture

@@ -1,0 +1,20 @@
+// One picture that shows every mask over its photograph.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// A cell of the sheet: the photograph shrunk to `width`, tinted outside of its mask, outlined, its
+/// name below.
+/// @param image  RGB   @param mask  same size, one channel
+Image8 ContactCell(const Image8& image, const Image8& mask, const std::string& name, int width);
+
+/// Cells in rows of about equal width and height.
+/// @throws InputError  no cells
+Image8 ContactSheet(const std::vector<Image8>& cells);
+
+}  // namespace keypose::capture

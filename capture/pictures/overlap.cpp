@@ -1,0 +1,91 @@
+#include "capture/pictures/overlap.h"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/features2d.hpp>
+
+#include "capture/pictures/cv_image.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+constexpr int kMostFeatures = 400;
+constexpr int kFewestShared = 16;
+
+struct Sighted {
+  std::vector<cv::KeyPoint> places;
+  cv::Mat descriptors;
+};
+
+Sighted FeaturesOf(const Preview& preview) {
+  Sighted seen;
+  const auto sift = cv::SIFT::create(kMostFeatures, 3, 0.02);
+  sift->detectAndCompute(MatOf(preview.grey), MatOf(preview.mask), seen.places, seen.descriptors);
+  return seen;
+}
+
+std::vector<cv::DMatch> RatioMatches(const cv::Mat& from, const cv::Mat& to) {
+  std::vector<std::vector<cv::DMatch>> nearest;
+  cv::BFMatcher(cv::NORM_L2).knnMatch(from, to, nearest, 2);
+  std::vector<cv::DMatch> kept;
+  for (const auto& two : nearest)
+    if (two.size() == 2 && two[0].distance < 0.8F * two[1].distance) kept.push_back(two[0]);
+  return kept;
+}
+
+int SharedBy(const Sighted& first, const Sighted& second) {
+  if (first.places.size() < kFewestShared || second.places.size() < kFewestShared) return 0;
+  const std::vector<cv::DMatch> there = RatioMatches(first.descriptors, second.descriptors),
+                                back = RatioMatches(second.descriptors, first.descriptors);
+  std::vector<int> match_back(second.places.size(), -1);
+  for (const cv::DMatch& match : back) match_back[match.queryIdx] = match.trainIdx;
+  std::vector<cv::Point2f> x, y;
+  for (const cv::DMatch& match : there) {
+    if (match_back[match.trainIdx] != match.queryIdx) continue;
+    x.push_back(first.places[match.queryIdx].pt);
+    y.push_back(second.places[match.trainIdx].pt);
+  }
+  if (x.size() < kFewestShared) return 0;
+  cv::UsacParams usac;  // with a state of its own: the same answer in any order of the pairs
+  usac.randomGeneratorState = 0;
+  usac.isParallel = false;
+  usac.threshold = 2;
+  usac.confidence = 0.99;
+  usac.maxIterations = 1000;
+  usac.sampler = cv::SAMPLING_UNIFORM;
+  usac.score = cv::SCORE_METHOD_MSAC;
+  usac.loMethod = cv::LOCAL_OPTIM_INNER_LO;
+  usac.loIterations = 5;
+  usac.loSampleSize = 20;
+  cv::Mat fits;
+  try {
+    return cv::findFundamentalMat(x, y, fits, usac).empty() ? 0 : cv::countNonZero(fits);
+  } catch (const cv::Exception&) {
+    return 0;  // points that span no plane
+  }
+}
+
+}  // namespace
+
+std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progress* progress) {
+  std::vector<Sighted> seen(previews.size());
+  ParallelFor(static_cast<std::int64_t>(previews.size()), [&](std::int64_t i) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    seen[i] = FeaturesOf(previews[i]);
+  });
+  std::vector<ImageTie> pairs;
+  for (int i = 0; i < std::ssize(previews); ++i)
+    for (int j = i + 1; j < std::ssize(previews); ++j) pairs.push_back({i, j, 0});
+  ParallelFor(
+      static_cast<std::int64_t>(pairs.size()),
+      [&](std::int64_t k) {
+        ImageTie& tie = pairs[k];
+        tie.matches = SharedBy(seen[tie.first], seen[tie.second]);
+      },
+      8);
+  std::erase_if(pairs, [](const ImageTie& tie) { return tie.matches < kFewestShared; });
+  return pairs;
+}
+
+}  // namespace keypose::capture

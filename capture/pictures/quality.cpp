@@ -1,0 +1,55 @@
+#include "capture/pictures/quality.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/pictures/cv_image.h"
+
+namespace keypose::capture {
+namespace {
+
+/// The blur effect along one axis: the share of neighbouring differences that a box blur of nine
+/// pixels leaves.
+double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
+  cv::Mat blurred;
+  cv::blur(grey, blurred, along_x ? cv::Size(9, 1) : cv::Size(1, 9));
+  const auto differences = [along_x](const cv::Mat& image) {
+    const cv::Rect first(0, 0, image.cols - along_x, image.rows - !along_x),
+        second(along_x, !along_x, first.width, first.height);
+    return cv::Mat(cv::abs(image(second) - image(first)));
+  };
+  const cv::Mat before = differences(grey), after = differences(blurred);
+  const cv::Mat inside = mask(cv::Rect(0, 0, before.cols, before.rows));
+  const cv::Mat lost = cv::max(before - after, 0);
+  const double total = cv::sum(cv::Mat(before.mul(inside)))[0],
+               gone = cv::sum(cv::Mat(lost.mul(inside)))[0];
+  return total <= 0 ? 1 : (total - gone) / total;
+}
+
+}  // namespace
+
+Quality MeasureQuality(const Image8& grey, const Image8& mask) {
+  cv::Mat inside = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255))
+                                : cv::Mat(MatOf(mask) > 127);
+  // The object's outline is an edge of the mask, not of the picture's focus.
+  cv::Mat core;
+  cv::erode(inside, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
+  if (cv::countNonZero(core) > 100) inside = core;
+  if (cv::countNonZero(inside) == 0) inside.setTo(255);
+  cv::Mat laplacian, values, weight;
+  cv::Laplacian(MatOf(grey), laplacian, CV_32F);
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(laplacian, mean, deviation, inside);
+  MatOf(grey).convertTo(values, CV_32F);
+  inside.convertTo(weight, CV_32F, 1 / 255.0);
+  Quality quality;
+  quality.laplacian_variance = deviation[0] * deviation[0];
+  quality.crispness =
+      1 - std::max(BlurEffect(values, weight, true), BlurEffect(values, weight, false));
+  quality.exposure = cv::mean(MatOf(grey), inside)[0];
+  const cv::Mat clipped = ((MatOf(grey) <= 2) | (MatOf(grey) >= 253)) & inside;
+  quality.clipped = static_cast<double>(cv::countNonZero(clipped)) / cv::countNonZero(inside);
+  return quality;
+}
+
+}  // namespace keypose::capture

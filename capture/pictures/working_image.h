@@ -1,0 +1,17 @@
+// Photographs and masks at the size at which they are worked on.
+#pragma once
+
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// The image shrunk so that its longer side is `working_px` (never enlarged).
+Image8 WorkingImage(const Image8& image, int working_px);
+
+/// BT.601 luma of an RGB image.
+Image8 Grey(const Image8& image);
+
+/// Share of pixels above 127.
+double MaskFraction(const Image8& mask);
+
+}  // namespace keypose::capture

@@ -1,0 +1,32 @@
+// How much likelier a pixel is object than background, by its colour and its local contrast.
+#pragma once
+
+#include <vector>
+
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// Smoothed histograms of object and background. Colour is Lab (32 x 64 x 64 bins); contrast is the
+/// standard deviation of lightness around a pixel, which tells a coat from the wall of the same
+/// colour behind it. Both are taken as independent.
+class ColorOdds {
+ public:
+  /// Counts the pixels of an RGB image under its trimap.
+  void Add(const Image8& image, const Image8& trimap);
+  /// Adds another's counts, `weight` times. Call before Finish.
+  void Add(const ColorOdds& other, float weight);
+  /// Turns counts into shares; call once, after all of Add.
+  void Finish();
+  /// ln p(pixel | object) / p(pixel | background) of each pixel, clamped to +-limit.
+  ImageF Of(const Image8& image, double limit) const;
+
+ private:
+  struct Histograms {
+    std::vector<float> color, contrast;
+    float total = 0;
+  };
+  Histograms histograms_[2];  // background, object
+};
+
+}  // namespace keypose::capture

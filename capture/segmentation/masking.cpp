@@ -1,0 +1,165 @@
+#include "capture/segmentation/masking.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/ximgproc/edge_filter.hpp>
+#include <string>
+
+#include "capture/pictures/cv_image.h"
+#include "capture/pictures/working_image.h"
+#include "capture/segmentation/boundary_matting.h"
+#include "capture/segmentation/colour_odds.h"
+#include "capture/segmentation/empty_set.h"
+#include "capture/segmentation/mask_holes.h"
+#include "capture/segmentation/region_cut.h"
+#include "capture/segmentation/set_rounds.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+/// Before anything is known: a band along the borders, and an ellipse in the middle.
+Image8 FirstTrimap(int width, int height, double border_share) {
+  Image8 trimap(width, height, 1, kUnknown);
+  const int band = std::max(2, static_cast<int>(border_share * std::max(width, height)));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double dx = (x + 0.5) / width - 0.5, dy = (y + 0.5) / height - 0.5;
+      if (x < band || y < band || x >= width - band || y >= height - band)
+        *trimap.at(x, y) = kBackground;
+      if (dx * dx + dy * dy < 0.25 * 0.25) *trimap.at(x, y) = kObject;
+    }
+  return trimap;
+}
+
+/// Log odds from the difference to the empty set.
+ImageF CleanPlateOdds(const Image8& image, const Image8& clean_plate, const MaskOptions& options) {
+  cv::Mat a, b;
+  cv::cvtColor(MatOf(image), a, cv::COLOR_RGB2Lab);
+  cv::cvtColor(MatOf(clean_plate), b, cv::COLOR_RGB2Lab);
+  ImageF odds(image.width, image.height, 1);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const cv::Vec3b p = a.at<cv::Vec3b>(y, x), q = b.at<cv::Vec3b>(y, x);
+      const double light = (p[0] - q[0]) * (100.0 / 255), da = p[1] - q[1], db = p[2] - q[2];
+      // A cast shadow darkens and hardly changes hue: darkening by up to a half counts a third.
+      const double weight = light < 0 && p[0] > q[0] / 2 ? 1.0 / 9 : 1.0;
+      const double difference = std::sqrt(weight * light * light + da * da + db * db);
+      *odds.at(x, y) =
+          static_cast<float>(std::clamp(4 * (difference / options.clean_plate_difference - 1),
+                                        -options.odds_limit, options.odds_limit));
+    }
+  return odds;
+}
+
+constexpr int kColorRounds = 2;  // a classifier needs trimaps that are nearly right
+
+/// Where the calibration board is seen nothing is learned: its ink is no colour of the set behind,
+/// or a dark nose would pass for background.
+void LeaveOutBoard(Image8& trimap, const BoardOdds& board) {
+  if (board.odds.empty()) return;
+  for (std::size_t i = 0; i < trimap.data.size(); ++i)
+    if (board.on_board.data[i] && board.odds.data[i] < 0) trimap.data[i] = kUnknown;
+}
+
+std::vector<Image8> SegmentByCleanPlate(const std::vector<Image8>& images,
+                                        const Image8& clean_plate,
+                                        const std::vector<BoardOdds>& boards,
+                                        const MaskOptions& options) {
+  std::vector<Image8> masks(images.size());
+  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    ImageF odds = CleanPlateOdds(images[i], clean_plate, options);
+    // The empty set was shot without the calibration board, or with it turned another way.
+    for (std::size_t p = 0; p < odds.data.size(); ++p)
+      if (!boards[i].odds.empty() && boards[i].on_board.data[p])
+        odds.data[p] = boards[i].odds.data[p];
+    masks[i] = CutRegion(images[i], odds, options.smoothness, options.odds_limit / 2);
+  });
+  return masks;
+}
+
+void RequireCleanPlateFits(const std::vector<Image8>& images, const Image8& clean_plate) {
+  for (const Image8& image : images)
+    if (image.width != clean_plate.width || image.height != clean_plate.height)
+      throw InputError("capture: the clean plate has another shape than the photographs (" +
+                       std::to_string(clean_plate.width) + " x " +
+                       std::to_string(clean_plate.height) + " against " +
+                       std::to_string(image.width) + " x " + std::to_string(image.height) +
+                       " at working size): photograph the empty set with the same camera settings");
+}
+
+}  // namespace
+
+std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& clean_plate,
+                               const std::vector<BoardOdds>& boards, const MaskOptions& options,
+                               Progress* progress) {
+  cv::setNumThreads(1);  // the loops over images use all cores already
+  if (images.empty()) throw InputError("capture: no photographs to mask");
+  std::vector<BoardOdds> known = boards;
+  known.resize(images.size());
+  if (!clean_plate.empty()) {
+    RequireCleanPlateFits(images, clean_plate);
+    ReportProgress(progress, 0, "masks from the clean plate");
+    return SegmentByCleanPlate(images, clean_plate, known, options);
+  }
+  // Rounds but the last at half the size: they only teach.
+  std::vector<Image8> small;
+  for (const Image8& image : images)
+    small.push_back(WorkingImage(image, std::max(image.width, image.height) / 2));
+  Round coarse{small, {}, {}, {}, nullptr, {}};
+  for (const Image8& image : small) {
+    coarse.lab.push_back(LabOf(image));
+    coarse.trimaps.push_back(FirstTrimap(image.width, image.height, options.border_share));
+  }
+  coarse.takes = FindTakes(small, options.border_share);
+  const std::vector<BoardOdds> small_boards = Halved(known, small);
+  for (int round = 0; round + 1 < options.rounds; ++round) {
+    ReportProgress(progress, static_cast<double>(round) / options.rounds, "masks");
+    for (std::size_t i = 0; i < small.size(); ++i)
+      LeaveOutBoard(coarse.trimaps[i], small_boards[i]);
+    const std::vector<Image8> masks =
+        round < kColorRounds ? SegmentByColor(small, coarse.trimaps, small_boards, options)
+                             : SegmentByClassifier(coarse, small_boards, options);
+    for (std::size_t i = 0; i < masks.size(); ++i) coarse.trimaps[i] = TrimapOf(masks[i]);
+  }
+  ReportProgress(progress, static_cast<double>(options.rounds - 1) / options.rounds, "masks");
+  Round fine{images, {}, {}, coarse.takes, nullptr, {}};
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    fine.lab.push_back(LabOf(images[i]));
+    fine.trimaps.push_back(Enlarged(coarse.trimaps[i], images[i].width, images[i].height));
+    LeaveOutBoard(fine.trimaps[i], known[i]);
+  }
+  return SegmentByClassifier(fine, known, options);
+}
+
+Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop* backdrop) {
+  if (small_mask.width == image.width && small_mask.height == image.height) {
+    Image8 matted = small_mask;
+    if (backdrop) OpenMaskHoles(image, *backdrop, matted);
+    MatteBoundary(image, matted);
+    return BestRegion(matted);
+  }
+  cv::Mat large, guided;
+  cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
+  const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
+  // The filter asks for some thirty planes of floats. Two radii beyond the mask it gives zero
+  // whatever the picture, so it sees no more than its surroundings.
+  const int margin = 4 * radius;
+  cv::Rect box = cv::boundingRect(large);
+  if (box.empty()) return BestRegion(ImageOf(large));
+  box = cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+        cv::Rect({0, 0}, large.size());
+  cv::ximgproc::guidedFilter(MatOf(image)(box).clone(), large(box).clone(), guided, radius, 25.0);
+  cv::Mat mask = cv::Mat::zeros(large.size(), CV_8U);
+  mask(box).setTo(255, guided > 127);
+  Image8 matted = ImageOf(mask);
+  if (backdrop) OpenMaskHoles(image, *backdrop, matted);
+  MatteBoundary(image, matted);
+  return BestRegion(matted);
+}
+
+}  // namespace keypose::capture

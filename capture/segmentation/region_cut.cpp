@@ -1,0 +1,115 @@
+#include "capture/segmentation/region_cut.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/imgproc/detail/gcgraph.hpp>
+#include <vector>
+
+#include "capture/pictures/cv_image.h"
+
+namespace keypose::capture {
+namespace {
+
+/// 1 / (2 mean squared colour difference of neighbours), GrabCut's beta.
+double Beta(const cv::Mat& image) {
+  double sum = 0;
+  std::int64_t count = 0;
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const cv::Vec3d here = image.at<cv::Vec3b>(y, x);
+      if (x > 0)
+        sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y, x - 1)), cv::NORM_L2SQR), ++count;
+      if (y > 0)
+        sum += cv::norm(here - cv::Vec3d(image.at<cv::Vec3b>(y - 1, x)), cv::NORM_L2SQR), ++count;
+    }
+  return sum <= 0 ? 0 : 1 / (2 * sum / static_cast<double>(count));
+}
+
+/// Least cost labelling: odds at pixels, a cost for each pair of unlike neighbours that falls with
+/// their colour difference.
+cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
+  constexpr std::array<std::array<int, 2>, 4> kNeighbors{{{-1, 0}, {0, -1}, {-1, -1}, {1, -1}}};
+  const double beta = Beta(image);
+  const int pixels = image.rows * image.cols;
+  cv::detail::GCGraph<double> graph(static_cast<unsigned>(pixels),
+                                    static_cast<unsigned>(2 * (4 * pixels)));
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const int vertex = graph.addVtx();
+      const double odd = *odds.at(x, y);
+      graph.addTermWeights(vertex, std::max(odd, 0.0), std::max(-odd, 0.0));
+      for (const auto& [dx, dy] : kNeighbors) {
+        const int nx = x + dx, ny = y + dy;
+        if (nx < 0 || ny < 0 || nx >= image.cols) continue;
+        const double difference =
+            cv::norm(cv::Vec3d(image.at<cv::Vec3b>(y, x)) - cv::Vec3d(image.at<cv::Vec3b>(ny, nx)),
+                     cv::NORM_L2SQR);
+        const double weight =
+            smoothness * std::exp(-beta * difference) / (dx != 0 && dy != 0 ? std::sqrt(2.0) : 1.0);
+        graph.addEdges(vertex, ny * image.cols + nx, weight, weight);
+      }
+    }
+  graph.maxFlow();
+  cv::Mat labels(image.size(), CV_8U);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      labels.at<std::uint8_t>(y, x) = graph.inSourceSegment(y * image.cols + x) ? 255 : 0;
+  return labels;
+}
+
+/// The region that weighs most, where pixels count more the nearer they are to the middle.
+cv::Mat HeaviestRegion(const cv::Mat& labels) {
+  cv::Mat components;
+  const int count = cv::connectedComponents(labels, components, 8, CV_32S);
+  std::vector<double> weight(static_cast<std::size_t>(count), 0);
+  for (int y = 0; y < labels.rows; ++y)
+    for (int x = 0; x < labels.cols; ++x) {
+      const double dx = (x + 0.5) / labels.cols - 0.5, dy = (y + 0.5) / labels.rows - 0.5;
+      weight[components.at<int>(y, x)] += std::exp(-(dx * dx + dy * dy) / (2 * 0.2 * 0.2));
+    }
+  int best = 0;
+  for (int i = 1; i < count; ++i)
+    if (best == 0 || weight[i] > weight[best]) best = i;
+  return best == 0 ? cv::Mat(cv::Mat::zeros(labels.size(), CV_8U)) : cv::Mat(components == best);
+}
+
+/// Fills holes unless they are plainly background seen through the object: small ones have to be
+/// the plainer.
+// of the picture: what is smaller is judged as if it were that large
+constexpr double kLeastHole = 2.5e-4;
+
+void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {
+  cv::Mat components;
+  const cv::Mat outside = mask == 0;
+  const int count = cv::connectedComponents(outside, components, 4, CV_32S);
+  std::vector<double> sum(static_cast<std::size_t>(count), 0), area(sum);
+  std::vector<char> open(static_cast<std::size_t>(count), 0);
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) {
+      const auto c = static_cast<std::size_t>(components.at<int>(y, x));
+      sum[c] += *odds.at(x, y);
+      area[c] += 1;
+      if (x == 0 || y == 0 || x == mask.cols - 1 || y == mask.rows - 1) open[c] = 1;
+    }
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) {
+      const auto c = static_cast<std::size_t>(components.at<int>(y, x));
+      const bool see_through =
+          sum[c] < -sure * std::max(area[c], kLeastHole * static_cast<double>(mask.total()));
+      if (c != 0 && !open[c] && !see_through) mask.at<std::uint8_t>(y, x) = 255;
+    }
+}
+
+}  // namespace
+
+Image8 CutRegion(const Image8& image, const ImageF& odds, double smoothness, double sure) {
+  cv::Mat mask = HeaviestRegion(GraphCut(MatOf(image), odds, smoothness));
+  FillHoles(mask, odds, sure);
+  return ImageOf(mask);
+}
+
+Image8 BestRegion(const Image8& mask) { return ImageOf(HeaviestRegion(MatOf(mask))); }
+
+}  // namespace keypose::capture

@@ -1,0 +1,250 @@
+#include "capture/segmentation/set_rounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/pictures/cv_image.h"
+#include "capture/segmentation/colour_odds.h"
+#include "capture/segmentation/pixel_classifier.h"
+#include "capture/segmentation/region_cut.h"
+#include "core/parallel.h"
+
+namespace keypose::capture {
+namespace {
+
+/// On the calibration board its print decides; colours, which were learned elsewhere (ink looks
+/// like dark noses), only lean.
+void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
+  if (board.odds.empty()) return;
+  for (std::size_t i = 0; i < odds.data.size(); ++i) {
+    if (!board.on_board.data[i]) continue;
+    const double lean = std::clamp(static_cast<double>(odds.data[i]), -1.5, 1.5);
+    odds.data[i] = static_cast<float>(std::clamp(2.0 * board.odds.data[i] + lean, -limit, limit));
+  }
+}
+
+// of the deepest place of a mask, from which on a pixel lies well inside
+constexpr double kDepth = 0.33;
+constexpr double kHole = 1;  // mean odds against the figure at which a hole stays open
+// odds below which a pixel counts as shadow, or as seen past the figure
+constexpr float kShadow = -1;
+// of the limit: what other photographs uphold in space still weighs nearly as much
+constexpr double kSeenPast = 0.8;
+constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
+
+/// Pixels of an image that its trimap gives a kind, evenly spread.
+PixelSamples SamplesOf(const std::vector<PixelFeatures>& features, const Image8& trimap) {
+  PixelSamples samples;
+  for (const TrimapLabel label : {kBackground, kObject}) {
+    const auto count =
+        static_cast<std::size_t>(std::count(trimap.data.begin(), trimap.data.end(), label));
+    // A stride that shares no factor with the width would do as well; a fractional one never falls
+    // into step with rows.
+    const double stride = std::max(1.0, static_cast<double>(count) / kSamplesPerImage);
+    double next = stride / 2;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      if (trimap.data[i] != label || static_cast<double>(++seen) < next) continue;
+      next += stride;
+      samples.features.push_back(features[i]);
+      samples.object.push_back(label == kObject);
+    }
+  }
+  return samples;
+}
+
+/// For each kind of pixel that may be shadow (entry 1 + kind), log odds that it is figure all the
+/// same. Shadow hangs on to a mask's rim; what is the figure's own lies well inside as well.
+std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kinds) {
+  std::vector<double> inside(1 + kShadowKinds, 0), rim(inside);
+  double all_inside = 0, all_rim = 0;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    // The frame counts as outside: a figure that it cuts is not deep there.
+    cv::Mat padded, depth;
+    cv::copyMakeBorder(MatOf(round.trimaps[i]) == kObject, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT,
+                       0);
+    cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
+    double deepest = 0;
+    cv::minMaxLoc(depth, nullptr, &deepest);
+    const Image8 deep = ImageOf(
+        depth(cv::Rect(1, 1, round.trimaps[i].width, round.trimaps[i].height)) > kDepth * deepest);
+    for (std::size_t p = 0; p < deep.data.size(); ++p) {
+      if (round.trimaps[i].data[p] != kObject) continue;
+      (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
+      (deep.data[p] ? all_inside : all_rim) += 1;
+    }
+  }
+  std::vector<float> odds(1 + kShadowKinds, 0);
+  constexpr double kNothing = 2e-4;  // a share that tells nothing
+  for (std::size_t k = 1; k < odds.size(); ++k)
+    odds[k] = static_cast<float>(2 * std::log((inside[k] / std::max(all_inside, 1.0) + kNothing) /
+                                              (rim[k] / std::max(all_rim, 1.0) + kNothing)));
+  return odds;
+}
+
+/// Pixels that show the empty set as nearly as the background does: seen past the figure, or clay
+/// of the background's colour.
+struct SeenPast {
+  /// of each image; empty where nothing is known of its empty set
+  std::vector<std::vector<char>> pixels;
+  float odds = 0;  ///< of the figure at such a pixel
+
+  float At(std::size_t image, std::size_t pixel) const {
+    return pixels[image].empty() || !pixels[image][pixel] ? 0 : odds;
+  }
+};
+
+/// Share of the figure that looks like the empty set, up to which these pixels are holes; from
+/// kManyAlike on the figure has such colours.
+constexpr double kFewAlike = 7e-4;
+
+/// Masks that have filled a hole teach their classifier that background is figure, and the hull of
+/// such masks says so too; the empty set, where other photographs of the take show it, knows
+/// better.
+SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties,
+                      const std::vector<char>& foretold, double limit) {
+  SeenPast past{std::vector<std::vector<char>>(round.lab.size()), 0};
+  std::vector<double> figure(round.lab.size(), 0), like(figure);
+  ParallelFor(static_cast<std::int64_t>(round.lab.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (!foretold[i]) return;
+    const std::vector<std::uint8_t>&pixels = round.lab[i].data, &empty = empties[i].data,
+          &trimap = round.trimaps[i].data;
+    const std::array<int, 3> usual = UsualDifference(round.lab[i], empties[i], round.trimaps[i]);
+    past.pixels[i].resize(trimap.size());
+    for (std::size_t p = 0; p < trimap.size(); ++p) {
+      bool near = true;
+      for (std::size_t c = 0; c < 3; ++c)
+        near = near && std::abs(pixels[3 * p + c] - empty[3 * p + c]) <= usual[c];
+      past.pixels[i][p] = near;
+      figure[i] += trimap[p] == kObject, like[i] += near && trimap[p] == kObject;
+    }
+  });
+  const auto sum = [](const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+  };
+  // Clay of the background's colours (bone in the dark before a black cloth, a white chin in shade
+  // before white paper) looks so as well.
+  const double share = (sum(like) + 1) / (sum(figure) + 1);
+  const double chance =
+      std::clamp(std::log(kManyAlike / share) / std::log(kManyAlike / kFewAlike), 0.0, 1.0);
+  past.odds = static_cast<float>(chance * std::max(std::log(share), -limit));
+  return past;
+}
+
+/// Which photographs a classifier that judges photograph i may not have learned from: a quarter of
+/// the set in its order, so that an error that a few neighbours share cannot confirm itself.
+std::size_t FoldOf(std::size_t i, std::size_t count, std::size_t folds) {
+  return i * folds / count;
+}
+
+std::vector<PixelClassifier> Learn(const std::vector<PixelSamples>& samples) {
+  const std::size_t folds = samples.size() >= 8 ? 4 : 1;
+  std::vector<PixelClassifier> classifiers;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    std::vector<const PixelSamples*> others;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (folds == 1 || FoldOf(i, samples.size(), folds) != fold) others.push_back(&samples[i]);
+    classifiers.emplace_back(others, ClassifierOptions{});
+  }
+  return classifiers;
+}
+
+}  // namespace
+
+Image8 Enlarged(const Image8& image, int width, int height) {
+  cv::Mat large;
+  cv::resize(MatOf(image), large, {width, height}, 0, 0, cv::INTER_NEAREST);
+  return ImageOf(large);
+}
+
+std::vector<BoardOdds> Halved(const std::vector<BoardOdds>& boards,
+                              const std::vector<Image8>& small) {
+  std::vector<BoardOdds> halved(boards.size());
+  for (std::size_t i = 0; i < boards.size(); ++i) {
+    if (boards[i].odds.empty()) continue;
+    halved[i].on_board = Enlarged(boards[i].on_board, small[i].width, small[i].height);
+    halved[i].odds = ImageF(small[i].width, small[i].height, 1);
+    const cv::Mat odds(boards[i].odds.height, boards[i].odds.width, CV_32F,
+                       const_cast<float*>(boards[i].odds.data.data()));
+    cv::Mat to(small[i].height, small[i].width, CV_32F, halved[i].odds.data.data());
+    cv::resize(odds, to, to.size(), 0, 0, cv::INTER_AREA);
+  }
+  return halved;
+}
+
+std::vector<Image8> SegmentByColor(const std::vector<Image8>& images,
+                                   const std::vector<Image8>& trimaps,
+                                   const std::vector<BoardOdds>& boards,
+                                   const MaskOptions& options) {
+  ColorOdds pooled;
+  for (std::size_t i = 0; i < images.size(); ++i) pooled.Add(images[i], trimaps[i]);
+  std::vector<Image8> masks(images.size());
+  const float share = 1.0F / static_cast<float>(images.size());
+  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    ColorOdds odds;
+    odds.Add(images[i], trimaps[i]);
+    odds.Add(pooled, share);  // the photograph counts as much as the set
+    odds.Finish();
+    ImageF known = odds.Of(images[i], options.odds_limit);
+    AddBoard(known, boards[i], options.odds_limit);
+    masks[i] = CutRegion(images[i], known, options.smoothness, kHole);
+  });
+  return masks;
+}
+
+std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<BoardOdds>& boards,
+                                        const MaskOptions& options) {
+  const std::size_t count = round.images.size();
+  std::vector<Image8> masks(count), kinds(count), empties(count);
+  std::vector<char> foretold(count);
+  std::vector<PixelSamples> related(count), plain(count);
+  const auto each = static_cast<std::int64_t>(count);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    empties[i] = EmptySet(round.lab, round.trimaps, TakeOf(round.takes, i), i);
+    foretold[i] = Misfit(round.lab[i], empties[i], round.trimaps[i]) < options.largest_misfit;
+    kinds[i] = foretold[i] ? ShadowKinds(round.lab[i], empties[i])
+                           : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
+  });
+  const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
+  const SeenPast past = FindSeenPast(round, empties, foretold, kSeenPast * options.odds_limit);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    Image8 trimap = round.trimaps[i];
+    for (std::size_t p = 0; p < trimap.data.size(); ++p)
+      if (trimap.data[p] == kObject &&
+          (shadow_odds[kinds[i].data[p]] < kShadow || past.At(i, p) < kShadow))
+        trimap.data[p] = kUnknown;
+    plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), trimap);
+    if (foretold[i]) related[i] = plain[i];
+    plain[i].features = WithoutEmptySet(std::move(plain[i].features));
+  });
+  const std::vector<PixelClassifier> with_set = Learn(related), without_set = Learn(plain);
+  ParallelFor(each, [&](std::int64_t k) {
+    const auto i = static_cast<std::size_t>(k);
+    const PixelClassifier& classifier =
+        (foretold[i] ? with_set : without_set)[FoldOf(i, count, with_set.size())];
+    std::vector<PixelFeatures> features = FeaturesOf(round.lab[i], empties[i]);
+    if (!foretold[i]) features = WithoutEmptySet(std::move(features));
+    ImageF odds(round.images[i].width, round.images[i].height, 1);
+    for (std::size_t p = 0; p < features.size(); ++p) {
+      odds.data[p] = classifier.Odds(features[p], static_cast<float>(options.odds_limit));
+      const float shadow = std::min(shadow_odds[kinds[i].data[p]], past.At(i, p));
+      if (shadow < kShadow)
+        odds.data[p] =
+            std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
+    }
+    for (std::size_t p = 0; round.told && p < features.size(); ++p)
+      odds.data[p] += round.odds_told[(*round.told)[i].data[p]];
+    AddBoard(odds, boards[i], options.odds_limit);
+    masks[i] = CutRegion(round.images[i], odds, options.smoothness, kHole);
+  });
+  return masks;
+}
+
+}  // namespace keypose::capture

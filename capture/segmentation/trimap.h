@@ -1,0 +1,16 @@
+// What is believed of each pixel of a photograph before it is segmented.
+#pragma once
+
+#include <cstdint>
+
+#include "core/image.h"
+
+namespace keypose::capture {
+
+/// Values of a trimap: one channel, of its photograph's size.
+enum TrimapLabel : std::uint8_t { kUnknown = 0, kBackground = 1, kObject = 2 };
+
+/// The trimap of a mask; the pixels at its border, which mix both, are unknown.
+Image8 TrimapOf(const Image8& mask);
+
+}  // namespace keypose::capture

@@ -1,0 +1,28 @@
+// Photographs for the tests of this room: a speckled ellipse that turns before an uneven wall.
+#pragma once
+
+#include <filesystem>
+
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace keypose::capture {
+
+struct TestPhoto {
+  Image8 image, truth;  ///< RGB; 255 where the ellipse is
+};
+
+enum class TestWall { kLight, kDark };
+
+/// Photograph `index` of a set; sizes may differ between calls.
+TestPhoto MakeTestPhoto(int index, int width, int height, TestWall wall);
+/// The wall alone.
+Image8 MakeTestWall(int width, int height, TestWall wall);
+/// Camera `i` of `count` round the origin, at `distance`, looking at it; `rise` is its height
+/// before the direction is brought to unit length.
+View MakeTestView(int i, int count, double distance, double rise, int width, int height,
+                  double focal_px);
+/// Box blur of 2 radius + 1 pixels, three times over.
+Image8 Blurred(const Image8& image, int radius);
+
+}  // namespace keypose::capture

@@ -1,0 +1,36 @@
+// A ring of photographs of a ball, whose outline is known exactly, with masks that are wrong in
+// places.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace keypose::capture {
+
+constexpr int kRingWidth = 200, kRingHeight = 150, kRingViews = 18;
+// The ball at the origin shows as a disc of 39 px radius.
+constexpr double kRingFocal = 220, kRingDistance = 4, kBallRadius = 0.7;
+
+struct TestRing {
+  std::vector<View> views;
+  std::vector<Image8> images, truths, masks;
+};
+
+/// Views 3 and 4 have a lamp beside the ball in photograph and mask; view 9 lacks the ball's dark
+/// part in both.
+TestRing MakeTestRing();
+
+/// Draws the ring's view i as if the ball stood elsewhere or were of another size [px].
+void Redraw(TestRing& ring, std::size_t i, double dx, double dy, double radius);
+
+/// Darkens the ball in view i where it is left of its middle by more than `from` px, as an underside
+/// before a dark set, and takes that part from its mask.
+void Darken(TestRing& ring, std::size_t i, int from, int divisor);
+
+/// Intersection over union of two masks.
+double Iou(const Image8& a, const Image8& b);
+
+}  // namespace keypose::capture

@@ -1,0 +1,366 @@
+#include "cleanup/editing/adapt.h"
+
+#include <CGAL/Surface_mesh.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <queue>
+#include <vector>
+
+#include "cleanup/editing/cgal_convert.h"
+#include "cleanup/editing/mesh_editor.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+
+namespace keypose::cleanup {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLong = 4.0 / 3,
+                 kShort = 4.0 / 5;  // of the wanted length: neither undoes the other
+constexpr int kRounds = 6, kFits = 14, kLastFlips = 12;  // fits after which the edges stay
+
+// What a point of a face is off from the surface: along the surface's normal there, by how much.
+struct Miss {
+  Vector3d normal = Vector3d::Zero();
+  double distance = 0;
+};
+
+// The loop: a mesh that is edited, the surface it stays on, and the sizes there.
+class Remesher {
+ public:
+  Remesher(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes)
+      : editor_(start),
+        mesh_(editor_.mesh),
+        surface_(surface),
+        scene_(surface.points, surface.faces),
+        normals_(FaceNormals(surface.points, surface.faces)),
+        wanted_(sizes) {}
+
+  Mesh Run(int faces);
+
+ private:
+  void SplitLong();
+  void CollapseShort();
+  void FlipAll();
+  Vector3d ToMiddle(Vertex v) const;
+  void Relax(double step);
+  void TakeSizes();
+  std::vector<std::array<Miss, 4>> Misses() const;
+  Vector3d FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>& misses) const;
+  void Fit();
+  std::vector<std::array<double, 2>> DiagonalMisses(const std::vector<Edge>& edges) const;
+  void FixCount(int faces);
+  void FlipForShape();
+  void MoveAll(const std::vector<Vertex>& vertices, const std::vector<Vector3d>& to);
+  std::vector<Vertex> Vertices() const {
+    return {mesh_.vertices().begin(), mesh_.vertices().end()};
+  }
+  std::array<Vertex, 3> Corners(Face f) const {
+    const Halfedge h = mesh_.halfedge(f);
+    return {mesh_.source(h), mesh_.target(h), mesh_.target(mesh_.next(h))};
+  }
+  // The ends of an edge, then the tips of its two faces.
+  std::array<Vector3d, 4> Diamond(Edge e) const {
+    const Halfedge h = mesh_.halfedge(e), o = mesh_.opposite(h);
+    return {mesh_.point(mesh_.source(h)), mesh_.point(mesh_.target(h)),
+            mesh_.point(mesh_.target(mesh_.next(h))), mesh_.point(mesh_.target(mesh_.next(o)))};
+  }
+  bool Agrees(const RayScene::Foot& foot, const Vector3d& normal) const {
+    return foot.face >= 0 && normals_.row(foot.face).dot(normal.transpose()) > 0;
+  }
+
+  Editor editor_;
+  SurfaceMesh& mesh_;
+  const Mesh& surface_;
+  const RayScene scene_;
+  const PointsX3 normals_;
+  const Eigen::VectorXd& wanted_;
+  double scale_ = 1;
+};
+
+void Remesher::SplitLong() {
+  const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
+  for (const Edge e : edges)
+    if (editor_.Relative(e) > kLong) editor_.Split(e);
+}
+
+void Remesher::CollapseShort() {
+  const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
+  for (const Edge e : edges)
+    if (!mesh_.is_removed(e) && editor_.Relative(e) < kShort) editor_.Collapse(e, kLong);
+}
+
+void Remesher::FlipAll() {
+  for (const Edge e : mesh_.edges()) editor_.Flip(e);
+}
+
+void Remesher::MoveAll(const std::vector<Vertex>& vertices, const std::vector<Vector3d>& to) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) editor_.Move(vertices[i], to[i]);
+}
+
+// Along the surface to the middle of the fan, larger faces pulling more.
+Vector3d Remesher::ToMiddle(Vertex v) const {
+  const Vector3d x = mesh_.point(v), normal = editor_.Normal(v);
+  Vector3d sum = Vector3d::Zero();
+  double weights = 0;
+  for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(v), mesh_)) {
+    const Vertex p = mesh_.source(h), q = mesh_.target(mesh_.next(h));
+    const double size = (editor_.sizes[v] + editor_.sizes[p] + editor_.sizes[q]) / 3;
+    const double weight = editor_.Cross(mesh_.face(h)).norm() / (size * size);
+    sum += weight * (x + mesh_.point(p) + mesh_.point(q)) / 3;
+    weights += weight;
+  }
+  const Vector3d move = weights > 0 ? Vector3d(sum / weights - x) : Vector3d::Zero();
+  return move - normal * normal.dot(move);
+}
+
+// Each vertex slides towards the middle of its fan, and back to the surface straight below.
+void Remesher::Relax(double step) {
+  const std::vector<Vertex> vertices = Vertices();
+  std::vector<Vector3d> to(vertices.size());
+  ParallelFor(
+      static_cast<std::int64_t>(vertices.size()),
+      [&](std::int64_t i) {
+        const Vertex v = vertices[i];
+        const Vector3d x = mesh_.point(v);
+        const RayScene::Foot foot =
+            scene_.ClosestPoint(x + step * ToMiddle(v), 2 * editor_.sizes[v]);
+        to[i] = Agrees(foot, editor_.Normal(v)) ? foot.point : x;
+      },
+      128);
+  MoveAll(vertices, to);
+}
+
+void Remesher::TakeSizes() {
+  const std::vector<Vertex> vertices = Vertices();
+  editor_.sizes.resize(mesh_.num_vertices());
+  ParallelFor(
+      static_cast<std::int64_t>(vertices.size()),
+      [&](std::int64_t i) {
+        const RayScene::Foot foot = scene_.ClosestPoint(mesh_.point(vertices[i]));
+        double size = 0;
+        for (int k = 0; k < 3; ++k)
+          size += foot.barycentric[k] * wanted_[surface_.faces(foot.face, k)];
+        editor_.sizes[vertices[i]] = scale_ * size;
+      },
+      128);
+}
+
+// Where a face is compared with the surface: shares of its corners.
+constexpr double kShares[4][3] = {{1. / 3, 1. / 3, 1. / 3},
+                                  {2. / 3, 1. / 6, 1. / 6},
+                                  {1. / 6, 2. / 3, 1. / 6},
+                                  {1. / 6, 1. / 6, 2. / 3}};
+
+std::vector<std::array<Miss, 4>> Remesher::Misses() const {
+  const std::vector<Face> faces(mesh_.faces().begin(), mesh_.faces().end());
+  std::vector<std::array<Miss, 4>> misses(mesh_.num_faces());
+  ParallelFor(
+      static_cast<std::int64_t>(faces.size()),
+      [&](std::int64_t i) {
+        const std::array<Vertex, 3> c = Corners(faces[i]);
+        const Vector3d normal = editor_.Cross(faces[i]).normalized();
+        for (int k = 0; k < 4; ++k) {
+          const Vector3d x = kShares[k][0] * mesh_.point(c[0]) + kShares[k][1] * mesh_.point(c[1]) +
+                             kShares[k][2] * mesh_.point(c[2]);
+          const RayScene::Foot foot = scene_.ClosestPoint(x, editor_.sizes[c[0]]);
+          if (!Agrees(foot, normal)) continue;
+          const Vector3d n = normals_.row(foot.face).transpose();
+          misses[faces[i]][k] = {n, n.dot(foot.point - x)};
+        }
+      },
+      128);
+  return misses;
+}
+
+// Corners on a sphere leave every face inside of it, and corners beside an edge cut it off. Each
+// corner moves to where the points of its faces are nearest to the planes of the surface below
+// them, least squares with a pull to stay; neighbours move as well, hence the damping. Where that
+// makes a face thin, the pull is along the surface to the middle of the fan instead: it wins where
+// the surface is flat and the place of a corner on it does not matter.
+Vector3d Remesher::FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>& misses) const {
+  constexpr double kPull = 0.02, kDamping = 0.5, kMostOverSize = 0.25, kSlide = 2;
+  constexpr double kThinDeg = 35,
+                   kThinRangeDeg = 15;  // a slide begins at the first and is whole that much below
+  Eigen::Matrix3d system = Eigen::Matrix3d::Zero();
+  Vector3d right = Vector3d::Zero();
+  for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(v), mesh_)) {
+    const std::array<Vertex, 3> c = Corners(mesh_.face(h));
+    const int corner = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    const double area = editor_.Cross(mesh_.face(h)).norm();
+    for (int k = 0; k < 4; ++k) {
+      const Miss& miss = misses[mesh_.face(h)][k];
+      const double share = kShares[k][corner];
+      system += area * share * share * miss.normal * miss.normal.transpose();
+      right += area * share * miss.distance * miss.normal;
+    }
+  }
+  const double pull = kPull * system.trace() + 1e-30;
+  system += pull * Eigen::Matrix3d::Identity();
+  const double thin =
+      std::clamp<double>((kThinDeg - editor_.Angle(v) * 180 / EIGEN_PI) / kThinRangeDeg, 0, 1);
+  const auto solver = system.ldlt();
+  // Twice through the inverse, so that a corner on a sharp edge slides along it only.
+  if (thin > 0) right += pull * pull * kSlide * thin * solver.solve(ToMiddle(v));
+  Vector3d move = kDamping * solver.solve(right);
+  const double most = kMostOverSize * editor_.sizes[v];
+  if (move.norm() > most) move *= most / move.norm();
+  return mesh_.point(v) + move;
+}
+
+void Remesher::Fit() {
+  const std::vector<std::array<Miss, 4>> misses = Misses();
+  const std::vector<Vertex> vertices = Vertices();
+  std::vector<Vector3d> to(vertices.size());
+  ParallelFor(
+      static_cast<std::int64_t>(vertices.size()),
+      [&](std::int64_t i) { to[i] = FittedPlace(vertices[i], misses); }, 128);
+  MoveAll(vertices, to);
+}
+
+// Squared distances from the surface of every edge's middle and of that of its other diagonal.
+std::vector<std::array<double, 2>> Remesher::DiagonalMisses(const std::vector<Edge>& edges) const {
+  std::vector<std::array<double, 2>> misses(edges.size());
+  ParallelFor(
+      static_cast<std::int64_t>(edges.size()),
+      [&](std::int64_t i) {
+        const std::array<Vector3d, 4> p = Diamond(edges[i]);
+        misses[i] = {scene_.ClosestPoint(0.5 * (p[0] + p[1])).squared_distance,
+                     scene_.ClosestPoint(0.5 * (p[2] + p[3])).squared_distance};
+      },
+      128);
+  return misses;
+}
+
+// Edges that run across a ridge are turned along it, and those between thin faces so that these get
+// thicker: whatever makes less of the sum of the squared miss and, in units of the usual one, what
+// the angles lack.
+void Remesher::FlipForShape() {
+  constexpr double kGain = 0.9, kAngleWeight = 40, kGoodAngle = 35 * EIGEN_PI / 180,
+                   kLeastAngle = 20 * EIGEN_PI / 180;
+  const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
+  const std::vector<std::array<double, 2>> misses = DiagonalMisses(edges);
+  std::vector<double> now(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) now[i] = misses[i][0];
+  std::nth_element(now.begin(), now.begin() + now.size() / 2, now.end());
+  const double weight = kAngleWeight * now[now.size() / 2];
+  const auto lack = [&](double angle) {
+    return weight * std::pow(std::max(0.0, 1 - angle / kGoodAngle), 2);
+  };
+  std::vector<char> touched(mesh_.num_faces(), 0);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Halfedge h = mesh_.halfedge(edges[i]);
+    const Face f = mesh_.face(h), g = mesh_.face(mesh_.opposite(h));
+    if (touched[f] || touched[g]) continue;
+    const auto [a, b, c, d] = Diamond(edges[i]);
+    const double left = MinAngle(a, b, c), right = MinAngle(b, a, d);
+    const double cost = misses[i][0] + lack(left) + lack(right);
+    if (!(misses[i][1] + lack(MinAngle(c, d, b)) + lack(MinAngle(d, c, a)) < kGain * cost))
+      continue;
+    if (editor_.FlipTo(edges[i], std::min({kLeastAngle, left, right}))) touched[f] = touched[g] = 1;
+  }
+}
+
+struct Candidate {
+  double relative;
+  Edge edge;
+  bool operator<(const Candidate& o) const {
+    return relative != o.relative ? relative < o.relative : edge < o.edge;
+  }
+};
+
+// Shortest first down, longest first up; lengths over the wanted ones.
+void Remesher::FixCount(int faces) {
+  for (int pass = 0; pass < 12 && static_cast<int>(mesh_.number_of_faces()) > faces + 1; ++pass) {
+    std::vector<Candidate> edges;
+    for (const Edge e : mesh_.edges()) edges.push_back({editor_.Relative(e), e});
+    std::sort(edges.begin(), edges.end());
+    // Lengths around a collapse change, so a pass takes a few only.
+    std::size_t budget = std::max<std::size_t>(50, edges.size() / 20);
+    for (const Candidate& c : edges) {
+      if (budget == 0 || static_cast<int>(mesh_.number_of_faces()) <= faces + 1) break;
+      if (!mesh_.is_removed(c.edge) && editor_.Collapse(c.edge, 1e9)) --budget;
+    }
+  }
+  std::priority_queue<Candidate> longest;
+  const auto add = [&](Edge e) { longest.push({editor_.Relative(e), e}); };
+  for (const Edge e : mesh_.edges()) add(e);
+  while (static_cast<int>(mesh_.number_of_faces()) + 1 < faces) {
+    const auto [relative, e] = longest.top();
+    longest.pop();
+    if (editor_.Relative(e) < relative) continue;  // split since
+    const Vertex middle = editor_.Split(e);
+    for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(middle), mesh_))
+      add(mesh_.edge(h));
+  }
+}
+
+Mesh Remesher::Run(int faces) {
+  TakeSizes();
+  for (int round = 0; round < kRounds; ++round) {
+    SplitLong();
+    CollapseShort();
+    FlipAll();
+    Relax(0.8);
+    FlipAll();
+    Relax(0.8);
+    mesh_.collect_garbage();
+    const double off = std::sqrt(static_cast<double>(mesh_.number_of_faces()) / faces);
+    if (round + 1 < kRounds) scale_ *= std::clamp(off, 0.5, 2.0);
+    TakeSizes();
+  }
+  for (int round = 0; round < 2; ++round) {
+    FixCount(faces);
+    FlipAll();
+    Relax(0.8);
+    editor_.MendThinFaces(20, 4);
+    mesh_.collect_garbage();
+    TakeSizes();
+  }
+  FixCount(faces);
+  editor_.MendThinFaces(10, 6);
+  for (int round = 0; round < kFits; ++round) {
+    if (round % 2 == 1 && round < kLastFlips) FlipForShape();
+    Fit();
+  }
+  editor_.MendThinFaces(5, 6);
+  mesh_.collect_garbage();
+  return FromSurfaceMesh(mesh_);
+}
+
+}  // namespace
+
+Mesh Remeshed(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes, int faces) {
+  return Remesher(start, surface, sizes).Run(faces);
+}
+
+Mesh WithoutThinAngles(const Mesh& closed, double least_deg) {
+  Editor editor(closed);
+  editor.MendThinFaces(least_deg, 10);
+  editor.mesh.collect_garbage();
+  return FromSurfaceMesh(editor.mesh);
+}
+
+Mesh SplitTo(const Mesh& closed, int faces) {
+  Editor editor(closed);
+  std::priority_queue<Candidate> longest;
+  for (const Edge e : editor.mesh.edges()) longest.push({editor.Length(e), e});
+  while (static_cast<int>(editor.mesh.number_of_faces()) + 1 < faces) {
+    const auto [length, e] = longest.top();
+    longest.pop();
+    if (editor.Length(e) < length) continue;  // split since
+    const Vertex middle = editor.Split(e);
+    for (const Halfedge h :
+         CGAL::halfedges_around_target(editor.mesh.halfedge(middle), editor.mesh))
+      longest.push({editor.Length(editor.mesh.edge(h)), editor.mesh.edge(h)});
+  }
+  return FromSurfaceMesh(editor.mesh);
+}
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,88 @@
+#include "cleanup/repair/intersections.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "cleanup/editing/adapt.h"
+#include "cleanup/editing/cgal_convert.h"
+#include "cleanup/repair/components.h"
+#include "cleanup/repair/holes.h"
+#include "cleanup/repair/soup.h"
+#include "core/geometry.h"
+
+namespace keypose::cleanup {
+namespace {
+
+namespace PMP = CGAL::Polygon_mesh_processing;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Face = RepairMesh::Face_index;
+
+}  // namespace
+
+Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings) {
+  std::vector<char> gone(mesh.face_count(), 0), near(mesh.vertex_count(), 0);
+  for (const int f : faces) gone[f] = 1;
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int f = 0; f < mesh.face_count(); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (gone[f]) near[mesh.faces(f, k)] = 1;
+    for (int f = 0; f < mesh.face_count(); ++f)
+      gone[f] |= near[mesh.faces(f, 0)] || near[mesh.faces(f, 1)] || near[mesh.faces(f, 2)];
+  }
+  Mesh open;
+  open.points = mesh.points;
+  open.faces.resize(mesh.face_count(), 3);
+  int count = 0;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (!gone[f]) open.faces.row(count++) = mesh.faces.row(f);
+  open.faces.conservativeResize(count, 3);
+  return open;
+}
+
+bool SelfIntersects(const Mesh& mesh) {
+  return PMP::does_self_intersect<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh));
+}
+
+std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
+  std::vector<std::pair<Face, Face>> pairs;
+  PMP::self_intersections<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh),
+                                                std::back_inserter(pairs));
+  std::vector<int> faces;
+  for (const auto& [a, b] : pairs) {
+    faces.push_back(static_cast<int>(a.idx()));
+    faces.push_back(static_cast<int>(b.idx()));
+  }
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  if (pair_count) *pair_count = static_cast<int>(pairs.size());
+  return faces;
+}
+
+// CGAL's own remove_self_intersections loops for ever, or crashes, on some of the meshes of the
+// guarantee test.
+Mesh WithoutIntersections(const Mesh& closed, int rounds) {
+  Mesh mesh = closed;
+  for (int round = 0; round < rounds; ++round) {
+    const std::vector<int> bad = IntersectingFaces(mesh);
+    if (bad.empty()) break;
+    // Curved patches first; membranes, which stay within their rims, when the patches cross
+    // something again.
+    const double large_hole = round < 2 || round % 2 == 1 ? 0.1 : 0;
+    const Mesh open = Without(mesh, bad, (round + 1) / 2);
+    if (open.face_count() == 0) return {};
+    int dropped = 0;
+    mesh =
+        FillHoles(WithoutBits(OrientedManifold(open, 0).mesh, 0.01, &dropped), nullptr, large_hole)
+            .mesh;
+    if (CheckClosed(mesh).zero_area_faces > 0) mesh = WithoutThinAngles(mesh, 1);
+  }
+  return mesh;
+}
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,25 @@
+// Finds and resolves self-intersections of a triangle mesh, with exact predicates.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+
+namespace keypose::cleanup {
+
+/// Whether any two faces meet elsewhere than in a shared corner or edge.
+/// @param mesh an oriented
+/// 2-manifold
+bool SelfIntersects(const Mesh& mesh);
+
+/// Faces that take part in an intersection, ascending.
+std::vector<int> IntersectingFaces(const Mesh& mesh, int* pairs = nullptr);
+
+/// The mesh without these faces and `rings` rings of faces around them; vertices stay, used or not.
+Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings);
+
+/// Cuts out the neighbourhoods of intersections and refills them, in widening rounds.
+/// @return a mesh that may still intersect itself, or without faces: check it
+Mesh WithoutIntersections(const Mesh& closed, int rounds);
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,29 @@
+// What a person asks of the clean-up.
+#pragma once
+
+#include <string>
+
+#include "core/options.h"
+
+namespace keypose::cleanup {
+
+struct CleanupOptions {
+  int faces = 20000;    ///< wanted number of faces; surfaces with more are remeshed to it
+  bool refine = false;  ///< also remesh surfaces that have fewer faces than wanted
+  /// adaptive: smaller triangles where the surface bends; uniform: equal ones
+  std::string remesh = "adaptive";
+  int genus = -2;  ///< handles of the result; surplus ones are cut or filled; -1 keeps all; -2: as
+                   ///< many as the photographs see through
+  std::string stand = "auto";  ///< auto: a level sheet that the figure stands on (z up) is cut off;
+                               ///< keep: nothing is
+  std::string ground = "auto";  ///< auto: StandsOnGround is asked whether soles are cut flat at z =
+                                ///< 0; keep: nothing is
+  int keep_components = 1;      ///< pieces of the result, largest first; 0 keeps all
+  /// pieces with less than this share of the largest one's area are dropped at once
+  double min_component = 0.02;
+  bool wrap = true;       ///< allow the last strategy, an alpha wrap
+  double wrap_alpha = 0;  ///< its alpha over the diagonal; 0 chooses it from `faces`
+  void Describe(OptionVisitor& visit);
+};
+
+}  // namespace keypose::cleanup

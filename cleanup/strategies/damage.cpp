@@ -1,0 +1,92 @@
+#include "cleanup/strategies/damage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+
+namespace keypose::cleanup {
+namespace {
+
+constexpr int kDamageSamples = 20000;
+constexpr std::uint64_t kDamageSeed = 5;
+
+using Corners = std::array<std::array<double, 3>, 3>;
+
+Corners CornersOf(const Mesh& mesh, int f) {
+  Corners corners;
+  for (int k = 0; k < 3; ++k)
+    for (int c = 0; c < 3; ++c) corners[k][c] = mesh.points(mesh.faces(f, k), c);
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+std::vector<Corners> SortedFaces(const Mesh& mesh) {
+  std::vector<Corners> faces;
+  for (int f = 0; f < mesh.face_count(); ++f) faces.push_back(CornersOf(mesh, f));
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+// Distances of the samples of `from` to `to`; none for those near the damage.
+SurfaceDistance DistanceAway(const Mesh& from, const Mesh& to,
+                             const std::optional<RayScene>& damage, double reach, double* share) {
+  const SurfaceSamples samples =
+      SampleSurface(from.points, from.faces, kDamageSamples, kDamageSeed);
+  const RayScene scene(to.points, to.faces);
+  std::vector<double> distances(samples.points.rows());
+  ParallelFor(
+      samples.points.rows(),
+      [&](std::int64_t i) {
+        const Eigen::Vector3d x = samples.points.row(i).transpose();
+        const bool damaged = damage && damage->ClosestPoint(x, reach).face >= 0;
+        distances[i] = damaged ? -1 : std::sqrt(scene.ClosestPoint(x).squared_distance);
+      },
+      256);
+  std::sort(distances.begin(), distances.end());
+  distances.erase(distances.begin(), std::lower_bound(distances.begin(), distances.end(), 0.0));
+  *share = static_cast<double>(distances.size()) / static_cast<double>(samples.points.rows());
+  SurfaceDistance out;
+  if (distances.empty()) return out;
+  for (const double d : distances) out.mean += d;
+  out.mean /= static_cast<double>(distances.size());
+  out.p99 = distances[distances.size() * 99 / 100];
+  out.max = distances.back();
+  return out;
+}
+
+}  // namespace
+
+Mesh ChangedFaces(const Mesh& before, const Mesh& after) {
+  const std::vector<Corners> a = SortedFaces(before), b = SortedFaces(after);
+  std::vector<Corners> changed;
+  std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(),
+                                std::back_inserter(changed));
+  Mesh mesh;
+  const Eigen::Index count = static_cast<Eigen::Index>(changed.size());
+  mesh.points.resize(3 * count, 3);
+  mesh.faces.resize(count, 3);
+  for (Eigen::Index f = 0; f < count; ++f)
+    for (int k = 0; k < 3; ++k) {
+      for (int c = 0; c < 3; ++c) mesh.points(3 * f + k, c) = changed[f][k][c];
+      mesh.faces(f, k) = static_cast<int>(3 * f + k);
+    }
+  return mesh;
+}
+
+void MeasureUndamaged(const Mesh& mesh, const Mesh& kept, const Mesh& changed, double reach,
+                      CleanupResult& result) {
+  std::optional<RayScene> damage;
+  if (changed.face_count() > 0) damage.emplace(changed.points, changed.faces);
+  double share_of_result = 0;
+  result.undamaged_to_input = DistanceAway(mesh, kept, damage, reach, &share_of_result);
+  result.undamaged_from_input = DistanceAway(kept, mesh, damage, reach, &result.undamaged_share);
+}
+
+}  // namespace keypose::cleanup

@@ -1,0 +1,370 @@
+#include "cleanup/strategies/repair_strategies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "cleanup/editing/adapt.h"
+#include "cleanup/editing/decimate.h"
+#include "cleanup/editing/size_field.h"
+#include "cleanup/repair/components.h"
+#include "cleanup/repair/handles.h"
+#include "cleanup/repair/holes.h"
+#include "cleanup/repair/intersections.h"
+#include "cleanup/repair/see_through.h"
+#include "cleanup/repair/soup.h"
+#include "cleanup/repair/topology.h"
+#include "cleanup/repair/wrap.h"
+#include "cleanup/strategies/damage.h"
+#include "cleanup/strategies/measure.h"
+#include "cleanup/support/support_plane.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+
+namespace keypose::cleanup {
+namespace {
+
+constexpr double kWeld = 1e-7;       // of the diagonal
+constexpr double kTouch = 0.005;     // of the diagonal: pieces this near belong together
+constexpr int kWorkingFaces = 5;     // times the wanted faces: repair works on no more than that
+constexpr double kStartFaces = 2.5;  // the same: where remeshing begins
+constexpr int kIntersectionRounds = 8;
+// the later ones with smaller triangles where the earlier ones crossed themselves
+constexpr int kRemeshings = 3;
+constexpr double kStrategyCountTolerance = 0.01;
+// share of intersecting faces beyond which local repair is hopeless, and slow
+constexpr double kTangle = 0.02;
+constexpr int kTangleFaces = 300;  // that many are always tried
+// of the surface, that may end up farther than kLostDistance from a local repair
+constexpr double kLostShare = 0.01;
+constexpr double kLostDistance = 0.02;
+constexpr double kLeastAngleDeg = 2;
+constexpr double kGoodAngleDeg = 12;  // asked of remeshed surfaces
+
+PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
+  PointsX3 centers(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    centers.row(i) =
+        (mesh.points.row(mesh.faces(faces[i], 0)) + mesh.points.row(mesh.faces(faces[i], 1)) +
+         mesh.points.row(mesh.faces(faces[i], 2))) /
+        3;
+  return centers;
+}
+
+}  // namespace
+
+bool Acceptable(const Mesh& mesh) {
+  return mesh.face_count() > 0 && CheckClosed(mesh).closed() && !SelfIntersects(mesh);
+}
+
+int WantedGenus(const Mesh& closed, const CleanupOptions& options,
+                const std::vector<SightLine>& lines) {
+  if (options.genus == -1) return std::numeric_limits<int>::max();
+  return options.genus >= 0 ? options.genus : HandlesSeenThrough(closed, lines);
+}
+
+bool RepairStrategies::GoodSize(int faces) const {
+  return std::abs(faces - options_.faces) <= kStrategyCountTolerance * options_.faces;
+}
+
+bool RepairStrategies::MayStay(int faces) const {
+  return GoodSize(faces) || (faces < options_.faces && !MustHitCount());
+}
+
+bool RepairStrategies::Apart(const Mesh& mesh) const {
+  return options_.keep_components == 1 && FindPieces(mesh).list.size() > 1;
+}
+
+bool RepairStrategies::AcceptableInFrame(const Mesh& mesh) const {
+  Mesh there = mesh;
+  there.points = frame_.Of(mesh.points) / frame_.diagonal;
+  return Acceptable(there);
+}
+
+// CGAL reports a broken precondition as std::logic_error; that strategy has failed then, not the
+// whole. What it counted goes with it.
+std::optional<Mesh> RepairStrategies::Try(const char* strategy,
+                                          const std::function<std::optional<Mesh>()>& step) {
+  const CleanupResult before = result_;
+  try {
+    std::optional<Mesh> mesh = step();
+    if (mesh && AcceptableInFrame(*mesh)) {
+      result_.strategy = strategy;
+      return mesh;
+    }
+    if (mesh) last_fault_ = std::string(strategy) + ": the mesh crosses itself";
+  } catch (const std::logic_error& error) {
+    last_fault_ = std::string(strategy) + ": " + error.what();
+  }
+  result_ = before;
+  return std::nullopt;
+}
+
+void RepairStrategies::Weld() {
+  SoupResult soup = OrientedManifold(input_, kWeld);
+  result_.merged_vertices = soup.merged_vertices;
+  // Stitching closes the cuts that a fin left, but only once the fin is gone; it also joins pieces,
+  // so bits are counted on both sides of it.
+  kept_ = Stitched(
+      WithoutBits(Stitched(soup.mesh), options_.min_component, &result_.components_removed));
+  RemoveSupport();
+  CutAtGround();
+  if (options_.keep_components == 1)
+    kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
+}
+
+// Once more after the cut, as a second, lower sheet can show up below a cloth; what the cut leaves
+// of a rim is a bit or a piece afar.
+void RepairStrategies::RemoveSupport() {
+  if (options_.stand != "auto") return;
+  for (int sheets = 0; sheets < 3; ++sheets) {
+    const std::optional<CutPlane> plane = FindSupport(kept_);
+    if (!plane) return;
+    kept_ = Cut(*plane);
+    ++result_.stands_removed;
+  }
+}
+
+Mesh RepairStrategies::Cut(const CutPlane& plane) {
+  const Mesh above = OrientedManifold(ClippedAbove(kept_, plane), kWeld).mesh;
+  return WithoutBits(above, options_.min_component, &result_.components_removed);
+}
+
+void RepairStrategies::CutAtGround() {
+  if (!ground_ || kept_.face_count() == 0) return;
+  const double below = *ground_ - kept_.points.col(2).minCoeff();
+  if (below <= 0) return;
+  kept_ = Cut({Eigen::Vector3d::UnitZ(), *ground_});
+  result_.cut_below_ground_over_diag = below;
+}
+
+// Remeshing rounds the edge of a sole by some thousandths of an edge: below the ground nothing may
+// stay, and soles are flat.
+Mesh RepairStrategies::OnGround(const Mesh& mesh) const {
+  if (!ground_) return mesh;
+  Mesh flat = mesh;
+  for (Eigen::Index v = 0; v < flat.points.rows(); ++v)
+    flat.points(v, 2) = std::max(flat.points(v, 2), *ground_);
+  return Acceptable(flat) ? flat : mesh;
+}
+
+void RepairStrategies::Fill() {
+  HolesResult holes = FillHoles(working_, progress_);
+  result_.holes_filled = holes.filled;
+  result_.largest_hole_over_diag = holes.largest_over_diag;
+  filled_ = std::move(holes.mesh);
+  OrientOutward(filled_);
+  if (CheckClosed(filled_).zero_area_faces > 0)
+    filled_ = WithoutThinAngles(filled_, kLeastAngleDeg);
+  IntersectingFaces(filled_, &result_.self_intersections_before);
+}
+
+// Local repair of a closed mesh; nothing when it does not help.
+std::optional<Mesh> RepairStrategies::Mended(const Mesh& mesh) {
+  if (Acceptable(mesh)) return mesh;
+  if (mesh.face_count() == 0 || !CheckClosed(mesh).finite) return std::nullopt;
+  if (static_cast<double>(IntersectingFaces(mesh).size()) >
+      std::max<double>(kTangleFaces, kTangle * mesh.face_count()))
+    return std::nullopt;
+  Mesh mended = WithoutIntersections(mesh, kIntersectionRounds);
+  if (mended.face_count() > 0 && CheckClosed(mended).zero_area_faces > 0)
+    mended = WithoutThinAngles(mended, kLeastAngleDeg);
+  if (mended.face_count() == 0) return std::nullopt;
+  OrientOutward(mended);
+  // Cutting out a crossing can cut a neck through.
+  mended = LargestPieces(mended, options_.keep_components, &result_.components_removed);
+  if (Acceptable(mended)) return mended;
+  return std::nullopt;
+}
+
+Mesh RepairStrategies::WithGenus(const Mesh& mesh) {
+  const int genus = Genus(mesh);
+  if (genus == 0) return mesh;
+  const int wanted = WantedGenus(mesh, options_, lines_);
+  result_.genus_before = std::max(result_.genus_before, genus);
+  if (genus <= wanted) return mesh;
+  ReportProgress(progress_, 0.6, "cutting handles");
+  HandlesResult result = WithoutHandles(mesh, wanted, lines_);
+  result_.handles_cut += result.cut;
+  for (const double length : result.lengths)
+    result_.largest_handle_cut_over_diag = std::max(result_.largest_handle_cut_over_diag, length);
+  return std::move(result.mesh);
+}
+
+// Slivers of the input or of a filled hole go where nothing has to cross for it.
+Mesh RepairStrategies::WithBetterAngles(const Mesh& mesh, double enough_deg) {
+  const double least_deg = LeastAngleDeg(mesh);
+  if (least_deg >= enough_deg) return mesh;
+  for (const double wanted_deg :
+       {kGoodAngleDeg, 4 * kLeastAngleDeg, 2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
+    if (wanted_deg > 2 * enough_deg || wanted_deg <= least_deg) continue;
+    const Mesh better = WithoutThinAngles(mesh, wanted_deg);
+    if (LeastAngleDeg(better) > least_deg && MayStay(better.face_count()) && Acceptable(better))
+      return better;
+  }
+  return mesh;
+}
+
+std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
+  SizeRules rules;
+  rules.faces = options_.faces;
+  rules.follow_curvature = options_.remesh == "adaptive";
+  // The rims of a wrapped sheet shrink under triangles that are not much smaller there.
+  if (wrapped_) rules.exponent = 0.5, rules.growth = 0.4;
+  Eigen::VectorXd sizes = EdgeSizes(base, rules);
+  const Mesh start = base.face_count() > kStartFaces * rules.faces
+                         ? Decimated(base, static_cast<int>(kStartFaces * rules.faces))
+                         : base;
+  std::optional<Mesh> with_slivers;
+  const CleanupResult before = result_;
+  CleanupResult result_with_slivers;
+  for (int attempt = 0; attempt < kRemeshings; ++attempt) {
+    ReportProgress(progress_, 0.7 + 0.05 * attempt, "remeshing");
+    result_ = before;
+    const Mesh mesh = Remeshed(start, base, sizes, rules.faces);
+    if (!GoodSize(mesh.face_count())) break;
+    if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
+      Mesh better = WithBetterAngles(*mended, kGoodAngleDeg);
+      if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
+      if (!with_slivers) with_slivers = std::move(better), result_with_slivers = result_;
+    }
+    Refine(base, FaceCenters(mesh, IntersectingFaces(mesh)), 3, sizes);
+  }
+  result_ = with_slivers ? result_with_slivers : before;
+  if (with_slivers) return with_slivers;
+  // Collapses only: more of the shape's sharpness, less even triangles.
+  Mesh decimated =
+      base.face_count() > rules.faces ? Decimated(base, rules.faces) : SplitTo(base, rules.faces);
+  const std::optional<Mesh> mended = Mended(decimated);
+  if (!mended || mended->face_count() > (1 + kStrategyCountTolerance) * rules.faces)
+    return std::nullopt;
+  return WithBetterAngles(GoodSize(mended->face_count()) ? *mended : SplitTo(*mended, rules.faces),
+                          kLeastAngleDeg);
+}
+
+std::optional<Mesh> RepairStrategies::Finish(const Mesh& base) {
+  repaired_ = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
+  if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_, kLeastAngleDeg);
+  const std::optional<Mesh> mesh = AtWantedSize(repaired_);
+  // Even triangles can make room for a cut that slivers had no room for.
+  if (!mesh || Genus(*mesh) <= WantedGenus(*mesh, options_, lines_)) return mesh;
+  const Mesh cut = WithGenus(*mesh);
+  return MayStay(cut.face_count()) ? cut : SplitTo(cut, options_.faces);
+}
+
+std::optional<Mesh> RepairStrategies::Wrap(double alpha, double offset_share, bool project) {
+  ReportProgress(progress_, 0.5, "wrapping");
+  const double offset = alpha * offset_share;
+  Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, offset), options_.keep_components,
+                            &result_.components_removed);
+  if (project) wrap = ProjectedBack(wrap, filled_, 3 * offset);
+  if (!Acceptable(wrap)) return std::nullopt;
+  return Finish(wrap);
+}
+
+// A wrap of a larger ball has fewer faces, so that one at last needs no remeshing, and a wrap never
+// crosses itself.
+std::optional<Mesh> RepairStrategies::CoarseWraps(double alpha) {
+  const CleanupResult before = result_;
+  for (; alpha < 2; alpha *= 1.5) {
+    ReportProgress(progress_, 0.6, "wrapping coarsely");
+    result_ = before;
+    const Mesh wrap = LargestPieces(AlphaWrap(filled_, alpha, alpha / 2), options_.keep_components,
+                                    &result_.components_removed);
+    if (!Acceptable(wrap)) continue;
+    repaired_ = wrap;
+    const Mesh mesh = WithGenus(wrap);
+    if (mesh.face_count() > (1 + kStrategyCountTolerance) * options_.faces) continue;
+    return WithBetterAngles(MayStay(mesh.face_count()) ? mesh : SplitTo(mesh, options_.faces),
+                            kLeastAngleDeg);
+  }
+  return std::nullopt;
+}
+
+// Thin sheets get walls that lie closer together than an edge is long, and remeshing such walls
+// makes them cross; then thicker ones are tried.
+std::optional<Mesh> RepairStrategies::WrapStrategies() {
+  wrapped_ = true;
+  const double area = SurfaceArea(filled_.points, filled_.faces);
+  const double automatic = std::clamp(std::sqrt(2 * area / options_.faces), 1.0 / 250, 1.0 / 30);
+  const double alpha = options_.wrap_alpha > 0 ? options_.wrap_alpha : automatic;
+  const std::pair<const char*, std::function<std::optional<Mesh>()>> strategies[] = {
+      {"R4 wrap", [&] { return Wrap(alpha, 1.0 / 30, true); }},
+      {"R4 thick wrap", [&] { return Wrap(alpha, 1.0 / 3, false); }},
+      {"R4 coarse wrap", [&] { return Wrap(2 * alpha, 1.0 / 2, false); }},
+      {"R4 coarse wrap", [&] { return CoarseWraps(2 * alpha); }},
+  };
+  std::optional<Mesh> with_slivers;
+  const CleanupResult before = result_;
+  CleanupResult result_with_slivers;
+  for (const auto& [name, step] : strategies) {
+    result_ = before;
+    std::optional<Mesh> mesh = Try(name, step);
+    if (!mesh) continue;
+    if (LeastAngleDeg(*mesh) >= kLeastAngleDeg) return mesh;
+    if (with_slivers) continue;
+    with_slivers = std::move(mesh);
+    result_with_slivers = result_;
+  }
+  if (with_slivers) result_ = result_with_slivers;
+  return with_slivers;
+}
+
+std::optional<Mesh> RepairStrategies::Welded() {
+  Mesh turned = working_;
+  OrientOutward(turned);
+  if (Apart(turned) || !Acceptable(turned)) return std::nullopt;
+  return Finish(turned);
+}
+
+// Where vertices of far places were one, cutting out the crossings can cut off a limb.
+std::optional<Mesh> RepairStrategies::MendedWhole() {
+  const std::optional<Mesh> mended = Mended(filled_);
+  if (!mended) return std::nullopt;
+  if (ShareFartherThan(kept_, *mended, kLostDistance) > kLostShare) {
+    last_fault_ = "R3 intersections: local repair lost a part of the surface";
+    return std::nullopt;
+  }
+  return Finish(*mended);
+}
+
+Mesh RepairStrategies::Changed() const { return ChangedFaces(working_, repaired_); }
+
+Mesh RepairStrategies::Run() {
+  ReportProgress(progress_, 0.02, "checking");
+  Weld();
+  ReportProgress(progress_, 0.15, "welded");
+  const double limit = static_cast<double>(kWorkingFaces) * options_.faces;
+  working_ = kept_.face_count() > limit ? Decimated(kept_, static_cast<int>(limit)) : kept_;
+  ReportProgress(progress_, 0.3, "thinned");
+  if (auto mesh = Try("R0 weld", [&] { return Welded(); })) return *mesh;
+  try {
+    Fill();
+  } catch (const std::logic_error&
+               error) {  // CGAL met a case it does not take; the wrap takes everything
+    last_fault_ = std::string("R2 fill: ") + error.what();
+    filled_ = working_;
+  }
+  ReportProgress(progress_, 0.4, "holes filled");
+  // Pieces that belong together but are not joined: only the wrap makes one surface of them.
+  if (Apart(filled_)) {
+    last_fault_ =
+        "pieces that touch or cross can only be joined by the wrap, or kept apart with "
+        "--keep_components 0";
+  } else {
+    if (auto mesh =
+            Try("R2 fill", [&] { return Acceptable(filled_) ? Finish(filled_) : std::nullopt; }))
+      return *mesh;
+    if (auto mesh = Try("R3 intersections", [&] { return MendedWhole(); })) return *mesh;
+  }
+  if (options_.wrap) {
+    if (auto mesh = WrapStrategies()) return *mesh;
+  }
+  throw QualityError(
+      "cleanup: no repair strategy gave a closed surface without self-intersections" +
+      (last_fault_.empty() ? std::string() : " (" + last_fault_ + ")") +
+      "; look at the surface, or try other values of --faces and --wrap_alpha");
+}
+
+}  // namespace keypose::cleanup

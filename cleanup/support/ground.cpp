@@ -1,0 +1,87 @@
+#include "cleanup/support/ground.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/ground_contact.h"
+#include "core/parallel.h"
+#include "core/ray_scene.h"
+
+namespace keypose::cleanup {
+namespace {
+
+using Eigen::Vector3d;
+
+// Shares of the figure's height.
+// of the contact to z = 0; 0.005 is the most that the known sets have
+constexpr double kNear = 0.01;
+constexpr double kDeepestBelow =
+    1.0 / 6;  // below the ground: a base as wide as high, seen from 25 degrees, reaches 0.1 down
+constexpr double kBelow = 0.0075;    // what is seen deeper than that is no rounded edge
+constexpr double kFromBelow = 0.09;  // slope of a line of sight that looks up: 5 degrees
+constexpr int kSeen_px = 12;         // of a photograph
+constexpr int kStride = 2;
+
+bool AnyLooksUp(const std::vector<View>& views, const Vector3d& middle) {
+  return std::any_of(views.begin(), views.end(), [&](const View& view) {
+    const Vector3d from = view.Center() - middle;
+    return from.z() + middle.z() < -kFromBelow * from.head<2>().norm();
+  });
+}
+
+/// Pixels of a mask that look at the surface below a height.
+int PixelsBelow(const RayScene& scene, const View& view, const Image8& mask, double height) {
+  const Camera camera = view.camera.Scaled(static_cast<double>(mask.width) / view.camera.width);
+  const Vector3d origin = view.Center();
+  int count = 0;
+  for (int y = kStride / 2; y < mask.height; y += kStride)
+    for (int x = kStride / 2; x < mask.width; x += kStride) {
+      if (*mask.at(x, y) <= 127) continue;
+      const Vector3d ray =
+          view.camera_from_world.rotation.conjugate() * camera.Unproject({x + 0.5, y + 0.5});
+      const RayScene::Hit hit = scene.Cast(origin, ray);
+      if (hit.face >= 0 && origin.z() + hit.distance * ray.z() < height) ++count;
+    }
+  return kStride * kStride * count;
+}
+
+/// What a quarter of the photographs show at least: the others may look from too high up.
+int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::vector<Image8>& masks,
+              double height) {
+  const RayScene scene(surface.points, surface.faces);
+  std::vector<int> counts(views.size(), -1);
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    const auto v = static_cast<std::size_t>(i);
+    if (!masks[v].empty()) counts[v] = PixelsBelow(scene, views[v], masks[v], height);
+  });
+  std::erase(counts, -1);
+  std::sort(counts.begin(), counts.end());
+  return counts.empty() ? 0 : counts[counts.size() * 3 / 4];
+}
+
+}  // namespace
+
+Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
+                        const std::vector<Image8>& masks) {
+  Standing standing;
+  const Vector3d low = surface.points.colwise().minCoeff().transpose(),
+                 high = surface.points.colwise().maxCoeff().transpose();
+  const double tall = high.z() - std::max(low.z(), 0.0);
+  if (!(tall > 0)) return {false, 0, "it lies below z = 0"};
+  if (AnyLooksUp(views, (low + high) / 2))
+    return {false, 0, "photographs from below show its underside"};
+  const auto contact = FindGroundContact(
+      views, masks, Vector3d(low.x(), low.y(), std::max(low.z(), -kDeepestBelow * tall)), high);
+  if (!contact) return {false, 0, "the photographs do not show where it stands"};
+  standing.contact = contact->height;
+  if (std::abs(contact->height) > kNear * tall)
+    standing.why = "its outlines do not end at z = 0";
+  else if (-low.z() > kDeepestBelow * tall)
+    standing.why = "the surface reaches far below z = 0";
+  else if (low.z() < -kBelow * tall && SeenBelow(surface, views, masks, -kBelow * tall) > kSeen_px)
+    standing.why = "photographs show a part of it below z = 0";
+  standing.stands = standing.why.empty();
+  return standing;
+}
+
+}  // namespace keypose::cleanup

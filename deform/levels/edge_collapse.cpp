@@ -1,0 +1,440 @@
+#include "deform/levels/edge_collapse.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+#include "core/parallel.h"
+
+namespace keypose {
+
+namespace {
+
+constexpr double kFoldCosine = 0.2;  // a collapse may not turn a face further than this
+// of squared edge length, so that flat regions thin out evenly
+constexpr double kLengthWeight = 1e-3;
+constexpr double kNeedle = 0.05;  // doubled area over the longest side squared, at least
+constexpr int kLargestValence = 16;
+constexpr std::int64_t kDecimationGrain = 4096;
+constexpr double kShare = 0.5;  // of the vertices that may go in a round
+constexpr int kPerRemoved = 6;  // candidates for each vertex that has still to go
+// of the vertices: fewer removed in a round end the rounds
+constexpr double kFewestRemoved = 0.0005;
+
+using Face = std::array<int, 3>;
+
+bool Has(const Face& face, int v) { return face[0] == v || face[1] == v || face[2] == v; }
+
+double Cost(const DecimatedMesh& mesh, const Quadric& quadric, int v, int w) {
+  const Eigen::Vector3d x = mesh.points.row(w);
+  const double length2 = (mesh.points.row(v) - mesh.points.row(w)).squaredNorm();
+  return quadric.At(x) + kLengthWeight * length2 * length2;
+}
+
+/// Whether the faces around v, `around`, neither fold nor become needles when v moves to w.
+template <class FacesAround>
+bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, int w) {
+  const Eigen::Vector3d from = mesh.points.row(v), to = mesh.points.row(w);
+  for (int f : around) {
+    const Face& c = mesh.faces[f];
+    if (Has(c, w)) continue;
+    const int k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+    const Eigen::Vector3d a = mesh.points.row(c[(k + 1) % 3]), b = mesh.points.row(c[(k + 2) % 3]);
+    const Eigen::Vector3d before = (a - from).cross(b - from), after = (a - to).cross(b - to);
+    if (!(before.dot(after) > kFoldCosine * before.norm() * after.norm())) return false;
+    // Needles would make the Laplacian of the coarse mesh useless.
+    const double longest2 =
+        std::max({(a - to).squaredNorm(), (b - to).squaredNorm(), (a - b).squaredNorm()});
+    if (after.norm() < kNeedle * longest2) return false;
+  }
+  return true;
+}
+
+/// Sets of vertices that are emptied at no cost.
+class Marks {
+ public:
+  explicit Marks(std::size_t size) : stamp_(size, 0) {}
+  void Clear() { ++now_; }
+  bool Add(int v) { return std::exchange(stamp_[v], now_) != now_; }  ///< whether it is new
+  bool Has(int v) const { return stamp_[v] == now_; }
+
+ private:
+  std::vector<int> stamp_;
+  int now_ = 1;
+};
+
+/// Vertices around v, each once; they are what `marks` holds then, with v itself.
+template <class FacesAround>
+void Neighbours(const DecimatedMesh& mesh, const FacesAround& around, int v, Marks& marks,
+                std::vector<int>& out) {
+  out.clear();
+  marks.Clear();
+  marks.Add(v);
+  for (int f : around)
+    for (int w : mesh.faces[f])
+      if (marks.Add(w)) out.push_back(w);
+}
+
+/// Whether the surface hangs together as before when v, with neighbours `ring`, goes to w, whose
+/// neighbours are marked.
+template <class FacesAround>
+bool KeepsTopology(const DecimatedMesh& mesh, const FacesAround& around_v,
+                   const FacesAround& around_w, const std::vector<int>& ring, int w,
+                   std::size_t ring_of_w, const Marks& marked) {
+  if (around_v.size() + around_w.size() <= 6) return false;
+  int shared_faces = 0, common = 0;
+  for (int f : around_v) shared_faces += Has(mesh.faces[f], w);
+  for (int x : ring) common += x != w && marked.Has(x);
+  const int merged_valence = static_cast<int>(ring_of_w + ring.size()) - common;
+  // A vertex on the boundary may only slide along it: it has one more neighbour than faces.
+  const bool on_boundary = ring.size() != around_v.size();
+  return shared_faces == common && shared_faces == (on_boundary ? 1 : 2) &&
+         merged_valence <= kLargestValence;
+}
+
+void AddFaces(DecimatedMesh& mesh) {
+  mesh.quadrics.resize(mesh.vertex.size());
+  for (const Face& f : mesh.faces) {
+    const Eigen::Vector3d a = mesh.points.row(f[0]), b = mesh.points.row(f[1]),
+                          c = mesh.points.row(f[2]);
+    Eigen::Vector3d n = (b - a).cross(c - a);
+    const double doubled_area = n.norm();
+    if (!(doubled_area > 0)) continue;
+    n /= doubled_area;
+    for (int v : f) mesh.quadrics[v].AddPlane(n, -n.dot(a), doubled_area);
+  }
+}
+
+/// Leaves out dead vertices and faces.
+void Compact(DecimatedMesh& mesh, const std::vector<char>& alive,
+             const std::vector<char>& face_alive) {
+  std::vector<int> index(mesh.vertex.size(), -1);
+  int kept = 0;
+  for (std::size_t v = 0; v < alive.size(); ++v) {
+    if (!alive[v]) continue;
+    mesh.vertex[kept] = mesh.vertex[v];
+    mesh.points.row(kept) = mesh.points.row(v).eval();
+    mesh.quadrics[kept] = mesh.quadrics[v];
+    index[v] = kept++;
+  }
+  mesh.vertex.resize(kept);
+  mesh.points.conservativeResize(kept, 3);
+  mesh.quadrics.resize(kept);
+  std::size_t faces = 0;
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    if (face_alive[f])
+      mesh.faces[faces++] = {index[mesh.faces[f][0]], index[mesh.faces[f][1]],
+                             index[mesh.faces[f][2]]};
+  mesh.faces.resize(faces);
+}
+
+}  // namespace
+
+void Quadric::AddPlane(const Eigen::Vector3d& normal, double offset, double weight) {
+  const double v[4] = {normal[0], normal[1], normal[2], offset};
+  int k = 0;
+  for (int a = 0; a < 4; ++a)
+    for (int b = a; b < 4; ++b) q[k++] += weight * v[a] * v[b];
+}
+
+void Quadric::Add(const Quadric& other) {
+  for (int k = 0; k < 10; ++k) q[k] += other.q[k];
+}
+
+double Quadric::At(const Eigen::Vector3d& x) const {
+  return q[0] * x[0] * x[0] + 2 * q[1] * x[0] * x[1] + 2 * q[2] * x[0] * x[2] + 2 * q[3] * x[0] +
+         q[4] * x[1] * x[1] + 2 * q[5] * x[1] * x[2] + 2 * q[6] * x[1] + q[7] * x[2] * x[2] +
+         2 * q[8] * x[2] + q[9];
+}
+
+DecimatedMesh ToDecimatedMesh(const PointsX3& points, const FacesX3& faces) {
+  DecimatedMesh mesh;
+  mesh.vertex.resize(points.rows());
+  std::iota(mesh.vertex.begin(), mesh.vertex.end(), 0);
+  mesh.points = points;
+  mesh.faces.reserve(faces.rows());
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Face face = {faces(f, 0), faces(f, 1), faces(f, 2)};
+    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) mesh.faces.push_back(face);
+  }
+  AddFaces(mesh);
+  return mesh;
+}
+
+struct HalfEdgeDecimator::Impl {
+  struct Entry {
+    double cost;
+    int vertex, version;
+    bool operator>(const Entry& o) const {
+      return cost != o.cost ? cost > o.cost : vertex > o.vertex;
+    }
+  };
+  /// The cheapest way that a vertex could go: where, at what cost. `to` is -1 when it has to be
+  /// found again.
+  struct Best {
+    double cost = std::numeric_limits<double>::infinity();
+    int to = -1, version = 0;
+    bool queued = false;
+  };
+
+  Impl(DecimatedMesh m, std::vector<int>& p);
+  bool Allowed(int v, int w);
+  void FindBest(int v);
+  void Push(int v);
+  void CollapseBest(int v);
+  void Collapse(int v, int w);
+  void Update(int x, int gone, int into);
+
+  DecimatedMesh mesh;
+  std::vector<int>& parent;
+  std::vector<char> face_alive, alive;
+  std::vector<std::vector<int>> faces_of;
+  std::vector<Best> best;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  Marks marks, ring_marks;
+  std::vector<int> ring, other_ring;
+  std::vector<std::pair<double, int>> candidates;
+  int left = 0;
+};
+
+HalfEdgeDecimator::Impl::Impl(DecimatedMesh m, std::vector<int>& p)
+    : mesh(std::move(m)), parent(p), marks(mesh.vertex.size()), ring_marks(mesh.vertex.size()) {
+  const std::size_t n = mesh.vertex.size();
+  face_alive.assign(mesh.faces.size(), 1);
+  alive.assign(n, 1);
+  faces_of.resize(n);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int v : mesh.faces[f]) faces_of[v].push_back(static_cast<int>(f));
+  best.resize(n);
+  left = static_cast<int>(n);
+  for (std::size_t v = 0; v < n; ++v) {
+    FindBest(static_cast<int>(v));
+    Push(static_cast<int>(v));
+  }
+}
+
+bool HalfEdgeDecimator::Impl::Allowed(int v, int w) {
+  Neighbours(mesh, faces_of[w], w, marks, other_ring);
+  return KeepsTopology(mesh, faces_of[v], faces_of[w], ring, w, other_ring.size(), marks) &&
+         KeepsNormals(mesh, faces_of[v], v, w);
+}
+
+void HalfEdgeDecimator::Impl::FindBest(int v) {
+  Neighbours(mesh, faces_of[v], v, marks, other_ring);
+  best[v].cost = std::numeric_limits<double>::infinity();
+  best[v].to = -1;
+  for (int w : other_ring)
+    if (const double cost = Cost(mesh, mesh.quadrics[v], v, w); cost < best[v].cost)
+      best[v].cost = cost, best[v].to = w;
+}
+
+void HalfEdgeDecimator::Impl::Push(int v) {
+  ++best[v].version;
+  best[v].queued = std::isfinite(best[v].cost);
+  if (best[v].queued) open.push({best[v].cost, v, best[v].version});
+}
+
+void HalfEdgeDecimator::Impl::CollapseBest(int v) {
+  Neighbours(mesh, faces_of[v], v, ring_marks, ring);
+  candidates.clear();
+  for (int w : ring) candidates.emplace_back(Cost(mesh, mesh.quadrics[v], v, w), w);
+  std::sort(candidates.begin(), candidates.end());
+  for (const auto& [cost, w] : candidates)
+    if (Allowed(v, w)) return Collapse(v, w);
+}
+
+void HalfEdgeDecimator::Impl::Collapse(int v, int w) {
+  for (int f : faces_of[v]) {
+    Face& c = mesh.faces[f];
+    if (Has(c, w)) {
+      face_alive[f] = 0;
+      for (int x : c)
+        if (x != v) faces_of[x].erase(std::find(faces_of[x].begin(), faces_of[x].end(), f));
+    } else {
+      std::replace(c.begin(), c.end(), v, w);
+      faces_of[w].push_back(f);
+    }
+  }
+  faces_of[v].clear();
+  alive[v] = 0;
+  parent[mesh.vertex[v]] = mesh.vertex[w];
+  mesh.quadrics[w].Add(mesh.quadrics[v]);
+  --left;
+  FindBest(w);
+  Push(w);
+  for (int x : ring)
+    best[x].to = x == w || marks.Has(x) ? best[x].to
+                                        : -1;  // at the tip of a boundary a neighbour may be lost
+  const std::vector<int> touched = other_ring;
+  for (int x : touched) Update(x, v, w);
+}
+
+/// After `gone` went into `into`: the ring of its neighbour x has lost the one and gained the
+/// other, if it did not have it before.
+void HalfEdgeDecimator::Impl::Update(int x, int gone, int into) {
+  Best& b = best[x];
+  const double before = b.cost;
+  if (b.to < 0 || b.to == gone)
+    FindBest(x);
+  else if (ring_marks.Has(x))
+    if (const double cost = Cost(mesh, mesh.quadrics[x], x, into); cost < b.cost)
+      b.cost = cost, b.to = into;
+  if (!b.queued || b.cost != before) Push(x);
+}
+
+HalfEdgeDecimator::HalfEdgeDecimator(DecimatedMesh mesh, std::vector<int>& parent)
+    : impl_(std::make_unique<Impl>(std::move(mesh), parent)) {}
+HalfEdgeDecimator::~HalfEdgeDecimator() = default;
+
+int HalfEdgeDecimator::DecimateTo(int count) {
+  Impl& t = *impl_;
+  while (t.left > count && !t.open.empty()) {
+    const Impl::Entry entry = t.open.top();
+    t.open.pop();
+    if (!t.alive[entry.vertex] || t.best[entry.vertex].version != entry.version) continue;
+    t.best[entry.vertex].queued = false;
+    t.CollapseBest(entry.vertex);
+  }
+  return t.left;
+}
+
+DecimatedMesh HalfEdgeDecimator::Rest() const {
+  DecimatedMesh rest = impl_->mesh;
+  Compact(rest, impl_->alive, impl_->face_alive);
+  return rest;
+}
+
+namespace {
+
+/// One round of collapses that do not touch each other.
+class Round {
+ public:
+  explicit Round(DecimatedMesh& mesh);
+  /// @return how many vertices went, at most `most`
+  int Run(double share, int most, std::vector<int>& parent);
+
+ private:
+  struct Around {
+    const int *first, *last;
+    const int* begin() const { return first; }
+    const int* end() const { return last; }
+    std::size_t size() const { return static_cast<std::size_t>(last - first); }
+  };
+  Around FacesOf(int v) const {
+    return {faces_of_.data() + offset_[v], faces_of_.data() + offset_[v + 1]};
+  }
+  std::vector<std::pair<float, int>> Cheapest(std::size_t count) const;
+  bool CollapseBest(int v, std::vector<int>& parent);
+  void Collapse(int v, int w, std::vector<int>& parent);
+
+  DecimatedMesh& mesh_;
+  std::vector<int> offset_, faces_of_;
+  std::vector<char> alive_, face_alive_, locked_;
+  Marks marks_;
+  std::vector<int> ring_, other_ring_;
+  std::vector<std::pair<double, int>> candidates_;
+};
+
+Round::Round(DecimatedMesh& mesh) : mesh_(mesh), marks_(mesh.vertex.size()) {
+  const std::size_t n = mesh.vertex.size();
+  offset_.assign(n + 1, 0);
+  for (const Face& f : mesh.faces)
+    for (int v : f) ++offset_[v + 1];
+  std::partial_sum(offset_.begin(), offset_.end(), offset_.begin());
+  faces_of_.resize(3 * mesh.faces.size());
+  std::vector<int> fill(offset_.begin(), offset_.end() - 1);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (int v : mesh.faces[f]) faces_of_[fill[v]++] = static_cast<int>(f);
+  alive_.assign(n, 1);
+  locked_.assign(n, 0);
+  face_alive_.assign(mesh.faces.size(), 1);
+}
+
+/// The vertices with the cheapest ways to go, cheapest first.
+std::vector<std::pair<float, int>> Round::Cheapest(std::size_t count) const {
+  const std::size_t n = mesh_.vertex.size();
+  std::vector<std::pair<float, int>> order(n);
+  ParallelBlocks(static_cast<std::int64_t>(n), kDecimationGrain,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t i = begin; i < end; ++i) {
+                     const int v = static_cast<int>(i);
+                     double least = std::numeric_limits<double>::infinity();
+                     // The next corner in each face: all neighbours of a vertex inside, all but one
+                     // on the boundary.
+                     for (int f : FacesOf(v)) {
+                       const Face& c = mesh_.faces[f];
+                       least = std::min(least, Cost(mesh_, mesh_.quadrics[v], v,
+                                                    c[0] == v   ? c[1]
+                                                    : c[1] == v ? c[2]
+                                                                : c[0]));
+                     }
+                     order[i] = {static_cast<float>(least), v};
+                   }
+                 });
+  count = std::min(count, n);
+  std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+  order.resize(count);
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+bool Round::CollapseBest(int v, std::vector<int>& parent) {
+  const Around around = FacesOf(v);
+  Neighbours(mesh_, around, v, marks_, ring_);
+  candidates_.clear();
+  for (int w : ring_)
+    if (!locked_[w]) candidates_.emplace_back(Cost(mesh_, mesh_.quadrics[v], v, w), w);
+  std::sort(candidates_.begin(), candidates_.end());
+  for (const auto& [cost, w] : candidates_) {
+    Neighbours(mesh_, FacesOf(w), w, marks_, other_ring_);
+    if (!KeepsTopology(mesh_, around, FacesOf(w), ring_, w, other_ring_.size(), marks_)) continue;
+    if (!KeepsNormals(mesh_, around, v, w)) continue;
+    Collapse(v, w, parent);
+    return true;
+  }
+  return false;
+}
+
+void Round::Collapse(int v, int w, std::vector<int>& parent) {
+  for (int f : FacesOf(v)) {
+    face_alive_[f] = !Has(mesh_.faces[f], w);
+    std::replace(mesh_.faces[f].begin(), mesh_.faces[f].end(), v, w);
+  }
+  alive_[v] = 0;
+  parent[mesh_.vertex[v]] = mesh_.vertex[w];
+  mesh_.quadrics[w].Add(mesh_.quadrics[v]);
+  // The lists of faces of all around v are out of date, so they rest until the next round.
+  for (int x : ring_) locked_[x] = 1;
+}
+
+int Round::Run(double share, int most, std::vector<int>& parent) {
+  const auto n = static_cast<double>(mesh_.vertex.size());
+  const auto count =
+      static_cast<std::size_t>(std::min(share * n, static_cast<double>(kPerRemoved) * most));
+  int gone = 0;
+  for (const auto& [cost, v] : Cheapest(count)) {
+    if (gone == most || !std::isfinite(cost)) break;
+    if (!locked_[v]) gone += CollapseBest(v, parent);
+  }
+  Compact(mesh_, alive_, face_alive_);
+  return gone;
+}
+
+}  // namespace
+
+void DecimateInRounds(DecimatedMesh& mesh, int count, std::vector<int>& parent) {
+  double share = kShare;
+  while (static_cast<int>(mesh.vertex.size()) > count) {
+    const auto before = static_cast<double>(mesh.vertex.size());
+    const int gone = Round(mesh).Run(share, static_cast<int>(mesh.vertex.size()) - count, parent);
+    if (gone >= kFewestRemoved * before || static_cast<int>(mesh.vertex.size()) == count) continue;
+    if (share == 1) return;
+    share = 1;
+  }
+}
+
+}  // namespace keypose

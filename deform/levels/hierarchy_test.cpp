@@ -1,0 +1,327 @@
+// Decimated meshes, motion handed down from them, and places told by distances.
+#include "deform/levels/hierarchy.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/testing_shapes.h"
+#include "deform/levels/landmark_coordinates.h"
+#include "deform/levels/levels.h"
+
+namespace keypose {
+namespace {
+
+Mesh AsMesh(const CoarseLevel& level) {
+  Mesh mesh;
+  mesh.points = level.points;
+  mesh.faces = level.faces;
+  return mesh;
+}
+
+void ExpectWellFormed(const Mesh& mesh, const std::vector<CoarseLevel>& levels) {
+  std::size_t finer = mesh.vertex_count();
+  std::vector<int> finer_vertices(finer);
+  std::iota(finer_vertices.begin(), finer_vertices.end(), 0);
+  for (const CoarseLevel& level : levels) {
+    ASSERT_EQ(level.points.rows(), static_cast<Eigen::Index>(level.fine.size()));
+    EXPECT_LT(level.fine.size(), finer);
+    EXPECT_EQ(std::set<int>(level.fine.begin(), level.fine.end()).size(), level.fine.size());
+    for (std::size_t k = 0; k < level.fine.size(); ++k)
+      EXPECT_EQ(level.points.row(k), mesh.points.row(level.fine[k]));
+    ASSERT_EQ(level.up.size(), finer);
+    for (std::size_t v = 0; v < finer; ++v) {
+      ASSERT_GE(level.up[v], 0);
+      ASSERT_LT(level.up[v], level.points.rows());
+    }
+    // A vertex that is still there is its own ancestor.
+    for (std::size_t k = 0; k < level.fine.size(); ++k) {
+      const auto at = std::find(finer_vertices.begin(), finer_vertices.end(), level.fine[k]) -
+                      finer_vertices.begin();
+      EXPECT_EQ(level.up[at], static_cast<int>(k));
+    }
+    EXPECT_GE(level.faces.minCoeff(), 0);
+    EXPECT_LT(level.faces.maxCoeff(), level.points.rows());
+    for (Eigen::Index f = 0; f < level.faces.rows(); ++f)
+      EXPECT_EQ(std::set<int>({level.faces(f, 0), level.faces(f, 1), level.faces(f, 2)}).size(),
+                3u);
+    finer = level.fine.size();
+    finer_vertices = level.fine;
+  }
+}
+
+/// Unit squares in the plane z = 0, n x n, each cut in two.
+Mesh MakePlate(int n) {
+  Mesh plate;
+  plate.points.resize((n + 1) * (n + 1), 3);
+  plate.faces.resize(2 * n * n, 3);
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) plate.points.row(y * (n + 1) + x) << x, y, 0;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const int a = y * (n + 1) + x, f = 2 * (y * n + x);
+      plate.faces.row(f) << a, a + 1, a + n + 2;
+      plate.faces.row(f + 1) << a, a + n + 2, a + n + 1;
+    }
+  return plate;
+}
+
+TEST(MakeHierarchy, ClosedStaysClosedAndKeepsItsSize) {
+  const Mesh tube = MakeCylinder(0.3, 2, 40, 60);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, {1200, 400, 100});
+  ASSERT_EQ(levels.size(), 3u);
+  ExpectWellFormed(tube, levels);
+  const int counts[] = {1200, 400, 100};
+  for (int l = 0; l < 3; ++l) {
+    EXPECT_EQ(levels[l].points.rows(), counts[l]);
+    const ClosedReport report = CheckClosed(AsMesh(levels[l]));
+    EXPECT_TRUE(report.closed());
+    EXPECT_EQ(report.euler, 2);
+    EXPECT_EQ(report.components, 1);
+    EXPECT_NEAR(report.volume, CheckClosed(tube).volume,
+                (l == 2 ? 0.1 : 0.03) * CheckClosed(tube).volume);
+  }
+}
+
+TEST(MakeHierarchy, LargeMeshesAreDecimatedInRounds) {
+  const Mesh tube = MakeCylinder(0.3, 2, 220, 250);
+  ASSERT_GT(tube.vertex_count(), 50000);
+  const std::vector<int> counts = {35000, 9000, 1000};
+  SetThreadCount(1);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, counts);
+  SetThreadCount(2);
+  const std::vector<CoarseLevel> again = MakeHierarchy(tube.points, tube.faces, counts);
+  SetThreadCount(0);
+  ASSERT_EQ(levels.size(), counts.size());
+  ExpectWellFormed(tube, levels);
+  const double volume = CheckClosed(tube).volume;
+  for (std::size_t l = 0; l < counts.size(); ++l) {
+    EXPECT_EQ(levels[l].points.rows(), counts[l]);
+    const ClosedReport report = CheckClosed(AsMesh(levels[l]));
+    EXPECT_TRUE(report.closed());
+    EXPECT_EQ(report.euler, 2);
+    EXPECT_NEAR(report.volume, volume, (l == 2 ? 0.01 : 0.001) * volume);
+    EXPECT_EQ(levels[l].fine, again[l].fine);
+    EXPECT_EQ(levels[l].up, again[l].up);
+    EXPECT_EQ(levels[l].faces, again[l].faces);
+  }
+}
+
+TEST(MakeHierarchy, RoundsSlideAlongABoundaryAndStopWhereNothingMayGo) {
+  const int n = 190;
+  const Mesh plate = MakePlate(n);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(plate.points, plate.faces, {24000, 2000});
+  ASSERT_EQ(levels.size(), 2u);
+  ExpectWellFormed(plate, levels);
+  for (const CoarseLevel& level : levels) {
+    const double area = SurfaceArea(level.points, level.faces);
+    EXPECT_GT(area, 0.97 * n * n);
+    EXPECT_LE(area, n * n * (1 + 1e-12));
+    const ClosedReport report = CheckClosed(AsMesh(level));
+    EXPECT_EQ(report.components, 1);
+    EXPECT_GT(report.bad_edges, 0);
+    EXPECT_LT(report.bad_edges, 4 * n);  // the boundary is decimated as well
+  }
+
+  // Tetrahedra that do not touch: nothing may go.
+  Mesh scraps;
+  const int count = 8000;
+  scraps.points.resize(4 * count, 3);
+  scraps.faces.resize(4 * count, 3);
+  for (int k = 0; k < count; ++k) {
+    scraps.points.middleRows<4>(4 * k) << 2 * k, 0, 0, 2 * k + 1, 0, 0, 2 * k, 1, 0, 2 * k, 0, 1;
+    scraps.faces.middleRows<4>(4 * k) << 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3;
+    scraps.faces.middleRows<4>(4 * k).array() += 4 * k;
+  }
+  EXPECT_TRUE(MakeHierarchy(scraps.points, scraps.faces, {31000, 1000}).empty());
+}
+
+TEST(MakeHierarchy, OpenNonManifoldAndScrapsSurvive) {
+  Mesh open = MakeCylinder(0.3, 2, 30, 40);
+  open.faces.conservativeResize(open.faces.rows() * 2 / 3, 3);
+  ExpectWellFormed(open, MakeHierarchy(open.points, open.faces, {400, 100}));
+
+  // A fin on the tube: three faces at each of its edges; a face given twice; one without area; a
+  // vertex in no face.
+  Mesh wild = MakeCylinder(0.3, 2, 20, 40);
+  const Eigen::Index faces = wild.faces.rows(), points = wild.points.rows();
+  wild.points.conservativeResize(points + 2, 3);
+  wild.points.row(points) << 2, 2, 2;
+  wild.points.row(points + 1) << 7, 7, 7;
+  wild.faces.conservativeResize(faces + 12, 3);
+  for (int k = 0; k < 10; ++k)
+    wild.faces.row(faces + k) << wild.faces(20 * k, 0), wild.faces(20 * k, 1),
+        static_cast<int>(points);
+  wild.faces.row(faces + 10) = wild.faces.row(5);
+  wild.faces.row(faces + 11) << wild.faces(5, 0), wild.faces(5, 0), wild.faces(5, 1);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(wild.points, wild.faces, {400, 150});
+  EXPECT_FALSE(levels.empty());
+  for (const CoarseLevel& level : levels) {
+    EXPECT_TRUE(level.points.allFinite());
+    for (int up : level.up) ASSERT_TRUE(up >= 0 && up < level.points.rows());
+    EXPECT_LT(level.faces.maxCoeff(), level.points.rows());
+  }
+}
+
+TEST(MakeHierarchy, APlateThinsWithoutFolds) {
+  const int n = 20;
+  const Mesh plate = MakePlate(n);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(plate.points, plate.faces, {150});
+  ASSERT_EQ(levels.size(), 1u);
+  ExpectWellFormed(plate, levels);
+  EXPECT_GT(SurfaceArea(levels[0].points, levels[0].faces), 0.8 * n * n);  // corners wear off
+  EXPECT_LE(SurfaceArea(levels[0].points, levels[0].faces), n * n * (1 + 1e-12));  // no folds
+}
+
+TEST(MakeHierarchy, ThingsTooSmallToDecimateGiveNoLevel) {
+  const Mesh box = MakeBox(1, 1, 1);
+  EXPECT_TRUE(MakeHierarchy(box.points, box.faces, {7}).empty());
+  EXPECT_TRUE(MakeHierarchy(box.points, box.faces, {}).empty());
+}
+
+TEST(Prolong, ReproducesARigidMotionExactly) {
+  const Mesh tube = MakeCylinder(0.3, 2, 30, 50);
+  const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, {200});
+  ASSERT_EQ(levels.size(), 1u);
+  const Prolongation p = MakeProlongation(tube.points, levels[0]);
+  ASSERT_EQ(p.offset.size(), static_cast<std::size_t>(tube.vertex_count()) + 1);
+  for (int i = 0; i < tube.vertex_count(); ++i) {
+    ASSERT_GT(p.offset[i + 1], p.offset[i]);
+    EXPECT_LE(p.offset[i + 1] - p.offset[i], Prolongation::kNodes);
+    float sum = 0;
+    for (int s = p.offset[i]; s < p.offset[i + 1]; ++s) sum += p.weight[s];
+    EXPECT_NEAR(sum, 1, 1e-5);
+  }
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(2.2, Eigen::Vector3d(1, 1, -3).normalized()).toRotationMatrix();
+  const Eigen::RowVector3d shift(-4, 2, 9);
+  const PointsX3 coarse = (levels[0].points * turn.transpose()).rowwise() + shift;
+  const PointsX3 moved = Prolong(p, tube.points, levels[0].points, coarse,
+                                 std::vector<Eigen::Matrix3d>(levels[0].points.rows(), turn));
+  EXPECT_LT((moved - ((tube.points * turn.transpose()).rowwise() + shift)).cwiseAbs().maxCoeff(),
+            1e-12);
+}
+
+TEST(Prolong, FollowsABendClosely) {
+  const Mesh tube = MakeCylinder(0.2, 2, 30, 80);
+  const auto bend = [](double z) { return 1.5 * z / 2; };
+  const auto bent = [&](const PointsX3& points) {
+    PointsX3 b = points;
+    const double radius = 2 / 1.5;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      const double a = bend(points(i, 2)), r = radius - points(i, 0);
+      b.row(i) << radius - r * std::cos(a), points(i, 1), r * std::sin(a);
+    }
+    return b;
+  };
+  const std::vector<CoarseLevel> levels = MakeHierarchy(tube.points, tube.faces, {300});
+  ASSERT_EQ(levels.size(), 1u);
+  std::vector<Eigen::Matrix3d> turns;
+  for (Eigen::Index k = 0; k < levels[0].points.rows(); ++k)
+    turns.push_back(Eigen::AngleAxisd(bend(levels[0].points(k, 2)), Eigen::Vector3d::UnitY())
+                        .toRotationMatrix());
+  const PointsX3 moved = Prolong(MakeProlongation(tube.points, levels[0]), tube.points,
+                                 levels[0].points, bent(levels[0].points), turns);
+  EXPECT_LT((moved - bent(tube.points)).rowwise().norm().maxCoeff() / BoundingDiagonal(tube.points),
+            0.01);
+}
+
+TEST(Levels, MarksKeepTheirPlaceOnEveryLevel) {
+  const Mesh tube = MakeCylinder(0.3, 2, 30, 50);
+  LandmarkGoal goal;
+  goal.source.vertices = tube.faces.row(333).transpose();
+  goal.source.weights << 0.2, 0.5, 0.3;
+  goal.target << 1, 2, 3;
+  Levels levels(tube.points, tube.faces, {500, 100},
+                Eigen::VectorXd::LinSpaced(tube.vertex_count(), 1, 2), 0.001, {goal});
+  ASSERT_EQ(levels.count(), 3);
+  for (int l = 0; l < 3; ++l) {
+    const Mark& mark = levels[l].marks.at(0);
+    EXPECT_LT((levels[l].rest.row(mark.vertex).transpose() + mark.arm -
+               PositionOf(goal.source, tube.points))
+                  .norm(),
+              1e-12);
+    EXPECT_LT(mark.arm.norm(), 0.5);
+    EXPECT_EQ(mark.target, goal.target);
+  }
+  levels.ScaleRest(2);
+  EXPECT_LT((levels[0].rest - 2 * tube.points).cwiseAbs().maxCoeff(), 1e-12);
+  const Mark& grown = levels[2].marks[0];
+  EXPECT_LT((levels[2].rest.row(grown.vertex).transpose() + grown.arm -
+             2 * PositionOf(goal.source, tube.points))
+                .norm(),
+            1e-12);
+}
+
+TEST(Levels, DescendHandsARigidMotionDown) {
+  const Mesh tube = MakeCylinder(0.3, 2, 30, 50);
+  Levels levels(tube.points, tube.faces, {500, 100}, {}, 0.001, {});
+  ASSERT_EQ(levels.count(), 3);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(2.9, Eigen::Vector3d(1, 1, -3).normalized()).toRotationMatrix();
+  levels[2].moved = levels[2].rest * turn.transpose();
+  levels[2].fit->SetMaps(std::vector<Eigen::Matrix3d>(levels[2].rest.rows(), turn));
+  levels.Descend(2);
+  levels.Descend(1);
+  EXPECT_LT((levels[0].moved - tube.points * turn.transpose()).cwiseAbs().maxCoeff(), 1e-12);
+  for (const Eigen::Matrix3d& map : levels[0].fit->maps()) EXPECT_LT((map - turn).norm(), 1e-9);
+}
+
+/// A tube that is thicker at one end and bulges at one side, so that no place looks like another.
+Mesh Lopsided() {
+  Mesh mesh = MakeCylinder(0.3, 2, 24, 40);
+  for (Eigen::Index i = 0; i < mesh.points.rows(); ++i) {
+    const double z = mesh.points(i, 2), grow = 1 + 0.3 * z + 0.2 * std::sin(3 * z);
+    mesh.points(i, 0) = mesh.points(i, 0) * grow + 0.1 * z * z;
+    mesh.points(i, 1) *= grow;
+  }
+  return mesh;
+}
+
+TEST(LandmarkCoordinates, AMeshMatchesToItself) {
+  const Mesh mesh = Lopsided();
+  const std::vector<int> marks = {3, 170, 333, 512, 790, 960};
+  const LandmarkCoordinates coordinates(mesh.points, mesh.faces, marks, mesh.points, mesh.faces,
+                                        marks);
+  std::vector<int> vertices(mesh.vertex_count());
+  std::iota(vertices.begin(), vertices.end(), 0);
+  const auto matches = coordinates.MatchVertices(vertices);
+  ASSERT_EQ(matches.size(), vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    EXPECT_EQ(matches[v].vertex, static_cast<int>(v));
+    EXPECT_LT(matches[v].mismatch, 0.01);
+  }
+  const Eigen::Vector3i face = mesh.faces.row(100).transpose();
+  EXPECT_NEAR(coordinates.Mismatch(face[1], face, Eigen::Vector3d::UnitY()), 0, 1e-6);
+  EXPECT_GT(
+      coordinates.Mismatch(face[1], mesh.faces.row(1500).transpose(), Eigen::Vector3d::UnitY()),
+      0.1);
+}
+
+TEST(LandmarkCoordinates, BendingAndSizeDoNotMatter) {
+  const Mesh source = Lopsided();
+  Mesh target = source;
+  for (Eigen::Index i = 0; i < target.points.rows(); ++i) {
+    const double a = source.points(i, 2) * 0.6, r = 1 / 0.6 - source.points(i, 1);
+    target.points.row(i) << source.points(i, 0), 1 / 0.6 - r * std::cos(a), r * std::sin(a);
+  }
+  const std::vector<int> marks = {3, 170, 333, 512, 790, 960};
+  const LandmarkCoordinates coordinates(source.points, source.faces, marks, target.points,
+                                        target.faces, marks);
+  std::vector<int> vertices(source.vertex_count());
+  std::iota(vertices.begin(), vertices.end(), 0);
+  const auto matches = coordinates.MatchVertices(vertices);
+  double sum = 0;
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    sum += (source.points.row(matches[v].vertex) - source.points.row(v)).norm();
+  EXPECT_LT(sum / static_cast<double>(vertices.size()) / BoundingDiagonal(source.points), 0.04);
+}
+
+}  // namespace
+}  // namespace keypose

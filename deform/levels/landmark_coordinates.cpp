@@ -1,0 +1,86 @@
+#include "deform/levels/landmark_coordinates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "deform/levels/geodesics.h"
+
+namespace keypose {
+
+namespace {
+// of the source's extent: differences at a landmark itself are judged against this
+constexpr float kNear = 0.05F;
+constexpr int kBlock = 64;
+// ways along the inside of a bend are shorter, hardly any are longer
+constexpr double kGrowthQuantile = 0.7;
+}  // namespace
+
+LandmarkCoordinates::LandmarkCoordinates(const PointsX3& source, const FacesX3& source_faces,
+                                         const std::vector<int>& source_marks,
+                                         const PointsX3& target, const FacesX3& target_faces,
+                                         const std::vector<int>& target_marks)
+    : source_marks_(source_marks), target_marks_(target_marks) {
+  const GeodesicGraph from(source, source_faces), to(target, target_faces);
+  const double unit = 1 / BoundingDiagonal(source);
+  source_ = (unit * from.Rows(source_marks)).cast<float>();
+  target_ = (unit * to.Rows(target_marks)).cast<float>();
+}
+
+std::vector<LandmarkCoordinates::Match> LandmarkCoordinates::MatchVertices(
+    const std::vector<int>& vertices) const {
+  const Eigen::Index marks = source_.rows();
+  // sum_l w_l (s_l - t_l)^2 with w = 1 / (s^2 + near^2) is linear in (t, t^2): one matrix product
+  // for a block of vertices.
+  Eigen::MatrixXf features(2 * marks, target_.cols());
+  features << target_, target_.cwiseAbs2();
+  std::vector<Match> matches(vertices.size());
+  ParallelBlocks(static_cast<std::int64_t>(vertices.size()), kBlock,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   Eigen::MatrixXf queries(end - begin, 2 * marks);
+                   Eigen::VectorXf constants(end - begin);
+                   for (std::int64_t k = begin; k < end; ++k) {
+                     const Eigen::ArrayXf s = source_.col(vertices[k]).array(),
+                                          w = 1 / (s.square() + kNear * kNear);
+                     queries.row(k - begin).head(marks) = (-2 * w * s).matrix();
+                     queries.row(k - begin).tail(marks) = w.matrix();
+                     constants[k - begin] = (w * s.square()).sum();
+                   }
+                   const Eigen::MatrixXf cost = queries * features;
+                   for (std::int64_t k = begin; k < end; ++k) {
+                     Eigen::Index best = 0;
+                     const float least = cost.row(k - begin).minCoeff(&best) + constants[k - begin];
+                     matches[k] = {static_cast<int>(best),
+                                   std::sqrt(std::max(0.0F, least) / static_cast<float>(marks))};
+                   }
+                 });
+  return matches;
+}
+
+double LandmarkCoordinates::Growth() const {
+  std::vector<float> ratios;
+  for (std::size_t a = 0; a < source_marks_.size(); ++a)
+    for (std::size_t b = a + 1; b < source_marks_.size(); ++b) {
+      const float ours = source_(static_cast<Eigen::Index>(a), source_marks_[b]),
+                  theirs = target_(static_cast<Eigen::Index>(a), target_marks_[b]);
+      if (ours > 0 && theirs > 0) ratios.push_back(theirs / ours);
+    }
+  if (ratios.empty()) return 1;
+  const auto at = ratios.begin() +
+                  static_cast<std::ptrdiff_t>(kGrowthQuantile * static_cast<double>(ratios.size()));
+  std::nth_element(ratios.begin(), at, ratios.end());
+  return *at;
+}
+
+double LandmarkCoordinates::Mismatch(int source_vertex, const Eigen::Vector3i& corners,
+                                     const Eigen::Vector3d& barycentric) const {
+  const Eigen::Vector3f b = barycentric.cast<float>();
+  const Eigen::ArrayXf t = (b[0] * target_.col(corners[0]) + b[1] * target_.col(corners[1]) +
+                            b[2] * target_.col(corners[2]))
+                               .array();
+  const Eigen::ArrayXf s = source_.col(source_vertex).array();
+  return std::sqrt(((s - t).square() / (s.square() + kNear * kNear)).mean());
+}
+
+}  // namespace keypose

@@ -1,0 +1,144 @@
+#include "interpolate/maps/face_maps.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace keypose::interpolation {
+
+namespace {
+
+constexpr double kSliver = 1e-6;
+
+/// Triangle in its own frame: edges (p1-p0, p2-p0) = frame * upper triangular with positive
+/// diagonal.
+struct FlatTriangle {
+  Eigen::Matrix3d axes;  // two in the plane, then the normal
+  Eigen::Matrix2d edges;
+  bool degenerate;
+};
+
+FlatTriangle Flatten(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
+  const Eigen::Vector3d a = p.row(faces(f, 1)) - p.row(faces(f, 0)),
+                        b = p.row(faces(f, 2)) - p.row(faces(f, 0));
+  const Eigen::Vector3d n = a.cross(b);
+  const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
+  FlatTriangle t;
+  t.degenerate = !(n.norm() > kSliver * longest);
+  if (t.degenerate) return t;
+  t.axes.col(0) = a.normalized();
+  t.axes.col(2) = n.normalized();
+  t.axes.col(1) = t.axes.col(2).cross(t.axes.col(0));
+  t.edges << a.norm(), t.axes.col(0).dot(b), 0, t.axes.col(1).dot(b);
+  return t;
+}
+
+FaceMap MapOf(const FlatTriangle& from, const FlatTriangle& to) {
+  FaceMap map;
+  map.frame.setZero();
+  map.degenerate = from.degenerate || to.degenerate;
+  if (map.degenerate) return map;
+  const Polar2 polar = PolarOf(to.edges * from.edges.inverse());
+  Eigen::Matrix3d in_plane = Eigen::Matrix3d::Identity();
+  in_plane.topLeftCorner<2, 2>() << polar.cosine, -polar.sine, polar.sine, polar.cosine;
+  map.frame = from.axes.leftCols<2>();
+  map.rotation = to.axes * in_plane * from.axes.transpose();
+  map.stretch = polar.stretch;
+  return map;
+}
+
+}  // namespace
+
+Polar2 PolarOf(const Eigen::Matrix2d& j) {
+  const double c = j(0, 0) + j(1, 1), s = j(1, 0) - j(0, 1), r = std::hypot(c, s);
+  Polar2 polar{c / r, s / r, {}};
+  Eigen::Matrix2d rotation;
+  rotation << polar.cosine, -polar.sine, polar.sine, polar.cosine;
+  const Eigen::Matrix2d p = rotation.transpose() * j;
+  polar.stretch = 0.5 * (p + p.transpose());
+  return polar;
+}
+
+Eigen::Matrix2d PowerOf(const Eigen::Matrix2d& m, double t) {
+  const double mean = 0.5 * (m(0, 0) + m(1, 1)), d = 0.5 * (m(0, 0) - m(1, 1)),
+               r = std::hypot(d, m(0, 1));
+  const double high = mean + r, low = (m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1)) / high;
+  const double h = std::pow(high, t), l = std::pow(low, t);
+  if (r <= 1e-15 * high) return 0.5 * (h + l) * Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d traceless;
+  traceless << d, m(0, 1), m(0, 1), -d;
+  return 0.5 * (h + l) * Eigen::Matrix2d::Identity() + (0.5 * (h - l) / r) * traceless;
+}
+
+Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation) {
+  return LogOf(Eigen::Quaterniond(rotation).normalized());
+}
+
+Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
+  const double sine = q.vec().norm();
+  if (sine < 1e-12) return std::copysign(2.0, q.w()) * q.vec();
+  return (2 * std::atan2(std::copysign(sine, q.w()), std::abs(q.w())) / sine) * q.vec();
+}
+
+Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn) {
+  const double half = 0.5 * turn.norm();
+  const double scale = half > 1e-150 ? 0.5 * std::sin(half) / half : 0.5;
+  return {std::cos(half), scale * turn[0], scale * turn[1], scale * turn[2]};
+}
+
+Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  if (angle == 0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+}
+
+double BalancedTime(double t, double x) {
+  // Series of log(1 + t (e^x - 1)) / x, whose terms keep tau(t, x) + tau(1-t, -x) = 1 one by one;
+  // bounded so that it stays rising.
+  x = std::clamp(x, -1.0, 1.0);
+  return t + t * (1 - t) * x * (0.5 + x * ((1 - 2 * t) / 6 + x * (1 - 6 * t + 6 * t * t) / 24));
+}
+
+SegmentMaps Reversed(const SegmentMaps& maps) {
+  SegmentMaps back = maps;
+  back.body_turn = -maps.body_turn;
+  const Eigen::Matrix3d body = ExpOf(maps.body_turn);
+  for (std::size_t f = 0; f < maps.faces.size(); ++f) {
+    const FaceMap& there = maps.faces[f];
+    FaceMap& map = back.faces[f];
+    map.frame = there.rotation * there.frame;
+    map.rotation = there.rotation.transpose();
+    // rotation = B T S with B = exp(body), T = exp(turn), S = exp(remainder). Back at t': B^-t' (B
+    // T^-t' B^-1) ((B T) S^-t' (B T)^-1).
+    map.turn = -(body * there.turn);
+    map.remainder = -(body * (ExpOf(there.turn) * there.remainder));
+    map.stretch = there.stretch.inverse();
+    map.growth = -there.growth;
+  }
+  back.vertex_turns = -(maps.vertex_turns * body.transpose());
+  return back;
+}
+
+SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
+  SegmentMaps maps;
+  maps.faces.resize(faces.rows());
+  ParallelFor(
+      faces.rows(),
+      [&](std::int64_t f) { maps.faces[f] = MapOf(Flatten(v, faces, f), Flatten(u, faces, f)); },
+      512);
+  return maps;
+}
+
+void ShortestTurns(SegmentMaps& maps) {
+  ParallelFor(
+      static_cast<std::int64_t>(maps.faces.size()),
+      [&](std::int64_t f) {
+        maps.faces[f].turn = maps.faces[f].degenerate ? Eigen::Vector3d::Zero().eval()
+                                                      : LogOf(maps.faces[f].rotation);
+      },
+      512);
+}
+
+}  // namespace keypose::interpolation

@@ -1,0 +1,63 @@
+// The last steps of many frames at once, on rows of a free system: volumes, centroids, and the
+// frames themselves.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/mesh.h"
+#include "deform/poisson/poisson.h"
+#include "interpolate/turns/turning_field.h"
+
+namespace keypose::interpolation {
+
+/// Works on frames as PoissonSystem::SolveFree leaves them, four frames at a time, patch by patch
+/// of neighbouring rows.
+///
+/// Each vertex moves by a step, one a part and frame, along a TurningField without its body turn;
+/// then the body turns, and each part is shifted to its place. What volumes and centroids need for
+/// the steps and shifts is summed beforehand in one pass over rows and faces. Sums are by patch,
+/// then over patches in order: the same bits for any thread count.
+class RowFrames {
+ public:
+  /// @param system  must outlive this; so must the field
+  /// @param field   of steps, or none where nothing is to move
+  RowFrames(const PoissonSystem& system, const TurningField* field);
+
+  /// Of one part at one frame.
+  struct PartSums {
+    /// of points + x field, as a polynomial of x; where the part is closed
+    std::array<double, 4> volume = {};
+    Eigen::Vector3d point = Eigen::Vector3d::Zero(), field = Eigen::Vector3d::Zero();  ///< means
+    double longest = 0;  ///< of the field's vectors
+  };
+  /// frames x parts
+  std::vector<std::vector<PartSums>> Sums(const FrameRows& rows,
+                                          const std::vector<double>& times) const;
+
+  struct Move {
+    double step = 0;        ///< along the field
+    Eigen::Vector3d shift;  ///< after the turn
+  };
+  /// @param bodies  turns of the body, one a frame
+  /// @param moves   frames x parts
+  std::vector<PointsX3> Frames(const FrameRows& rows, const std::vector<double>& times,
+                               const std::vector<Eigen::Matrix3d>& bodies,
+                               const std::vector<std::vector<Move>>& moves) const;
+
+ private:
+  /// Rows begin .. end, all of one part, and the faces whose lowest row is among them.
+  struct Patch {
+    int part, begin, end;
+    int first_vertex, last_vertex;  // of vertices_: those of the rows, then the faces' others
+    int first_face, last_face;      // of faces_
+  };
+  const PoissonSystem* system_;
+  const TurningField* field_;
+  std::vector<Patch> patches_;
+  std::vector<int> vertices_, rows_;       // of each place in a patch
+  std::vector<std::array<int, 3>> faces_;  // places in their patch
+};
+
+}  // namespace keypose::interpolation

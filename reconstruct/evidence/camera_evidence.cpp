@@ -1,0 +1,126 @@
+#include "reconstruct/evidence/camera_evidence.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "reconstruct/numerics/epipolar.h"
+#include "views/hull/silhouettes.h"
+#include "views/hull/visual_hull.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The point nearest to two lines of sight, where both see it before them.
+std::optional<Vector3d> Meeting(const Vector3d& from_a, const Vector3d& along_a,
+                                const Vector3d& from_b, const Vector3d& along_b) {
+  Eigen::Matrix2d system;
+  system << along_a.squaredNorm(), -along_a.dot(along_b), along_a.dot(along_b),
+      -along_b.squaredNorm();
+  const Vector3d between = from_b - from_a;
+  if (std::abs(system.determinant()) < 1e-9 * along_a.squaredNorm() * along_b.squaredNorm())
+    return std::nullopt;
+  const Eigen::Vector2d depth =
+      system.inverse() * Eigen::Vector2d(between.dot(along_a), between.dot(along_b));
+  if (depth.x() <= 0 || depth.y() <= 0) return std::nullopt;
+  return 0.5 * (from_a + depth.x() * along_a + from_b + depth.y() * along_b);
+}
+
+bool IsIn(const HullBox& box, const Vector3d& x) {
+  return (x.array() >= box.low.array()).all() && (x.array() <= box.high.array()).all();
+}
+
+/// Whether most matches of a pair agree with two cameras.
+bool PairAgrees(const View& a, const View& b, const Features& first, const Features& second,
+                const PairMatches& pair, const HullBox& near, double max_error_px) {
+  const Eigen::Matrix3d ra = a.camera_from_world.rotation.toRotationMatrix(),
+                        rb = b.camera_from_world.rotation.toRotationMatrix();
+  const Eigen::Matrix3d essential =
+      EssentialOf(ra, a.camera_from_world.translation, rb, b.camera_from_world.translation);
+  const double limit = max_error_px / a.camera.fx;
+  const Vector3d from_a = a.Center(), from_b = b.Center();
+  constexpr std::size_t kMost = 200;
+  const std::size_t count = std::min(kMost, pair.features.size());
+  std::size_t agree = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto [f, s] = pair.features[k * pair.features.size() / count];
+    const Vector3d x = a.camera.Unproject(first.positions.row(f).transpose().cast<double>());
+    const Vector3d y = b.camera.Unproject(second.positions.row(s).transpose().cast<double>());
+    if (SquaredSampson(essential, x, y) > limit * limit) continue;
+    const auto met = Meeting(from_a, ra.transpose() * x, from_b, rb.transpose() * y);
+    agree += met && IsIn(near, *met);
+  }
+  return 2 * agree > count;
+}
+
+}  // namespace
+
+double CameraEvidence::Score() const {
+  const double share = images > 0 ? static_cast<double>(placed) / images : 0;
+  // A few pairs say little: they count with as many that half agree.
+  const double agree = (pairs_agree + 0.5 * kFewestPairs) / (pairs + kFewestPairs);
+  return share * (outlines ? hull_iou : 1) * (0.7 + 0.3 * agree);
+}
+
+bool CanBeRight(const CameraEvidence& evidence) {
+  return evidence.placed > 0 && (!evidence.outlines || evidence.hull_iou >= kLeastHullOverlap);
+}
+
+bool IsSure(const CameraEvidence& evidence) {
+  if (!evidence.outlines) return evidence.placed > 0;
+  return evidence.hull_iou >= kSureHullOverlap &&
+         (evidence.pairs < kFewestPairs || evidence.pairs_agree_share() >= kSurePairShare);
+}
+
+bool IsBetter(const CameraEvidence& other, const CameraEvidence& best) {
+  if (other.placed == 0) return false;
+  if (best.placed == 0) return true;
+  const bool other_can = CanBeRight(other), best_can = CanBeRight(best);
+  constexpr double kClearly = 0.02;
+  if (other_can != best_can) return other_can;
+  if (other_can && IsSure(other) == IsSure(best) && other.placed != best.placed)
+    return other.placed > best.placed;
+  return other.Score() > best.Score() + kClearly;
+}
+
+void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_image,
+                        const std::vector<Features>& features,
+                        const std::vector<PairMatches>& verified, const HullBox& hull,
+                        double max_error_px, CameraEvidence& evidence) {
+  const Vector3d margin = 0.1 * (hull.high - hull.low);
+  const HullBox near{hull.low - margin, hull.high + margin};
+  std::vector<char> agrees(verified.size(), -1);
+  ParallelFor(static_cast<std::int64_t>(verified.size()), [&](std::int64_t k) {
+    const PairMatches& pair = verified[k];
+    const int a = view_of_image[pair.first], b = view_of_image[pair.second];
+    if (a < 0 || b < 0 || pair.features.empty()) return;
+    agrees[k] = PairAgrees(scene.views[a], scene.views[b], features[pair.first],
+                           features[pair.second], pair, near, max_error_px);
+  });
+  evidence.pairs =
+      static_cast<int>(std::count_if(agrees.begin(), agrees.end(), [](char a) { return a >= 0; }));
+  evidence.pairs_agree = static_cast<int>(std::count(agrees.begin(), agrees.end(), 1));
+}
+
+std::optional<HullBox> MeasureOutlines(const std::vector<PreparedView>& views,
+                                       CameraEvidence& evidence) {
+  VisualHullOptions options;
+  options.resolution = 96;
+  evidence.outlines = true;
+  try {
+    const VisualHull hull = CarveVisualHull(views, options);
+    const HullCheck check =
+        CheckAgainstHull(views, hull, Silhouettes(views, options.outside_votes));
+    evidence.hull_iou = check.mean;
+    evidence.hull_iou_least = *std::min_element(check.iou.begin(), check.iou.end());
+    evidence.disagreeing = check.disagreeing;
+    return HullBox{hull.origin, hull.origin + hull.cell * hull.size.cast<double>()};
+  } catch (const InputError&) {  // no common space
+    return std::nullopt;
+  }
+}
+
+}  // namespace keypose::reconstruct

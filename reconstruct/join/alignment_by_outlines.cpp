@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/angles.h"
+#include "core/kd_tree.h"
+#include "core/parallel.h"
+#include "reconstruct/join/coloured_cloud.h"
+#include "reconstruct/join/model_alignment.h"
+#include "reconstruct/numerics/simplex_search.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+/// Mean distance by which points that a motion takes into a frame lie outside of the masks there.
+double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes& masks) {
+  constexpr double kMost_px = 12;  // beyond, a mask tells nothing about the way back
+  double sum = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    sum +=
+        std::clamp(masks.Outside(into * Eigen::Vector3d(points.row(i).transpose())), 0.0, kMost_px);
+  return sum / static_cast<double>(points.rows());
+}
+
+/// Points of both halves by which motions are judged.
+struct OutlineJudge {
+  const HalfOutlines& outlines;
+  PointsX3 first, second;
+
+  double Miss(const Similarity3& first_from_second) const {
+    return 0.5 * (MissOf(second, first_from_second, outlines.first) +
+                  MissOf(first, first_from_second.Inverse(), outlines.second));
+  }
+  /// What the points miss their own half's outlines by.
+  double Own() const {
+    return 0.5 * (MissOf(first, {}, outlines.first) + MissOf(second, {}, outlines.second));
+  }
+};
+
+// turn, shift over the spread, logarithm of the scale
+using MotionUnknowns = Eigen::Matrix<double, 7, 1>;
+
+/// A motion turned and scaled about `middle` of the second half, and shifted.
+Similarity3 Moved(const Similarity3& motion, const Eigen::Vector3d& middle, double spread,
+                  const Eigen::VectorXd& by) {
+  const Eigen::Vector3d turn = by.head<3>();
+  Similarity3 moved = motion;
+  if (turn.norm() > 0)
+    moved.rotation =
+        Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * motion.rotation;
+  moved.scale *= std::exp(by(6));
+  moved.translation =
+      motion * middle + spread * by.segment<3>(3) - moved.scale * (moved.rotation * middle);
+  return moved;
+}
+
+struct Candidate {
+  Similarity3 motion;
+  double miss = 0;
+};
+
+/// @param size  of the first simplex: 1 for a start from afar
+void Search(const OutlineJudge& judge, double spread, double size, int evaluations,
+            Candidate& candidate) {
+  const Eigen::Vector3d middle = judge.second.colwise().mean();
+  const MotionUnknowns step =
+      size * (MotionUnknowns() << 8 * kDegree, 8 * kDegree, 8 * kDegree, 0.15, 0.15, 0.15, 0.08)
+                 .finished();
+  const auto cost = [&](const Eigen::VectorXd& by) {
+    return judge.Miss(Moved(candidate.motion, middle, spread, by));
+  };
+  const Eigen::VectorXd by = MinimizeSimplex(cost, MotionUnknowns::Zero(), step, evaluations);
+  candidate.motion = Moved(candidate.motion, middle, spread, by);
+  candidate.miss = judge.Miss(candidate.motion);
+}
+
+/// Searches on from all candidates, and leaves the best `kept` that differ by 10 degrees or more,
+/// best first: rivals stay.
+void SearchAll(const OutlineJudge& judge, double spread, double size, int evaluations,
+               std::size_t kept, std::vector<Candidate>& candidates) {
+  constexpr double kSameTurn = 10 * kDegree;
+  ParallelFor(static_cast<std::int64_t>(candidates.size()),
+              [&](std::int64_t i) { Search(judge, spread, size, evaluations, candidates[i]); });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.miss < b.miss; });
+  std::vector<Candidate> different;
+  for (const Candidate& candidate : candidates) {
+    const bool is_new =
+        std::none_of(different.begin(), different.end(), [&](const Candidate& other) {
+          return AngleBetween(candidate.motion, other.motion) < kSameTurn;
+        });
+    if (is_new && different.size() < kept) different.push_back(candidate);
+  }
+  candidates = std::move(different);
+}
+
+std::vector<Candidate> Starts(const PointsX3& first, const PointsX3& second, int rotations) {
+  const Eigen::Vector3d from = second.colwise().mean(), to = first.colwise().mean();
+  std::vector<Candidate> starts(static_cast<std::size_t>(rotations));
+  for (int i = 0; i < rotations; ++i) {
+    Similarity3& motion = starts[i].motion;
+    motion.scale = Spread(first) / Spread(second);
+    motion.rotation = Turn(i, rotations);
+    motion.translation = to - motion.scale * (motion.rotation * from);
+  }
+  return starts;
+}
+
+}  // namespace
+
+double MissedOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines,
+                      const Similarity3& first_from_second, int points) {
+  return OutlineJudge{outlines, Decimated(first, points).points, Decimated(second, points).points}
+      .Miss(first_from_second);
+}
+
+ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
+                               const HalfOutlines& outlines,
+                               const OutlineAlignmentOptions& options) {
+  constexpr double kAnotherTurn = 0.35;  // 20 degrees
+  constexpr int kPlenty = 16000;
+  ModelAlignment join;
+  if (first.points.size() < 100 || second.points.size() < 100) return join;
+  const Cloud target = Decimated(first, kPlenty), moving = Decimated(second, kPlenty);
+  const double spread = Spread(target.points);
+  const OutlineJudge coarse{outlines, Decimated(first, options.coarse_points).points,
+                            Decimated(second, options.coarse_points).points},
+      fine{outlines, Decimated(first, options.fine_points).points,
+           Decimated(second, options.fine_points).points};
+  std::vector<Candidate> candidates = Starts(target.points, moving.points, options.rotations);
+  SearchAll(coarse, spread, 1, 80, 40, candidates);
+  SearchAll(coarse, spread, 0.5, 150, 8, candidates);
+  SearchAll(fine, spread, 0.25, 200, 4, candidates);
+  SearchAll(fine, spread, 0.05, 200, 4, candidates);
+  const Candidate& best = candidates.front();
+  join.rival_miss_px = 12;
+  for (const Candidate& candidate : candidates)
+    if (AngleBetween(candidate.motion, best.motion) > kAnotherTurn)
+      join.rival_miss_px = std::min(join.rival_miss_px, candidate.miss);
+  const KdTree tree(target.points);
+  const double limit = std::max(options.max_distance * spread, 2 * Spacing(target, tree));
+  join.first_from_second = best.motion;
+  Polish(target, tree, moving, limit, options.max_color, true, join.first_from_second);
+  join.miss_px = fine.Miss(join.first_from_second);
+  const auto [share, rms] =
+      Agreement(target, tree, moving, join.first_from_second, limit, options.max_color);
+  join.pairs = static_cast<int>(moving.size());
+  join.agreeing = static_cast<int>(std::lround(share * static_cast<double>(moving.size())));
+  join.rms = rms;
+  join.found = join.miss_px <= fine.Own() + options.max_miss_px &&
+               join.rival_miss_px >= join.miss_px + options.least_rival_px &&
+               share >= options.min_share;
+  return join;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,195 @@
+#include "reconstruct/known/board_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <opencv2/calib3d.hpp>
+#include <optional>
+
+#include "core/errors.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+struct PlanePose {
+  Rigid3 camera_from_board;
+  double rms_px = std::numeric_limits<double>::infinity();
+};
+
+double RmsOf(const View& view, const BoardLayout& plate, const std::vector<BoardCorner>& corners) {
+  double sum = 0;
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d x = view.camera_from_world * plate.Corner(corner.id);
+    if (x.z() <= 0) return std::numeric_limits<double>::infinity();
+    sum += (view.camera.Project(x) - corner.pixel).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(corners.size()));
+}
+
+Rigid3 FromOpenCv(const cv::Mat& rotation_vector, const cv::Mat& translation) {
+  cv::Mat matrix;
+  cv::Rodrigues(rotation_vector, matrix);
+  Eigen::Matrix3d rotation;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rotation(r, c) = matrix.at<double>(r, c);
+  return {Eigen::Quaterniond(rotation),
+          Eigen::Vector3d(translation.at<double>(0), translation.at<double>(1),
+                          translation.at<double>(2))};
+}
+
+/// The better of the plane's two poses among those whose camera lies above the board: a print
+/// cannot be seen from below.
+std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& plate,
+                                const std::vector<BoardCorner>& corners) {
+  std::vector<cv::Point3d> on_board;
+  std::vector<cv::Point2d> rays;
+  for (const BoardCorner& corner : corners) {
+    const Eigen::Vector3d x = plate.Corner(corner.id), ray = camera.Unproject(corner.pixel);
+    on_board.emplace_back(x.x(), x.y(), x.z());
+    rays.emplace_back(ray.x(), ray.y());
+  }
+  std::vector<cv::Mat> rotations, translations;
+  const cv::Mat identity = cv::Mat::eye(3, 3, CV_64F);
+  try {
+    cv::solvePnPGeneric(on_board, rays, identity, cv::noArray(), rotations, translations, false,
+                        cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // corners in one line
+  }
+  PlanePose best;
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    cv::Mat rotation = rotations[i], translation = translations[i];
+    cv::solvePnPRefineLM(on_board, rays, identity, cv::noArray(), rotation, translation);
+    View view;
+    view.camera = camera;
+    view.camera_from_world = FromOpenCv(rotation, translation);
+    if (!view.camera_from_world.translation.allFinite() || view.Center().z() <= 0) continue;
+    const double rms = RmsOf(view, plate, corners);
+    if (rms < best.rms_px) best = {view.camera_from_world, rms};
+  }
+  if (!std::isfinite(best.rms_px)) return std::nullopt;
+  return best;
+}
+
+bool InOneLine(const BoardLayout& plate, const std::vector<BoardCorner>& corners) {
+  std::map<int, int> columns, rows;
+  for (const BoardCorner& corner : corners)
+    ++columns[corner.id % (plate.columns - 1)], ++rows[corner.id / (plate.columns - 1)];
+  return columns.size() < 2 || rows.size() < 2;
+}
+
+/// The focal length with which the board fits best, over a row of values; a robust sum, since some
+/// views may be wrong.
+double SoughtFocal(Camera camera, const BoardLayout& plate,
+                   const std::vector<const BoardSighting*>& sightings) {
+  constexpr int kTrials = 24;
+  const double longer = std::max(camera.width, camera.height);
+  double best = 1.2 * longer, least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kTrials; ++k) {
+    camera.fx = camera.fy = 0.6 * longer * std::pow(10.0, static_cast<double>(k) / (kTrials - 1));
+    double sum = 0;
+    for (const BoardSighting* sighting : sightings) {
+      const auto pose = PoseOf(camera, plate, sighting->corners);
+      sum += std::min(20.0, pose ? pose->rms_px : 20.0);
+    }
+    if (sum < least) least = sum, best = camera.fx;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLayout& plate,
+                                               const std::vector<BoardSighting>& sightings,
+                                               int body, int min_corners) {
+  std::map<std::string, int> index;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    index[scene.views[v].name] = static_cast<int>(v);
+  std::vector<BodyObservation> observations;
+  for (const BoardSighting& sighting : sightings) {
+    const auto found = index.find(sighting.name);
+    if (found == index.end() || static_cast<int>(sighting.corners.size()) < min_corners) continue;
+    for (const BoardCorner& corner : sighting.corners)
+      observations.push_back({found->second, body, plate.Corner(corner.id), corner.pixel});
+  }
+  return observations;
+}
+
+BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& plate,
+                        const std::vector<BoardSighting>& sightings,
+                        const BoardPosesOptions& options) {
+  BoardPoses placed;
+  std::vector<const BoardSighting*> usable;
+  for (const BoardSighting& sighting : sightings) {
+    for (const BoardCorner& corner : sighting.corners)
+      if (corner.id < 0 || corner.id >= plate.CornerCount())
+        throw InputError("sfm: " + sighting.name + " shows a board corner " +
+                         std::to_string(corner.id) + ", which the board does not have");
+    if (static_cast<int>(sighting.corners.size()) < options.min_corners ||
+        InOneLine(plate, sighting.corners))
+      placed.too_few.push_back(sighting.name);
+    else
+      usable.push_back(&sighting);
+  }
+  Camera start = camera;
+  if (!focal_known && !usable.empty()) start.fx = start.fy = SoughtFocal(camera, plate, usable);
+  // A wrong focal length leaves errors that the joint solution takes away; what is left of them
+  // then tells a wrong view.
+  for (const BoardSighting* sighting : usable) {
+    const auto pose = PoseOf(start, plate, sighting->corners);
+    if (!pose || pose->rms_px > 10 * options.max_rms_px) {
+      placed.rejected.push_back(sighting->name);
+      continue;
+    }
+    View view;
+    view.name = sighting->name;
+    view.camera = start;
+    view.camera_from_world = pose->camera_from_board;
+    placed.scene.views.push_back(view);
+  }
+  for (int round = 0; round < 2 && placed.scene.views.size() >= 2; ++round) {
+    placed.bodies.world_from_body = {Rigid3{}};
+    placed.bodies.observations =
+        BoardObservations(placed.scene, plate, sightings, 0, options.min_corners);
+    BundleResult result = AdjustBundle(placed.scene, {}, options.bundle, nullptr, placed.bodies);
+    placed.scene = std::move(result.scene);
+    placed.rms_px = result.bodies_rms_px;
+    std::vector<View> kept;
+    for (const View& view : placed.scene.views) {
+      const auto sighting = std::find_if(usable.begin(), usable.end(), [&](const BoardSighting* s) {
+        return s->name == view.name;
+      });
+      if (RmsOf(view, plate, (*sighting)->corners) <= options.max_rms_px && view.Center().z() > 0)
+        kept.push_back(view);
+      else
+        placed.rejected.push_back(view.name);
+    }
+    if (kept.size() == placed.scene.views.size()) break;
+    placed.scene.views = std::move(kept);
+  }
+  placed.bodies.observations =
+      BoardObservations(placed.scene, plate, sightings, 0, options.min_corners);
+  std::sort(placed.rejected.begin(), placed.rejected.end());
+  return placed;
+}
+
+Similarity3 BoardFromScene(const Scene& board, const Scene& scene) {
+  std::map<std::string, const View*> by_name;
+  for (const View& view : board.views) by_name[view.name] = &view;
+  std::vector<std::pair<const View*, const View*>> common;
+  for (const View& view : scene.views)
+    if (const auto found = by_name.find(view.name); found != by_name.end())
+      common.emplace_back(&view, found->second);
+  if (common.size() < 3)
+    throw InputError("sfm: only " + std::to_string(common.size()) +
+                     " of the placed photographs show the board; 3 are needed for its scale");
+  PointsX3 from(static_cast<Eigen::Index>(common.size()), 3), to = from;
+  for (std::size_t i = 0; i < common.size(); ++i) {
+    from.row(i) = common[i].first->Center().transpose();
+    to.row(i) = common[i].second->Center().transpose();
+  }
+  return FitSimilarity(from, to);
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,76 @@
+#include "reconstruct/known/known_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/errors.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+std::string Stem(const std::string& name) { return name.substr(0, name.find_last_of('.')); }
+
+Camera ForPhotograph(const View& known, const Camera& photograph) {
+  Camera camera = known.camera;
+  if (camera.fx < 0) camera.fx *= -photograph.width;
+  if (camera.fy < 0) camera.fy *= -photograph.width;
+  if (camera.width <= 0) camera.width = photograph.width;
+  if (camera.height <= 0) camera.height = photograph.height;
+  if (camera.cx <= 0) camera.cx = camera.width / 2.0;
+  if (camera.cy <= 0) camera.cy = camera.height / 2.0;
+  const double factor = static_cast<double>(photograph.width) / camera.width;
+  if (std::abs(factor * camera.height - photograph.height) > 1.5)
+    throw InputError("sfm: the known camera of " + known.name + " is for " +
+                     std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                     " pixels, but the photographs have " + std::to_string(photograph.width) +
+                     " x " + std::to_string(photograph.height) +
+                     "; give cameras for the photographs as capture wrote them");
+  if (factor != 1) camera = camera.Scaled(factor);
+  camera.width = photograph.width;
+  camera.height = photograph.height;
+  if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
+    throw InputError("sfm: the known camera of " + known.name + " has no positive focal length");
+  return camera;
+}
+
+}  // namespace
+
+std::vector<View> MatchKnownPoses(const std::vector<View>& known,
+                                  const std::vector<std::string>& photographs,
+                                  const Camera& photograph) {
+  std::map<std::string, std::string> by_name, by_stem;
+  for (const std::string& name : photographs)
+    by_name[name] = name, by_stem.emplace(Stem(name), name);
+  std::map<std::string, View> matched;
+  std::string strangers;
+  int count = 0;
+  for (const View& view : known) {
+    auto found = by_name.find(view.name);
+    if (found == by_name.end()) {
+      found = by_stem.find(Stem(view.name));
+      if (found == by_stem.end()) found = by_stem.find(view.name);
+      if (found == by_stem.end()) {
+        if (++count <= 12) strangers += (strangers.empty() ? "" : ", ") + view.name;
+        continue;
+      }
+    }
+    View here = view;
+    here.name = found->second;
+    here.camera = ForPhotograph(view, photograph);
+    if (!matched.emplace(here.name, here).second)
+      throw InputError("sfm: the known poses hold two cameras for " + here.name +
+                       "; leave one out");
+  }
+  if (count > 0)
+    throw InputError(
+        "sfm: the known poses name " + std::to_string(count) +
+        " photographs that are not in the set: " + strangers + (count > 12 ? " and more" : "") +
+        "; the first photograph here is " + photographs.front() +
+        ": give the poses the photographs' names, or leave out those that are not used");
+  std::vector<View> views;
+  for (auto& [name, view] : matched) views.push_back(std::move(view));
+  return views;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,25 @@
+// Cameras known beforehand, brought to the photographs of a set.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+
+namespace keypose::reconstruct {
+
+/// Known cameras under the names of the photographs they belong to: of the same name, else of the
+/// same stem ("r_001" for "r_001.png"), and with intrinsics for the photographs' size.
+///
+/// @param known   names may lack an extension; sizes and principal points 0 are filled in from the
+/// photograph, a negative focal length is
+///                one over the photograph's width
+/// @param photographs  of the set, all of the size of `photograph`, sorted by name
+/// @return sorted by name; photographs without a known camera are left out
+/// @throws InputError  cameras whose names are not among the photographs (lists them), two for one
+/// photograph, another aspect ratio
+std::vector<View> MatchKnownPoses(const std::vector<View>& known,
+                                  const std::vector<std::string>& photographs,
+                                  const Camera& photograph);
+
+}  // namespace keypose::reconstruct

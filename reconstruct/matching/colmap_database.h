@@ -1,0 +1,76 @@
+// COLMAP 3.8's SQLite database: cameras, images, features, matches, two-view geometries.
+//
+// We write cameras and images ourselves, so that ids follow the names' order, and verified matches,
+// which our own matcher finds; COLMAP's programs add features. Image ids count from 1.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/camera.h"
+
+struct sqlite3;
+
+namespace keypose::reconstruct {
+
+/// Features of one image.
+struct Features {
+  Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> positions;  ///< F x 2 [px]
+  Eigen::VectorXf scales;                                              ///< F [px]
+  std::vector<std::int16_t> descriptors;                               ///< F x 128, each 0..255
+  int count() const { return static_cast<int>(scales.size()); }
+};
+
+/// Matched features of two images, first < second (0-based images).
+struct PairMatches {
+  int first = 0, second = 0;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> features;
+};
+
+/// How two images are related.
+struct PairGeometry {
+  enum Kind { kFundamental, kHomography, kOther } kind = kOther;
+  Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< fundamental matrix (second^T F first = 0)
+                                                     ///< or homography second <- first, in pixels
+};
+
+class ColmapDatabase {
+ public:
+  /// A new database with one SIMPLE_RADIAL camera and the images in the order given.
+  /// @throws DiskError  cannot be written
+  static ColmapDatabase Create(const std::filesystem::path& path, const Camera& camera,
+                               bool focal_known, const std::vector<std::string>& images);
+  /// @throws DiskError  cannot be opened
+  explicit ColmapDatabase(const std::filesystem::path& path);
+  ~ColmapDatabase();
+  ColmapDatabase(ColmapDatabase&&) noexcept;
+  ColmapDatabase(const ColmapDatabase&) = delete;
+
+  /// Starts the one camera from another focal length.
+  void SetFocal(const Camera& camera) const;
+  /// Features of image i (0-based); none when COLMAP found none.
+  Features ReadFeatures(int image) const;
+  /// Copies the features that another database holds for the image of that name to image i
+  /// (0-based), moved by (x, y) pixels.
+  void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x,
+                       double y);
+  /// The matched features of pairs that stood the geometric test, by pair id.
+  std::vector<PairMatches> VerifiedMatches() const;
+  /// Adds pairs with their inliers, or puts these in the place of what such a pair had.
+  void PutInliers(const std::vector<PairMatches>& pairs);
+
+ private:
+  struct Closer {
+    void operator()(sqlite3* database) const;
+  };
+  explicit ColmapDatabase(sqlite3* database) : database_(database) {}
+  void Execute(const std::string& sql) const;
+  std::unique_ptr<sqlite3, Closer> database_;
+};
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,59 @@
+#include "reconstruct/matching/colmap_database.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <string>
+
+#include "core/errors.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+namespace fs = std::filesystem;
+
+class DatabaseTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "sfm_test_XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder = pattern;
+    camera.width = 640;
+    camera.height = 480;
+    camera.fx = camera.fy = 800;
+    camera.cx = 320;
+    camera.cy = 240;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  fs::path folder;
+  Camera camera;
+};
+
+TEST_F(DatabaseTest, VerifiedMatchesAreReadInPairOrderAsTheyWerePut) {
+  ColmapDatabase database =
+      ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg", "b.jpg", "c.jpg"});
+  database.PutInliers({{1, 2, {{0, 3}, {4, 5}}}, {0, 1, {{7, 8}}}, {0, 2, {}}});
+  database.PutInliers({{1, 2, {{6, 9}}}});  // in the place of what it had
+  const std::vector<PairMatches> pairs = database.VerifiedMatches();
+  using Matches = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(pairs[0].first, 0);
+  EXPECT_EQ(pairs[0].second, 1);
+  EXPECT_EQ(pairs[0].features, (Matches{{7, 8}}));
+  EXPECT_EQ(pairs[1].first, 1);
+  EXPECT_EQ(pairs[1].second, 2);
+  EXPECT_EQ(pairs[1].features, (Matches{{6, 9}}));
+}
+
+TEST_F(DatabaseTest, ImagesWithoutFeaturesReadAsEmpty) {
+  EXPECT_EQ(
+      ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg"}).ReadFeatures(0).count(), 0);
+}
+
+TEST_F(DatabaseTest, MissingFileThrowsDiskError) {
+  EXPECT_THROW(ColmapDatabase(folder / "none.db"), DiskError);
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct

@@ -1,0 +1,28 @@
+// A second matching along epipolar lines, for pairs whose geometry is known.
+#pragma once
+
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "reconstruct/matching/colmap_database.h"
+#include "reconstruct/matching/descriptor_matching.h"
+
+namespace keypose::reconstruct {
+
+/// Mutual nearest neighbours among the features that the pair's geometry allows, with the ratio
+/// test among those only: a feature whose rivals lie off its epipolar line counts, which is what
+/// keeps fur and grain together.
+///
+/// @param geometry  how COLMAP related the two images; kOther gives no matches
+/// @param max_error_px  Sampson distance (or transfer distance of a homography) that is allowed;
+/// the feature of b must also lie within
+///                      sqrt(2) times that of its epipolar line
+/// Cost: features near each line, found by a grid. Same matches on every processor.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchGuided(const Features& a,
+                                                                 const Features& b,
+                                                                 const PairGeometry& geometry,
+                                                                 const MatchOptions& options,
+                                                                 double max_error_px);
+
+}  // namespace keypose::reconstruct

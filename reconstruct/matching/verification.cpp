@@ -1,0 +1,50 @@
+#include "reconstruct/matching/verification.h"
+
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+
+namespace keypose::reconstruct {
+
+std::optional<Verified> VerifyPair(const Features& first, const Features& second,
+                                   const PairMatches& raw, const VerificationOptions& options) {
+  const int count = static_cast<int>(raw.features.size());
+  if (count < std::max(8, options.min_inliers)) return std::nullopt;
+  cv::Mat a(count, 2, CV_64F), b(count, 2, CV_64F), inside;
+  for (int k = 0; k < count; ++k) {
+    const auto& [i, j] = raw.features[k];
+    for (int c = 0; c < 2; ++c) {
+      a.at<double>(k, c) = first.positions(i, c);
+      b.at<double>(k, c) = second.positions(j, c);
+    }
+  }
+  cv::UsacParams usac;
+  usac.confidence = 0.9999;
+  usac.maxIterations = options.max_iterations;
+  usac.threshold = options.max_error_px;
+  usac.isParallel = false;
+  usac.randomGeneratorState = 0;
+  usac.sampler = cv::SAMPLING_UNIFORM;
+  usac.score = cv::SCORE_METHOD_MSAC;
+  usac.loMethod = cv::LOCAL_OPTIM_INNER_LO;
+  usac.loIterations = 10;
+  usac.loSampleSize = 40;
+  cv::Mat matrix;
+  try {
+    matrix = cv::findFundamentalMat(a, b, inside, usac);
+  } catch (const cv::Exception&) {
+    return std::nullopt;  // points that span no plane
+  }
+  if (matrix.rows != 3 || matrix.cols != 3 || inside.total() != static_cast<std::size_t>(count))
+    return std::nullopt;
+  Verified verified{{raw.first, raw.second, {}},
+                    {PairGeometry::kFundamental, Eigen::Matrix3d::Zero()}};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) verified.geometry.matrix(r, c) = matrix.at<double>(r, c);
+  if (!verified.geometry.matrix.allFinite()) return std::nullopt;
+  for (int k = 0; k < count; ++k)
+    if (inside.at<std::uint8_t>(k) != 0) verified.inliers.features.push_back(raw.features[k]);
+  if (static_cast<int>(verified.inliers.features.size()) < options.min_inliers) return std::nullopt;
+  return verified;
+}
+
+}  // namespace keypose::reconstruct

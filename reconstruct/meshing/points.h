@@ -1,0 +1,56 @@
+// Readies a fused point cloud for meshing: faults named, strays removed, spacing measured.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/progress.h"
+
+namespace keypose::reconstruct {
+
+struct PointFilterOptions {
+  int neighbors = 16;        ///< points that say how dense a place is, >= 4
+  double outlier_ratio = 4;  ///< removed: mean distance to the neighbours above this many times the
+                             ///< median; 0 keeps all
+  double min_confidence = 0;  ///< removed: confidence below this, where the cloud has confidences
+  bool thin_unsure = true;    ///< of points below or above surer ones only a share stays, by the
+                              ///< ratio of their confidences
+};
+
+/// Points that are fit to be meshed.
+struct FilteredPoints {
+  PointCloud cloud;
+  /// P, distance between neighbouring samples around each point [the cloud's unit]
+  Eigen::VectorXd spacing;
+  Eigen::VectorXf weights;  ///< P in (0, 1], confidence times the area a point speaks for; empty
+                            ///< for a cloud without confidences
+  double median_spacing = 0;
+  int removed_unsure = 0;        ///< confidence too low
+  int removed_outliers = 0;      ///< too far from their neighbours
+  int removed_thinned = 0;       ///< less sure than their neighbours
+  int merged = 0;                ///< joined with others of their cell
+  int removed_contrary = 0;      ///< normal against nearly all of the neighbours' normals
+  bool normals_flipped = false;  ///< all normals pointed inside and were turned round
+};
+
+/// Throws what makes a cloud unfit to be meshed.
+/// @throws InputError  fewer than 100 points, no normals, a value that is not finite, all points in
+/// one place; names `what` and the point
+void RequireMeshable(const PointCloud& cloud, const std::string& what);
+
+/// Joins points that a mesh of this fineness cannot tell apart, removes strays, contrary normals
+/// and a share of the points that are less sure than their neighbours, turns normals outside, and
+/// measures the sampling.
+///
+/// @param merge_cell  edge of the cells within which points are joined (MergeWithinCells); 0 joins
+/// none
+/// @throws InputError  as RequireMeshable, or fewer than 100 points are left
+/// Cost: two passes of `neighbors`-nearest queries.
+/// Same bits for any thread count.
+/// Source: the distance rule is Rusu et al. 2008 (statistical outlier removal) with medians for
+/// means.
+FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options, double merge_cell,
+                            const std::string& what, Progress* progress);
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,58 @@
+// From an oriented, coloured point cloud to a coloured surface.
+#pragma once
+
+#include <string>
+
+#include "core/mesh.h"
+#include "core/options.h"
+#include "core/progress.h"
+#include "reconstruct/meshing/points.h"
+#include "reconstruct/meshing/poisson_surface.h"
+#include "reconstruct/meshing/trim.h"
+#include "reconstruct/meshing/windows.h"
+
+namespace keypose::reconstruct {
+
+/// Options of the mesh stage.
+struct MeshOptions {
+  /// octree levels; 0 chooses from the sampling: ceil(log2(diagonal / (2 spacing)))
+  int depth = 0;
+  int max_depth = 8;   ///< the highest that depth 0 chooses
+  double merge = 0.5;  ///< edge, in finest octree cells, of the cells whose points become one: the
+                       ///< surface holds no more detail; 0 keeps all
+  PoissonOptions poisson;
+  PointFilterOptions filter;
+  TrimOptions trim;
+
+  void Describe(OptionVisitor& visit);
+};
+
+struct SurfaceResult {
+  Mesh mesh;            ///< with colours where the cloud has them; open where there was no data
+  int depth = 0;        ///< octree levels used
+  FilteredPoints used;  ///< the points that were fitted, and what was removed
+  int poisson_faces = 0;
+  int trimmed_faces = 0;
+  int removed_components = 0;
+  int kept_closures = 0;
+  int views_with_closed_window = 0;  ///< of the first fit, see BlockedLines
+  int window_points = 0;             ///< of windows' walls, that were added for a second fit
+};
+
+/// Octree levels that resolve samples `spacing` apart in a cloud of `diagonal`, in [4, max_depth].
+int DepthForSampling(double diagonal, double spacing, int max_depth);
+
+/// Filters the points, solves screened Poisson, trims what has no data, and colours the rest.
+///
+/// A window that the photographs see through and the surface closes is opened: its walls, from the
+/// outlines, join the points, and the surface is fitted again.
+/// @param what     names the cloud in messages
+/// @param windows  without lines no window is looked for
+/// @throws InputError   see FilterPoints
+/// @throws SolverError  no surface near the points
+/// Same bits for any thread count.
+SurfaceResult ReconstructSurface(PointCloud cloud, const MeshOptions& options,
+                                 const std::string& what, Progress* progress,
+                                 const WindowEvidence& windows = {});
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,359 @@
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/errors.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/parallel.h"
+#include "reconstruct/matching/feature_crop.h"
+#include "reconstruct/sfm/colmap_programs.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string Colmap(StageContext& stage, const std::vector<std::string>& arguments) {
+  return RunTool(stage, "colmap", arguments,
+                 {"QT_QPA_PLATFORM=offscreen", "OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"});
+}
+
+std::string Text(double value) {
+  std::ostringstream out;
+  out.precision(12);
+  out << value;
+  return out.str();
+}
+std::string Text(int value) { return std::to_string(value); }
+std::string Text(bool value) { return value ? "1" : "0"; }
+
+/// A photograph as features are sought in it: files in a folder of its own, and where its first
+/// pixel was.
+struct Prepared {
+  std::string file;
+  int x0 = 0, y0 = 0;
+};
+
+Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int margin_px) {
+  const CapturedImage& image = set.images[i];
+  const std::string file = std::to_string(i) + ".png";
+  const Image8 photo = ReadImage(set.ImagePath(i), 1);
+  if (image.mask.empty()) {
+    WriteImage(folder / "images" / file, photo);
+    return {file};
+  }
+  const Image8 mask = ReadImage(set.MaskPath(i), 1);
+  if (mask.width != photo.width || mask.height != photo.height)
+    throw InputError("sfm: mask " + image.mask + " is " + std::to_string(mask.width) + " x " +
+                     std::to_string(mask.height) + ", but " + image.name + " is " +
+                     std::to_string(photo.width) + " x " + std::to_string(photo.height) +
+                     "; run capture again");
+  const ObjectCrop crop = CropToObject(photo, mask, margin_px);
+  WriteImage(folder / "images" / file, crop.image);
+  WriteImage(folder / "masks" / (file + ".png"), crop.mask);
+  return {file, crop.x0, crop.y0};
+}
+
+/// Features of images [begin, end) into a database in `folder`, by a COLMAP of one thread. @return
+/// what the images were called there
+std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
+                                  const fs::path& folder, const SfmOptions& options, bool fine) {
+  fs::create_directories(folder / "images");
+  fs::create_directories(folder / "masks");
+  std::vector<Prepared> prepared;
+  int limit = options.max_image_size;
+  for (int i = begin; i < end; ++i) {
+    prepared.push_back(PrepareImage(set, i, folder, options.mask_margin_px));
+    // Features are sought at the scale that the whole photograph would have: the limit shrinks with
+    // the crop.
+    const CapturedImage& whole = set.images[i];
+    const ImageInfo crop = ReadImageInfo(folder / "images" / prepared.back().file);
+    const double scale = std::min(
+        1.0, options.max_image_size / static_cast<double>(std::max(whole.width, whole.height)));
+    if (scale < 1) limit = static_cast<int>(std::lround(scale * std::max(crop.width, crop.height)));
+  }
+  Colmap(stage, {"feature_extractor",
+                 "--database_path",
+                 folder / "features.db",
+                 "--image_path",
+                 folder / "images",
+                 "--ImageReader.mask_path",
+                 folder / "masks",
+                 "--ImageReader.camera_model",
+                 "SIMPLE_RADIAL",
+                 "--SiftExtraction.use_gpu",
+                 "0",
+                 "--SiftExtraction.num_threads",
+                 "1",
+                 "--SiftExtraction.max_image_size",
+                 Text(limit),
+                 "--SiftExtraction.max_num_features",
+                 Text(options.max_features),
+                 "--SiftExtraction.peak_threshold",
+                 Text(options.peak_threshold),
+                 "--SiftExtraction.first_octave",
+                 fine ? "-1" : "0",
+                 "--SiftExtraction.estimate_affine_shape",
+                 Text(options.affine_shape),
+                 "--SiftExtraction.domain_size_pooling",
+                 Text(options.domain_size_pooling)});
+  return prepared;
+}
+
+}  // namespace
+
+void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                     const SfmOptions& options, bool fine) {
+  const int images = static_cast<int>(set.images.size());
+  const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
+  const int per_part = shrunk ? 1 : 3;  // one limit on the size holds for all images of a part
+  const int parts = (images + per_part - 1) / per_part;
+  const auto folder = [&](std::int64_t k) {
+    return files.scratch / ("features" + std::to_string(k));
+  };
+  std::vector<std::vector<Prepared>> prepared(static_cast<std::size_t>(parts));
+  std::atomic<int> done = 0;
+  ParallelFor(parts, [&](std::int64_t k) {
+    const int begin = static_cast<int>(k) * per_part, end = std::min(images, begin + per_part);
+    prepared[k] = ExtractPart(stage, set, begin, end, folder(k), options, fine);
+    done += end - begin;
+    ReportProgress(
+        stage.progress(), 0.4 * done / images,
+        "features of " + std::to_string(done) + " of " + std::to_string(images) + " images");
+  });
+  ColmapDatabase database(files.database);
+  for (int k = 0; k < parts; ++k) {
+    {
+      const ColmapDatabase part(folder(k) / "features.db");
+      for (std::size_t i = 0; i < prepared[k].size(); ++i) {
+        const Prepared& image = prepared[k][i];
+        database.AddFeaturesFrom(part, image.file, k * per_part + static_cast<int>(i), image.x0,
+                                 image.y0);
+      }
+    }
+    fs::remove_all(folder(k));
+  }
+}
+
+namespace {
+
+/// All elements of all tracks, by point; points in the order of ReadColmapModel.
+std::vector<TrackElement> ReadTracks(const fs::path& model) {
+  // COLMAP's layout: a count, then for each point id, position, colour, error, track length, and
+  // (image id, feature) pairs. The points come in the order in which ReadColmapModel reads them.
+  const std::string bytes = ReadFile(model / "points3D.bin");
+  std::size_t at = 0;
+  const auto get = [&]<class T>(T) {
+    T value;
+    if (at + sizeof(T) > bytes.size()) throw ToolError("COLMAP's points3D.bin is truncated");
+    std::memcpy(&value, bytes.data() + at, sizeof(T));
+    at += sizeof(T);
+    return value;
+  };
+  std::vector<TrackElement> elements;
+  const auto points = get(std::uint64_t{});
+  for (std::uint64_t p = 0; p < points; ++p) {
+    at += 8 + 3 * 8 + 3 + 8;
+    const auto length = get(std::uint64_t{});
+    for (std::uint64_t t = 0; t < length; ++t) {
+      const int image = static_cast<int>(get(std::uint32_t{})) - 1,
+                feature = static_cast<int>(get(std::uint32_t{}));
+      elements.push_back({image, feature, static_cast<int>(p)});
+    }
+  }
+  return elements;
+}
+
+ColmapModel ReadModel(const fs::path& folder) {
+  return {ReadColmapModel(folder), ReadTracks(folder)};
+}
+
+}  // namespace
+
+std::vector<ColmapModel> MapImages(StageContext& stage, const SfmFiles& files,
+                                   const SfmOptions& options) {
+  const fs::path folder = files.scratch / (files.database.stem().string() + "_models");
+  fs::remove_all(folder);  // of an earlier start
+  fs::create_directories(folder);
+  try {
+    Colmap(
+        stage,
+        {"mapper", "--database_path", files.database, "--image_path", files.images, "--output_path",
+         folder, "--Mapper.num_threads", "1", "--Mapper.min_num_matches", Text(options.min_inliers),
+         "--Mapper.init_min_tri_angle", "8", "--Mapper.abs_pose_min_num_inliers", "15",
+         "--Mapper.filter_min_tri_angle", Text(options.min_triangulation_deg),
+         "--Mapper.tri_min_angle", Text(options.min_triangulation_deg),
+         // Its adjustments only have to keep it from drifting: ours follow.
+         "--Mapper.ba_local_num_images", "5", "--Mapper.ba_local_max_num_iterations", "10",
+         "--Mapper.ba_local_max_refinements", "1", "--Mapper.ba_global_images_ratio", "1.5",
+         "--Mapper.ba_global_points_ratio", "1.5", "--Mapper.ba_global_max_num_iterations", "15",
+         "--Mapper.ba_global_max_refinements", "1"});
+  } catch (const ToolError& error) {
+    // COLMAP fails when no two images make a start: that is a fault of the photographs, which the
+    // caller words.
+    stage.Note(std::string("sfm: mapper: ") + error.what());
+  }
+  std::vector<fs::path> folders;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (fs::exists(entry.path() / "images.bin")) folders.push_back(entry.path());
+  std::sort(folders.begin(), folders.end());
+  std::vector<ColmapModel> models;
+  for (const fs::path& path : folders) models.push_back(ReadModel(path));
+  std::stable_sort(models.begin(), models.end(), [](const ColmapModel& a, const ColmapModel& b) {
+    return a.scene.views.size() > b.scene.views.size();
+  });
+  return models;
+}
+
+std::vector<Observation> ObservationsOf(const ColmapModel& model, const ImageSet& set,
+                                        const std::vector<Features>& features) {
+  const Scene& scene = model.scene;
+  std::vector<int> view_of(set.images.size(), -1);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    if (const int i = set.Find(scene.views[v].name); i >= 0) view_of[i] = static_cast<int>(v);
+  std::vector<Observation> observations;
+  for (const TrackElement& element : model.tracks) {
+    const auto image = static_cast<std::size_t>(element.image);
+    if (image >= set.images.size() || view_of[image] < 0 || element.feature < 0 ||
+        element.feature >= features[image].count())
+      throw ToolError("COLMAP's points3D.bin names a feature that is not there");
+    observations.push_back(
+        {view_of[image], element.point,
+         features[image].positions.row(element.feature).transpose().cast<double>()});
+  }
+  return observations;
+}
+
+namespace {
+
+bool SameCamera(const Camera& a, const Camera& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy &&
+         a.cx == b.cx && a.cy == b.cy && a.k1 == b.k1 && a.k2 == b.k2 && a.p1 == b.p1 &&
+         a.p2 == b.p2;
+}
+
+bool OneCamera(const std::vector<View>& views) {
+  return std::all_of(views.begin(), views.end(), [&](const View& view) {
+    return SameCamera(view.camera, views.front().camera);
+  });
+}
+
+/// A model without points in COLMAP's text form. Image ids are those of the database, and so is the
+/// one camera where all have one.
+void WriteCameras(const fs::path& folder, const ImageSet& set, const std::vector<View>& views) {
+  fs::create_directories(folder);
+  std::ostringstream cameras, images;
+  cameras.precision(17);
+  images.precision(17);
+  const bool one_camera = OneCamera(views);
+  for (const View& view : views) {
+    const int id = set.Find(view.name) + 1;
+    if (id == 0) throw InputError("sfm: " + view.name + " is not among the photographs");
+    const Camera& c = view.camera;
+    const int camera = one_camera ? 1 : id;
+    if (!one_camera || &view == &views.front())
+      cameras << camera << " OPENCV " << c.width << " " << c.height << " " << c.fx << " " << c.fy
+              << " " << c.cx << " " << c.cy << " " << c.k1 << " " << c.k2 << " " << c.p1 << " "
+              << c.p2 << "\n";
+    const Eigen::Quaterniond& q = view.camera_from_world.rotation;
+    const Eigen::Vector3d& t = view.camera_from_world.translation;
+    images << id << " " << q.w() << " " << q.x() << " " << q.y() << " " << q.z() << " " << t.x()
+           << " " << t.y() << " " << t.z() << " " << camera << " " << view.name << "\n\n";
+  }
+  WriteFile(folder / "cameras.txt", cameras.str());
+  WriteFile(folder / "images.txt", images.str());
+  WriteFile(folder / "points3D.txt", "");
+}
+
+void Triangulate(StageContext& stage, const SfmFiles& files, const fs::path& input,
+                 const fs::path& output, const SfmOptions& options) {
+  fs::create_directories(output);
+  Colmap(stage, {"point_triangulator",
+                 "--database_path",
+                 files.database,
+                 "--image_path",
+                 files.images,
+                 "--input_path",
+                 input,
+                 "--output_path",
+                 output,
+                 "--clear_points",
+                 "1",
+                 "--Mapper.min_num_matches",
+                 "6",
+                 "--Mapper.num_threads",
+                 "1",
+                 "--Mapper.ba_refine_focal_length",
+                 "0",
+                 "--Mapper.ba_refine_extra_params",
+                 "0",
+                 "--Mapper.filter_min_tri_angle",
+                 Text(options.min_triangulation_deg),
+                 "--Mapper.tri_min_angle",
+                 Text(options.min_triangulation_deg)});
+}
+
+}  // namespace
+
+ColmapModel TriangulateKnown(StageContext& stage, const ImageSet& set, const SfmFiles& files,
+                             const std::vector<View>& views, const std::string& name,
+                             const SfmOptions& options) {
+  const fs::path known = files.scratch / (name + "_known"),
+                 model = files.scratch / (name + "_points");
+  WriteCameras(known, set, views);
+  try {
+    Triangulate(stage, files, known, model, options);
+  } catch (const ToolError& error) {
+    // COLMAP gives up when not one point comes out: a figure without texture. Its cameras are known
+    // all the same.
+    stage.Note(std::string("sfm: no point could be triangulated: ") + error.what());
+    Scene cameras;
+    cameras.views = views;
+    fs::create_directories(model);
+    WriteColmapModel(model, cameras);
+    return ReadModel(model);
+  }
+  if (views.size() == set.images.size() || !OneCamera(views)) return ReadModel(model);
+  const fs::path more = files.scratch / (name + "_more");
+  fs::create_directories(more);
+  try {
+    Colmap(stage, {"image_registrator", "--database_path", files.database, "--input_path", model,
+                   "--output_path", more, "--Mapper.num_threads", "1",
+                   "--Mapper.abs_pose_min_num_inliers", "15", "--Mapper.fix_existing_images", "1"});
+  } catch (const ToolError& error) {
+    stage.Note(std::string("sfm: image_registrator: ") + error.what());
+    return ReadModel(model);
+  }
+  const Scene grown = ReadColmapModel(more);
+  if (grown.views.size() == views.size()) return ReadModel(model);
+  const fs::path grown_known = files.scratch / (name + "_more_known"),
+                 grown_model = files.scratch / (name + "_more_points");
+  WriteCameras(grown_known, set, grown.views);
+  Triangulate(stage, files, grown_known, grown_model, options);
+  return ReadModel(grown_model);
+}
+
+std::vector<std::pair<std::string, double>> AnalyzeModel(StageContext& stage,
+                                                         const fs::path& model) {
+  std::istringstream lines(Colmap(stage, {"model_analyzer", "--path", model}));
+  std::vector<std::pair<std::string, double>> numbers;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    std::string name;
+    for (const char c : line.substr(0, colon))
+      name += c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    std::istringstream value(line.substr(colon + 2));
+    double number = 0;
+    if (value >> number) numbers.emplace_back(name, number);
+  }
+  return numbers;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,45 @@
+// Whether the outlines and the matches in the photographs agree with the cameras that were found.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/stage/stage.h"
+#include "reconstruct/evidence/camera_evidence.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose {
+struct ImageSet;
+}
+
+namespace keypose::reconstruct {
+
+/// The masks of a scene's views at some 500 px, without colour; views whose photographs have none
+/// are left out.
+std::vector<PreparedView> MaskViews(const ImageSet& set, const Scene& scene);
+
+/// The evidence of one set of photographs, by which all strategies are judged. Masks are read once.
+class EvidenceJudge {
+ public:
+  explicit EvidenceJudge(const ImageSet& set);
+
+  /// Whether there are masks enough to judge by.
+  bool HasMasks() const { return with_mask_ >= 3; }
+  /// @param features, verified  of all images; may be empty
+  CameraEvidence Judge(const Scene& scene, const std::vector<Features>& features,
+                       const std::vector<PairMatches>& verified) const;
+  /// Masks of all images, some 500 px; empty where there is none.
+  const std::vector<Image8>& masks() const { return masks_; }
+
+ private:
+  const ImageSet& set_;
+  std::vector<Image8> masks_;
+  int with_mask_ = 0;
+};
+
+/// Reports hull_iou_mean, hull_iou_least, views_disagreeing, pairs_tied and pairs_agreeing, and
+/// warns of the views that disagree.
+void ReportEvidence(StageContext& stage, const CameraEvidence& evidence);
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,143 @@
+#include "reconstruct/sfm/final_adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+#include "reconstruct/bundle/corner_tracks.h"
+#include "reconstruct/bundle/patch_tracks.h"
+#include "reconstruct/bundle/track_selection.h"
+#include "reconstruct/turntable/ring_fit.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr int kFewestPoints = 40;
+// with fewer points, a round more that adds corners round those of the round before
+constexpr int kPlenty = 3000;
+constexpr int kFewestPlaces = 60;  // of a view; with fewer its features stay too
+
+Image8 Shrunk(const Image8& image, double scale) {
+  if (scale >= 1 || image.empty()) return image;
+  return Resized(image, static_cast<int>(std::lround(scale * image.width)),
+                 static_cast<int>(std::lround(scale * image.height)));
+}
+
+std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<View>& views,
+                                        int max_size_px, const PatchOptions& options) {
+  std::vector<PatchImage> images(views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
+    const int i = set.Find(views[v].name);
+    const CapturedImage& captured = set.images[i];
+    const double scale =
+        std::min(1.0, max_size_px / static_cast<double>(std::max(captured.width, captured.height)));
+    const Image8 mask = captured.mask.empty() ? Image8{} : ReadImage(set.MaskPath(i), 1);
+    images[v] = MakePatchImage(Shrunk(ReadImage(set.ImagePath(i), 1), scale), Shrunk(mask, scale),
+                               scale, options);
+  });
+  return images;
+}
+
+/// Views with few patches see their points where features were found.
+void AddFeatures(PatchTracks& tracks, const std::vector<Observation>& features) {
+  std::vector<int> places(tracks.scene.views.size(), 0);
+  for (const Observation& o : tracks.observations) ++places[o.view];
+  int most = -1;
+  for (const int p : tracks.source) most = std::max(most, p);
+  std::vector<int> index(static_cast<std::size_t>(most + 1), -1);
+  for (std::size_t p = 0; p < tracks.source.size(); ++p)
+    index[tracks.source[p]] = static_cast<int>(p);
+  for (const Observation& o : features) {
+    if (places[o.view] >= kFewestPlaces || o.point > most) continue;
+    const int p = index[o.point];
+    if (p < 0) continue;
+    const std::vector<int>& views = tracks.scene.points[p].views;
+    if (std::find(views.begin(), views.end(), o.view) == views.end())
+      tracks.observations.push_back({o.view, p, o.pixel});
+  }
+}
+
+bool AllSeen(const Scene& scene, const std::vector<Observation>& observations) {
+  std::vector<int> places(scene.views.size(), 0);
+  for (const Observation& o : observations) ++places[o.view];
+  return std::all_of(places.begin(), places.end(), [](int count) { return count >= 8; });
+}
+
+}  // namespace
+
+void ColorPoints(const ImageSet& set, Scene& scene) {
+  std::vector<std::vector<std::size_t>> of_view(scene.views.size());
+  for (std::size_t p = 0; p < scene.points.size(); ++p)
+    if (!scene.points[p].views.empty()) of_view[scene.points[p].views[0]].push_back(p);
+  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
+    const View& view = scene.views[v];
+    if (of_view[v].empty()) return;
+    const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
+    for (const std::size_t p : of_view[v]) {
+      const Eigen::Vector2d pixel = view.Project(scene.points[p].position);
+      const int x = std::clamp(static_cast<int>(pixel.x()), 0, image.width - 1),
+                y = std::clamp(static_cast<int>(pixel.y()), 0, image.height - 1);
+      scene.points[p].color = Eigen::Map<const Eigen::Matrix<std::uint8_t, 3, 1>>(image.at(x, y));
+    }
+  });
+}
+
+Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
+                      bool focal_known, const SfmOptions& options) {
+  if (model.fixed || !options.patches ||
+      static_cast<int>(model.scene.points.size()) < kFewestPoints)
+    return model.scene;
+  ReportProgress(stage.progress(), 0.93, "refining points by grey values");
+  const PatchOptions patches;
+  const std::vector<PatchImage> images =
+      ReadPatchImages(set, model.scene.views, options.max_image_size, patches);
+  PointSet current = SpreadPoints(model.scene, model.observations, options.adjusted_points);
+  Bodies bodies = model.bodies;
+  RingFitOptions fitting;
+  fitting.bundle = BundleFor(model, options);
+  // Pixels are square: a ring of views alone would let the aspect ratio trade against the distance.
+  fitting.bundle.keep_aspect = true;
+  if (!options.refine_distortion && bodies.observations.empty())
+    for (View& view : current.scene.views)
+      view.camera.fx = view.camera.fy = 0.5 * (view.camera.fx + view.camera.fy);
+  fitting.ring.focal_prior = focal_known ? 0.03 : 0.15;
+  const bool ring =
+      bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
+  CornerOptions corners;
+  corners.most_points = options.adjusted_points;
+  RingFit fit;
+  PatchTracks tracks;
+  for (const double robust_px : {0.5, 0.4, 0.3}) {
+    if (robust_px == 0.4 && static_cast<int>(tracks.scene.points.size()) >= kPlenty) continue;
+    tracks = TrackPatches(current.scene, images, patches, stage.progress());
+    AddFeatures(tracks, current.observations);
+    if (static_cast<int>(tracks.scene.points.size()) < kFewestPoints ||
+        !AllSeen(tracks.scene, tracks.observations)) {
+      stage.Report("patch_points", 0);
+      return model.scene;
+    }
+    fitting.bundle.robust_px = robust_px;
+    fitting.bundle.max_error_px = 4 * robust_px;
+    const bool last = robust_px == 0.3;
+    if (ring && last)
+      fit = AdjustOnRings(tracks.scene, tracks.observations, fitting, stage.progress());
+    else
+      fit.result =
+          AdjustBundle(tracks.scene, tracks.observations, fitting.bundle, stage.progress(), bodies);
+    bodies = fit.result.bodies;
+    current = {last ? fit.result.scene : AddCorners(fit.result.scene, images, patches, corners),
+               fit.result.kept};
+  }
+  stage.Report("patch_points", static_cast<int>(fit.result.scene.points.size()));
+  stage.Report("patch_observations", fit.result.observations);
+  stage.Report("patch_error_px", fit.result.after_px);
+  if (fit.tried) stage.Report("turntable_chi2_ratio", fit.chi2_ratio);
+  stage.Report("on_turntable", fit.is_ring);
+  if (!bodies.observations.empty()) stage.Report("board_rms_px", fit.result.bodies_rms_px);
+  ColorPoints(set, fit.result.scene);
+  return std::move(fit.result.scene);
+}
+
+}  // namespace keypose::reconstruct

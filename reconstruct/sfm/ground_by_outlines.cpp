@@ -1,0 +1,36 @@
+#include "reconstruct/sfm/ground_by_outlines.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/io/sight_io.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr double kOutliers = 0.01;  // of the points, either way
+constexpr double kSpread = 0.02;    // of the height; sets with right cameras have 0.005 at most
+
+Eigen::Vector3d Quantile(const Scene& scene, double share) {
+  Eigen::Vector3d result;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const SparsePoint& point : scene.points) values.push_back(point.position[k]);
+    std::sort(values.begin(), values.end());
+    result[k] = values[share * static_cast<double>(values.size() - 1)];
+  }
+  return result;
+}
+
+}  // namespace
+
+std::optional<GroundContact> GroundOf(const ImageSet& set, const Scene& level) {
+  if (level.points.empty()) return std::nullopt;
+  const Sight sight = ReadSight(set, level);
+  const Eigen::Vector3d low = Quantile(level, kOutliers), high = Quantile(level, 1 - kOutliers);
+  const auto ground = FindGroundContact(sight.views, sight.masks, low, high);
+  if (!ground || ground->spread > kSpread * (high.z() - low.z())) return std::nullopt;
+  return ground;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,66 @@
+#include "reconstruct/sfm/set_overlap.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/image_set.h"
+#include "core/joined_images.h"
+#include "reconstruct/turntable/upside_down.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+/// "a.jpg, b.jpg, c.jpg"; of many the first ones.
+std::string Names(const ImageSet& set, const std::vector<int>& images) {
+  constexpr std::size_t kMost = 8;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(kMost, images.size()); ++k)
+    names += (k == 0 ? "" : ", ") + set.images[images[k]].name;
+  if (images.size() > kMost) names += " and " + std::to_string(images.size() - kMost) + " more";
+  return names;
+}
+
+}  // namespace
+
+void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched) {
+  const int images = static_cast<int>(set.images.size());
+  constexpr int kStrong = 60;  // matches of a pair that shares a good part of what it shows
+  std::vector<ImageTie> ties;
+  for (const PairMatches& pair : matched.verified)
+    ties.push_back({pair.first, pair.second, static_cast<int>(pair.features.size())});
+  const auto groups = JoinedImages(images, ties);
+  stage.Report("joined_groups", static_cast<int>(groups.size()));
+  stage.Report("largest_group", static_cast<int>(groups.at(0).size()));
+  if (!FallsApart(images, ties, kStrong)) return;
+  throw InputError(
+      "sfm: the photographs are too far apart: each matches a few others, but the " +
+      std::to_string(images) + " of them fall into " + std::to_string(groups.size()) +
+      " groups that share no features, the largest being " + Names(set, groups[0]) +
+      ". More photographs from the same sides do not help: turn the table by 15 degrees at most "
+      "from one photograph to the "
+      "next (24 for a turn), and raise the camera by 20 degrees at most between rings");
+}
+
+std::vector<char> FindUpsideDown(StageContext& stage, const ImageSet& set,
+                                 const EvidenceJudge& judge, const MatchedFeatures& matched) {
+  const int images = static_cast<int>(set.images.size());
+  const std::vector<int> found = UpsideDownByOutlines(
+      UpsideDownByMatches(images, PointsOf(matched.verified, matched.features)), judge.masks());
+  std::vector<char> upside_down(found.size(), 0);
+  std::vector<int> members;
+  nlohmann::json names = nlohmann::json::array();
+  for (int i = 0; i < images; ++i) {
+    if (found[i] != 1) continue;
+    upside_down[i] = 1;
+    members.push_back(i);
+    names.push_back(set.images[i].name);
+  }
+  stage.ReportJson("upside_down", names.dump());
+  if (!members.empty())
+    stage.Note("sfm: these photographs are upside down beside the others, and are used so: " +
+               Names(set, members));
+  return upside_down;
+}
+
+}  // namespace keypose::reconstruct

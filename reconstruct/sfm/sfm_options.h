@@ -1,0 +1,179 @@
+// Options of keypose-sfm.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/options.h"
+#include "reconstruct/bundle/bundle_adjustment.h"
+#include "reconstruct/evidence/camera_evidence.h"
+#include "reconstruct/matching/descriptor_matching.h"
+#include "reconstruct/matching/pair_list.h"
+#include "reconstruct/turntable/ring_model.h"
+
+namespace keypose::reconstruct {
+
+struct SfmOptions {
+  /// auto tries one after the other: plate, features, ring, silhouettes
+  std::string method = "auto";
+  std::string rings = "auto";  ///< sizes of the rings in the order of names, such as 18+18
+  int max_image_size = 2000;   ///< longer side at which features are found
+  int max_features = 8192;     ///< per image
+  /// COLMAP's default of 0.0067 leaves little on clay, plush and paint
+  double peak_threshold = 0.002;
+  std::string detail = "auto";  ///< size of the smallest features
+  bool affine_shape = true;
+  bool domain_size_pooling = false;
+  int mask_margin_px = 4;
+  int all_pairs_limit = PairListOptions{}.all_pairs_limit;
+  int neighbors = PairListOptions{}.neighbors;
+  int similar = PairListOptions{}.similar;
+  double max_ratio = MatchOptions{}.max_ratio;
+  bool guided_matching = true;
+  int min_inliers = 15;
+  double min_triangulation_deg = 1.5;
+  bool refine_principal_point = BundleOptions{}.refine_principal_point;
+  bool refine_distortion = BundleOptions{}.refine_distortion;
+  bool patches = true;         ///< points found again by grey values, and cameras adjusted to these
+  int adjusted_points = 6000;  ///< in the bundle adjustments, spread over the object
+  double min_placed = 0.6;
+  double min_hull_overlap = kLeastHullOverlap;  ///< of masks and their hull under the cameras found
+  bool level = true;
+  bool board = true;          ///< use the printed calibration board where photographs show it
+  int min_board_corners = 8;  ///< of the board that a photograph must show to be placed by it
+  bool refine_poses = false;  ///< known poses are a start; else they stay as given
+
+  PairListOptions PairList() const {
+    PairListOptions pairs;
+    pairs.all_pairs_limit = all_pairs_limit;
+    pairs.neighbors = neighbors;
+    pairs.similar = similar;
+    return pairs;
+  }
+
+  /// How the photographs may lie in rings.
+  /// @throws InputError  the sizes given do not add up to the number of photographs
+  std::vector<RingLayout> Layouts(const std::vector<std::string>& names) const {
+    const std::vector<int> sizes = RingSizes();
+    return sizes.empty()
+               ? LikelyLayouts(names)
+               : std::vector<RingLayout>{LayoutOfSizes(static_cast<int>(names.size()), sizes)};
+  }
+
+  std::vector<std::string> Problems() const {
+    if (rings == "auto" || !RingSizes().empty()) return {};
+    return {"rings must be auto or sizes joined by +, each 3 or more, such as 18+18, and is '" +
+            rings + "'"};
+  }
+
+  void Describe(OptionVisitor& visit) {
+    visit("method", method,
+          {"how cameras are found; auto tries one strategy after the other and says which one it "
+           "took",
+           "",
+           0,
+           0,
+           {"auto", "board", "features", "ring", "silhouettes"}});
+    visit("rings", rings,
+          {"sizes of the turntable's rings in the order of names, such as 18+18; auto tries equal "
+           "ones",
+           "",
+           0,
+           0,
+           {}});
+    visit("max_image_size", max_image_size,
+          {"longer side at which features are found", "px", 320, 20000, {}});
+    visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});
+    visit("peak_threshold", peak_threshold,
+          {"least contrast of a feature; smaller finds more on weak texture", "", 1e-4, 0.1, {}});
+    visit("detail", detail,
+          {"features from the photographs as they are (coarse), from twice their size too (fine), "
+           "or that only where coarse ones leave "
+           "photographs out (auto)",
+           "",
+           0,
+           0,
+           {"auto", "coarse", "fine"}});
+    visit("affine_shape", affine_shape,
+          {"adapt features to slanted surfaces: more matches between distant views", "", 0, 1, {}});
+    visit("domain_size_pooling", domain_size_pooling,
+          {"pool descriptors over sizes: some more matches, three times slower", "", 0, 1, {}});
+    visit("mask_margin_px", mask_margin_px,
+          {"masks grow by this before features are looked for", "px", 0, 100, {}});
+    visit("all_pairs_limit", all_pairs_limit,
+          {"up to this many images all pairs are matched", "", 0, 100000, {}});
+    visit("neighbors", neighbors,
+          {"neighbours in name order, both ways round the circle, that are always matched",
+           "",
+           0,
+           1000,
+           {}});
+    visit("similar", similar,
+          {"most similar images that each image is matched with", "", 0, 10000, {}});
+    visit("max_ratio", max_ratio,
+          {"Lowe's ratio: nearest over second nearest descriptor", "", 0.1, 1, {}});
+    visit("guided_matching", guided_matching,
+          {"match once more along epipolar lines", "", 0, 1, {}});
+    visit("min_inliers", min_inliers,
+          {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
+    visit("min_triangulation_deg", min_triangulation_deg,
+          {"least angle between rays of a point", "deg", 0.1, 30, {}});
+    visit("refine_principal_point", refine_principal_point,
+          {"also solve for the principal point; objects that fill little of the image do not "
+           "determine it",
+           "",
+           0,
+           1,
+           {}});
+    visit("refine_distortion", refine_distortion,
+          {"solve for k1, k2, p1, p2 instead of k1 alone; for wide lenses", "", 0, 1, {}});
+    visit("patches", patches,
+          {"track points by grey values, far finer than features, and adjust the cameras to these",
+           "",
+           0,
+           1,
+           {}});
+    visit("adjusted_points", adjusted_points,
+          {"points in the bundle adjustments, spread over the object", "", 500, 1000000, {}});
+    visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
+    visit("min_hull_overlap", min_hull_overlap,
+          {"overlap of masks and their hull that cameras must reach; right ones always do, unless "
+           "masks are bad. 0 accepts all",
+           "",
+           0,
+           1,
+           {}});
+    visit("board", board,
+          {"place photographs by the printed calibration board where they show it", "", 0, 1, {}});
+    visit("min_board_corners", min_board_corners,
+          {"corners of the board that a photograph must show to be placed by it", "", 6, 1000, {}});
+    visit("refine_poses", refine_poses,
+          {"take --poses for a start and adjust them; else they stay as given", "", 0, 1, {}});
+    visit("level", level,
+          {"turn the model upright, centre it, and scale the mean camera distance to 1",
+           "",
+           0,
+           1,
+           {}});
+  }
+
+ private:
+  /// Empty when `rings` is auto or malformed.
+  std::vector<int> RingSizes() const {
+    std::vector<int> sizes;
+    int value = 0;
+    for (const char c : rings + "+") {
+      if (c >= '0' && c <= '9' && value < 100000) {
+        value = 10 * value + (c - '0');
+      } else if (c == '+' && value >= 3) {
+        sizes.push_back(value);
+        value = 0;
+      } else {
+        return {};
+      }
+    }
+    return sizes;
+  }
+};
+
+}  // namespace keypose::reconstruct

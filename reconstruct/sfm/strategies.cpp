@@ -1,0 +1,179 @@
+#include "reconstruct/sfm/strategies.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "core/io/image_set.h"
+#include "reconstruct/bundle/track_selection.h"
+#include "reconstruct/sfm/set_overlap.h"
+#include "reconstruct/sfm/turntable_strategies.h"
+
+namespace keypose::reconstruct {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// The model adjusted once more, with a robust loss; known poses stay, and so does what shows
+/// neither points nor a plate.
+PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& options,
+                   Measurements& measurements) {
+  if (model.fixed || (model.observations.empty() && model.bodies.observations.empty()))
+    return model;
+  const PointSet some = SpreadPoints(model.scene, model.observations, options.adjusted_points);
+  BundleResult result = AdjustBundle(some.scene, some.observations, BundleFor(model, options),
+                                     stage.progress(), model.bodies);
+  measurements.Add("colmap_reprojection_error_px", result.before_px);
+  measurements.Add("refined_reprojection_error_px", result.after_px);
+  measurements.Add("observations_dropped", result.dropped);
+  if (!model.bodies.observations.empty()) measurements.Add("board_rms_px", result.bodies_rms_px);
+  model.scene = std::move(result.scene);
+  model.observations = std::move(result.kept);
+  model.bodies = std::move(result.bodies);
+  return model;
+}
+
+/// @param measurements  of how the model was made; they go into the result
+StrategyResult Adjusted(StageContext& stage, PosedModel model, const std::string& method,
+                        const SfmOptions& options, Measurements measurements) {
+  ReportProgress(stage.progress(), 0.85, "bundle adjustment");
+  StrategyResult result{.method = method, .measurements = std::move(measurements)};
+  result.model = Refined(stage, std::move(model), options, result.measurements);
+  return result;
+}
+
+StrategyResult PlaceByPoses(const StrategyContext& context, const SfmFiles& files,
+                            const MatchedFeatures& matched) {
+  const auto& [stage, set, options, judge, watch] = context;
+  Measurements measurements;
+  PosedModel model = ModelFromPoses(stage, set, files, matched.features, options, measurements);
+  return Adjusted(stage, std::move(model), "poses", options, std::move(measurements));
+}
+
+/// No views where too few photographs show the board.
+StrategyResult PlaceByPlate(const StrategyContext& context, const SfmFiles& files,
+                            const MatchedFeatures& matched, const SetBoards& boards) {
+  const auto& [stage, set, options, judge, watch] = context;
+  Measurements measurements;
+  auto model = ModelFromBoards(stage, set, files, matched, boards, options, measurements);
+  if (!model) return {};
+  return context.Judged(
+      Adjusted(stage, std::move(*model), "plate", options, std::move(measurements)), matched);
+}
+
+StrategyResult PlaceByFeatures(const StrategyContext& context, const SfmFiles& files,
+                               const MatchedFeatures& matched, const SetBoards& boards) {
+  const auto& [stage, set, options, judge, watch] = context;
+  ReportProgress(stage.progress(), 0.7, "mapping");
+  const std::vector<ColmapModel> models = MapImages(stage, files, options);
+  StrategyResult result{.method = "features"};
+  json sizes = json::array();
+  for (const ColmapModel& model : models) sizes.push_back(model.scene.views.size());
+  result.measurements.AddJson("model_sizes", sizes.dump());
+  if (models.empty()) return result;
+  PosedModel model =
+      ModelFromMapper(stage, set, files, matched, models, boards, options, result.measurements);
+  if (model.scene.views.size() < 3) {
+    result.model.scene = std::move(model.scene);
+    return result;
+  }
+  return context.Judged(
+      Adjusted(stage, std::move(model), "features", options, std::move(result.measurements)),
+      matched);
+}
+
+/// Maps again from other focal lengths, where no photograph tells it and the first guess gave
+/// doubtful cameras: the mapper seldom finds its way from a guess that is a fifth off.
+StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const SfmFiles& files,
+                                         const MatchedFeatures& matched, const SetBoards& boards) {
+  StrategyResult best = PlaceByFeatures(context, files, matched, boards);
+  if (context.IsSettled(best)) return best;
+  const std::vector<double> focals = FocalsToTry(matched);
+  for (std::size_t k = 1; k < focals.size(); ++k) {
+    ColmapDatabase(files.database).SetFocal(WithFocal(matched.camera, focals[k]));
+    StrategyResult result = PlaceByFeatures(context, files, matched, boards);
+    if (result.views() > 0 && result.evidence.Score() > best.evidence.Score())
+      best = std::move(result);
+  }
+  if (focals.size() > 1) ColmapDatabase(files.database).SetFocal(matched.camera);
+  return best;
+}
+
+/// The strategies that need matched features: plate and mapper.
+StrategyResult PlaceByMatches(const StrategyContext& context, const SfmFiles& files,
+                              const MatchedFeatures& matched, const SetBoards& boards) {
+  const auto& [stage, set, options, judge, watch] = context;
+  StrategyResult best;
+  if (options.method == "auto" || options.method == "board") {
+    best = PlaceByPlate(context, files, matched, boards);
+    watch.Lap(stage, "board");
+    if (best.views() >= options.min_placed * static_cast<double>(set.images.size()) &&
+        best.views() > 0)
+      return best;
+  }
+  if (options.method == "auto" || options.method == "features") {
+    StrategyResult features = PlaceByFeaturesOfAnyFocal(context, files, matched, boards);
+    if (features.views() > best.views()) best = std::move(features);
+    watch.Lap(stage, "mapping");
+  }
+  return best;
+}
+
+/// Whether cameras hang on so few points that a wrong camera can explain them: 57 a view bent a
+/// ring of 20 by 2 % and made its pixels twice as high as wide. Photographs with texture give some
+/// hundreds.
+bool HasFewPoints(const StrategyResult& result) {
+  constexpr double kLeastObservations = 100;  // of a view, on average
+  return result.method == "features" && result.views() > 0 &&
+         static_cast<double>(result.model.observations.size()) <
+             kLeastObservations * static_cast<double>(result.views());
+}
+
+SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
+  return {scratch, set.folder, scratch / (fine ? "fine.db" : "coarse.db")};
+}
+
+void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& result,
+                       bool few_points, bool settled) {
+  const char* doubt = few_points ? ", by few points" : settled ? "" : ", not surely";
+  context.stage.Note(
+      "sfm: features at the photographs' own size place " + std::to_string(result.views()) +
+      " of " + std::to_string(context.set.images.size()) + doubt + "; looking for finer ones");
+}
+
+}  // namespace
+
+StrategyResult FindCameras(const StrategyContext& context, const fs::path& scratch,
+                           MatchedFeatures& matched) {
+  const auto& [stage, set, options, judge, watch] = context;
+  // The ring model lives on what little there is: it gets the fine features at once.
+  bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
+  SfmFiles files = FilesOf(set, scratch, fine);
+  matched = BuildDatabase(stage, set, files, options, fine, watch);
+  if (stage.Has("poses")) return PlaceByPoses(context, files, matched);
+  const SetBoards boards = PlaceBoards(stage, set, matched.camera, matched.focal_known, options);
+  if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0)
+    RequireOverlap(stage, set, matched);
+  matched.upside_down = FindUpsideDown(stage, set, judge, matched);
+  StrategyResult best = PlaceByMatches(context, files, matched, boards);
+  const bool few_points = HasFewPoints(best), settled = context.IsSettled(best);
+  if (!fine && options.detail == "auto" && (!settled || few_points) &&
+      options.method != "silhouettes") {
+    NoteFinerFeatures(context, best, few_points, settled);
+    fine = true;
+    files = FilesOf(set, scratch, fine);
+    matched = BuildDatabase(stage, set, files, options, fine, watch);
+    matched.upside_down = FindUpsideDown(stage, set, judge, matched);
+    StrategyResult finer = PlaceByMatches(context, files, matched, boards);
+    if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);
+  }
+  stage.Report("fine_features", fine);
+  // A figure that was turned over between two halves stands on no one turntable: what the other
+  // strategies would find for both is wrong.
+  if (boards.groups.size() > 1) return best;
+  return PlaceByTurntable(context, files, matched, std::move(best));
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,117 @@
+#include "reconstruct/sfm/strategy.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <utility>
+
+#include "core/stage/stage.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+
+/// A stage of which nothing but the report is asked.
+class Reported final : public StageContext {
+ public:
+  bool Has(std::string_view) const override { return false; }
+  std::filesystem::path Input(std::string_view) const override { return {}; }
+  std::vector<std::filesystem::path> Inputs(std::string_view) const override { return {}; }
+  std::filesystem::path Output(std::string_view) override { return {}; }
+  std::filesystem::path Scratch() override { return {}; }
+  Progress* progress() override { return nullptr; }
+  using StageContext::Report;
+  void Report(std::string_view name, double value) override { Put(name, std::to_string(value)); }
+  void Report(std::string_view name, std::int64_t value) override {
+    Put(name, std::to_string(value));
+  }
+  void Report(std::string_view name, bool value) override { Put(name, value ? "true" : "false"); }
+  void Report(std::string_view name, const std::string& value) override { Put(name, value); }
+  void ReportJson(std::string_view name, const std::string& json) override { Put(name, json); }
+  void Note(const std::string&) override {}
+  void Warn(const std::string& sentence) override { warnings.push_back(sentence); }
+  void Verdict(const std::string&, const std::string&, const std::string&) override {}
+
+  std::map<std::string, std::string> values;
+  std::vector<std::string> warnings;
+
+ private:
+  void Put(std::string_view name, std::string value) {
+    values[std::string(name)] = std::move(value);
+  }
+};
+
+/// Of 16 photographs, all placed.
+StrategyResult ResultWith(const std::string& method, double hull_overlap) {
+  StrategyResult result{.method = method};
+  result.evidence.images = result.evidence.placed = 16;
+  result.evidence.outlines = true;
+  result.evidence.hull_iou = hull_overlap;
+  return result;
+}
+
+TEST(Measurements, KeepTheirOrderAndTheLastValueOfAName) {
+  Measurements measurements;
+  measurements.Add("second_try", false);
+  measurements.Add("error_px", 0.5);
+  measurements.Add("second_try", true);
+  ASSERT_EQ(measurements.values().size(), 2U);
+  EXPECT_EQ(measurements.values()[0].first, "second_try");
+  EXPECT_EQ(std::get<bool>(measurements.values()[0].second), true);
+  EXPECT_EQ(std::get<double>(*measurements.Find("error_px")), 0.5);
+  EXPECT_EQ(measurements.Find("error"), nullptr);
+}
+
+TEST(Measurements, ReachTheReportWithTheirKinds) {
+  Measurements measurements;
+  measurements.Add("is_ring", true);
+  measurements.Add("points", 7);
+  measurements.Add("error_px", 0.5);
+  measurements.Add("layout", "18+18");
+  measurements.AddJson("sizes", "[3,4]");
+  measurements.Warn("look");
+  Reported stage;
+  measurements.Report(stage);
+  EXPECT_THAT(stage.values,
+              ElementsAre(Pair("error_px", "0.500000"), Pair("is_ring", "true"),
+                          Pair("layout", "18+18"), Pair("points", "7"), Pair("sizes", "[3,4]")));
+  EXPECT_THAT(stage.warnings, ElementsAre("look"));
+}
+
+TEST(BetterOf, OnlyTheTakenResultLeavesNumbersInTheReport) {
+  StrategyResult features = ResultWith("features", 0.56), ring = ResultWith("ring", 0.95);
+  features.measurements.AddJson("model_sizes", "[16]");
+  features.measurements.Warn("of features");
+  ring.measurements.Add("ring_inliers", 400);
+  for (const bool ring_last : {true, false}) {
+    const StrategyResult best = ring_last ? BetterOf(features, ring) : BetterOf(ring, features);
+    EXPECT_EQ(best.method, "ring");
+    Reported stage;
+    best.measurements.Report(stage);
+    EXPECT_THAT(stage.values, ElementsAre(Pair("ring_inliers", "400")));
+    EXPECT_THAT(stage.warnings, IsEmpty());
+  }
+}
+
+TEST(BetterOf, AResultWithoutCamerasIsNeverTaken) {
+  StrategyResult nothing{.method = "silhouettes"};
+  nothing.measurements.Add("silhouette_error_px", 9.0);
+  EXPECT_EQ(BetterOf(ResultWith("features", 0.56), nothing).method, "features");
+  EXPECT_TRUE(BetterOf(StrategyResult{}, nothing).measurements.values().empty());
+}
+
+TEST(FocalsToTry, OnlyTheKnownOneOrSevenFromTheLikeliest) {
+  MatchedFeatures matched;
+  matched.camera.width = 1000, matched.camera.height = 800;
+  matched.camera.fx = matched.camera.fy = 1200;
+  EXPECT_THAT(FocalsToTry(matched), ElementsAre(1200, 1450, 1750, 1000, 2100, 850, 2550));
+  matched.focal_known = true;
+  EXPECT_THAT(FocalsToTry(matched), ElementsAre(1200));
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct

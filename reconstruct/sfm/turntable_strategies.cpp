@@ -1,0 +1,239 @@
+#include "reconstruct/sfm/turntable_strategies.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "core/image_turns.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+#include "reconstruct/sfm/final_adjustment.h"
+#include "reconstruct/turntable/ring_order.h"
+#include "reconstruct/turntable/ring_sfm.h"
+#include "reconstruct/turntable/ring_silhouettes.h"
+#include "reconstruct/turntable/upside_down.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using nlohmann::json;
+
+/// What the photographs show with all of them upright.
+struct Upright {
+  Camera camera;
+  std::vector<Features> features;
+};
+
+std::vector<Features> UprightFeatures(const MatchedFeatures& matched) {
+  std::vector<Features> features = matched.features;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!matched.upside_down[i]) continue;
+    auto& positions = features[i].positions;
+    positions.col(0) = static_cast<float>(matched.camera.width) - positions.col(0).array();
+    positions.col(1) = static_cast<float>(matched.camera.height) - positions.col(1).array();
+  }
+  return features;
+}
+
+/// Cameras of photographs that were turned over go back with them.
+void TurnBack(const ImageSet& set, const MatchedFeatures& matched, Scene& scene) {
+  const Rigid3 over{Eigen::Quaterniond(0, 0, 0, 1), Eigen::Vector3d::Zero()};
+  for (View& view : scene.views) {
+    const auto image = static_cast<std::size_t>(set.Find(view.name));
+    if (matched.upside_down[image]) view.camera_from_world = Compose(over, view.camera_from_world);
+  }
+}
+
+/// Without observations of its own.
+StrategyResult ResultOf(const StrategyContext& context, const MatchedFeatures& matched, Scene scene,
+                        const std::string& method) {
+  StrategyResult result{.method = method};
+  result.model.scene = std::move(scene);
+  TurnBack(context.set, matched, result.model.scene);
+  ColorPoints(context.set, result.model.scene);
+  return context.Judged(std::move(result), matched);
+}
+
+void Measure(const RingSfmResult& ring, Measurements& measurements) {
+  measurements.Add("ring_layout", ring.layout.reason);
+  measurements.Add("ring_matches", ring.start.matches);
+  measurements.Add("ring_inliers", ring.start.inliers);
+  measurements.Add("ring_inlier_share", ring.start.inlier_share);
+  measurements.Add("ring_error_px", ring.ring_error_px);
+  measurements.Add("ring_free_chi2_ratio", ring.chi2_ratio);
+  measurements.Add("ring_freed", ring.freed);
+  measurements.AddJson("ring_slop_deg", json(ring.slop_deg).dump());
+  measurements.AddJson("placed_by_step_only", json(ring.by_step_only).dump());
+}
+
+/// A layout that names do not tell.
+struct SortedRings {
+  RingLayout layout;
+  std::string names_in_order;  ///< JSON, ring by ring
+  int sorted = 0;              ///< photographs
+};
+
+/// The order in which the photographs stand on their rings, by what they show: where names do not
+/// tell it.
+std::optional<SortedRings> SortRings(const StrategyContext& context, const SfmFiles& files,
+                                     const MatchedFeatures& matched, const Scene& known) {
+  const auto& [stage, set, options, judge, watch] = context;
+  if (options.rings != "auto") return std::nullopt;
+  Scene part = known;
+  if (part.views.empty() && options.method == "ring")
+    if (auto models = MapImages(stage, files, options); !models.empty())
+      part = std::move(models[0].scene);
+  const std::vector<std::string> names = NamesOf(set);
+  const auto order = OrderOnRings(part, names, PointsOf(matched.matches, matched.features));
+  if (!order) return std::nullopt;
+  json rings = json::array();
+  for (const auto& ring : order->layout.rings) {
+    json in_order = json::array();
+    for (const RingLayout::Place& place : ring) in_order.push_back(names[place.image]);
+    rings.push_back(std::move(in_order));
+  }
+  return SortedRings{order->layout, rings.dump(), order->sorted};
+}
+
+/// What a result tells that stands on an order found.
+void Measure(const SortedRings& rings, std::size_t photographs, Measurements& measurements) {
+  measurements.AddJson("order_found", rings.names_in_order);
+  measurements.Warn(
+      "the names of the photographs do not tell in which order they were shot; sorted " +
+      std::to_string(rings.sorted) + " of " + std::to_string(photographs) +
+      " by what they show: " + rings.layout.reason);
+}
+
+RingSfmOptions RingOptionsOf(const SfmOptions& options, const MatchedFeatures& matched) {
+  RingSfmOptions ring;
+  ring.matching.max_ratio = options.max_ratio;
+  ring.bundle.refine_principal_point = options.refine_principal_point;
+  ring.bundle.refine_distortion = options.refine_distortion;
+  if (!matched.focal_known) ring.ring.focal_prior = 0.15;
+  return ring;
+}
+
+/// Of the focal lengths that may be, and of the layouts, those whose ring model the evidence
+/// prefers. No views where none fits.
+StrategyResult PlaceByRing(const StrategyContext& context, const Upright& upright,
+                           const MatchedFeatures& matched, const std::vector<RingLayout>& layouts) {
+  const std::vector<std::string> names = NamesOf(context.set);
+  const std::vector<double> focals = FocalsToTry(matched);
+  const RingSfmOptions options = RingOptionsOf(context.options, matched);
+  StrategyResult best{.method = "ring"};
+  std::vector<RingLayout> tried = layouts;
+  for (std::size_t k = 0; k < focals.size(); ++k) {
+    const double share = 0.09 / static_cast<double>(focals.size());
+    SubProgress part(context.stage.progress(), 0.88 + share * static_cast<double>(k),
+                     0.88 + share * static_cast<double>(k + 1));
+    const Camera camera = WithFocal(upright.camera, focals[k]);
+    const RingSfmResult ring =
+        ReconstructRing(camera, names, upright.features, matched.matches, tried, options, &part);
+    if (!ring.found) continue;
+    tried = {ring.layout};  // the order of shooting does not hang on the focal length
+    StrategyResult result = ResultOf(context, matched, ring.scene, "ring");
+    if (best.views() > 0 && result.evidence.Score() <= best.evidence.Score()) continue;
+    Measure(ring, result.measurements);
+    best = std::move(result);
+  }
+  return best;
+}
+
+std::vector<Image8> ReadMasks(const ImageSet& set, const std::vector<char>& upside_down) {
+  std::vector<Image8> masks(set.images.size());
+  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (set.images[k].mask.empty()) return;
+    masks[k] = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
+    if (upside_down[k]) masks[k] = TurnedOver(masks[k]);
+  });
+  return masks;
+}
+
+/// Outlines that agree with a ring model, and which of the layouts it has.
+struct OutlineFit {
+  RingSilhouettes ring;
+  std::size_t layout = 0;
+};
+
+/// The layout and the focal length for which outlines agree best. Focal lengths are tried with the
+/// layout that won at the first of them.
+OutlineFit FitOutlines(const StrategyContext& context, const MatchedFeatures& matched,
+                       const std::vector<Image8>& masks, const std::vector<RingLayout>& layouts) {
+  OutlineFit best;
+  const std::vector<double> focals = FocalsToTry(matched);
+  const auto fits = static_cast<double>(layouts.size() + focals.size() - 1);
+  int done = 0;
+  const auto fit = [&](std::size_t layout, double focal_px) {
+    const double share = 0.09 / fits;
+    SubProgress part(context.stage.progress(), 0.88 + share * done, 0.88 + share * (done + 1));
+    ++done;
+    return FitRingToSilhouettes(WithFocal(matched.camera, focal_px), layouts[layout], masks, {},
+                                &part);
+  };
+  const auto none = [](const RingSilhouettes& found) { return found.view_error_px.empty(); };
+  for (std::size_t k = 0; k < layouts.size(); ++k) {
+    RingSilhouettes found = fit(k, focals[0]);
+    // A layout of more rings has more unknowns: it has to be clearly better.
+    if (none(found) || (!none(best.ring) && found.error_px >= 0.9 * best.ring.error_px)) continue;
+    best = {std::move(found), k};
+  }
+  if (none(best.ring)) return best;
+  for (std::size_t k = 1; k < focals.size(); ++k) {
+    RingSilhouettes found = fit(best.layout, focals[k]);
+    if (!none(found) && found.error_px < best.ring.error_px) best.ring = std::move(found);
+  }
+  return best;
+}
+
+/// The last strategy: no feature counts, only outlines. No views where they do not agree.
+/// @param sorted  the first of the layouts, where that was found by what the photographs show
+StrategyResult PlaceBySilhouettes(const StrategyContext& context, const MatchedFeatures& matched,
+                                  const std::vector<RingLayout>& layouts,
+                                  const std::optional<SortedRings>& sorted) {
+  const OutlineFit best =
+      FitOutlines(context, matched, ReadMasks(context.set, matched.upside_down), layouts);
+  if (best.ring.view_error_px.empty() || !best.ring.found) return {.method = "silhouettes"};
+  Scene scene = SceneOf(best.ring.model, NamesOf(context.set), best.ring.points);
+  StrategyResult result = ResultOf(context, matched, std::move(scene), "silhouettes");
+  result.measurements.Add("silhouette_layout", layouts[best.layout].reason);
+  result.measurements.Add("silhouette_error_px", best.ring.error_px);
+  if (sorted && best.layout == 0) Measure(*sorted, context.set.images.size(), result.measurements);
+  return result;
+}
+
+}  // namespace
+
+StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& files,
+                                const MatchedFeatures& matched, StrategyResult best) {
+  const auto& [stage, set, options, judge, watch] = context;
+  std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
+  std::optional<SortedRings> sorted;
+  if (!context.IsSettled(best) && (options.method == "auto" || options.method == "ring")) {
+    const Upright upright{matched.camera, UprightFeatures(matched)};
+    StrategyResult ring = PlaceByRing(context, upright, matched, layouts);
+    watch.Lap(stage, "ring");
+    if (ring.views() == 0) {
+      sorted = SortRings(context, files, matched, best.model.scene);
+      if (sorted) {
+        layouts.insert(layouts.begin(), sorted->layout);
+        ring = PlaceByRing(context, upright, matched, {sorted->layout});
+        Measure(*sorted, set.images.size(), ring.measurements);
+      }
+      watch.Lap(stage, "ring_order");
+    }
+    best = BetterOf(std::move(best), std::move(ring));
+  }
+  const bool too_few = static_cast<double>(best.views()) <
+                       options.min_placed * static_cast<double>(set.images.size());
+  const bool wrong = best.model.scale_source == "none" && !CanBeRight(best.evidence);
+  if (options.method == "silhouettes" || (options.method == "auto" && (too_few || wrong))) {
+    best = BetterOf(std::move(best), PlaceBySilhouettes(context, matched, layouts, sorted));
+    watch.Lap(stage, "silhouettes");
+  }
+  return best;
+}
+
+}  // namespace keypose::reconstruct

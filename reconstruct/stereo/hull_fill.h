@@ -1,0 +1,31 @@
+// Points of the visual hull where stereo found nothing: they let a surface close over what has no
+// texture.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "views/hull/depth_bounds.h"
+#include "views/hull/silhouettes.h"
+#include "views/hull/visual_hull.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::reconstruct {
+
+constexpr float kHullConfidence = 0.1f;
+
+/// Places of the hull's surface that at least two views look at, with outward normals, mean colours
+/// and kHullConfidence.
+///
+/// Left out where stereo knows better: within three voxels of a stereo point of confidence 0.3 or
+/// more, and where more than a tenth of the pixels that look at the place have a confirmed depth
+/// (the hull bridges a hollow there). Of the underside that no camera faces, a band of 13 voxels
+/// along such stereo points is added, so that the surface turns inwards where the outlines end.
+/// @param hull       carved with a margin from the views of `silhouettes`
+/// @param confirmed  for each view, 1 for each level-0 pixel with a confirmed depth
+/// @param stereo     with confidence
+PointCloud HullFill(const VisualHull& hull, const Silhouettes& silhouettes,
+                    const std::vector<PreparedView>& views, const std::vector<DepthBounds>& bounds,
+                    const std::vector<std::vector<char>>& confirmed, const PointCloud& stereo);
+
+}  // namespace keypose::reconstruct

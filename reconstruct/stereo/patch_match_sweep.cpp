@@ -1,0 +1,554 @@
+#include "reconstruct/stereo/patch_match_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "reconstruct/stereo/patch_match_areas.h"
+#include "reconstruct/stereo/patch_match_random.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr float kCostCap = 1.2f;  // one source that sees a highlight or an occluder must not veto
+// cost per pixel of disagreement with a source's own depth
+constexpr float kGeometricWeight = 0.2f;
+constexpr float kGeometricCap = 3.0f;  // pixels
+constexpr float kPriorWeight = 0.3f;
+constexpr float kPairMargin = 0.02f;  // a plane this much worse than the present one in the first
+                                      // two sources does not win by the others
+constexpr float kSame = 0.1f, kSameInTheEnd = 0.15f;  // pixels
+constexpr int kStripWidth = 64;  // pixels visited side by side: what their windows read of all
+                                 // sources stays in the nearest cache
+constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+
+// Up to four of the sources, ready to be matched side by side.
+struct SourceLanes {
+  int count = 0;
+  int ids[kLanes] = {};  // unused lanes repeat the first
+  TransferLanes to, from;
+  const SampleImage* images[kLanes] = {};
+  const DepthImage* depths[kLanes] = {};
+  Lanes depth_width{}, depth_height{};
+  LaneInts depth_stride{};
+};
+
+struct Trial {
+  PlaneHypothesis plane;
+  WarpLanes warps;
+  float sum = 0;
+  float pair = 0;   // the sum after the first two sources
+  float extra = 0;  // what of the sum is not of windows
+};
+
+class Sweeper {
+ public:
+  Sweeper(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map)
+      : in_(inputs),
+        set_(settings),
+        map_(*map),
+        image_(inputs.reference->levels[inputs.level].grey),
+        camera_(inputs.reference->camera(inputs.level)),
+        cost_(BestPatchCostKernel().cost),
+        geometric_(!inputs.source_inverse_depths.empty()),
+        count_(static_cast<int>(std::min<std::size_t>(inputs.sources.size(), kMaxSources))) {
+    for (int k = 0; k < count_; ++k) {
+      to_source_[k] = MakeTransfer(*in_.reference, *in_.sources[k], in_.level);
+      from_source_[k] = MakeTransfer(*in_.sources[k], *in_.reference, in_.level);
+    }
+    for (int k = 0; k < count_; k += kLanes)
+      all_.push_back(LanesOf(((1u << kLanes) - 1) << k & ((1u << count_) - 1)));
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      areas_.push_back(Turned(kNear, quarter, map_.width));
+      if (set_.far_areas) areas_.push_back(Turned(kFar, quarter, map_.width));
+    }
+    px_per_inverse_depth_ = static_cast<float>(PixelsPerInverseDepth(inputs));
+  }
+
+  std::int64_t Run() {
+    for (int color = 0; color < 2; ++color)
+      for (int left = 0; left < map_.width; left += kStripWidth)
+        VisitStrip(left, std::min(left + kStripWidth, map_.width), color);
+    return evaluations_;
+  }
+
+ private:
+  struct Bounds {
+    float nearest, farthest;
+  };
+
+  SourceLanes LanesOf(unsigned sources) const {
+    SourceLanes lanes;
+    for (int k = 0; k < count_ && lanes.count < kLanes; ++k)
+      if (sources >> k & 1) lanes.ids[lanes.count++] = k;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int k = lanes.ids[lane < lanes.count ? lane : 0];
+      lanes.ids[lane] = k;
+      lanes.to.Set(lane, to_source_[k]), lanes.from.Set(lane, from_source_[k]);
+      lanes.images[lane] = in_.samples[k];
+      if (!geometric_) continue;
+      const DepthImage& depths = *in_.source_inverse_depths[k];
+      lanes.depths[lane] = &depths, lanes.depth_stride[lane] = depths.width;
+      lanes.depth_width[lane] = static_cast<float>(depths.width),
+      lanes.depth_height[lane] = static_cast<float>(depths.height);
+    }
+    return lanes;
+  }
+
+  void VisitStrip(int left, int right, int color) {
+    for (int y = 0; y < map_.height; ++y)
+      for (int x = left + ((y + color + left) & 1); x < right; x += 2)
+        if (map_.InverseDepth(Index(x, y)) > 0) Visit(x, y);
+  }
+
+  std::size_t Index(int x, int y) const { return static_cast<std::size_t>(y) * map_.width + x; }
+
+  Bounds BoundsAt(int x, int y) const {
+    const DepthBounds& b = *in_.bounds;
+    const int shift = b.shift - in_.level;
+    const int bx = std::min(x >> shift, b.nearest.width - 1),
+              by = std::min(y >> shift, b.nearest.height - 1);
+    return {*b.nearest.at(bx, by), *b.farthest.at(bx, by)};
+  }
+
+  bool Legal(const PlaneHypothesis& plane) const {
+    if (!(plane.inverse_depth >= bounds_.farthest && plane.inverse_depth <= bounds_.nearest))
+      return false;
+    const float nx = static_cast<float>(camera_.fx) * plane.gx,
+                ny = static_cast<float>(camera_.fy) * plane.gy;
+    const float nz = plane.inverse_depth - ray_x_ * nx - ray_y_ * ny;
+    return plane.inverse_depth * plane.inverse_depth >=
+           kLeastCosine * kLeastCosine * ray_length2_ * (nx * nx + ny * ny + nz * nz);
+  }
+
+  // A narrow window averages the depth of a curved surface over less of it, and reaches over fewer
+  // edges; a wide one hears more texture. The choice is the reference picture's alone, so it is the
+  // same in all passes of a level.
+  void ChooseWindow(int x, int y) {
+    window_ = Window::kNarrow;
+    if (in_.narrow_variance < kInfinite) {
+      FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_, window_);
+      if (patch_.variance >= in_.narrow_variance) return;
+    }
+    window_ = Window::kWide;
+    FillRefPatch(image_, x, y, bilateral_, in_.noise_variance, &patch_, window_);
+  }
+
+  WarpLanes Warps(const TransferLanes& to, const PixelLanes& middle, PlaneHypothesis plane) const {
+    plane.inverse_depth += WindowMiddle(window_) * (plane.gx + plane.gy);
+    return WarpsOf(to, middle, plane, WindowScale(window_));
+  }
+
+  void Prepare(int x, int y) {
+    ChooseWindow(x, y);
+    x_ = static_cast<float>(x) + WindowMiddle(window_),
+    y_ = static_cast<float>(y) + WindowMiddle(window_);
+    ray_x_ = static_cast<float>((x - camera_.cx) / camera_.fx),
+    ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
+    ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
+    bounds_ = BoundsAt(x, y);
+    prior_ = in_.prior ? PriorAt(*in_.prior, x, y) : 0;
+    const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
+    prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
+  }
+
+  // Between the four pixels of the coarser level around; across an edge of depth, the one that
+  // covers this pixel.
+  float PriorAt(const DepthImage& coarse, int x, int y) const {
+    const int px = std::min(x / 2, coarse.width - 1), py = std::min(y / 2, coarse.height - 1);
+    const int qx = std::clamp(px + (x & 1 ? 1 : -1), 0, coarse.width - 1),
+              qy = std::clamp(py + (y & 1 ? 1 : -1), 0, coarse.height - 1);
+    const float here = coarse.At(px, py);
+    if (here <= 0) return 0;
+    auto near = [&](float depth) {
+      return depth > 0 && std::abs(depth - here) * px_per_inverse_depth_ < 3 ? depth : here;
+    };
+    return 0.5625f * here + 0.1875f * (near(coarse.At(qx, py)) + near(coarse.At(px, qy))) +
+           0.0625f * near(coarse.At(qx, qy));
+  }
+
+  // How far the pixel lands from itself when it goes to each source by this plane and comes back by
+  // the source's own depth.
+  Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
+    Lanes sx, sy, w{};
+    std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
+    const Lanes x = sx - 0.5f, y = sy - 0.5f;  // half a pixel on, without the border
+    const LaneInts inside =
+        (x >= 0.0f) & (y >= 0.0f) & (x < lanes.depth_width) & (y < lanes.depth_height);
+    const LaneInts at =
+        __builtin_convertvector(inside ? y : Lanes{}, LaneInts) * lanes.depth_stride +
+        __builtin_convertvector(inside ? x : Lanes{}, LaneInts);
+    for (int lane = 0; lane < kLanes; ++lane)
+      w[lane] = lanes.depths[lane]->At(static_cast<std::size_t>(at[lane]));
+    w = inside ? w : Lanes{};
+    sx -= 1.0f, sy -= 1.0f;
+    const TransferLanes& t = lanes.from;
+    const Lanes inverse = 1.0f / (t.x[2] * sx + t.y[2] * sy + t.one[2] + t.depth[2] * w);
+    const Lanes dx = (t.x[0] * sx + t.y[0] * sy + t.one[0] + t.depth[0] * w) * inverse - x_;
+    const Lanes dy = (t.x[1] * sx + t.y[1] * sy + t.one[1] + t.depth[1] * w) * inverse - y_;
+    const Lanes square = dx * dx + dy * dy, worst = Lanes{} + kGeometricCap * kGeometricCap;
+    const Lanes used = (w > 0.0f) & (square < worst) ? square : worst;
+    return kGeometricWeight * SquareRoots(used);
+  }
+
+  float PriorCost(const PlaneHypothesis& plane) const {
+    return prior_weight_ > 0
+               ? prior_weight_ *
+                     std::min(1.0f, std::abs(plane.inverse_depth - prior_) * px_per_inverse_depth_)
+               : 0;
+  }
+
+  // Costs are means over the pixel's sources. Planes go to the first two sources all together and
+  // only then to the others, one by one, if they may still win: the answer of a window comes long
+  // after its start, and a branch on it would leave the processor idle until then. Planes that lose
+  // by the costs that need no window are dropped before. @return how many are left
+  int StartTrials(int count, float limit) {
+    const int pair = std::min(2, chosen_.count);
+    const float scale = 1.0f / static_cast<float>(chosen_.count);
+    float costs[kLanes];
+    for (int h = 0; h < count; ++h) trials_[h].warps = Warps(chosen_.to, pixel_, trials_[h].plane);
+    int kept = 0;
+    for (int h = 0; h < count; ++h) {
+      Trial& trial = trials_[h];
+      trial.sum = PriorCost(trial.plane);
+      if (geometric_) {
+        const Lanes geometric = GeometricCosts(chosen_, trial.warps);
+        for (int k = 0; k < chosen_.count; ++k) trial.sum += geometric[k] * scale;
+      }
+      trial.extra = trial.sum;
+      if (trial.sum >= limit) continue;
+      if (kept != h) trials_[kept] = trial;
+      ++kept;
+    }
+    for (int h = 0; h < kept; ++h) {
+      cost_(patch_, chosen_.images, trials_[h].warps, 0, pair, costs);
+      for (int k = 0; k < pair; ++k) trials_[h].sum += std::min(costs[k], kCostCap) * scale;
+      trials_[h].pair = trials_[h].sum;
+    }
+    evaluations_ += static_cast<std::int64_t>(kept) * pair;
+    return kept;
+  }
+
+  void FinishTrial(Trial* trial) {
+    const int rest = chosen_.count - 2;
+    if (rest <= 0) return;
+    const float scale = 1.0f / static_cast<float>(chosen_.count);
+    float costs[kLanes];
+    cost_(patch_, chosen_.images, trial->warps, 2, rest, costs);
+    for (int k = 2; k < 2 + rest; ++k) trial->sum += std::min(costs[k], kCostCap) * scale;
+    evaluations_ += rest;
+  }
+
+  void Contest(int count, PlaneHypothesis* plane, float* cost) {
+    const int kept = StartTrials(count, *cost);
+    for (int h = 0; h < kept; ++h) {
+      if (trials_[h].sum >= *cost || trials_[h].pair > pair_ + kPairMargin) continue;
+      FinishTrial(&trials_[h]);
+      if (trials_[h].sum < *cost)
+        *plane = trials_[h].plane, *cost = trials_[h].sum, pair_ = trials_[h].pair,
+        extra_ = trials_[h].extra;
+    }
+  }
+
+  // The best plane of each area, moved to (x, y).
+  void CollectCandidates(int x, int y) {
+    candidates_ = 0;
+    const int reach = set_.far_areas ? kFarReach : kNearReach;
+    const bool inner =
+        x >= reach && y >= reach && x + reach < map_.width && y + reach < map_.height;
+    for (const Area& area : areas_) Collect(x, y, area, inner);
+  }
+
+  void Collect(int x, int y, const Area& area, bool inner) {
+    const std::size_t here = Index(x, y);
+    // Cost and index in one number: its minimum needs no branch, which would be guessed wrong as
+    // often as not.
+    std::uint32_t least = static_cast<std::uint32_t>(PlaneMap::kNoCost) << 4;
+    const int count = static_cast<int>(area.steps.size());
+    for (int i = 0; i < count; ++i) {
+      if (!inner) {
+        const int nx = x + area.offsets[i].dx, ny = y + area.offsets[i].dy;
+        if (nx < 0 || ny < 0 || nx >= map_.width || ny >= map_.height) continue;
+      }
+      least =
+          std::min(least, static_cast<std::uint32_t>(map_.PackedCost(here + area.steps[i])) << 4 |
+                              static_cast<std::uint32_t>(i));
+    }
+    if (least >> 4 == PlaneMap::kNoCost) return;
+    const std::size_t best = least & 15;
+    PlaneHypothesis plane = map_.Plane(here + area.steps[best]);
+    plane.inverse_depth -= static_cast<float>(area.offsets[best].dx) * plane.gx +
+                           static_cast<float>(area.offsets[best].dy) * plane.gy;
+    if (Same(plane, present_) || !Legal(plane)) return;
+    for (int i = 0; i < candidates_; ++i)
+      if (Same(plane, candidate_[i])) return;
+    candidate_[candidates_++] = plane;
+  }
+
+  // Planes that differ by less than a fraction of a pixel over the window; depths that close are
+  // found by the parabola.
+  bool Same(const PlaneHypothesis& a, const PlaneHypothesis& b) const {
+    const float change = std::abs(a.inverse_depth - b.inverse_depth) +
+                         kPatchRadius * (std::abs(a.gx - b.gx) + std::abs(a.gy - b.gy));
+    return change * px_per_inverse_depth_ < (set_.parabola ? kSameInTheEnd : kSame);
+  }
+
+  // Sources that agree with several candidates see this pixel; those that agree with none are
+  // hidden from it.
+  void SelectSources(std::size_t index) {
+    candidate_[candidates_] = present_;
+    const int total = candidates_ + 1;
+    for (int h = 0; h < total; ++h) FillRow(candidate_[h], matrix_[h]);
+    std::array<float, kMaxSources> score{};
+    const unsigned before = map_.Sources(index);
+    for (int k = 0; k < count_; ++k) {
+      float least = kInfinite;
+      for (int h = 0; h < total; ++h) {
+        const float m = matrix_[h][k];
+        least = std::min(least, m);
+        if (m < 0.8f) score[k] += std::exp(-m * m / 0.18f);
+      }
+      if (before >> k & 1) score[k] *= 1.25f;
+      score[k] -= 1e-3f * least;  // an order when nothing is good
+    }
+    std::uint16_t chosen = 0;
+    for (int n = 0; n < std::min(kSourcesUsed, count_); ++n) {
+      int best = -1;
+      for (int k = 0; k < count_; ++k)
+        if (!(chosen >> k & 1) && (best < 0 || score[k] > score[best])) best = k;
+      if (n >= 2 && score[best] <= 0) break;
+      chosen |= static_cast<std::uint16_t>(1 << best);
+    }
+    map_.SetSources(index, chosen);
+  }
+
+  void FillRow(const PlaneHypothesis& plane, float* row) {
+    for (const SourceLanes& lanes : all_) {
+      float costs[kLanes];
+      cost_(patch_, lanes.images, Warps(lanes.to, AtPixel(lanes.to, x_, y_), plane), 0, lanes.count,
+            costs);
+      evaluations_ += lanes.count;
+      for (int k = 0; k < lanes.count; ++k) row[lanes.ids[k]] = std::min(costs[k], kCostCap);
+    }
+  }
+
+  void Choose(std::uint16_t sources) {
+    if (sources != chosen_bits_) chosen_ = LanesOf(sources);
+    chosen_bits_ = sources;
+    pixel_ = AtPixel(chosen_.to, x_, y_);
+  }
+
+  // A candidate whose windows in all sources are known.
+  void JudgeRow(int h, PlaneHypothesis* plane, float* cost) {
+    const float scale = 1.0f / static_cast<float>(chosen_.count), extra = PriorCost(candidate_[h]);
+    float sum = extra, pair = extra;
+    for (int k = 0; k < chosen_.count; ++k) {
+      sum += matrix_[h][chosen_.ids[k]] * scale;
+      if (k < 2) pair = sum;
+    }
+    if (sum < *cost) *plane = candidate_[h], *cost = sum, pair_ = pair, extra_ = extra;
+  }
+
+  // The present plane's windows are known from the pass before; what other views say of it may be
+  // new.
+  void Recall(std::size_t index, const PlaneHypothesis& plane, float* cost) {
+    extra_ = PriorCost(plane);
+    if (geometric_) {
+      const Lanes geometric = GeometricCosts(chosen_, Warps(chosen_.to, pixel_, plane));
+      for (int k = 0; k < chosen_.count; ++k)
+        extra_ += geometric[k] / static_cast<float>(chosen_.count);
+    }
+    const PlaneMap::Match match = map_.MatchOf(index);
+    *cost = match.all + extra_, pair_ = match.pair + extra_;
+  }
+
+  void Visit(int x, int y) {
+    const std::size_t index = Index(x, y);
+    Prepare(x, y);
+    present_ = map_.Plane(index);
+    CollectCandidates(x, y);
+    PlaneHypothesis plane = present_;
+    float cost = kInfinite;
+    pair_ = kInfinite, extra_ = 0;
+    if (set_.select_sources) {
+      SelectSources(index);
+      Choose(map_.Sources(index));
+      for (int h = candidates_; h >= 0; --h) JudgeRow(h, &plane, &cost);
+    } else {
+      Choose(map_.Sources(index));
+      if (set_.refresh) {
+        trials_[0].plane = plane;
+        Contest(1, &plane, &cost);
+      } else {
+        Recall(index, plane, &cost);
+      }
+      int trials = 0;
+      for (int h = 0; h < candidates_; ++h) trials_[trials++].plane = candidate_[h];
+      Contest(trials, &plane, &cost);
+    }
+    Refine(x, y, &plane, &cost);
+    map_.SetPlane(index, plane), map_.SetCost(index, cost);
+    if (set_.parabola)
+      map_.SetExpectedError(index, ExpectedError(plane));
+    else
+      map_.SetMatch(index, {cost - extra_, pair_ - extra_});
+  }
+
+  static void Accept(const PlaneHypothesis& candidate, float candidate_cost, PlaneHypothesis* plane,
+                     float* cost) {
+    if (candidate_cost < *cost) *plane = candidate, *cost = candidate_cost;
+  }
+
+  void Refine(int x, int y, PlaneHypothesis* plane, float* cost) {
+    Random random(in_.seed ^ (static_cast<std::uint64_t>(set_.pass) << 48) ^
+                  (static_cast<std::uint64_t>(in_.level) << 56) ^
+                  (static_cast<std::uint64_t>(y) * 65536 + x) * 0xD6E8FEB86659FD93ull);
+    const float depth_step = set_.depth_step_px / px_per_inverse_depth_;
+    const float focal = static_cast<float>(camera_.fx);
+    int trials = 0;
+    for (int trial = 0; trial < set_.refinements; ++trial) {
+      if (trial == 2)
+        Contest(trials, plane, cost),
+            trials = 0;  // the third change builds on the better of the first two
+      PlaneHypothesis candidate = *plane;
+      const int kind = (trial + (set_.parabola ? 1 : 0)) %
+                       4;  // depth, unless the parabola finds it; tilt, both, anywhere
+      if (kind == 0 || kind == 2) candidate.inverse_depth += depth_step * random.Signed();
+      if (kind == 1 || kind == 2) {
+        // Tilts grow with the slant, for equal angles are larger tangents there.
+        const float unit = plane->inverse_depth / focal;
+        const float slope2 = (plane->gx * plane->gx + plane->gy * plane->gy) / (unit * unit);
+        const float step = set_.slope_step * unit * (1 + slope2);
+        candidate.gx += step * random.Signed();
+        candidate.gy += step * random.Signed();
+      }
+      if (kind == 3) {
+        candidate.inverse_depth =
+            bounds_.farthest + (bounds_.nearest - bounds_.farthest) * random.Unit();
+        candidate.gx = candidate.inverse_depth / focal * 1.5f * random.Signed();
+        candidate.gy = candidate.inverse_depth / focal * 1.5f * random.Signed();
+      }
+      if (Legal(candidate)) trials_[trials++].plane = candidate;
+    }
+    Contest(trials, plane, cost);
+    if (set_.parabola) Settle(plane, cost);
+  }
+
+  // The minimum of the parabola through the costs a quarter of a pixel nearer, here, and farther.
+  void Settle(PlaneHypothesis* plane, float* cost) {
+    const float step = 0.25f / px_per_inverse_depth_, here = *cost;
+    trials_[0].plane = trials_[1].plane = *plane;
+    trials_[0].plane.inverse_depth += step, trials_[1].plane.inverse_depth -= step;
+    StartTrials(2, kInfinite);
+    FinishTrial(&trials_[0]), FinishTrial(&trials_[1]);
+    const float nearer = trials_[0].sum, farther = trials_[1].sum,
+                bend = nearer + farther - 2 * here;
+    window_cost_ = here - extra_,
+    window_bend_ = bend - (trials_[0].extra + trials_[1].extra - 2 * extra_);
+    const PlaneHypothesis center = *plane;
+    for (int h = 0; h < 2; ++h)
+      if (Legal(trials_[h].plane)) Accept(trials_[h].plane, trials_[h].sum, plane, cost);
+    if (!(bend > 1e-4f)) return;
+    PlaneHypothesis lowest = center;
+    lowest.inverse_depth += step * std::clamp(0.5f * (farther - nearer) / bend, -1.0f, 1.0f);
+    if (Legal(lowest)) *plane = lowest;  // its windows would only say what the parabola has said
+  }
+
+  // Two windows of variance V that differ by noise of variance r cost r / (2 V) at the best shift
+  // and u^2 g / (2 V) more at u pixels beside it, where g is the mean squared gradient; least
+  // squares over n samples find the shift to r / (n g). So cost over bend is the squared error,
+  // whatever the noise is: the sensor's, or a highlight's. [pixels of this view on the surface]
+  float ExpectedError(const PlaneHypothesis& plane) const {
+    constexpr float kStep = 0.25f,
+                    // half of the window's samples: weights differ, and noise is not white
+        kSamples = 16;
+    if (patch_.variance < 4 * in_.noise_variance) return kInfinite;  // nothing but noise to go by
+    const float px = kStep * std::sqrt(2 * std::max(window_cost_, 1e-3f) /
+                                       (kSamples * std::max(window_bend_, 1e-6f)));
+    return px / px_per_inverse_depth_ * static_cast<float>(camera_.fx) / plane.inverse_depth;
+  }
+
+  const SweepInputs& in_;
+  const SweepSettings& set_;
+  PlaneMap& map_;
+  const GreyMask& image_;
+  const Pinhole camera_;
+  const PatchCostFunction cost_;
+  const bool geometric_;
+  const BilateralTable bilateral_{kColorScale};
+  const int count_;
+  float px_per_inverse_depth_ = 1;
+  std::array<Transfer, kMaxSources> to_source_, from_source_;
+  std::vector<SourceLanes> all_;
+  std::vector<Area> areas_;
+  std::int64_t evaluations_ = 0;
+
+  // Of the pixel that is visited.
+  RefPatch patch_;
+  Window window_ = Window::kWide;
+  float x_ = 0, y_ = 0;  // the window's middle
+  float ray_x_ = 0, ray_y_ = 0, ray_length2_ = 1, prior_ = 0, prior_weight_ = 0;
+  Bounds bounds_{};
+  unsigned chosen_bits_ = 0;
+  SourceLanes chosen_;
+  PixelLanes pixel_{};
+  PlaneHypothesis present_;
+  float extra_ = 0, window_cost_ = 0, window_bend_ = 0;
+  // of the present plane: its cost after the first two sources, where it is known
+  float pair_ = kInfinite;
+  int candidates_ = 0;
+  std::array<PlaneHypothesis, 9> candidate_;
+  float matrix_[9][kMaxSources];
+  std::array<Trial, 10> trials_;
+};
+
+}  // namespace
+
+Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
+                            const PlaneHypothesis& plane) {
+  const double c = plane.inverse_depth - plane.gx * x - plane.gy * y;
+  return -Eigen::Vector3d(camera.fx * plane.gx, camera.fy * plane.gy,
+                          camera.cx * plane.gx + camera.cy * plane.gy + c)
+              .normalized();
+}
+
+bool Visited(const SweepInputs& inputs, int x, int y) {
+  const DepthBounds& b = *inputs.bounds;
+  const int shift = b.shift - inputs.level;
+  const int bx = std::min(x >> shift, b.nearest.width - 1),
+            by = std::min(y >> shift, b.nearest.height - 1);
+  return *b.nearest.at(bx, by) > 0 && InMask(*inputs.reference->levels[inputs.level].grey.at(x, y));
+}
+
+double PixelsPerInverseDepth(const SweepInputs& inputs) {
+  // At the middle of the picture, at the mean of the bounds there.
+  const DepthBounds& b = *inputs.bounds;
+  double w = 0;
+  std::int64_t n = 0;
+  for (std::size_t i = 0; i < b.nearest.data.size(); ++i)
+    if (b.nearest.data[i] > 0) w += 0.5 * (b.nearest.data[i] + b.farthest.data[i]), ++n;
+  if (n == 0 || inputs.sources.empty()) return 1;
+  w /= static_cast<double>(n);
+  const Pinhole& camera = inputs.reference->camera(inputs.level);
+  const Eigen::Vector3f p(static_cast<float>(camera.width * 0.5),
+                          static_cast<float>(camera.height * 0.5), 1);
+  double sum = 0;
+  for (const PreparedView* source : inputs.sources) {
+    const Transfer t = MakeTransfer(*inputs.reference, *source, inputs.level);
+    auto at = [&](double inverse_depth) -> Eigen::Vector2d {
+      const Eigen::Vector3d h = (t.a * p).cast<double>() + t.b.cast<double>() * inverse_depth;
+      return h.head<2>() / h.z();
+    };
+    sum += (at(w * 1.01) - at(w * 0.99)).norm() / (0.02 * w);
+  }
+  return std::max(1e-9, sum / static_cast<double>(inputs.sources.size()));
+}
+
+std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map) {
+  return Sweeper(inputs, settings, map).Run();
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,71 @@
+// One red-black pass of PatchMatch over one view: propagation of planes between pixels, choice of
+// source views, refinement.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "reconstruct/stereo/patch_match_cost.h"
+#include "reconstruct/stereo/patch_match_warp.h"
+#include "reconstruct/stereo/plane_map.h"
+#include "views/hull/depth_bounds.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::reconstruct {
+
+/// Unit normal towards the camera, in the camera's frame.
+Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
+                            const PlaneHypothesis& plane);
+
+/// What a pass over one view reads and does not change.
+struct SweepInputs {
+  const PreparedView* reference = nullptr;
+  std::vector<const PreparedView*> sources;  ///< at most 16, best first
+  std::vector<const SampleImage*> samples;   ///< of each source at this level
+  int level = 0;
+  const DepthBounds* bounds = nullptr;
+  /// of each source at this level, for geometric passes; else empty
+  std::vector<const DepthImage*> source_inverse_depths;
+  /// of the coarser level: inverse depth expected where texture is weak; may be null
+  const DepthImage* prior = nullptr;
+  float noise_variance = 0;
+  /// windows are narrow where these vary that much, grey levels^2
+  float narrow_variance = std::numeric_limits<float>::infinity();
+  std::uint64_t seed = 0;
+};
+
+struct SweepSettings {
+  bool select_sources = false;  ///< judge all sources with all candidates and choose anew; else use
+                                ///< each pixel's choice
+  bool refresh = false;         ///< nothing is known of the planes' costs: compute them
+  bool far_areas = false;       ///< also look for planes up to 23 pixels away
+  int refinements = 3;
+  /// settle each depth in the minimum of a parabola, after the random changes
+  bool parabola = false;
+  float depth_step_px = 0.5f;  ///< size of random depth changes, as motion in the sources
+  float slope_step = 0.2f;     ///< size of random tilts, tangent of the slant
+  int pass = 0;                ///< distinguishes the random numbers of passes
+};
+
+constexpr int kMaxSources = 16;
+constexpr int kSourcesUsed = 4;
+constexpr float kColorScale = 18.0f;
+
+/// Motion in the sources (pixels of the level, mean) for a unit change of inverse depth at the
+/// object.
+double PixelsPerInverseDepth(const SweepInputs& inputs);
+
+/// Pixels that a pass visits: in the mask, with bounds.
+bool Visited(const SweepInputs& inputs, int x, int y);
+
+/// Improves `map` in place: all pixels of one colour of the checkerboard, then of the other; each
+/// reads only the other colour, so the order within a colour cannot matter.
+/// @return number of
+/// window correlations computed Source: Galliani, Lasinger & Schindler, ICCV 2015 (red-black); Xu &
+/// Tao, CVPR 2019 (eight areas, joint choice of views, geometric cost).
+/// Departs: planes are stored as inverse depth and its gradient, so that moving a plane to another
+/// pixel is two multiplications.
+std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map);
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,103 @@
+#include "reconstruct/stereo/window_bias.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace keypose::reconstruct {
+namespace {
+
+constexpr int kSize = 64;
+constexpr double kVariance = 16;
+const Pinhole kCamera{kSize, kSize, 500, 500, 31.5, 31.5};
+
+// Inverse depth 0.5, slanted, and bent by kx and ky [1 / pixel^2 of depth in pixels] along x and y.
+double Bent(double x, double y, double kx, double ky) {
+  const double u = x - 30, v = y - 28, unit = 0.5 / kCamera.fx;  // a pixel of depth
+  return 0.5 + unit * (0.4 * u - 0.3 * v + 0.5 * (kx * u * u + ky * v * v));
+}
+
+template <class Depth>
+PlaneMap MapOf(const Depth& inverse_depth) {
+  PlaneMap map(kCamera, 8);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * kSize + x;
+      map.SetPlane(i, {static_cast<float>(inverse_depth(x, y)), 0, 0});
+      map.SetCost(i, 0.1f), map.SetExpectedError(i, 0.2f);
+    }
+  return map;
+}
+
+// Pixels of depth between a map's pixel and an inverse depth.
+double Off(const PlaneMap& map, int x, int y, double inverse_depth) {
+  return (map.InverseDepth(static_cast<std::size_t>(y) * kSize + x) - inverse_depth) * kCamera.fx /
+         0.5;
+}
+
+TEST(WindowBias, MeansOverWindowsOfACurvedSurfaceBecomeItsDepths) {
+  for (const auto& [kx, ky] : {std::pair{0.02, 0.03}, {-0.03, 0.0}, {0.02, -0.02}}) {
+    // of the window's places, above their middle
+    const double mean_above = 0.5 * kVariance * (kx + ky);
+    PlaneMap map =
+        MapOf([&](int x, int y) { return Bent(x, y, kx, ky) + mean_above * 0.5 / kCamera.fx; });
+    CorrectWindowBias(kCamera, {.variance = kVariance}, &map);
+    for (int y = 12; y < kSize - 12; y += 3)
+      for (int x = 12; x < kSize - 12; x += 3)
+        ASSERT_NEAR(Off(map, x, y, Bent(x, y, kx, ky)), 0, 2e-3) << x << ' ' << y;
+  }
+}
+
+TEST(WindowBias, PackedMapsBecomeTheSame) {
+  PlaneMap map = MapOf([](int x, int y) { return x > 50 ? 0 : Bent(x, y, 0.03, 0.02); }),
+           packed = map;
+  packed.Pack();
+  CorrectWindowBias(kCamera, {.variance = kVariance}, &map),
+      CorrectWindowBias(kCamera, {.variance = kVariance}, &packed);
+  packed.Unpack();
+  for (std::size_t i = 0; i < map.size(); ++i)
+    ASSERT_EQ(map.InverseDepth(i), packed.InverseDepth(i));
+}
+
+TEST(WindowBias, SlantsStepsRimsAndDoubtfulPixelsStayAsTheyAre) {
+  // A step of 20 pixels of depth at x = 32, between two slanted planes.
+  auto step = [](int x, int y) { return Bent(x, y, 0, 0) + (x < 32 ? 0 : 20 * 0.5 / kCamera.fx); };
+  PlaneMap map = MapOf(step);
+  CorrectWindowBias(kCamera, {.variance = kVariance}, &map);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x)
+      ASSERT_NEAR(Off(map, x, y, step(x, y)), 0, 2e-3) << x << ' ' << y;
+  // Bent: at the map's rim, and among pixels that match badly, there is nothing to tell the
+  // curvature by.
+  const PlaneMap bent = MapOf([](int x, int y) { return Bent(x, y, 0.03, 0.03); });
+  PlaneMap doubtful = bent;
+  for (std::size_t i = 0; i < doubtful.size(); ++i)
+    if (i % 3) doubtful.SetExpectedError(i, 4);
+  map = bent;
+  CorrectWindowBias(kCamera, {.variance = kVariance}, &map),
+      CorrectWindowBias(kCamera, {.variance = kVariance}, &doubtful);
+  EXPECT_EQ(map.InverseDepth(1), bent.InverseDepth(1));
+  EXPECT_NE(map.InverseDepth(30 * kSize + 30), bent.InverseDepth(30 * kSize + 30));
+  for (std::size_t i = 1; i < doubtful.size(); i += 3)
+    EXPECT_EQ(doubtful.InverseDepth(i), bent.InverseDepth(i));
+}
+
+TEST(WindowBias, ABumpSmallerThanTheWindowMovesByAtMostTwoPixelsAndNoVarianceChangesNothing) {
+  const PlaneMap before = MapOf([](int x, int y) {
+    return 0.5 + 0.001 * 30 * std::exp(-((x - 32) * (x - 32) + (y - 32) * (y - 32)) / 18.0);
+  });
+  PlaneMap map = before;
+  CorrectWindowBias(kCamera, {.variance = 0}, &map);
+  for (std::size_t i = 0; i < map.size(); ++i)
+    ASSERT_EQ(map.InverseDepth(i), before.InverseDepth(i));
+  CorrectWindowBias(kCamera, {.variance = 40}, &map);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x)
+      ASSERT_LE(
+          std::abs(Off(map, x, y, before.InverseDepth(static_cast<std::size_t>(y) * kSize + x))),
+          2.2)
+          << x << ' ' << y;
+}
+
+}  // namespace
+}  // namespace keypose::reconstruct

@@ -1,0 +1,63 @@
+// A turntable capture with few unknowns: the camera stands still for each ring, and only the
+// table's angle differs from view to view.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+
+namespace keypose::reconstruct {
+
+/// One photograph on the table.
+struct RingView {
+  int image = 0;         ///< index in the image set
+  int ring = 0;          ///< index into RingModel::rings
+  double index = 0;      ///< position on the table in steps, by the order of the photographs
+  double angle_rad = 0;  ///< of the table
+};
+
+/// All cameras of a capture: x_in_camera = ring * Rz(angle) * x_on_table, where z is the table's
+/// axis.
+struct RingModel {
+  Camera camera;
+  std::vector<Rigid3> rings;     ///< camera from table at angle 0
+  std::vector<double> step_rad;  ///< of each ring's table from photograph to photograph; its sign
+                                 ///< is the sense of turning
+  std::vector<RingView> views;   ///< by image
+
+  Rigid3 CameraFromTable(const RingView& view) const;
+};
+
+/// Rotation about z.
+Eigen::Matrix3d RotationAboutZ(double angle_rad);
+
+/// Pose of the second camera in the first one's frame.
+Rigid3 SecondFromFirst(const RingModel& model, const RingView& first, const RingView& second);
+
+/// The matrix F with second^T F first = 0 for pixels, lens distortion aside.
+Eigen::Matrix3d FundamentalMatrix(const Camera& camera, const Rigid3& second_from_first);
+
+/// Which photographs make up one ring.
+struct RingLayout {
+  struct Place {
+    int image = 0;
+    double index = 0;  ///< in steps
+  };
+  std::vector<std::vector<Place>> rings;
+  /// of each ring's table in a full turn; the step starts at 360 degrees over this
+  std::vector<int> positions;
+  std::string reason;  ///< in words: "2 rings of 18 in the order of names"
+};
+
+/// Rings of the given sizes in the order of the names.
+/// @throws InputError  the sizes do not add up to the number of photographs
+RingLayout LayoutOfSizes(int images, const std::vector<int>& sizes);
+
+/// Ways in which photographs named so may lie in rings: one to four rings of equal size. Numbers at
+/// the end of the names (IMG_0012.jpg) tell which are missing; names without them count in their
+/// order.
+std::vector<RingLayout> LikelyLayouts(const std::vector<std::string>& names);
+
+}  // namespace keypose::reconstruct

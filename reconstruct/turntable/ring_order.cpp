@@ -1,0 +1,416 @@
+#include "reconstruct/turntable/ring_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+#include <set>
+
+#include "core/angles.h"
+#include "core/kd_tree.h"
+#include "core/parallel.h"
+#include "reconstruct/numerics/epipolar.h"
+#include "reconstruct/numerics/simplex_search.h"
+#include "reconstruct/turntable/leveling.h"
+#include "reconstruct/turntable/ring_fit.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kApart = 0.6;  // of a step: places nearer than this are one place
+// of the camera distance: what cameras of a few views may be off their rings
+constexpr double kMostOffAxis = 0.03;
+
+double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
+
+/// Ring poses (camera from table at angle 0, the camera at azimuth 0) that are one ring's, seen by
+/// different photographs.
+bool SameRing(const Rigid3& a, const Rigid3& b) {
+  const Vector3d ca = a.Inverse().translation, cb = b.Inverse().translation;
+  return (ca - cb).norm() < 0.08 * ca.norm() &&
+         a.rotation.angularDistance(b.rotation) < 5 * kDegree;
+}
+
+/// Where a photograph may stand.
+struct Place {
+  Rigid3 ring;           ///< of one of the rings, or of one of its own
+  int ring_index = -1;   ///< -1: a ring of its own
+  double angle_rad = 0;  ///< of the table
+  double score = 0;
+
+  Rigid3 CameraFromTable() const {
+    return {(ring.rotation * Eigen::Quaterniond(RotationAboutZ(angle_rad))).normalized(),
+            ring.translation};
+  }
+  Vector3d Center() const { return CameraFromTable().Inverse().translation; }
+};
+
+/// A match of a photograph without a place with one that has its place.
+struct SeenPair {
+  Vector3d own, other;  ///< rays with z = 1, each in its camera
+};
+
+class Sorter {
+ public:
+  Sorter(const Scene& part, const Leveling& leveling, const std::vector<std::string>& names,
+         const std::vector<PairPoints>& pairs, const RingOrderOptions& options)
+      : options_(options), pairs_(pairs), of_image_(names.size()) {
+    const RingModel model = NearestRingModel(part, leveling);
+    camera_ = model.camera;
+    limit_ = options.max_error_px / camera_.fx;
+    MeasureObject(Transformed(leveling.level_from_model, part));
+    for (const RingView& view : model.views) {
+      const std::string& name = part.views[view.image].name;
+      const auto at = std::find(names.begin(), names.end(), name);
+      if (at == names.end()) continue;
+      const Rigid3& ring = model.rings[view.ring];
+      Put(static_cast<int>(at - names.begin()), {ring, RingLike(ring), view.angle_rad, 0});
+    }
+    step_ = LeastStep();
+  }
+
+  /// @return photographs that found a place
+  int PlaceOthers(Progress* progress) {
+    int found = 0;
+    std::vector<int> waiting;
+    for (std::size_t i = 0; i < of_image_.size(); ++i)
+      if (of_image_[i].ring_index < 0) waiting.push_back(static_cast<int>(i));
+    const auto total = static_cast<double>(waiting.size());
+    while (!waiting.empty()) {
+      ReportProgress(progress, found / total, "sorting photographs along the rings");
+      std::vector<Found> places(waiting.size());
+      ParallelFor(static_cast<std::int64_t>(waiting.size()),
+                  [&](std::int64_t k) { places[k] = PlaceOf(waiting[k]); });
+      const auto best =
+          std::max_element(places.begin(), places.end(),
+                           [](const Found& a, const Found& b) { return a.clear < b.clear; });
+      const bool is_first = found == 0;
+      if (best->clear < (is_first ? options_.first_clear : options_.least_clear) ||
+          best->best.score < options_.min_score)
+        break;
+      const auto k = best - places.begin();
+      Place place = best->best;
+      if (place.ring_index < 0) place.ring_index = RingLike(place.ring);
+      Put(waiting[k], place);
+      waiting.erase(waiting.begin() + k);
+      ++found;
+    }
+    return found;
+  }
+
+  RingOrder Order() const {
+    RingOrder order;
+    for (std::size_t r = 0; r < rings_.size(); ++r) {
+      std::vector<std::pair<double, int>> members;  // angle, image
+      for (std::size_t i = 0; i < of_image_.size(); ++i)
+        if (of_image_[i].ring_index == static_cast<int>(r))
+          members.emplace_back(of_image_[i].angle_rad, static_cast<int>(i));
+      if (members.size() < 3) continue;
+      AddRing(members, order);
+    }
+    std::set<int> sorted;
+    for (const auto& ring : order.layout.rings)
+      for (const RingLayout::Place& place : ring) sorted.insert(place.image);
+    order.sorted = static_cast<int>(sorted.size());
+    for (int i = 0; i < std::ssize(of_image_); ++i)
+      if (!sorted.contains(i)) order.left_out.push_back(i);
+    order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by what they show"
+                                                          : " (rings), sorted by what they show";
+    return order;
+  }
+
+ private:
+  void MeasureObject(const Scene& level) {
+    std::vector<Vector3d> points;
+    for (const SparsePoint& point : level.points) points.push_back(point.position);
+    for (int k = 0; k < 3; ++k) {
+      std::vector<double> values;
+      for (const Vector3d& x : points) values.push_back(x[k]);
+      std::sort(values.begin(), values.end());
+      middle_[k] =
+          0.5 * (values[values.size() / 50] + values[values.size() - 1 - values.size() / 50]);
+    }
+    std::vector<double> reach;
+    for (const Vector3d& x : points) reach.push_back((x - middle_).norm());
+    std::sort(reach.begin(), reach.end());
+    near_ = options_.near_surface * reach[reach.size() * 9 / 10];
+    PointsX3 surface(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t i = 0; i < points.size(); ++i) surface.row(i) = points[i].transpose();
+    surface_.emplace(surface);
+  }
+
+  /// The ring that a pose belongs to, which is a new one where there is none like it.
+  int RingLike(const Rigid3& pose) {
+    for (std::size_t r = 0; r < rings_.size(); ++r)
+      if (SameRing(rings_[r], pose)) return static_cast<int>(r);
+    rings_.push_back(pose);
+    return static_cast<int>(rings_.size()) - 1;
+  }
+
+  void Put(int image, const Place& place) { of_image_[image] = place; }
+
+  struct Partner {
+    Rigid3 pose;
+    std::vector<SeenPair> sights;
+  };
+
+  /// The photographs with a place that an image has matches with.
+  std::vector<Partner> PartnersOf(int image) const {
+    std::vector<Partner> partners;
+    for (const PairPoints& pair : pairs_) {
+      if (pair.first != image && pair.second != image) continue;
+      const bool is_first = pair.first == image;
+      const Place& other = of_image_[is_first ? pair.second : pair.first];
+      if (other.ring_index < 0) continue;
+      Partner partner{other.CameraFromTable(), {}};
+      for (Eigen::Index i = 0; i < pair.xy.rows(); ++i) {
+        const Vector3d a = camera_.Unproject(pair.xy.row(i).head<2>().transpose()),
+                       b = camera_.Unproject(pair.xy.row(i).tail<2>().transpose());
+        partner.sights.push_back(is_first ? SeenPair{a, b} : SeenPair{b, a});
+      }
+      partners.push_back(std::move(partner));
+    }
+    return partners;
+  }
+
+  /// Whether two lines of sight meet in front of both cameras and near the object's surface. Along
+  /// a ring epipolar lines are all but the same wherever the camera stands; where on them a match
+  /// lies tells the place.
+  bool MeetNearSurface(const Vector3d& c1, const Vector3d& d1, const Vector3d& c2,
+                       const Vector3d& d2) const {
+    const Vector3d between = c2 - c1;
+    const double a = d1.squaredNorm(), b = d1.dot(d2), c = d2.squaredNorm(), det = a * c - b * b;
+    if (det < 1e-9 * a * c) return false;
+    const double s = (c * d1.dot(between) - b * d2.dot(between)) / det,
+                 t = (b * d1.dot(between) - a * d2.dot(between)) / det;
+    return s > 0 && t > 0 &&
+           surface_->Nearest(0.5 * (c1 + s * d1 + c2 + t * d2)).squared_distance < near_ * near_;
+  }
+
+  /// Matches that hold an image in a pose, each by how near it is to its epipolar line.
+  double Score(const std::vector<Partner>& partners, const Rigid3& pose, double limit) const {
+    const Matrix3d rotation = pose.rotation.toRotationMatrix();
+    const Vector3d center = pose.Inverse().translation;
+    double score = 0;
+    for (const Partner& partner : partners) {
+      const Matrix3d other = partner.pose.rotation.toRotationMatrix(),
+                     e = EssentialOf(rotation, pose.translation, other, partner.pose.translation);
+      const Vector3d other_center = partner.pose.Inverse().translation;
+      for (const SeenPair& sight : partner.sights) {
+        const double squared = SquaredSampson(e, sight.own, sight.other) / (limit * limit);
+        if (squared < 1 && MeetNearSurface(center, rotation.transpose() * sight.own, other_center,
+                                           other.transpose() * sight.other))
+          score += 1 - squared;
+      }
+    }
+    return score;
+  }
+
+  /// A ring pose whose camera stands higher or lower on its sphere about the object's middle.
+  Rigid3 Tilted(const Rigid3& ring, double by_rad) const {
+    const Vector3d aim(0, 0, middle_.z());
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(by_rad, Vector3d::UnitY()));
+    return Compose(ring, {turn, aim - turn * aim});
+  }
+
+  double Elevation(const Rigid3& ring) const {
+    const Vector3d c = ring.Inverse().translation - Vector3d(0, 0, middle_.z());
+    return std::atan2(c.z(), c.head<2>().norm());
+  }
+
+  /// The best place.
+  struct Found {
+    Place best;
+    double clear = 0;  ///< by how many standard deviations of counts like these the best place
+                       ///< stands out from any other
+  };
+
+  /// Of places in the order given; places about the best are no rivals.
+  Found BestOf(const std::vector<Place>& places) const {
+    Found found;
+    for (const Place& place : places)
+      if (place.score > found.best.score) found.best = place;
+    double rival = 0;
+    const Vector3d toward = found.best.Center().normalized();
+    for (const Place& place : places)
+      if (place.score > rival && std::acos(std::clamp(place.Center().normalized().dot(toward), -1.0,
+                                                      1.0)) > kApart * step_)
+        rival = place.score;
+    found.clear = (found.best.score - rival) / std::sqrt(found.best.score + rival + 1);
+    return found;
+  }
+
+  void TryRing(const std::vector<Partner>& partners, const Rigid3& ring, int ring_index,
+               std::vector<Place>& tried) const {
+    constexpr int kAngles = 240;
+    for (int k = 0; k < kAngles; ++k) {
+      Place place{ring, ring_index, 2 * kPi * k / kAngles, 0};
+      if (Taken(place)) continue;
+      place.score = Score(partners, place.CameraFromTable(), 1.5 * limit_);
+      tried.push_back(place);
+    }
+  }
+
+  /// Whether another photograph stands there.
+  bool Taken(const Place& place) const {
+    return place.ring_index >= 0 &&
+           std::any_of(of_image_.begin(), of_image_.end(), [&](const Place& other) {
+             return other.ring_index == place.ring_index &&
+                    std::abs(Wrapped(other.angle_rad - place.angle_rad)) < 0.5 * step_;
+           });
+  }
+
+  /// The least step from photograph to photograph on any ring; those that stand at one place aside.
+  double LeastStep() const {
+    double least = 45 * kDegree;
+    for (const Place& a : of_image_)
+      for (const Place& b : of_image_) {
+        const double gap = std::abs(Wrapped(a.angle_rad - b.angle_rad));
+        if (a.ring_index >= 0 && a.ring_index == b.ring_index && gap > 2 * kDegree)
+          least = std::min(least, gap);
+      }
+    return least;
+  }
+
+  /// Where an image seems to stand: on one of the rings, else at an elevation of its own.
+  Found PlaceOf(int image) const {
+    const std::vector<Partner> partners = PartnersOf(image);
+    std::vector<Place> tried;
+    for (std::size_t r = 0; r < rings_.size(); ++r)
+      TryRing(partners, rings_[r], static_cast<int>(r), tried);
+    const double on_ring = BestOf(tried).best.score;
+    for (double elevation = -10 * kDegree; elevation < 80 * kDegree; elevation += 3 * kDegree) {
+      bool is_new = true;
+      for (const Rigid3& ring : rings_)
+        is_new = is_new && std::abs(Elevation(ring) - elevation) > 6 * kDegree;
+      // The camera rises when the table tilts towards it.
+      if (is_new) TryRing(partners, Tilted(rings_[0], elevation - Elevation(rings_[0])), -1, tried);
+    }
+    Found found = BestOf(tried);
+    // A pose that is nearly a ring's is that ring's: a ring of its own has one unknown more to
+    // gather matches with.
+    if (found.best.ring_index < 0 && on_ring > 0.7 * found.best.score) {
+      std::erase_if(tried, [](const Place& place) { return place.ring_index < 0; });
+      found = BestOf(tried);
+    }
+    if (found.best.score > 0)
+      found.best = found.best.ring_index >= 0 ? RefinedAngle(partners, found.best)
+                                              : RefinedRing(partners, found.best);
+    return found;
+  }
+
+  Place RefinedAngle(const std::vector<Partner>& partners, Place place) const {
+    for (double reach = 1.5 * kDegree; reach > 0.05 * kDegree; reach /= 3) {
+      Place best = place;
+      for (int k = -3; k <= 3; ++k) {
+        Place near = place;
+        near.angle_rad += reach * k / 3;
+        near.score = Score(partners, near.CameraFromTable(), limit_);
+        if (k == -3 || near.score > best.score) best = near;
+      }
+      place = best;
+    }
+    return place;
+  }
+
+  Place RefinedRing(const std::vector<Partner>& partners, const Place& place) const {
+    const auto moved = [&](const Eigen::VectorXd& by) {
+      Place near = place;
+      near.ring = Tilted(place.ring, by(1));
+      near.angle_rad += by(0);
+      const Vector3d forward = near.ring.rotation * Vector3d(-1, 0, 0),
+                     up = near.ring.rotation * Vector3d::UnitZ();
+      near.ring.translation += place.ring.translation.norm() * (by(2) * forward + by(3) * up);
+      return near;
+    };
+    Eigen::Vector4d at = Eigen::Vector4d::Zero();
+    for (const double limit : {1.5 * limit_, limit_})
+      at = MinimizeSimplex(
+          [&](const Eigen::VectorXd& by) {
+            return -Score(partners, moved(by).CameraFromTable(), limit);
+          },
+          at, Eigen::Vector4d(1.5 * kDegree, 2 * kDegree, 0.05, 0.02), 150);
+    Place refined = moved(at);
+    refined.score = Score(partners, refined.CameraFromTable(), limit_);
+    return refined;
+  }
+
+  /// The even steps in a full turn that the angles fall on best, each on a step of its own; 0 when
+  /// they fall on none.
+  int EvenPositions(const std::vector<std::pair<double, int>>& members, double& best_offset) const {
+    const int count = static_cast<int>(members.size());
+    int best = 0;
+    double least = options_.max_uneven_share;
+    for (int positions = std::max(4, count); positions <= 2 * count + 2; ++positions) {
+      std::complex<double> sum = 0;
+      for (const auto& [angle, image] : members) sum += std::polar(1.0, positions * angle);
+      const double offset = std::arg(sum) / positions, step = 2 * kPi / positions;
+      std::set<long> taken;
+      double squares = 0;
+      for (const auto& [angle, image] : members) {
+        const double steps = (angle - offset) / step;
+        taken.insert((std::lround(steps) % positions + positions) % positions);
+        squares += std::pow(steps - std::round(steps), 2);
+      }
+      if (static_cast<int>(taken.size()) < count || std::sqrt(squares / count) >= least) continue;
+      best = positions, best_offset = offset, least = std::sqrt(squares / count);
+    }
+    return best;
+  }
+
+  void AddRing(std::vector<std::pair<double, int>>& members, RingOrder& order) const {
+    double offset = 0;
+    const int even = EvenPositions(members, offset),
+              positions = even > 0 ? even : static_cast<int>(members.size());
+    order.even = order.even && even > 0;
+    const double step = 2 * kPi / positions;
+    std::vector<RingLayout::Place> places;
+    for (const auto& [angle, image] : members) {
+      const double steps = (angle - offset) / step;
+      const double index =
+          even > 0 ? static_cast<double>((std::lround(steps) % positions + positions) % positions)
+                   : (Wrapped(angle) + kPi) / step;
+      places.push_back({image, index});
+    }
+    std::sort(
+        places.begin(), places.end(),
+        [](const RingLayout::Place& a, const RingLayout::Place& b) { return a.index < b.index; });
+    order.layout.reason += (order.layout.reason.empty() ? "" : " + ") +
+                           std::to_string(members.size()) + " of " + std::to_string(positions);
+    order.layout.rings.push_back(std::move(places));
+    order.layout.positions.push_back(positions);
+  }
+
+  const RingOrderOptions& options_;
+  const std::vector<PairPoints>& pairs_;
+  Camera camera_;
+  double step_ = 0;   ///< about that of the table
+  double limit_ = 0;  ///< of a match from its epipolar line, over the focal length
+  Vector3d middle_ = Vector3d::Zero();  ///< of the object, on the table
+  std::optional<KdTree> surface_;       ///< the part's points
+  double near_ = 0;                     ///< what counts as on it
+  std::vector<Rigid3> rings_;
+  std::vector<Place> of_image_;  ///< ring_index -1: none yet
+};
+
+}  // namespace
+
+std::optional<RingOrder> OrderOnRings(const Scene& part, const std::vector<std::string>& names,
+                                      const std::vector<PairPoints>& pairs,
+                                      const RingOrderOptions& options, Progress* progress) {
+  if (part.views.size() < 4 || part.points.size() < 10) return std::nullopt;
+  const Leveling leveling = LevelScene(part);
+  if (leveling.rings < 1 || !leveling.centered_on_axis || leveling.plane_rms > kMostOffAxis ||
+      leveling.circle_rms > kMostOffAxis)
+    return std::nullopt;
+  Sorter sorter(part, leveling, names, pairs, options);
+  if (sorter.PlaceOthers(progress) == 0) return std::nullopt;
+  RingOrder order = sorter.Order();
+  if (order.sorted <= std::ssize(part.views)) return std::nullopt;
+  return order;
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,496 @@
+#include "reconstruct/turntable/ring_silhouettes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/angles.h"
+#include "core/errors.h"
+#include "core/parallel.h"
+#include "reconstruct/numerics/simplex_search.h"
+
+namespace keypose::reconstruct {
+namespace {
+
+using Eigen::Matrix3d;
+using Quaternion = Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+// at the search's size: an outline farther off tells nothing about the way back
+constexpr double kCap_px = 12;
+
+/// A mask as distances to its outline, positive outside, on a coarse raster; and lines of sight
+/// along the outline.
+struct Outline {
+  ImageF distance;             ///< [px of the coarse raster]
+  std::vector<Vector3d> rays;  ///< z = 1, by the angle about the mask's middle
+  Vector3d middle;             ///< line of sight through the mask's centre of mass
+  double area = 0;             ///< of the mask over f^2
+};
+
+bool IsInside(const Image8& mask, int x, int y) { return *mask.at(x, y) > 127; }
+
+/// Distance of each pixel's centre to the outline by two sweeps with steps of 1 and sqrt 2;
+/// positive outside.
+ImageF SignedDistance(const Image8& mask) {
+  ImageF distance(mask.width, mask.height, 1, 1e6F);
+  const auto relax = [&](int x, int y, int dx, int dy, float step) {
+    const int nx = x + dx, ny = y + dy;
+    if (nx < 0 || ny < 0 || nx >= mask.width || ny >= mask.height) return;
+    const float through =
+        IsInside(mask, x, y) != IsInside(mask, nx, ny) ? 0.5F * step : *distance.at(nx, ny) + step;
+    *distance.at(x, y) = std::min(*distance.at(x, y), through);
+  };
+  const float diagonal = std::sqrt(2.0F);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      relax(x, y, -1, 0, 1), relax(x, y, 0, -1, 1), relax(x, y, -1, -1, diagonal),
+          relax(x, y, 1, -1, diagonal);
+  for (int y = mask.height - 1; y >= 0; --y)
+    for (int x = mask.width - 1; x >= 0; --x)
+      relax(x, y, 1, 0, 1), relax(x, y, 0, 1, 1), relax(x, y, 1, 1, diagonal),
+          relax(x, y, -1, 1, diagonal);
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (IsInside(mask, x, y)) *distance.at(x, y) = -*distance.at(x, y);
+  return distance;
+}
+
+ImageF Shrunk(const ImageF& distance, int factor) {
+  ImageF small(std::max(1, distance.width / factor), std::max(1, distance.height / factor), 1);
+  for (int y = 0; y < small.height; ++y)
+    for (int x = 0; x < small.width; ++x) {
+      float sum = 0;
+      for (int dy = 0; dy < factor; ++dy)
+        for (int dx = 0; dx < factor; ++dx)
+          sum += *distance.at(std::min(distance.width - 1, x * factor + dx),
+                              std::min(distance.height - 1, y * factor + dy));
+      *small.at(x, y) = sum / static_cast<float>(factor * factor * factor);
+    }
+  return small;
+}
+
+Outline MakeOutline(const Image8& mask, const Camera& camera, int factor) {
+  Outline outline;
+  const ImageF distance = SignedDistance(mask);
+  outline.distance = Shrunk(distance, factor);
+  double sum_x = 0, sum_y = 0, count = 0;
+  std::vector<Eigen::Vector2d> rim;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      if (!IsInside(mask, x, y)) continue;
+      sum_x += x + 0.5, sum_y += y + 0.5, count += 1;
+      const bool within = x > 1 && y > 1 && x + 2 < mask.width && y + 2 < mask.height;
+      if (within && *distance.at(x, y) > -0.75F) rim.emplace_back(x + 0.5, y + 0.5);
+    }
+  if (count == 0) return outline;
+  const Eigen::Vector2d middle(sum_x / count, sum_y / count);
+  outline.middle = camera.Unproject(middle);
+  outline.area = count / (camera.fx * camera.fy);
+  std::stable_sort(rim.begin(), rim.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+    return std::atan2(a.y() - middle.y(), a.x() - middle.x()) <
+           std::atan2(b.y() - middle.y(), b.x() - middle.x());
+  });
+  constexpr std::size_t kMost = 360;
+  for (std::size_t k = 0; k < std::min(kMost, rim.size()); ++k)
+    outline.rays.push_back(camera.Unproject(rim[k * rim.size() / std::min(kMost, rim.size())]));
+  return outline;
+}
+
+/// Bilinear; beyond the raster its rim's value.
+float DistanceAt(const ImageF& raster, double x, double y) {
+  const double cx = std::clamp(x - 0.5, 0.0, raster.width - 1.001),
+               cy = std::clamp(y - 0.5, 0.0, raster.height - 1.001);
+  const int ix = static_cast<int>(cx), iy = static_cast<int>(cy);
+  const auto fx = static_cast<float>(cx - ix), fy = static_cast<float>(cy - iy);
+  const float* row = raster.at(ix, iy);
+  const float* next = raster.at(ix, std::min(iy + 1, raster.height - 1));
+  return (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1]);
+}
+
+/// How much of the set an evaluation looks at.
+struct Effort {
+  int rays = 8, depths = 16;
+};
+
+/// Three unknowns of a ring of its own and three against the first ring: axis direction (2), place
+/// (1), turn, height, log scale.
+using Unknowns = Eigen::Matrix<double, 6, 1>;
+
+class Fitter {
+ public:
+  Fitter(const Camera& camera, const RingLayout& layout, const std::vector<Image8>& masks,
+         const RingSilhouetteOptions& options)
+      : options_(options),
+        factor_(std::max(1, static_cast<int>(std::lround(std::max(camera.width, camera.height) /
+                                                         static_cast<double>(options.width))))) {
+    model_.camera = camera;
+    coarse_ = camera.Scaled(1.0 / factor_);
+    for (std::size_t r = 0; r < layout.rings.size(); ++r) {
+      model_.step_rad.push_back(2 * kPi / layout.positions[r]);
+      for (const RingLayout::Place& place : layout.rings[r])
+        if (!masks[place.image].empty())
+          model_.views.push_back(
+              {place.image, static_cast<int>(r), place.index, place.index * model_.step_rad[r]});
+    }
+    std::sort(model_.views.begin(), model_.views.end(),
+              [](const RingView& a, const RingView& b) { return a.image < b.image; });
+    model_.rings.resize(layout.rings.size());
+    outlines_.resize(model_.views.size());
+    ParallelFor(static_cast<std::int64_t>(outlines_.size()), [&](std::int64_t v) {
+      outlines_[v] = MakeOutline(masks[model_.views[v].image], camera, factor_);
+    });
+    for (const Outline& outline : outlines_)
+      half_size_ = std::max(half_size_, 0.75 * std::sqrt(outline.area) + HalfExtent(outline));
+  }
+
+  RingSilhouettes Run(Progress* progress) {
+    RingSilhouettes result;
+    if (model_.views.size() < 6 || half_size_ <= 0) return result;
+    for (std::size_t r = 0; r < model_.rings.size(); ++r) {
+      ReportProgress(progress,
+                     0.5 * static_cast<double>(r) / static_cast<double>(model_.rings.size()),
+                     "looking for the axis by outlines");
+      if (Members(static_cast<int>(r)).size() < 5) return result;
+      FindAxis(static_cast<int>(r));
+    }
+    for (std::size_t r = 1; r < model_.rings.size(); ++r) {
+      ReportProgress(progress,
+                     0.5 + 0.2 * static_cast<double>(r) / static_cast<double>(model_.rings.size()),
+                     "tying rings together by outlines");
+      Join(static_cast<int>(r));
+    }
+    for (int round = 0; round < (options_.adjust_angles ? 3 : 1); ++round) {
+      ReportProgress(progress, 0.7 + 0.1 * round, "adjusting rings to outlines");
+      for (std::size_t r = 0; r < model_.rings.size(); ++r) Polish(static_cast<int>(r));
+      if (options_.adjust_angles) AdjustAngles();
+    }
+    const Effort whole{3 * options_.rays, 64};
+    for (std::size_t v = 0; v < model_.views.size(); ++v) {
+      std::vector<Vector3d> touching;
+      result.view_error_px.push_back(factor_ * ViewError(v, All(), whole, &touching));
+      for (const Vector3d& x : touching) result.points.push_back(PointOf(v, x));
+    }
+    for (const double e : result.view_error_px)
+      result.error_px += e / static_cast<double>(result.view_error_px.size());
+    result.model = model_;
+    result.found = result.error_px <= options_.max_error_px * factor_;
+    return result;
+  }
+
+ private:
+  /// Half the outline's longest extent, as a tangent.
+  static double HalfExtent(const Outline& outline) {
+    double extent = 0;
+    for (const Vector3d& ray : outline.rays)
+      extent = std::max(extent, (ray - outline.middle).norm());
+    return extent;
+  }
+
+  std::vector<std::size_t> Members(int ring) const {
+    std::vector<std::size_t> members;
+    for (std::size_t v = 0; v < model_.views.size(); ++v)
+      if (model_.views[v].ring == ring) members.push_back(v);
+    return members;
+  }
+  std::vector<std::size_t> All() const {
+    std::vector<std::size_t> all(model_.views.size());
+    for (std::size_t v = 0; v < all.size(); ++v) all[v] = v;
+    return all;
+  }
+  static std::vector<std::size_t> Decimated(const std::vector<std::size_t>& views, int step) {
+    std::vector<std::size_t> some;
+    for (std::size_t k = 0; k < views.size(); k += static_cast<std::size_t>(step))
+      some.push_back(views[k]);
+    return some;
+  }
+
+  /// Mean over the outline's rays of how far their best point lies outside of the other masks
+  /// [coarse px].
+  double ViewError(std::size_t v, const std::vector<std::size_t>& against, const Effort& effort,
+                   std::vector<Vector3d>* touching = nullptr) const {
+    const Outline& outline = outlines_[v];
+    if (outline.rays.empty()) return kCap_px;
+    struct Other {
+      const ImageF* distance;
+      Matrix3d rotation;
+      Vector3d translation;
+    };
+    std::vector<Other> others;
+    const Rigid3 own = model_.CameraFromTable(model_.views[v]).Inverse();
+    for (const std::size_t j : against) {
+      if (j == v) continue;
+      const Rigid3 relative = Compose(model_.CameraFromTable(model_.views[j]), own);
+      others.push_back(
+          {&outlines_[j].distance, relative.rotation.toRotationMatrix(), relative.translation});
+    }
+    // Views across the line of sight rule out most, so they are asked first.
+    std::stable_sort(others.begin(), others.end(), [](const Other& a, const Other& b) {
+      return std::abs(a.rotation(2, 2)) < std::abs(b.rotation(2, 2));
+    });
+    const auto outside = [&](const Vector3d& x, double enough) {
+      double worst = 0;
+      for (const Other& other : others) {
+        const Vector3d y = other.rotation * x + other.translation;
+        if (y.z() <= 1e-6) return kCap_px;
+        const Eigen::Vector2d pixel = coarse_.Project(y);
+        worst =
+            std::max(worst, static_cast<double>(DistanceAt(*other.distance, pixel.x(), pixel.y())));
+        if (worst >= enough) return worst;
+      }
+      return worst;
+    };
+    const double distance = AimDistance(v), reach = half_size_ * distance;
+    const int rays = std::min<int>(effort.rays, static_cast<int>(outline.rays.size()));
+    double sum = 0;
+    for (int k = 0; k < rays; ++k) {
+      const Vector3d& ray = outline.rays[static_cast<std::size_t>(k) * outline.rays.size() /
+                                         static_cast<std::size_t>(rays)];
+      double best = kCap_px, at = distance;
+      for (int d = 0; d < effort.depths && best > 0; ++d) {
+        const double depth = distance + reach * (2.0 * d / (effort.depths - 1) - 1);
+        if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
+      }
+      double step = reach / (effort.depths - 1);
+      for (int level = 0; level < 4 && best > 0; ++level, step /= 2)
+        for (const double depth : {at - step, at + step})
+          if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
+      sum += best;
+      if (touching && best < 1.5) touching->push_back(own * Vector3d(at * ray));
+    }
+    return sum / rays;
+  }
+
+  /// A place on the outline of view v; views that look from within 50 degrees are taken to see it
+  /// too.
+  SparsePoint PointOf(std::size_t v, const Vector3d& x) const {
+    SparsePoint point;
+    point.position = x;
+    point.color.setConstant(160);
+    const Rigid3 own = model_.CameraFromTable(model_.views[v]);
+    for (std::size_t j = 0; j < model_.views.size(); ++j) {
+      const Rigid3 other = Compose(model_.CameraFromTable(model_.views[j]), own.Inverse());
+      if ((other.rotation * Vector3d::UnitZ()).z() > std::cos(50 * kDegree))
+        point.views.push_back(static_cast<int>(j));
+    }
+    return point;
+  }
+
+  /// Depth of the axis where the camera of a view sees the middle of the body.
+  double AimDistance(std::size_t v) const {
+    const Rigid3& ring = model_.rings[model_.views[v].ring];
+    const Vector3d axis = ring.rotation * Vector3d::UnitZ(),
+                   foot = ring.translation - ring.translation.dot(axis) * axis;
+    const Vector3d& m = outlines_[v].middle;
+    // The point of the line of sight nearest to the axis.
+    const Vector3d across = m - m.dot(axis) * axis;
+    return std::max(0.05 * foot.norm(), across.dot(foot) / std::max(across.squaredNorm(), 1e-12));
+  }
+
+  static Rigid3 AxisPose(const Vector3d& direction, const Vector3d& through) {
+    const Vector3d toward = (through - through.dot(direction) * direction).normalized();
+    Matrix3d r;
+    r << toward, direction.cross(toward), direction;
+    return {Eigen::Quaterniond(r), toward};
+  }
+
+  Vector3d MeanMiddle(const std::vector<std::size_t>& views) const {
+    Vector3d mean = Vector3d::Zero();
+    for (const std::size_t v : views)
+      mean += outlines_[v].middle / static_cast<double>(views.size());
+    return mean;
+  }
+
+  /// `ring` with its axis turned and moved sideways, and the table turned, lifted and scaled.
+  static Rigid3 Moved(const Rigid3& ring, const Unknowns& by) {
+    const Vector3d axis = ring.rotation * Vector3d::UnitZ(),
+                   toward = ring.rotation * Vector3d::UnitX(),
+                   side = ring.rotation * Vector3d::UnitY();
+    const Vector3d turned = (axis + by(0) * toward + by(1) * side).normalized();
+    const Quaternion rotation = Quaternion::FromTwoVectors(axis, turned) * ring.rotation *
+                                Quaternion(RotationAboutZ(by(3)));
+    return {rotation.normalized(),
+            std::exp(by(5)) * (ring.translation + by(2) * ring.translation.norm() * side) +
+                by(4) * ring.translation.norm() * turned};
+  }
+
+  /// Mean error of some views with another pose of one ring, which is put back.
+  double ErrorWith(int ring, const Rigid3& pose, const std::vector<std::size_t>& of,
+                   const std::vector<std::size_t>& against, const Effort& effort) {
+    const Rigid3 kept = model_.rings[ring];
+    model_.rings[ring] = pose;
+    std::vector<double> errors(of.size());
+    ParallelFor(static_cast<std::int64_t>(of.size()),
+                [&](std::int64_t k) { errors[k] = ViewError(of[k], against, effort); });
+    model_.rings[ring] = kept;
+    double sum = 0;
+    for (const double e : errors) sum += e;
+    return sum / static_cast<double>(of.size());
+  }
+
+  Unknowns Searched(int ring, const std::vector<std::size_t>& of,
+                    const std::vector<std::size_t>& against, const Effort& effort,
+                    const std::vector<int>& free, double size, int evaluations) {
+    const Rigid3 start = model_.rings[ring];
+    const Unknowns steps =
+        size * (Unknowns() << 3 * kDegree, 3 * kDegree, 0.02, 4 * kDegree, 0.03, 0.05).finished();
+    const auto spread = [&](const Eigen::VectorXd& x) {
+      Unknowns by = Unknowns::Zero();
+      for (std::size_t k = 0; k < free.size(); ++k) by(free[k]) = x(static_cast<Eigen::Index>(k));
+      return by;
+    };
+    Eigen::VectorXd step(static_cast<Eigen::Index>(free.size()));
+    for (std::size_t k = 0; k < free.size(); ++k)
+      step(static_cast<Eigen::Index>(k)) = steps(free[k]);
+    return spread(MinimizeSimplex(
+        [&](const Eigen::VectorXd& x) {
+          return ErrorWith(ring, Moved(start, spread(x)), of, against, effort);
+        },
+        Eigen::VectorXd::Zero(step.size()), step, evaluations));
+  }
+
+  void FindAxis(int ring) {
+    const std::vector<std::size_t> members = Members(ring);
+    const std::vector<std::size_t> some =
+        Decimated(members, std::max<int>(1, static_cast<int>(members.size()) / 10));
+    const Vector3d through = MeanMiddle(members);
+    std::vector<std::pair<double, Rigid3>> tried;
+    constexpr int kLatitudes = 36;
+    for (int i = 0; i < kLatitudes; ++i) {
+      const double polar = kPi * (i + 0.5) / kLatitudes;
+      const int around =
+          std::max(1, static_cast<int>(std::lround(2 * kLatitudes * std::sin(polar))));
+      for (int k = 0; k < around; ++k) {
+        const double turn = 2 * kPi * k / around;
+        const Vector3d d(std::sin(polar) * std::cos(turn), std::cos(polar),
+                         std::sin(polar) * std::sin(turn));
+        if (std::abs(d.z()) < 0.97)
+          tried.emplace_back(ErrorWith(ring, AxisPose(d, through), some, some, {6, 12}),
+                             AxisPose(d, through));
+      }
+    }
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    tried.resize(std::min<std::size_t>(tried.size(), 12));
+    for (auto& [error, pose] : tried) {
+      model_.rings[ring] = pose;
+      pose = Moved(pose, Searched(ring, some, members, {10, 24}, {0, 1, 2}, 1, 50));
+      error = ErrorWith(ring, pose, members, members, {10, 32});
+    }
+    const auto best = std::min_element(
+        tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    model_.rings[ring] = best->second;
+    const Unknowns by = Searched(ring, members, members, {options_.rays, 32}, {0, 1, 2}, 0.3, 80);
+    model_.rings[ring] = Moved(best->second, by);
+  }
+
+  /// Height over the axis' origin at which the ring's cameras see the middle of the body.
+  double MiddleHeight(int ring) const {
+    const Rigid3& pose = model_.rings[ring];
+    const Vector3d axis = pose.rotation * Vector3d::UnitZ(), m = MeanMiddle(Members(ring));
+    const Vector3d foot = pose.translation - pose.translation.dot(axis) * axis;
+    return m.dot(axis) / m.dot(foot) * foot.squaredNorm() - pose.translation.dot(axis);
+  }
+
+  void Join(int ring) {
+    std::vector<std::size_t> others;
+    for (std::size_t v = 0; v < model_.views.size(); ++v)
+      if (model_.views[v].ring < ring) others.push_back(v);
+    const std::vector<std::size_t> members = Members(ring);
+    std::vector<std::size_t> both = others;
+    both.insert(both.end(), members.begin(), members.end());
+    const auto area = [&](const std::vector<std::size_t>& views) {
+      double sum = 0;
+      for (const std::size_t v : views)
+        sum += std::sqrt(outlines_[v].area) / static_cast<double>(views.size());
+      return sum;
+    };
+    const std::vector<std::size_t> first = Members(0);
+    // The nearer a camera, the larger the body in its pictures.
+    const auto aim = [&](int r) { return AimDistance(Members(r)[0]); };
+    const double scale = std::log(aim(0) / aim(ring) * area(first) / area(members));
+    const Rigid3 own = model_.rings[ring];
+    const double lift = std::exp(scale) * MiddleHeight(ring) - MiddleHeight(0);
+    std::vector<std::pair<double, Rigid3>> tried;
+    for (int turn = 0; turn < 72; ++turn)
+      for (int s = -1; s <= 1; ++s) {
+        Unknowns by = Unknowns::Zero();
+        by.tail<3>() << turn * 5 * kDegree, lift / own.translation.norm(), scale + 0.07 * s;
+        tried.emplace_back(
+            ErrorWith(ring, Moved(own, by), Decimated(members, 3), Decimated(others, 2), {8, 24}),
+            Moved(own, by));
+      }
+    std::stable_sort(tried.begin(), tried.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    tried.resize(8);
+    for (auto& [error, pose] : tried) {
+      model_.rings[ring] = pose;
+      pose = Moved(pose, Searched(ring, Decimated(both, 3), both, {8, 32}, {3, 4, 5}, 1, 60));
+      error = ErrorWith(ring, pose, both, both, {10, 32});
+    }
+    model_.rings[ring] =
+        std::min_element(tried.begin(), tried.end(), [](const auto& a, const auto& b) {
+          return a.first < b.first;
+        })->second;
+  }
+
+  void Polish(int ring) {
+    const std::vector<int> free =
+        ring == 0 ? std::vector<int>{0, 1, 2} : std::vector<int>{0, 1, 2, 3, 4, 5};
+    const Rigid3 start = model_.rings[ring];
+    const Unknowns by =
+        Searched(ring, All(), All(), {options_.rays, 32}, free, 0.15, ring == 0 ? 60 : 110);
+    model_.rings[ring] = Moved(start, by);
+  }
+
+  /// The table's angle at each view in turn by its own outline, from the angles before: all views
+  /// look at the same ones.
+  void AdjustAngles() {
+    std::vector<double> angles(model_.views.size());
+    for (std::size_t v = 0; v < model_.views.size(); ++v) {
+      RingView& view = model_.views[v];
+      const double start = view.angle_rad;
+      double best = start, least = std::numeric_limits<double>::infinity(), reach = 1.5 * kDegree;
+      for (int level = 0; level < 3; ++level, reach /= 3) {
+        const double middle = best;
+        for (int k = -2; k <= 2; ++k) {
+          view.angle_rad = middle + reach * k / 2;
+          if (const double e = ViewError(v, All(), {options_.rays, 32}); e < least)
+            least = e, best = view.angle_rad;
+        }
+      }
+      angles[v] = best;
+      view.angle_rad = start;
+    }
+    // Half of the way: two neighbours that disagree would else change sides for ever.
+    for (std::size_t v = 0; v < model_.views.size(); ++v)
+      model_.views[v].angle_rad += 0.5 * (angles[v] - model_.views[v].angle_rad);
+  }
+
+  const RingSilhouetteOptions& options_;
+  int factor_;
+  Camera coarse_;
+  RingModel model_;
+  std::vector<Outline> outlines_;
+  double half_size_ = 0;  ///< reach of the body from its middle, over the distance
+};
+
+}  // namespace
+
+RingSilhouettes FitRingToSilhouettes(const Camera& camera, const RingLayout& layout,
+                                     const std::vector<Image8>& masks,
+                                     const RingSilhouetteOptions& options, Progress* progress) {
+  for (const auto& ring : layout.rings)
+    for (const RingLayout::Place& place : ring) {
+      const Image8& mask = masks.at(static_cast<std::size_t>(place.image));
+      if (!mask.empty() &&
+          (mask.channels != 1 || mask.width != camera.width || mask.height != camera.height))
+        throw InputError("silhouettes: the mask of photograph " + std::to_string(place.image) +
+                         " is " + std::to_string(mask.width) + " x " + std::to_string(mask.height) +
+                         ", but the camera has " + std::to_string(camera.width) + " x " +
+                         std::to_string(camera.height));
+    }
+  return Fitter(camera, layout, masks, options).Run(progress);
+}
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,46 @@
+// Points of a ring model from matches that agree with it.
+#pragma once
+
+#include <vector>
+
+#include "core/camera.h"
+#include "reconstruct/bundle/bundle_adjustment.h"
+#include "reconstruct/matching/colmap_database.h"
+
+namespace keypose::reconstruct {
+
+/// A point's features, one for each image.
+struct Track {
+  struct Element {
+    int image = 0;
+    std::uint32_t feature = 0;
+  };
+  std::vector<Element> elements;  ///< by image
+};
+
+/// Features that matches tie together, directly or through other images. Where they join two
+/// features of one image, both go.
+/// @return tracks of at least two images, in order of their first feature
+std::vector<Track> BuildTracks(const std::vector<PairMatches>& matches,
+                               const std::vector<Features>& features);
+
+struct TriangulationOptions {
+  double min_angle_deg = 1.5;  ///< between some two rays
+  double max_error_px = 6;
+};
+
+struct Triangulated {
+  Scene scene;  ///< the views that were given, and the points found, without colours
+  std::vector<Observation> observations;
+};
+
+/// Points where the rays of each track meet; features beyond the error are left out of their track,
+/// and tracks of fewer than two are dropped.
+///
+/// @param scene     views; points are ignored
+/// @param view_of_image  index into scene.views, or -1
+Triangulated Triangulate(const Scene& scene, const std::vector<int>& view_of_image,
+                         const std::vector<Track>& tracks, const std::vector<Features>& features,
+                         const TriangulationOptions& options);
+
+}  // namespace keypose::reconstruct

@@ -1,0 +1,491 @@
+#include "register/auto/auto_registration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "core/geometry.h"
+#include "deform/solvers/sparse_pattern.h"
+#include "register/auto/auto_fit.h"
+#include "register/auto/flipped_face_repair.h"
+#include "register/intrinsic/suggest.h"
+#include "register/skeleton/skeleton.h"
+
+namespace keypose::registration {
+
+namespace {
+
+// distances along the surface are measured on meshes of about this size
+constexpr int kProxyVertices = 3000;
+constexpr int kFewestForDistances = 4;  // landmarks that tell places apart by distance
+// a level counts as middle from this share of middle_vertices on
+constexpr double kMiddleOfCoarse = 0.5;
+constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
+constexpr double kRigid = 1e300;
+constexpr double kHopeless = 1.3;  // times poor_fit: not even a softer shape came close
+// of the area: rigid pieces that are larger tell the scale, whatever else may stretch
+constexpr double kPiecesDecide = 0.1;
+// boundary loops, closed by discs, over the area: more is an open surface
+constexpr double kOpenShare = 0.06;
+constexpr double kCutShare = 0.01, kCutGrowth = 1.04;  // a target so much more open, with landmarks
+                                                       // so much further apart, is cut off
+constexpr int kCoarseSamples = 1500, kSamples = 6000;  // of the target, that pull back
+// vertices from which on a level gets two searches in place of four
+constexpr int kLargeLevel = 30000;
+
+/// Stiffness and its companions fall geometrically over all rounds of a registration.
+struct Schedule {
+  int rounds, searches, turns;
+  double from, to;  ///< stiffness
+};
+constexpr Schedule kCoarse{6, 4, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02},
+    kSettled{5, 2, 3, 0.5, 0.5};
+constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
+constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
+constexpr double kFineStiffness = 0.2;  // of the finer levels of what stays rigid
+constexpr double kMomentum = 0.95;  // of the last search's movement, where maps are soft: sliding
+                                    // along the surface converges slowly
+
+/// The movement of the last search goes on where the surface holds a vertex: what nothing holds
+/// would swing.
+class Momentum {
+ public:
+  explicit Momentum(const Level& level)
+      : before_(level.moved), seen_(Eigen::VectorXd::Zero(level.moved.rows())) {}
+  void CarryOn(Level& level) {
+    PointsX3 now = level.moved;
+    level.moved += (kMomentum * seen_).asDiagonal() * (now - before_);
+    before_ = std::move(now);
+  }
+  Eigen::VectorXd* seen() { return &seen_; }
+
+ private:
+  PointsX3 before_;
+  Eigen::VectorXd seen_;
+};
+
+double Between(double from, double to, double x) { return from * std::pow(to / from, x); }
+
+PointsX3 MarkPositions(const std::vector<LandmarkGoal>& landmarks, const PointsX3* source) {
+  PointsX3 points(static_cast<Eigen::Index>(landmarks.size()), 3);
+  for (std::size_t k = 0; k < landmarks.size(); ++k)
+    points.row(k) = source ? PositionOf(landmarks[k].source, *source) : landmarks[k].target;
+  return points;
+}
+
+/// Area with each boundary loop closed by a disc of its length; `filled` is those discs' share.
+double WholeArea(const Mesh& mesh, double& filled) {
+  std::vector<std::pair<int, int>> sides;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      sides.push_back(std::minmax<int>({mesh.faces(f, k), mesh.faces(f, (k + 1) % 3)}));
+  std::sort(sides.begin(), sides.end());
+  std::vector<std::pair<int, int>> open;
+  for (std::size_t s = 0; s < sides.size();) {
+    std::size_t e = s;
+    while (e < sides.size() && sides[e] == sides[s]) ++e;
+    if (e - s == 1) open.push_back(sides[s]);
+    s = e;
+  }
+  int loops = 0;
+  const std::vector<int> loop = Components(mesh.vertex_count(), open, loops);
+  std::vector<double> length(loops, 0);
+  for (const auto& [a, b] : open)
+    length[loop[a]] += (mesh.points.row(a) - mesh.points.row(b)).norm();
+  double discs = 0;
+  for (double l : length) discs += l * l / (4 * M_PI);
+  const double area = SurfaceArea(mesh.points, mesh.faces);
+  filled = discs / (area + discs);
+  return area + discs;
+}
+
+class AutoRegistration {
+ public:
+  AutoRegistration(const Mesh& source, const Mesh& target,
+                   const std::vector<LandmarkGoal>& landmarks, const Eigen::VectorXd& stiffness,
+                   const AutoOptions& options, Progress* progress)
+      : source_(source),
+        target_(target),
+        landmarks_(landmarks),
+        stiffness_(stiffness),
+        options_(options),
+        progress_(progress) {}
+  AutoResult Run();
+
+ private:
+  struct Start {
+    PointsX3 moved;
+    std::vector<Eigen::Matrix3d> maps;
+    std::vector<LandmarkCoordinates::Match> matches[2];  // of the coarse and the middle level
+    double rigidity = kRigid;
+    double scale = 1;                        // of the rest shape
+    const PointsX3* match_points = nullptr;  // what matches point into
+  };
+
+  void Align();
+  void Prepare();
+  void MeasureDistances();
+  void TryStarts();
+  void TryLandmarks(double rigidity, const std::string& name);
+  void TryIntrinsicMap(double rigidity, const std::string& name);
+  void TrySkeleton();
+  void Compete(Start start, StartTrial trial);
+  void Reset(Level& level);
+  void SetRestScale(double scale);
+  SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before,
+                       const PointsX3* match_points);
+  void Finish();
+  void RepairFlippedFacesOfFinest(double stiffness);
+  Level& coarse() { return (*levels_)[levels_->count() - 1]; }
+  PointsX3 Back(const PointsX3& points) const { return (points * unit_).rowwise() + origin_; }
+
+  const Mesh& source_;
+  const Mesh& target_;
+  const std::vector<LandmarkGoal>& landmarks_;
+  const Eigen::VectorXd& stiffness_;
+  const AutoOptions& options_;
+  Progress* progress_;
+
+  Similarity3 place_;
+  Eigen::RowVector3d origin_ = Eigen::RowVector3d::Zero();
+  double unit_ = 1;
+  std::vector<LandmarkGoal> goals_;  // landmarks in the normalised frame
+  std::optional<SurfacePull> surface_;
+  std::optional<Levels> levels_;
+  int middle_ = 0;
+  double more_open_ = 0;  // the target than the source: difference of the shares that discs over
+                          // boundary loops make up
+  double first_scale_ = 1, rest_scale_ = 1;
+  PointsX3 goal_points_;   // the target's, normalised
+  PointsX3 proxy_points_;  // of the target, normalised: what matches by distance point into
+  std::vector<LandmarkCoordinates::Match> distance_matches_[2];
+  std::optional<Suggestion> suggestion_;  // found once, for all starts that use it
+  std::optional<Start> best_;
+  AutoResult result_;
+};
+
+void AutoRegistration::Align() {
+  result_.alignment = AlignGlobally(source_, target_, MarkPositions(landmarks_, &source_.points),
+                                    MarkPositions(landmarks_, nullptr));
+  place_ = result_.alignment.target_from_source;
+  double filled_source = 0, filled_target = 0;
+  const double areas = WholeArea(target_, filled_target) / WholeArea(source_, filled_source);
+  more_open_ = filled_target - filled_source;
+  if (filled_target > kOpenShare && landmarks_.size() == 3) return;
+  // Folded limbs bring landmarks together and make Procrustes shrink the source; areas stay.
+  const PointsX3 pivots =
+      landmarks_.empty() ? source_.points : MarkPositions(landmarks_, &source_.points);
+  const Eigen::Vector3d pivot = pivots.colwise().mean().transpose();
+  const Eigen::Vector3d kept = place_ * pivot;
+  place_.scale = std::sqrt(areas);
+  place_.translation += kept - place_ * pivot;
+}
+
+void AutoRegistration::Prepare() {
+  unit_ = BoundingDiagonal(target_.points) / 2;
+  origin_ = target_.points.colwise().mean();
+  goal_points_ = (target_.points.rowwise() - origin_) / unit_;
+  goals_ = landmarks_;
+  for (LandmarkGoal& goal : goals_) goal.target = (goal.target - origin_.transpose()) / unit_;
+  surface_.emplace(goal_points_, target_.faces);
+  std::vector<int> counts;
+  for (int c = options_.middle_vertices; c < 0.7 * source_.vertex_count(); c *= 4)
+    counts.insert(counts.begin(), c);
+  if (options_.coarse_vertices < 0.7 * source_.vertex_count())
+    counts.push_back(options_.coarse_vertices);
+  const PointsX3 rest = (Transformed(place_, source_.points).rowwise() - origin_) / unit_;
+  const double smoothing = 2 * options_.smoothing;
+  levels_.emplace(rest, source_.faces, counts, stiffness_, smoothing * smoothing, goals_);
+  middle_ = levels_->count() - 1;
+  while (middle_ > 0 &&
+         (*levels_)[middle_].rest.rows() < kMiddleOfCoarse * options_.middle_vertices)
+    --middle_;
+  result_.levels = levels_->count();
+}
+
+void AutoRegistration::MeasureDistances() {
+  if (static_cast<int>(goals_.size()) < kFewestForDistances) return;
+  // Proxies: distances need no more detail than the levels that use them.
+  int at = 0;
+  while (at < middle_ && (*levels_)[at].rest.rows() > kProxyVertices * 1.5) ++at;
+  Mesh proxy;
+  proxy.points = goal_points_;
+  proxy.faces = target_.faces;
+  if (proxy.vertex_count() > 1.5 * kProxyVertices) {
+    std::vector<CoarseLevel> decimated =
+        MakeHierarchy(goal_points_, target_.faces, {kProxyVertices});
+    if (!decimated.empty()) proxy.points = decimated[0].points, proxy.faces = decimated[0].faces;
+  }
+  std::vector<int> from, to;
+  for (const Mark& mark : (*levels_)[at].marks) {
+    from.push_back(mark.vertex);
+    Eigen::Index nearest = 0;
+    (proxy.points.rowwise() - mark.target.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+    to.push_back(static_cast<int>(nearest));
+  }
+  const Level& level = (*levels_)[at];
+  LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
+  // What a cut took away lacks in the area, and nowhere else. Discs over holes make up for what is
+  // missing; then both agree.
+  if (const double growth = coordinates.Growth(); more_open_ > kCutShare && growth > kCutGrowth) {
+    first_scale_ = growth;
+    coordinates.GrowSource(growth);
+  }
+  proxy_points_ = proxy.points;
+  std::vector<int> index(source_.vertex_count(), -1);
+  for (std::size_t k = 0; k < level.fine.size(); ++k) index[level.fine[k]] = static_cast<int>(k);
+  const int levels[2] = {levels_->count() - 1, middle_};
+  for (int k = 0; k < 2; ++k) {
+    std::vector<int> vertices;
+    for (int v : (*levels_)[levels[k]].fine) vertices.push_back(index[v]);
+    if (k == 0 || levels[1] != levels[0])
+      distance_matches_[k] = coordinates.MatchVertices(vertices);
+  }
+}
+
+void AutoRegistration::SetRestScale(double scale) {
+  levels_->ScaleRest(scale / rest_scale_);
+  rest_scale_ = scale;
+}
+
+void AutoRegistration::Reset(Level& level) {
+  SetRestScale(first_scale_);
+  level.moved = level.rest;
+  level.fit->SetMaps(std::vector<Eigen::Matrix3d>(level.rest.rows(), Eigen::Matrix3d::Identity()));
+  level.fit->SetRigidity(kRigid);
+}
+
+/// Runs a start on the coarse level and keeps it when it is the best so far.
+void AutoRegistration::Compete(Start start, StartTrial trial) {
+  Level& level = coarse();
+  level.moved = start.moved;
+  level.fit->SetMaps(start.maps);
+  level.fit->SetRigidity(start.rigidity);
+  SetRestScale(first_scale_);
+  level.matches = start.matches[0];
+  const SurfaceGap gap = RunRounds(levels_->count() - 1, kCoarse, 0, start.match_points);
+  trial.gap = (gap.forward + gap.backward) / 4;
+  trial.strain = level.fit->Strain(level.moved).dot(level.fit->vertex_areas()) /
+                 level.fit->vertex_areas().sum();
+  trial.score = trial.gap + 0.02 * trial.strain + 0.02 * gap.rejected;
+  start.moved = level.moved;
+  start.maps = level.fit->maps();
+  start.scale = rest_scale_;
+  if (!best_ || trial.score < result_.starts[result_.chosen].score) {
+    best_ = std::move(start);
+    result_.chosen = static_cast<int>(result_.starts.size());
+  }
+  result_.starts.push_back(std::move(trial));
+}
+
+void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
+  Level& level = coarse();
+  Reset(level);
+  Start start;
+  start.rigidity = rigidity;
+  start.match_points = &proxy_points_;
+  if (!goals_.empty()) FitToLandmarks(level, options_.landmark_weight);
+  if (!distance_matches_[0].empty()) {
+    level.matches = distance_matches_[0];
+    FitToMatches(level, proxy_points_, options_.landmark_weight);
+    for (int k = 0; k < 2; ++k) start.matches[k] = distance_matches_[k];
+  }
+  start.moved = level.moved;
+  start.maps = level.fit->maps();
+  Compete(std::move(start), {.name = name});
+}
+
+void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name) {
+  if (!suggestion_) suggestion_ = SuggestLandmarks(source_, target_, landmarks_, {});
+  const Suggestion& suggestion = *suggestion_;
+  StartTrial trial{.name = name, .words = suggestion.explanation};
+  int known = 0;
+  for (int v : suggestion.dense) known += v >= 0;
+  if (known < source_.vertex_count() / 4) {
+    trial.words = "no use: " + trial.words;
+    trial.score = trial.gap = 1;
+    result_.starts.push_back(std::move(trial));
+    return;
+  }
+  Start start;
+  start.rigidity = rigidity;
+  start.match_points = &goal_points_;
+  const int levels[2] = {levels_->count() - 1, middle_};
+  for (int k = 0; k < 2; ++k)
+    for (int v : (*levels_)[levels[k]].fine)
+      start.matches[k].push_back({suggestion.dense[v], 0.2 * (1 - suggestion.confidence[v])});
+  Level& level = coarse();
+  Reset(level);
+  level.matches = start.matches[0];
+  FitToMatches(level, goal_points_, options_.landmark_weight);
+  start.moved = level.moved;
+  start.maps = level.fit->maps();
+  Compete(std::move(start), std::move(trial));
+}
+
+void AutoRegistration::TrySkeleton() {
+  const SkeletonStart skeleton =
+      StartFromSkeletons(source_, target_, landmarks_, place_, {}, progress_);
+  StartTrial trial{.name = "skeleton", .words = skeleton.words};
+  if (!skeleton.usable()) {
+    trial.score = trial.gap = 1;
+    result_.starts.push_back(std::move(trial));
+    return;
+  }
+  Level& level = coarse();
+  Reset(level);
+  for (std::size_t k = 0; k < level.fine.size(); ++k)
+    level.moved.row(k) = (skeleton.points.row(level.fine[k]) - origin_) / unit_;
+  for (int k = 0; k < 10; ++k) level.fit->FitMaps(level.moved);
+  Start start;
+  start.moved = level.moved;
+  start.maps = level.fit->maps();
+  Compete(std::move(start), std::move(trial));
+}
+
+void AutoRegistration::TryStarts() {
+  const auto poor = [&] { return result_.starts[result_.chosen].gap > options_.poor_fit; };
+  TryLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks");
+  ReportProgress(progress_, 0.4, "start");
+  if (options_.suggest && static_cast<int>(goals_.size()) < kFewestForDistances)
+    TryIntrinsicMap(kRigid, "intrinsic map");
+  ReportProgress(progress_, 0.5, "start");
+  if (options_.skeleton && static_cast<int>(goals_.size()) < kFewestForDistances && poor())
+    TrySkeleton();
+  ReportProgress(progress_, 0.55, "start");
+  if (poor() && !goals_.empty()) TryLandmarks(kSofter, "landmarks, softer");
+  if (!goals_.empty() && options_.suggest &&
+      result_.starts[result_.chosen].gap > kHopeless * options_.poor_fit)
+    TryIntrinsicMap(kSofter, "intrinsic map, softer");
+}
+
+SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before,
+                                       const PointsX3* match_points) {
+  Level& level = (*levels_)[at];
+  SurfaceGap gap;
+  Momentum momentum(level);
+  for (int k = 0; k < schedule.rounds; ++k) {
+    const double all = static_cast<double>(rounds_before + k) / (kAllRounds - 1);
+    // The first schedule begins at its own stiffness; a later one goes on from where the last
+    // ended.
+    const double own = rounds_before == 0 ? static_cast<double>(k) / (schedule.rounds - 1)
+                                          : static_cast<double>(k + 1) / schedule.rounds;
+    FitTerms terms;
+    terms.stiffness = Between(schedule.from, schedule.to, own);
+    terms.robust = Between(kRobustFirst, kRobustLast, all);
+    terms.landmarks = Between(options_.landmark_weight, options_.landmark_weight_end, all);
+    terms.matches = level.matches.empty() || !match_points
+                        ? 0
+                        : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
+    terms.turns = schedule.turns;
+    terms.samples = at == middle_ ? kSamples : kCoarseSamples;
+    for (int i = 0; i < schedule.searches; ++i) {
+      if (!level.fit->rigid()) momentum.CarryOn(level);
+      terms.measure = k + 1 == schedule.rounds && i + 1 == schedule.searches;
+      gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms,
+                         momentum.seen());
+    }
+    // Noise and ragged holes make areas, and with them the first scale, a little wrong.
+    if (level.fit->pieces().area_share() > kPiecesDecide)
+      SetRestScale(rest_scale_ * level.growth);
+    else if (level.fit->rigid())
+      SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
+    ReportProgress(progress_, 0.6 + 0.2 * all, "bending");
+  }
+  return gap;
+}
+
+void AutoRegistration::Finish() {
+  const int last = levels_->count() - 1;
+  SetRestScale(best_->scale);
+  coarse().moved = best_->moved;
+  coarse().fit->SetMaps(best_->maps);
+  for (int l = last; l > middle_; --l) levels_->Descend(l);
+  Level& level = (*levels_)[middle_];
+  level.matches = best_->matches[middle_ == last ? 0 : 1];
+  level.fit->SetRigidity(best_->rigidity);
+  SurfaceGap gap = RunRounds(middle_, kMiddle, kCoarse.rounds, best_->match_points);
+  result_.softened =
+      best_->rigidity < kRigid || (gap.forward + gap.backward) / 4 > options_.good_fit;
+  if (result_.softened) {
+    level.fit->SetRigidity(kSoft);
+    gap = RunRounds(middle_, kSoftened, kCoarse.rounds + kMiddle.rounds, best_->match_points);
+  } else {
+    gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds, best_->match_points);
+  }
+  FitTerms terms;
+  terms.stiffness = result_.softened ? kSoftened.to : kFineStiffness;
+  terms.robust = kRobustLast;
+  terms.landmarks = options_.landmark_weight_end;
+  terms.samples = kSamples;
+  for (int l = middle_; l-- > 0;) {
+    levels_->Descend(l + 1);
+    Level& finer = (*levels_)[l];
+    if (result_.softened) finer.fit->SetRigidity(kSoft);
+    const int searches = finer.rest.rows() > kLargeLevel ? 2 : 4;
+    Momentum momentum(finer);
+    for (int k = 0; k < searches; ++k) {
+      momentum.CarryOn(finer);
+      terms.measure = k + 1 == searches;
+      gap = FitToSurface(finer, *surface_, goal_points_, terms, momentum.seen());
+    }
+    ReportProgress(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
+  }
+  result_.gap = (gap.forward + gap.backward) / 4;
+  RepairFlippedFacesOfFinest(terms.stiffness);
+}
+
+void AutoRegistration::RepairFlippedFacesOfFinest(double stiffness) {
+  Level& level = (*levels_)[0];
+  const double smoothing = 2 * options_.smoothing;
+  const BentMesh bent{level.rest,
+                      level.faces,
+                      level.moved,
+                      level.fit->maps(),
+                      result_.softened ? kSoft : kRigid,
+                      smoothing * smoothing,
+                      SurfaceWeight(stiffness)};
+  FlippedFaceRepair mended = RepairFlippedFaces(bent, goal_points_, target_.faces);
+  if (mended.after == mended.before) return;
+  for (const std::vector<int>& piece : level.fit->pieces().pieces())
+    for (int v : piece) mended.points.row(v) = level.moved.row(v);
+  level.moved = std::move(mended.points);
+  level.fit->FitMaps(level.moved);
+}
+
+AutoResult AutoRegistration::Run() {
+  ReportProgress(progress_, 0, "alignment");
+  Align();
+  ReportProgress(progress_, 0.1, "levels of detail");
+  Prepare();
+  ReportProgress(progress_, 0.3, "distances to landmarks");
+  MeasureDistances();
+  TryStarts();
+  Finish();
+  const Level& level = (*levels_)[0];
+  result_.points = Back(level.moved);
+  result_.scale = place_.scale * rest_scale_;
+  const Eigen::Matrix3d linear = result_.scale * place_.rotation;
+  for (const Eigen::Matrix3d& map : level.fit->maps()) result_.transforms.push_back(map * linear);
+  return std::move(result_);
+}
+
+}  // namespace
+
+std::vector<std::string> AutoOptions::Problems() const {
+  std::vector<std::string> problems;
+  if (coarse_vertices > middle_vertices)
+    problems.push_back("coarse_vertices must not be above middle_vertices");
+  if (good_fit > poor_fit) problems.push_back("good_fit must not be above poor_fit");
+  return problems;
+}
+
+AutoResult RegisterSurface(const Mesh& source, const Mesh& target,
+                           const std::vector<LandmarkGoal>& landmarks,
+                           const Eigen::VectorXd& stiffness, const AutoOptions& options,
+                           Progress* progress) {
+  return AutoRegistration(source, target, landmarks, stiffness, options, progress).Run();
+}
+
+}  // namespace keypose::registration

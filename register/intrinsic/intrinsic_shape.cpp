@@ -1,0 +1,258 @@
+#include "register/intrinsic/intrinsic_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "deform/levels/hierarchy.h"
+
+namespace keypose::registration {
+
+namespace {
+
+// Over the square root of the area. Smaller bumps come and go with the pose; fingers of one hand
+// would only multiply the assignments.
+constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
+constexpr std::size_t kLeastTips = 5;
+constexpr double kNormalTime = 0.001;
+// Nearness to a landmark as a descriptor: its weight, and how far it reaches; farther off,
+// distances change too much with the pose.
+constexpr double kKnownWeight = 2, kKnownReach = 0.2;
+constexpr double kColorWeight = 2;    // of colours from 0 to 1
+constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
+
+/// Faces of the piece with the largest area. Faces belong together when they share an edge: pieces
+/// that touch in one vertex, as at the ragged rims of holes, would each bring an eigenfunction of
+/// their own.
+std::vector<char> InLargestPiece(const Mesh& mesh) {
+  std::vector<int> parent(static_cast<std::size_t>(mesh.face_count()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int f) {
+    while (parent[f] != f) {
+      auto& up = parent[f];
+      up = parent[up];
+      f = up;
+    }
+    return f;
+  };
+  std::vector<std::array<int, 3>> sides;
+  sides.reserve(3 * parent.size());
+  for (int f = 0; f < mesh.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+      sides.push_back({std::min(a, b), std::max(a, b), f});
+    }
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    if (sides[i][0] == sides[i - 1][0] && sides[i][1] == sides[i - 1][1]) {
+      const int a = root(sides[i][2]), b = root(sides[i - 1][2]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  const Eigen::VectorXd face_areas = FaceAreas(mesh.points, mesh.faces);
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.face_count());
+  for (int f = 0; f < mesh.face_count(); ++f) area[root(f)] += face_areas[f];
+  Eigen::Index largest = 0;
+  if (!(area.maxCoeff(&largest) > 0)) throw InputError("register: the surface has no area");
+  std::vector<char> in(parent.size());
+  for (int f = 0; f < mesh.face_count(); ++f) in[f] = root(f) == largest;
+  return in;
+}
+
+void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
+  const std::vector<char> face_in = InLargestPiece(mesh);
+  std::vector<char> in(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (face_in[f])
+      for (int k = 0; k < 3; ++k) in[mesh.faces(f, k)] = 1;
+  Mesh piece;
+  std::vector<int> to_piece(in.size(), -1), from_piece;
+  for (std::size_t v = 0; v < in.size(); ++v)
+    if (in[v])
+      to_piece[v] = static_cast<int>(from_piece.size()), from_piece.push_back(static_cast<int>(v));
+  piece.points.resize(static_cast<Eigen::Index>(from_piece.size()), 3);
+  for (std::size_t i = 0; i < from_piece.size(); ++i)
+    piece.points.row(i) = mesh.points.row(from_piece[i]);
+  piece.faces.resize(mesh.face_count(), 3);
+  Eigen::Index kept = 0;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (face_in[f]) {
+      for (int k = 0; k < 3; ++k) piece.faces(kept, k) = to_piece[mesh.faces(f, k)];
+      ++kept;
+    }
+  piece.faces.conservativeResize(kept, 3);
+  std::vector<CoarseLevel> levels;
+  if (piece.vertex_count() > vertices)
+    levels = MakeHierarchy(piece.points, piece.faces, {vertices});
+  if (levels.empty()) {
+    shape.proxy = piece;
+    shape.fine = from_piece;
+    shape.proxy_of = to_piece;
+  } else {
+    shape.proxy.points = levels[0].points;
+    shape.proxy.faces = levels[0].faces;
+    for (const int v : levels[0].fine) shape.fine.push_back(from_piece[v]);
+    shape.proxy_of.assign(in.size(), -1);
+    for (std::size_t v = 0; v < in.size(); ++v)
+      if (in[v]) shape.proxy_of[v] = levels[0].up[to_piece[v]];
+  }
+  shape.scale = std::sqrt(SurfaceArea(shape.proxy.points, shape.proxy.faces));
+  shape.proxy.points /= shape.scale;
+  shape.proxy.normals = VertexNormals(shape.proxy.points, shape.proxy.faces);
+}
+
+void BuildSamples(int count, IntrinsicShape& shape) {
+  shape.samples = shape.graph->FarthestPoints(count);
+  shape.graph->From(shape.samples, &shape.sample_of);
+  shape.sample_distances = shape.graph->Rows(shape.samples);
+  shape.all.functions = shape.spectrum.functions.cast<float>();
+  shape.all.weights = shape.spectrum.areas.cast<float>();
+  const auto count_made = static_cast<Eigen::Index>(shape.samples.size());
+  shape.sampled.functions.resize(count_made, shape.all.functions.cols());
+  for (Eigen::Index s = 0; s < count_made; ++s)
+    shape.sampled.functions.row(s) = shape.all.functions.row(shape.samples[s]);
+  Eigen::VectorXd areas = Eigen::VectorXd::Constant(count_made, 1e-9);
+  for (std::size_t v = 0; v < shape.sample_of.size(); ++v)
+    areas[shape.sample_of[v]] += shape.spectrum.areas[static_cast<Eigen::Index>(v)];
+  shape.sampled.weights = areas.cast<float>();
+  shape.mean_distance = shape.sample_distances.transpose() * (areas / areas.sum());
+}
+
+/// Positions with details finer than the square root of `time` smoothed away.
+PointsX3 Smoothed(const IntrinsicShape& shape, double time) {
+  const Spectrum& s = shape.spectrum;
+  const Eigen::MatrixXd parts = s.functions.transpose() * s.areas.asDiagonal() * shape.proxy.points;
+  return s.functions * ((-time * s.values.array()).exp().matrix().asDiagonal() * parts);
+}
+
+/// How far the surface bulges out at a scale: what smoothing takes away along the normal, its
+/// spread scaled to `kBulgeSpread`.
+Eigen::VectorXd Bulge(const IntrinsicShape& shape, double finer, double coarser) {
+  const Eigen::VectorXd out = (Smoothed(shape, finer) - Smoothed(shape, coarser))
+                                  .cwiseProduct(shape.proxy.normals)
+                                  .rowwise()
+                                  .sum();
+  const double spread = std::sqrt(shape.spectrum.areas.dot(out.cwiseAbs2()));
+  return out * (kBulgeSpread / std::max(spread, 1e-12));
+}
+
+/// Mean distance, heat kernel signatures, and bulges at three scales.
+void BuildDescriptors(IntrinsicShape& shape) {
+  const std::vector<double> times = {0.003, 0.01,
+                                     0.03};  // at unit area: from a limb's girth to half the body
+  const Spectrum& s = shape.spectrum;
+  shape.descriptors.resize(shape.proxy.vertex_count(),
+                           1 + 2 * static_cast<Eigen::Index>(times.size()));
+  shape.descriptors.col(0) = shape.mean_distance / s.areas.dot(shape.mean_distance);
+  const Eigen::MatrixXd squared = s.functions.cwiseAbs2();
+  for (std::size_t t = 0; t < times.size(); ++t) {
+    const Eigen::VectorXd heat = squared * (-times[t] * s.values.array()).exp().matrix();
+    const auto column = 1 + 2 * static_cast<Eigen::Index>(t);
+    shape.descriptors.col(column) = (heat / s.areas.dot(heat)).array().max(1e-6).log();
+    shape.descriptors.col(column + 1) = Bulge(shape, times[t] / 3, times[t]);
+  }
+}
+
+/// Unit tangent vectors of the field's rise at the vertices asked for; zero where it has none.
+PointsX3 RiseAt(const Mesh& mesh, const Eigen::VectorXd& field, const std::vector<int>& at) {
+  PointsX3 rise = PointsX3::Zero(mesh.vertex_count(), 3);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::Vector3d p0 = mesh.points.row(mesh.faces(f, 0)),
+                          p1 = mesh.points.row(mesh.faces(f, 1)),
+                          p2 = mesh.points.row(mesh.faces(f, 2));
+    const Eigen::Vector3d normal = (p1 - p0).cross(p2 - p0);
+    const double doubled = normal.norm();
+    if (!(doubled > 0)) continue;
+    // The gradient times twice the area: larger faces weigh more at their corners.
+    const Eigen::Vector3d gradient =
+        normal.cross((p2 - p1) * field[mesh.faces(f, 0)] + (p0 - p2) * field[mesh.faces(f, 1)] +
+                     (p1 - p0) * field[mesh.faces(f, 2)]) /
+        doubled;
+    for (int k = 0; k < 3; ++k) rise.row(mesh.faces(f, k)) += gradient.transpose();
+  }
+  PointsX3 picked(static_cast<Eigen::Index>(at.size()), 3);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const Eigen::RowVector3d n = mesh.normals.row(at[i]), g = rise.row(at[i]);
+    const Eigen::RowVector3d tangent = g - g.dot(n) * n;
+    picked.row(i) = tangent.norm() > 1e-12 ? Eigen::RowVector3d(tangent.normalized())
+                                           : Eigen::RowVector3d::Zero();
+  }
+  return picked;
+}
+
+}  // namespace
+
+IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options) {
+  IntrinsicShape shape;
+  BuildProxy(mesh, options.vertices, shape);
+  if (shape.proxy.vertex_count() < 4)
+    throw InputError("register: the surface has fewer than 4 vertices, too few to compare");
+  shape.graph = std::make_unique<GeodesicGraph>(shape.proxy.points, shape.proxy.faces);
+  shape.spectrum = LaplaceSpectrum(shape.proxy.points, shape.proxy.faces,
+                                   std::min(options.functions, shape.proxy.vertex_count() / 3 + 1));
+  BuildSamples(options.samples, shape);
+  BuildDescriptors(shape);
+  // Normals of a smoother surface: those of a scan's noise would blur everything that is told by
+  // sides.
+  shape.proxy.normals = VertexNormals(Smoothed(shape, kNormalTime), shape.proxy.faces);
+  return shape;
+}
+
+void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
+  shape.tips = known;
+  const std::size_t limit = known.size() + static_cast<std::size_t>(most);
+  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(shape.proxy.vertex_count(), 1e9);
+  if (!known.empty()) nearest = shape.graph->From(known);
+  for (const Peak& peak : FindPeaks(shape.graph->neighbors(), shape.mean_distance)) {
+    if (peak.persistence < kLeastPersistence || shape.tips.size() >= limit) break;
+    if (nearest[peak.vertex] < kLeastSeparation) continue;
+    shape.tips.push_back(peak.vertex);
+    nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
+  }
+  // A shape without limbs still has places that are farthest from each other.
+  for (const int sample : shape.samples) {
+    if (shape.tips.size() >= std::min(limit, known.size() + kLeastTips)) break;
+    if (nearest[sample] < kLeastSeparation) continue;
+    shape.tips.push_back(sample);
+    nearest = nearest.cwiseMin(shape.graph->From({sample}));
+  }
+  shape.tip_distances = shape.graph->Rows(shape.tips);
+  shape.known = static_cast<int>(known.size());
+  const Eigen::Index plain = shape.descriptors.cols();
+  shape.descriptors.conservativeResize(Eigen::NoChange, plain + shape.known);
+  shape.descriptors.rightCols(shape.known) =
+      kKnownWeight *
+      (-shape.tip_distances.topRows(shape.known).transpose().array() / kKnownReach).exp().matrix();
+}
+
+void AddColors(const ColorsX3& colors, IntrinsicShape& shape) {
+  const Eigen::Index plain = shape.descriptors.cols(), vertices = shape.descriptors.rows();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(vertices, 3);
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(vertices);
+  for (std::size_t v = 0; v < shape.proxy_of.size(); ++v) {
+    if (shape.proxy_of[v] < 0) continue;
+    sum.row(shape.proxy_of[v]) += colors.row(v).cast<double>();
+    count[shape.proxy_of[v]] += 1;
+  }
+  sum = count.cwiseMax(1).cwiseInverse().asDiagonal() * sum / 255;
+  // Lamps differ from day to day: only what differs from the mean colour counts.
+  const Eigen::RowVector3d mean = shape.spectrum.areas.transpose() * sum;
+  sum.rowwise() -= mean;
+  shape.descriptors.conservativeResize(Eigen::NoChange, plain + 3);
+  shape.descriptors.rightCols(3) = kColorWeight * sum;
+}
+
+std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape,
+                                     const Eigen::MatrixXd& distances) {
+  std::vector<PointsX3> rises(static_cast<std::size_t>(distances.rows()));
+  ParallelFor(distances.rows(), [&](std::int64_t r) {
+    rises[r] = RiseAt(shape.proxy, distances.row(r).transpose(), shape.samples);
+  });
+  return rises;
+}
+
+}  // namespace keypose::registration

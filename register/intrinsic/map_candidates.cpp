@@ -1,0 +1,304 @@
+#include "register/intrinsic/map_candidates.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/camera.h"
+#include "core/parallel.h"
+#include "register/intrinsic/tip_matching.h"
+
+namespace keypose::registration {
+
+namespace {
+
+// of turns (up to 1) beside distances (over the square root of the area)
+constexpr double kTurnWeight = 0.15;
+constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1)
+constexpr Eigen::Index kMarks = 12;
+constexpr double kLikenessAfterwards = 0.5;  // of descriptors afterwards
+constexpr double kHintWeight = 0.5;          // of the start's rows while few functions are in use
+
+/// Candidates are refined in stages, the best of them further than the rest. The score of a map
+/// that has just been started already tells: the best in the end were nearly always among the first
+/// third.
+struct Stage {
+  std::size_t kept;
+  std::vector<int> hinted_sizes, free_sizes;
+};
+const std::vector<Stage> kStages = {{32, {8, 10, 12}, {}}, {16, {14, 17, 20}, {24, 28, 32}}};
+
+/// What all candidates share.
+struct Pair {
+  const IntrinsicShape& source;
+  const IntrinsicShape& target;
+  Eigen::MatrixXd source_between, target_between;            ///< distances between samples
+  Eigen::MatrixXd source_descriptors, target_descriptors;    ///< at samples
+  std::vector<PointsX3> source_tip_rises, target_tip_rises;  ///< ways to tips
+  /// ways to the first kMarks samples, which lie farthest apart
+  std::vector<PointsX3> source_mark_rises;
+  std::vector<PointsX3> target_sample_rises;                              ///< ways to all samples
+  PointsX3 source_normals, target_normals, source_places, target_places;  ///< at samples
+};
+
+Eigen::MatrixXd AtSamples(const Eigen::MatrixXd& rows, const std::vector<int>& samples) {
+  Eigen::MatrixXd picked(static_cast<Eigen::Index>(samples.size()), rows.cols());
+  for (std::size_t s = 0; s < samples.size(); ++s) picked.row(s) = rows.row(samples[s]);
+  return picked;
+}
+
+Pair MakePair(const IntrinsicShape& source, const IntrinsicShape& target) {
+  const Eigen::Index marks = std::min<Eigen::Index>(kMarks, source.sample_distances.rows());
+  return {source,
+          target,
+          AtSamples(source.sample_distances.transpose(), source.samples),
+          AtSamples(target.sample_distances.transpose(), target.samples),
+          AtSamples(source.descriptors, source.samples),
+          AtSamples(target.descriptors, target.samples),
+          RisesAtSamples(source, source.tip_distances),
+          RisesAtSamples(target, target.tip_distances),
+          RisesAtSamples(source, source.sample_distances.topRows(marks)),
+          RisesAtSamples(target, target.sample_distances),
+          AtSamples(source.proxy.normals, source.samples),
+          AtSamples(target.proxy.normals, target.samples),
+          AtSamples(source.proxy.points, source.samples),
+          AtSamples(target.proxy.points, target.samples)};
+}
+
+/// For each sample and each pair of the tips chosen: the sine of the angle from the way to one to
+/// the way to the other, about the outward normal. Equal under bending, opposite in a mirror image.
+Eigen::MatrixXd TurnsBetween(const std::vector<PointsX3>& rises, const std::vector<int>& tips,
+                             const PointsX3& normals) {
+  const auto count = static_cast<Eigen::Index>(tips.size());
+  Eigen::MatrixXd turns(normals.rows(), count * (count - 1) / 2);
+  Eigen::Index column = 0;
+  for (std::size_t a = 0; a < tips.size(); ++a)
+    for (std::size_t b = a + 1; b < tips.size(); ++b, ++column)
+      for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+        const Eigen::RowVector3d u = rises[tips[a]].row(i), v = rises[tips[b]].row(i);
+        turns(i, column) = normals.row(i).dot(u.cross(v));
+      }
+  return turns;
+}
+
+TipProblem MakeTipProblem(const IntrinsicShape& source, const IntrinsicShape& target, int known) {
+  TipProblem problem;
+  problem.known = known;
+  problem.source_distances = AtSamples(source.tip_distances.transpose(), source.tips);
+  problem.target_distances = AtSamples(target.tip_distances.transpose(), target.tips);
+  const Eigen::MatrixXd a = AtSamples(source.descriptors, source.tips),
+                        b = AtSamples(target.descriptors, target.tips);
+  problem.unlike.resize(a.rows(), b.rows());
+  for (Eigen::Index i = 0; i < a.rows(); ++i)
+    for (Eigen::Index j = 0; j < b.rows(); ++j)
+      problem.unlike(i, j) = std::min(1.0, (a.row(i) - b.row(j)).cwiseAbs().mean());
+  return problem;
+}
+
+Eigen::MatrixXd StraightDistances(const IntrinsicShape& shape) {
+  const auto count = static_cast<Eigen::Index>(shape.tips.size());
+  Eigen::MatrixXd distances(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      distances(i, j) =
+          (shape.proxy.points.row(shape.tips[i]) - shape.proxy.points.row(shape.tips[j])).norm();
+  return distances;
+}
+
+/// Three quarters of the assignments by distances along the surface; the rest by straight
+/// distances, for poses that are alike but of bodies that differ (a long tail and a short one).
+std::vector<TipAssignment> Assignments(const IntrinsicShape& source, const IntrinsicShape& target,
+                                       int known, int tried) {
+  TipProblem problem = MakeTipProblem(source, target, known);
+  const int straight = tried / 4;
+  std::vector<TipAssignment> assignments = MatchTips(problem, tried - straight);
+  problem.source_distances = StraightDistances(source);
+  problem.target_distances = StraightDistances(target);
+  for (TipAssignment& more : MatchTips(problem, std::max(1, straight)))
+    if (std::none_of(assignments.begin(), assignments.end(),
+                     [&](const auto& a) { return a.target_of == more.target_of; }))
+      assignments.push_back(std::move(more));
+  return assignments;
+}
+
+/// Rows that are alike where a point lies alike towards the tips; `turns` is left for judging the
+/// result.
+Eigen::MatrixXf StartRows(const IntrinsicShape& shape, const std::vector<int>& tips,
+                          const Eigen::MatrixXd& descriptors, const Eigen::MatrixXd& turns) {
+  const auto count = static_cast<Eigen::Index>(tips.size()),
+             samples = static_cast<Eigen::Index>(shape.samples.size());
+  Eigen::MatrixXf rows(samples, count + turns.cols() + descriptors.cols());
+  for (Eigen::Index t = 0; t < count; ++t)
+    for (Eigen::Index s = 0; s < samples; ++s)
+      rows(s, t) = static_cast<float>(shape.tip_distances(tips[t], shape.samples[s]));
+  const double turn_weight =
+      turns.cols() > 0
+          ? kTurnWeight * std::sqrt(static_cast<double>(count) / static_cast<double>(turns.cols()))
+          : 0;
+  rows.middleCols(count, turns.cols()) = (turn_weight * turns).cast<float>();
+  rows.rightCols(descriptors.cols()) =
+      (kDescriptorWeight * std::sqrt(static_cast<double>(count)) * descriptors).cast<float>();
+  return rows;
+}
+
+/// Weighted mean of |d1(i,j) - d2(m(i), m(j))|.
+double Distortion(const Eigen::MatrixXd& from, const Eigen::MatrixXd& to,
+                  const std::vector<int>& map, const Eigen::VectorXd& weights) {
+  double sum = 0;
+  for (Eigen::Index j = 0; j < from.cols(); ++j) {
+    const int mj = map[j];
+    double column = 0;
+    for (Eigen::Index i = 0; i < from.rows(); ++i)
+      column += weights[i] * std::abs(from(i, j) - to(map[i], mj));
+    sum += weights[j] * column;
+  }
+  return sum;
+}
+
+double Coverage(const std::vector<int>& map, const Eigen::VectorXf& weights) {
+  std::vector<char> hit(static_cast<std::size_t>(weights.size()), 0);
+  for (const int j : map) hit[j] = 1;
+  double covered = 0;
+  for (Eigen::Index j = 0; j < weights.size(); ++j) covered += hit[j] ? weights[j] : 0;
+  return covered / static_cast<double>(weights.sum());
+}
+
+/// Do the ways to marks keep their order about the normal when marks and samples are mapped? 1 yes,
+/// -1 for a mirror image.
+double OrientationOf(const Pair& pair, const std::vector<int>& map,
+                     const Eigen::VectorXd& weights) {
+  double ab = 0, aa = 1e-12, bb = 1e-12;
+  const std::size_t marks = pair.source_mark_rises.size();
+  for (Eigen::Index i = 0; i < pair.source_normals.rows(); ++i) {
+    const int j = map[i];
+    const Eigen::RowVector3d n = pair.source_normals.row(i), m = pair.target_normals.row(j);
+    for (std::size_t k = 0; k < marks; ++k) {
+      const Eigen::RowVector3d u = n.cross(pair.source_mark_rises[k].row(i));
+      const Eigen::RowVector3d v = m.cross(pair.target_sample_rises[map[k]].row(j));
+      for (std::size_t l = k + 1; l < marks; ++l) {
+        const double a = u.dot(pair.source_mark_rises[l].row(i));
+        const double b = v.dot(pair.target_sample_rises[map[l]].row(j));
+        ab += weights[i] * a * b;
+        aa += weights[i] * a * a;
+        bb += weights[i] * b * b;
+      }
+    }
+  }
+  return ab / std::sqrt(aa * bb);
+}
+
+/// Mean distance between where a map takes the landmarks and where they belong.
+double MissedLandmarks(const Pair& pair, const std::vector<int>& map) {
+  double missed = 0;
+  for (int k = 0; k < pair.source.known; ++k) {
+    const int sample = pair.source.sample_of[pair.source.tips[k]];
+    const int image = pair.target.samples[map[sample]];
+    missed += pair.target.tip_distances(k, image) / pair.source.known;
+  }
+  return missed;
+}
+
+void Judge(const Pair& pair, MapCandidate& c) {
+  const Eigen::VectorXd ws =
+      pair.source.sampled.weights.cast<double>() / pair.source.sampled.weights.sum();
+  const Eigen::VectorXd wt =
+      pair.target.sampled.weights.cast<double>() / pair.target.sampled.weights.sum();
+  c.distortion = 0.5 * (Distortion(pair.source_between, pair.target_between, c.maps.forward, ws) +
+                        Distortion(pair.target_between, pair.source_between, c.maps.backward, wt));
+  c.coverage = std::min(Coverage(c.maps.forward, pair.target.sampled.weights),
+                        Coverage(c.maps.backward, pair.source.sampled.weights));
+  c.orientation = OrientationOf(pair, c.maps.forward, ws);
+  c.unlike = 0;
+  for (Eigen::Index i = 0; i < ws.size(); ++i)
+    c.unlike +=
+        ws[i] * (pair.source_descriptors.row(i) - pair.target_descriptors.row(c.maps.forward[i]))
+                    .cwiseAbs()
+                    .mean();
+  const PointsX3 image = AtSamples(pair.target_places, c.maps.forward);
+  const Similarity3 fit = FitSimilarity(pair.source_places, image, ws);
+  c.unfit =
+      std::sqrt(ws.dot((Transformed(fit, pair.source_places) - image).rowwise().squaredNorm()));
+  c.score = 0.5 * MissedLandmarks(pair, c.maps.forward) + 0.1 * c.unfit + c.distortion +
+            0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.1 * c.unlike;
+}
+
+/// A candidate on its way, with what its start says of where points belong.
+struct Sprout {
+  MapCandidate candidate;
+  MatchHints hints;
+};
+
+Sprout Started(const Pair& pair, const TipAssignment& assignment) {
+  Sprout sprout;
+  MapCandidate& c = sprout.candidate;
+  for (std::size_t s = 0; s < assignment.target_of.size(); ++s)
+    if (assignment.target_of[s] >= 0) {
+      c.source_tips.push_back(static_cast<int>(s));
+      c.target_tips.push_back(assignment.target_of[s]);
+    }
+  const Eigen::MatrixXd source_turns =
+      TurnsBetween(pair.source_tip_rises, c.source_tips, pair.source_normals);
+  const Eigen::MatrixXd target_turns =
+      TurnsBetween(pair.target_tip_rises, c.target_tips, pair.target_normals);
+  sprout.hints = {StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
+                  StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns),
+                  kHintWeight};
+  c.maps = NearestRows(sprout.hints.source, sprout.hints.target);
+  Judge(pair, c);
+  return sprout;
+}
+
+void Refine(const Pair& pair, const Stage& stage, Sprout& sprout) {
+  PointMaps& maps = sprout.candidate.maps;
+  maps =
+      RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, sprout.hints);
+  if (!stage.free_sizes.empty()) {
+    const MatchHints likeness{pair.source_descriptors.cast<float>(),
+                              pair.target_descriptors.cast<float>(), kLikenessAfterwards};
+    maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.free_sizes, likeness);
+  }
+  Judge(pair, sprout.candidate);
+}
+
+}  // namespace
+
+struct MapSearch::Shared {
+  Pair pair;
+};
+
+MapSearch::MapSearch(const IntrinsicShape& source, const IntrinsicShape& target)
+    : shared_(new Shared{MakePair(source, target)}) {}
+MapSearch::~MapSearch() = default;
+
+MapCandidate MapSearch::Judged(const std::vector<int>& source_tips,
+                               const std::vector<int>& target_tips, const PointMaps& maps) const {
+  MapCandidate candidate;
+  candidate.source_tips = source_tips;
+  candidate.target_tips = target_tips;
+  candidate.maps = maps;
+  Judge(shared_->pair, candidate);
+  return candidate;
+}
+
+std::vector<MapCandidate> MapSearch::Run(int known, int tried) const {
+  const std::vector<TipAssignment> assignments =
+      Assignments(shared_->pair.source, shared_->pair.target, known, tried);
+  std::vector<Sprout> sprouts(assignments.size());
+  const auto for_all = [&](const auto& change) {
+    ParallelFor(static_cast<std::int64_t>(sprouts.size()),
+                [&](std::int64_t i) { change(static_cast<std::size_t>(i)); });
+    std::stable_sort(sprouts.begin(), sprouts.end(), [](const Sprout& a, const Sprout& b) {
+      return a.candidate.score < b.candidate.score;
+    });
+  };
+  for_all([&](std::size_t i) { sprouts[i] = Started(shared_->pair, assignments[i]); });
+  for (const Stage& stage : kStages) {
+    sprouts.resize(std::min(sprouts.size(), stage.kept));
+    for_all([&](std::size_t i) { Refine(shared_->pair, stage, sprouts[i]); });
+  }
+  std::vector<MapCandidate> candidates;
+  for (Sprout& sprout : sprouts) candidates.push_back(std::move(sprout.candidate));
+  return candidates;
+}
+
+}  // namespace keypose::registration

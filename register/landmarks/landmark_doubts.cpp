@@ -1,0 +1,185 @@
+#include "register/landmarks/landmark_doubts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/camera.h"
+#include "core/kd_tree.h"
+#include "deform/levels/geodesics.h"
+#include "register/nricp/alignment.h"
+
+namespace keypose::registration {
+
+namespace {
+
+// Wide margins: hand-picked landmarks on squashed clay change distances by a third without anything
+// being wrong.
+constexpr double kSwapGain = 0.45;  // stress after the exchange over stress before
+// least stress (mean |log ratio|) of the two landmarks that is worth a word
+constexpr double kSwapLeast = 0.12;
+// a landmark whose distances change by a factor of 1.8 more than the rest
+constexpr double kMisplacedLog = 0.6;
+constexpr double kRestLog = 0.25;      // while the others agree within 1.3
+constexpr double kMirrorGain = 0.4;    // residual after reflection over residual before
+constexpr double kMirrorLeast = 0.08;  // residual before, over the spread of the landmarks
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// L x L distances along the surface between landmarks.
+Eigen::MatrixXd Between(const Mesh& mesh, const std::vector<int>& vertices) {
+  const GeodesicGraph graph(mesh.points, mesh.faces, GeodesicGraph::kEdgesOnly);
+  const Eigen::MatrixXd rows = graph.Rows(vertices);
+  Eigen::MatrixXd between(rows.rows(), rows.rows());
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    for (Eigen::Index j = 0; j < rows.rows(); ++j) between(i, j) = rows(i, vertices[j]);
+  return between;
+}
+
+/// Changes of distances: log ratios less their median, for landmark i of the source and the targets
+/// as permuted.
+class Stress {
+ public:
+  Stress(Eigen::MatrixXd source, Eigen::MatrixXd target)
+      : source_(std::move(source)), target_(std::move(target)) {
+    floor_ = 0.02 * std::max(source_.maxCoeff(), 1e-300);
+    target_floor_ = 0.02 * std::max(target_.maxCoeff(), 1e-300);
+    std::vector<double> logs;
+    for (Eigen::Index i = 0; i < source_.rows(); ++i)
+      for (Eigen::Index j = 0; j < i; ++j) logs.push_back(Log(i, j, i, j));
+    median_ = Median(logs);
+  }
+  /// |change| of the distance between landmarks i and j whose targets are those of ti and tj.
+  double Change(Eigen::Index i, Eigen::Index j, Eigen::Index ti, Eigen::Index tj) const {
+    return std::abs(Log(i, j, ti, tj) - median_);
+  }
+  Eigen::Index count() const { return source_.rows(); }
+
+  /// Mean change over all distances from a and b to the others, with or without their targets
+  /// exchanged.
+  double OfTwo(Eigen::Index a, Eigen::Index b, bool exchanged) const {
+    double sum = 0;
+    for (Eigen::Index k = 0; k < count(); ++k) {
+      if (k == a || k == b) continue;
+      sum += Change(a, k, exchanged ? b : a, k) + Change(b, k, exchanged ? a : b, k);
+    }
+    return sum / static_cast<double>(2 * std::max<Eigen::Index>(1, count() - 2));
+  }
+  /// Median change over the distances from a to the others.
+  double OfOne(Eigen::Index a) const {
+    std::vector<double> changes;
+    for (Eigen::Index k = 0; k < count(); ++k)
+      if (k != a) changes.push_back(Change(a, k, a, k));
+    return Median(changes);
+  }
+
+ private:
+  double Log(Eigen::Index i, Eigen::Index j, Eigen::Index ti, Eigen::Index tj) const {
+    return std::log((target_(ti, tj) + target_floor_) / (source_(i, j) + floor_));
+  }
+  Eigen::MatrixXd source_, target_;
+  double median_ = 0, floor_ = 0, target_floor_ = 0;
+};
+
+std::string Quoted(const std::string& name) { return "'" + name + "'"; }
+
+void FindSwapped(const Stress& stress, const std::vector<LandmarkGoal>& goals,
+                 std::vector<char>& named, std::vector<std::string>& doubts) {
+  struct Exchange {
+    double gain;
+    Eigen::Index a, b;
+  };
+  std::vector<Exchange> exchanges;
+  for (Eigen::Index a = 0; a < stress.count(); ++a)
+    for (Eigen::Index b = a + 1; b < stress.count(); ++b) {
+      const double before = stress.OfTwo(a, b, false), after = stress.OfTwo(a, b, true);
+      if (before > kSwapLeast && after < kSwapGain * before)
+        exchanges.push_back({before - after, a, b});
+    }
+  std::stable_sort(exchanges.begin(), exchanges.end(),
+                   [](const Exchange& x, const Exchange& y) { return x.gain > y.gain; });
+  for (const Exchange& e : exchanges) {
+    char &first = named[e.a], &second = named[e.b];
+    if (first || second) continue;
+    first = second = 1;
+    doubts.push_back("landmarks " + Quoted(goals[e.a].name) + " and " + Quoted(goals[e.b].name) +
+                     " look swapped: with their targets exchanged the distances along the surface "
+                     "would fit; check which is which");
+  }
+}
+
+void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
+                   std::vector<char>& named, std::vector<std::string>& doubts) {
+  std::vector<double> changes;
+  for (Eigen::Index a = 0; a < stress.count(); ++a) changes.push_back(stress.OfOne(a));
+  if (Median(changes) > kRestLog)
+    return;  // nothing fits: another shape rather than one bad landmark
+  for (std::size_t a = 0; a < changes.size(); ++a) {
+    if (named[a] || changes[a] < kMisplacedLog) continue;
+    // The landmark that it disagrees with most says where it went wrong.
+    std::size_t worst = a == 0 ? 1 : 0;
+    for (std::size_t k = 0; k < changes.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(k),
+                 w = static_cast<Eigen::Index>(worst);
+      if (k != a && stress.Change(i, j, i, j) > stress.Change(i, w, i, w)) worst = k;
+    }
+    named[a] = 1;
+    doubts.push_back("landmark " + Quoted(goals[a].name) +
+                     " contradicts most others, most of all " + Quoted(goals[worst].name) +
+                     ": their distance along the surface changes far more than that of the rest; "
+                     "check where it was picked");
+  }
+}
+
+/// Root mean square residual of the best similarity over the spread.
+double FitResidual(const PointsX3& from, const PointsX3& to) {
+  const Similarity3 fit = FitSimilarity(from, to);
+  const double spread = (to.rowwise() - to.colwise().mean()).norm();
+  return spread > 0 ? (Transformed(fit, from) - to).norm() / spread : 0;
+}
+
+void FindMirrored(const PointsX3& from, const PointsX3& to, std::vector<std::string>& doubts) {
+  if (from.rows() < 5 || SpreadRank(from) < 3 || SpreadRank(to) < 3) return;
+  PointsX3 reflected = from;
+  reflected.col(0) *= -1;
+  const double straight = FitResidual(from, to), mirrored = FitResidual(reflected, to);
+  if (straight > kMirrorLeast && mirrored < kMirrorGain * straight)
+    doubts.push_back(
+        "the landmarks describe a mirror image: left and right look exchanged throughout; check "
+        "the sides");
+}
+
+}  // namespace
+
+std::vector<std::string> DoubtsAbout(const std::vector<LandmarkGoal>& goals, const Mesh& source,
+                                     const Mesh& target) {
+  std::vector<std::string> doubts;
+  if (goals.size() < 4) return doubts;
+  PointsX3 from(static_cast<Eigen::Index>(goals.size()), 3), to(from.rows(), 3);
+  for (std::size_t k = 0; k < goals.size(); ++k) {
+    from.row(k) = PositionOf(goals[k].source, source.points).transpose();
+    to.row(k) = goals[k].target.transpose();
+  }
+  FindMirrored(from, to, doubts);
+  if (std::max(source.vertex_count(), target.vertex_count()) > kLargestForDistances) return doubts;
+  std::vector<int> on_source, on_target;
+  const KdTree tree(target.points);
+  for (const LandmarkGoal& goal : goals) {
+    Eigen::Index heaviest = 0;
+    goal.source.weights.maxCoeff(&heaviest);
+    on_source.push_back(goal.source.vertices[heaviest]);
+    on_target.push_back(tree.Nearest(goal.target).index);
+  }
+  const Stress stress(Between(source, on_source), Between(target, on_target));
+  std::vector<char> named(goals.size(), 0);
+  FindSwapped(stress, goals, named, doubts);
+  FindMisplaced(stress, goals, named, doubts);
+  return doubts;
+}
+
+}  // namespace keypose::registration

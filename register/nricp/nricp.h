@@ -1,0 +1,64 @@
+// Non-rigid iterative closest points with landmarks: the paper's registration.
+#pragma once
+
+#include <vector>
+
+#include "core/landmark_goal.h"
+#include "core/mesh.h"
+#include "core/progress.h"
+#include "register/nricp/alignment.h"
+#include "register/nricp/nricp_system.h"
+
+namespace keypose::registration {
+
+struct NricpOptions {
+  double alpha_max = 50;   ///< stiffness of the first round, with the target's diagonal scaled to 2
+  double alpha_min = 0.2;  ///< stiffness of the last round
+  int alpha_steps = 12;    ///< rounds, falling geometrically
+  double beta_ratio = 2;   ///< landmark weight over stiffness
+  double beta_until = 1;   ///< landmarks count while the stiffness is above this
+  double gamma = 1;  ///< weight of translation against rotation and scale in the stiffness term
+  double epsilon = 1e-3;  ///< an inner loop ends when |X - X before|_F / sqrt(V) is below
+  int max_inner = 10;     ///< or after so many solves
+  /// also drop correspondences whose segment passes through the source
+  bool reject_crossing = false;
+  /// factor at every solve instead of conjugate gradients on the last factor
+  bool exact_solves = false;
+};
+
+struct NricpResult {
+  PointsX3 points;  ///< V x 3, in the target's frame
+  /// V, linear part of each vertex's affine map from source to target frame
+  std::vector<Eigen::Matrix3d> transforms;
+  Alignment alignment;
+  int iterations = 0;  ///< searches and solves, over all rounds
+  int factorisations = 0, analyses = 0;
+  long pcg_steps = 0;
+  int unconverged_rounds = 0;  ///< rounds that ended at max_inner
+  double kept = 0;             ///< share of vertices with a believed correspondence at the end
+  int loose_components = 0;    ///< parts of the source that nothing held in place in some round
+  double seconds_align = 0, seconds_search = 0, seconds_solve = 0;
+};
+
+/// The source bent onto the target by locally affine maps of falling stiffness.
+///
+/// @param source     V >= 1 vertices; open, closed, several parts, all allowed
+/// @param target     any usable mesh, open or closed
+/// @param landmarks  may be empty; then alignment is by ICP, see alignment.h
+/// @param stiffness  V, multiplies alpha at each vertex, or empty
+/// @throws InputError   unusable mesh, landmark off the source, stiffness of another length or not
+/// positive
+/// @throws SolverError  the system cannot be solved
+/// @throws Cancelled
+/// Cost: one analysis; per round a few closest point searches and solves.
+/// Same bits for any thread count.
+/// Source: Ebner et al., E-StopMotion, Algorithm 1 (its inner loop is printed with the comparison
+/// reversed), after Amberg et al. 2007.
+/// Departs: solves between factorisations are conjugate gradients to 1e-5 of the right-hand side
+/// (exact_solves turns that off).
+NricpResult RegisterNricp(const Mesh& source, const Mesh& target,
+                          const std::vector<LandmarkGoal>& landmarks,
+                          const Eigen::VectorXd& stiffness, const NricpOptions& options,
+                          Progress* progress = nullptr);
+
+}  // namespace keypose::registration

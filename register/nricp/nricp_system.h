@@ -1,0 +1,75 @@
+// The linear system of one step of non-rigid ICP: one affine map per vertex, solved sparse.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "core/landmark_goal.h"
+#include "core/mesh.h"
+
+namespace keypose::registration {
+
+/// What changes from step to step.
+struct NricpTerms {
+  double alpha = 1;         ///< stiffness
+  double gamma = 1;         ///< weight of the translation part in the stiffness term
+  double beta = 0;          ///< weight of landmarks
+  Eigen::VectorXd weights;  ///< V, w_i in {0,1}: whether closest point i counts
+  PointsX3 closest;         ///< V x 3, u_i
+  PointsX3 landmarks;       ///< L x 3, goals of the landmarks
+};
+
+/// E(X) = sum_edges |alpha m_e (X_i - X_j) G|^2 + sum_i w_i |v_i X_i - u_i|^2 + beta^2 sum_l |l-th
+/// landmark - its goal|^2 and its minimiser.
+///
+/// X is 4V x 3: rows 4i..4i+3 hold the map of vertex i, which takes [x y z 1] to [x y z 1] X_i. G =
+/// diag(1, 1, 1, gamma). A landmark between vertices moves with the same mix of its corners' maps.
+/// The normal matrix keeps one pattern for life: it is analysed once (nested dissection of the
+/// V-node graph, expanded to 4V) and refilled through a table of slots. Parts of the mesh that no
+/// term holds in place get a weak pull (1e-9 of their mean diagonal) to where they are; never NaN.
+/// Source: Amberg, Romdhani, Vetter, CVPR 2007; Ebner et al., E-StopMotion, Eq. 1-5. Landmark goals
+/// carry beta on both sides of the system, which the printed Eq. 5 leaves out; Eq. 4 leaves out X.
+/// Not for use from two threads at once.
+/// Same bits for any thread count.
+class NricpSystem {
+ public:
+  /// @param points     V x 3, at rest
+  /// @param stiffness  V, m_i >= 0 of each vertex (m_e is the geometric mean of an edge's ends), or
+  /// empty for all one
+  /// @throws InputError   wrong sizes
+  /// @throws SolverError  the pattern cannot be analysed
+  NricpSystem(const PointsX3& points, const FacesX3& faces,
+              const std::vector<SurfacePoint>& landmarks, const Eigen::VectorXd& stiffness = {});
+  ~NricpSystem();
+  NricpSystem(NricpSystem&&) noexcept;
+
+  /// @param current  X so far; parts held by nothing stay there
+  void Refill(const NricpTerms& terms, const Eigen::MatrixXd& current);
+  /// Factors anew.
+  /// @throws SolverError  not positive definite, or out of memory
+  Eigen::MatrixXd SolveDirect();
+  /// Conjugate gradients from `start`, preconditioned by the last factor; falls back to SolveDirect
+  /// when there is no factor or more than `max_steps` would be needed for a residual of `tolerance`
+  /// times the right-hand side.
+  Eigen::MatrixXd SolveNear(const Eigen::MatrixXd& start, double tolerance, int max_steps);
+
+  Eigen::MatrixXd Identity() const;                   ///< X with every map the identity
+  PointsX3 Deformed(const Eigen::MatrixXd& x) const;  ///< V x 3, v_i X_i
+  double Energy(
+      const Eigen::MatrixXd& x) const;  ///< of the last Refill, term by term from the definition
+  Eigen::MatrixXd HalfGradient(
+      const Eigen::MatrixXd& x) const;  ///< A^T (A X - B) from the assembled system
+
+  int analyses() const;
+  int factorisations() const;
+  long pcg_steps() const;
+  int loose_components() const;  ///< connected parts that needed the weak pull at the last Refill
+  long factor_nonzeros() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace keypose::registration

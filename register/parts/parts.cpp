@@ -1,0 +1,494 @@
+#include "register/parts/parts.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <queue>
+#include <tuple>
+
+#include "core/camera.h"
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/kd_tree.h"
+#include "core/ray_scene.h"
+
+namespace keypose::registration {
+
+namespace {
+
+using Eigen::Vector3d;
+constexpr int kFeet = 96;          // of one part's vertices, at most
+constexpr double kSoftFoot = 0.1;  // of the part's size: feet nearer than this count alike
+constexpr double kRing = 0.5;      // of the part's size: how far along the host the anchors spread
+constexpr double kRingShare = 0.25;  // of the weight
+// a part changes its size no more than this beyond what the host does
+constexpr double kMostScale = 1.25;
+constexpr int kCounterpartFeet = 400;        // of one part, laid onto its counterpart
+constexpr int kCounterpartRounds = 30;       // of closest points
+constexpr double kCounterpartGrowth = 1.25;  // and what it may grow or shrink by
+constexpr double kSizeAlike = 1.4;           // of counterparts
+constexpr double kCentreReach = 0.75;        // of a part's size: its counterpart's centre is nearer
+
+/// The first vertex at the place of each.
+std::vector<int> Places(const PointsX3& points) {
+  std::vector<int> order(static_cast<std::size_t>(points.rows())), place(order.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto at = [&](int v) { return std::tuple(points(v, 0), points(v, 1), points(v, 2)); };
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return at(a) != at(b) ? at(a) < at(b) : a < b; });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    place[order[i]] = i > 0 && at(order[i]) == at(order[i - 1]) ? place[order[i - 1]] : order[i];
+  return place;
+}
+
+/// Component of each vertex; -1 for vertices that no face uses. Seams, where edges repeat at the
+/// same place, do not part.
+struct MeshParts {
+  std::vector<int> of_vertex;
+  std::vector<double> diagonal;
+
+  explicit MeshParts(const Mesh& mesh) : of_vertex(mesh.vertex_count(), -1) {
+    std::vector<int> root(mesh.vertex_count());
+    std::iota(root.begin(), root.end(), 0);
+    const auto find = [&](int v) {
+      while (root[v] != v) v = root[v] = root[root[v]];
+      return v;
+    };
+    const auto join = [&](int a, int b) {
+      a = find(a);
+      b = find(b);
+      root[std::max(a, b)] = std::min(a, b);
+    };
+    std::vector<char> used(mesh.vertex_count(), 0);
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      join(mesh.faces(f, 0), mesh.faces(f, 1));
+      join(mesh.faces(f, 0), mesh.faces(f, 2));
+      for (int k = 0; k < 3; ++k) used[mesh.faces(f, k)] = 1;
+    }
+    int pieces = 0;
+    for (int v = 0; v < mesh.vertex_count(); ++v) pieces += used[v] && find(v) == v;
+    if (pieces > 1) JoinSeams(mesh, join);
+    std::vector<Eigen::AlignedBox3d> boxes;
+    std::vector<int> id(mesh.vertex_count(), -1);
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+      if (!used[v]) continue;
+      const int r = find(v);
+      if (id[r] < 0) {
+        id[r] = static_cast<int>(boxes.size());
+        boxes.emplace_back();
+      }
+      of_vertex[v] = id[r];
+      boxes[id[r]].extend(mesh.points.row(v).transpose());
+    }
+    for (const auto& box : boxes) diagonal.push_back(box.diagonal().norm());
+  }
+
+ private:
+  template <class Join>
+  static void JoinSeams(const Mesh& mesh, const Join& join) {
+    // A seam repeats both ends of its edges. One repeated point alone is but two parts that touch.
+    const std::vector<int> place = Places(mesh.points);
+    std::vector<std::array<int, 3>> edges;
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
+        edges.push_back({std::min(place[a], place[b]), std::max(place[a], place[b]), a});
+      }
+    std::sort(edges.begin(), edges.end());
+    for (std::size_t i = 1; i < edges.size(); ++i)
+      if (edges[i][0] == edges[i - 1][0] && edges[i][1] == edges[i - 1][1])
+        join(edges[i][2], edges[i - 1][2]);
+  }
+};
+
+/// A piece of the mesh that something may sit on.
+struct Seat {
+  std::vector<int> faces;  // of the mesh
+  FacesX3 corners;
+  std::unique_ptr<RayScene> scene;  // made when first asked for
+  Eigen::AlignedBox3d box;
+
+  const RayScene& Scene(const Mesh& mesh) {
+    if (!scene) {
+      corners.resize(static_cast<Eigen::Index>(faces.size()), 3);
+      for (std::size_t i = 0; i < faces.size(); ++i) corners.row(i) = mesh.faces.row(faces[i]);
+      scene = std::make_unique<RayScene>(mesh.points, corners);
+    }
+    return *scene;
+  }
+};
+
+std::vector<int> SomeOf(const std::vector<int>& all, int most) {
+  std::vector<int> some;
+  const std::size_t stride = std::max<std::size_t>(1, all.size() / static_cast<std::size_t>(most));
+  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
+  return some;
+}
+
+double MeanDistance(const RayScene& scene, const Mesh& mesh, const std::vector<int>& vertices) {
+  double sum = 0;
+  for (int v : vertices) sum += std::sqrt(scene.ClosestPoint(mesh.points.row(v)).squared_distance);
+  return sum / static_cast<double>(vertices.size());
+}
+
+/// Distances along the edges of a seat from some of its vertices, as far as `reach`.
+std::map<int, double> Around(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors,
+                             const std::map<int, double>& from, double reach) {
+  std::map<int, double> distance;
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (const auto& [v, weight] : from) {
+    distance[v] = 0;
+    queue.emplace(0, v);
+  }
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance[v]) continue;
+    for (int u : neighbors[v]) {
+      const double further = d + (mesh.points.row(u) - mesh.points.row(v)).norm();
+      if (further > reach) continue;
+      const auto [at, fresh] = distance.emplace(u, further);
+      if (!fresh && further >= at->second) continue;
+      at->second = further;
+      queue.emplace(further, u);
+    }
+  }
+  return distance;
+}
+
+/// Binds a part to the surface that its feet stand on, and, more weakly, to what lies around them.
+void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat& seat,
+          LoosePart& part) {
+  std::map<int, double> weights;
+  const double soft = std::max(kSoftFoot * part.diagonal, std::numeric_limits<double>::min());
+  double total = 0;
+  for (int v : SomeOf(part.vertices, kFeet)) {
+    const RayScene::Foot foot = seat.Scene(mesh).ClosestPoint(mesh.points.row(v));
+    const double w = soft * soft / (foot.squared_distance + soft * soft);
+    // All three corners take part, so that a foot on an edge still says how the face is turned.
+    for (int k = 0; k < 3; ++k)
+      weights[seat.corners(foot.face, k)] += w * (foot.barycentric[k] + 0.1);
+    total += 1.3 * w;
+  }
+  const std::map<int, double> ring = Around(mesh, neighbors, weights, kRing * part.diagonal);
+  double ring_total = 0;
+  const auto fade = [&](double d) {
+    return std::exp(-std::pow(2 * d / std::max(kRing * part.diagonal, 1e-300), 2));
+  };
+  for (const auto& [v, d] : ring) ring_total += fade(d);
+  for (const auto& [v, d] : ring) weights[v] += kRingShare * total * fade(d) / ring_total;
+  part.weights.resize(static_cast<Eigen::Index>(weights.size()));
+  for (const auto& [v, w] : weights) {
+    part.weights[static_cast<Eigen::Index>(part.anchors.size())] = w;
+    part.anchors.push_back(v);
+  }
+  part.weights /= part.weights.sum();
+}
+
+std::vector<std::vector<int>> Neighbors(const Mesh& mesh) {
+  std::vector<std::vector<int>> neighbors(mesh.vertex_count());
+  for (const auto& [i, j] : UndirectedEdges(mesh.faces)) {
+    neighbors[i].push_back(j);
+    neighbors[j].push_back(i);
+  }
+  return neighbors;
+}
+
+PointsX3 RowsOf(const PointsX3& points, const std::vector<int>& rows) {
+  PointsX3 some(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i) some.row(i) = points.row(rows[i]);
+  return some;
+}
+
+/// The similarity of least squares, its scale kept near `scale`.
+Similarity3 FitNear(const PointsX3& from, const PointsX3& to, const Eigen::VectorXd& weights,
+                    double scale) {
+  const Vector3d mean_from = from.transpose() * weights / weights.sum(),
+                 mean_to = to.transpose() * weights / weights.sum();
+  Similarity3 fit;
+  fit.scale = scale;
+  if (BoundingDiagonal(from) > 0 && BoundingDiagonal(to) > 0 && from.rows() >= 3) {
+    fit = FitSimilarity(from, to, weights);
+    fit.scale = std::isfinite(fit.scale)
+                    ? std::clamp(fit.scale, scale / kMostScale, scale * kMostScale)
+                    : scale;
+  }
+  fit.translation = mean_to - fit.scale * (fit.rotation * mean_from);
+  return fit;
+}
+
+/// How much larger the host has become.
+double HostScale(const Mesh& source, const LooseParts& parts, const PointsX3& moved) {
+  std::vector<char> loose(source.vertex_count(), 0);
+  for (const LoosePart& part : parts.parts)
+    for (int v : part.vertices) loose[v] = 1;
+  double before = 0, after = 0;
+  const Eigen::VectorXd old_areas = FaceAreas(source.points, source.faces),
+                        new_areas = FaceAreas(moved, source.faces);
+  for (Eigen::Index f = 0; f < old_areas.size(); ++f) {
+    if (loose[source.faces(f, 0)]) continue;
+    before += old_areas[f];
+    after += new_areas[f];
+  }
+  const double ratio = after / before;
+  return std::isfinite(ratio) && ratio > 0 ? std::sqrt(ratio) : 1;
+}
+
+void Apply(const Similarity3& motion, const std::vector<int>& vertices, PointsX3& points) {
+  for (int v : vertices) points.row(v) = (motion * points.row(v).transpose().eval()).transpose();
+}
+
+}  // namespace
+
+LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
+  RequireUsable(mesh, "register: loose parts");
+  const MeshParts components(mesh);
+  const double largest = *std::max_element(components.diagonal.begin(), components.diagonal.end());
+  const auto is_loose = [&](int c) {
+    return c >= 0 && components.diagonal[c] < options.largest_share * largest;
+  };
+  LooseParts found;
+  std::vector<int> order;
+  for (std::size_t c = 0; c < components.diagonal.size(); ++c)
+    if (is_loose(static_cast<int>(c))) order.push_back(static_cast<int>(c));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return components.diagonal[a] > components.diagonal[b]; });
+  std::vector<int> part_of(components.diagonal.size(), -1);
+  for (std::size_t i = 0; i < order.size(); ++i) part_of[order[i]] = static_cast<int>(i);
+  found.parts.resize(order.size());
+  std::vector<Seat> seats(order.size());
+  Seat host;
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const int c = components.of_vertex[v];
+    if (!is_loose(c)) {
+      found.host_vertices.push_back(v);
+      continue;
+    }
+    found.parts[part_of[c]].vertices.push_back(v);
+    seats[part_of[c]].box.extend(mesh.points.row(v).transpose());
+  }
+  if (order.empty()) return found;
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    const int c = components.of_vertex[mesh.faces(f, 0)];
+    (is_loose(c) ? seats[part_of[c]] : host).faces.push_back(f);
+  }
+  const std::vector<std::vector<int>> neighbors = Neighbors(mesh);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    LoosePart& part = found.parts[i];
+    part.diagonal = components.diagonal[order[i]];
+    const std::vector<int> some = SomeOf(part.vertices, kFeet);
+    double nearest = MeanDistance(host.Scene(mesh), mesh, some);
+    for (std::size_t j = 0; j < i; ++j) {
+      // Only what it touches, or nearly: two eyes side by side do not sit on each other.
+      if (components.diagonal[order[j]] <= part.diagonal ||
+          seats[j].box.exteriorDistance(seats[i].box) > 0.05 * part.diagonal)
+        continue;
+      const double d = MeanDistance(seats[j].Scene(mesh), mesh, some);
+      if (d >= nearest) continue;
+      nearest = d;
+      part.parent = static_cast<int>(j);
+    }
+    Bind(mesh, neighbors, part.parent < 0 ? host : seats[part.parent], part);
+  }
+  return found;
+}
+
+Mesh HostOf(const Mesh& mesh, const LooseParts& parts) {
+  Mesh host;
+  host.points = RowsOf(mesh.points, parts.host_vertices);
+  std::vector<int> row(mesh.vertex_count(), -1);
+  for (std::size_t i = 0; i < parts.host_vertices.size(); ++i)
+    row[parts.host_vertices[i]] = static_cast<int>(i);
+  std::vector<int> kept;
+  for (int f = 0; f < mesh.face_count(); ++f)
+    if (row[mesh.faces(f, 0)] >= 0) kept.push_back(f);
+  host.faces.resize(static_cast<Eigen::Index>(kept.size()), 3);
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      host.faces(static_cast<Eigen::Index>(i), k) = row[mesh.faces(kept[i], k)];
+  return host;
+}
+
+PointsX3 MoveLooseParts(const Mesh& source, const LooseParts& parts, const PointsX3& moved) {
+  if (moved.rows() != source.points.rows())
+    throw InputError("register: loose parts: the moved points are not the source's");
+  PointsX3 points = moved;
+  if (parts.empty()) return points;
+  const double scale = HostScale(source, parts, moved);
+  std::vector<Similarity3> motions;
+  for (const LoosePart& part : parts.parts) {
+    // What sits on a loose part moves as that does, to the bit.
+    motions.push_back(part.parent >= 0
+                          ? motions[part.parent]
+                          : FitNear(RowsOf(source.points, part.anchors),
+                                    RowsOf(points, part.anchors), part.weights, scale));
+    for (int v : part.vertices) points.row(v) = source.points.row(v);
+    Apply(motions.back(), part.vertices, points);
+  }
+  return points;
+}
+
+PointsX3 MoveLoosePartsWithHost(const Mesh& source, const LooseParts& parts,
+                                const PointsX3& moved_host) {
+  if (moved_host.rows() != static_cast<Eigen::Index>(parts.host_vertices.size()))
+    throw InputError("register: loose parts: the moved points are not the host's");
+  PointsX3 points = source.points;
+  for (std::size_t i = 0; i < parts.host_vertices.size(); ++i)
+    points.row(parts.host_vertices[i]) = moved_host.row(i);
+  return MoveLooseParts(source, parts, points);
+}
+
+namespace {
+
+/// Middle of each part's surface.
+std::vector<Vector3d> Centres(const LooseParts& parts, const PointsX3& points,
+                              const FacesX3& faces) {
+  std::vector<int> part_of(static_cast<std::size_t>(points.rows()), -1);
+  for (std::size_t i = 0; i < parts.parts.size(); ++i)
+    for (int v : parts.parts[i].vertices) part_of[v] = static_cast<int>(i);
+  std::vector<Vector3d> centre(parts.parts.size(), Vector3d::Zero());
+  std::vector<double> area(parts.parts.size(), 0);
+  const Eigen::VectorXd areas = FaceAreas(points, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const int i = part_of[faces(f, 0)];
+    if (i < 0) continue;
+    centre[i] +=
+        areas[f] *
+        (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))).transpose() /
+        3;
+    area[i] += areas[f];
+  }
+  for (std::size_t i = 0; i < centre.size(); ++i)
+    centre[i] = area[i] > 0 ? (centre[i] / area[i]).eval()
+                            : points.row(parts.parts[i].vertices[0]).transpose().eval();
+  return centre;
+}
+
+int NearestCentre(const Vector3d& p, const std::vector<Vector3d>& centres) {
+  int best = -1;
+  for (std::size_t i = 0; i < centres.size(); ++i)
+    if (best < 0 || (centres[i] - p).squaredNorm() < (centres[best] - p).squaredNorm())
+      best = static_cast<int>(i);
+  return best;
+}
+
+/// A motion onto the part's own landmarks; false when it has none.
+bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
+                   const std::vector<LandmarkGoal>& landmarks, Similarity3& motion) {
+  std::vector<Vector3d> from, to;
+  for (const LandmarkGoal& goal : landmarks) {
+    Eigen::Index corner = 0;
+    goal.source.weights.maxCoeff(&corner);
+    if (!std::binary_search(part.vertices.begin(), part.vertices.end(),
+                            goal.source.vertices[corner]))
+      continue;
+    from.push_back(PositionOf(goal.source, points));
+    to.push_back(goal.target);
+  }
+  if (from.empty()) return false;
+  motion = {};
+  if (from.size() == 1) {
+    motion.translation = to[0] - from[0];
+    return true;
+  }
+  // Its place as it is counts a little, which settles the turn that two landmarks leave open.
+  const std::vector<int> some = SomeOf(part.vertices, kFeet);
+  const auto marks = static_cast<Eigen::Index>(from.size()),
+             rest = static_cast<Eigen::Index>(some.size());
+  PointsX3 a(marks + rest, 3), b(marks + rest, 3);
+  Eigen::VectorXd weights(marks + rest);
+  Vector3d shift = Vector3d::Zero();
+  for (Eigen::Index i = 0; i < marks; ++i) {
+    a.row(i) = from[i].transpose();
+    b.row(i) = to[i].transpose();
+    shift += (to[i] - from[i]) / static_cast<double>(marks);
+  }
+  a.bottomRows(rest) = RowsOf(points, some);
+  b.bottomRows(rest) = a.bottomRows(rest).rowwise() + shift.transpose();
+  weights.head(marks).setOnes();
+  weights.tail(rest).setConstant(0.02 * static_cast<double>(marks) / static_cast<double>(rest));
+  motion = FitSimilarity(a, b, weights, false);
+  return true;
+}
+
+/// The similarity that lays a part, already about in place, onto its counterpart; none where that
+/// brings it no closer.
+Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const FacesX3& faces,
+                            const LoosePart& other, const Mesh& target) {
+  const std::vector<int> some = SomeOf(part.vertices, kCounterpartFeet);
+  const PointsX3 start = RowsOf(points, some), theirs = RowsOf(target.points, other.vertices);
+  const PointsX3 normals = RowsOf(VertexNormals(points, faces), some);
+  const PointsX3 their_normals = RowsOf(VertexNormals(target.points, target.faces), other.vertices);
+  const KdTree tree(theirs);
+  Similarity3 motion;
+  double first = 0, last = 0;
+  for (int round = 0; round <= kCounterpartRounds; ++round) {
+    PointsX3 goals = Transformed(motion, start);
+    const PointsX3 at = goals;
+    for (Eigen::Index i = 0; i < at.rows(); ++i)
+      for (const KdTree::Neighbor& near : tree.Nearest(at.row(i).transpose(), 8)) {
+        const Vector3d normal = their_normals.row(near.index);
+        if (normal.dot(motion.rotation * normals.row(i).transpose()) < 0.5) continue;
+        // To the plane there, and a little to the point, so that flat parts settle.
+        const Vector3d way = theirs.row(near.index) - at.row(i);
+        goals.row(i) +=
+            (normal * normal.dot(way) + 0.3 * (way - normal * normal.dot(way))).transpose();
+        break;
+      }
+    last = (goals - at).squaredNorm();
+    if (round == 0) first = last;
+    if (round < kCounterpartRounds)
+      motion = FitSimilarity(start, goals, Eigen::VectorXd::Ones(start.rows()));
+  }
+  const bool sized = motion.scale < kCounterpartGrowth && motion.scale > 1 / kCounterpartGrowth;
+  return last < first && sized ? motion : Similarity3{};
+}
+
+}  // namespace
+
+RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const PointsX3& moved,
+                              const Mesh& target, const LooseParts& target_parts,
+                              const std::vector<LandmarkGoal>& landmarks) {
+  RefinedParts refined{moved};
+  std::vector<Similarity3> motions(parts.parts.size());
+  const std::vector<Vector3d> theirs = Centres(target_parts, target.points, target.faces);
+  const std::vector<Vector3d> ours = Centres(parts, moved, source.faces);
+  for (std::size_t i = 0; i < parts.parts.size(); ++i) {
+    const LoosePart& part = parts.parts[i];
+    Similarity3 own;
+    if (part.parent >= 0) {
+      motions[i] = motions[part.parent];
+      Apply(motions[i], part.vertices, refined.points);
+    }
+    if (OntoLandmarks(part, refined.points, landmarks, own)) {
+      ++refined.by_landmarks;
+    } else {
+      const int other = NearestCentre(ours[i], theirs);
+      if (other < 0 || NearestCentre(theirs[other], ours) != static_cast<int>(i)) continue;
+      const double size = BoundingDiagonal(RowsOf(refined.points, part.vertices)),
+                   ratio = target_parts.parts[other].diagonal / size;
+      if (!(ratio < kSizeAlike) || !(ratio > 1 / kSizeAlike) ||
+          (theirs[other] - ours[i]).norm() > kCentreReach * size)
+        continue;
+      own.translation = theirs[other] - (motions[i] * ours[i]);
+      PointsX3 shifted = refined.points;
+      Apply(own, part.vertices, shifted);
+      const Similarity3 onto =
+          OntoCounterpart(part, shifted, source.faces, target_parts.parts[other], target);
+      own = {onto.scale, onto.rotation, onto * own.translation};
+      ++refined.by_counterpart;
+    }
+    Apply(own, part.vertices, refined.points);
+    motions[i] = {own.scale * motions[i].scale, own.rotation * motions[i].rotation,
+                  own * motions[i].translation};
+  }
+  return refined;
+}
+
+}  // namespace keypose::registration

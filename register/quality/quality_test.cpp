@@ -1,0 +1,227 @@
+#include "register/quality/quality.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/testing_shapes.h"
+
+namespace keypose::registration {
+namespace {
+
+TEST(MeasureRegistration, TheSourceOnItselfIsPerfect) {
+  const Mesh sphere = MakeIcosphere(4);
+  const RegistrationQuality q = MeasureRegistration(sphere, sphere.points, sphere);
+  EXPECT_LT(q.surface_rms, 1e-12);
+  EXPECT_LT(q.hausdorff_to_target, 1e-12);
+  EXPECT_LT(q.hausdorff_from_target, 1e-12);
+  EXPECT_EQ(q.flipped, 0);
+  EXPECT_EQ(q.degenerate, 0);
+  EXPECT_EQ(q.self_intersections, 0);
+  EXPECT_EQ(q.self_intersections_gained, 0);
+  EXPECT_EQ(q.coverage, 1);
+  EXPECT_NEAR(q.stretch.smallest, 1, 1e-9);
+  EXPECT_NEAR(q.stretch.largest, 1, 1e-9);
+  EXPECT_NEAR(q.stretch.worst_ratio, 1, 1e-6);
+}
+
+TEST(MeasureRegistration, ConcentricSpheresAreApartByTheDifferenceOfTheirRadii) {
+  const Mesh sphere = MakeIcosphere(5);
+  const PointsX3 larger = 1.05 * sphere.points;
+  const RegistrationQuality q = MeasureRegistration(sphere, larger, sphere);
+  const double expected = 0.05 / BoundingDiagonal(sphere.points);
+  EXPECT_NEAR(q.surface_mean, expected, 2e-3 * expected);  // faces are flat
+  EXPECT_NEAR(q.surface_rms, expected, 2e-3 * expected);
+  EXPECT_NEAR(q.hausdorff_to_target, expected, 1e-3 * expected);
+  EXPECT_EQ(q.coverage, 0);  // 1.4 % of the diagonal apart
+  EXPECT_NEAR(q.stretch.high, 1, 1e-9);
+  EXPECT_EQ(MeasureRegistration(sphere, 1.01 * sphere.points, sphere).coverage, 1);
+}
+
+TEST(MeasureRegistration, AnInvertedSurfaceIsAllFlippedAndCoversNothing) {
+  const Mesh sphere = MakeIcosphere(3);
+  Mesh inverted = sphere;
+  inverted.faces.col(1).swap(inverted.faces.col(2));
+  const RegistrationQuality q = MeasureRegistration(inverted, sphere.points, sphere);
+  EXPECT_EQ(q.flipped, sphere.face_count());
+  EXPECT_EQ(q.coverage, 0);
+}
+
+TEST(MeasureRegistration, HalfTheTargetIsHalfCovered) {
+  const Mesh sphere = MakeIcosphere(5);
+  Mesh half = sphere;
+  half.faces.resize(0, 3);
+  std::vector<int> upper;
+  for (int f = 0; f < sphere.face_count(); ++f) {
+    const double z = sphere.points(sphere.faces(f, 0), 2) + sphere.points(sphere.faces(f, 1), 2) +
+                     sphere.points(sphere.faces(f, 2), 2);
+    if (z > 0) upper.push_back(f);
+  }
+  half.faces.resize(static_cast<Eigen::Index>(upper.size()), 3);
+  for (std::size_t i = 0; i < upper.size(); ++i) half.faces.row(i) = sphere.faces.row(upper[i]);
+  // 1 % of the diagonal is 0.035 radii, a band that widens the covered share by 0.017.
+  EXPECT_NEAR(MeasureRegistration(half, half.points, sphere).coverage, 0.5 + 0.0173, 0.01);
+}
+
+TEST(MeasureRegistration, SelfIntersectionsAreCountedAgainstTheSource) {
+  const Mesh tube = MakeCylinder(0.2, 4, 16, 40);
+  // Folding the tube back through itself: the part beyond the middle is mirrored.
+  PointsX3 folded = tube.points;
+  for (Eigen::Index i = 0; i < folded.rows(); ++i)
+    if (folded(i, 2) > 2) {
+      folded(i, 0) += 0.1;
+      folded(i, 2) = 4 - folded(i, 2);
+    }
+  const RegistrationQuality q = MeasureRegistration(tube, folded, tube);
+  EXPECT_GT(q.self_intersections_gained, 100);
+  Mesh crossing = tube;
+  crossing.points = folded;
+  const RegistrationQuality undone = MeasureRegistration(crossing, tube.points, tube);
+  EXPECT_EQ(undone.self_intersections, 0);
+  EXPECT_EQ(undone.self_intersections_gained, -q.self_intersections);
+}
+
+TEST(MeasureStretch, AffineMapOfAPlaneHasItsSingularValues) {
+  Mesh plane;
+  plane.points.resize(4, 3);
+  plane.points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0;
+  plane.faces.resize(2, 3);
+  plane.faces << 0, 1, 2, 0, 2, 3;
+  const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  Eigen::Matrix3d map = turn.toRotationMatrix() * Eigen::Vector3d(3, 0.5, 1).asDiagonal();
+  const Stretch s = MeasureStretch(plane, plane.points * map.transpose());
+  const double scale = std::sqrt(1.5);  // the change of size
+  EXPECT_NEAR(s.largest, 3 / scale, 1e-12);
+  EXPECT_NEAR(s.smallest, 0.5 / scale, 1e-12);
+  EXPECT_NEAR(s.worst_ratio, 6, 1e-10);
+  EXPECT_NEAR(MeasureStretch(plane, 7 * plane.points).largest, 1, 1e-12);
+}
+
+TEST(MeasureStretch, ACollapsedFaceHasTheLargestRatioAndNoNan) {
+  Mesh sphere = MakeIcosphere(2);
+  PointsX3 collapsed = sphere.points;
+  collapsed.row(sphere.faces(0, 0)) = collapsed.row(sphere.faces(0, 1));
+  const Stretch s = MeasureStretch(sphere, collapsed);
+  EXPECT_EQ(s.worst_ratio, 1e6);
+  EXPECT_EQ(s.smallest, 0);
+  EXPECT_TRUE(std::isfinite(s.largest));
+  const RegistrationQuality point =
+      MeasureRegistration(sphere, PointsX3::Zero(sphere.vertex_count(), 3), sphere);
+  EXPECT_EQ(point.degenerate, sphere.face_count());
+  EXPECT_TRUE(std::isfinite(point.surface_rms) && std::isfinite(point.stretch.high) &&
+              std::isfinite(point.coverage));
+}
+
+TEST(MeasureRegistration, SameBitsAtAnyThreadCount) {
+  const Mesh sphere = MakeIcosphere(4), tube = MakeCylinder(0.8, 2, 40, 40);
+  const auto at = [&](int threads) {
+    SetThreadCount(threads);
+    const RegistrationQuality q = MeasureRegistration(sphere, sphere.points, tube);
+    const std::vector<LandmarkAdvice> advice = AdviseLandmarks(sphere, sphere.points, tube, {});
+    SetThreadCount(0);
+    return std::tuple(q.surface_rms, q.surface_mean, q.hausdorff_from_target, q.coverage, q.flipped,
+                      q.stretch.high, advice.at(0).vertex, advice.at(0).score);
+  };
+  EXPECT_EQ(at(1), at(4));
+}
+
+TEST(MeasureRegistration, AnotherVertexCountThrows) {
+  const Mesh sphere = MakeIcosphere(2);
+  EXPECT_THROW(MeasureRegistration(sphere, PointsX3::Zero(3, 3), sphere), InputError);
+  EXPECT_THROW(MeasureStretch(sphere, PointsX3::Zero(3, 3)), InputError);
+  EXPECT_THROW(AdviseLandmarks(sphere, PointsX3::Zero(3, 3), sphere, {}), InputError);
+  PointsX3 bad = sphere.points;
+  bad(0, 0) = std::nan("");
+  EXPECT_THROW(MeasureRegistration(sphere, bad, sphere), InputError);
+  EXPECT_THROW(AdviseLandmarks(sphere, bad, sphere, {}), InputError);
+}
+
+/// A tube whose far half bends away sideways, and a registration that left that half where it was.
+struct LeftBehind {
+  Mesh source, target;
+  explicit LeftBehind(int around = 20, int along = 80)
+      : source(MakeCylinder(0.15, 4, around, along)), target(source) {
+    for (int i = 0; i < target.vertex_count(); ++i)
+      target.points(i, 0) += 0.4 * std::pow(std::max(0.0, target.points(i, 2) - 2), 2);
+  }
+  LandmarkGoal At(double z) const {
+    int best = 0;
+    (source.points.rowwise() - Eigen::RowVector3d(0.15, 0, z)).rowwise().norm().minCoeff(&best);
+    LandmarkGoal goal;
+    goal.source.vertices.setConstant(best);
+    goal.target = target.points.row(best);
+    return goal;
+  }
+};
+
+TEST(AdviseLandmarks, PointsAtTheLimbThatStayedBehind) {
+  const LeftBehind pair;
+  const std::vector<LandmarkAdvice> advice =
+      AdviseLandmarks(pair.source, pair.source.points, pair.target, {pair.At(0), pair.At(1.5)});
+  ASSERT_FALSE(advice.empty());
+  EXPECT_GT(advice[0].position.z(), 3);
+  EXPECT_GT(advice[0].misfit, 0.02);
+  EXPECT_GT(advice[0].landmark_distance, 0.2);
+  EXPECT_NE(advice[0].reason.find("end of a limb"), std::string::npos) << advice[0].reason;
+  for (std::size_t i = 1; i < advice.size(); ++i) {
+    EXPECT_LE(advice[i].score, advice[i - 1].score);
+    EXPECT_GT((advice[i].position - advice[0].position).norm(),
+              0.05 * BoundingDiagonal(pair.source.points));
+  }
+}
+
+TEST(AdviseLandmarks, ManyFacesAreSampledToTheSameEnd) {
+  const LeftBehind few, many(300, 500);
+  ASSERT_GT(many.source.face_count(), 250000);
+  const std::vector<LandmarkAdvice> all =
+      AdviseLandmarks(few.source, few.source.points, few.target, {few.At(0), few.At(1.5)}, 1);
+  const std::vector<LandmarkAdvice> some =
+      AdviseLandmarks(many.source, many.source.points, many.target, {many.At(0), many.At(1.5)}, 1);
+  ASSERT_EQ(all.size(), 1);
+  ASSERT_EQ(some.size(), 1);
+  EXPECT_GT(some[0].position.z(), 3);
+  EXPECT_NEAR(some[0].misfit, all[0].misfit, 0.15 * all[0].misfit);
+  EXPECT_NEAR(some[0].stretch, all[0].stretch, 0.05);
+}
+
+TEST(AdviseLandmarks, AsksForNothingWhereAllIsWell) {
+  const LeftBehind pair;
+  EXPECT_TRUE(AdviseLandmarks(pair.source, pair.source.points, pair.source, {}).empty());
+  EXPECT_TRUE(AdviseLandmarks(pair.source, pair.source.points, pair.target, {}, 0).empty());
+}
+
+TEST(AdviseLandmarks, LargeCoordinatesGiveFiniteNumbersAndTooLargeOnesAreRefused) {
+  LeftBehind pair;
+  const auto advise_at = [&](double size) {
+    Mesh source = pair.source, target = pair.target;
+    source.points *= size;
+    target.points *= size;
+    PointsX3 stretched = source.points;
+    stretched.col(2) *= 3;
+    return AdviseLandmarks(source, stretched, target, {});
+  };
+  EXPECT_THROW(advise_at(1e25), InputError) << "closest points are searched in single precision";
+  const std::vector<LandmarkAdvice> advice = advise_at(1e10);
+  ASSERT_FALSE(advice.empty());
+  for (const LandmarkAdvice& a : advice)
+    EXPECT_TRUE(std::isfinite(a.misfit) && std::isfinite(a.score)) << a.reason;
+}
+
+TEST(AdviseLandmarks, LeavesSmallLoosePartsAlone) {
+  LeftBehind pair;
+  const Mesh ball = MakeIcosphere(2);
+  Mesh both;
+  both.points.resize(pair.source.vertex_count() + ball.vertex_count(), 3);
+  both.points << pair.source.points, (0.05 * ball.points).rowwise() + Eigen::RowVector3d(3, 3, 3);
+  both.faces.resize(pair.source.face_count() + ball.face_count(), 3);
+  both.faces << pair.source.faces, (ball.faces.array() + pair.source.vertex_count()).matrix();
+  for (const LandmarkAdvice& a : AdviseLandmarks(both, both.points, pair.target, {}))
+    EXPECT_LT(a.vertex, pair.source.vertex_count());
+}
+
+}  // namespace
+}  // namespace keypose::registration

@@ -1,0 +1,310 @@
+#include "register/skeleton/curve_skeleton.h"
+
+// Before the allocator below is named, so that it reaches the halfedge list alone and no other
+// class of CGAL's.
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/bbox.h>
+#include <CGAL/Polygon_mesh_processing/compute_normal.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Count_stop_predicate.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Edge_length_cost.h>
+#include <CGAL/Surface_mesh_simplification/Policies/Edge_collapse/Midpoint_placement.h>
+#include <CGAL/Surface_mesh_simplification/edge_collapse.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+namespace keypose::registration {
+namespace {
+
+/// Memory whose addresses rise in the order of allocation. CGAL's contraction keeps edges in sets
+/// ordered by address, so that from the ordinary heap its result would change from call to call.
+class Arena {
+ public:
+  explicit Arena(std::size_t bytes)
+      : size_(bytes), block_(static_cast<std::byte*>(std::malloc(bytes))) {
+    current = this;
+  }
+  ~Arena() {
+    current = nullptr;
+    std::free(block_);
+  }
+  Arena(const Arena&) = delete;
+  Arena& operator=(const Arena&) = delete;
+
+  void* Take(std::size_t bytes) {
+    bytes = (bytes + 15) / 16 * 16;
+    std::vector<void*>& spare = spare_[bytes];
+    if (!spare.empty()) {
+      void* p = spare.back();
+      spare.pop_back();
+      return p;
+    }
+    if (!block_ || used_ + bytes > size_) throw std::bad_alloc();
+    void* p = block_ + used_;
+    used_ += bytes;
+    return p;
+  }
+  void Give(void* p, std::size_t bytes) { spare_[(bytes + 15) / 16 * 16].push_back(p); }
+
+  static thread_local Arena* current;
+
+ private:
+  std::size_t size_, used_ = 0;
+  std::byte* block_;
+  std::map<std::size_t, std::vector<void*>> spare_;
+};
+thread_local Arena* Arena::current = nullptr;
+
+template <class T>
+struct ArenaAllocator {
+  using value_type = T;
+  ArenaAllocator() = default;
+  template <class U>
+  ArenaAllocator(const ArenaAllocator<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(Arena::current->Take(n * sizeof(T))); }
+  void deallocate(T* p, std::size_t n) { Arena::current->Give(p, n * sizeof(T)); }
+  bool operator==(const ArenaAllocator&) const { return true; }
+};
+
+}  // namespace
+}  // namespace keypose::registration
+
+#undef CGAL_ALLOCATOR
+#define CGAL_ALLOCATOR(T) keypose::registration::ArenaAllocator<T>
+#include <CGAL/Polyhedron_3.h>
+#undef CGAL_ALLOCATOR
+#define CGAL_ALLOCATOR(T) std::allocator<T>
+#include <CGAL/Mean_curvature_flow_skeletonization.h>
+
+namespace keypose::registration {
+
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+
+constexpr std::size_t kArenaBytes = 16 << 20,
+                      // many times what it takes; only what is used becomes real
+    kArenaBytesAFace = 8 << 10;
+
+/// CGAL asks whether a point is inside by a ray, and casts others as long as the last one only
+/// touched an edge. All do for a point that lies on an edge itself, as it may where vertices lie on
+/// a grid: then this kernel, which makes the rays, ends it.
+struct PatientKernel : Kernel {
+  struct Construct_ray_3 : Kernel::Construct_ray_3 {
+    using Base = Kernel::Construct_ray_3;
+    Kernel::Ray_3 operator()(const Kernel::Point_3& from, const Kernel::Vector_3& along) const {
+      const bool first =
+          along.x() == 0 &&
+          along.y() == 0;  // goes straight up or down; all others are drawn from the sphere
+      others = first ? 0 : others + 1;
+      if (others > kMostOthers)
+        throw std::runtime_error("a point on an edge is neither inside nor outside");
+      return Base::operator()(from, along);
+    }
+    static constexpr int kMostOthers = 100;
+    static thread_local int others;
+  };
+  Construct_ray_3 construct_ray_3_object() const { return {}; }
+};
+thread_local int PatientKernel::Construct_ray_3::others = 0;
+
+constexpr double kMedial = 1;
+constexpr double kLeastVolume = 1e-9;   // over the diagonal's cube
+constexpr std::size_t kMostGrowth = 4;  // of the vertices while they contract
+
+template <class T>
+constexpr bool kOrdered = false;
+template <class Traits, class Items, template <class, class, class> class Hds>
+constexpr bool kOrdered<CGAL::Polyhedron_3<Traits, Items, Hds, ArenaAllocator<int>>> = true;
+
+Eigen::RowVector3d ToEigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Says what is wrong, or nothing.
+std::string Build(const PointsX3& points, const FacesX3& faces, Surface& surface) {
+  std::vector<Surface::Vertex_index> vertex(static_cast<std::size_t>(points.rows()));
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    std::array<Surface::Vertex_index, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      Surface::Vertex_index& v = vertex[faces(f, k)];
+      if (v == Surface::null_vertex())
+        v = surface.add_vertex(
+            {points(faces(f, k), 0), points(faces(f, k), 1), points(faces(f, k), 2)});
+      corners[k] = v;
+    }
+    if (surface.add_face(corners[0], corners[1], corners[2]) == Surface::null_face())
+      return "is not a manifold";
+  }
+  return "";
+}
+
+/// A fan over each hole: the skeleton does not need a better cap.
+void CapHoles(Surface& surface) {
+  std::vector<Surface::Halfedge_index> holes;
+  for (Surface::Halfedge_index h : surface.halfedges()) {
+    if (!surface.is_border(h)) continue;
+    // One halfedge stands for its hole: the first of its cycle.
+    Surface::Halfedge_index least = h;
+    for (Surface::Halfedge_index g = surface.next(h); g != h; g = surface.next(g))
+      least = std::min(least, g);
+    if (least == h) holes.push_back(h);
+  }
+  for (Surface::Halfedge_index h : holes) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    int count = 0;
+    for (Surface::Halfedge_index g : CGAL::halfedges_around_face(h, surface)) {
+      sum += ToEigen(surface.point(surface.target(g)));
+      ++count;
+    }
+    CGAL::Euler::fill_hole(h, surface);
+    const Surface::Halfedge_index centre = CGAL::Euler::add_center_vertex(h, surface);
+    sum /= count;
+    surface.point(surface.target(centre)) = {sum[0], sum[1], sum[2]};
+  }
+}
+
+int CountComponents(const Surface& surface) {
+  std::vector<char> seen(surface.num_vertices(), 0);
+  std::vector<Surface::Vertex_index> stack;
+  int count = 0;
+  for (Surface::Vertex_index v : surface.vertices()) {
+    if (seen[v]) continue;
+    ++count;
+    seen[v] = 1;
+    stack.push_back(v);
+    while (!stack.empty()) {
+      const Surface::Vertex_index u = stack.back();
+      stack.pop_back();
+      for (Surface::Vertex_index w : CGAL::vertices_around_target(surface.halfedge(u), surface))
+        if (!seen[w]) {
+          seen[w] = 1;
+          stack.push_back(w);
+        }
+    }
+  }
+  return count;
+}
+
+std::string Decimate(Surface& surface, int faces) {
+  namespace sms = CGAL::Surface_mesh_simplification;
+  if (static_cast<int>(surface.number_of_faces()) > faces) {
+    const sms::Count_stop_predicate<Surface> stop(static_cast<std::size_t>(faces) * 3 / 2);
+    sms::edge_collapse(surface, stop,
+                       CGAL::parameters::get_cost(sms::Edge_length_cost<Surface>())
+                           .get_placement(sms::Midpoint_placement<Surface>()));
+    surface.collect_garbage();
+  }
+  return surface.number_of_faces() < 20 ? "is too coarse" : "";
+}
+
+std::string Prepare(const PointsX3& points, const FacesX3& faces, int proxy_faces,
+                    Surface& surface) {
+  if (std::string fault = Build(points, faces, surface); !fault.empty()) return fault;
+  CapHoles(surface);
+  if (const int parts = CountComponents(surface); parts != 1)
+    return "has " + std::to_string(parts) + " separate parts";
+  const auto count = [](auto n) { return static_cast<long>(n); };
+  const long euler = count(surface.number_of_vertices()) - count(surface.number_of_edges()) +
+                     count(surface.number_of_faces());
+  if (euler != 2)
+    return "has " + std::to_string((2 - euler) / 2) + " handles (parts that touch and are merged?)";
+  if (std::string fault = Decimate(surface, proxy_faces); !fault.empty()) return fault;
+  // Without volume there are no centres of balls within, and CGAL goes on with what was in memory
+  // where they should be.
+  const auto box = CGAL::Polygon_mesh_processing::bbox(surface);
+  const double diagonal = Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+  const double volume = CGAL::Polygon_mesh_processing::volume(surface);
+  return std::abs(volume) > kLeastVolume * diagonal * diagonal * diagonal ? "" : "is flat";
+}
+
+/// CGAL asks whether points are inside by rays, and casts new ones as long as none gives an answer:
+/// none ever does for what is no number.
+template <class Polyhedron>
+void RequireFinite(const Polyhedron& meso_skeleton) {
+  for (auto v = meso_skeleton.points_begin(); v != meso_skeleton.points_end(); ++v)
+    if (!std::isfinite(v->x()) || !std::isfinite(v->y()) || !std::isfinite(v->z()))
+      throw std::runtime_error("its places are not finite");
+}
+
+/// As CGAL's contract_until_convergence, step by step: it can be stopped, and ends where faces
+/// split faster than they collapse, as on shapes without volume.
+/// @throws Cancelled @throws std::runtime_error  it does not converge
+template <class Flow>
+void Contract(Flow& flow, Progress* progress) {
+  const auto area = [&] { return CGAL::Polygon_mesh_processing::area(flow.meso_skeleton()); };
+  const std::size_t most_vertices = kMostGrowth * num_vertices(flow.meso_skeleton());
+  const double whole = area();
+  double before = 0;
+  for (std::size_t round = 0; round < flow.max_iterations(); ++round) {
+    if (progress && progress->cancelled()) throw Cancelled();
+    flow.contract_geometry();
+    RequireFinite(flow.meso_skeleton());
+    flow.collapse_edges();
+    flow.split_faces();
+    flow.detect_degeneracies();
+    const double now = area();
+    if (std::abs(before - now) / whole < flow.area_variation_factor()) return;
+    if (num_vertices(flow.meso_skeleton()) > most_vertices)
+      throw std::runtime_error("its faces split without end");
+    before = now;
+  }
+}
+
+}  // namespace
+
+CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces,
+                                   Progress* progress) {
+  CurveSkeleton result;
+  Surface surface;
+  result.fault = Prepare(points, faces, proxy_faces, surface);
+  if (!result.fault.empty()) return result;
+  using Flow = CGAL::Mean_curvature_flow_skeletonization<Surface, PatientKernel>;
+  static_assert(kOrdered<CGAL::Polyhedron_3<PatientKernel>>);
+  const Arena arena(kArenaBytes + kArenaBytesAFace * surface.number_of_faces());
+  Flow::Skeleton skeleton;
+  try {
+    Flow flow(surface);
+    // At the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
+    flow.set_medially_centered_speed_tradeoff(kMedial);
+    Contract(flow, progress);
+    flow.convert_to_skeleton(skeleton);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception& e) {  // of CGAL's own checks, where they are compiled in
+    result.fault = std::string("could not be contracted: ") + e.what();
+    return result;
+  }
+  result.nodes.resize(static_cast<Eigen::Index>(num_vertices(skeleton)), 3);
+  result.surface.resize(static_cast<Eigen::Index>(surface.number_of_vertices()), 3);
+  result.node_of.assign(surface.number_of_vertices(), 0);
+  for (const auto node : CGAL::make_range(vertices(skeleton))) {
+    result.nodes.row(node) = ToEigen(skeleton[node].point);
+    for (const Surface::Vertex_index v : skeleton[node].vertices)
+      result.node_of[v] = static_cast<int>(node);
+  }
+  for (const Surface::Vertex_index v : surface.vertices())
+    result.surface.row(v.idx()) = ToEigen(surface.point(v));
+  for (const auto edge : CGAL::make_range(edges(skeleton)))
+    result.edges.push_back(
+        {static_cast<int>(source(edge, skeleton)), static_cast<int>(target(edge, skeleton))});
+  if (result.nodes.rows() < 4 ||
+      static_cast<Eigen::Index>(result.edges.size()) + 1 != result.nodes.rows())
+    result.fault = "has no tree as its skeleton";
+  if (!result.nodes.allFinite()) result.fault = "could not be contracted";
+  return result;
+}
+
+}  // namespace keypose::registration

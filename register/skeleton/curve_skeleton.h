@@ -1,0 +1,35 @@
+// The curve skeleton of a closed mesh, as plain arrays.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/mesh.h"
+#include "core/progress.h"
+
+namespace keypose::registration {
+
+struct CurveSkeleton {
+  PointsX3 nodes;                         ///< N x 3
+  std::vector<std::array<int, 2>> edges;  ///< a tree when `fault` is empty
+  PointsX3 surface;                       ///< P x 3, points of the decimated surface
+  std::vector<int> node_of;               ///< P, the node that each of them contracted to
+  std::string fault;                      ///< why there is no skeleton, or empty
+};
+
+/// Contracts a decimated copy of the mesh by mean curvature flow until only curves are left. Holes
+/// are capped first.
+///
+/// @param proxy_faces  faces of the decimated copy; 1,000 take about 30 ms of processor time
+/// @param progress     asked whether to stop, once a round
+/// Sets `fault` (and throws nothing) for a mesh that is not a manifold, is flat, has several parts
+/// or handles, or contracts to nothing.
+/// @throws Cancelled
+/// Deterministic.
+/// Source: Tagliasacchi, Alhashim, Olson and Zhang, Mean Curvature Skeletons, SGP 2012 (CGAL's
+/// implementation).
+CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces, int proxy_faces,
+                                   Progress* progress = nullptr);
+
+}  // namespace keypose::registration

@@ -1,0 +1,147 @@
+// How the limbs of one body come to lie along the limbs of another, given which is which.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/kd_tree.h"
+#include "core/mesh.h"
+#include "core/ray_scene.h"
+#include "register/parts/parts.h"
+#include "register/skeleton/curve_skeleton.h"
+#include "register/skeleton/skeleton_tree.h"
+
+namespace keypose::registration {
+
+using MarkPair = std::pair<Eigen::Vector3d, Eigen::Vector3d>;  ///< a landmark's place on the source
+                                                               ///< and on the target
+
+/// One mesh without its loose parts, and all that is derived of it.
+struct LimbedBody {
+  LooseParts loose;
+  Mesh mesh;
+  RayScene scene;
+  CurveSkeleton skeleton;
+  std::optional<KdTree> surface_tree;  // of skeleton.surface
+  std::optional<SkeletonTree> tree;
+
+  LimbedBody(const Mesh& whole, int proxy_faces, Progress* progress)
+      : loose(FindLooseParts(whole)),
+        mesh(HostOf(whole, loose)),
+        scene(mesh.points, mesh.faces),
+        skeleton(ExtractCurveSkeleton(mesh.points, mesh.faces, proxy_faces, progress)) {
+    if (!skeleton.fault.empty()) return;
+    surface_tree.emplace(skeleton.surface);
+    tree.emplace(skeleton, scene);
+  }
+  int NodeOf(const Eigen::Vector3d& p) const {
+    return skeleton.node_of[surface_tree->Nearest(p).index];
+  }
+};
+
+/// A limb of one body as equally spaced samples, from the joint nearer to the root outwards.
+struct LimbAxis {
+  static constexpr int kSamples = 48;
+
+  PointsX3 points;  // kSamples + 1
+  double length = 0;
+
+  Eigen::Vector3d At(double share) const {
+    const double x = std::clamp(share, 0.0, 1.0) * kSamples;
+    const int k = std::min(static_cast<int>(x), kSamples - 1);
+    return points.row(k) + (x - k) * (points.row(k + 1) - points.row(k));
+  }
+  Eigen::Vector3d Tangent(double share) const {
+    return (At(share + 0.03) - At(share - 0.03)).normalized();
+  }
+  /// Share of the length at the sample that is nearest to p, between two shares.
+  double Project(const Eigen::Vector3d& p, double low = 0, double high = 1) const {
+    double best = std::numeric_limits<double>::infinity(), share = low;
+    for (int k = 0; k < kSamples; ++k) {
+      if ((k + 1.0) / kSamples < low || static_cast<double>(k) / kSamples > high) continue;
+      const Eigen::Vector3d a = points.row(k), d = points.row(k + 1) - points.row(k);
+      const double x = std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+      const double distance = (a + x * d - p).squaredNorm();
+      if (distance >= best) continue;
+      best = distance;
+      share = (k + x) / kSamples;
+    }
+    return std::clamp(share, low, high);
+  }
+};
+
+/// A landmark on its limb.
+struct LimbMark {
+  double source_share = 0, target_share = 0;
+  Eigen::Vector3d source, target;
+};
+
+/// A limb of the source beside its counterpart.
+struct LimbPair {
+  int source_limb = -1;
+  bool backwards = false;  // the source limb's own order against the order from the root
+  int from = -1, to = -1;  // source joints, from nearer to the root
+  LimbAxis source, target;
+  // shares of the source's and the target's length, ascending in both
+  std::vector<std::pair<double, double>> knots;
+  std::vector<LimbMark> marks;
+  std::vector<Eigen::Matrix3d> turns;  // kSamples + 1: target from source
+  double quiet = 0;                    // share of the length that lies inside the joint's ball
+
+  double TargetShare(double share) const {
+    std::size_t k = 1;
+    while (k + 1 < knots.size() && knots[k].first < share) ++k;
+    const auto& [s0, t0] = knots[k - 1];
+    const auto& [s1, t1] = knots[k];
+    return t0 + (t1 - t0) * std::clamp((share - s0) / std::max(s1 - s0, 1e-12), 0.0, 1.0);
+  }
+};
+
+/// How a joint moves.
+struct JointMotion {
+  Eigen::Vector3d source = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  double radius = 0;
+  bool known = false;
+};
+
+/// The source's motion, worked out joint by joint from the root.
+class SkeletonMotion {
+ public:
+  SkeletonMotion(const LimbedBody& source, const LimbedBody& target, const TipMatch& match,
+                 const std::vector<MarkPair>& landmarks, const Similarity3& coarse, double scale);
+
+  /// Points on the source's surface, moved.
+  PointsX3 Apply(const PointsX3& points) const;
+  int limb_count() const { return static_cast<int>(pairs_.size()); }
+
+ private:
+  void PairJoints(const TipMatch& match);
+  void Walk(int root);
+  void AddLimbs(int joint, int came_by);
+  void PlaceMarks(LimbPair& pair);
+  void TurnJoint(int joint, int came_by, const Eigen::Matrix3d& prior, double prior_weight);
+  void TurnLimb(LimbPair& pair);
+  void Twist(LimbPair& pair, const std::vector<Eigen::Vector3d>& tangents);
+  Eigen::Vector3d Moved(const LimbPair& pair, double share, const Eigen::Vector3d& x) const;
+
+  const LimbedBody& source_;
+  const LimbedBody& target_;
+  const Similarity3& coarse_;
+  double scale_;
+  std::vector<JointMotion> joints_;  // by source joint
+  std::vector<int> target_joint_;    // by source joint
+  // source limb -> target limb, 1 when it runs the other way
+  std::vector<std::array<int, 2>> limb_match_;
+  std::vector<LimbPair> pairs_;
+  std::vector<int> pair_of_limb_;
+  const std::vector<MarkPair>& marks_;
+};
+
+}  // namespace keypose::registration

@@ -1,0 +1,258 @@
+#include "texture/bake/bake_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/errors.h"
+#include "core/srgb.h"
+
+namespace keypose::texture {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr float kFar = 1e6f;
+/// A step in depth of more than this many ray spacings is an edge; a plane makes such a step only
+/// when seen at less than 10 degrees.
+constexpr double kDepthStepInCells = 6;
+/// Rays apart whose directions are known; those between are interpolated.
+constexpr int kRayStep = 8;
+
+/// Over the square root: fine in the darks, where sRGB is steep.
+std::array<std::uint8_t, 4096> SrgbTable() {
+  std::array<std::uint8_t, 4096> t;
+  for (int i = 0; i < 4096; ++i) {
+    const double l = (i / 4095.0) * (i / 4095.0);
+    t[i] = static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(l)));
+  }
+  return t;
+}
+const std::array<std::uint8_t, 4096> kSrgb = SrgbTable();
+
+void CheckSizes(const View& view, const Photograph& photograph) {
+  const auto check = [&](const Image8& image, const char* what) {
+    if (image.width == view.camera.width && image.height == view.camera.height) return;
+    throw InputError("bake: " + std::string(what) + " '" + view.name + "' has " +
+                     std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " pixels, but the model's camera has " + std::to_string(view.camera.width) +
+                     " x " + std::to_string(view.camera.height) +
+                     "; pass the images that the model was made from");
+  };
+  check(photograph.image, "image");
+  if (photograph.image.channels != 3)
+    throw InputError("bake: image '" + view.name + "' is not RGB");
+  if (!photograph.mask.empty()) check(photograph.mask, "the mask of image");
+}
+
+/// Half the size; a pixel without any object in it stays without colour, and background never
+/// enters a mean.
+Image8 Halved(const Image8& fine) {
+  Image8 coarse((fine.width + 1) / 2, (fine.height + 1) / 2, 4);
+  for (int y = 0; y < coarse.height; ++y)
+    for (int x = 0; x < coarse.width; ++x) {
+      Vector3f sum = Vector3f::Zero();
+      float alpha = 0;
+      for (int k = 0; k < 4; ++k) {
+        const int fx = 2 * x + k % 2, fy = 2 * y + k / 2;
+        if (fx >= fine.width || fy >= fine.height) continue;
+        const std::uint8_t* p = fine.at(fx, fy);
+        sum += static_cast<float>(p[3]) * Vector3f(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2]));
+        alpha += p[3];
+      }
+      std::uint8_t* out = coarse.at(x, y);
+      for (int k = 0; k < 3; ++k) out[k] = alpha > 0 ? SrgbOf(sum[k] / alpha) : 0;
+      out[3] = static_cast<std::uint8_t>(std::lround(alpha / 4));
+    }
+  return coarse;
+}
+
+/// Distance in cells to the nearest cell with 0 (chamfer 1, sqrt 2); cells beyond the border count
+/// as 0.
+void DistanceToZero(ImageF& d) {
+  const auto at = [&](int x, int y) {
+    return x < 0 || y < 0 || x >= d.width || y >= d.height ? 0.0f : *d.at(x, y);
+  };
+  constexpr float kDiagonal = 1.41421356f;
+  for (int y = 0; y < d.height; ++y)
+    for (int x = 0; x < d.width; ++x)
+      *d.at(x, y) = std::min({*d.at(x, y), at(x - 1, y) + 1, at(x, y - 1) + 1,
+                              at(x - 1, y - 1) + kDiagonal, at(x + 1, y - 1) + kDiagonal});
+  for (int y = d.height - 1; y >= 0; --y)
+    for (int x = d.width - 1; x >= 0; --x)
+      *d.at(x, y) = std::min({*d.at(x, y), at(x + 1, y) + 1, at(x, y + 1) + 1,
+                              at(x + 1, y + 1) + kDiagonal, at(x - 1, y + 1) + kDiagonal});
+}
+
+bool IsObject(const Image8& mask, int x, int y) { return mask.empty() || *mask.at(x, y) > 127; }
+
+/// Whether every mask pixel of a square around (x, y) is object.
+bool AllObject(const Image8& mask, double x, double y, double half) {
+  if (mask.empty()) return true;
+  const int x0 = std::max(0, static_cast<int>(x - half)),
+            x1 = std::min(mask.width - 1, static_cast<int>(x + half));
+  const int y0 = std::max(0, static_cast<int>(y - half)),
+            y1 = std::min(mask.height - 1, static_cast<int>(y + half));
+  for (int py = y0; py <= y1; ++py)
+    for (int px = x0; px <= x1; ++px)
+      if (!IsObject(mask, px, py)) return false;
+  return true;
+}
+
+}  // namespace
+
+const std::array<float, 256> kLinear = [] {
+  std::array<float, 256> t;
+  for (int i = 0; i < 256; ++i) t[i] = static_cast<float>(LinearFromSrgb(i / 255.0));
+  return t;
+}();
+
+std::uint8_t SrgbOf(float linear) {
+  return kSrgb[static_cast<int>(std::sqrt(std::clamp(linear, 0.0f, 1.0f)) * 4095 + 0.5f)];
+}
+
+BakeView::BakeView(const View& view, const Photograph& photograph, const Mesh& mesh,
+                   const RayScene& scene, const BakeViewOptions& options)
+    : view_(view),
+      rotation_(view.camera_from_world.rotation.toRotationMatrix()),
+      center_(view.Center()),
+      sharpness_(photograph.sharpness) {
+  CheckSizes(view, photograph);
+  box_ = ProjectedBounds(mesh.points, view);
+  if (box_.empty()) return;
+  BuildPyramid(photograph, options);
+  BuildDepth(photograph, scene, options);
+}
+
+void BakeView::BuildPyramid(const Photograph& photograph, const BakeViewOptions& options) {
+  Image8 base(box_.x1 - box_.x0, box_.y1 - box_.y0, 4);
+  double object_pixels = 0;
+  for (int y = 0; y < base.height; ++y)
+    for (int x = 0; x < base.width; ++x) {
+      std::copy_n(photograph.image.at(box_.x0 + x, box_.y0 + y), 3, base.at(x, y));
+      base.at(x, y)[3] = IsObject(photograph.mask, box_.x0 + x, box_.y0 + y) ? 255 : 0;
+      object_pixels += base.at(x, y)[3] > 0;
+    }
+  for (; object_pixels > options.pixels_per_texel * options.texels; object_pixels /= 4) {
+    base = Halved(base);
+    ++base_level_;
+  }
+  levels_.push_back(std::move(base));
+  for (int i = 0; i < 5; ++i) levels_.push_back(Halved(levels_.back()));
+  for (std::size_t i = 0; i < levels_.size(); ++i)
+    scales_.push_back(1.0f / static_cast<float>(1 << (base_level_ + static_cast<int>(i))));
+}
+
+void BakeView::BuildDepth(const Photograph& photograph, const RayScene& scene,
+                          const BakeViewOptions& options) {
+  const double area = static_cast<double>(box_.x1 - box_.x0) * (box_.y1 - box_.y0);
+  cell_px_ = std::max(1.0, std::sqrt(area / options.depth_rays));
+  cells_per_px_ = static_cast<float>(1 / cell_px_);
+  depth_step_ = static_cast<float>(kDepthStepInCells * cell_px_ / view_.camera.fx);
+  cell_x0_ = static_cast<int>(box_.x0 / cell_px_);
+  cell_y0_ = static_cast<int>(box_.y0 / cell_px_);
+  const int width = static_cast<int>(std::ceil(box_.x1 / cell_px_)) - cell_x0_,
+            height = static_cast<int>(std::ceil(box_.y1 / cell_px_)) - cell_y0_;
+  depth_ = ImageF(width, height, 1, std::numeric_limits<float>::infinity());
+  ray_face_ = ImageT<int>(width, height, 1, -1);
+  rays_ = ImageT<Vector3d>((width + kRayStep - 1) / kRayStep + 1,
+                           (height + kRayStep - 1) / kRayStep + 1, 1, Vector3d::Zero());
+  for (int y = 0; y < rays_.height; ++y)
+    for (int x = 0; x < rays_.width; ++x)
+      *rays_.at(x, y) =
+          rotation_.transpose() * view_.camera.Unproject(RayPixel(kRayStep * x, kRayStep * y));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const RayScene::Hit hit = scene.Cast(center_, RayInWorld(x, y));
+      if (hit.face < 0) continue;
+      *ray_face_.at(x, y) = hit.face;
+      *depth_.at(x, y) = static_cast<float>(hit.distance);
+    }
+  MarkEdges(photograph, options);
+}
+
+Vector3d BakeView::RayInWorld(int x, int y) const {
+  const int x0 = x / kRayStep, y0 = y / kRayStep;
+  const double fx = static_cast<double>(x % kRayStep) / kRayStep,
+               fy = static_cast<double>(y % kRayStep) / kRayStep;
+  const Vector3d *above = rays_.at(x0, y0), *below = rays_.at(x0, y0 + 1);
+  return (1 - fy) * ((1 - fx) * above[0] + fx * above[1]) +
+         fy * ((1 - fx) * below[0] + fx * below[1]);
+}
+
+void BakeView::MarkEdges(const Photograph& photograph, const BakeViewOptions& options) {
+  ImageF distance(depth_.width, depth_.height, 1, kFar);
+  const auto depth_at = [&](int x, int y) {
+    return x < 0 || y < 0 || x >= depth_.width || y >= depth_.height
+               ? std::numeric_limits<float>::infinity()
+               : *depth_.at(x, y);
+  };
+  for (int y = 0; y < depth_.height; ++y)
+    for (int x = 0; x < depth_.width; ++x) {
+      const float d = *depth_.at(x, y);
+      bool edge = std::isinf(d) || !AllObject(photograph.mask, RayPixel(x, y).x(),
+                                              RayPixel(x, y).y(), 0.5 * cell_px_);
+      for (int k = 0; k < 4 && !edge; ++k)
+        edge = !(std::abs(depth_at(x + (k == 0) - (k == 1), y + (k == 2) - (k == 3)) - d) <
+                 depth_step_ * d);
+      if (edge) *distance.at(x, y) = 0;
+    }
+  DistanceToZero(distance);
+  trust_ = Image8(depth_.width, depth_.height, 1);
+  for (std::size_t i = 0; i < trust_.data.size(); ++i) {
+    // The first cell beyond an edge is half a cell away from it.
+    const double beyond = ((distance.data[i] - 0.5) * cell_px_ - options.edge_guard_px) /
+                          std::max(options.edge_feather_px, 1e-6);
+    trust_.data[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(beyond, 0.0, 1.0)));
+  }
+}
+
+void BakeView::Hide(const Image8& squares, double side_px) {
+  for (int y = 0; y < trust_.height; ++y)
+    for (int x = 0; x < trust_.width; ++x) {
+      const Vector2d pixel = RayPixel(x, y);
+      const int sx = std::clamp(static_cast<int>(pixel.x() / side_px), 0, squares.width - 1),
+                sy = std::clamp(static_cast<int>(pixel.y() / side_px), 0, squares.height - 1);
+      if (*squares.at(sx, sy)) *trust_.at(x, y) = 0;
+    }
+}
+
+Sighting BakeView::See(const Vector3d& x_in_world) const {
+  Sighting sighting;
+  const Vector3d x = rotation_ * x_in_world + view_.camera_from_world.translation;
+  if (x.z() <= 0 || depth_.empty()) return sighting;
+  sighting.pixel = view_.camera.Project(x);
+  sighting.depth = x.z();
+  sighting.trust = TrustAt(sighting.pixel.cast<float>(), static_cast<float>(sighting.depth));
+  return sighting;
+}
+
+ImageF BakeView::Detail(int level) const {
+  constexpr int kBandLevels = 3;
+  const Image8& fine = levels_[level];
+  const int low = std::min(level + kBandLevels, static_cast<int>(levels_.size()) - 1);
+  const double size = 1 << (base_level_ + level);
+  ImageF detail(fine.width, fine.height, 1, std::numeric_limits<float>::quiet_NaN());
+  for (int y = 0; y < fine.height; ++y)
+    for (int x = 0; x < fine.width; ++x) {
+      const std::uint8_t* p = fine.at(x, y);
+      if (p[3] < 128) continue;
+      const Sample around = Bilinear(
+          low, Vector2d(box_.x0 + (x + 0.5) * size, box_.y0 + (y + 0.5) * size).cast<float>());
+      if (!(around.alpha > 0)) continue;
+      const auto luma = [](float r, float g, float b) {
+        return std::sqrt(0.299f * r + 0.587f * g + 0.114f * b);
+      };
+      *detail.at(x, y) = luma(LinearOf(p[0]), LinearOf(p[1]), LinearOf(p[2])) -
+                         luma(around.color[0], around.color[1], around.color[2]);
+    }
+  return detail;
+}
+
+float BakeView::RayLevel() const { return static_cast<float>(std::log2(cell_px_)); }
+
+}  // namespace keypose::texture

@@ -1,0 +1,206 @@
+// One photograph made ready for baking: what the camera sees of the mesh, how far that is from an
+// edge, and colours at any scale.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/mesh.h"
+#include "core/ray_scene.h"
+#include "core/render.h"
+
+namespace keypose::texture {
+
+/// Pixels of one view as they come from the disk.
+struct Photograph {
+  Image8 image;          ///< 3 channels, of the view's camera size
+  Image8 mask;           ///< 1 channel, above 127 is object; empty: everything is object
+  double sharpness = 0;  ///< any unit, comparable between the views; 0 when unknown
+};
+
+struct BakeViewOptions {
+  double edge_guard_px = 2;     ///< nearer than this to a mask, depth or image edge nothing is seen
+  double edge_feather_px = 10;  ///< over this width beyond the guard the trust rises from 0 to 1
+  /// the stored photograph is halved while it has more pixels a texel than this
+  double pixels_per_texel = 4;
+  double texels = 1e6;      ///< texels of the atlas that one view may fill
+  int depth_rays = 200000;  ///< at most about this many rays for the depth map
+};
+
+/// A colour in linear light with the share of object pixels under it.
+struct Sample {
+  Eigen::Vector3f color = Eigen::Vector3f::Zero();  ///< linear RGB in [0,1]
+  float alpha = 0;                                  ///< 0: no object pixel there
+};
+
+/// Where a camera sees a point of the surface.
+struct Sighting {
+  Eigen::Vector2d pixel;  ///< of the original photograph
+  double depth = 0;       ///< z in the camera's frame
+  float trust = 0;        ///< in [0,1]; 0 means hidden, outside the mask, or on an edge
+};
+
+/// All queries are safe from many threads; Hide and Weigh come before them.
+class BakeView {
+ public:
+  /// @throws InputError  the photograph or its mask is not of the camera's size
+  BakeView(const View& view, const Photograph& photograph, const Mesh& mesh, const RayScene& scene,
+           const BakeViewOptions& options);
+
+  const View& view() const { return view_; }
+  const Eigen::Vector3d& center() const { return center_; }
+  double sharpness() const { return sharpness_; }
+  bool sees_nothing() const { return box_.empty(); }
+
+  /// Nothing is seen any more where a picture of squares has 255; each is `side_px` of the
+  /// photograph wide.
+  void Hide(const Image8& squares, double side_px);
+  /// What this view weighs beside the others; 1 at first.
+  void Weigh(float weight) { weight_ = weight; }
+  float weight() const { return weight_; }
+
+  /// Whether and where the camera sees a point of the mesh: by the depth map, the mask, and the
+  /// distance to their edges.
+  Sighting See(const Eigen::Vector3d& x_in_world) const;
+  /// Colour at a pixel of the photograph, averaged over about 2^level of the photograph's pixels
+  /// each way. Background never bleeds in.
+  Sample ColorAt(const Eigen::Vector2f& pixel, float level) const;
+  /// Trust in a place of the surface that projects to `pixel` at `depth`; 0 where something is in
+  /// front of it.
+  float TrustAt(const Eigen::Vector2f& pixel, float depth) const;
+
+  /// What the photograph shows finer than 8 pixels of a stored level and coarser than one: luma,
+  /// square root of linear light, 1 channel. Not a number where the mask leaves nothing.
+  ImageF Detail(int level) const;
+  /// The same place in the picture of a stored level, whose pixels are `scale` of the photograph's
+  /// (at most 1).
+  struct Stored {
+    Eigen::Vector2d pixel;
+    double scale;
+  };
+  Stored StoredAt(int level, const Eigen::Vector2d& pixel) const {
+    const double scale = 1.0 / (1 << (base_level_ + level));
+    return {scale * (pixel - Eigen::Vector2d(box_.x0, box_.y0)), scale};
+  }
+
+  /// The grid of depth rays over what the mesh covers: its size, the pixel (of the photograph) of a
+  /// ray, its direction (z of 1 before the camera), the face that it meets, whether it meets it
+  /// inside the mask beyond the guard along edges, and the pyramid's level on which a ray is a
+  /// pixel.
+  int rays_wide() const { return depth_.width; }
+  int rays_high() const { return depth_.height; }
+  Eigen::Vector2d RayPixel(int x, int y) const {
+    return {(cell_x0_ + x + 0.5) * cell_px_, (cell_y0_ + y + 0.5) * cell_px_};
+  }
+  Eigen::Vector3d RayInWorld(int x, int y) const;
+  int RayFace(int x, int y) const { return *ray_face_.at(x, y); }
+  bool RayIsGood(int x, int y) const { return *trust_.at(x, y) > 0; }
+  float RayLevel() const;
+
+ private:
+  void BuildPyramid(const Photograph& photograph, const BakeViewOptions& options);
+  void BuildDepth(const Photograph& photograph, const RayScene& scene,
+                  const BakeViewOptions& options);
+  void MarkEdges(const Photograph& photograph, const BakeViewOptions& options);
+  Sample Bilinear(int level, const Eigen::Vector2f& pixel) const;
+  float Trust(float cell_x, float cell_y) const;
+
+  View view_;
+  Eigen::Matrix3d rotation_;
+  Eigen::Vector3d center_;
+  double sharpness_ = 0;
+  float weight_ = 1;
+  PixelBox box_;        ///< of the photograph: what is stored
+  int base_level_ = 0;  ///< levels dropped at the fine end
+  /// 4 channels: sRGB and alpha; level i is of 2^(base_level + i) pixels
+  std::vector<Image8> levels_;
+  std::vector<float> scales_;  ///< of the levels: their pixels a pixel of the photograph
+  double cell_px_ = 1;         ///< photograph pixels a depth ray, each way
+  float cells_per_px_ = 1;     ///< its inverse
+  /// what lies further behind the depth map than this part of its depth is hidden
+  float depth_step_ = 0;
+  int cell_x0_ = 0, cell_y0_ = 0;
+  ImageT<Eigen::Vector3d> rays_;  ///< in world, of every 8th ray each way; between them they are
+                                  ///< bent by lenses too little to tell
+  ImageT<int> ray_face_;          ///< -1 where nothing is met
+  ImageF depth_;
+  Image8 trust_;  ///< 255 is 1
+};
+
+/// Linear light in [0,1] of an 8-bit sRGB value, and back. A table beside the function, not in it:
+/// it is asked a thousand million times, and would each time look whether it is made.
+extern const std::array<float, 256> kLinear;
+inline float LinearOf(std::uint8_t srgb) { return kLinear[srgb]; }
+std::uint8_t SrgbOf(float linear);
+
+// What is asked for each texel and view.
+
+inline float BakeView::Trust(float cell_x, float cell_y) const {
+  const float x = std::clamp(cell_x - 0.5f, 0.0f, static_cast<float>(trust_.width - 1)),
+              y = std::clamp(cell_y - 0.5f, 0.0f, static_cast<float>(trust_.height - 1));
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int right = x0 + 1 < trust_.width, below = y0 + 1 < trust_.height ? trust_.width : 0;
+  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+  const std::uint8_t* t = trust_.at(x0, y0);
+  return ((1 - fy) * ((1 - fx) * t[0] + fx * t[right]) +
+          fy * ((1 - fx) * t[below] + fx * t[below + right])) *
+         (1 / 255.0f);
+}
+
+inline float BakeView::TrustAt(const Eigen::Vector2f& pixel, float depth) const {
+  const float x = pixel.x() * cells_per_px_ - static_cast<float>(cell_x0_),
+              y = pixel.y() * cells_per_px_ - static_cast<float>(cell_y0_);
+  if (!(x >= 0 && y >= 0 && x < static_cast<float>(depth_.width) &&
+        y < static_cast<float>(depth_.height)))
+    return 0;
+  const float surface = *depth_.at(static_cast<int>(x), static_cast<int>(y));
+  return depth - surface < depth_step_ * depth ? Trust(x, y) : 0;
+}
+
+inline Sample BakeView::Bilinear(int level, const Eigen::Vector2f& pixel) const {
+  const Image8& image = levels_[level];
+  const float scale = scales_[level];
+  const float x = std::clamp((pixel.x() - static_cast<float>(box_.x0)) * scale - 0.5f, 0.0f,
+                             static_cast<float>(image.width - 1)),
+              y = std::clamp((pixel.y() - static_cast<float>(box_.y0)) * scale - 0.5f, 0.0f,
+                             static_cast<float>(image.height - 1));
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+  const std::ptrdiff_t right = x0 + 1 < image.width ? 4 : 0,
+                       below = y0 + 1 < image.height ? 4 * image.width : 0;
+  const std::uint8_t* first = image.at(x0, y0);
+  const std::uint8_t* p[4] = {first, first + right, first + below, first + below + right};
+  const float w[4] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  Sample sample;
+  for (int k = 0; k < 4; ++k) {
+    const float a = w[k] * p[k][3];
+    sample.color += a * Eigen::Vector3f(kLinear[p[k][0]], kLinear[p[k][1]], kLinear[p[k][2]]);
+    sample.alpha += a;
+  }
+  if (sample.alpha > 0) sample.color *= 1 / sample.alpha;
+  sample.alpha *= 1 / 255.0f;
+  return sample;
+}
+
+inline Sample BakeView::ColorAt(const Eigen::Vector2f& pixel, float level) const {
+  const int coarsest = static_cast<int>(levels_.size()) - 1;
+  const float stored =
+      std::clamp(level - static_cast<float>(base_level_), 0.0f, static_cast<float>(coarsest));
+  const int fine = static_cast<int>(stored);
+  const float t = stored - static_cast<float>(fine);
+  Sample a = Bilinear(fine, pixel);
+  if (t < 0.02f || fine == coarsest) return a;
+  const Sample b = Bilinear(fine + 1, pixel);
+  const float alpha = (1 - t) * a.alpha + t * b.alpha;
+  if (alpha > 0) a.color = ((1 - t) * a.alpha * a.color + t * b.alpha * b.color) / alpha;
+  a.alpha = alpha;
+  return a;
+}
+
+}  // namespace keypose::texture

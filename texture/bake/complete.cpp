@@ -1,0 +1,287 @@
+#include "texture/bake/complete.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "texture/bake/atlas.h"
+#include "texture/bake/bake_view.h"
+
+namespace keypose::texture {
+namespace {
+
+using Eigen::Vector3f;
+
+/// Both must be surer than this of a vertex before their colours are compared.
+constexpr float kBothSure = 0.9f;
+/// Added to linear light before logarithms: in black, noise is all there is.
+constexpr float kDarkColor = 0.01f;
+/// How strongly a vertex holds the factor that it shows, against an edge's wish for no change. Low:
+/// a factor is a matter of many faces.
+constexpr double kHold = 0.1;
+/// Differences of logarithms beyond this are something else than light.
+constexpr double kSameThing = 0.12;
+/// Draws to the overall factor where nothing near says anything.
+constexpr double kSmoothingGrain = 1e-4;
+constexpr int kRobustRounds = 4;
+/// Rings of vertices over which confidence is gathered before the best pose is chosen.
+constexpr int kRings = 3;
+
+Painting PaintingOf(const PoseTexture& pose) {
+  Painting painting(pose.texture.width);
+  painting.sure = pose.confidence.data;
+  ParallelBlocks(static_cast<std::int64_t>(pose.texture.data.size()), 1 << 16,
+                 [&](std::int64_t begin, std::int64_t end) {
+                   for (std::int64_t i = begin; i < end; ++i)
+                     painting.color.data[i] = LinearOf(pose.texture.data[i]);
+                 });
+  return painting;
+}
+
+void RequireSquare(const PoseTexture& pose, int size, const std::string& what) {
+  if (pose.texture.width != size || pose.texture.height != size || pose.texture.channels != 3)
+    throw InputError("complete: " + what + " is " + std::to_string(pose.texture.width) + " x " +
+                     std::to_string(pose.texture.height) + ", but the pose's own is " +
+                     std::to_string(size) +
+                     " px wide; textures must be square and of one size: bake all "
+                     "poses with one `texture_size`");
+  if (pose.confidence.width != size || pose.confidence.height != size ||
+      pose.confidence.channels != 1)
+    throw InputError("complete: the confidence of " + what +
+                     " is not of its texture's size; pass the one that the same bake wrote");
+}
+
+/// What is solved on the mesh: a value a vertex, smooth along edges.
+using Edges = std::vector<std::pair<int, int>>;
+
+/// Logarithms of the factors that bring `other` to `own` in light, a row a vertex. Empty when too
+/// little is seen in both.
+using Factors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+double MedianOfCopy(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Where both are sure: logarithm of own over other.
+struct Ratios {
+  std::vector<int> vertices;
+  Factors logs;                           ///< a row for each of `vertices`
+  Eigen::RowVector3d median = {0, 0, 0};  ///< zero when there are none
+};
+
+Ratios CompareVertices(const VertexColors& own, const VertexColors& other) {
+  Ratios ratios;
+  for (int v = 0; v < std::ssize(own.sure); ++v)
+    if (own.sure[v] > kBothSure && other.sure[v] > kBothSure) ratios.vertices.push_back(v);
+  ratios.logs.resize(static_cast<Eigen::Index>(ratios.vertices.size()), 3);
+  for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
+    const int v = ratios.vertices[i];
+    ratios.logs.row(i) =
+        ((own.color[v].array() + kDarkColor) / (other.color[v].array() + kDarkColor))
+            .log()
+            .matrix()
+            .transpose()
+            .cast<double>();
+  }
+  if (ratios.vertices.empty()) return ratios;
+  for (int c = 0; c < 3; ++c)
+    ratios.median[c] = MedianOfCopy({ratios.logs.col(c).begin(), ratios.logs.col(c).end()});
+  return ratios;
+}
+
+Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
+                      const Eigen::VectorXd& inlier_weight, int vertex_count) {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(vertex_count, kSmoothingGrain);
+  Factors right = (kSmoothingGrain * ratios.median).replicate(vertex_count, 1);
+  for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
+    diagonal[ratios.vertices[i]] += kHold * inlier_weight[i];
+    right.row(ratios.vertices[i]) += kHold * inlier_weight[i] * ratios.logs.row(i);
+  }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [a, b] : edges) {
+    diagonal[a] += 1, diagonal[b] += 1;
+    entries.emplace_back(std::max(a, b), std::min(a, b), -1.0);
+  }
+  for (int v = 0; v < vertex_count; ++v) entries.emplace_back(v, v, diagonal[v]);
+  Eigen::SparseMatrix<double> matrix(vertex_count, vertex_count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(right);
+}
+
+/// Rounds of least squares in which a vertex that contradicts its surroundings weighs less
+/// (Cauchy).
+Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) {
+  Eigen::VectorXd inlier_weight(static_cast<Eigen::Index>(ratios.vertices.size()));
+  const auto weigh = [&](const auto& expected) {
+    for (Eigen::Index i = 0; i < inlier_weight.size(); ++i)
+      inlier_weight[i] =
+          1 / (1 + (ratios.logs.row(i) - expected(i)).squaredNorm() / (kSameThing * kSameThing));
+  };
+  weigh([&](Eigen::Index) { return ratios.median; });
+  Factors factors;
+  for (int round = 0; round < kRobustRounds; ++round) {
+    factors = SmoothFactors(edges, ratios, inlier_weight, vertex_count);
+    weigh([&](Eigen::Index i) { return Eigen::RowVector3d(factors.row(ratios.vertices[i])); });
+  }
+  return factors;
+}
+
+/// Confidence as its surroundings have it: high well within what is seen, low at its border.
+std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
+  for (int ring = 0; ring < kRings; ++ring) {
+    std::vector<float> sum = sure, count(sure.size(), 1);
+    for (const auto& [a, b] : edges) sum[a] += sure[b], sum[b] += sure[a], ++count[a], ++count[b];
+    for (std::size_t v = 0; v < sure.size(); ++v) sure[v] = sum[v] / count[v];
+  }
+  return sure;
+}
+
+/// One of the others, ready to be taken from.
+struct Giver {
+  Painting painting;
+  Factors factors;              ///< a row a vertex
+  std::vector<float> gathered;  ///< of each vertex
+  int index = 0;                ///< among those given
+};
+
+/// At each vertex the giver that shows it best; -1: none.
+std::vector<int> BestGivers(const std::vector<Giver>& givers, int vertex_count) {
+  std::vector<int> best(vertex_count, -1);
+  for (int v = 0; v < vertex_count; ++v)
+    for (int g = 0; g < std::ssize(givers); ++g)
+      if (givers[g].gathered[v] > (best[v] < 0 ? 0.0f : givers[best[v]].gathered[v])) best[v] = g;
+  return best;
+}
+
+struct Filling {
+  Vector3f color = Vector3f::Zero();
+  float sure = 0;
+  int giver = -1;  ///< that most of it comes from
+};
+
+class Filler {
+ public:
+  Filler(const Mesh& mesh, const Atlas& atlas, const std::vector<Giver>& givers)
+      : mesh_(mesh),
+        atlas_(atlas),
+        givers_(givers),
+        best_(BestGivers(givers, mesh.vertex_count())) {}
+
+  /// What the others show at a texel of the surface, in the own pose's light.
+  Filling At(std::size_t texel) const {
+    const Vector3f w = atlas_.Weights(texel);
+    const auto face = mesh_.faces.row(atlas_.face[texel]);
+    Filling filling;
+    float sum = 0, most = 0;
+    for (int g = 0; g < std::ssize(givers_); ++g) {
+      // A giver that is not the best of any corner still steps in where the best ones show nothing.
+      float share = 1e-4f;
+      for (int k = 0; k < 3; ++k) share += best_[face[k]] == g ? std::max(w[k], 0.0f) : 0;
+      const float sure = static_cast<float>(givers_[g].painting.sure[texel]) / 255,
+                  part = share * sure;
+      if (part <= 0) continue;
+      filling.color += part * ColorOf(givers_[g], texel, w, face);
+      filling.sure = std::max(filling.sure, sure);
+      sum += part;
+      if (part > most) most = part, filling.giver = g;
+    }
+    if (sum > 0) filling.color /= sum;
+    return filling;
+  }
+
+ private:
+  template <class Face>
+  static Vector3f ColorOf(const Giver& giver, std::size_t texel, const Vector3f& w,
+                          const Face& face) {
+    Eigen::RowVector3d log = Eigen::RowVector3d::Zero();
+    for (int k = 0; k < 3; ++k) log += static_cast<double>(w[k]) * giver.factors.row(face[k]);
+    const Vector3f factor = log.array().exp().matrix().transpose().cast<float>();
+    // The factor is of the colour and the dark light that was added to it, so that black stays
+    // black.
+    const Vector3f raised =
+        ((giver.painting.At(texel).array() + kDarkColor) * factor.array() - kDarkColor).matrix();
+    return raised.cwiseMax(0.0f).cwiseMin(1.0f);
+  }
+
+  const Mesh& mesh_;
+  const Atlas& atlas_;
+  const std::vector<Giver>& givers_;
+  std::vector<int> best_;
+};
+
+/// Mixes what the others show into the own painting.
+/// @return for each texel the giver that it comes
+/// from, -1: its own or nothing
+std::vector<int> Fill(const Atlas& atlas, const Filler& filler, Painting& own) {
+  std::vector<int> from(own.sure.size(), -1);
+  ParallelFor(
+      static_cast<std::int64_t>(own.sure.size()),
+      [&](std::int64_t texel) {
+        if (atlas.face[texel] < 0 || own.sure[texel] == 255) return;
+        const Filling filling = filler.At(texel);
+        if (filling.sure <= 0) return;
+        const float sure = static_cast<float>(own.sure[texel]) / 255,
+                    mine = sure * sure * (3 - 2 * sure), theirs = (1 - mine) * filling.sure;
+        if (theirs > mine) from[texel] = filling.giver;
+        own.At(texel) = ((mine * own.At(texel) + theirs * filling.color) / (mine + theirs)).eval();
+        own.sure[texel] = static_cast<std::uint8_t>(
+            std::max(1L, std::lround(255 * std::max(sure, filling.sure))));
+      },
+      1 << 14);
+  return from;
+}
+
+std::vector<Giver> GiversOf(const Mesh& mesh, const Atlas& atlas, const PoseTexture& own_pose,
+                            const Painting& own, const std::vector<PoseTexture>& others) {
+  const Edges edges = UndirectedEdges(mesh.faces);
+  const VertexColors mine = ReadVertices(mesh, atlas, own);
+  std::vector<Giver> givers;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    RequireSquare(others[i], atlas.size, "texture " + std::to_string(i + 1) + " of the others");
+    if (others[i].texture.data == own_pose.texture.data &&
+        others[i].confidence.data == own_pose.confidence.data)
+      continue;
+    Giver giver{PaintingOf(others[i]), {}, {}, static_cast<int>(i)};
+    const VertexColors theirs = ReadVertices(mesh, atlas, giver.painting);
+    giver.factors = FindFactors(edges, CompareVertices(mine, theirs), mesh.vertex_count());
+    giver.gathered = Gathered(edges, theirs.sure);
+    givers.push_back(std::move(giver));
+  }
+  return givers;
+}
+
+}  // namespace
+
+Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
+                          const std::vector<PoseTexture>& others, int gutter) {
+  RequireUsable(mesh, "complete: mesh");
+  const int size = own.texture.width;
+  RequireSquare(own, size, "the pose's own texture");
+  const Atlas atlas = RasterizeAtlas(mesh, size);
+  Painting painting = PaintingOf(own);
+  const std::vector<Giver> givers = GiversOf(mesh, atlas, own, painting, others);
+  Completed completed;
+  completed.texels = atlas.texels;
+  completed.taken.assign(others.size(), 0);
+  const std::vector<int> from = Fill(atlas, Filler(mesh, atlas, givers), painting);
+  for (std::size_t texel = 0; texel < from.size(); ++texel) {
+    if (!atlas.inside[texel]) continue;
+    if (from[texel] >= 0) ++completed.filled_texels, ++completed.taken[givers[from[texel]].index];
+    completed.own_texels += from[texel] < 0 && own.confidence.data[texel] > 0;
+  }
+  // The guesses of the own bake make way for new ones.
+  for (std::size_t texel = 0; texel < painting.sure.size(); ++texel)
+    if (painting.sure[texel] == 0) painting.At(texel).setZero();
+  InpaintUnseen(mesh, atlas, painting);
+  completed.texture = SrgbImage(FinishTexture(atlas, std::move(painting), gutter));
+  return completed;
+}
+
+}  // namespace keypose::texture

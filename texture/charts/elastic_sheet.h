@@ -1,0 +1,60 @@
+// A chart as a sheet that resists being bent out of shape within its plane: what flattening and
+// packing both relax.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/cholesky.h"
+#include "texture/charts/charts.h"
+
+namespace keypose::texture {
+
+/// Triangle in its own plane: corner 0 in the origin, corner 1 on the x axis, corner 2 above it.
+struct RestTriangle {
+  double x1, x2, y2;
+};
+RestTriangle RestOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+
+/// What a chart looks like without stress.
+struct RestShape {
+  std::vector<RestTriangle> triangles;  ///< per face
+  /// opposite of edge k (corners k, k + 1), kept in [1e-2, 1e2]
+  std::vector<std::array<double, 3>> cotangents;
+  double area = 0;
+};
+RestShape RestShapeOf(const Surface& surface, const Chart& chart);
+
+/// Cotangent Laplacian, lower triangle, of the vertices with column[v] >= 0.
+Eigen::SparseMatrix<double> ChartLaplacian(const Chart& chart, const RestShape& rest,
+                                           const std::vector<int>& column, int size);
+
+double SignedArea(const UvsX2& uvs, const Chart& chart, int face);
+/// Whether each face is counter-clockwise with more than `least` of its area in space times
+/// scale^2.
+bool Upright(const Surface& surface, const Chart& chart, const UvsX2& uvs, double least,
+             double scale = 1);
+
+/// One factor for many rounds of as-rigid-as-possible relaxation.
+class Sheet {
+ public:
+  /// @param chart  a disk; must outlive the sheet
+  /// @param hold   >= 0: how strongly rim vertices are drawn to their targets, beside springs of
+  /// about 1; 0: not, and vertex 0 stays
+  Sheet(const Surface& surface, const Chart& chart, double hold);
+
+  /// One round: each triangle takes its best turn, then all vertices settle. `targets`: one row per
+  /// rim vertex, unused when hold is 0.
+  /// @return how far the vertices moved over their norm
+  /// Source: Liu et al., SGP 2008.
+  double Settle(double scale, const UvsX2& targets, UvsX2& uvs) const;
+  const RestShape& rest() const { return rest_; }
+
+ private:
+  const Chart& chart_;
+  RestShape rest_;
+  double hold_;
+  SparseCholesky solver_;
+};
+
+}  // namespace keypose::texture

@@ -1,0 +1,128 @@
+#include "texture/charts/hidden_seams.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/testing_shapes.h"
+#include "texture/unwrap/unwrap.h"
+
+namespace keypose::texture {
+namespace {
+
+/// Two balls, one on the other, with a deep crease round the waist at z = 0.
+Mesh Snowman(int levels) {
+  Mesh mesh = MakeIcosphere(levels);
+  for (int v = 0; v < mesh.vertex_count(); ++v) {
+    const double z = mesh.points(v, 2), narrow = 1 - 0.6 * std::exp(-z * z / 0.02);
+    mesh.points(v, 0) *= narrow;
+    mesh.points(v, 1) *= narrow;
+    mesh.points(v, 2) *= 1.8;
+  }
+  return mesh;
+}
+
+int Nearest(const Surface& s, const Eigen::RowVector3d& p) {
+  Eigen::Index at = 0;
+  (s.points.rowwise() - p).rowwise().squaredNorm().minCoeff(&at);
+  return static_cast<int>(at);
+}
+
+TEST(FindExposure, FrontOfABallIsSeenMoreThanItsBackAndThatMoreThanBelow) {
+  const Surface s = MakeSurface(MakeIcosphere(4));
+  const Exposure exposure = FindExposure(s, {});
+  const double front = exposure.seen[Nearest(s, {0, -1, 0})],
+               back = exposure.seen[Nearest(s, {0, 1, 0})],
+               below = exposure.seen[Nearest(s, {0, 0, -1})];
+  EXPECT_GT(front, 1.5 * back);
+  EXPECT_GT(back, 1.5 * below);
+  EXPECT_TRUE(exposure.front[Nearest(s, {0, -1, 0})]);
+  EXPECT_FALSE(exposure.front[Nearest(s, {1, 0, 0})]);
+  EXPECT_FALSE(exposure.front[Nearest(s, {0, 1, 0})]);
+  EXPECT_GE(exposure.seen.minCoeff(), 0);
+  EXPECT_LE(exposure.seen.maxCoeff(), 1);
+  EXPECT_GT(exposure.cost.minCoeff(), 0);
+}
+
+TEST(FindExposure, TurnedFigureWithTurnedViewersLooksTheSame) {
+  Mesh ball = Snowman(3);
+  const Exposure upright = FindExposure(MakeSurface(ball), {});
+  Mesh lying = ball;  // x to y to z to x: exact
+  lying.points.col(0) = ball.points.col(2);
+  lying.points.col(1) = ball.points.col(0);
+  lying.points.col(2) = ball.points.col(1);
+  const Exposure turned = FindExposure(MakeSurface(lying), {.up = {1, 0, 0}, .front = {0, 0, -1}});
+  // Rays that graze may fall to either side.
+  EXPECT_LT((upright.seen - turned.seen).cwiseAbs().mean(), 2e-3);
+}
+
+TEST(FindExposure, SeamsAreCheapInACrease) {
+  const Surface s = MakeSurface(Snowman(5));
+  const Exposure exposure = FindExposure(s, {});
+  const double waist = exposure.cost[Nearest(s, {0, -0.4, 0})],
+               belly = exposure.cost[Nearest(s, {0, -0.85, -0.9})];
+  EXPECT_LT(waist, 0.35 * belly);
+}
+
+TEST(FindExposure, SameBitsForAnyThreadCount) {
+  const Surface s = MakeSurface(Snowman(3));
+  SetThreadCount(1);
+  const Exposure one = FindExposure(s, {});
+  SetThreadCount(2);
+  const Exposure two = FindExposure(s, {});
+  SetThreadCount(0);
+  EXPECT_EQ(one.seen, two.seen);
+  EXPECT_EQ(one.cost, two.cost);
+}
+
+TEST(BetterBorder, MovesFromATiltedCircleToACheapRing) {
+  const Surface s = MakeSurface(MakeIcosphere(4));
+  // Cheap along the equator, which is a line of edges in this ball.
+  Eigen::VectorXd cost(s.points.rows());
+  for (Eigen::Index v = 0; v < cost.size(); ++v)
+    cost[v] = std::abs(s.points(v, 2)) < 1e-9 ? 0.01 : 1;
+  const PointsX3 costs = SeamCosts(s, cost);
+  std::vector<int> label(s.faces.rows());
+  for (int f = 0; f < std::ssize(label); ++f)
+    label[f] = s.centers(f, 2) + 0.15 * s.centers(f, 0) > 0.02 ? 3 : 7;
+  const std::vector<int> changed = BetterBorder(s, costs, label, 3, 7, 12);
+  EXPECT_FALSE(changed.empty());
+  for (const int f : changed) label[f] = 10 - label[f];
+  for (int f = 0; f < std::ssize(label); ++f) EXPECT_EQ(label[f], s.centers(f, 2) > 0 ? 3 : 7) << f;
+  EXPECT_TRUE(BetterBorder(s, costs, label, 3, 7, 12).empty());  // the best stays
+}
+
+TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
+  const Mesh figure = Snowman(5);
+  UnwrapOptions options;
+  options.press = false;
+  options.effort = 20;
+  options.enough_utilisation = 0;
+  const UnwrapResult hidden = Unwrapped(figure, options);
+  options.hide_seams = false;
+  const UnwrapResult plain = Unwrapped(figure, options);
+  EXPECT_LT(hidden.seam_exposure, 0.9 * hidden.edge_exposure);
+  EXPECT_LT(hidden.seam_exposure, plain.seam_exposure);
+  EXPECT_LT(hidden.seam_front_over_diag, plain.seam_front_over_diag);
+  // How much of the way round the waist is seam: by angle, in 72 sectors.
+  const Surface s = MakeSurface(figure);
+  std::vector<char> sector(72, 0);
+  for (int f = 0; f < figure.face_count(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = figure.faces(f, k), b = figure.faces(f, (k + 1) % 3), g = s.neighbors(f, k);
+      int at = 0;
+      while (figure.faces(g, at) != a || figure.faces(g, (at + 2) % 3) != b) ++at;
+      if (hidden.mesh.uv_faces(g, at) == hidden.mesh.uv_faces(f, k)) continue;
+      const Eigen::RowVector3d m = (figure.points.row(a) + figure.points.row(b)) / 2;
+      if (std::abs(m.z()) < 0.08)
+        sector[std::min(71, static_cast<int>((std::atan2(m.y(), m.x()) / EIGEN_PI + 1) * 36))] = 1;
+    }
+  }
+  EXPECT_GE(std::count(sector.begin(), sector.end(), 1), 60);
+}
+
+}  // namespace
+}  // namespace keypose::texture

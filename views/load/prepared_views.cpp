@@ -1,0 +1,81 @@
+#include "views/load/prepared_views.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/parallel.h"
+
+namespace keypose {
+namespace {
+
+// For each view of the model its index in the images folder.
+std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene,
+                               const ImageSet& set) {
+  std::vector<int> index;
+  std::vector<std::string> missing, without_mask;
+  for (const View& view : scene.views) {
+    index.push_back(set.Find(view.name));
+    if (index.back() < 0) {
+      missing.push_back(view.name);
+    } else if (set.images[index.back()].mask.empty()) {
+      without_mask.push_back(view.name);
+    }
+  }
+  if (scene.views.empty())
+    throw InputError(stage_name + ": the model has no images; run sfm again");
+  if (!missing.empty())
+    throw InputError(stage_name + ": the model names images that are not in " +
+                     set.folder.string() + ": " + NameList(missing) +
+                     "; pass the images that the model was made from");
+  if (!without_mask.empty())
+    throw InputError(stage_name + ": images without a mask: " + NameList(without_mask) +
+                     "; run capture again");
+  return index;
+}
+
+}  // namespace
+
+std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
+                                            const Scene& scene, int max_size, int levels) {
+  const ImageSet set = ReadImageSet(stage.Input("images"));
+  const std::vector<int> image_of = MatchToImages(stage_name, scene, set);
+  int longest = 1;
+  for (const View& view : scene.views)
+    longest = std::max({longest, view.camera.width, view.camera.height});
+  const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
+  std::vector<PreparedView> views(scene.views.size());
+  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    if (!set.images[image_of[i]].trusted) return;
+    const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3),
+                 mask = ReadImage(set.MaskPath(image_of[i]), 1);
+    views[i] = PrepareView(scene.views[i], static_cast<int>(i), image, mask, scale, levels);
+  });
+  std::vector<std::string> empty, doubted;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const CapturedImage& image = set.images[image_of[i]];
+    if (!image.trusted)
+      doubted.push_back(image.name);
+    else if (views[i].masked_pixels == 0)
+      empty.push_back(image.name);
+  }
+  std::erase_if(views, [](const PreparedView& view) { return view.masked_pixels == 0; });
+  if (!empty.empty())
+    stage.Note(stage_name +
+               ": left out, because the mask is empty or the image too small: " + NameList(empty));
+  if (!doubted.empty())
+    stage.Note(stage_name +
+               ": left out, because they contradict the other photographs: " + NameList(doubted));
+  stage.ReportJson("views_distrusted", nlohmann::json(doubted).dump());
+  if (views.size() < 3)
+    throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " +
+                     std::to_string(scene.views.size()) +
+                     " images have a mask with anything in it (empty: " + NameList(empty) +
+                     ") and agree with the others (contrary: " + NameList(doubted) +
+                     "); look at the masks of capture");
+  return views;
+}
+
+}  // namespace keypose
