@@ -71,11 +71,14 @@ void Redraw(TestRing& ring, std::size_t i, double dx, double dy, double radius) 
     }
 }
 
-void Darken(TestRing& ring, std::size_t i, int from, int divisor) {
+void Darken(TestRing& ring, std::size_t i, int from, double divisor) {
   for (int y = 0; y < kRingHeight; ++y)
     for (int x = 0; x < kRingWidth / 2 - from; ++x) {
       if (!*ring.truths[i].at(x, y)) continue;
-      for (int c = 0; c < 3; ++c) ring.images[i].at(x, y)[c] /= divisor;
+      for (int c = 0; c < 3; ++c) {
+        std::uint8_t& level = ring.images[i].at(x, y)[c];
+        level = static_cast<std::uint8_t>(level / divisor);
+      }
       *ring.masks[i].at(x, y) = 0;
     }
 }

@@ -26,9 +26,9 @@ TestRing MakeTestRing();
 /// Draws the ring's view i as if the ball stood elsewhere or were of another size [px].
 void Redraw(TestRing& ring, std::size_t i, double dx, double dy, double radius);
 
-/// Darkens the ball in view i where it is left of its middle by more than `from` px, as an underside
-/// before a dark set, and takes that part from its mask.
-void Darken(TestRing& ring, std::size_t i, int from, int divisor);
+/// In view i, divides the ball's colours by `divisor` left of `from` px before its middle, as on an
+/// underside before a dark set, and takes that part out of its mask.
+void Darken(TestRing& ring, std::size_t i, int from, double divisor);
 
 /// Intersection over union of two masks.
 double Iou(const Image8& a, const Image8& b);
