@@ -57,63 +57,62 @@ std::string MissingStages(const Contents& contents, const PosePart& pose) {
   return missing.empty() ? "" : "<p class=lead>Not made for this pose: " + missing + ".</p>";
 }
 
+/// A fact of a pose: the stage that measured it, what people call it, and its key in the report.
+struct Fact {
+  const char *stage, *label, *key;
+};
+constexpr Fact kCaptureFacts[] = {
+    {"capture", "photographs", "images"},
+    {"capture", "photographs", "images_total"},
+    {"capture", "mean sharpness", "sharpness_mean"},
+};
+constexpr Fact kPoseFacts[] = {
+    {"sfm", "cameras from", "method"},
+    {"sfm", "reprojection error (px)", "reprojection_error_px"},
+    {"sfm", "sparse points", "points"},
+    {"sfm", "mean track length", "mean_track_length"},
+    {"masks", "masks' overlap with their hull", "agreement"},
+    {"masks", "least of a view", "least_agreement"},
+    {"dense", "dense points", "points"},
+    {"dense", "dense CPU time", "cpu_seconds"},
+    {"dense", "dense completeness", "completeness_mean"},
+    {"mesh", "Poisson faces", "faces"},
+    {"refine", "photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
+    {"refine", "outlines miss the masks by (px)", "outline_gap_px"},
+    {"refine", "surface where photographs tell the place (share)", "evidence"},
+    {"refine", "its brightness misses the photographs by (share)", "shading_error_after"},
+    {"cleanup", "faces", "faces"},
+    {"cleanup", "closed 2-manifold", "closed"},
+    {"cleanup", "holes filled", "holes_filled"},
+    {"cleanup", "self-intersections", "self_intersections"},
+    {"cleanup", "genus", "genus"},
+    {"cleanup", "repair strategy", "rung"},
+    {"cleanup", "99 % of it from the scan within", "distance_from_input_p99_over_diag"},
+    {"unwrap", "UV charts", "charts"},
+    {"unwrap", "L2 stretch", "stretch_l2"},
+    {"unwrap", "L2 stretch", "l2_stretch"},
+    {"unwrap", "UV area used", "utilisation"},
+    {"unwrap", "flipped in UV", "flipped"},
+    {"bake", "texels unseen", "unseen_fraction"},
+    {"bake", "views used", "views_used"},
+    {"bake", "views a texel", "mean_views_per_texel"},
+    {"bake", "PSNR to photographs (dB)", "psnr_gain_db"},
+    {"bake", "PSNR to photographs left out (dB)", "held_out_psnr_db"},
+    {"bake", "... after one gain a channel (dB)", "held_out_psnr_gain_db"},
+    {"bake", "SSIM to photographs left out", "held_out_ssim"},
+};
+
 Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   Pairs facts;
-  AddFacts(run.Find("capture", pose),
-           {{"photographs", "images"},
-            {"photographs", "images_total"},
-            {"mean sharpness", "sharpness_mean"}},
-           facts);
+  const auto add = [&](std::span<const Fact> of) {
+    for (const Fact& fact : of)
+      AddFacts(run.Find(fact.stage, pose), {{fact.label, fact.key}}, facts);
+  };
+  add(kCaptureFacts);
   if (const StepRecord* sfm = run.Find("sfm", pose); sfm && sfm->Number("images_total"))
     facts.emplace_back("placed by sfm",
                        Value(*sfm, "images_placed") + " of " + Value(*sfm, "images_total"));
-  AddFacts(run.Find("sfm", pose),
-           {{"cameras from", "method"},
-            {"reprojection error (px)", "reprojection_error_px"},
-            {"sparse points", "points"},
-            {"mean track length", "mean_track_length"}},
-           facts);
-  AddFacts(
-      run.Find("masks", pose),
-      {{"masks' overlap with their hull", "agreement"}, {"least of a view", "least_agreement"}},
-      facts);
-  AddFacts(run.Find("dense", pose),
-           {{"dense points", "points"},
-            {"dense CPU time", "cpu_seconds"},
-            {"dense completeness", "completeness_mean"}},
-           facts);
-  AddFacts(run.Find("mesh", pose), {{"Poisson faces", "faces"}}, facts);
-  AddFacts(run.Find("refine", pose),
-           {{"photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
-            {"outlines miss the masks by (px)", "outline_gap_px"},
-            {"surface where photographs tell the place (share)", "evidence"},
-            {"its brightness misses the photographs by (share)", "shading_error_after"}},
-           facts);
-  AddFacts(run.Find("cleanup", pose),
-           {{"faces", "faces"},
-            {"closed 2-manifold", "closed"},
-            {"holes filled", "holes_filled"},
-            {"self-intersections", "self_intersections"},
-            {"genus", "genus"},
-            {"repair rung", "rung"},
-            {"99 % of it from the scan within", "distance_from_input_p99_over_diag"}},
-           facts);
-  AddFacts(run.Find("unwrap", pose),
-           {{"UV charts", "charts"},
-            {"L2 stretch", "stretch_l2"},
-            {"L2 stretch", "l2_stretch"},
-            {"UV area used", "utilisation"},
-            {"flipped in UV", "flipped"}},
-           facts);
-  AddFacts(run.Find("bake", pose),
-           {{"texels unseen", "unseen_fraction"},
-            {"views used", "views_used"},
-            {"views a texel", "mean_views_per_texel"},
-            {"PSNR to photographs (dB)", "psnr_gain_db"},
-            {"PSNR to photographs left out (dB)", "held_out_psnr_db"},
-            {"... after one gain a channel (dB)", "held_out_psnr_gain_db"},
-            {"SSIM to photographs left out", "held_out_ssim"}},
-           facts);
+  add(kPoseFacts);
   return facts;
 }
 

@@ -326,28 +326,45 @@ Scene ReadColmapModel(const fs::path& folder) {
   return scene;
 }
 
-void WriteColmapModel(const fs::path& folder, const Scene& scene) {
-  using Key = std::array<double, 10>;
-  const auto key_of = [](const Camera& c) {
-    return Key{double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2};
-  };
-  std::map<Key, std::uint32_t> ids;
-  std::vector<Key> order;
-  for (const View& view : scene.views)
-    if (ids.emplace(key_of(view.camera), static_cast<std::uint32_t>(order.size() + 1)).second)
-      order.push_back(key_of(view.camera));
-  BinaryWriter cameras;
-  cameras.Put<std::uint64_t>(order.size());
-  for (const Key& key : order) {
-    cameras.Put<std::uint32_t>(ids[key]);
-    cameras.Put<std::int32_t>(4);
-    cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[0]));
-    cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[1]));
-    for (std::size_t k = 2; k < key.size(); ++k) cameras.Put<double>(key[k]);
+namespace {
+
+/// The scene's different cameras, numbered from 1 in the order of the views.
+class SharedCameras {
+ public:
+  explicit SharedCameras(const std::vector<View>& views) {
+    for (const View& view : views)
+      if (ids_.emplace(KeyOf(view.camera), static_cast<std::uint32_t>(order_.size() + 1)).second)
+        order_.push_back(KeyOf(view.camera));
   }
-  // Each view gets one feature a track that it sees, at the track's projection, so that COLMAP's
-  // own programs read the model.
-  std::vector<std::vector<std::uint64_t>> seen(scene.views.size());
+  std::uint32_t IdOf(const Camera& camera) const { return ids_.at(KeyOf(camera)); }
+  std::string Bytes() const {
+    BinaryWriter cameras;
+    cameras.Put<std::uint64_t>(order_.size());
+    for (const Key& key : order_) {
+      cameras.Put<std::uint32_t>(ids_.at(key));
+      cameras.Put<std::int32_t>(4);  // COLMAP's model OPENCV
+      cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[0]));
+      cameras.Put<std::uint64_t>(static_cast<std::uint64_t>(key[1]));
+      for (std::size_t k = 2; k < key.size(); ++k) cameras.Put<double>(key[k]);
+    }
+    return cameras.bytes();
+  }
+
+ private:
+  using Key = std::array<double, 10>;
+  static Key KeyOf(const Camera& c) {
+    return {double(c.width), double(c.height), c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2};
+  }
+  std::map<Key, std::uint32_t> ids_;
+  std::vector<Key> order_;
+};
+
+/// Of each view, the points that it sees, in the order of its features. Each view gets one feature
+/// for each track that it sees, at the track's projection, so that COLMAP's programs read the
+/// model.
+using SeenPoints = std::vector<std::vector<std::uint64_t>>;
+
+std::string PointsBytes(const Scene& scene, SeenPoints& seen) {
   BinaryWriter points;
   points.Put<std::uint64_t>(scene.points.size());
   for (std::size_t p = 0; p < scene.points.size(); ++p) {
@@ -363,6 +380,10 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
       seen[v].push_back(p);
     }
   }
+  return points.bytes();
+}
+
+std::string ImagesBytes(const Scene& scene, const SharedCameras& cameras, const SeenPoints& seen) {
   BinaryWriter images;
   images.Put<std::uint64_t>(scene.views.size());
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
@@ -373,7 +394,7 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
          {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()})
       images.Put<double>(q);
     for (int k = 0; k < 3; ++k) images.Put<double>(pose.translation(k));
-    images.Put<std::uint32_t>(ids[key_of(view.camera)]);
+    images.Put<std::uint32_t>(cameras.IdOf(view.camera));
     images.PutString(view.name);
     images.Put<std::uint64_t>(seen[v].size());
     for (const std::uint64_t p : seen[v]) {
@@ -383,9 +404,18 @@ void WriteColmapModel(const fs::path& folder, const Scene& scene) {
       images.Put<std::uint64_t>(p + 1);
     }
   }
-  WriteFile(folder / "cameras.bin", cameras.bytes());
-  WriteFile(folder / "images.bin", images.bytes());
-  WriteFile(folder / "points3D.bin", points.bytes());
+  return images.bytes();
+}
+
+}  // namespace
+
+void WriteColmapModel(const fs::path& folder, const Scene& scene) {
+  const SharedCameras cameras(scene.views);
+  SeenPoints seen(scene.views.size());
+  const std::string points = PointsBytes(scene, seen);
+  WriteFile(folder / "cameras.bin", cameras.Bytes());
+  WriteFile(folder / "images.bin", ImagesBytes(scene, cameras, seen));
+  WriteFile(folder / "points3D.bin", points);
 }
 
 }  // namespace keypose

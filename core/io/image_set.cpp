@@ -83,6 +83,48 @@ int ImageSet::Find(const std::string& name) const {
   return it != images.end() && it->name == name ? static_cast<int>(it - images.begin()) : -1;
 }
 
+namespace {
+
+CapturedImage ImageFrom(const json& entry, const std::optional<BoardLayout>& board) {
+  CapturedImage image;
+  image.name = entry.at("name");
+  image.width = entry.at("width");
+  image.height = entry.at("height");
+  image.focal_px = entry.value("focal_px", 0.0);
+  image.mask = entry.value("mask", "");
+  image.mask_given = entry.value("mask_given", false);
+  image.trusted = entry.value("trusted", true);
+  image.why = entry.value("why", "");
+  image.sharpness = entry.value("sharpness", 0.0);
+  image.exposure = entry.value("exposure", 0.0);
+  image.mask_fraction = entry.value("mask_fraction", 0.0);
+  image.group = entry.value("group", "");
+  if (board && entry.contains("plate_corners"))
+    image.board_corners = CornersFrom(entry.at("plate_corners"), *board);
+  RequireUsableNumbers(image);
+  return image;
+}
+
+/// @throws InputError  a name that is there twice, leads out of the folder, or has no file
+void RequireUsableNames(const ImageSet& set, const fs::path& file) {
+  for (std::size_t i = 0; i < set.images.size(); ++i) {
+    const std::string& name = set.images[i].name;
+    if (i > 0 && set.images[i - 1].name == name)
+      throw InputError(file.string() + " names " + name + " twice; run 'keypose capture' again");
+    try {
+      RequireBelow(set.folder, set.images[i]);
+    } catch (const InputError& error) {
+      throw InputError(file.string() + ": " + error.what() +
+                       "; run 'keypose capture' again, and trust no folder that says such things");
+    }
+    if (!fs::exists(set.folder / name))
+      throw InputError(file.string() + " names " + name +
+                       ", but that photograph is not in the folder");
+  }
+}
+
+}  // namespace
+
 ImageSet ReadImageSet(const fs::path& folder) {
   const fs::path file = folder / "capture.json";
   if (!fs::exists(file))
@@ -98,25 +140,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
     if (root.contains("plate")) set.board = BoardFrom(root.at("plate"));
-    for (const json& entry : root.at("images")) {
-      CapturedImage image;
-      image.name = entry.at("name");
-      image.width = entry.at("width");
-      image.height = entry.at("height");
-      image.focal_px = entry.value("focal_px", 0.0);
-      image.mask = entry.value("mask", "");
-      image.mask_given = entry.value("mask_given", false);
-      image.trusted = entry.value("trusted", true);
-      image.why = entry.value("why", "");
-      image.sharpness = entry.value("sharpness", 0.0);
-      image.exposure = entry.value("exposure", 0.0);
-      image.mask_fraction = entry.value("mask_fraction", 0.0);
-      image.group = entry.value("group", "");
-      if (set.board && entry.contains("plate_corners"))
-        image.board_corners = CornersFrom(entry.at("plate_corners"), *set.board);
-      RequireUsableNumbers(image);
-      set.images.push_back(std::move(image));
-    }
+    for (const json& entry : root.at("images")) set.images.push_back(ImageFrom(entry, set.board));
   } catch (const InputError& error) {
     throw InputError(file.string() + " is damaged (" + error.what() +
                      "); run 'keypose capture' again");
@@ -126,20 +150,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
   }
   std::sort(set.images.begin(), set.images.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
-  for (std::size_t i = 0; i < set.images.size(); ++i) {
-    const std::string& name = set.images[i].name;
-    if (i > 0 && set.images[i - 1].name == name)
-      throw InputError(file.string() + " names " + name + " twice; run 'keypose capture' again");
-    try {
-      RequireBelow(folder, set.images[i]);
-    } catch (const InputError& error) {
-      throw InputError(file.string() + ": " + error.what() +
-                       "; run 'keypose capture' again, and trust no folder that says such things");
-    }
-    if (!fs::exists(folder / name))
-      throw InputError(file.string() + " names " + name +
-                       ", but that photograph is not in the folder");
-  }
+  RequireUsableNames(set, file);
   return set;
 }
 
