@@ -61,13 +61,13 @@ const char* kWhatToShoot =
     "calibration board under the figure (keypose capture "
     "--print-board)";
 
-/// Whether the cameras can be right. Cameras that a plate or the user gave stand by themselves:
-/// then it is the masks.
+/// Checks whether the cameras can be right. Cameras from a board or from the user are trusted; then
+/// the masks must be wrong.
 void RequireRight(StageContext& stage, const StrategyResult& found, const CameraEvidence& evidence,
                   const SfmOptions& options) {
   if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;
   char overlap[64];
-  std::snprintf(overlap, sizeof overlap, "%.2f, where %.2f is asked", evidence.hull_iou,
+  std::snprintf(overlap, sizeof overlap, "%.2f, at least %.2f is required", evidence.hull_iou,
                 options.min_hull_overlap);
   if (found.model.scale_source != "none") {
     stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " +
@@ -76,10 +76,11 @@ void RequireRight(StageContext& stage, const StrategyResult& found, const Camera
     return;
   }
   throw InputError(
-      "sfm: no cameras fit these photographs: under the best that were found (" + found.method +
-      ") the outlines make no one figure (overlap of masks and their hull " + overlap + "). " +
-      kWhatToShoot +
-      ". Masks that hold much else or miss parts cause this too: look at contact_sheet.jpg");
+      "sfm: no cameras fit these photographs: under the best ones that were found (" +
+      found.method +
+      ") the outlines do not belong to one figure (overlap of masks and their hull " + overlap +
+      "). " + kWhatToShoot +
+      ". Masks that contain other things or miss parts also cause this: look at contact_sheet.jpg");
 }
 
 void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,

@@ -16,7 +16,7 @@ constexpr double kLeastFacing = 0.5;  // cosine between a point's normal and a f
 constexpr double kInsideOutline = 2;
 constexpr int kGrain = 1024;
 
-// What frontier points say of a place.
+// Numbers of frontier points that are consistent or inconsistent with a point.
 struct FrontierVerdict {
   int agreed = 0, contradicted = 0;
 };
