@@ -52,7 +52,7 @@ void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& op
                    "object also cause this (see contact_sheet.jpg)");
 }
 
-/// How many photographs, and how far apart, whatever the figure.
+/// Advice on the number of photographs and their distance, for any figure.
 const char* kWhatToShoot =
     "Shoot more photographs, closer together (15 degrees or less from one to the next, rings 20 "
     "degrees apart), with one zoom, in the "
@@ -109,8 +109,8 @@ void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
                                  .dump());
 }
 
-/// The views that tell which way is up: of a figure that was also shot lying, those that show it
-/// upright (else of the first placement).
+/// The views that define which way is up: for a figure that was also shot lying, those of the
+/// upright placement (else of the first placement).
 Scene UprightViews(const ImageSet& set, const Scene& scene) {
   const auto group = [&](const View& view) { return set.images[set.Find(view.name)].group; };
   std::set<std::string> groups;
@@ -150,7 +150,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   if (set.images.size() < 3)
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) +
                      " photographs; at least 3 are needed");
-  options.Layouts(NamesOf(set));  // a wrong option is told before the work
+  options.Layouts(NamesOf(set));  // reports a wrong option before the work
   ReportProgress(stage.progress(), 0, "features");
   const EvidenceJudge judge(set);
   MatchedFeatures matched;

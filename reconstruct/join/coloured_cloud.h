@@ -18,7 +18,7 @@ struct Cloud {
 /// At most `count` of a scene's points, evenly spread over the list, without outliers.
 Cloud Decimated(const Scene& scene, int count);
 
-/// Root mean square distance from the middle.
+/// Root mean square distance from the centroid.
 double Spread(const PointsX3& points);
 
 /// Median distance of a point to its nearest neighbour: the resolution of the cloud.
