@@ -117,8 +117,8 @@ class Sorter {
     order.sorted = static_cast<int>(sorted.size());
     for (int i = 0; i < std::ssize(of_image_); ++i)
       if (!sorted.contains(i)) order.left_out.push_back(i);
-    order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by what they show"
-                                                          : " (rings), sorted by what they show";
+    order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by their content"
+                                                          : " (rings), sorted by their content";
     return order;
   }
 
