@@ -333,8 +333,8 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
 /// Warns of problems that a person can still correct at this time: too few photographs, or too far
 /// apart. The final decision is made in sfm.
 void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t groups) {
-  constexpr std::size_t kFew = 16,
-                        kMost = 60;  // for more photographs, all pairs would take too long
+  // for more photographs, all pairs would take too long
+  constexpr std::size_t kFew = 16, kMost = 60;
   if (all.size() < kFew)
     stage.Warn("there are only " + std::to_string(all.size()) +
                " photographs; without the printed calibration board a turn needs 24 of them, 15 "

@@ -182,8 +182,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
     for (const Image8& mask : refined.masks) trimaps.push_back(TrimapOf(mask));
     return BackdropsOf(lab, trimaps, takes, masking.largest_misfit);
   };
-  constexpr double kWorthARound =
-      3e-4;  // of the figure; smaller openings do not change the other masks
+  // of the figure; smaller openings do not change the other masks
+  constexpr double kWorthARound = 3e-4;
   Backdrops backdrops = round(large);
   std::vector<Image8> open = refined.masks;
   if (OpenWindows(images, views, backdrops.of, options, inlier, open) > kWorthARound) {

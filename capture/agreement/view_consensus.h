@@ -18,8 +18,8 @@ struct ConsensusOptions {
   double robbed = 0.01;
   double touching = 0.05;  ///< largest part of a mask outside of the others' space, over the
                            ///< figure's area, that is not yet counted as a touching object
-  double few =
-      0.25;  ///< largest share of the views with a touching object; in more views it is a support
+  /// largest share of the views with a touching object; in more views it is a support
+  double few = 0.25;
   /// largest share of outliers for which the consensus is still reliable
   double most_doubtful = 0.34;
 };

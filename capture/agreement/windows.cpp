@@ -19,8 +19,8 @@ constexpr double kLeft = 0.45;  // largest remaining share of the thickness, for
 
 // largest scalar product of the directions of views from opposite sides
 constexpr double kOpposite = -0.6;
-constexpr double kFromBehind =
-    0.2;  // least share of a window's pixels whose rays another window meets
+// least share of a window's pixels whose rays another window meets
+constexpr double kFromBehind = 0.2;
 
 struct Window {
   std::size_t view = 0;

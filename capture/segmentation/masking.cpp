@@ -56,8 +56,8 @@ ImageF CleanPlateOdds(const Image8& image, const Image8& clean_plate, const Mask
   return odds;
 }
 
-constexpr int kColorRounds =
-    2;  // colour rounds come first, because a classifier needs trimaps that are nearly right
+// colour rounds come first, because a classifier needs trimaps that are nearly right
+constexpr int kColorRounds = 2;
 
 /// Pixels of the calibration board are not used for learning: its ink is no colour of the
 /// background, and a dark nose would be classified as background.

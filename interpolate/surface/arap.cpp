@@ -21,8 +21,8 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr int kGrowthPasses =
-    4;  // so that a region wider than a limb counts, and a bend's inside and outside cancel
+// so that a region wider than a limb counts, and a bend's inside and outside cancel
+constexpr int kGrowthPasses = 4;
 // of the diagonal: frames with larger steps to the wanted volume are computed singly
 constexpr double kNearStep = 0.05;
 // of the diagonal: constraints that move a key by less leave it as it is

@@ -14,8 +14,8 @@
 namespace keypose::interpolation {
 
 struct ArapOptions {
-  bool symmetric =
-      true;  ///< sum of both directions' energies; else the first key's only, as in the paper
+  /// sum of both directions' energies; else the first key's only, as in the paper
+  bool symmetric = true;
   Stretch stretch = Stretch::kBalanced;  ///< how a face's stretch grows with t
   bool follow_turns = true;  ///< neighbours turn the same way round (see turns.h); else every face
                              ///< takes its shortest turn

@@ -26,8 +26,8 @@ struct PatchConstraint {
   /// the keys. With kEveryVertex the vertices keep their offsets from it, interpolated between the
   /// keys.
   std::function<Eigen::Vector3d(double t)> path = {};
-  double softness =
-      0;  ///< 0: exact; else a spring of stiffness 1 / softness (cotangent weights are near 1)
+  /// 0: exact; else a spring of stiffness 1 / softness (cotangent weights are near 1)
+  double softness = 0;
 };
 
 struct Constraints {

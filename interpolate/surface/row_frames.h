@@ -50,8 +50,8 @@ class RowFrames {
   /// Rows begin .. end, all of one part, and the faces whose lowest row is among them.
   struct Patch {
     int part, begin, end;
-    int first_vertex,
-        last_vertex;            // indices into vertices_: first the rows', then the faces' others
+    // indices into vertices_: first the rows', then the faces' others
+    int first_vertex, last_vertex;
     int first_face, last_face;  // indices into faces_
   };
   const PoissonSystem* system_;

@@ -38,8 +38,8 @@ double BendingEnergy(const PointsX3& p, const FacesX3& faces) {
     const double angle =
         2 * std::asin(std::min(1.0, 0.5 * (normals.row(a) - normals.row(b)).norm()));
     sum += angle * angle * edge /
-           std::max(areas[a] + areas[b],
-                    0.05 * edge);  // bounded, so that a single sliver cannot dominate
+           // bounded, so that a single sliver cannot dominate
+           std::max(areas[a] + areas[b], 0.05 * edge);
   }
   return sum;
 }

@@ -11,8 +11,8 @@
 namespace keypose::interpolation {
 
 struct VolumetricOptions {
-  double element_size =
-      1;  ///< wanted edge length of inner tetrahedra over the surface's mean edge, > 0
+  /// wanted edge length of inner tetrahedra over the surface's mean edge, > 0
+  double element_size = 1;
   int max_tetrahedra = 50000;  ///< approximate: inner tetrahedra become larger where element_size
                                ///< would need more; a fine surface needs more all the same
   bool follow_turns = true;    ///< neighbouring tetrahedra turn the same way round, beyond 180

@@ -216,8 +216,8 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
   if (const auto fixed = FixedIntrinsics(options); !fixed.empty())
     problem.SetManifold(camera.data(), new ceres::SubsetManifold(8, fixed));
   ceres::Solver::Options solver;
-  solver.linear_solver_type =
-      ceres::DENSE_SCHUR;  // Eigen on one thread; the sparse solver would use a threaded BLAS
+  // Eigen on one thread; the sparse solver would use a threaded BLAS
+  solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-6;

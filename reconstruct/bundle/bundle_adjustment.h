@@ -33,8 +33,8 @@ struct Bodies {
 
 struct BundleOptions {
   int max_iterations = 40;  ///< of each of the two solves; 0: nothing moves
-  double robust_px =
-      1.0;  ///< scale of the Cauchy loss, which reduces the influence of larger errors
+  /// scale of the Cauchy loss, which reduces the influence of larger errors
+  double robust_px = 1.0;
   bool refine_principal_point = false;
   bool refine_distortion = false;  ///< k1, k2, p1, p2; else k1 alone
   bool keep_aspect = false;        ///< fy over fx is constant: one focal length is solved for

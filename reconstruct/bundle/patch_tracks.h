@@ -16,10 +16,10 @@ struct PatchOptions {
   double smoothing_px = 0.8;
   double widest_deg = 50;  ///< largest angle between the viewing directions of the patch's source
                            ///< photograph and another
-  double most_slanted_deg =
-      65;  ///< largest angle between a viewing direction and the surface's normal
-  int most_views =
-      12;  ///< largest number of photographs searched for a patch, the nearest by direction
+  /// largest angle between a viewing direction and the surface's normal
+  double most_slanted_deg = 65;
+  /// largest number of photographs searched for a patch, the nearest by direction
+  int most_views = 12;
   double least_ncc = 0.7;      ///< least correlation of a match
   double most_shift_px = 3;    ///< largest distance between predicted and matched position
   double most_sigma_px = 0.5;  ///< largest standard deviation of a position, from the patch's

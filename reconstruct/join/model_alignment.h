@@ -60,8 +60,8 @@ struct ShapeAlignmentOptions {
   /// between their chromaticities, which hardly depend on light
   double max_color = 0.06;
   double min_share = 0.35;  ///< least share of points that agree
-  double max_rival =
-      0.85;  ///< largest agreement of the next best rotation, relative to the best one's
+  /// largest agreement of the next best rotation, relative to the best one's
+  double max_rival = 0.85;
 };
 
 /// The motion that aligns the coloured points of two metric models whose photographs share too few

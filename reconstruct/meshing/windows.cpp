@@ -20,8 +20,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kSurelyOutside = 1.5;  // [px] masks have an error of a pixel or so
-constexpr double kReach =
-    2;  // [px] points of the cloud farther outside are inconsistent with a window
+// [px] points of the cloud farther outside are inconsistent with a window
+constexpr double kReach = 2;
 
 using Key = std::tuple<int, int, int>;  // of a lattice point, in cells
 

@@ -10,8 +10,8 @@ namespace keypose::reconstruct {
 /// Neighbours of the vertices, in one array: those of v are at [begin[v], begin[v + 1]), ascending.
 struct Neighbors {
   std::vector<int> begin, vertex;
-  std::vector<float>
-      weight;  ///< mean edge length over the edge's, in [0.25, 4]; the same from both ends
+  /// mean edge length over the edge's, in [0.25, 4]; the same from both ends
+  std::vector<float> weight;
   /// V, one over the sum of a vertex's weights; 0 without neighbours
   std::vector<float> inverse_sum;
   double mean_edge = 0;
@@ -34,9 +34,9 @@ struct DisplacementEnergy {
   /// + sum_v anchor d_v^2; positive, so that parts without data have a solution
   double anchor = 1e-4;
   std::vector<float> target, weight;
-  PointsX3
-      slope_normals;  ///< V x 3 unit, or empty: edges should be perpendicular to them, + sum_edges
-                      ///< w (m . (x_u - x_v) / unit)^2 with m and w the means of the ends' values
+  /// V x 3 unit, or empty: edges should be perpendicular to them, + sum_edges w (m . (x_u - x_v) /
+  /// unit)^2 with m and w the means of the ends' values
+  PointsX3 slope_normals;
   std::vector<float> slope_weight;  ///< V
 };
 

@@ -16,8 +16,8 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kFine = 2;  // cells of a view's picture per pixel and axis
-constexpr int kMargin =
-    24;  // pixels around the mask's crop, since the surface may extend beyond it
+// pixels around the mask's crop, since the surface may extend beyond it
+constexpr int kMargin = 24;
 constexpr double kBeyond = 0.75;  // pixels beyond an edge without any other surface
 // pixels: largest distance of a contour inside of its neighbours on the outline
 constexpr double kOutermost = 0.2;
@@ -31,8 +31,8 @@ constexpr double kLeastViolationFacing = 0.4;  // as kConstraintFacing, for viol
 // mean distance [pixels] of contours from exact masks: violations then have full weight
 constexpr double kExactMiss = 0.15;
 constexpr int kFrontierNeighbors = 32;
-constexpr double kFrontierReach =
-    6;  // largest distance of a vertex beside a frontier point, pixels
+// largest distance of a vertex beside a frontier point, pixels
+constexpr double kFrontierReach = 6;
 constexpr int kConstraintGrain = 256;
 
 using Constraint = OutlineConstraint;

@@ -25,8 +25,8 @@ struct SurfaceTargets {
                               ///< moves the outline to the masks'
   std::vector<float> weight;  ///< number of supporting views; a constraint has an error of about
                               ///< 0.35 px; 0: the vertex is on no view's outline, and offset is 0
-  double gap_px =
-      0;  ///< mean distance over views and outlines of the surface's outlines inside of the masks'
+  /// mean distance over views and outlines of the surface's outlines inside of the masks'
+  double gap_px = 0;
   double gap_spread_px = 0;  ///< mean absolute gap
 };
 

@@ -24,8 +24,8 @@ constexpr double kStep = 0.5;       // pixels of the level, at levels above 0
 constexpr double kFineStep = 0.25;  // at level 0
 constexpr int kSearches = 4;        // searches and solutions of one set of profiles
 constexpr float kFaint = 0.01f;     // smaller weights are reduced more than proportionally
-constexpr float kContrast =
-    0.05f;  // a minimum this much below its profile's mean has half of the full agreement
+// a minimum this much below its profile's mean has half of the full agreement
+constexpr float kContrast = 0.05f;
 constexpr int kRelax = 2;  // rounds of tangential smoothing before each search
 constexpr int kSmoothNormals = 2, kMostSmoothNormals = 60;
 constexpr int kUnfoldings = 5;
@@ -63,8 +63,8 @@ Wish Search(const float* cost, int count, float step, float at, float window, fl
   for (int k = 0; k < count; ++k) usual += cost[k] / static_cast<float>(count);
   const float contrast = std::max(0.0f, usual - cost[best]),
               agreement = std::max(0.0f, 1 - cost[best]) * contrast / (contrast + kContrast);
-  if (best == 0 ||
-      best == count - 1) {  // the minimum is out of range: move towards it, with less weight
+  // the minimum is out of range: move towards it, with less weight
+  if (best == 0 || best == count - 1) {
     const float slope = std::abs(cost[best] - cost[best == 0 ? 1 : count - 2]);
     return {static_cast<float>(best - middle) * step,
             0.5f * slope / (step * step) * agreement * agreement};

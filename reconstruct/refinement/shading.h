@@ -11,8 +11,8 @@
 namespace keypose::reconstruct {
 
 struct ShadingNormals {
-  PointsX3
-      normals;  ///< V x 3 unit: the surface's own, rotated to the fine detail that shading shows
+  /// V x 3 unit: the surface's own, rotated to the fine detail that shading shows
+  PointsX3 normals;
   /// in [0, 1]: how well the photographs determine the rotation; 0: not at all
   std::vector<float> weight;
   double residual_before = 0;  ///< median relative error of brightness with the surface's normals

@@ -37,8 +37,8 @@ struct SfmOptions {
   bool patches = true;         ///< track points by grey values, and adjust the cameras to them
   int adjusted_points = 6000;  ///< points in the bundle adjustments, spread over the figure
   double min_placed = 0.6;
-  double min_hull_overlap =
-      kLeastHullOverlap;  ///< of masks and their hull under the estimated cameras
+  /// of masks and their hull under the estimated cameras
+  double min_hull_overlap = kLeastHullOverlap;
   bool level = true;
   bool board = true;          ///< use the printed calibration board where photographs show it
   int min_board_corners = 8;  ///< corners that a photograph must show to be placed by the board

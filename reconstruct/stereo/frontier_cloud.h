@@ -14,8 +14,8 @@ struct FrontierCloudOptions {
   /// a frontier point constrains the surface up to this distance beside it
   double beside_px = 6;
   double reach_px = 16;  ///< and up to this distance above or below it
-  double agrees_px =
-      1;  ///< a point no farther above or below a frontier point is consistent with it
+  /// a point no farther above or below a frontier point is consistent with it
+  double agrees_px = 1;
   double errs_px = 1.5;  ///< a point farther above or below is inconsistent with it
   /// a point is removed when it is inconsistent with at least this many frontier points and
   /// consistent with none

@@ -24,8 +24,8 @@ struct FusionOptions {
 };
 
 struct FusionResult {
-  PointCloud
-      cloud;  ///< normals towards the cameras; confidence in (0, 1]: consistency and matching cost
+  /// normals towards the cameras; confidence in (0, 1]: consistency and matching cost
+  PointCloud cloud;
   /// for each view: 1 for each pixel whose depth enough others confirmed
   std::vector<std::vector<char>> confirmed;
   /// for each view: its confirmed depths, coarsely; empty where it has no map

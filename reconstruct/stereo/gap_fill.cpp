@@ -13,8 +13,8 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kLeastConfirmed = 4, kLeastMasked = 16;  // pixels of a cell, of 16
-constexpr double kSteepestBend =
-    30;  // largest depth change by the quadratic terms over the reach, pixels of depth
+// largest depth change by the quadratic terms over the reach, pixels of depth
+constexpr double kSteepestBend = 30;
 constexpr double kLeastNoise = 0.5;  // of a cell's depth, pixels
 constexpr double kSlack = 3;  // a known cell stores one depth, even where the surface is steep
 constexpr double kMiddle = 0.5 * (kCellPixels - 1);

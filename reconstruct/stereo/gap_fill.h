@@ -31,8 +31,8 @@ struct GapFillOptions {
   double largest_residual = 1;  ///< of the surrounding depths to their smooth surface, pixels on
                                 ///< the surface; more indicates an edge or noise
   double largest_error = 1;     ///< of the surface in the gap, estimated from the fit
-  double agreement =
-      2;  ///< largest distance between the surfaces of two views, pixels on the surface
+  /// largest distance between the surfaces of two views, pixels on the surface
+  double agreement = 2;
   int least_views = 3;  ///< least number of views that agree on a point, its own included
 };
 

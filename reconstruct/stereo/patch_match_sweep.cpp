@@ -12,8 +12,8 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr float kCostCap =
-    1.2f;  // so that a single source with a highlight or an occluder cannot exclude a plane
+// so that a single source with a highlight or an occluder cannot exclude a plane
+constexpr float kCostCap = 1.2f;
 // cost per pixel of distance from a source's own depth
 constexpr float kGeometricWeight = 0.2f;
 constexpr float kGeometricCap = 3.0f;  // pixels

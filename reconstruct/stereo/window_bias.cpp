@@ -11,13 +11,13 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kReach = 10;  // pixels
-constexpr int kStep =
-    2;  // errors of adjacent depths are correlated: every second depth has the same information
+// errors of adjacent depths are correlated: every second depth has the same information
+constexpr int kStep = 2;
 constexpr float kEdge = 3;  // pixels of depth between a pixel and the mean of two opposite ones
-constexpr float kLeastInformation =
-    0.25f;  // of the information on curvature in all groups together
-constexpr float kLargest =
-    2;  // correction, pixels of depth: that of a bump smaller than the window
+// of the information on curvature in all groups together
+constexpr float kLeastInformation = 0.25f;
+// correction, pixels of depth: that of a bump smaller than the window
+constexpr float kLargest = 2;
 // unknown depths after each row, which also separate the rows
 constexpr int kPadding = 2 * kReach + kLanes;
 

@@ -10,8 +10,8 @@ namespace keypose::reconstruct {
 struct Leveling {
   Similarity3 level_from_model;
   int rings = 0;  ///< groups of cameras related by rotations about the axis
-  double plane_rms =
-      0;  ///< distance of the rings' cameras from their planes, over the mean camera distance
+  /// distance of the rings' cameras from their planes, over the mean camera distance
+  double plane_rms = 0;
   double circle_rms = 0;  ///< distance of the rings' cameras from circles about the common axis,
                           ///< over the mean camera distance
   std::vector<int> ring_of_view;  ///< -1 for views of no ring

@@ -17,8 +17,8 @@ struct RingOrderOptions {
   double max_error_px = 4;  ///< of a match from its epipolar line
   /// largest distance of a match from a known point, over the object's radius
   double near_surface = 0.1;
-  double min_score =
-      4;  ///< least score of a position: about the number of matches consistent with it
+  /// least score of a position: about the number of matches consistent with it
+  double min_score = 4;
   double first_clear = 1.2;  ///< the first position must exceed any other by this many standard
                              ///< deviations of such counts
   double least_clear = 0.5;  ///< the same for later positions, which the final ring model checks

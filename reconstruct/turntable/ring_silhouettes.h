@@ -12,8 +12,8 @@ namespace keypose::reconstruct {
 
 struct RingSilhouetteOptions {
   int width = 320;  ///< masks are reduced to about this longer side for the search
-  int rays =
-      24;  ///< per view's outline during the search; the last adjustment uses three times as many
+  /// per view's outline during the search; the last adjustment uses three times as many
+  int rays = 24;
   double max_error_px = 4;    ///< at the search's size; a larger error is no fit
   bool adjust_angles = true;  ///< also adjust the table's angle at each view at the end
 };
@@ -21,8 +21,8 @@ struct RingSilhouetteOptions {
 struct RingSilhouettes {
   bool found = false;
   RingModel model;
-  double error_px =
-      0;  ///< mean distance of the outlines' rays from the solid, in pixels of the photographs
+  /// mean distance of the outlines' rays from the solid, in pixels of the photographs
+  double error_px = 0;
   std::vector<double> view_error_px;  ///< of each of model.views
   /// where outlines touch the solid, in the table's frame; `views` count model.views
   std::vector<SparsePoint> points;

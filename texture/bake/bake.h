@@ -104,8 +104,8 @@ struct ViewQuality {
 struct BakeResult {
   ImageF linear;   ///< RGB in linear light, 1 is the photographs' white; texture_size square
   Image8 texture;  ///< the same as 8-bit sRGB
-  Image8
-      confidence;  ///< 1 channel: how well photographs show each texel; 0: inpainted, or no surface
+  /// 1 channel: how well photographs show each texel; 0: inpainted, or no surface
+  Image8 confidence;
   int advised_size = 0;                ///< the size that texture_size 0 selects
   std::int64_t texels = 0;             ///< of the surface
   std::int64_t seen_texels = 0;        ///< painted from photographs; the rest is inpainted

@@ -16,12 +16,12 @@ struct ConsensusOptions {
                       ///< of one paint do not exceed [rad]
   double brightness = 0.5;  ///< the same for the logarithm of brightness (square root), after
                             ///< correction for the view's lamp
-  double spread =
-      3;  ///< and at least this many times the median difference of all views at the point
+  /// and at least this many times the median difference of all views at the point
+  double spread = 3;
   /// side of the squares that are hidden as a whole, over the picture's longer side
   double block = 0.035;
-  double contrary_block =
-      0.6;  ///< least share of a square's points that are outliers, for a hidden square
+  /// least share of a square's points that are outliers, for a hidden square
+  double contrary_block = 0.6;
   /// least share of a view's points in connected hidden squares; smaller regions are ignored
   double least_hidden = 0.012;
   double told_hidden = 0.02;  ///< least share for a warning: smaller regions are as often a
@@ -43,10 +43,9 @@ struct ViewColors {
   double block_px = 0;      ///< side of a square
   double hidden_share = 0;  ///< share of its points that are hidden
   bool told = false;        ///< the hidden part is large enough for a warning
-  Eigen::Vector2d light =
-      Eigen::Vector2d::Zero();  ///< gradient of log brightness with respect to the normal's
-                                ///< components to the right and down
-  bool other_light = false;     ///< its lamp is elsewhere than in most views
+  /// gradient of log brightness with respect to the normal's components to the right and down
+  Eigen::Vector2d light = Eigen::Vector2d::Zero();
+  bool other_light = false;  ///< its lamp is elsewhere than in most views
 };
 
 /// Compares each photograph with the median of all at points on the surface. Hue and brightness are

@@ -24,8 +24,8 @@ constexpr double kCreaseDepth = 0.15;
 constexpr double kSightPower = 1.5;
 constexpr double kFrontFactor = 1.5;
 constexpr int kSmoothing = 8;
-constexpr double kLeastGain =
-    0.02;  // of the cost: for a smaller gain two charts are not flattened again
+// of the cost: for a smaller gain two charts are not flattened again
+constexpr double kLeastGain = 0.02;
 // costs in a cut are integers, for an exact result
 constexpr double kWeightScale = 1e4;
 

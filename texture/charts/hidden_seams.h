@@ -16,11 +16,11 @@ struct Viewers {
 
 /// Visibility of a surface.
 struct Exposure {
-  Eigen::VectorXd
-      seen;  ///< per vertex in [0,1]: share of the viewers that see it, weighted by their frequency
-             ///< and the cosine; 1: faces most viewers and is not occluded
-  Eigen::VectorXd
-      cost;  ///< per vertex, > 0: cost of a seam per length: low in creases, below, behind
+  /// per vertex in [0,1]: share of the viewers that see it, weighted by their frequency and the
+  /// cosine; 1: faces most viewers and is not occluded
+  Eigen::VectorXd seen;
+  /// per vertex, > 0: cost of a seam per length: low in creases, below, behind
+  Eigen::VectorXd cost;
   std::vector<char> front;  ///< per vertex: 1 where a viewer in front sees it well (at most 60
                             ///< degrees from its normal, not occluded)
 };

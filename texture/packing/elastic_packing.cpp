@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAim =
-    1.05;  // times the gap: displacements converge slowly, so their target is somewhat larger
+// times the gap: displacements converge slowly, so their target is somewhat larger
+constexpr double kAim = 1.05;
 constexpr double kFarthestAim = 1.6;
 constexpr double kDepth = 0.012;  // [side of the square] largest overlap that is resolved
 constexpr int kRigidRounds = 40;  // at one scale

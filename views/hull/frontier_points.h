@@ -11,8 +11,8 @@
 namespace keypose {
 
 struct FrontierPointOptions {
-  double tolerance_px =
-      0.5;  ///< a ray point this far outside of the other masks still counts as inside
+  /// a ray point this far outside of the other masks still counts as inside
+  double tolerance_px = 0.5;
   /// ray intervals up to this share of the hull's longest side have weight 1
   double sure_length = 0.015;
   double longest_length = 0.03;  ///< longer intervals are too inaccurate: left out

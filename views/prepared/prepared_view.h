@@ -41,8 +41,8 @@ struct PreparedView {
   std::string name;
   int scene_index = -1;  ///< of Scene::views
   Rigid3 camera_from_world;
-  std::vector<Level>
-      levels;        ///< 0 is the working resolution; each next level has half of the resolution
+  /// 0 is the working resolution; each next level has half of the resolution
+  std::vector<Level> levels;
   Image8 color;      ///< RGB at level 0
   double noise = 0;  ///< standard deviation of the sensor's noise at level 0, grey levels
   std::int64_t masked_pixels = 0;  ///< at level 0
