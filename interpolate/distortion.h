@@ -37,8 +37,8 @@ struct FrameDistortion {
   double area_path = 1, volume_path = 1;  ///< the wanted values; 0 where a key has none
   double volume_move = 0;  ///< largest displacement of a vertex by the volume correction / diagonal
   int on_table = 0;        ///< vertices that touch the table
-  int same_as = -1;        ///< the earlier frame that it repeats
-  bool stands = false;     ///< its picture stands until the next frame comes
+  int same_as = -1;        ///< the earlier frame that it repeats, or -1
+  bool stands = false;     ///< the picture stays until the next frame
   FaceHistogram faces, linear_faces;
 };
 

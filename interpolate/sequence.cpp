@@ -218,8 +218,8 @@ int BatchSize(Eigen::Index vertices) {
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align) {
   std::vector<PointsX3> aligned = keys;
   for (std::size_t k = 1; k < keys.size() && align != AlignKeys::kNone; ++k) {
-    // A repeated pose gets the same bits as before, so that the figure can stand still and loops
-    // can close.
+    // A repeated pose gets the same bits as before, so that a hold does not move and loops can
+    // close.
     const auto before =
         std::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k]);
     if (before - keys.begin() < static_cast<std::ptrdiff_t>(k))

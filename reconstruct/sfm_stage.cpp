@@ -61,8 +61,8 @@ const char* kWhatToShoot =
     "calibration board under the figure (keypose capture "
     "--print-board)";
 
-/// Checks whether the cameras can be right. Cameras from a board or from the user are trusted; then
-/// the masks must be wrong.
+/// Checks whether the cameras can be right. Cameras from a board or from the user are assumed to be
+/// right; then the masks must be wrong.
 void RequireRight(StageContext& stage, const StrategyResult& found, const CameraEvidence& evidence,
                   const SfmOptions& options) {
   if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;

@@ -393,7 +393,7 @@ std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board
 
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
                       const BoardLayout& board, double limit) {
-  // grey levels of distance, over three channels, at which print is as likely as not
+  // distance, over three channels, at which print and object are equally likely [grey levels]
   constexpr double kEven = 30;
   BoardOdds known;
   const BoardMap map(PointsOf(corners, board), board.square_m);

@@ -12,7 +12,7 @@ struct MaskOptions {
   /// The estimated empty set is used if it differs from the visible background by at most this [8
   /// bit Lab].
   double largest_misfit = 6;
-  /// Distance to the clean plate at which a pixel is as likely object as not [CIE Lab].
+  /// Distance from the clean plate at which object and background are equally likely [CIE Lab].
   double clean_plate_difference = 6;
 };
 

@@ -144,7 +144,7 @@ struct ArapInterpolator::Impl {
 
   /// Targets of the rows in use at time t, where t runs in the order of computation.
   RowTargets Targets(double t) const {
-    // A path is a function of the caller's time.
+    // Paths are functions of the time of the caller.
     const RowTargets given = reversed ? TargetsOf(options.constraints, u, v, 1 - t)
                                       : TargetsOf(options.constraints, v, u, t);
     RowTargets targets(static_cast<Eigen::Index>(system.rows().size()), 3);

@@ -13,7 +13,7 @@
 namespace keypose::interpolation {
 
 /// One held patch. Without a path it moves straight from its place in one key to its place in the
-/// next, so a foot that is in the same place in both stands still.
+/// next. So a foot that is in the same place in both keys does not move.
 struct PatchConstraint {
   enum class Hold {
     kEveryVertex,  ///< each vertex of the patch

@@ -45,7 +45,7 @@ double DoubledArea(const Eigen::Matrix<double, 3, 2>& edges) {
 /// 1 + x, but always positive, however small x is; once differentiable.
 double Positive(double x) { return x > -0.8 ? 1 + x : 0.2 * std::exp((x + 0.8) / 0.2); }
 
-/// A face's velocity: how it turns in space, and how it stretches in its plane.
+/// The velocity of a face: rotation in space, and stretch in its plane.
 struct FaceVelocity {
   Eigen::Vector3d angular;
   double growth;          ///< half the rate of log area

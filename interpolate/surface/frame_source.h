@@ -8,7 +8,7 @@
 
 namespace keypose::interpolation {
 
-/// One frame as a source computes it.
+/// One frame of a source.
 struct ComputedFrame {
   PointsX3 points;
   double volume_move = 0;  ///< largest displacement of a vertex by the volume correction

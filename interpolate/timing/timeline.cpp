@@ -69,7 +69,7 @@ class Planner {
       Add({index, EaseAt(span.ease, static_cast<double>(j) / span.frames)});
     }
   }
-  /// Marks the frames from `first` on as standing.
+  /// Marks the frames from `first` on as unchanged until the next one.
   void Stand(int first) {
     for (int f = first; f < Next(); ++f) schedule_.frames[f].stands = true;
   }

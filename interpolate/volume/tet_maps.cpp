@@ -68,7 +68,7 @@ Eigen::Matrix3d ClosestRotation(const Eigen::Matrix3d& j) {
     const Eigen::Matrix3d next = 0.5 * (scale * x + inverse / scale);
     const double change = (next - x).squaredNorm();
     x = next;
-    if (change < 1e-16) break;  // quadratic: the next step would change 1e-16 itself
+    if (change < 1e-16) break;  // quadratic convergence: the next change would be below 1e-16
   }
   return x;
 }

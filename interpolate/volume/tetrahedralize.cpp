@@ -198,7 +198,7 @@ Triple Rotated(const Triple& t) {
 /// positive order afterwards.
 /// @return 1 for tetrahedra to keep; empty when a face of the surface is missing
 std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
-  std::map<Triple, int> surface;  // 1: seen once from inside
+  std::map<Triple, int> surface;  // 1: found once from inside
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     surface[Rotated({faces(f, 0), faces(f, 1), faces(f, 2)})] = 0;
   const int count = static_cast<int>(out.tets.size()) / 4;

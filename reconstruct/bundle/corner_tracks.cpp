@@ -147,9 +147,8 @@ class Shown {
 std::optional<double> InverseDepthAt(const Vector2d& pixel, const std::vector<Shown::Spot>& spots,
                                      double most_bent) {
   if (spots.size() < 4) return std::nullopt;
-  Eigen::Matrix3d a = 1e-3 * Eigen::Vector3d(0, 1, 1)
-                                 .asDiagonal()
-                                 .toDenseMatrix();  // no slope where the points are collinear
+  Eigen::Matrix3d a =
+      1e-3 * Eigen::Vector3d(0, 1, 1).asDiagonal().toDenseMatrix();  // level if collinear
   Vector3d b = Vector3d::Zero();
   for (const Shown::Spot& spot : spots) {
     const Vector3d row(1, spot.pixel.x() - pixel.x(), spot.pixel.y() - pixel.y());

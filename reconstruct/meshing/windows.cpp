@@ -84,7 +84,7 @@ class Windows {
   /// One point near each pair of adjacent lattice points inside and outside of the figure, on the
   /// outlines.
   PointCloud Walls() {
-    std::map<Key, Vector3d> walls;  // by the lattice point in the figure, so that each has one
+    std::map<Key, Vector3d> walls;  // by lattice point in the figure
     std::set<Key> rim = open_;
     for (int ring = 0; ring < 2; ++ring)
       rim = Widened(rim);  // from clearly outside to the outline itself

@@ -39,9 +39,8 @@ Camera StartCamera(const ImageSet& set, bool& focal_known) {
   return camera;
 }
 
-/// Raw matches, but for those on a background that stands still.
-/// @param rejected  how many those
-/// were
+/// Raw matches without those on a static background.
+/// @param rejected  number of those
 std::vector<PairMatches> MatchPairs(const std::vector<Features>& features,
                                     const std::vector<ImagePair>& pairs, int longer_side_px,
                                     const SfmOptions& options, int& rejected, Progress* progress) {

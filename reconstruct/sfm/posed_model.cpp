@@ -355,7 +355,7 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
 
 namespace {
 
-/// Views of the mapper's largest model and of all that join it.
+/// Views of the mapper's largest model and of all models joined with it.
 std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                               const MatchedFeatures& matched,
                               const std::vector<ColmapModel>& models, const SfmOptions& options,

@@ -40,7 +40,7 @@ struct SfmOptions {
   /// of masks and their hull under the estimated cameras
   double min_hull_overlap = kLeastHullOverlap;
   bool level = true;
-  bool board = true;          ///< use the printed calibration board where photographs show it
+  bool board = true;          ///< use the printed calibration board if photographs show it
   int min_board_corners = 8;  ///< corners that a photograph must show to be placed by the board
   bool refine_poses = false;  ///< adjust given poses; else they stay as given
 

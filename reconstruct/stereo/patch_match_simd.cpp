@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kSampleScale = kGreyScale / 16384;  // vertical interpolation has weights of 14 bits
 
-// GCC 12 takes its own _mm512_undefined_* for a read of an uninitialised value.
+// GCC 12 reports its own _mm512_undefined_* as a read of an uninitialised value.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"

@@ -281,7 +281,7 @@ class Fitter {
     const Vector3d axis = ring.rotation * Vector3d::UnitZ(),
                    foot = ring.translation - ring.translation.dot(axis) * axis;
     const Vector3d& m = outlines_[v].middle;
-    // The point of the line of sight nearest to the axis.
+    // The point of the ray nearest to the axis.
     const Vector3d across = m - m.dot(axis) * axis;
     return std::max(0.05 * foot.norm(), across.dot(foot) / std::max(across.squaredNorm(), 1e-12));
   }

@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kWide_rad = 0.005,
-                 // limits of the epipolar error of inliers, during the search and at the end
+                 // in search, at the end
     kNarrow_rad = 0.0012;
 constexpr double kLeastTurn = 4 * kDegree, kMostTurn = 75 * kDegree;
 

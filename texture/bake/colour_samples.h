@@ -63,7 +63,7 @@ class ColorSampler {
   /// Colours are means over `texels` texels in each direction.
   void CollectColorSamples(const SurfacePoint& point, double texels,
                            std::vector<ColorSample>& samples) const;
-  /// False when a corner of the face is behind the camera.
+  /// @return false when a corner of the face is behind the camera
   bool Prepare(int view, int face, FaceSight& sight) const;
   /// One view's colour of a texel, with gain.
   /// @return trust; 0 if the view does not see the point

@@ -29,7 +29,7 @@ Entries MarchAll(const VisualHull& hull, const PreparedView& view, int level) {
         near_mask = InMask(*grey.at(nx, ny));
       }
       if (!near_mask) continue;
-      const Eigen::Vector3d ray = camera.Ray(x, y);  // z = 1, so that distances along it are depths
+      const Eigen::Vector3d ray = camera.Ray(x, y);  // z = 1, so distances along it are depths
       const auto interval = hull.March(center, world_from_camera * ray);
       if (!interval) continue;
       const double margin = kMarginVoxels * hull.cell / ray.norm();
