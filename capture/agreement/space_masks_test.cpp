@@ -33,9 +33,8 @@ TEST(ThicknessOfHull, IsTheBallsChord) {
   // The space is the ball plus a margin of one voxel; the hull of 18 views is a little larger than
   // the ball.
   EXPECT_NEAR(*thickness[0].at(kRingWidth / 2, kRingHeight / 2), 97, 6);
-  const double sine =
-      30 / std::hypot(30, kRingFocal) * kRingDistance /
-      kBallRadius;  // pixels of the ray through the image 30 pixels beside the middle
+  // Of the ray through the image 30 pixels beside the middle.
+  const double sine = 30 / std::hypot(30, kRingFocal) * kRingDistance / kBallRadius;
   EXPECT_NEAR(*thickness[0].at(kRingWidth / 2 + 30, kRingHeight / 2),
               97 * std::sqrt(1 - sine * sine), 10);
   EXPECT_EQ(*thickness[0].at(3, 3), 0);

@@ -17,8 +17,8 @@ namespace {
 constexpr float kBand = 1.5F;              // pixels beside the border that are decided again
 constexpr float kPure = 1, kFarthest = 5;  // distances outside of the border, in pixels, between
                                            // which the background is unmixed and still near
-constexpr float kOwn = 0.6F,
-                kShaded = 2.1F;                // the same inside, where borders may be dark
+// The same inside of it: a surface that curves away from the light gets dark towards its border.
+constexpr float kOwn = 0.6F, kShaded = 2.1F;
 constexpr int kWindowReach = 5;                // of the window of samples
 constexpr double kSigma = 1.5;                 // of the window's weights, pixels
 constexpr double kLeastContrast = 15.0 / 255;  // of linear light

@@ -124,9 +124,9 @@ TEST(AddCorners, NewPointsLieOnTheSurface) {
   double off = 0, count = 0;
   for (std::size_t p = start.points.size(); p < more.points.size(); ++p, ++count)
     off += std::abs(more.points[p].position.norm() - 1);
-  EXPECT_LT(off / count,
-            0.03);  // known points have a distance of 0.2, and planes through six of them are up to
-                    // 0.02 inside the ball
+  // Known points have a distance of 0.2, and planes through six of them are up to 0.02 inside the
+  // ball.
+  EXPECT_LT(off / count, 0.03);
 }
 
 }  // namespace

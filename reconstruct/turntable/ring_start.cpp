@@ -17,9 +17,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kWide_rad = 0.005,
-                 // in search, at the end
-    kNarrow_rad = 0.0012;
+// Largest epipolar errors of inliers, during the search and at the end.
+constexpr double kWide_rad = 0.005, kNarrow_rad = 0.0012;
 constexpr double kLeastTurn = 4 * kDegree, kMostTurn = 75 * kDegree;
 
 /// A match as rays with z = 1.
