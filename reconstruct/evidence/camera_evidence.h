@@ -1,4 +1,4 @@
-// How well cameras agree with outlines and matches, whatever strategy found them.
+// Agreement of cameras with outlines and matches, for all strategies alike.
 #pragma once
 
 #include <optional>
