@@ -25,8 +25,8 @@ TestRing MakeTestRing();
 /// Draws the ring's view i with the ball at another position or of another size [px].
 void Redraw(TestRing& ring, std::size_t i, double dx, double dy, double radius);
 
-/// In view i, divides the ball's colours by `divisor` where it is left of its middle by more than
-/// `from` px, like an underside in front of a dark set, and removes that part from its mask.
+/// In view i, divides the ball's colours by `divisor` left of `from` px before its middle, like an
+/// underside in front of a dark set, and removes that part from its mask.
 void Darken(TestRing& ring, std::size_t i, int from, double divisor);
 
 /// Intersection over union of two masks.

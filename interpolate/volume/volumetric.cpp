@@ -31,7 +31,7 @@ namespace {
 constexpr double kStiffest = 1e4;
 constexpr double kVolumeTolerance = 1e-10;
 constexpr int kVolumeRounds = 30;
-// of a tetrahedron's volume before crossings return: less counts as inverted
+// of a tetrahedron's volume in the smoothed shape: with less it counts as inverted
 constexpr double kCrossed = 0.02;
 // of the volume: the least share of the body to which other turns are relative
 constexpr double kRigidShare = 0.25;

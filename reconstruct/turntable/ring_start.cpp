@@ -74,8 +74,8 @@ double WrappedTurn(double a, double b) { return std::abs(std::remainder(a - b, 2
 /// Axis direction and position of one ring in its camera's frame.
 struct Axis {
   Vector3d direction;
-  double offset_rad;  ///< angle at the camera between the axis' nearest point and the plane of axis
-                      ///< and optical axis
+  double offset_rad;  ///< angle, seen from the camera, of the axis' nearest point from the plane of
+                      ///< axis direction and optical axis
 
   /// Camera from table, whose origin is the axis' point nearest to the camera, at distance 1.
   Rigid3 Pose() const {
