@@ -14,12 +14,12 @@ namespace keypose::capture {
 struct CaptureOptions {
   int max_size = 0;  ///< longer side of the images written; 0 keeps the photographs' own
   int min_images = 8;
-  double min_sharpness = 0.25;  ///< crispness below which a photograph counts as blurred
-  int sharpness_px = 1600;      ///< longer side at which sharpness is judged
-  double min_mask = 0.002;      ///< share of the image below which a mask counts as black
-  double max_bad_share = 0.2;   ///< more blurred or black photographs than this share stop the run
-  int jpeg_quality = 96;        ///< where pixels had to be turned or resized
-  int mask_px = 512;            ///< longer side at which masks are found
+  double min_sharpness = 0.25;  ///< photographs of lower crispness count as blurred
+  int sharpness_px = 1600;      ///< longer side at which sharpness is measured
+  double min_mask = 0.002;      ///< masks of a smaller share of the image count as black
+  double max_bad_share = 0.2;   ///< a larger share of blurred or black photographs stops the run
+  int jpeg_quality = 96;        ///< for images that had to be turned or resized
+  int mask_px = 512;            ///< longer side at which masks are segmented
   int mask_rounds = 4;
   double mask_smoothness = 12;
   double plate_difference = 6;
@@ -50,21 +50,24 @@ struct CaptureOptions {
     visit("min_sharpness", min_sharpness,
           {"a photograph less crisp than this counts as blurred; 0 accepts all", "", 0, 1, {}});
     visit("sharpness_px", sharpness_px,
-          {"longer side at which sharpness is judged", "px", 64, 100000, {}});
+          {"longer side at which sharpness is measured", "px", 64, 100000, {}});
     visit("min_mask", min_mask,
           {"a mask that covers less of the image than this counts as black", "", 0, 1, {}});
     visit("max_bad_share", max_bad_share,
-          {"share of blurred or black photographs from which the set is refused", "", 0, 1, {}});
+          {"largest share of blurred or black photographs in a set", "", 0, 1, {}});
     visit("jpeg_quality", jpeg_quality,
           {"JPEG quality where pixels had to be turned or resized", "", 50, 100, {}});
-    visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
+    visit("mask_px", mask_px, {"longer side at which masks are segmented", "px", 64, 4096, {}});
     visit("mask_rounds", mask_rounds,
           {"rounds of segmentation, each learning from the one before", "", 1, 10, {}});
     visit("mask_smoothness", mask_smoothness,
-          {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
-    visit(
-        "plate_difference", plate_difference,
-        {"colour difference to the clean plate that tells object from set", "CIE Lab", 1, 50, {}});
+          {"cost of a mask border through a surface of one colour", "log odds", 0, 200, {}});
+    visit("plate_difference", plate_difference,
+          {"colour difference to the clean plate at which object and set are equally likely",
+           "CIE Lab",
+           1,
+           50,
+           {}});
     visit("board", board,
           {"look for the printed calibration board under the figure", "", 0, 1, {}});
     visit("board_columns", board_columns,

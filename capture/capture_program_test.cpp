@@ -41,7 +41,7 @@ class CaptureProgram : public testing::Test {
                  MakeTestPhoto(i, width, height, TestWall::kDark).image, 95, exif);
   }
 
-  /// @param first  what the shell does before, such as setting limits
+  /// @param first  shell commands to run before, such as limits
   Outcome Run(const std::string& more = "", const std::string& first = "") const {
     const fs::path log = root / "log.txt";
     const std::string command = first + KEYPOSE_BIN_DIR + "/keypose-capture --photos " +
@@ -114,7 +114,8 @@ TEST_F(CaptureProgram, HeicBecomesJpegWithItsFocalLength) {
   exif.make = "Apple";
   exif.model = "iPhone 12";
   for (int i = 0; i < 8; ++i)
-    // 192: the image library's HEIC writer reads beyond rows whose bytes are no multiple of 16.
+    // 192: the image library's HEIC writer reads beyond rows whose number of bytes is no multiple
+    // of 16.
     WriteImage(photos / ("IMG_" + std::to_string(i) + ".HEIC"),
                MakeTestPhoto(i, 192, 120, TestWall::kDark).image, 95, &exif);
   const Outcome outcome = Run();
@@ -248,7 +249,7 @@ TEST_F(CaptureProgram, PhotographBeyondTheMemoryIsNamedBeforeItIsRead) {
 #endif
   WritePhotos(8);
   WriteImage(photos / "giant.jpg", Image8(8000, 6000, 3, 128));
-  const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, and it takes 4.3
+  const Outcome outcome = Run("", "ulimit -v 3000000; ");  // 3 GB, of the 4.3 that it needs
   EXPECT_EQ(outcome.code, 4) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("giant.jpg (8000 x 6000 pixels) needs 4.3 GB"));
 }

@@ -30,11 +30,11 @@ using namespace keypose::capture;
 constexpr int kCellWidth = 240;
 constexpr int kPreview_px = 640;
 
-/// The set while it is imported.
+/// The set during import.
 struct Import {
-  fs::path folder, masks;  // masks: empty when the user gave none
+  fs::path folder, masks;  // masks: empty if the user gave none
   std::vector<PhotographGroup> groups;
-  std::vector<fs::path> backgrounds;  // of each group; empty where the user gave none
+  std::vector<fs::path> backgrounds;  // for each group; empty if the user gave none
   std::vector<fs::path> files;        // of all groups
   std::vector<Photograph> photographs;
   std::vector<char> quarter_turns;
@@ -42,9 +42,9 @@ struct Import {
   std::vector<Image8> small;  // working images
   std::vector<Image8> small_masks;
   std::vector<fs::path> user_masks;
-  // of each photograph; empty when no board is there
+  // for each photograph; empty if it shows no board
   std::vector<std::vector<BoardCorner>> board_corners;
-  std::vector<BoardOdds> boards;  // what these tell of the working images
+  std::vector<BoardOdds> boards;  // their odds for the working images
 };
 
 Image8 QuarterTurned(const Image8& image) {
@@ -70,7 +70,7 @@ Image8 Load(const Import& import, std::size_t i, const fs::path& file, int chann
                  std::max(1, static_cast<int>(std::lround(image.height * import.factor))));
 }
 
-/// Calls body(i) for all photographs at once and gathers what is wrong with them.
+/// Calls body(i) for all photographs in parallel and collects the errors.
 void ForEach(const Import& import, Progress* progress, const std::string& what,
              const std::function<void(std::size_t)>& body) {
   std::vector<std::string> faults(import.files.size());
@@ -89,9 +89,9 @@ void ForEach(const Import& import, Progress* progress, const std::string& what,
                      JoinNames(faults, 200));
 }
 
-/// Each photograph that is worked on takes many times its pixels (measured: 90 bytes each, most for
-/// the board and the mask). Where there is no room for one a core, fewer are worked on at a time;
-/// the result is the same.
+/// Each photograph in progress takes many times its pixels (measured: 90 bytes each, most for the
+/// board and the mask). If there is not enough memory for one per core, fewer are processed at a
+/// time; the result is the same.
 void FitIntoMemory(StageContext& stage, const Import& import) {
   constexpr std::int64_t kBytesAPixel = 90;
   std::size_t largest = 0;
@@ -111,7 +111,7 @@ void FitIntoMemory(StageContext& stage, const Import& import) {
   stage.Note("capture: memory for " + std::to_string(ThreadCount()) + " photographs at a time");
 }
 
-/// Masks that somebody painted must not be passed over because they are named otherwise.
+/// Reports user masks with other names, so that none is ignored silently.
 void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
   if (import.masks.empty()) return;
   std::vector<std::string> strangers;
@@ -168,7 +168,7 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   return import;
 }
 
-/// Photographs spread over the set, in which the calibration board would be seen if there were one.
+/// Whether some photographs, spread over the set, show the calibration board.
 bool ShowsBoard(const Import& import, const CaptureOptions& options) {
   constexpr std::size_t kProbes = 8;
   const std::size_t probes = std::min(kProbes, import.files.size());
@@ -178,13 +178,13 @@ bool ShowsBoard(const Import& import, const CaptureOptions& options) {
     try {
       seen[k] = !FindBoard(Load(import, i, import.files[i], 3), options.Board()).empty();
     } catch (const InputError&) {
-      // A damaged photograph is named later, with all the others.
+      // A damaged photograph is reported later, with all the others.
     }
   });
   return std::find(seen.begin(), seen.end(), 1) != seen.end();
 }
 
-/// Decodes everything once, which also finds truncated files, and looks for the calibration board.
+/// Decodes everything once, which also detects truncated files, and searches the calibration board.
 void DecodeAll(StageContext& stage, Import& import, const CaptureOptions& options) {
   const bool with_board = options.board && ShowsBoard(import, options);
   import.small.resize(import.files.size());
@@ -279,7 +279,7 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder,
   entry.mask_given = !import.user_masks[i].empty();
   entry.group = import.photographs[i].group;
   entry.board_corners = import.board_corners[i];
-  // Sharpness is judged at a size at which any camera that is in focus is sharp.
+  // Sharpness is measured at a size at which any camera in focus is sharp.
   const Image8 grey = WorkingImage(Grey(image), options.sharpness_px),
                grey_mask = WorkingImage(mask, options.sharpness_px);
   written.quality = MeasureQuality(grey, grey_mask);
@@ -300,7 +300,7 @@ std::vector<std::string> NamesWhere(const std::vector<Written>& all,
   return names;
 }
 
-/// A few bad photographs are numbers in the report; a set of them is an error.
+/// A few bad photographs are only reported; many are an error.
 void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
                    const CaptureOptions& options) {
   const auto blurred = NamesWhere(
@@ -330,10 +330,11 @@ void RequireFitSet(StageContext& stage, const std::vector<Written>& all,
                      nlohmann::json(options.min_sharpness).dump() + ")");
 }
 
-/// What a person can still mend before an hour is spent: too few photographs, or too far apart. sfm
-/// has the last word.
+/// Warns of problems that a person can still correct at this time: too few photographs, or too far
+/// apart. The final decision is made in sfm.
 void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t groups) {
-  constexpr std::size_t kFew = 16, kMost = 60;  // of more, all pairs would take longer than seconds
+  // for more photographs, all pairs would take too long
+  constexpr std::size_t kFew = 16, kMost = 60;
   if (all.size() < kFew)
     stage.Warn("there are only " + std::to_string(all.size()) +
                " photographs; without the printed calibration board a turn needs 24 of them, 15 "
@@ -341,7 +342,7 @@ void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t gr
   if (all.size() > kMost || groups > 1) return;
   std::vector<Preview> previews;
   for (Written& written : all) previews.push_back(std::move(written.preview));
-  constexpr int kStrong = 40;  // of the 400 places sought in a preview
+  constexpr int kStrong = 40;  // of the at most 400 features of a preview
   const auto images = static_cast<int>(all.size());
   const std::vector<ImageTie> ties = SharedPlaces(previews, stage.progress());
   const auto joined = JoinedImages(images, ties);
@@ -484,6 +485,7 @@ const StageSpec kSpec = {
 int main(int argc, char** argv) {
   return RunStage<CaptureOptions>(
       argc, argv, kSpec, Run,
-      {{"print-board", "write the printable plate (PDF) to this file and stop; see --board_page",
+      {{"print-board",
+        "write the printable calibration board (PDF) to this file and stop; see --board_page",
         PrintBoard}});
 }

@@ -163,8 +163,8 @@ TEST(FocalPx, ReadsWhatExifOffers) {
   EXPECT_DOUBLE_EQ(FocalPx(4272, 2848, 0, 50, 22.2), 50 / 22.2 * 4272);
   EXPECT_DOUBLE_EQ(FocalPx(4000, 3000, 0, 4.5, 6.2),
                    4.5 / 6.2 * 4000);  // a phone: small sensor, small pixels
-  EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 8.0),
-                   50.0 / 23 * 1536);  // shrunk: 8 mm wide with pixels of 5 um cannot be
+  // Reduced: a sensor 8 mm wide with pixels of 5 um does not exist.
+  EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 8.0), 50.0 / 23 * 1536);
   EXPECT_DOUBLE_EQ(FocalPx(1536, 1024, 0, 50, 0), 50.0 / 23 * 1536);
   EXPECT_EQ(FocalPx(4000, 3000, 0, 4.5, 0), 0);
   EXPECT_EQ(FocalPx(4000, 3000, 0, 0, 22), 0);
@@ -215,7 +215,7 @@ TEST(ContactCell, ShowsTheObjectUntintedAndTheRestTinted) {
   for (int c = 0; c < 3; ++c) EXPECT_EQ(middle[c], photo.image.at(118, 84)[c]);
 }
 
-/// Patches of random grey, 9 pixels wide; `shift` moves them, `pattern` says which.
+/// Patches of random grey, 9 pixels wide; `shift` moves them, `pattern` selects them.
 Preview Patches(int pattern, int shift) {
   Preview preview{Image8(320, 240, 1), Image8(320, 240, 1, 255)};
   for (int y = 0; y < 240; ++y)

@@ -24,9 +24,9 @@ struct MasksOptions {
     return space;
   }
   void Describe(OptionVisitor& visit) {
-    visit("mask_px", mask_px, {"longer side at which masks are found", "px", 64, 4096, {}});
+    visit("mask_px", mask_px, {"longer side at which masks are segmented", "px", 64, 4096, {}});
     visit("mask_smoothness", mask_smoothness,
-          {"cost of a mask border through an even surface", "log odds", 0, 200, {}});
+          {"cost of a mask border through a surface of one colour", "log odds", 0, 200, {}});
     visit("resolution", resolution,
           {"voxels along the longest side of the space that the masks share", "", 16, 256, {}});
   }

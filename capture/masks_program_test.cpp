@@ -76,7 +76,8 @@ TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndNotTrusted) {
   const ImageSet masked = ReadImageSet(root / "masked");
   for (int i = 0; i < kRingViews; ++i) {
     EXPECT_EQ(masked.images[i].trusted, i != 7) << i;
-    if (i == 7 || i == 4) continue;  // 4 has the user's own mask, lamp and all, which stays
+    // view 4 has the user's own mask, which stays, including the lamp
+    if (i == 7 || i == 4) continue;
     EXPECT_GT(Iou(ReadImage(masked.MaskPath(i), 1), ring.truths[static_cast<std::size_t>(i)]), 0.97)
         << i;
   }
@@ -90,7 +91,7 @@ TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndNotTrusted) {
 
 TEST_F(MasksProgram, PhotographOfAFigureOfTheSameOutlineAndOtherColoursIsNamed) {
   for (std::size_t p = 0; p < ring.images[7].data.size(); p += 3)
-    if (ring.masks[7].data[p / 3]) ring.images[7].data[p] /= 6;  // hardly any red is left
+    if (ring.masks[7].data[p / 3]) ring.images[7].data[p] /= 6;  // hardly any red remains
   WriteImage(set.ImagePath(7), ring.images[7]);
   ASSERT_EQ(Run(), 0) << ReadFile(root / "log.txt");
   const ImageSet masked = ReadImageSet(root / "masked");

@@ -1,4 +1,4 @@
-// keypose-masks: masks made to agree with each other in space, once the cameras are known.
+// keypose-masks: makes masks consistent in space, once the cameras are known.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -24,7 +24,7 @@ using namespace keypose::capture;
 
 constexpr int kCellWidth = 240;
 
-/// What is known of the photographs that have a camera, at working size.
+/// The photographs that have a camera, at working size.
 struct PosedImages {
   std::vector<std::size_t> index;  // in the images folder
   std::vector<View> views;
@@ -95,7 +95,7 @@ std::string Percent(double share) {
   return std::to_string(static_cast<int>(std::lround(100 * share))) + " %";
 }
 
-/// What is wrong with a view that contradicts the others, for a person.
+/// Describes for the user why a view is an outlier.
 std::string WhyNot(const OutlineFit& fit, const ColorFit& color, const ColorOptions& options) {
   if (color.places >= options.least_places && color.contrary > options.most_contrary)
     return Percent(color.contrary) +
@@ -107,8 +107,8 @@ std::string WhyNot(const OutlineFit& fit, const ColorFit& color, const ColorOpti
          (fit.excess > 0.02 ? ", and " + Percent(fit.excess) + " lies where they see past it" : "");
 }
 
-/// Marks photographs that contradict the others as not trusted, and says so.
-/// @throws InputError  there are so many that nobody can tell who is right
+/// Marks outlier photographs as not trusted, and warns.
+/// @throws InputError  there are too many outliers for a reliable consensus
 void ReportConsensus(StageContext& stage, const PosedImages& posed, const ViewConsensus& consensus,
                      ImageSet* set) {
   nlohmann::json distrusted = nlohmann::json::array(), fits = nlohmann::json::object();
@@ -142,7 +142,7 @@ void ReportConsensus(StageContext& stage, const PosedImages& posed, const ViewCo
         "move or those from after it, and shoot the rest again");
 }
 
-/// Names the photographs in which a hand or the like touches the figure.
+/// Warns of the photographs in which a hand or another object touches the figure.
 void ReportTouched(StageContext& stage, const ImageSet& set, const PosedImages& posed,
                    const RefinedMasks& refined) {
   nlohmann::json touched = nlohmann::json::array();
@@ -172,9 +172,8 @@ void Copy(const fs::path& from, const fs::path& to) {
     throw DiskError("cannot copy " + from.string() + " to " + to.string() + ": " + error.message());
 }
 
-/// Writes one photograph and its mask, the old one where there is no better.
-/// @return cell of the
-/// contact sheet
+/// Writes one photograph and its mask, the old one if there is no better one.
+/// @return cell of the contact sheet
 Image8 WriteOne(const ImageSet& set, std::size_t i, const Image8* refined, const Backdrop* backdrop,
                 const fs::path& folder, CapturedImage& entry) {
   Copy(set.ImagePath(static_cast<int>(i)), folder / entry.name);
@@ -216,26 +215,27 @@ void Run(StageContext& stage, const MasksOptions& options) {
   WriteImage(folder / "contact_sheet.jpg", ContactSheet(cells));
 }
 
-const StageSpec kSpec = {.name = "masks",
-                         .version = "12",
-                         .summary =
-                             "Segments the photographs again, with what all views together know of "
-                             "the figure's place in space.",
-                         .inputs = {{.name = "images",
-                                     .kind = "folder",
-                                     .help = "photographs and masks, as capture makes them",
-                                     .file = ""},
-                                    {.name = "model",
-                                     .kind = "folder",
-                                     .help = "COLMAP model of the cameras, as sfm makes it",
-                                     .file = ""}},
-                         .outputs = {{.name = "masked",
-                                      .kind = "folder",
-                                      .help = "the same with better masks",
-                                      .file = "masked"}},
-                         .tools = {},
-                         .cores = 0,
-                         .memory_gib = 1};
+const StageSpec kSpec = {
+    .name = "masks",
+    .version = "12",
+    .summary =
+        "Segments the photographs again, with masks that are consistent between all "
+        "views.",
+    .inputs = {{.name = "images",
+                .kind = "folder",
+                .help = "photographs and masks, as capture makes them",
+                .file = ""},
+               {.name = "model",
+                .kind = "folder",
+                .help = "COLMAP model of the cameras, as sfm makes it",
+                .file = ""}},
+    .outputs = {{.name = "masked",
+                 .kind = "folder",
+                 .help = "the same with better masks",
+                 .file = "masked"}},
+    .tools = {},
+    .cores = 0,
+    .memory_gib = 1};
 
 }  // namespace
 

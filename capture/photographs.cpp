@@ -61,7 +61,7 @@ std::vector<PhotographGroup> GroupsBelow(const fs::path& folder) {
   return groups;
 }
 
-/// Photographs whose names begin with "lying" apart from the others.
+/// Separates photographs whose names begin with "lying" from the others.
 std::vector<PhotographGroup> SplitByName(const fs::path& folder,
                                          const std::vector<fs::path>& files) {
   PhotographGroup lying{"lying", folder, {}}, upright{"upright", folder, {}};
@@ -72,7 +72,7 @@ std::vector<PhotographGroup> SplitByName(const fs::path& folder,
   return {lying, upright};
 }
 
-/// Their names go into capture.json and reports, which hold UTF-8 alone.
+/// Names must be UTF-8, because capture.json and reports contain them.
 void RequireNamesInUtf8(const std::vector<PhotographGroup>& groups) {
   std::vector<std::string> odd;
   for (const PhotographGroup& group : groups) {
@@ -82,10 +82,10 @@ void RequireNamesInUtf8(const std::vector<PhotographGroup>& groups) {
   }
   if (!odd.empty())
     throw InputError("capture: these names are not in UTF-8: " + JoinNames(odd) +
-                     "; rename them (another system wrote them in its own code)");
+                     "; rename them (another system wrote them in its own encoding)");
 }
 
-/// Two photographs of one name after HEIC became JPEG: a phone or a program has written both.
+/// Two photographs of one name after HEIC became JPEG: a phone or a program wrote both.
 void RequireDifferentNames(const std::vector<Photograph>& photographs) {
   std::set<std::string> names;
   for (const Photograph& photograph : photographs) {
@@ -95,21 +95,21 @@ void RequireDifferentNames(const std::vector<Photograph>& photographs) {
   }
 }
 
-/// Files of the folder that are not among its photographs, masks and clean plate, and of those of
-/// its subfolders that hold no photographs.
+/// Adds files of the folder that are not photographs, masks or the clean plate, and files of those
+/// subfolders that contain no photographs.
 void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::path>* ignored) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path()))
       ignored->push_back(entry.path());
-    // A link to a folder above would be walked again and again.
+    // A link to a parent folder would cause endless recursion.
     if (with_subfolders && entry.is_directory() && !entry.is_symlink() &&
         PhotographsIn(entry.path()).empty())
       AddIgnored(entry.path(), true, ignored);
   }
 }
 
-/// Why nothing was found, and what to do.
+/// Reports why no photographs were found, and what to do.
 [[noreturn]] void FailForWantOfPhotographs(const fs::path& folder) {
   const std::vector<fs::path> others = IgnoredFiles(folder, {});
   const std::string start =

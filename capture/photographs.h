@@ -16,34 +16,33 @@ struct PhotographGroup {
   std::vector<std::filesystem::path> files;  ///< sorted
 };
 
-/// Files of a folder that are JPEG, PNG, TIFF or HEIC by name; a file background.* is not among
-/// them. Where the folder holds none, its subfolders (but `masks`) are groups, by name. Where names
-/// begin with "lying" (any case), these are group "lying" and the others "upright".
-/// @throws InputError  none there, or some in the folder and some in subfolders
+/// Files of a folder with names of JPEG, PNG, TIFF or HEIC, except background.*. If the folder has
+/// none, its subfolders (except `masks`) are groups, by name. If names begin with "lying" (any
+/// case), these are group "lying" and the others "upright".
+/// @throws InputError  no photographs, or some in the folder and some in subfolders
 std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 
-/// Files that lie among the photographs and are none, in the folder, its groups and its other
-/// subfolders; hidden ones do not count.
+/// Files among the photographs that are not photographs, in the folder, its groups and its other
+/// subfolders; hidden files do not count.
 std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder,
                                                 const std::vector<PhotographGroup>& groups);
 
-/// The name that a photograph gets in the images folder: HEIC becomes .jpg, because nothing after
-/// capture reads HEIC.
+/// The name of a photograph in the images folder: HEIC becomes .jpg, because no later stage reads
+/// HEIC.
 std::string WrittenName(const std::filesystem::path& file);
 
 /// The clean plate beside the photographs (background.jpg, .png, .tif), or empty.
 std::filesystem::path FindBackground(const std::filesystem::path& folder);
 
 /// Reads headers and digests, in parallel.
-/// @throws InputError  files that are no images; names all of them. A photograph that is there as
+/// @throws InputError  files that are no images (names all of them), or a photograph that exists as
 /// HEIC and as JPEG
 std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& groups);
 
-/// The pictures of a folder itself, hidden ones aside, by name.
+/// The pictures of a folder itself, without hidden ones, by name.
 std::vector<std::filesystem::path> ImagesIn(const std::filesystem::path& folder);
 
-/// The mask in `folder` that belongs to a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty when
-/// there is none.
+/// The mask in `folder` of a photograph: STEM.*, NAME.EXT.* or STEM_mask.*; empty if there is none.
 std::filesystem::path FindMask(const std::filesystem::path& folder,
                                const std::string& photograph_name);
 

@@ -18,8 +18,7 @@ constexpr int kBins = 50;
 
 double Ratio(double value, double reference) { return reference != 0 ? value / reference : 1.0; }
 
-/// One quantity on one segment: values at its ends and at its in-betweens, with where they should
-/// be.
+/// One quantity on one segment: its values at the ends and at the in-betweens, and the wanted ones.
 struct SegmentValues {
   double first = 0, last = 0;
   std::vector<double> values, path;
@@ -115,7 +114,7 @@ void DistortionMeter::Add(const FrameView& frame) {
   FrameDistortion d;
   if (plan.same_as >= 0) {
     d = frames_[plan.same_as];
-    d.faces.counts = d.linear_faces.counts = {};  // once is enough
+    d.faces.counts = d.linear_faces.counts = {};  // stored once only, to keep the report short
     measured_.push_back(measured_[plan.same_as]);
   } else {
     const PointsX3 linear = InterpolateLinearly(keys_[plan.span], keys_[plan.span + 1], plan.way);
@@ -153,7 +152,7 @@ SegmentDistortion DistortionMeter::SegmentOf(int span) const {
   for (SegmentValues* v : {&volume, &linear_volume})
     v->first = key_volumes_[span], v->last = key_volumes_[span + 1];
   for (int f = segment.from_frame + 1; f < segment.to_frame; ++f) {
-    if (schedule_.frames[f].key >= 0) continue;  // a key that stands is no in-between
+    if (schedule_.frames[f].key >= 0) continue;  // a held key is no in-between
     ++segment.in_betweens;
     const double area_path = frames_[f].area_path * key_areas_[0],
                  volume_path = frames_[f].volume_path * key_volumes_[0];
@@ -181,7 +180,8 @@ DistortionReport DistortionMeter::Finish() const {
 
 std::string ToJson(const DistortionReport& report, const Schedule& schedule,
                    const SourceReport& source, const std::string& method) {
-  // One line a frame, made one by one: a document of thousands of frames would outweigh the meshes.
+  // Each frame's line is made by itself: one JSON document of thousands of frames would need more
+  // memory than the meshes.
   const auto lines = [&](const auto& items, const auto& line) {
     std::string text;
     for (const auto& item : items)

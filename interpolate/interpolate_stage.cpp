@@ -28,9 +28,8 @@ struct InterpolateOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {.help = "arap: as rigid as possible; volumetric: the same of the solid inside, for "
-                   "strong twists; paper: the paper's system to "
-                   "the letter; linear: straight lines",
+          {.help = "arap: as rigid as possible; volumetric: the same for the solid inside, for "
+                   "strong twists; paper: exactly the paper's system; linear: straight lines",
            .unit = "",
            .choices = {"arap", "volumetric", "paper", "linear"}});
     visit("steps", steps,
@@ -46,10 +45,10 @@ struct InterpolateOptions {
            .choices = {"none", "upright", "rigid", "similarity"}});
     visit("same_size", same_size,
           {.help = "scales later keys to the first one's size (median edge): without a printed "
-                   "calibration board each pose comes out in a size of its own"});
+                   "calibration board the sizes of the poses differ"});
     visit("volume", volume,
           {.help = "the volume of each closed part follows the keys'; arap and volumetric only; a "
-                   "timeline that says so itself wins"});
+                   "timeline's own setting has precedence"});
   }
 };
 
@@ -100,7 +99,7 @@ Method MethodOf(const std::string& name) {
   return name == "linear" ? Method::kLinear : Method::kArap;
 }
 
-/// When what is shown, and what must hold on the way.
+/// The frames to compute, and the constraints on them.
 struct Plan {
   Schedule schedule;
   Rules rules;

@@ -16,8 +16,8 @@ namespace keypose::interpolation {
 
 namespace {
 
-/// The turn about z and the level translation with least squares: heights stay, as each key has the
-/// ground at its own z = 0.
+/// The least-squares rotation about z and horizontal translation. Heights stay: in each key the
+/// ground is at z = 0.
 Similarity3 FitUpright(const PointsX3& a, const PointsX3& b) {
   const Eigen::RowVector3d ca = a.colwise().mean(), cb = b.colwise().mean();
   double dot = 0, cross = 0;
@@ -56,7 +56,7 @@ void CheckKeys(const std::vector<PointsX3>& keys, const FacesX3& faces, const Sc
         "the time when the loop closes");
 }
 
-/// Methods that know two keys at a time; only the current span's interpolator is held.
+/// A source for methods that use two keys at a time. It holds only the current span's interpolator.
 template <class Interpolator>
 class PairSource : public FrameSource {
  public:
@@ -109,7 +109,7 @@ class LinearSource final : public PairSource<StraightLines> {
   }
 };
 
-/// Two keys and no rules but the volume: the fast way.
+/// Two keys and no rules but the volume: the fast path.
 class ArapPairSource final : public PairSource<ArapInterpolator> {
  public:
   ArapPairSource(const std::vector<PointsX3>& keys, const FacesX3& faces, const Rules& rules)
@@ -192,8 +192,8 @@ class VolumetricSource final : public PairSource<VolumetricInterpolator> {
   bool keep_volume_;
 };
 
-/// Frames of one span that are computed together: from `first`, those that are neither keys nor
-/// repeated.
+/// Frames of one span that are computed together: from `first` on, without keys and repeated
+/// frames.
 std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
   std::vector<int> batch;
   const int span = schedule.frames[first].span;
@@ -206,8 +206,8 @@ std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
   return batch;
 }
 
-/// About 100 MiB of right-hand sides and results, and no more than what one pass through the factor
-/// is good for.
+/// About 100 MiB of right-hand sides and results. More than 16 frames do not make a solve faster
+/// per frame.
 int BatchSize(Eigen::Index vertices) {
   return static_cast<int>(
       std::clamp<Eigen::Index>(2'000'000 / std::max<Eigen::Index>(vertices, 1), 1, 16));
@@ -218,7 +218,7 @@ int BatchSize(Eigen::Index vertices) {
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align) {
   std::vector<PointsX3> aligned = keys;
   for (std::size_t k = 1; k < keys.size() && align != AlignKeys::kNone; ++k) {
-    // A pose that comes again has the bits that it had, so that it can stand still and loops can
+    // A repeated pose gets the same bits as before, so that a hold does not move and loops can
     // close.
     const auto before =
         std::find(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(k), keys[k]);
@@ -272,8 +272,8 @@ std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys,
 void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,
                   const std::function<void(const FrameView&)>& take, Progress* progress) {
   const int count = static_cast<int>(schedule.frames.size()), most = BatchSize(keys[0].rows());
-  std::vector<ComputedFrame> batch;  // of the frames not yet given away, last first
-  ComputedFrame shown;               // what repeated frames repeat
+  std::vector<ComputedFrame> batch;  // frames that `take` has not had yet, last first
+  ComputedFrame shown;               // the frame that repeated frames copy
   for (int f = 0; f < count; ++f) {
     const PlannedFrame& plan = schedule.frames[f];
     if (plan.same_as < 0) {

@@ -16,30 +16,30 @@ namespace keypose::interpolation {
 
 enum class AlignKeys { kNone, kUpright, kRigid, kSimilarity };
 
-/// Later keys brought onto the first by corresponding vertices. Upright: a turn about z and a level
-/// translation; heights stay. kNone changes nothing. A pose that comes twice has the same bits each
-/// time, and the first key its own.
+/// Later keys aligned to the first by corresponding vertices. Upright: a rotation about z and a
+/// horizontal translation; heights stay. kNone changes nothing. The first key stays as it is, and a
+/// repeated pose gets the same bits each time.
 std::vector<PointsX3> AlignedKeys(const std::vector<PointsX3>& keys, AlignKeys align);
 
-/// Later keys in the first one's size, scaled about the origin, which is on the ground: cameras
-/// tell no size without a printed calibration board, so that poses of one figure come out up to
-/// some per cent apart. The size is the median of the edges' ratios, which bending a limb leaves
-/// alone.
+/// Later keys scaled to the first key's size, about the origin, which is on the ground. Cameras do
+/// not give a scale without a printed calibration board, so poses of one figure differ in size by
+/// some per cent. The scale is the median of the edges' length ratios: bending a limb does not
+/// change it.
 /// @param faces  of all keys
 std::vector<PointsX3> SameSized(const std::vector<PointsX3>& keys, const FacesX3& faces);
 
 enum class Method { kArap, kPaper, kLinear, kVolumetric };
 
 /// @param keys   two or more with the same faces, as many as the schedule's
-/// @param rules  kArap keeps all of them, kVolumetric the volume; kPaper and kLinear none
-/// @throws InputError   other numbers of vertices (named), unusable mesh, a loop whose last key is
-/// not its first
+/// @param rules  kArap uses all of them, kVolumetric only the volume, kPaper and kLinear none
+/// @throws InputError   different numbers of vertices (names the key), an unusable mesh, or a loop
+/// whose last key is not its first
 /// @throws SolverError
 std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys,
                                              const FacesX3& faces, const Schedule& schedule,
                                              Method method, const Rules& rules);
 
-/// A frame on its way out. `points` lives until the next frame.
+/// One frame for the caller. `points` is valid until the next frame.
 struct FrameView {
   int index = 0;
   const PlannedFrame& plan;
@@ -48,9 +48,9 @@ struct FrameView {
   int on_table = 0;
 };
 
-/// Calls `take` for every frame of the schedule in order. Keys come with their own bits, repeated
-/// frames with those that they repeat. Holds one batch of frames in memory (about 16, fewer of
-/// large meshes), however long the schedule is.
+/// Calls `take` for every frame of the schedule, in order. A frame at a key has the key's own bits,
+/// a repeated frame those of the frame that it repeats. Memory holds one batch of frames (about 16,
+/// fewer for large meshes), however long the schedule is.
 /// @throws SolverError  a frame that is not finite
 /// @throws Cancelled, and whatever `take` throws
 void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,

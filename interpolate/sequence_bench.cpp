@@ -1,5 +1,5 @@
-// Smooth sequences through three keys: setting up, and one more frame of a batch, against problem
-// size.
+// Smooth sequences through three keys: time of the setup, and of one more frame of a batch, against
+// problem size.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

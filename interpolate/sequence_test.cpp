@@ -141,7 +141,7 @@ TEST(KeySource, PaceDoesNotJumpAtKeys) {
     const PaceAtKey pace = PaceBetween(source, schedule, 0, 1, p.b);
     EXPECT_LT(pace.Jump(), 1e-3);
     EXPECT_GT(pace.before.rowwise().norm().maxCoeff(),
-              0.01);  // it does not get there by standing still
+              0.01);  // not by standing still
   }
 }
 
@@ -180,7 +180,7 @@ TEST(KeySource, ComesToRestAtHoldsAndExtremes) {
   const double speed = Gap(p.a, p.b) * BoundingDiagonal(p.b) / held.spans[0].frames;
   EXPECT_LT(rest.before.rowwise().norm().maxCoeff(), 1e-3 * speed);
   EXPECT_LT(rest.after.rowwise().norm().maxCoeff(), 1e-3 * speed);
-  // There and back: the far key is an extreme, and nothing swings beyond it.
+  // There and back: the far key is an extreme, and no frame goes beyond it.
   const Schedule back = ScheduleOf(At({0, 1, 2}));
   KeySource returning({p.a, p.b, p.a}, p.mesh.faces, back, PlainRules(back, true));
   EXPECT_LT(PaceBetween(returning, back, 0, 1, p.b).before.rowwise().norm().maxCoeff(),
@@ -257,7 +257,7 @@ TEST(KeySource, SqueezesWhereTheTimelineSaysSo) {
 TEST(KeySource, PinnedVerticesStayWhereTheKeysHaveThem) {
   Poses p;
   Timeline timeline = At({0, 1, 2});
-  // The foot of the tube stands in the first two poses; the third has gone.
+  // The foot of the tube is fixed in the first two poses, and moves in the third.
   TimelineRegion foot;
   foot.name = "foot";
   foot.center.setZero();
@@ -335,8 +335,8 @@ TEST(KeySource, APropellerTurnsWholeTurnsBetweenEqualKeys) {
 
 TEST(KeySource, NothingSinksBelowTheTable) {
   const Mesh mesh = MakeCylinder(0.12, 2, 12, 30);
-  // Lying along x on the table, then bent upwards, then the other way round: linear ways and
-  // rotations alone would sink.
+  // Lying along x on the table, then bent upwards, then in the other direction: without the table
+  // constraint it would sink.
   PointsX3 lying = mesh.points;
   for (Eigen::Index i = 0; i < lying.rows(); ++i)
     lying.row(i) << mesh.points(i, 2) - 1, mesh.points(i, 1), mesh.points(i, 0);

@@ -1,5 +1,4 @@
-// The program itself: what it writes, that its memory does not grow with the animation, and that
-// nothing is left half-written.
+// The program: its output, constant memory for long animations, and no partial output.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -82,7 +81,7 @@ TEST_F(InterpolateProgram, WritesFramesAndWhatTheyDoToAreaAndVolume) {
   EXPECT_EQ(ReadFile(folder_ / "frames/frame_0021.ply"),
             ReadFile(folder_ / "frames/frame_0020.ply"));
   EXPECT_EQ(json["frames"][21]["same_as"], 20);
-  // What is measured is what was written.
+  // The measurements are of the written frames.
   const Mesh frame = ReadMesh(folder_ / "frames/frame_0006.ply");
   EXPECT_NEAR(json["frames"][6]["area"],
               SurfaceArea(frame.points, frame.faces) / SurfaceArea(mesh_.points, mesh_.faces),
@@ -106,7 +105,7 @@ TEST_F(InterpolateProgram, MemoryDoesNotGrowWithTheNumberOfFrames) {
     return Json("r" + name + ".json")["peak_bytes"].get<double>();
   };
   const double few = peak(24), many = peak(499);
-  // 950 more frames would be 40 MB; what grows is a few numbers a frame.
+  // 950 more frames would need 40 MB; only a few numbers per frame are kept.
   EXPECT_LT(many - few, 4e6);
 }
 
@@ -130,7 +129,7 @@ TEST_F(InterpolateProgram, AnInterruptLeavesNothingBehind) {
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     ::_exit(1);
   }
-  // Once the first frames lie there, it is at work.
+  // When the first frames exist, it is running.
   const auto writing = [&] {
     for (const auto& entry :
          fs::recursive_directory_iterator(folder_, fs::directory_options::skip_permission_denied))

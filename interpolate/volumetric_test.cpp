@@ -68,7 +68,7 @@ struct Bar {
     }
     return p;
   }
-  /// Area of each ring of vertices but the two at either end, whose shape the caps hold.
+  /// Area of each ring of vertices, except the two at either end, whose shape the caps determine.
   std::vector<double> CrossSections(const PointsX3& p) const {
     std::vector<double> areas;
     for (int r = 2; r <= kRings - 2; ++r) {
@@ -174,7 +174,7 @@ TEST(Tetrahedralize, NamesWhatKeepsASurfaceFromBeingFilled) {
   Mesh inside_out = MakeBox(1, 1, 1);
   inside_out.faces.col(1).swap(inside_out.faces.col(2));
   EXPECT_THAT(fault(inside_out), testing::HasSubstr("inside out"));
-  Mesh crossing = Bar(0.1).mesh;  // curled up through itself
+  Mesh crossing = Bar(0.1).mesh;  // curled up, intersecting itself
   crossing.points = Bar(0.1).Bent(2.3 * kPi);
   EXPECT_THAT(fault(crossing),
               testing::HasSubstr("passes through itself, where the face of vertices"));
@@ -189,7 +189,7 @@ TEST(ClosestRotation, EqualsSingularValuesAlsoForMirroredAndFlatMaps) {
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(Eigen::MatrixXd(j),
                                                 Eigen::ComputeFullU | Eigen::ComputeFullV);
     if (svd.singularValues()[1] - svd.singularValues()[2] < 1e-3)
-      continue;  // no single answer for a mirrored one
+      continue;  // not unique for a mirrored one
     Eigen::Vector3d sign = Eigen::Vector3d::Ones();
     sign[2] = (svd.matrixU() * svd.matrixV()).determinant() > 0 ? 1 : -1;
     EXPECT_LT(
@@ -432,7 +432,7 @@ TEST(Volumetric, VerticesWithoutFacesGoStraight) {
 
 TEST(Volumetric, FillsTheOtherKeyWhereTheSmootherOneCrossesItself) {
   const Bar bar(0.1);
-  PointsX3 rough = bar.mesh.points;  // bumps make the straight key the less smooth one
+  PointsX3 rough = bar.mesh.points;  // with bumps the straight key is the less smooth one
   for (Eigen::Index i = 0; i < rough.rows(); ++i)
     rough.row(i).head<2>() *= 1 + 0.2 * std::sin(40 * rough(i, 2));
   const PointsX3 crossing = bar.Bent(2.3 * kPi);
@@ -443,7 +443,7 @@ TEST(Volumetric, FillsTheOtherKeyWhereTheSmootherOneCrossesItself) {
 }
 
 TEST(Volumetric, WhereBothKeysCrossThemselvesThePlacesArePartedToFillThem) {
-  // Two spikes that reach through each other, in both keys; one key is turned and a little longer.
+  // Two intersecting spikes, in both keys; one key is rotated and slightly longer.
   const Bar bar(0.15);
   PointsX3 v = bar.mesh.points;
   const int a = 14 * Bar::kSegments, b = 17 * Bar::kSegments;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kPictureWidth = 360, kPictureHeight = 400;  // of each of the four sides
 
-// COLMAP's cloud holds the background too: what lies outside of the visual hull is not the object.
+// COLMAP's cloud includes the background: points outside of the visual hull are removed.
 PointCloud WithinHull(const PointCloud& cloud, const VisualHull& hull) {
   std::vector<int> kept;
   for (int i = 0; i < cloud.points.rows(); ++i)
@@ -91,8 +91,8 @@ void ReportMatching(StageContext& stage, const std::vector<PreparedView>& views,
 }
 
 void Run(StageContext& stage, const DenseOptions& options) {
-  // Else the limit from which freed memory goes back to the system grows with the first large
-  // images, and maps are kept that nobody needs.
+  // By default, the size limit above which freed memory returns to the system grows with the first
+  // large images, so unused maps would stay in memory.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Scene scene = ReadColmapModel(stage.Input("model"));
   const std::vector<PreparedView> views =

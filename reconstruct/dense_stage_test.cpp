@@ -106,7 +106,7 @@ TEST_F(DenseStage, ColmapWithoutCudaIsAToolError) {
 }
 
 TEST_F(DenseStage, ColmapWithCudaIsRunAndItsPointsAreCutToTheHull) {
-  // Stands in for a CUDA build: fuses one point on the object and one far away.
+  // Replaces a CUDA build: fuses one point on the object and one far away.
   PointCloud cloud;
   cloud.points.resize(2, 3), cloud.points << 0, 0, 0.9, 30, 0, 0;
   cloud.normals.resize(2, 3), cloud.normals << 0, 0, 1, 0, 0, 1;

@@ -20,7 +20,7 @@ using keypose::reconstruct::MeshOptions;
 using keypose::reconstruct::OutsideField;
 using keypose::reconstruct::WindowEvidence;
 
-/// The masks' word on windows; without photographs there is none.
+/// Evidence for windows from the masks; none without photographs.
 WindowEvidence EvidenceOf(keypose::StageContext& stage) {
   if (stage.Has("images") != stage.Has("model"))
     throw keypose::UsageError("mesh: images and model belong together; give both, or neither");
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   spec.version = "5";
   spec.summary = "Fits a surface to an oriented point cloud, cut back to where there is data.";
   spec.inputs = {{"cloud", "file", "points with normals and colours (.ply)", "", false, false},
-                 {"images", "folder", "photographs and masks, which tell windows; with model", "",
+                 {"images", "folder", "photographs and masks, which show windows; with model", "",
                   true, false},
                  {"model", "folder", "COLMAP model of the cameras", "", true, false}};
   spec.outputs = {

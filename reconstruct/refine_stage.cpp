@@ -1,4 +1,4 @@
-// keypose-refine: a surface is moved to where the photographs agree on it.
+// keypose-refine: moves a surface to the best agreement with the photographs.
 #include <malloc.h>
 
 #include "core/io/colmap_io.h"
@@ -12,8 +12,8 @@ namespace keypose::reconstruct {
 namespace {
 
 void Run(StageContext& stage, const RefineOptions& options) {
-  // Else the limit from which freed memory goes back to the system grows with the first large
-  // images.
+  // By default, the size limit above which freed memory returns to the system grows with the first
+  // large images.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   const Mesh surface = ReadMesh(stage.Input("surface"));
   const Scene scene = ReadColmapModel(stage.Input("model"));
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "refine";
   spec.version = "3";
-  spec.summary = "Moves the surface along its normals to where the photographs agree on it best.";
+  spec.summary = "Moves the surface along its normals to the best photometric consistency.";
   spec.inputs = {{"images", "folder", "photographs and masks, as capture makes them"},
                  {"model", "folder", "COLMAP model of the cameras, as sfm makes it"},
                  {"surface", "file", "triangle mesh, as mesh makes it"}};

@@ -46,7 +46,7 @@ class SfmProgram : public testing::Test {
                "--images " + (root / "images").string() + " --model " + (root / model).string());
   }
 
-  /// Eight images of noise that has nothing in common, with full masks.
+  /// Eight images of unrelated noise, with full masks.
   void WriteUnrelatedImages() const {
     std::mt19937 random(3);
     ImageSet set;
@@ -106,11 +106,11 @@ TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
   ASSERT_EQ(found.views.size(), truth.views.size());
   const Similarity3 align = FitSimilarity(Centers(found), Centers(truth));
   const PointsX3 moved = Transformed(align, Centers(found)), centers = Centers(truth);
-  // The bound that real photographs must keep; small images of a rendered ring keep it with room.
+  // The bound for real photographs; small images of a rendered ring are well within it.
   const double distance = centers.rowwise().norm().mean();
   EXPECT_LT((moved - centers).rowwise().norm().mean(), 0.005 * distance);
-  // The turntable's axis is z on both sides, and the figure of 205 mm stands at z = 0: features are
-  // rare at the feet, where the lowest ones lie 9 mm and more above the ground. One ring at 25
+  // The turntable's axis is z in both, and the figure of 205 mm stands at z = 0. There are few
+  // features at the feet, where the lowest ones are 9 mm and more above the ground. One ring at 25
   // degrees sees the lower 3 mm of the rounded feet from above only.
   EXPECT_NEAR((align * Eigen::Vector3d::Zero()).z(), 0, 0.003);
   EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));

@@ -52,7 +52,7 @@ void RequirePlaced(const ImageSet& set, const Scene& scene, const SfmOptions& op
                    "object also cause this (see contact_sheet.jpg)");
 }
 
-/// How many photographs, and how far apart, whatever the figure.
+/// Advice on the number of photographs and their distance, for any figure.
 const char* kWhatToShoot =
     "Shoot more photographs, closer together (15 degrees or less from one to the next, rings 20 "
     "degrees apart), with one zoom, in the "
@@ -61,13 +61,13 @@ const char* kWhatToShoot =
     "calibration board under the figure (keypose capture "
     "--print-board)";
 
-/// Whether the cameras can be right. Cameras that a plate or the user gave stand by themselves:
-/// then it is the masks.
+/// Checks whether the cameras can be right. Cameras from a board or from the user are assumed to be
+/// right; then the masks must be wrong.
 void RequireRight(StageContext& stage, const StrategyResult& found, const CameraEvidence& evidence,
                   const SfmOptions& options) {
   if (!evidence.outlines || evidence.hull_iou >= options.min_hull_overlap) return;
   char overlap[64];
-  std::snprintf(overlap, sizeof overlap, "%.2f, where %.2f is asked", evidence.hull_iou,
+  std::snprintf(overlap, sizeof overlap, "%.2f, at least %.2f is required", evidence.hull_iou,
                 options.min_hull_overlap);
   if (found.model.scale_source != "none") {
     stage.Warn("the outlines do not fit the cameras (overlap of masks and their hull " +
@@ -76,10 +76,11 @@ void RequireRight(StageContext& stage, const StrategyResult& found, const Camera
     return;
   }
   throw InputError(
-      "sfm: no cameras fit these photographs: under the best that were found (" + found.method +
-      ") the outlines make no one figure (overlap of masks and their hull " + overlap + "). " +
-      kWhatToShoot +
-      ". Masks that hold much else or miss parts cause this too: look at contact_sheet.jpg");
+      "sfm: no cameras fit these photographs: under the best ones that were found (" +
+      found.method +
+      ") the outlines do not belong to one figure (overlap of masks and their hull " + overlap +
+      "). " + kWhatToShoot +
+      ". Masks that contain other things or miss parts also cause this: look at contact_sheet.jpg");
 }
 
 void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
@@ -108,8 +109,8 @@ void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
                                  .dump());
 }
 
-/// The views that tell which way is up: of a figure that was also shot lying, those that show it
-/// upright (else of the first placement).
+/// The views that define which way is up: for a figure that was also shot lying, those of the
+/// upright placement (else of the first placement).
 Scene UprightViews(const ImageSet& set, const Scene& scene) {
   const auto group = [&](const View& view) { return set.images[set.Find(view.name)].group; };
   std::set<std::string> groups;
@@ -149,7 +150,7 @@ void Run(StageContext& stage, const SfmOptions& options) {
   if (set.images.size() < 3)
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) +
                      " photographs; at least 3 are needed");
-  options.Layouts(NamesOf(set));  // a wrong option is told before the work
+  options.Layouts(NamesOf(set));  // reports a wrong option before the work
   ReportProgress(stage.progress(), 0, "features");
   const EvidenceJudge judge(set);
   MatchedFeatures matched;

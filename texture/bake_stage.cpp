@@ -25,8 +25,7 @@ StageSpec Spec() {
                  {"model", "folder", "COLMAP model with the cameras", ""}};
   spec.outputs = {
       {"texture", "file", "the texture: .png, .tif, or .exr in linear light", "texture.png"},
-      {"confidence", "file",
-       "how far each texel is what photographs show: 255 well, 0 inpainted (.png)",
+      {"confidence", "file", "how well photographs show each texel: 255 well, 0 inpainted (.png)",
        "confidence.png", true, false}};
   spec.memory_gib = 3;
   spec.common = {"texture_size", "bits", "common_light"};
@@ -51,7 +50,7 @@ Photograph Load(const ImageSet& images, int index) {
   photograph.image = ReadImage(images.ImagePath(index), 3);
   if (!images.images[index].mask.empty()) photograph.mask = ReadImage(images.MaskPath(index), 1);
   photograph.sharpness = images.images[index].sharpness;
-  // A photograph that contradicts the others shows nothing of the figure that could be painted.
+  // Nothing is painted from an outlier photograph.
   if (!images.images[index].trusted)
     photograph.mask = Image8(photograph.image.width, photograph.image.height, 1, 0);
   return photograph;
@@ -118,7 +117,7 @@ std::string Names(const std::vector<std::string>& names) {
   return list;
 }
 
-/// What contradicts the other photographs in colour, for a person.
+/// Warns of photographs whose colours are outliers.
 void ReportColors(StageContext& stage, const Scene& scene, const std::vector<ViewColors>& colors) {
   nlohmann::json distrusted = nlohmann::json::array(), hidden = nlohmann::json::array(),
                  views = nlohmann::json::object();
@@ -160,7 +159,7 @@ void ReportColors(StageContext& stage, const Scene& scene, const std::vector<Vie
 }
 
 void WriteTexture(const std::filesystem::path& path, const BakeResult& result, int bits) {
-  // The 8-bit picture is the one that was measured; deeper ones are not rounded to it first.
+  // The 8-bit picture was measured; pictures with more bits are not rounded to it first.
   std::string extension = path.extension().string();
   if (extension == ".png" && bits != 16) return WriteImage(path, result.texture);
   WriteLinearImage(path, result.linear, bits);

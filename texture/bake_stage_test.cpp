@@ -16,8 +16,8 @@
 namespace keypose::texture {
 namespace {
 
-/// The stage's program on files;
-/// @return its exit code.
+/// The stage's program on files.
+/// @return its exit code
 int RunBake(const std::filesystem::path& folder, const std::string& texture = "texture.png",
             const std::string& options = "") {
   const std::string f = folder.string();

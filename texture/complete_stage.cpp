@@ -1,4 +1,4 @@
-// keypose-complete: what a pose's photographs do not show, from the other poses' textures.
+// keypose-complete: fills unseen parts of a pose's texture from the other poses' textures.
 #include <string>
 #include <vector>
 
@@ -15,7 +15,7 @@ struct CompleteOptions {
   int gutter = 12;
 
   void Describe(OptionVisitor& visit) {
-    visit("gutter", gutter, {"how far colours continue around each chart", "px", 0, 256});
+    visit("gutter", gutter, {"width by which colours continue around each chart", "px", 0, 256});
   }
 };
 
@@ -24,15 +24,14 @@ StageSpec Spec() {
   spec.name = "complete";
   spec.version = "2";
   spec.summary =
-      "Fills what a pose's photographs do not show from the other poses' textures, in the pose's "
-      "own light.";
-  spec.inputs = {
-      {"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
-      {"texture", "file", "the pose's own texture, from bake", ""},
-      {"confidence", "file", "how far its texels are what photographs show, from bake", ""},
-      {"textures", "file",
-       "textures of the poses to take from; the own one among them is passed over", "", true, true},
-      {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
+      "Fills surface that a pose's photographs do not show from the other poses' textures, in "
+      "the pose's own light.";
+  spec.inputs = {{"mesh", "file", "the pose, with the texture coordinates of all textures", ""},
+                 {"texture", "file", "the pose's own texture, from bake", ""},
+                 {"confidence", "file", "how well photographs show its texels, from bake", ""},
+                 {"textures", "file", "textures of the other poses; the pose's own one is ignored",
+                  "", true, true},
+                 {"confidences", "file", "of each of `textures`, in their order", "", true, true}};
   spec.outputs = {{"completed", "file", "the completed texture (.png)", "texture.png"}};
   spec.memory_gib = 2;
   return spec;
@@ -42,7 +41,7 @@ PoseTexture Read(const std::filesystem::path& texture, const std::filesystem::pa
   return {ReadImage(texture, 3), ReadImage(confidence, 1)};
 }
 
-/// All poses share one UV layout, so that a texture of another size only needs to be sampled anew.
+/// All poses share one UV layout, so a texture of another size only needs to be resampled.
 void AtSize(int width, int height, PoseTexture* texture) {
   for (Image8* image : {&texture->texture, &texture->confidence})
     if (image->width != width || image->height != height) *image = Resized(*image, width, height);

@@ -13,7 +13,7 @@
 namespace keypose::texture {
 namespace {
 
-/// Two balls, one on the other, with a deep crease round the waist at z = 0.
+/// Two balls, one on the other, with a deep crease around the waist at z = 0.
 Mesh Snowman(int levels) {
   Mesh mesh = MakeIcosphere(levels);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -55,7 +55,7 @@ TEST(FindExposure, TurnedFigureWithTurnedViewersLooksTheSame) {
   lying.points.col(1) = ball.points.col(0);
   lying.points.col(2) = ball.points.col(1);
   const Exposure turned = FindExposure(MakeSurface(lying), {.up = {1, 0, 0}, .front = {0, 0, -1}});
-  // Rays that graze may fall to either side.
+  // Grazing rays may fall on either side.
   EXPECT_LT((upright.seen - turned.seen).cwiseAbs().mean(), 2e-3);
 }
 
@@ -107,7 +107,7 @@ TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
   EXPECT_LT(hidden.seam_exposure, 0.9 * hidden.edge_exposure);
   EXPECT_LT(hidden.seam_exposure, plain.seam_exposure);
   EXPECT_LT(hidden.seam_front_over_diag, plain.seam_front_over_diag);
-  // How much of the way round the waist is seam: by angle, in 72 sectors.
+  // Share of the way around the waist that is seam: by angle, in 72 sectors.
   const Surface s = MakeSurface(figure);
   std::vector<char> sector(72, 0);
   for (int f = 0; f < figure.face_count(); ++f) {

@@ -14,7 +14,7 @@
 namespace keypose::capture {
 namespace {
 
-/// Where the rays through the masks' middles meet, and how far the masks reach about it.
+/// The point where the rays through the masks' centroids meet, and the masks' extent around it.
 struct Ball {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0;
@@ -42,15 +42,15 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
   ball.center = a.ldlt().solve(b);
   for (std::size_t i = 0; i < views.size(); ++i)
     reach[i] *= std::max(0.0, (views[i].camera_from_world * ball.center).z());
-  // A few masks that take in half the room must not make the space large.
+  // A quantile, so that a few masks that include half the room do not enlarge the space.
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 3 / 4),
                    reach.end());
   ball.radius = 1.5 * reach[reach.size() * 3 / 4];
   return ball;
 }
 
-/// Counts denials in every voxel; views far apart are asked first, as they decide most voxels
-/// soonest.
+/// Counts denials in every voxel. Views far apart come first, because they decide most voxels
+/// early.
 void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
   std::vector<const MaskSampler*> samplers;
   for (const MaskSampler& sampler : all)
@@ -73,8 +73,8 @@ void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
           seen += sample != MaskSample::kUnseen;
           denials += sample == MaskSample::kDenied;
         }
-        // One more than the most, so that a view can take its own sample back and no place gets in
-        // by that.
+        // One more than the limit, so that a voxel stays denied after a view subtracts its own
+        // sample.
         grid.denials[grid.At(x, y, z)] =
             static_cast<std::uint8_t>(seen < least_seen ? most + 1 : std::min(denials, most + 1));
       }

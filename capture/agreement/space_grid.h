@@ -1,4 +1,4 @@
-// Space that the masks of a set share, as voxels that know how many masks deny them.
+// The space that the masks of a set share: voxels with the number of their denials.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,22 +12,22 @@
 
 namespace keypose::capture {
 
-/// What one mask says of a place in space.
+/// The value of one mask at a point in space.
 enum class MaskSample : std::uint8_t { kUnseen, kDenied, kUpheld };
 
-/// Samples one mask at places in space.
+/// Samples one mask at points in space.
 struct MaskSampler {
   const View* view = nullptr;
   bool inlier = true;  ///< its denials count
-  Image8 denied;       ///< 1 where a place that is seen there is outside
+  Image8 denied;       ///< 1 where the picture is outside of the mask by more than the margin
 
-  /// @param pixel  gets the place's pixel and depth, where it is seen
+  /// @param pixel  set to the point's pixel and depth, if the view sees it
   MaskSample At(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const;
 };
 
-/// One for each view; the views must outlive them.
-/// @param margin_px  a mask denies what it shows outside of itself by more than this
-/// @param inlier     one a view, 0 where its denials do not count; empty: all count
+/// One per view; the views must outlive the samplers.
+/// @param margin_px  a mask denies points that project outside of it by more than this
+/// @param inlier     one per view, 0 where its denials do not count; empty: all count
 std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
                                         const std::vector<Image8>& masks, double margin_px,
                                         const std::vector<char>& inlier = {});
@@ -37,7 +37,7 @@ struct Grid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero();
   double cell = 0;
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
-  /// x fastest; more than are told apart count as one more than these
+  /// x fastest; larger numbers are stored as the limit plus one
   std::vector<std::uint8_t> denials;
 
   std::size_t At(int x, int y, int z) const {
@@ -48,24 +48,23 @@ struct Grid {
   }
 };
 
-/// The space round the figure. A place that less than a third of the views see counts as denied by
+/// The space around the figure. A point that less than a third of the views see counts as denied by
 /// all.
-/// @param told_apart  how many denials are told apart in the voxels: the fewer, the sooner most
-/// voxels are
-///                    decided. 1 is enough for the hull, with one view's own sample aside
+/// @param told_apart  largest number of denials that is counted exactly. With a small number most
+/// voxels are decided early; 1 is enough for the hull without one view's own sample
 /// @throws InputError  the masks have no common space
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks,
                  const std::vector<MaskSampler>& samplers, const SpaceOptions& options,
                  int told_apart);
 
-/// Lowest and highest voxels with fewer denials; the highest is -1 where there are none.
+/// Lowest and highest voxels with fewer denials; the highest is -1 if there are none.
 std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials);
 
-/// Voxels along the longest side of what nobody denies, at least 1.
+/// Number of voxels along the longest side of the part without denials, at least 1.
 int LongestSide(const Grid& grid);
 
-/// How many voxels' lengths of a pixel's ray nobody denies, the pixel's own view aside where
-/// `others_only`.
+/// Length of the part of a pixel's ray without denials, in voxels; with `others_only` the pixel's
+/// own view is ignored.
 int ChordOf(const MaskSampler& sampler, int x, int y, const Grid& grid, bool others_only);
 
 }  // namespace keypose::capture

@@ -14,8 +14,8 @@
 namespace keypose::capture {
 namespace {
 
-/// Log odds of the figure for each number of denials, from how often masks have it inside and just
-/// outside.
+/// Log odds of the figure for each number of denials, from its frequency inside and just outside of
+/// the masks.
 std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
                                  const std::vector<Image8>& denials,
                                  const std::vector<char>& inlier, int most) {
@@ -39,25 +39,25 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
   for (std::size_t d = 0; d < odds.size(); ++d)
     odds[d] = static_cast<float>(std::log((inside[d] / std::max(all_inside, 1.0) + 1e-3) /
                                           (outside[d] / std::max(all_outside, 1.0) + 1e-3)));
-  // More denials never speak for the figure more than fewer.
+  // More denials never increase the odds of the figure.
   for (std::size_t d = 1; d < odds.size(); ++d) odds[d] = std::min(odds[d], odds[d - 1]);
   return odds;
 }
 
-/// One round at one size: what the others deny, weighed, is added to the classifier's odds.
-/// @param guided  one a view: 0 is told nothing of the others
+/// One round at one size: the weighted odds from the others' denials are added to the classifier's.
+/// @param guided  one per view: with 0 the others' denials are not used
 std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks,
                                const std::vector<Image8>& denials, const std::vector<char>& inlier,
                                const std::vector<char>& guided,
                                const std::vector<BoardOdds>& boards, const MaskOptions& masking,
                                const SpaceOptions& options, double weight) {
   constexpr double kManyViews = 48;
-  // A hull is larger than its figure, the more so the fewer the views: that nobody denies a place
-  // says less than that some do.
+  // A hull is larger than its figure, the more so the fewer the views. So the absence of denials
+  // has less weight than denials.
   std::vector<float> leaning_of = OddsOfDenials(masks, denials, inlier, options.most_denials);
   const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
-  // Views that are told nothing: a last kind of pixel, of which nothing is known.
+  // Views without guidance get an additional kind of pixel with odds of zero.
   const auto untold = static_cast<std::uint8_t>(leaning_of.size());
   leaning_of.push_back(0);
   std::vector<Image8> told = denials;
@@ -72,7 +72,7 @@ std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vec
   return SegmentByClassifier(round, boards, masking);
 }
 
-/// Views that contradict the others in outline, and not in colour.
+/// Views that are outliers in outline, but not in colour.
 std::vector<std::size_t> OutliersByOutline(const ViewConsensus& consensus,
                                            const ColorOptions& options) {
   std::vector<std::size_t> outliers;
@@ -104,8 +104,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   cv::setNumThreads(1);
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());
-  // Rounds but the last at half the size: they decide which parts belong, the last where the
-  // outline runs.
+  // All rounds but the last work at half the size: they decide which parts belong to the figure.
+  // The last one locates the outline.
   std::vector<Image8> small, small_masks;
   std::vector<View> small_views = views;
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -144,7 +144,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   };
   refined.consensus_before = judge();
   std::vector<char> inlier = refined.consensus_before.inlier;
-  // At first the others' masks are partly wrong, so their denials weigh less.
+  // The initial masks of the others are partly wrong, so their denials have less weight in the
+  // first round.
   for (const double weight : {1.0, options.weight, options.weight}) {
     ReportProgress(progress, 0.15 * weight, "masks in space");
     small_masks = SpaceRound(small, small_masks, denials.pictures, inlier, inlier, small_boards,
@@ -181,7 +182,8 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
     for (const Image8& mask : refined.masks) trimaps.push_back(TrimapOf(mask));
     return BackdropsOf(lab, trimaps, takes, masking.largest_misfit);
   };
-  constexpr double kWorthARound = 3e-4;  // of the figure, opened: less teaches the others nothing
+  // of the figure; smaller openings do not change the other masks
+  constexpr double kWorthARound = 3e-4;
   Backdrops backdrops = round(large);
   std::vector<Image8> open = refined.masks;
   if (OpenWindows(images, views, backdrops.of, options, inlier, open) > kWorthARound) {

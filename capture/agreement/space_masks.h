@@ -15,32 +15,32 @@ namespace keypose::capture {
 
 struct RefinedMasks {
   std::vector<Image8> masks;
-  std::vector<Backdrop> backdrops;  ///< to open narrow holes by at full size
-  /// of each, see AgreementInSpace; at half the size
+  std::vector<Backdrop> backdrops;  ///< for opening narrow holes at full size
+  /// for each mask, see AgreementInSpace; at half the size
   std::vector<double> agreement_before, agreement;
   ViewConsensus consensus_before,
-      consensus;  ///< of the views: which contradict the others, by the first masks and by the last
+      consensus;  ///< of the views, with the initial masks and with the final ones
 };
 
-/// Segments the set again; the denials of the other views along each pixel's ray add to its odds,
-/// weighed by how well denials tell inside from outside of the masks. A part of the set that only
-/// some views took for the figure is denied by those that see past it; a part of the figure that
-/// one view missed is upheld by all others.
+/// Segments the set again. The number of denials by other views along each pixel's ray is added to
+/// its odds; its weight depends on how well denials separate inside from outside of the masks. A
+/// part of the set that only some masks include has denials by views that see past it. A part of
+/// the figure that one mask lacks has none from the others.
 ///
-/// A view whose first mask, or whose colours, contradict the others is an outlier: its denials do
-/// not count, and those of the others do not guide it. Its next masks are what its photograph shows
-/// by itself, with what the others taught of colours. If these contradict too, and still do when
-/// the others guide them (a dark side before a dark set gives way, a place where the photograph
-/// clearly shows the set does not), it stays an outlier; else it is an inlier again.
+/// A view whose initial mask or colours are inconsistent with the others is an outlier: its denials
+/// do not count, and the others' denials are not used for it. Its next mask then depends on its
+/// photograph alone, with the colours learned from the other photographs. If that mask is still
+/// inconsistent, it is segmented once more with the others' denials. That corrects a dark side in
+/// front of a dark set, but not a place where the photograph clearly shows the set. If the result
+/// is consistent, the view becomes an inlier again; else it stays an outlier.
 /// @param images  RGB at working size
 /// @param masks   of the same size
 /// @param views   with cameras of that size
-/// @param boards  what the calibration board tells of each image; empty, or one for each, empty
-/// where there
-///                is none
+/// @param boards  odds from the calibration board for each image; empty, or one per image, empty
+/// where there is none
 /// Source: Campbell, Vogiatzis, Hernandez & Cipolla, "Automatic 3D object segmentation in multiple
-/// views using volumetric graph-cuts", IVC 2010, which cuts the voxels; here the images are cut,
-/// which keeps the outline as fine as they are.
+/// views using volumetric graph-cuts", IVC 2010. That method cuts the voxels; here the images are
+/// cut, so the outline has the images' resolution.
 RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<Image8>& masks,
                            const std::vector<View>& views, const std::vector<BoardOdds>& boards,
                            const MaskOptions& masking, const SpaceOptions& options,

@@ -1,4 +1,4 @@
-// Masks that agree in space, on a ring of photographs of a ball, whose outline is known exactly.
+// Masks that agree in space, on a ring of photographs of a ball with an exact outline.
 #include "capture/agreement/space_masks.h"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ TEST(DenialsByOthers, CountsTheOthersAndNeverTheViewItself) {
   const std::vector<Image8> denials = DenialsByOthers(ring.views, ring.masks, kCoarse);
   EXPECT_EQ(*denials[0].at(kRingWidth / 2, kRingHeight / 2), 0);
   EXPECT_EQ(*denials[0].at(3, 3), 3);  // 18 views: a sixth
-  // The part that view 9 lacks is denied by nobody else; a bright thing that two views show is
-  // denied by most.
+  // No other view denies the part that view 9 lacks; most views deny a bright object that two views
+  // show.
   EXPECT_EQ(*denials[9].at(kRingWidth / 2 - 20, kRingHeight / 2 + 20), 0);
   EXPECT_GE(*denials[3].at(kRingWidth / 2 + 62, kRingHeight / 2), 3);
 }
@@ -30,18 +30,18 @@ TEST(DenialsByOthers, CountsTheOthersAndNeverTheViewItself) {
 TEST(ThicknessOfHull, IsTheBallsChord) {
   TestRing ring = MakeTestRing();
   const std::vector<Image8> thickness = ThicknessOfHull(ring.views, ring.truths, kCoarse);
-  // The space is the ball and a voxel's margin; the hull of 18 views is a little larger than the
-  // ball.
+  // The space is the ball plus a margin of one voxel; the hull of 18 views is a little larger than
+  // the ball.
   EXPECT_NEAR(*thickness[0].at(kRingWidth / 2, kRingHeight / 2), 97, 6);
-  const double sine = 30 / std::hypot(30, kRingFocal) * kRingDistance /
-                      kBallRadius;  // of the ray that meets the image 30 pixels beside the middle
+  // Of the ray through the image 30 pixels beside the middle.
+  const double sine = 30 / std::hypot(30, kRingFocal) * kRingDistance / kBallRadius;
   EXPECT_NEAR(*thickness[0].at(kRingWidth / 2 + 30, kRingHeight / 2),
               97 * std::sqrt(1 - sine * sine), 10);
   EXPECT_EQ(*thickness[0].at(3, 3), 0);
 }
 
-// Voxels of one pixel and a hull that two denials carve make the ball a pixel larger all round: 5
-// %; the hull of 18 views, some more.
+// With voxels of one pixel and a hull carved at two denials, the ball is a pixel larger all round:
+// 5 %; the hull of 18 views adds some more.
 TEST(AgreementInSpace, IsNearOneWhereMasksAreRightAndLowWhereOneIsNot) {
   TestRing ring = MakeTestRing();
   const auto agreement =
@@ -61,9 +61,9 @@ TEST(RefineInSpace, DropsWhatTwoViewsAddAndRestoresWhatOneLacks) {
   EXPECT_GT(refined.agreement[3], refined.agreement_before[3]);
 }
 
-/// A dark side before a dark set: the photograph alone does not tell where the ball ends, and its
-/// mask lacks so much that the view contradicts the others. Its colours do not, so it is asked
-/// again.
+/// A dark side in front of a dark set: the photograph alone does not determine where the ball ends,
+/// and its mask lacks so much that the view is an outlier. Its colours agree with the others, so it
+/// is segmented again with their denials.
 TEST(RefineInSpace, AViewThatContradictsByOutlineAloneIsAskedOnceMoreWithTheOthers) {
   TestRing ring = MakeTestRing();
   Darken(ring, 14, 0, 2.2);
@@ -74,8 +74,8 @@ TEST(RefineInSpace, AViewThatContradictsByOutlineAloneIsAskedOnceMoreWithTheOthe
   EXPECT_GT(Iou(refined.masks[14], ring.truths[14]), 0.95);
 }
 
-/// What clearly shows the set holds against the others' word: this photograph is of a smaller
-/// figure.
+/// This photograph clearly shows the set around a smaller figure. It stays an outlier even with the
+/// others' denials.
 TEST(RefineInSpace, AViewThatClearlyShowsTheSetStaysAnOutlier) {
   TestRing ring = MakeTestRing();
   Redraw(ring, 14, 0, 0, 24);
@@ -140,7 +140,7 @@ TEST(JudgeOutlines, TwoThatContradictInTheSameWayAreBothFound) {
     EXPECT_EQ(consensus.inlier[i], i != 7 && i != 8) << i;
 }
 
-/// Six upright columns in a circle; only along the gaps that face each other does one see through.
+/// Six upright columns in a circle; only gaps in line with each other are see-through.
 bool OnColumns(const View& view, int x, int y) {
   const Eigen::Vector3d eye =
       view.camera_from_world.rotation.conjugate() * -view.camera_from_world.translation;
@@ -168,7 +168,8 @@ TEST(JudgeOutlines, ToLookThroughBetweenColumnsIsNoFault) {
     return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
   };
   Denials denials = by({});
-  // Some views lack far more than the middle one of what no other denies: they alone see through.
+  // Some views lack far more than the median view of the part that no other view denies: only these
+  // see through.
   const std::vector<OutlineFit> fits = FitsOfOutlines(ring.truths, denials, {});
   const auto most = std::max_element(fits.begin(), fits.end(),
                                      [](auto& a, auto& b) { return a.missing[0] < b.missing[0]; });
@@ -186,7 +187,7 @@ TEST(Touched, AreTheFewViewsThatHoldWhatTheOthersSeePast) {
   consensus.fits[5].excess = 0.3;
   EXPECT_EQ(Touched(consensus, {}), std::vector<std::size_t>{5});
   for (std::size_t i = 0; i < 9; ++i)
-    consensus.fits[i].excess = 0.3;  // a stand that half of them show
+    consensus.fits[i].excess = 0.3;  // a support that half of them show
   EXPECT_TRUE(Touched(consensus, {}).empty());
 }
 

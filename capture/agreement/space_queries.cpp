@@ -12,8 +12,8 @@
 namespace keypose::capture {
 namespace {
 
-/// Voxels that a ray can meet first of their number of denials: all but those within the part that
-/// nobody denies.
+/// Voxels that a ray can meet before others with the same number of denials: all except those
+/// inside the part without denials.
 struct Place {
   Eigen::Vector3d center;
   std::uint8_t denials;
@@ -39,7 +39,7 @@ std::vector<Place> PlacesOf(const Grid& grid, int most) {
   return places;
 }
 
-/// The least denials by others along each pixel's ray.
+/// The smallest number of denials by others along each pixel's ray.
 Image8 Picture(const MaskSampler& sampler, const std::vector<Place>& places, double cell,
                int most) {
   Image8 picture(sampler.denied.width, sampler.denied.height, 1, static_cast<std::uint8_t>(most));
@@ -49,7 +49,7 @@ Image8 Picture(const MaskSampler& sampler, const std::vector<Place>& places, dou
     if (sample == MaskSample::kUnseen) continue;
     const auto denials = static_cast<std::uint8_t>(
         std::min(most, place.denials - (sampler.inlier && sample == MaskSample::kDenied)));
-    // A voxel seen from anywhere is about as wide as this.
+    // Half the width of a voxel, approximately the same from any direction.
     const double half = 0.5 * cell * sampler.view->camera.fx / pixel.z();
     const int x0 = std::max(0, static_cast<int>(std::lround(pixel.x() - half))),
               y0 = std::max(0, static_cast<int>(std::lround(pixel.y() - half)));

@@ -1,4 +1,4 @@
-// What the space that all masks share says of each pixel's ray: denials, thickness, agreement.
+// Queries along each pixel's ray in the space that all masks share: denials, thickness, agreement.
 #pragma once
 
 #include <vector>
@@ -10,21 +10,21 @@
 
 namespace keypose::capture {
 
-/// For each mask a picture of how many of the other masks deny all places along a pixel's ray: the
-/// least number over the places. Pixels that look past the space of the figure have the most that
-/// is told apart. A place that less than a third of the views see is outside.
+/// For each mask a picture with, for each pixel, the smallest number of denials by other masks
+/// among the points of its ray. Pixels whose rays miss the figure's space have the largest number
+/// that is counted. A point that less than a third of the views see is outside.
 /// @param views  with cameras of the masks' size
-/// @param inlier one a view: the masks of those with 0 deny nothing; empty: all are inliers
-/// @throws InputError  fewer than 3 masks with anything in them, or they have no common space
+/// @param inlier one per view: masks with 0 deny nothing; empty: all are inliers
+/// @throws InputError  fewer than 3 masks that are not empty, or no common space
 /// Same bits for any thread count.
 std::vector<Image8> DenialsByOthers(const std::vector<View>& views,
                                     const std::vector<Image8>& masks, const SpaceOptions& options,
                                     const std::vector<char>& inlier = {});
 
-/// How many denials are told apart in a set of so many inliers.
+/// Largest number of denials that is counted exactly, for a given number of inliers.
 int DenialsToldApart(std::size_t views, const SpaceOptions& options);
 
-/// For each pixel of a mask how much of its ray lies in the hull of all masks: per cent of the
+/// For each pixel of a mask, the length of its ray inside the hull of all masks: per cent of the
 /// hull's longest side.
 /// @param inlier  as above
 /// @throws InputError  the masks have no common space
@@ -33,7 +33,8 @@ std::vector<Image8> ThicknessOfHull(const std::vector<View>& views,
                                     const std::vector<Image8>& masks, const SpaceOptions& options,
                                     const std::vector<char>& inlier = {});
 
-/// The surface of what no inlier denies: points with outward normals, one near each voxel.
+/// The surface of the space without denials by inliers: points with outward normals, one per
+/// surface voxel.
 struct SpaceSurface {
   PointCloud points;
   double cell = 0;  ///< side of a voxel
@@ -43,8 +44,8 @@ struct SpaceSurface {
 SpaceSurface SurfaceOfSpace(const std::vector<View>& views, const std::vector<Image8>& masks,
                             const SpaceOptions& options, const std::vector<char>& inlier);
 
-/// IoU of each mask with the silhouette of the visual hull of the others: places that fewer than
-/// two deny.
+/// IoU of each mask with the silhouette of the visual hull of the others: points with fewer than
+/// two denials.
 std::vector<double> AgreementInSpace(const std::vector<Image8>& masks,
                                      const std::vector<Image8>& denials);
 

@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kLeastViews = 4;  // fewer have no majority
 constexpr double kLeastCosine = 0.4, kSlack = 2.5;
-constexpr int kWindow = 5;  // pixels that a colour is the mean of, each way
+constexpr int kWindow = 5;  // pixels in each direction over which colours are averaged
 
-/// Mean colours of the figure, without its rim.
+/// Mean colours of the figure, without its border.
 struct MaskedPicture {
   cv::Mat mean, inside;
 };
@@ -30,7 +30,7 @@ MaskedPicture PictureOf(const Image8& image, const Image8& mask) {
   return picture;
 }
 
-/// Where a view sees a point: pixel and depth; x < 0 where it does not.
+/// Pixel and depth of a point in a view; x < 0 if the view does not see it.
 Eigen::Vector3d Seen(const View& view, const Eigen::Vector3d& x_in_world) {
   const Eigen::Vector3d x = view.camera_from_world * x_in_world;
   if (x.z() <= 0) return {-1, -1, 0};
@@ -41,7 +41,7 @@ Eigen::Vector3d Seen(const View& view, const Eigen::Vector3d& x_in_world) {
   return {pixel.x(), pixel.y(), x.z()};
 }
 
-/// Depth of the nearest point in each pixel, points as wide as they are apart.
+/// Depth of the nearest point in each pixel; a point is as wide as the points' distance.
 cv::Mat NearestDepths(const View& view, const PointCloud& surface, double cell) {
   cv::Mat depths(view.camera.height, view.camera.width, CV_32F,
                  cv::Scalar(std::numeric_limits<float>::infinity()));
@@ -57,7 +57,7 @@ cv::Mat NearestDepths(const View& view, const PointCloud& surface, double cell) 
   return depths;
 }
 
-/// Unit hue of each point that the view shows; zero for others.
+/// Unit hue of each point that the view sees; zero for others.
 PointsX3 HuesOf(const MaskedPicture& picture, const View& view, const PointCloud& surface,
                 double cell) {
   const cv::Mat depths = NearestDepths(view, surface, cell);
@@ -72,7 +72,7 @@ PointsX3 HuesOf(const MaskedPicture& picture, const View& view, const PointCloud
         at.z() > static_cast<double>(depths.at<float>(py, px)) + kSlack * cell)
       continue;
     const auto& rgb = picture.mean.at<cv::Vec3b>(py, px);
-    // sRGB bytes go about with the square root of light; near black they have no hue.
+    // sRGB values are roughly the square root of light; near black they have no hue.
     const Eigen::Vector3d root(rgb[0], rgb[1], rgb[2]);
     if (root.maxCoeff() > 25) hues.row(i) = root.normalized();
   }
@@ -85,8 +85,8 @@ double MedianOf(std::vector<double>& values) {
   return *middle;
 }
 
-/// Angles of all views' hues from the median of the inliers; negative where a view shows nothing,
-/// or too few do.
+/// Angles of all views' hues from the median of the inliers; negative where a view does not see the
+/// point, or too few views do.
 std::vector<double> AnglesAt(const std::vector<PointsX3>& hues, Eigen::Index point,
                              const std::vector<char>& inlier) {
   std::vector<double> angles(hues.size(), -1), values;

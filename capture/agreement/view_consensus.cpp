@@ -9,7 +9,7 @@
 namespace keypose::capture {
 namespace {
 
-/// What is left of a set of pixels when all that is narrower than a disc goes.
+/// Area of a set of pixels after morphological opening with a disc.
 double OpenedArea(const cv::Mat& set, double radius) {
   const int side = 2 * static_cast<int>(std::ceil(radius)) + 1;
   cv::Mat opened;
@@ -46,7 +46,7 @@ double UsualOf(std::vector<double> values) {
   return *middle;
 }
 
-/// How much more than usual a view lacks, the most over the doubts.
+/// Excess of a view's missing part over the median, the largest over the doubts.
 std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vector<char>& inlier) {
   std::vector<double> faults(fits.size(), 0);
   for (int doubt = 0; doubt < OutlineFit::kDoubts; ++doubt) {
@@ -60,7 +60,7 @@ std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vecto
   return faults;
 }
 
-/// Share of a mask whose rays end in nothing that this view did not deny as well.
+/// Share of a mask whose rays have no space left because of this view's denials alone.
 double RobbedShare(const Image8& mask, const Image8& all, const Image8& without, double depth) {
   cv::Mat robbed(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
   double figure = 1;
@@ -73,7 +73,7 @@ double RobbedShare(const Image8& mask, const Image8& all, const Image8& without,
   return OpenedArea(robbed, depth * std::max(mask.width, mask.height)) / figure;
 }
 
-/// Whether at least two other inliers lose a part of their figure by what view `i` denies.
+/// Whether at least two other inliers lose a part of their figure because of view i's denials.
 bool Robs(std::size_t i, const std::vector<Image8>& masks, const std::vector<char>& inlier,
           const Denials& all, const Denials& without, const ConsensusOptions& options) {
   std::vector<char> robbed(masks.size(), 0);
@@ -119,7 +119,7 @@ ViewConsensus JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
       std::vector<char>(masks.size(), 1), FitsOfOutlines(masks, denials, options), {}, false};
   const auto most =
       static_cast<std::size_t>(options.most_doubtful * static_cast<double>(masks.size()));
-  std::vector<char> cleared(masks.size(), 0);  // they look through gaps
+  std::vector<char> cleared(masks.size(), 0);  // views that see through gaps
   for (std::size_t gone = 0;;) {
     std::vector<double> faults = Faults(consensus.fits, consensus.inlier);
     for (std::size_t i = 0; i < faults.size(); ++i)

@@ -12,20 +12,21 @@
 namespace keypose::capture {
 namespace {
 
-// per cent of the hull's longest side, that the others may leave of a window's rays
+// largest remaining thickness along a window's rays, per cent of the hull's longest side
 constexpr int kThin = 9;
-constexpr double kLeft = 0.45;  // of what the hull was before, that they may leave of a window
-                                // which is only loosely like the empty set
+constexpr double kLeft = 0.45;  // largest remaining share of the thickness, for windows with a
+                                // loose match to the empty set
 
-// largest product of the directions of views that look at each other
+// largest scalar product of the directions of views from opposite sides
 constexpr double kOpposite = -0.6;
-constexpr double kFromBehind = 0.2;  // of a window's pixels, that another one must meet
+// least share of a window's pixels whose rays another window meets
+constexpr double kFromBehind = 0.2;
 
 struct Window {
   std::size_t view = 0;
   Region pixels;
-  bool loose = false;  ///< only loosely like the empty set
-  int thick = 0;       ///< per cent of the hull's longest side, with the masks as they were
+  bool loose = false;  ///< only a loose match to the empty set
+  int thick = 0;       ///< per cent of the hull's longest side, with the initial masks
 
   bool Through(int left) const {
     return left <= (loose ? std::min<double>(kThin, kLeft * thick) : kThin);
@@ -49,7 +50,7 @@ std::vector<Window> Candidates(const std::vector<Image8>& images,
   return windows;
 }
 
-/// The rim mixes window and figure, so it opens as well.
+/// The border mixes window and figure, so it is opened as well.
 void Open(const Window& window, Image8& mask) {
   for (const std::int32_t at : window.pixels) {
     const int x = at % mask.width, y = at / mask.width;
@@ -73,8 +74,8 @@ Eigen::Vector3d RayOf(const View& view, double x, double y) {
   return (view.camera_from_world.rotation.conjugate() * view.camera.Unproject({x, y})).normalized();
 }
 
-/// Median over each window's pixels of what the other views leave of their rays, per cent of the
-/// hull's longest side.
+/// Median over each window's pixels of the remaining thickness with the other views, per cent of
+/// the hull's longest side.
 std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& windows) {
   const int longest = LongestSide(space.grid);
   std::vector<int> thicknesses(windows.size());
@@ -92,7 +93,7 @@ std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& wind
   return thicknesses;
 }
 
-/// Which windows are one: their rays meet where the hull was.
+/// Groups windows whose rays meet inside the original hull.
 class Meetings {
  public:
   Meetings(const std::vector<Window>& windows, const Space& filled, const Space& open)
@@ -120,8 +121,8 @@ class Meetings {
         if (count.opposite >= Enough(windows[k])) both_sides_[Root(static_cast<int>(k))] = 1;
   }
 
-  /// Whether a window, or another that its rays lead to, is seen from both sides. What is painted
-  /// on one side of the figure is seen from that side alone, however thin the figure is.
+  /// Whether a window, or a window connected with it, is seen from both sides. Paint on one side of
+  /// the figure is seen from that side alone, even on a thin figure.
   bool FromBothSides(std::size_t k) const { return both_sides_[Root(static_cast<int>(k))]; }
 
  private:
@@ -129,7 +130,7 @@ class Meetings {
     int pixels = 0, opposite = 0;
   };
 
-  /// Some dozens of pixels of a window tell as much as all.
+  /// A sample of a window's pixels is sufficient.
   static std::size_t Stride(const Window& window) { return window.pixels.size() / 40 + 1; }
   static double Enough(const Window& window) {
     return kFromBehind *
@@ -141,7 +142,7 @@ class Meetings {
     return k;
   }
 
-  /// How many of a window's pixels meet each other window.
+  /// Number of the window's pixels whose rays meet each other window.
   std::map<int, Count> MetBy(const Window& window) const {
     const MaskSampler& own = open_.samplers[window.view];
     const Grid& grid = filled_.grid;
@@ -184,7 +185,7 @@ class Meetings {
   }
 
   const Space &filled_, &open_;
-  std::vector<std::vector<int>> labels_;  // of each view's pixels: which window
+  std::vector<std::vector<int>> labels_;  // for each view's pixels: index of the window
   std::vector<int> group_;
   std::vector<char> both_sides_;
 };
@@ -204,8 +205,7 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
   const Space filled(views, masks, options, inlier);
   const std::vector<int> before = Thicknesses(filled, windows);
   for (std::size_t k = 0; k < windows.size(); ++k) windows[k].thick = before[k];
-  // What is thin already needs no window to be seen past, so there only what is closely like the
-  // empty set counts.
+  // Thin regions are not opened with loose matches.
   std::erase_if(windows,
                 [](const Window& window) { return window.loose && window.thick <= kThin; });
   for (std::size_t count = 0; count != windows.size();) {
@@ -215,8 +215,8 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
     std::vector<Window> kept;
     for (std::size_t k = 0; k < count; ++k)
       if (windows[k].Through(left[k])) kept.push_back(windows[k]);
-    // Who meets whom costs more, and is asked of the few that are left; what stays in the end is
-    // the same.
+    // Testing which windows meet is expensive, so it is done for the few remaining ones; the final
+    // result is the same.
     if (kept.size() == count) {
       const Meetings meetings(windows, filled, open);
       kept.clear();

@@ -1,5 +1,4 @@
-// Windows through the figure that all masks have filled alike, found by what the photographs show
-// in them.
+// Finds windows through the figure that all masks have filled.
 #pragma once
 
 #include <vector>
@@ -11,18 +10,19 @@
 
 namespace keypose::capture {
 
-/// Opens what shows the empty set and what other photographs see through as well. A window that all
-/// masks have filled stands in their hull as a thick wall, so the hull cannot say whether a region
-/// that looks like the empty set is one. So all such regions are opened at once, and each is asked
-/// how much of its rays the openings of the others leave: nearly nothing in a window, which is seen
-/// from both sides; of an eye's shade nearly all, as nobody looks through the head. Regions that
-/// are left thick close again, until what is open agrees.
+/// Opens regions that show the empty set and through which other photographs see as well. A window
+/// that all masks have filled is a thick wall in their hull, so the hull does not decide whether a
+/// region that looks like the empty set is a window. So all such regions are opened at once, and
+/// for each the remaining thickness of the hull along its rays is measured. It is nearly zero in a
+/// window, which is seen from both sides. It stays nearly the same in an eye's shade, since no view
+/// sees through the head. Regions that stay thick are closed again, until the open ones are
+/// consistent.
 /// @param images  RGB
 /// @param views   with cameras of the images' size
-/// @param backdrops  of the images' size; where the figure has the empty set's own colours, too
-/// @param inlier  one a view, 0 for an outlier, which is not opened; empty: all are inliers
-/// @param masks   of the images' size; get the windows opened
-/// @return what was opened, over the area of all masks
+/// @param backdrops  of the images' size; also where the figure has the empty set's colours
+/// @param inlier  one per view, 0 for an outlier, which is not opened; empty: all are inliers
+/// @param masks   of the images' size; windows are removed from them
+/// @return opened area over the area of all masks
 /// @throws InputError  the masks have no common space
 /// Same bits for any thread count.
 double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& views,

@@ -1,5 +1,5 @@
-// A slab with a window, photographed from all round before a grey backdrop, with masks that have
-// all filled the window.
+// A slab with a window, photographed from all round in front of a grey backdrop; all masks have
+// filled the window.
 #include "capture/agreement/windows.h"
 
 #include <gtest/gtest.h>
@@ -16,15 +16,15 @@ constexpr int kWidth = 200, kHeight = 160, kViews = 24;
 constexpr double kFocal = 240, kDistance = 4;
 constexpr std::array<std::uint8_t, 3> kGrey{176, 176, 178}, kTeal{40, 130, 120};
 
-/// The slab stands in the plane of y and z: half of its sides, and of its window's.
+/// The slab is in the plane of y and z: half of its sides, and of its window's.
 const Eigen::Vector3d kSlab{0.12, 0.8, 0.7}, kWindow{0.12, 0.3, 0.3};
 
 View RingView(int i) {
   return MakeTestView(i, kViews, kDistance, i % 2 ? 0.5 : 0.1, kWidth, kHeight, kFocal);
 }
 
-/// Whether a point of the slab is in the way of a ray, the window aside or not. The first hit goes
-/// to `at`.
+/// Whether a point of the slab blocks a ray, with or without the window. `at` is set to the first
+/// hit.
 bool Hits(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, bool with_window,
           Eigen::Vector3d* at) {
   for (double t = kDistance - 1.3; t < kDistance + 1.3; t += 0.01) {
@@ -44,8 +44,7 @@ struct Set {
   std::vector<Backdrop> backdrops;
 };
 
-/// @param open    whether the window is one, or the same place painted with the backdrop's grey on
-/// one side
+/// @param open  whether the window is open, or painted with the backdrop's grey on one side
 Set MakeSet(bool open) {
   Set set;
   Image8 empty(kWidth, kHeight, 3);
@@ -90,7 +89,7 @@ TEST(OpenWindows, OpensWhatOthersSeeThroughThoughAllMasksFilledIt) {
       hole += set.hole[i][p], right += opened && set.hole[i][p];
       figure += set.filled[i].data[p] && !set.hole[i][p], wrong += opened && !set.hole[i][p];
     }
-  EXPECT_GT(right, 0.9 * hole);     // narrow slits at grazing views stay
+  EXPECT_GT(right, 0.9 * hole);     // narrow slits at grazing views remain
   EXPECT_LT(wrong, 0.02 * figure);  // a pixel round each
 }
 

@@ -13,10 +13,10 @@
 namespace keypose::capture {
 namespace {
 
-constexpr double kSearch_px = 2000;  // longer side at which markers are looked for
-constexpr double kContrast = 20;     // grey levels between paper and ink at least
+constexpr double kSearch_px = 2000;  // longer side at which markers are searched
+constexpr double kContrast = 20;     // least difference of grey levels between paper and ink
 constexpr double kLeastSquare_px = 6;
-// with what is printed round a corner; a figure in front of it leaves less
+// least correlation with the print around a corner; an occluding figure lowers it
 constexpr double kCorrelation = 0.9;
 
 cv::Mat GreyOf(const Image8& image) {
@@ -56,7 +56,7 @@ MarkerPoints FindMarkers(const cv::Mat& grey, const BoardLayout& board) {
   cv::Mat small = grey;
   if (factor < 1) cv::resize(grey, small, {}, factor, factor, cv::INTER_AREA);
   const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->minMarkerPerimeterRate = 0.012;  // markers seen from low down are flat
+  parameters->minMarkerPerimeterRate = 0.012;  // markers in low views are flat
   parameters->polygonalApproxAccuracyRate = 0.05;
   parameters->adaptiveThreshWinSizeMax = 43;
   std::vector<std::vector<cv::Point2f>> corners;
@@ -69,7 +69,7 @@ MarkerPoints FindMarkers(const cv::Mat& grey, const BoardLayout& board) {
     for (int k = 0; k < 4; ++k) {
       const cv::Point2f p = corners[i][k];
       points.board.push_back(MarkerCorner(board, ids[i], k));
-      // From pixel centres at whole numbers of the small image to those of the large one.
+      // Converts from pixel centres at whole numbers of the small image to those of the large one.
       points.image.emplace_back((p.x + 0.5) / factor - 0.5, (p.y + 0.5) / factor - 0.5);
     }
   }
@@ -81,7 +81,7 @@ cv::Point2d Map(const cv::Matx33d& h, const cv::Point2d& p) {
   return {q[0] / q[2], q[1] / q[2]};
 }
 
-/// A homography and what the marker corners miss it by, which is smooth: the lens.
+/// A homography plus the smooth residuals of the marker corners, from lens distortion.
 class BoardMap {
  public:
   explicit BoardMap(const MarkerPoints& points, double square_m) : square_m_(square_m) {
@@ -103,7 +103,7 @@ class BoardMap {
   cv::Point2d operator()(const cv::Point2d& on_board) const {
     return Map(h_, on_board) + Miss(on_board);
   }
-  /// Where on the board a pixel lies.
+  /// The position of a pixel on the board.
   cv::Point2d OnBoard(const cv::Point2d& pixel) const {
     cv::Point2d p = Map(board_from_image_, pixel);
     for (int round = 0; round < 2; ++round) p = Map(board_from_image_, pixel - Miss(p));
@@ -129,16 +129,16 @@ class BoardMap {
   bool found_ = false;
 };
 
-/// Shortest side of a square at a corner, as the photograph shows it [px].
+/// Shortest side of a square at a corner, in the photograph [px].
 double SquareSize(const BoardMap& map, const BoardLayout& board, const Eigen::Vector3d& at) {
   const double half = board.square_m / 2;
   const cv::Point2d right = map({at.x() + half, at.y()}) - map({at.x() - half, at.y()}),
                     up = map({at.x(), at.y() + half}) - map({at.x(), at.y() - half});
-  // Height of the parallelogram over its longer side: what a flat view leaves of a square.
+  // Height of the parallelogram over its longer side: the size of a square in a low view.
   return std::abs(right.cross(up)) / std::max({cv::norm(right), cv::norm(up), 1e-9});
 }
 
-/// What is printed at a place of the board.
+/// The print at a position of the board.
 class BoardInk {
  public:
   explicit BoardInk(const BoardLayout& board) : board_(board) {
@@ -165,11 +165,10 @@ class BoardInk {
   std::vector<std::vector<std::vector<int>>> markers_;
 };
 
-/// The board's picture round one corner as this photograph should show it, and the pixels that show
-/// it.
+/// The expected picture of the board around one corner, and the pixels that it covers.
 struct Patch {
   cv::Mat expected;  // 32F, 0 on paper and 1 on ink
-  cv::Mat inside;    // 8U, pixels that count
+  cv::Mat inside;    // 8U, pixels that are used
   cv::Point origin;  // in the photograph
 };
 
@@ -200,8 +199,8 @@ Patch ExpectedPatch(const cv::Mat& grey, const BoardMap& map, const BoardInk& in
     for (int x = 0; x < whole.width; ++x) {
       double sum = 0;
       for (int k = 0; k < kSamples; ++k) {
-        // No two in a row or a column, so that an edge along the pixels is placed to a sixteenth
-        // too.
+        // No two samples in the same row or column, so that an edge along the pixel grid is also
+        // accurate to a sixteenth.
         const cv::Point2d sub(x + (k + 0.5) / kSamples - 0.5,
                               y + (7 * k % kSamples + 0.5) / kSamples - 0.5);
         sum += ink.At(at + reach * Map(board_from_patch, sub));
@@ -219,7 +218,7 @@ struct Fit {
   double correlation = 0;
 };
 
-/// Where the photograph shows the patch, by Gauss-Newton over shift, brightness and contrast.
+/// Position of the patch in the photograph, by Gauss-Newton over shift, brightness and contrast.
 Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
   Fit fit;
   cv::Mat dx, dy;
@@ -259,7 +258,7 @@ Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
   return fit;
 }
 
-/// All corners that the photograph shows where the map foretells them.
+/// All corners that match the photograph at their predicted positions.
 std::vector<BoardCorner> FitCorners(const cv::Mat& grey, const BoardMap& map, const BoardInk& ink,
                                     const BoardLayout& board) {
   std::vector<BoardCorner> corners;
@@ -287,8 +286,8 @@ MarkerPoints PointsOf(const std::vector<BoardCorner>& corners, const BoardLayout
   return points;
 }
 
-/// Share of ink in each pixel of the shrunk photograph; below 0 off the board and its rim of half a
-/// square.
+/// Share of ink in each pixel of the reduced photograph; negative outside of the board and its rim
+/// of half a square.
 cv::Mat InkOf(const cv::Size& size, double factor, const BoardMap& map, const BoardLayout& board) {
   constexpr int kSamples = 16;
   const BoardInk ink(board);
@@ -328,7 +327,7 @@ cv::Vec3f MedianColor(const cv::Mat& image, const cv::Mat& mask) {
   return median;
 }
 
-/// Pixels next to corners that were found, where nothing can stand in front of the board.
+/// Pixels next to detected corners, where nothing can be in front of the board.
 cv::Mat NextToCorners(const cv::Size& size, const std::vector<BoardCorner>& corners, double factor,
                       const BoardMap& map, const BoardLayout& board) {
   cv::Mat near(size, CV_8U, cv::Scalar(0));
@@ -346,7 +345,7 @@ cv::Mat NextToCorners(const cv::Size& size, const std::vector<BoardCorner>& corn
   return near;
 }
 
-/// Colour distance of each pixel to paper and ink in the light that its neighbourhood suggests.
+/// Colour distance of each pixel to paper and ink under the light estimated from its neighbourhood.
 cv::Mat DistanceToPrint(const cv::Mat& rgb, const cv::Mat& ink, const cv::Vec3f& paper,
                         const cv::Vec3f& black) {
   const cv::Size window(7, 7);
@@ -386,15 +385,15 @@ std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board
   if (!rough.found()) return {};
   const BoardInk ink(board);
   const std::vector<BoardCorner> first = FitCorners(grey, rough, ink, board);
-  // Marker corners err by half a pixel, which bends the patches; the corners found foretell them
-  // better.
+  // Marker corners have errors of half a pixel, which distort the patches. The detected corners
+  // give better predictions.
   const BoardMap fine(PointsOf(first, board), board.square_m);
   return fine.found() ? FitCorners(grey, fine, ink, board) : first;
 }
 
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
                       const BoardLayout& board, double limit) {
-  // grey levels of distance, over three channels, at which print is as likely as not
+  // distance, over three channels, at which print and object are equally likely [grey levels]
   constexpr double kEven = 30;
   BoardOdds known;
   const BoardMap map(PointsOf(corners, board), board.square_m);

@@ -14,7 +14,7 @@ namespace keypose::capture {
 namespace {
 
 constexpr double kPointsPerMm = 72 / 25.4;
-constexpr double kRim_mm = 6;      // what printers leave white on every side
+constexpr double kRim_mm = 6;      // white margin of printers on every side
 constexpr double kRuler_mm = 100;  // printed beside the board
 
 struct DestroyCairo {
@@ -33,7 +33,7 @@ void RequireFits(const BoardLayout& board, const Page& page) {
   if (const auto problems = board.Problems(); !problems.empty())
     throw UsageError("capture: " + problems.front());
   const double width = 1000 * board.Width(), height = 1000 * board.Height();
-  // Beside the board there must be room for the ruler.
+  // The ruler needs space beside the board.
   const double room_x = page.width_mm - 2 * (kRim_mm + 8), room_y = page.height_mm - 2 * kRim_mm;
   if (width <= room_x && height <= room_y) return;
   const double largest =
@@ -64,7 +64,7 @@ void DrawBoard(cairo_t* pen, const BoardLayout& board) {
       }
       const auto ink = MarkerInk(marker++);
       const double cell = size / static_cast<double>(ink.size());
-      // One rectangle for each run of ink, so that viewers draw no hairlines within it.
+      // One rectangle per run of ink, so that viewers draw no hairlines within it.
       for (std::size_t r = 0; r < ink.size(); ++r)
         for (std::size_t c = 0; c < ink.size();) {
           std::size_t end = c;
@@ -78,7 +78,7 @@ void DrawBoard(cairo_t* pen, const BoardLayout& board) {
     }
 }
 
-/// A thin cross and a ring, red so that no corner is mistaken for it.
+/// A thin cross and a ring, in red so that they are not detected as corners.
 void DrawCenter(cairo_t* pen, double x, double y) {
   cairo_set_source_rgb(pen, 0.85, 0.1, 0.1);
   cairo_set_line_width(pen, 0.25);

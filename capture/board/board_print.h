@@ -19,18 +19,18 @@ struct Page {
 Page PageNamed(const std::string& name);
 
 /// The board as a vector PDF of one page: squares and markers in exact millimetres, a cross and a
-/// circle in the middle, a ruler of 100 mm to check the printer's scale, and how to use it. Same
+/// circle in the middle, a ruler of 100 mm to check the printer's scale, and instructions. Same
 /// bytes at every call.
-/// @throws UsageError  the board is not valid, or with its white rim does not fit on the page; says
-/// how large its squares may be
+/// @throws UsageError  the board is not valid, or does not fit on the page with its white rim;
+/// names the largest possible squares
 std::string BoardPdf(const BoardLayout& board, const Page& page);
 
 /// The same page as grey pixels.
 /// @throws UsageError  as BoardPdf
 Image8 BoardPicture(const BoardLayout& board, const Page& page, double px_per_mm);
 
-/// Bits of a marker of the dictionary, rows from the top, its black border included: 7 x 7, 1 where
-/// the ink is.
+/// Ink of a marker of the dictionary, rows from the top, its black border included: 7 x 7, 1 for
+/// ink.
 std::vector<std::vector<int>> MarkerInk(int marker);
 
 }  // namespace keypose::capture

@@ -1,5 +1,5 @@
-// The calibration board: what the page shows, that OpenCV reads it as its own board, and corners
-// against known cameras.
+// The calibration board: the printed page, its agreement with OpenCV's own board, and corners
+// compared with known cameras.
 #include "core/calibration_board.h"
 
 #include <gmock/gmock.h>
@@ -37,9 +37,9 @@ TEST(BoardPrint, PageIsTheBoardThatOpenCvDraws) {
   const cv::Rect middle((picture.width - drawing.cols) / 2, (picture.height - drawing.rows) / 2,
                         drawing.cols, drawing.rows);
   cv::Mat difference = cv::abs(View(picture)(middle) - drawing) > 127;
-  // The cross in the middle is the one thing that is not on OpenCV's.
+  // The cross in the middle is the only part that OpenCV's board lacks.
   difference(cv::Rect(drawing.cols / 2 - 40, drawing.rows / 2 - 40, 80, 80)).setTo(0);
-  // Borders of markers are rounded to whole pixels there: nothing thicker than that may differ.
+  // OpenCV rounds markers' borders to whole pixels, so differences are at most that thick.
   cv::erode(difference, difference, cv::Mat::ones(5, 5, CV_8U));
   EXPECT_EQ(cv::countNonZero(difference), 0);
   EXPECT_GT(cv::countNonZero(drawing < 127), drawing.total() / 3);
@@ -81,7 +81,7 @@ TEST(BoardPrint, BoardThatDoesNotFitIsAUsageErrorThatSaysWhatFits) {
   EXPECT_THROW(PageNamed("A7"), UsageError);
 }
 
-/// The board as a camera sees it, with 3 x 3 rays a pixel; `hidden` is covered by something grey.
+/// The board as a camera sees it, with 3 x 3 rays per pixel; `hidden` is covered by a grey object.
 Image8 Photograph(const BoardLayout& board, const keypose::View& view,
                   const std::function<bool(double, double)>& hidden) {
   constexpr double kScale = 10;
@@ -138,7 +138,7 @@ TEST(BoardDetection, CornersAreWhereTheCameraSeesThem) {
     for (const BoardCorner& corner : corners)
       sum += (corner.pixel - view.Project(board.Corner(corner.id))).squaredNorm();
     EXPECT_LT(std::sqrt(sum / static_cast<double>(corners.size())), 0.03)
-        << elevation;  // eight bits a pixel allow a hundredth
+        << elevation;  // eight bits per pixel allow a hundredth
   }
 }
 

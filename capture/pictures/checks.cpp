@@ -27,9 +27,10 @@ double FocalPx(int width, int height, double focal_35mm, double focal_mm, double
   const double longer = std::max(width, height);
   if (focal_35mm > 0) return focal_35mm / 36 * longer;
   if (focal_mm <= 0) return 0;
-  // The sensor's width comes from its pixel pitch. Programs that shrink a photograph drop the pitch
-  // or keep it: then the sensor seems small and its pixels large, as no camera has both. Small
-  // pixels or a very short lens mean a phone; else the camera most likely has an APS-C sensor.
+  // The sensor's width comes from its pixel pitch. Programs that reduce a photograph drop the pitch
+  // or keep it; if they keep it, the sensor seems small and its pixels large, a combination that no
+  // camera has. Small pixels or a very short lens indicate a phone; else the camera most likely has
+  // an APS-C sensor.
   const double pitch_um = 1000 * sensor_width_mm / longer;
   const bool trusted = sensor_width_mm > 0 && !(sensor_width_mm < 16 && pitch_um > 3.6);
   if (!trusted && focal_mm < 10) return 0;
@@ -79,8 +80,8 @@ void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int mi
 
 void RequireUsableSizes(const std::vector<Photograph>& photographs) {
   constexpr int kLeastSide_px = 16,
-                kLongest = 20;  // times as long as wide: of such a strip nothing is left at the
-                                // size where masks are found
+                kLongest = 20;  // times as long as wide: nothing is left of such a strip at the
+                                // size at which masks are segmented
   std::vector<std::string> odd;
   for (const Photograph& p : photographs) {
     const auto [shorter, longer] = std::minmax(p.width, p.height);

@@ -1,4 +1,4 @@
-// What makes a set of photographs unfit, found before any work is done on it.
+// Checks of a set of photographs before any work is done on it.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace keypose::capture {
 
-/// What the header of a photograph says.
+/// Data from the header of a photograph.
 struct Photograph {
-  std::string name;   ///< file name; with its subfolder's name and _ before it where there is one
-  std::string group;  ///< placement of the figure: the subfolder, or "lying" and "upright"; ""
-                      ///< where there is one placement
+  std::string name;   ///< file name; with its subfolder's name and _ before it if there is one
+  std::string group;  ///< placement of the figure: the subfolder, or "lying" and "upright"; "" for
+                      ///< a single placement
   int width = 0, height = 0;  ///< after EXIF orientation
   std::uint64_t digest = 0;   ///< of the file's bytes
   std::uint64_t bytes = 0;
@@ -20,12 +20,12 @@ struct Photograph {
 };
 
 /// Focal length in pixels of an image `width` x `height`, from EXIF values that are 0 when absent;
-/// 0 when nothing is known. The 35 mm equivalent is taken along the longer side (36 mm). Where the
-/// sensor's width is missing, or can only come from a photograph that was shrunk, 23 mm is assumed
-/// for lenses of 10 mm and longer: a start for sfm, which refines it.
+/// 0 if unknown. The 35 mm equivalent refers to the longer side (36 mm). If the sensor's width is
+/// missing, or must come from a reduced photograph, 23 mm is assumed for lenses of 10 mm and
+/// longer: an initial value for sfm, which refines it.
 double FocalPx(int width, int height, double focal_35mm, double focal_mm, double sensor_width_mm);
 
-/// Which photographs must be turned by 90 degrees so that all have one size; empty when none.
+/// Which photographs must be turned by 90 degrees so that all have one size; empty if none.
 /// @throws InputError  two sizes that differ by more than a turn; names photographs of each
 std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
 
@@ -33,11 +33,11 @@ std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs);
 void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images,
                               const std::string& folder);
 
-/// @throws InputError  a photograph that is too small or too narrow for anything to be found in it;
-/// names all of them
+/// @throws InputError  photographs that are too small or too narrow to be segmented; names all of
+/// them
 void RequireUsableSizes(const std::vector<Photograph>& photographs);
 
-/// The largest difference of a known focal length from their median, over that median; 0 when fewer
+/// The largest deviation of a known focal length from their median, over that median; 0 when fewer
 /// than two are known.
 double FocalSpread(const std::vector<Photograph>& photographs);
 double MedianFocalPx(const std::vector<Photograph>& photographs);

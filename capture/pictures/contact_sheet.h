@@ -8,12 +8,13 @@
 
 namespace keypose::capture {
 
-/// A cell of the sheet: the photograph shrunk to `width`, tinted outside of its mask, outlined, its
-/// name below.
-/// @param image  RGB   @param mask  same size, one channel
+/// A cell of the sheet: the photograph reduced to `width`, tinted outside of its mask, with the
+/// mask's outline, and its name below.
+/// @param image  RGB
+/// @param mask   same size, one channel
 Image8 ContactCell(const Image8& image, const Image8& mask, const std::string& name, int width);
 
-/// Cells in rows of about equal width and height.
+/// Arranges cells in rows of about equal width and height.
 /// @throws InputError  no cells
 Image8 ContactSheet(const std::vector<Image8>& cells);
 

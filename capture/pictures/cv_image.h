@@ -1,4 +1,4 @@
-// Images of core as OpenCV's, and back.
+// Conversion between images of core and OpenCV's.
 #pragma once
 
 #include "core/image.h"
@@ -9,11 +9,11 @@ class Mat;
 
 namespace keypose::capture {
 
-/// The same pixels; valid as long as the image is, and read only.
+/// A read-only view of the same pixels; valid as long as the image is.
 cv::Mat MatOf(const Image8& image);
 
 /// A copy.
-/// @param mat  8 bits a channel
+/// @param mat  8 bits per channel
 Image8 ImageOf(const cv::Mat& mat);
 
 }  // namespace keypose::capture

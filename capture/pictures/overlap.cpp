@@ -47,7 +47,7 @@ int SharedBy(const Sighted& first, const Sighted& second) {
     y.push_back(second.places[match.trainIdx].pt);
   }
   if (x.size() < kFewestShared) return 0;
-  cv::UsacParams usac;  // with a state of its own: the same answer in any order of the pairs
+  cv::UsacParams usac;  // with its own random state: the same result in any order of the pairs
   usac.randomGeneratorState = 0;
   usac.isParallel = false;
   usac.threshold = 2;

@@ -8,8 +8,8 @@
 namespace keypose::capture {
 namespace {
 
-/// The blur effect along one axis: the share of neighbouring differences that a box blur of nine
-/// pixels leaves.
+/// The blur effect along one axis: the share of neighbouring differences that remains after a box
+/// blur of nine pixels.
 double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
   cv::Mat blurred;
   cv::blur(grey, blurred, along_x ? cv::Size(9, 1) : cv::Size(1, 9));
@@ -31,7 +31,7 @@ double BlurEffect(const cv::Mat& grey, const cv::Mat& mask, bool along_x) {
 Quality MeasureQuality(const Image8& grey, const Image8& mask) {
   cv::Mat inside = mask.empty() ? cv::Mat(grey.height, grey.width, CV_8U, cv::Scalar(255))
                                 : cv::Mat(MatOf(mask) > 127);
-  // The object's outline is an edge of the mask, not of the picture's focus.
+  // Excludes the object's outline, which is an edge of the mask and not of the texture.
   cv::Mat core;
   cv::erode(inside, core, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
   if (cv::countNonZero(core) > 100) inside = core;

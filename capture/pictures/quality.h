@@ -1,4 +1,4 @@
-// Sharpness and exposure of a photograph where its object is.
+// Sharpness and exposure of the object in a photograph.
 #pragma once
 
 #include "core/image.h"
@@ -12,10 +12,10 @@ struct Quality {
   double clipped = 0;             ///< share of pixels at 0..2 or 253..255
 };
 
-/// Measures grey values under a mask (all of the image where the mask is empty or black).
+/// Measures grey values under a mask (of the entire image if the mask is empty or black).
 ///
-/// Crispness compares neighbouring differences before and after a blur: a crisp picture loses most
-/// of them, a blurred one keeps them.
+/// Crispness compares differences of neighbouring pixels before and after a blur: a crisp picture
+/// loses most of them, a blurred one keeps them.
 /// Source: Crete, Dolmiere, Ladret & Nicolas, "The blur effect", SPIE 2007; crispness is one minus
 /// their measure.
 /// @param grey  one channel

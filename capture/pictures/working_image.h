@@ -1,11 +1,11 @@
-// Photographs and masks at the size at which they are worked on.
+// Photographs and masks at working size.
 #pragma once
 
 #include "core/image.h"
 
 namespace keypose::capture {
 
-/// The image shrunk so that its longer side is `working_px` (never enlarged).
+/// The image reduced so that its longer side is `working_px` (never enlarged).
 Image8 WorkingImage(const Image8& image, int working_px);
 
 /// BT.601 luma of an RGB image.

@@ -14,16 +14,15 @@
 namespace keypose::capture {
 namespace {
 
-constexpr float kBand = 1.5F;              // pixels beside the border that are decided anew
-constexpr float kPure = 1, kFarthest = 5;  // pixels outside of the border between which the
-                                           // background is unmixed and still near
-constexpr float
-    kOwn = 0.6F,
-    kShaded = 2.1F;  // and inside of it: what bends away from the light grows dark towards its rim
-constexpr int kWindowReach = 5;                // of the window that they are taken from
+constexpr float kBand = 1.5F;              // pixels beside the border that are decided again
+constexpr float kPure = 1, kFarthest = 5;  // distances outside of the border, in pixels, between
+                                           // which the background is unmixed and still near
+// The same inside of it: a surface that curves away from the light gets dark towards its border.
+constexpr float kOwn = 0.6F, kShaded = 2.1F;
+constexpr int kWindowReach = 5;                // of the window of samples
 constexpr double kSigma = 1.5;                 // of the window's weights, pixels
 constexpr double kLeastContrast = 15.0 / 255;  // of linear light
-constexpr double kLeastRatio = 4;              // squared contrast over what both sides vary by
+constexpr double kLeastRatio = 4;              // squared contrast over the variances of both sides
 
 std::array<float, 256> LinearLight() {
   std::array<float, 256> table{};
@@ -32,7 +31,7 @@ std::array<float, 256> LinearLight() {
   return table;
 }
 
-/// Mean and variance of colours, weighed.
+/// Weighted mean and variance of colours.
 struct Colors {
   double weight = 0, squares = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -44,8 +43,8 @@ struct Colors {
   double Variance() const { return std::max(0.0, squares / weight - Mean().squaredNorm()); }
 };
 
-/// Pixels from the mask's border, positive inside; the border itself runs half a pixel from the
-/// outermost pixels.
+/// Distance in pixels from the mask's border, positive inside; the border is half a pixel outside
+/// of the outermost pixels.
 cv::Mat FromBorder(const cv::Mat& mask) {
   cv::Mat inside, outside;
   cv::distanceTransform(mask, inside, cv::DIST_L2, cv::DIST_MASK_5);
@@ -63,7 +62,7 @@ class Boundary {
 
   bool Near(int x, int y) const { return std::abs(distance_.at<float>(y, x)) < kBand; }
 
-  /// Whether the object covers more than half of a pixel; `now` where that cannot be told.
+  /// Whether the object covers more than half of a pixel; `now` if that is not determined.
   bool Covered(int x, int y, bool now) const {
     Colors object, background;
     for (int v = std::max(0, y - kWindowReach); v <= std::min(image_.rows - 1, y + kWindowReach);
@@ -97,7 +96,7 @@ class Boundary {
   std::array<double, kWindowReach + 1> window_{};
 };
 
-/// A pixel none of whose four neighbours is like it: noise.
+/// Whether all four neighbours of a pixel differ from it: noise.
 bool Alone(const Image8& mask, int x, int y) {
   if (x == 0 || y == 0 || x == mask.width - 1 || y == mask.height - 1) return false;
   const std::uint8_t here = *mask.at(x, y);

@@ -1,4 +1,4 @@
-// Borders of masks against discs whose cover of every pixel is known.
+// Borders of masks of discs whose coverage of every pixel is known.
 #include "capture/segmentation/boundary_matting.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::uint8_t Encoded(double linear) {
   return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(linear)));
 }
 
-/// A disc of one light before a background of another, in linear light, as a lens without blur
+/// A disc of one light in front of a background of another, in linear light, as a lens without blur
 /// would show it.
 Image8 DiscPhoto(double object, double background, double radius) {
   Image8 image(kSize, kSize, 3);
@@ -54,8 +54,8 @@ int Unlike(const Image8& a, const Image8& b) {
   return count;
 }
 
-// A border that runs up to half a pixel outside of the true one or nearly a whole one inside, and
-// objects darker and brighter than what lies behind.
+// A border up to half a pixel outside of the true one or nearly a whole one inside, with objects
+// darker and brighter than the background.
 TEST(MatteBoundary, FindsHalfCover) {
   constexpr double kRadius = 40.3;
   const Image8 truth = DiscMask(kRadius);

@@ -10,11 +10,11 @@
 namespace keypose::capture {
 namespace {
 
-// Chroma is told apart more finely than lightness: a background and a white coat often differ by
-// little else.
+// Chroma has finer bins than lightness: a background and white fur often differ only slightly in
+// chroma.
 constexpr int kLightBins = 32, kChromaBins = 64, kContrastBins = 24;
 constexpr int kColorBins = kLightBins * kChromaBins * kChromaBins;
-constexpr double kPrior = 2e-6;  // share of any colour that was never seen: it tells nothing
+constexpr double kPrior = 2e-6;  // share of a colour that never occurred
 
 struct Features {
   cv::Mat lab, contrast;  // 8UC3, 32F

@@ -11,10 +11,10 @@
 namespace keypose::capture {
 namespace {
 
-constexpr std::size_t kMostOfTake = 21;  // photographs that a median is taken over
+constexpr std::size_t kMostOfTake = 21;  // photographs for a median
 constexpr std::size_t kLeastOfTake = 3;
 
-/// Small grey borders, which no figure covers in most photographs.
+/// Small grey borders, which the figure does not cover in most photographs.
 std::vector<float> BorderSignature(const Image8& image, double border_share) {
   constexpr int kWidth = 96;
   cv::Mat small, grey;
@@ -42,13 +42,13 @@ bool SameSurroundings(const std::vector<float>& a, const std::vector<float>& b) 
     bb += (b[k] - mb) * (b[k] - mb);
     ab += (a[k] - ma) * (b[k] - mb);
   }
-  // One grey level of structure is the least that can tell one place from another.
+  // One grey level of structure is the least for a comparison.
   return change <= kLargestChange && aa > n && bb > n &&
          ab >= kLeastCorrelation * std::sqrt(aa * bb);
 }
 
-/// The background's colours carried in below the figure: averages over ever larger cells, taken
-/// from the smallest that has any.
+/// Interpolates the background's colours below the figure: averages over increasingly large cells,
+/// taken from the smallest cell that has any.
 cv::Mat CarriedIn(const cv::Mat& lab, const cv::Mat& known) {
   constexpr int kSmallestCell = 8;
   cv::Mat weight, values;
@@ -86,7 +86,7 @@ cv::Mat CarriedIn(const cv::Mat& lab, const cv::Mat& known) {
   return result;
 }
 
-/// The photographs of a take but one, evenly spread, that a median is taken over.
+/// The other photographs of a take, evenly spread, for a median.
 std::vector<std::size_t> OthersOf(const Take& take, std::size_t i) {
   std::vector<std::size_t> all;
   for (std::size_t k = take.begin; k < take.end; ++k)
@@ -97,11 +97,11 @@ std::vector<std::size_t> OthersOf(const Take& take, std::size_t i) {
   return some;
 }
 
-/// Medians of many small sets at once, byte by byte: the largest value that no more than half of a
-/// set lie below, found bit by bit. Loops over the bytes become vector instructions; a selection
-/// for each pixel takes ten times as long.
+/// Medians of many small sets at once, byte by byte: the largest value with at most half of the set
+/// below it, found bit by bit. Loops over the bytes are vectorised; a selection for each pixel
+/// takes ten times as long.
 /// @param rows    each has one value of every set; 255 where it has none
-/// @param counts  how many values each set has
+/// @param counts  number of values in each set
 std::vector<std::uint8_t> Medians(const std::vector<std::vector<std::uint8_t>>& rows,
                                   const std::vector<std::uint8_t>& counts) {
   const std::size_t n = counts.size();
@@ -122,7 +122,7 @@ std::uint8_t Level(double value) {
   return static_cast<std::uint8_t>(std::clamp(value, 0.0, kFeatureLevels - 1.0));
 }
 
-/// A difference of 8 bit Lab, finer where it is small.
+/// A difference of 8 bit Lab, with finer levels for small differences.
 std::uint8_t Difference(double value, double scale) {
   return Level(kFeatureLevels / 2.0 + std::copysign(std::sqrt(std::abs(value)), value) * scale);
 }
@@ -265,8 +265,7 @@ Image8 ShadowKinds(const Image8& lab, const Image8& empty_lab) {
       const cv::Vec3f& d = smooth.at<cv::Vec3f>(y, x);
       const std::uint8_t* e = empty_lab.at(x, y);
       const double left = (e[0] + d[0]) / std::max<double>(e[0], 1);
-      // Chroma shrinks with light, so the empty set's own chroma, shrunk, is what shadow should
-      // show.
+      // Chroma decreases with light, so a shadow's expected chroma is the empty set's, reduced.
       const double hue =
           std::hypot(d[1] + (1 - left) * (e[1] - 128), d[2] + (1 - left) * (e[2] - 128));
       if (d[0] > -3 || left <= kLeastLight || left >= 1 || hue >= kLargestHue ||

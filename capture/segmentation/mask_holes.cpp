@@ -14,23 +14,23 @@
 namespace keypose::capture {
 namespace {
 
-// of the empty set's lightness, that the figure's shade leaves at least
+// least share of the empty set's lightness in the figure's shadow
 constexpr double kShade = 0.88;
-constexpr int kNoise = 4;  // of single pixels' lightness, beside the background's usual difference;
-                           // half of it in colour
+constexpr int kNoise = 4;  // of single pixels' lightness, in addition to the background's usual
+                           // difference; half of it in colour
 constexpr int kLooseNoise = 8;
 constexpr int kLeastArea = 16;         // pixels
 constexpr double kLeastDepth = 1.4;    // pixels from a hole's middle to its side
 constexpr double kLargestShare = 0.3;  // of the mask
-// 8 bit Lab distance of the figure beside a hole: shade that ends smoothly has less
+// 8 bit Lab distance of the figure beside a hole; a smooth shadow has less
 constexpr double kSetOff = 22;
-constexpr double kSmoothSide = 0.2;  // of what lies beside a hole, that may be nearer: an eye's
-                                     // shade has a pupil on the other sides
-// of what lies round a hole, that is figure: strips along the outline have less
+constexpr double kSmoothSide = 0.2;  // largest share of the surroundings of a hole that may be
+                                     // closer: an eye's shadow has a pupil on the other sides
+// least share of figure around a hole; strips along the outline have less
 constexpr double kEnclosed = 0.6;
 constexpr int kThinHole = 9;  // per cent of the hull's longest side; rays through the figure itself
-                              // have several times that
-constexpr int kAround = 5;    // pixels round a hole that are looked at
+                              // are several times longer
+constexpr int kAround = 5;    // pixels around a hole that are used
 
 using Lab = const std::uint8_t*;
 
@@ -74,8 +74,8 @@ class MaskHole {
     return deepest >= kLeastDepth;
   }
 
-  /// Whether the figure a few pixels beside it has other colours almost all round, and lies on most
-  /// sides.
+  /// Whether the figure a few pixels beside the region has other colours almost all round, and is
+  /// on most sides.
   bool SetOff() const {
     cv::Mat near, far;
     cv::dilate(pixels_, near, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
@@ -97,8 +97,8 @@ class MaskHole {
     return Quantile(distances, kSmoothSide) >= kSetOff;
   }
 
-  /// @param corner  of the mask's part that this was made from, in the image @param scale  of the
-  /// thickness's pixels over the image's
+  /// @param corner  in the image, of the mask's part that this was made from
+  /// @param scale   of the thickness's pixels over the image's
   bool Thin(const Image8& thickness, const cv::Point& corner, double scale) const {
     if (thickness.empty()) return true;
     std::vector<int> values;
@@ -113,8 +113,8 @@ class MaskHole {
     return Quantile(values, 0.5) <= kThinHole;
   }
 
-  /// Its rim, which mixes hole and figure, goes as well: boundary matting decides where the border
-  /// runs.
+  /// Removes the region and its border, which mixes hole and figure; boundary matting then locates
+  /// the final border.
   void Open(const cv::Point& corner, cv::Mat mask) const {
     cv::Mat open;
     cv::dilate(pixels_, open, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
@@ -146,15 +146,14 @@ cv::Mat Candidates(const cv::Mat& lab, const cv::Mat& empty, const cv::Mat& mask
   return candidates;
 }
 
-/// @param visit  called with each region in the mask that looks like the empty set, the corner of
-/// the mask's part that it was made from, and the backdrop's
-///               pixels over the image's
+/// @param visit  called for each region in the mask that looks like the empty set, with the corner
+/// of the mask's part that it was made from, and the backdrop's pixels over the image's
 template <typename Visit>
 void ForEachMaskHole(const Image8& image, const Backdrop& backdrop, const cv::Mat& mask, int noise,
                      const Visit& visit) {
   cv::Rect box = cv::boundingRect(mask);
   if (backdrop.empty.empty() || box.empty()) return;
-  box = Around(box, mask.size());  // what lies beyond the outline is looked at as well
+  box = Around(box, mask.size());  // includes pixels beyond the outline
   cv::Mat lab, empty, labels, stats, middles;
   cv::cvtColor(MatOf(image)(box), lab, cv::COLOR_RGB2Lab);
   cv::resize(MatOf(backdrop.empty), empty, mask.size(), 0, 0, cv::INTER_LINEAR);

@@ -1,5 +1,5 @@
-// Mask holes: narrow openings through which a photograph shows the empty set, opened at full
-// resolution.
+// Opens mask holes at full resolution: narrow openings through which a photograph shows the empty
+// set.
 #pragma once
 
 #include <array>
@@ -11,21 +11,21 @@
 
 namespace keypose::capture {
 
-/// What tells the holes in an image's figure from the figure. All at working size.
+/// Data for detecting the holes in an image's figure. All at working size.
 struct Backdrop {
-  Image8 empty;                ///< the empty set in CIE Lab; without pixels where it tells nothing
-  std::array<int, 3> usual{};  ///< how far, channel by channel, most of the background is from it
-  Image8 thickness;  ///< how much of each pixel's ray lies in the hull, see ThicknessOfHull;
-                     ///< without pixels: not known
+  Image8 empty;                ///< the empty set in CIE Lab; without pixels if unknown
+  std::array<int, 3> usual{};  ///< difference of most of the background from it, channel by channel
+  Image8 thickness;  ///< length of each pixel's ray inside the hull, see ThicknessOfHull; without
+                     ///< pixels: unknown
 };
 
-/// What the images of a set show behind the figure.
+/// The background behind the figure in the images of a set.
 struct Backdrops {
   std::vector<Backdrop> of;
-  double alike = 0;  ///< share of the figure that looks like the empty set, in light or in shade
+  double alike = 0;  ///< share of the figure that looks like the empty set, lit or in shadow
 
-  /// Whether the figure itself has the empty set's colours (bone in the dark before a black cloth,
-  /// a white chin before white paper).
+  /// Whether the figure itself has the empty set's colours (bone in the dark in front of a black
+  /// cloth, a white chin in front of white paper).
   bool Confusing() const { return alike > kManyAlike; }
 };
 
@@ -39,19 +39,19 @@ Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>&
 /// Pixels of one region, y * width + x.
 using Region = std::vector<std::int32_t>;
 
-/// The regions of a mask that show the empty set, in light or in the figure's shade, and that the
-/// figure is sharply set off from; how thick the hull is there is not asked.
+/// The regions of a mask that show the empty set, lit or in the figure's shadow, with a sharp edge
+/// to the figure. The thickness of the hull is not used.
 /// @param image    RGB
 /// @param mask     of the same size, 255 or 0
-/// @param loosely  allows more difference: below a figure that always stands there the empty set is
-/// only guessed from its surroundings
+/// @param loosely  allows larger differences: below a figure that never moves away, the empty set
+/// is only interpolated from its surroundings
 std::vector<Region> FindMaskHoles(const Image8& image, const Backdrop& backdrop, const Image8& mask,
                                   bool loosely);
 
-/// Takes out of a mask what shows the empty set, in light or in the figure's shade: the inner ends
-/// of notches and small holes, which a smooth border at working size closes. What has the
-/// backdrop's colours but is the figure's stays, as far as that can be told: the figure is set off
-/// sharply from a hole all round, and where one sees past the figure the hull is thin.
+/// Removes from a mask the regions that show the empty set, lit or in the figure's shadow: the
+/// inner ends of notches and small holes, which a smooth border at working size closes. Parts of
+/// the figure with the backdrop's colours are kept as far as possible: a hole has a sharp edge to
+/// the figure all round, and where a photograph sees past the figure the hull is thin.
 /// @param image  RGB
 /// @param mask   of the same size, 255 or 0
 void OpenMaskHoles(const Image8& image, const Backdrop& backdrop, Image8& mask);

@@ -1,4 +1,4 @@
-// Narrow holes on a flat figure before a grey backdrop, where every pixel's truth is known.
+// Narrow holes in a flat figure in front of a grey backdrop, with known truth for every pixel.
 #include "capture/segmentation/mask_holes.h"
 
 #include <gtest/gtest.h>
@@ -88,11 +88,11 @@ TEST(OpenMaskHoles, LeavesWhatIsTooLargeOrNothingIsKnownOf) {
   EXPECT_EQ(Open(photo, InHole).right, 0);
 }
 
-// White clay whose own shade makes it as grey as the backdrop in one place: beside that it ends in
-// light, not at an edge.
+// White clay in its own shadow is as grey as the backdrop in one place, but the shadow has a smooth
+// end on one side.
 TEST(OpenMaskHoles, LeavesShadeThatEndsSmoothly) {
   for (const double step :
-       {6.0, 40.0}) {  // grey levels a pixel: shade, and what is as sharp as a hole
+       {6.0, 40.0}) {  // grey levels per pixel: a shadow, and an edge as sharp as a hole's
     Photo photo = MakePhoto([](int, int) { return false; });
     const auto shade = [](int x, int y) { return std::hypot(x - 120, y - 90) < 4; };
     for (int y = 0; y < kHeight; ++y)
@@ -105,8 +105,8 @@ TEST(OpenMaskHoles, LeavesShadeThatEndsSmoothly) {
   }
 }
 
-// White in its own shade beside a black pupil and a lid, as an eye seen from the side: sharply set
-// off from these, but on its open side it ends in light.
+// White in its own shadow beside a black pupil and a lid, as an eye seen from the side: sharp edges
+// to these, but a smooth end on its open side.
 TEST(OpenMaskHoles, LeavesAnEyesShadeBesideItsPupil) {
   const auto shade = [](int x, int y) {
     return x < 121 && y > 88 && std::hypot(x - 120, y - 90) < 8;
@@ -126,8 +126,8 @@ TEST(OpenMaskHoles, LeavesAnEyesShadeBesideItsPupil) {
   }
 }
 
-// A strip along the outline that the backdrop's colour has washed out is no hole: the figure lies
-// on one side of it only.
+// A strip along the outline with the backdrop's colour is no hole: the figure is on one side of it
+// only.
 TEST(OpenMaskHoles, LeavesStripsAlongTheOutline) {
   const auto strip = [](int x, int y) { return x < 64 && y > 70 && y < 100; };
   EXPECT_EQ(Open(MakePhoto(strip), strip).right, 0);

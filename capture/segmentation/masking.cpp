@@ -21,7 +21,7 @@
 namespace keypose::capture {
 namespace {
 
-/// Before anything is known: a band along the borders, and an ellipse in the middle.
+/// The initial trimap: a band along the borders, and an ellipse in the middle.
 Image8 FirstTrimap(int width, int height, double border_share) {
   Image8 trimap(width, height, 1, kUnknown);
   const int band = std::max(2, static_cast<int>(border_share * std::max(width, height)));
@@ -45,7 +45,8 @@ ImageF CleanPlateOdds(const Image8& image, const Image8& clean_plate, const Mask
     for (int x = 0; x < image.width; ++x) {
       const cv::Vec3b p = a.at<cv::Vec3b>(y, x), q = b.at<cv::Vec3b>(y, x);
       const double light = (p[0] - q[0]) * (100.0 / 255), da = p[1] - q[1], db = p[2] - q[2];
-      // A cast shadow darkens and hardly changes hue: darkening by up to a half counts a third.
+      // A cast shadow darkens and hardly changes hue: darkening by up to a half has a third of the
+      // weight.
       const double weight = light < 0 && p[0] > q[0] / 2 ? 1.0 / 9 : 1.0;
       const double difference = std::sqrt(weight * light * light + da * da + db * db);
       *odds.at(x, y) =
@@ -55,10 +56,11 @@ ImageF CleanPlateOdds(const Image8& image, const Image8& clean_plate, const Mask
   return odds;
 }
 
-constexpr int kColorRounds = 2;  // a classifier needs trimaps that are nearly right
+// colour rounds come first, because a classifier needs trimaps that are nearly right
+constexpr int kColorRounds = 2;
 
-/// Where the calibration board is seen nothing is learned: its ink is no colour of the set behind,
-/// or a dark nose would pass for background.
+/// Pixels of the calibration board are not used for learning: its ink is no colour of the
+/// background, and a dark nose would be classified as background.
 void LeaveOutBoard(Image8& trimap, const BoardOdds& board) {
   if (board.odds.empty()) return;
   for (std::size_t i = 0; i < trimap.data.size(); ++i)
@@ -73,7 +75,7 @@ std::vector<Image8> SegmentByCleanPlate(const std::vector<Image8>& images,
   ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     ImageF odds = CleanPlateOdds(images[i], clean_plate, options);
-    // The empty set was shot without the calibration board, or with it turned another way.
+    // The empty set was shot without the calibration board, or with the board in another position.
     for (std::size_t p = 0; p < odds.data.size(); ++p)
       if (!boards[i].odds.empty() && boards[i].on_board.data[p])
         odds.data[p] = boards[i].odds.data[p];
@@ -97,7 +99,7 @@ void RequireCleanPlateFits(const std::vector<Image8>& images, const Image8& clea
 std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& clean_plate,
                                const std::vector<BoardOdds>& boards, const MaskOptions& options,
                                Progress* progress) {
-  cv::setNumThreads(1);  // the loops over images use all cores already
+  cv::setNumThreads(1);  // the loops over images already use all cores
   if (images.empty()) throw InputError("capture: no photographs to mask");
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());
@@ -106,7 +108,7 @@ std::vector<Image8> SegmentSet(const std::vector<Image8>& images, const Image8& 
     ReportProgress(progress, 0, "masks from the clean plate");
     return SegmentByCleanPlate(images, clean_plate, known, options);
   }
-  // Rounds but the last at half the size: they only teach.
+  // All rounds but the last work at half the size: they are only for learning.
   std::vector<Image8> small;
   for (const Image8& image : images)
     small.push_back(WorkingImage(image, std::max(image.width, image.height) / 2));
@@ -146,8 +148,8 @@ Image8 RefinedMask(const Image8& image, const Image8& small_mask, const Backdrop
   cv::Mat large, guided;
   cv::resize(MatOf(small_mask), large, {image.width, image.height}, 0, 0, cv::INTER_LINEAR);
   const int radius = std::max(2, 2 * image.width / std::max(1, small_mask.width));
-  // The filter asks for some thirty planes of floats. Two radii beyond the mask it gives zero
-  // whatever the picture, so it sees no more than its surroundings.
+  // The filter needs some thirty planes of floats. Two radii beyond the mask its result is zero for
+  // any picture, so it is applied to the mask's surroundings only.
   const int margin = 4 * radius;
   cv::Rect box = cv::boundingRect(large);
   if (box.empty()) return BestRegion(ImageOf(large));

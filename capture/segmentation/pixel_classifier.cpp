@@ -8,7 +8,7 @@
 
 namespace keypose::capture {
 
-/// Grows one tree over the samples it is given.
+/// Grows one tree over given samples.
 struct PixelClassifier::Grower {
   struct Sample {
     const PixelFeatures* features;
@@ -24,7 +24,7 @@ struct PixelClassifier::Grower {
   std::mt19937 random;
   std::vector<Node> nodes;
 
-  /// The best threshold of one feature; `best` is replaced where it is purer.
+  /// The best threshold of one feature; replaces `best` if it is purer.
   void Ask(int feature, std::size_t begin, std::size_t end, Question& best) const {
     std::array<std::array<double, 2>, kFeatureLevels> counts{};
     std::array<double, 2> total{};
@@ -47,7 +47,8 @@ struct PixelClassifier::Grower {
   void Grow(std::size_t node, std::size_t begin, std::size_t end, int depth) {
     std::array<double, 2> total{};
     for (std::size_t i = begin; i < end; ++i) total[samples[i].object] += weight[samples[i].object];
-    // Half a typical sample of each kind: a pure leaf of few samples is less sure than one of many.
+    // Half a typical sample of each kind is added, so that a pure leaf of few samples is less
+    // certain than one of many.
     const double prior = 0.5 * (weight[0] + weight[1]);
     nodes[node].object_share =
         static_cast<float>((total[1] + prior) / (total[0] + total[1] + 2 * prior));

@@ -27,8 +27,8 @@ double Beta(const cv::Mat& image) {
   return sum <= 0 ? 0 : 1 / (2 * sum / static_cast<double>(count));
 }
 
-/// Least cost labelling: odds at pixels, a cost for each pair of unlike neighbours that falls with
-/// their colour difference.
+/// Minimum-cost labelling: odds at pixels, and a cost for each pair of differently labelled
+/// neighbours that decreases with their colour difference.
 cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
   constexpr std::array<std::array<int, 2>, 4> kNeighbors{{{-1, 0}, {0, -1}, {-1, -1}, {1, -1}}};
   const double beta = Beta(image);
@@ -59,7 +59,7 @@ cv::Mat GraphCut(const cv::Mat& image, const ImageF& odds, double smoothness) {
   return labels;
 }
 
-/// The region that weighs most, where pixels count more the nearer they are to the middle.
+/// The region with the largest weight, where a pixel's weight increases towards the middle.
 cv::Mat HeaviestRegion(const cv::Mat& labels) {
   cv::Mat components;
   const int count = cv::connectedComponents(labels, components, 8, CV_32S);
@@ -75,9 +75,8 @@ cv::Mat HeaviestRegion(const cv::Mat& labels) {
   return best == 0 ? cv::Mat(cv::Mat::zeros(labels.size(), CV_8U)) : cv::Mat(components == best);
 }
 
-/// Fills holes unless they are plainly background seen through the object: small ones have to be
-/// the plainer.
-// of the picture: what is smaller is judged as if it were that large
+/// Fills holes unless they are clearly background behind the object; small holes need larger odds.
+// of the picture: smaller holes are treated as if they had this size
 constexpr double kLeastHole = 2.5e-4;
 
 void FillHoles(cv::Mat& mask, const ImageF& odds, double sure) {

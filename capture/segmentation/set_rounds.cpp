@@ -15,8 +15,8 @@
 namespace keypose::capture {
 namespace {
 
-/// On the calibration board its print decides; colours, which were learned elsewhere (ink looks
-/// like dark noses), only lean.
+/// On the calibration board its print decides. Colours, which were learned elsewhere (ink looks
+/// like dark noses), have little weight.
 void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
   if (board.odds.empty()) return;
   for (std::size_t i = 0; i < odds.data.size(); ++i) {
@@ -26,23 +26,22 @@ void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
   }
 }
 
-// of the deepest place of a mask, from which on a pixel lies well inside
+// of the largest depth of a mask, from which a pixel is well inside
 constexpr double kDepth = 0.33;
-constexpr double kHole = 1;  // mean odds against the figure at which a hole stays open
-// odds below which a pixel counts as shadow, or as seen past the figure
+constexpr double kHole = 1;  // mean odds against the figure from which a hole stays open
+// pixels with lower odds are shadow, or background seen past the figure
 constexpr float kShadow = -1;
-// of the limit: what other photographs uphold in space still weighs nearly as much
+// of the limit: other photographs' evidence in space has nearly as much weight
 constexpr double kSeenPast = 0.8;
 constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
 
-/// Pixels of an image that its trimap gives a kind, evenly spread.
+/// Pixels of an image with a label in its trimap, evenly spread.
 PixelSamples SamplesOf(const std::vector<PixelFeatures>& features, const Image8& trimap) {
   PixelSamples samples;
   for (const TrimapLabel label : {kBackground, kObject}) {
     const auto count =
         static_cast<std::size_t>(std::count(trimap.data.begin(), trimap.data.end(), label));
-    // A stride that shares no factor with the width would do as well; a fractional one never falls
-    // into step with rows.
+    // A fractional stride is never in phase with the rows.
     const double stride = std::max(1.0, static_cast<double>(count) / kSamplesPerImage);
     double next = stride / 2;
     std::size_t seen = 0;
@@ -56,13 +55,13 @@ PixelSamples SamplesOf(const std::vector<PixelFeatures>& features, const Image8&
   return samples;
 }
 
-/// For each kind of pixel that may be shadow (entry 1 + kind), log odds that it is figure all the
-/// same. Shadow hangs on to a mask's rim; what is the figure's own lies well inside as well.
+/// For each kind of pixel that may be shadow (entry 1 + kind), log odds that it is figure. Shadow
+/// occurs at a mask's border; the figure's own colours also occur well inside.
 std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kinds) {
   std::vector<double> inside(1 + kShadowKinds, 0), rim(inside);
   double all_inside = 0, all_rim = 0;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    // The frame counts as outside: a figure that it cuts is not deep there.
+    // The image frame counts as outside: a figure that it cuts has no depth there.
     cv::Mat padded, depth;
     cv::copyMakeBorder(MatOf(round.trimaps[i]) == kObject, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT,
                        0);
@@ -78,17 +77,17 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
     }
   }
   std::vector<float> odds(1 + kShadowKinds, 0);
-  constexpr double kNothing = 2e-4;  // a share that tells nothing
+  constexpr double kNothing = 2e-4;  // a negligible share
   for (std::size_t k = 1; k < odds.size(); ++k)
     odds[k] = static_cast<float>(2 * std::log((inside[k] / std::max(all_inside, 1.0) + kNothing) /
                                               (rim[k] / std::max(all_rim, 1.0) + kNothing)));
   return odds;
 }
 
-/// Pixels that show the empty set as nearly as the background does: seen past the figure, or clay
+/// Pixels that match the empty set as closely as the background does: seen past the figure, or clay
 /// of the background's colour.
 struct SeenPast {
-  /// of each image; empty where nothing is known of its empty set
+  /// for each image; empty if its empty set is unknown
   std::vector<std::vector<char>> pixels;
   float odds = 0;  ///< of the figure at such a pixel
 
@@ -97,13 +96,13 @@ struct SeenPast {
   }
 };
 
-/// Share of the figure that looks like the empty set, up to which these pixels are holes; from
+/// Up to this share of the figure that looks like the empty set, such pixels are holes; from
 /// kManyAlike on the figure has such colours.
 constexpr double kFewAlike = 7e-4;
 
-/// Masks that have filled a hole teach their classifier that background is figure, and the hull of
-/// such masks says so too; the empty set, where other photographs of the take show it, knows
-/// better.
+/// A classifier learned from masks with a filled hole classifies background as figure there, and
+/// the hull of such masks is filled as well. The empty set, where other photographs of the take
+/// show it, corrects that.
 SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties,
                       const std::vector<char>& foretold, double limit) {
   SeenPast past{std::vector<std::vector<char>>(round.lab.size()), 0};
@@ -126,8 +125,8 @@ SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties,
   const auto sum = [](const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
   };
-  // Clay of the background's colours (bone in the dark before a black cloth, a white chin in shade
-  // before white paper) looks so as well.
+  // Clay of the background's colours (bone in the dark in front of a black cloth, a white chin in
+  // shadow in front of white paper) has the same appearance.
   const double share = (sum(like) + 1) / (sum(figure) + 1);
   const double chance =
       std::clamp(std::log(kManyAlike / share) / std::log(kManyAlike / kFewAlike), 0.0, 1.0);
@@ -135,8 +134,8 @@ SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties,
   return past;
 }
 
-/// Which photographs a classifier that judges photograph i may not have learned from: a quarter of
-/// the set in its order, so that an error that a few neighbours share cannot confirm itself.
+/// The fold of a photograph, whose classifier does not learn from it: a quarter of the set in its
+/// order, so that a common error of neighbouring images does not confirm itself.
 std::size_t FoldOf(std::size_t i, std::size_t count, std::size_t folds) {
   return i * folds / count;
 }
@@ -188,7 +187,7 @@ std::vector<Image8> SegmentByColor(const std::vector<Image8>& images,
     const auto i = static_cast<std::size_t>(k);
     ColorOdds odds;
     odds.Add(images[i], trimaps[i]);
-    odds.Add(pooled, share);  // the photograph counts as much as the set
+    odds.Add(pooled, share);  // the photograph has the same weight as the set
     odds.Finish();
     ImageF known = odds.Of(images[i], options.odds_limit);
     AddBoard(known, boards[i], options.odds_limit);

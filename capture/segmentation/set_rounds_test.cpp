@@ -1,4 +1,4 @@
-// What masks are made of: the pixel classifier, the empty set, shadows.
+// Parts of the segmentation: the pixel classifier, the empty set, shadows.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 namespace keypose::capture {
 namespace {
 
-/// Object where exactly one of two features is high: no single question tells.
+/// Object where exactly one of two features is high: no single decision separates the two.
 PixelSamples Crossed(int seed) {
   PixelSamples samples;
   for (int i = 0; i < 400; ++i) {
@@ -97,11 +97,11 @@ TEST(ShadowKinds, IsDarkerOfTheSameHueAndNothingElse) {
   EXPECT_EQ(kind(200, 132, 140), 0);  // not darker
   EXPECT_EQ(kind(230, 132, 140), 0);  // lighter
   EXPECT_EQ(kind(140, 160, 136), 0);  // of another hue
-  EXPECT_EQ(kind(30, 128, 130), 0);   // darker than a shadow is
+  EXPECT_EQ(kind(30, 128, 130), 0);   // darker than a shadow
 }
 
-// A shadow as large as a third of the figure, touching it, in every photograph: colour alone took
-// it for figure.
+// A shadow as large as a third of the figure, next to it, in every photograph: colour alone
+// classifies it as figure.
 TEST(SegmentSet, LeavesOutTheShadowOnTheTable) {
   std::vector<Image8> images, truths;
   for (int i = 0; i < 12; ++i) {
@@ -150,7 +150,7 @@ TestPhoto MakeRingPhoto(int index) {
   return photo;
 }
 
-// The mask of the round before has filled all holes, and what the others say in space upholds it.
+// The masks of the previous round have filled all holes, and the other views do not deny them.
 TEST(SegmentByClassifier, OpensHolesThatMasksHaveFilled) {
   std::vector<Image8> images, told;
   for (int i = 0; i < kRings; ++i) images.push_back(MakeRingPhoto(i).image);

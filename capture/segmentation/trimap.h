@@ -1,4 +1,4 @@
-// What is believed of each pixel of a photograph before it is segmented.
+// Assumed labels of a photograph's pixels before segmentation.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace keypose::capture {
 /// Values of a trimap: one channel, of its photograph's size.
 enum TrimapLabel : std::uint8_t { kUnknown = 0, kBackground = 1, kObject = 2 };
 
-/// The trimap of a mask; the pixels at its border, which mix both, are unknown.
+/// The trimap of a mask; the mixed pixels at its border are unknown.
 Image8 TrimapOf(const Image8& mask);
 
 }  // namespace keypose::capture

@@ -48,7 +48,7 @@ TestPhoto MakeTestPhoto(int index, int width, int height, TestWall wall) {
                    q = (-std::sin(angle) * dx + std::cos(angle) * dy) / b;
       const bool inside = p * p + q * q < 1;
       std::array<double, 3> color = Wall(x, y, width, height, wall);
-      // Clay of two colours: one well apart from the wall, one close to the light wall but
+      // Clay of two colours: one very different from the wall, one close to the light wall but
       // grainier.
       if (inside)
         color =

@@ -1,4 +1,4 @@
-// Photographs for the tests of this room: a speckled ellipse that turns before an uneven wall.
+// Photographs for the tests of this room: a speckled ellipse that turns in front of an uneven wall.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,8 @@ enum class TestWall { kLight, kDark };
 TestPhoto MakeTestPhoto(int index, int width, int height, TestWall wall);
 /// The wall alone.
 Image8 MakeTestWall(int width, int height, TestWall wall);
-/// Camera `i` of `count` round the origin, at `distance`, looking at it; `rise` is its height
-/// before the direction is brought to unit length.
+/// Camera `i` of `count` around the origin, at `distance`, directed at it; `rise` is its height
+/// before the direction is normalised.
 View MakeTestView(int i, int count, double distance, double rise, int width, int height,
                   double focal_px);
 /// Box blur of 2 radius + 1 pixels, three times over.

@@ -19,11 +19,11 @@ bool OnBall(int x, int y) {
   return std::hypot(x + 0.5 - kRingWidth / 2.0, y + 0.5 - kRingHeight / 2.0) < reach;
 }
 
-/// A thing of the ball's colours that only some photographs show beside it, touching.
+/// An object of the ball's colours that only some photographs show, touching the ball.
 bool OnLamp(int x, int y) {
   return x > kRingWidth / 2 + 34 && x < kRingWidth / 2 + 64 && std::abs(y - kRingHeight / 2) < 9;
 }
-/// A part of the ball that a photograph shows nearly as dark as the wall.
+/// A part of the ball that is nearly as dark as the wall in one photograph.
 bool OnDark(int x, int y) {
   return OnBall(x, y) && x < kRingWidth / 2 - 10 && y > kRingHeight / 2 + 10;
 }
@@ -35,7 +35,7 @@ TestRing MakeTestRing() {
   const Image8 wall = MakeTestWall(kRingWidth, kRingHeight, TestWall::kDark);
   for (int i = 0; i < kRingViews; ++i) {
     const Image8 clay = MakeTestPhoto(0, 3 * kRingWidth, 3 * kRingHeight, TestWall::kDark)
-                            .image;  // its middle is clay all over
+                            .image;  // the middle is entirely clay
     Image8 image = wall, truth(kRingWidth, kRingHeight, 1, 0), mask(kRingWidth, kRingHeight, 1, 0);
     for (int y = 0; y < kRingHeight; ++y)
       for (int x = 0; x < kRingWidth; ++x) {

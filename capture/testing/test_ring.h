@@ -1,5 +1,4 @@
-// A ring of photographs of a ball, whose outline is known exactly, with masks that are wrong in
-// places.
+// A ring of photographs of a ball with an exact outline, with masks that are wrong in places.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +10,7 @@
 namespace keypose::capture {
 
 constexpr int kRingWidth = 200, kRingHeight = 150, kRingViews = 18;
-// The ball at the origin shows as a disc of 39 px radius.
+// The ball at the origin is a disc of 39 px radius in the pictures.
 constexpr double kRingFocal = 220, kRingDistance = 4, kBallRadius = 0.7;
 
 struct TestRing {
@@ -23,11 +22,11 @@ struct TestRing {
 /// part in both.
 TestRing MakeTestRing();
 
-/// Draws the ring's view i as if the ball stood elsewhere or were of another size [px].
+/// Draws the ring's view i with the ball at another position or of another size [px].
 void Redraw(TestRing& ring, std::size_t i, double dx, double dy, double radius);
 
-/// In view i, divides the ball's colours by `divisor` left of `from` px before its middle, as on an
-/// underside before a dark set, and takes that part out of its mask.
+/// In view i, divides the ball's colours by `divisor` left of `from` px before its middle, like an
+/// underside in front of a dark set, and removes that part from its mask.
 void Darken(TestRing& ring, std::size_t i, int from, double divisor);
 
 /// Intersection over union of two masks.

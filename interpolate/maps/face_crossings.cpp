@@ -17,7 +17,7 @@ double Orientation(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
 constexpr int kSmoothingRounds = 16;
 constexpr double kMostMoved = 0.1;
 
-/// Whether an edge of face e goes through face f.
+/// Whether an edge of face e passes through face f.
 bool Pierces(const PointsX3& p, const FacesX3& faces, int e, int f) {
   const Eigen::RowVector3d a = p.row(faces(f, 0)), b = p.row(faces(f, 1)), c = p.row(faces(f, 2));
   for (int k = 0; k < 3; ++k) {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kSliver = 1e-6;
 
-/// Triangle in its own frame: edges (p1-p0, p2-p0) = frame * upper triangular with positive
-/// diagonal.
+/// A triangle in its own frame: edges (p1-p0, p2-p0) = axes * an upper triangular matrix with a
+/// positive diagonal.
 struct FlatTriangle {
   Eigen::Matrix3d axes;  // two in the plane, then the normal
   Eigen::Matrix2d edges;
@@ -95,8 +95,8 @@ Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
 }
 
 double BalancedTime(double t, double x) {
-  // Series of log(1 + t (e^x - 1)) / x, whose terms keep tau(t, x) + tau(1-t, -x) = 1 one by one;
-  // bounded so that it stays rising.
+  // Series of log(1 + t (e^x - 1)) / x. Each of its terms keeps tau(t, x) + tau(1-t, -x) = 1. x is
+  // bounded so that tau increases with t.
   x = std::clamp(x, -1.0, 1.0);
   return t + t * (1 - t) * x * (0.5 + x * ((1 - 2 * t) / 6 + x * (1 - 6 * t + 6 * t * t) / 24));
 }
@@ -110,8 +110,8 @@ SegmentMaps Reversed(const SegmentMaps& maps) {
     FaceMap& map = back.faces[f];
     map.frame = there.rotation * there.frame;
     map.rotation = there.rotation.transpose();
-    // rotation = B T S with B = exp(body), T = exp(turn), S = exp(remainder). Back at t': B^-t' (B
-    // T^-t' B^-1) ((B T) S^-t' (B T)^-1).
+    // rotation = B T S with B = exp(body), T = exp(turn), S = exp(remainder). On the way back, at
+    // t': B^-t' (B T^-t' B^-1) ((B T) S^-t' (B T)^-1).
     map.turn = -(body * there.turn);
     map.remainder = -(body * (ExpOf(there.turn) * there.remainder));
     map.stretch = there.stretch.inverse();

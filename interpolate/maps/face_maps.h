@@ -19,14 +19,14 @@ Polar2 PolarOf(const Eigen::Matrix2d& j);
 /// exp(t log S) of a symmetric positive definite 2x2 matrix, from its eigenvectors.
 Eigen::Matrix2d PowerOf(const Eigen::Matrix2d& symmetric, double t);
 
-/// How a triangle's stretch S goes from I to S.
+/// How a triangle's stretch S changes from I to S.
 enum class Stretch {
   kLinear,       ///< (1-t) I + t S, as in the paper
-  kLogarithmic,  ///< S^t: growth is geometric
-  /// e^(t g) (e^-g S)^tau(t), where g is the growth of the region round the triangle and tau makes
-  /// what is left of its area go straight. A region grows geometrically, a shear follows its
-  /// geodesic, and a bend, whose inside shrinks as its outside grows, keeps its total area and the
-  /// arc's own strain: exact for uniform growth and for pure bends, third order in shear.
+  kLogarithmic,  ///< S^t: geometric growth
+  /// e^(t g) (e^-g S)^tau(t). g is the growth of the region around the triangle; tau makes the rest
+  /// of the triangle's area change linearly. So a region grows geometrically and a shear follows
+  /// its geodesic. A bend, whose inside shrinks as its outside grows, keeps its total area and the
+  /// arc's own strain. Exact for uniform growth and for pure bends, third order in shear.
   kBalanced,
 };
 
@@ -40,7 +40,7 @@ struct FaceMap {
   Eigen::Vector3d remainder = Eigen::Vector3d::Zero();
   Eigen::Matrix2d stretch = Eigen::Matrix2d::Identity();
   double growth = 0;        ///< log of the region's linear scale, U over V; 0 until set
-  bool degenerate = false;  ///< no area in V or U: no map; its edges go straight
+  bool degenerate = false;  ///< no area in V or U: no map, and its edges are interpolated linearly
 };
 
 /// All faces' maps from one key to the next.
@@ -48,7 +48,7 @@ struct SegmentMaps {
   std::vector<FaceMap> faces;
   Eigen::Vector3d body_turn = Eigen::Vector3d::Zero();
   PointsX3 vertex_turns;  ///< V x 3, turns smoothed over the surface; empty until FollowTurns
-  /// turn and remainder are not to be used: rotations come from DifferentialTurns
+  /// rotations come from DifferentialTurns; turn and remainder are not valid
   bool differential = false;
 };
 
@@ -66,13 +66,13 @@ double BalancedTime(double t, double x);
 SegmentMaps Reversed(const SegmentMaps& maps);
 
 /// @param v, u  V x 3 with the same faces
-/// Faces whose doubled area is below 1e-6 of their longest edge squared, in either key, come out
-/// `degenerate`. turn is the shortest rotation vector, remainder and body_turn are zero.
+/// Faces whose doubled area is below 1e-6 of their longest edge squared, in either key, are marked
+/// `degenerate`. turn is the shortest rotation vector; remainder and body_turn are zero.
 /// Source: polar decomposition as in Alexa et al., SIGGRAPH 2000; the in-plane form equals that of
 /// the paper's surface tetrahedra, whose fourth vertex only adds a stretch along the normal.
 SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces);
 
-/// Gives every face its shortest rotation vector, whatever its neighbours do.
+/// Sets every face's turn to its shortest rotation vector, independent of its neighbours.
 void ShortestTurns(SegmentMaps& maps);
 
 }  // namespace keypose::interpolation

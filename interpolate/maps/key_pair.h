@@ -1,11 +1,11 @@
-// Two keys at the door.
+// Checks of two keys.
 #pragma once
 
 #include "core/mesh.h"
 
 namespace keypose::interpolation {
 
-/// @throws InputError  other numbers of vertices, or a key that no algorithm can use (see
+/// @throws InputError  the keys differ in their number of vertices, or a key is unusable (see
 /// RequireUsable)
 void RequireKeys(const PointsX3& v, const PointsX3& u, const FacesX3& faces);
 

@@ -8,14 +8,14 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr int kMostRoots = 12;
-constexpr double kSeriesReach = 2;  // beyond, terms outgrow the sum and cost digits
+constexpr double kSeriesReach = 2;  // beyond it, terms exceed the sum and digits are lost
 constexpr double kNearIdentity = 0.1;
-constexpr double kExact = 1e-11;  // of the matrix, when its logarithm is taken back
+constexpr double kExact = 1e-11;  // of the matrix's norm: largest error of exp(log(m))
 
 std::optional<Eigen::Matrix3d> SquareRoot(const Eigen::Matrix3d& m) {
   Eigen::Matrix3d x = m, y = Eigen::Matrix3d::Identity();
   for (int round = 0; round < 30; ++round) {
-    // Scaled by determinants (Higham 1997), as far maps would else take many halvings.
+    // Scaled by determinants (Higham 1997): maps far from the identity would need many halvings.
     const double scale =
         round < 6 ? std::pow(std::abs(x.determinant() * y.determinant()), -1.0 / 6) : 1;
     if (!std::isfinite(scale)) return std::nullopt;
@@ -55,7 +55,7 @@ Eigen::Matrix3d ExpOfMatrix(const Eigen::Matrix3d& m) {
   const double size = m.cwiseAbs().rowwise().sum().maxCoeff();
   const int squarings = size > 0.125 ? std::ilogb(size) + 4 : 0;
   const Eigen::Matrix3d x = std::ldexp(1.0, -squarings) * m, identity = Eigen::Matrix3d::Identity();
-  // Degree 9: |x| <= 1/8, so that what is left out is below 1e-15.
+  // Degree 9: |x| <= 1/8, so the truncation error is below 1e-15.
   const Eigen::Matrix3d x2 = x * x, x3 = x2 * x;
   const Eigen::Matrix3d high = identity / 720 + x / 5040 + x2 / 40320 + x3 / 362880;
   const Eigen::Matrix3d middle = identity / 6 + x / 24 + x2 / 120 + x3 * high;

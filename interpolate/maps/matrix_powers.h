@@ -1,4 +1,4 @@
-// Powers of 3x3 matrices that are near enough to the identity to have one.
+// Powers of 3x3 matrices that are close enough to the identity to have a real logarithm.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,8 +6,8 @@
 
 namespace keypose::interpolation {
 
-/// The real logarithm nearest to zero; nothing where there is none or it cannot be found safely
-/// (eigenvalues near the negative axis).
+/// The real logarithm nearest to zero. Nothing where none exists or where it cannot be found
+/// reliably (eigenvalues near the negative axis).
 /// Source: inverse scaling and squaring, Kenney and Laub 1989; square roots by Denman and Beavers
 /// 1976.
 std::optional<Eigen::Matrix3d> LogOfMatrix(const Eigen::Matrix3d& m);
@@ -15,8 +15,8 @@ std::optional<Eigen::Matrix3d> LogOfMatrix(const Eigen::Matrix3d& m);
 /// exp(m), by scaling, a Taylor polynomial, and squaring.
 Eigen::Matrix3d ExpOfMatrix(const Eigen::Matrix3d& m);
 
-/// exp(t M) for many t. By Cayley and Hamilton it is a combination of I, M and M^2, so its Taylor
-/// series runs on three numbers.
+/// exp(t M) for many t. By Cayley and Hamilton it is a combination of I, M and M^2, so only three
+/// coefficients of its Taylor series have to be summed.
 class MatrixExponential {
  public:
   MatrixExponential() = default;

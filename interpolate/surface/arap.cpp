@@ -21,14 +21,14 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr int kGrowthPasses = 4;  // so that growth of a region wider than a limb counts, and a
-                                  // bend's inside and outside cancel
-// of the diagonal: larger steps to a volume are looked at one by one
+// so that a region wider than a limb counts, and a bend's inside and outside cancel
+constexpr int kGrowthPasses = 4;
+// of the diagonal: frames with larger steps to the wanted volume are computed singly
 constexpr double kNearStep = 0.05;
-// of the diagonal: constraints that ask for no more leave the key as it is
+// of the diagonal: constraints that move a key by less leave it as it is
 constexpr double kAtKey = 1e-12;
 
-/// Whether `a` comes first in the order that decides which key the computation starts from.
+/// Whether `a` comes first in the order that decides from which key the computation starts.
 bool Before(const PointsX3& a, const PointsX3& b) {
   return !std::lexicographical_compare(b.data(), b.data() + b.size(), a.data(),
                                        a.data() + a.size());
@@ -89,8 +89,8 @@ void SetGrowth(const PoissonSystem& system, SegmentMaps& maps) {
 struct ArapInterpolator::Impl {
   Impl(const PointsX3& first, const PointsX3& second, const FacesX3& faces, const ArapOptions& o)
       : options(o),
-        // All is computed from one key to the other in an order that the keys alone decide, so that
-        // the way back has the same bits.
+        // Everything is computed from one key to the other in an order that depends on the keys
+        // alone, so that swapped keys give the same bits.
         reversed(o.symmetric && !Before(first, second)),
         v(reversed ? second : first),
         u(reversed ? first : second),
@@ -124,8 +124,8 @@ struct ArapInterpolator::Impl {
     if (report.corrected_parts == 0) return volumes.reset();
     if (report.turns.differential || maps.vertex_turns.rows() == 0)
       return;  // directions are then solved for each frame
-    // Outward fields of both keys; on the way each vertex blends them, turned as its surroundings
-    // turn.
+    // The outward fields of both keys. Between the keys each vertex blends them, turned with its
+    // surroundings.
     const std::vector<PointsX3> z = volumes->Directions({v, u});
     outward.emplace(maps, z[0], z[1]);
   }
@@ -142,9 +142,9 @@ struct ArapInterpolator::Impl {
     report.dropped_constraints = system.dropped_rows();
   }
 
-  /// Targets of the rows in use at time t of the keys as computed.
+  /// Targets of the rows in use at time t, where t runs in the order of computation.
   RowTargets Targets(double t) const {
-    // A path is a function of the caller's time.
+    // Paths are functions of the time of the caller.
     const RowTargets given = reversed ? TargetsOf(options.constraints, u, v, 1 - t)
                                       : TargetsOf(options.constraints, v, u, t);
     RowTargets targets(static_cast<Eigen::Index>(system.rows().size()), 3);
@@ -156,7 +156,8 @@ struct ArapInterpolator::Impl {
     return targets;
   }
 
-  /// Frames before volume and floor. Relative rotations are found for a few frames at a time.
+  /// Frames before volume and floor. With relative rotations only a few frames are computed at a
+  /// time.
   std::vector<PointsX3> OneByOne(const std::vector<double>& times) const {
     std::vector<PointsX3> frames;
     const std::size_t together_at_most = differential ? 4 : times.size();
@@ -196,8 +197,8 @@ struct ArapInterpolator::Impl {
            kAtKey * (BoundingDiagonal(v) + BoundingDiagonal(u));
   }
 
-  /// Frames whose parts are free; all steps in rows of frames. Where a volume is far, the frame's
-  /// facts come out empty and it is left as it was before its correction.
+  /// Frames whose parts are free; all steps work on rows of frames. Where the wanted volume is far
+  /// away, the frame's facts stay empty and its volume is not corrected.
   std::vector<PointsX3> Together(const std::vector<double>& times,
                                  std::vector<std::optional<FrameFacts>>& facts) const {
     const FrameRows rows =
@@ -264,7 +265,7 @@ struct ArapInterpolator::Impl {
   std::optional<VolumeCorrection> volumes;
   std::vector<double> v_volumes, u_volumes;
   std::optional<TurningField> outward;
-  std::optional<RowFrames> together;  // where no frame needs more than its step to the volume
+  std::optional<RowFrames> together;  // used where frames need no more than one step to the volume
   ArapReport report;
 };
 

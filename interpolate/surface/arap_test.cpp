@@ -1,5 +1,5 @@
-// Interpolation of bodies whose way is known: bends and twists to several turns, swaps, volumes,
-// loose parts.
+// Interpolation of bodies with known motion: bends and twists of several turns, swapped keys,
+// volumes, loose parts.
 #include "interpolate/surface/arap.h"
 
 #include <gtest/gtest.h>
@@ -95,12 +95,13 @@ TEST_P(KnownWay, MidwayIsHalfTheAngleWithItsAreaAndVolume) {
   EXPECT_LT(OffPath(SignedVolume(mesh.points, mesh.faces), SignedVolume(middle, mesh.faces),
                     SignedVolume(end, mesh.faces)),
             1e-10);
-  // The largest turn is that of the far end, less half a ring and what the held end's region turns.
+  // The largest turn is that of the far end, less half a ring of faces and the turn of the held
+  // end's region.
   EXPECT_NEAR(arap.largest_turn(), c.degrees * kPi / 180, 0.35);
 }
 
-// Peers at 150 degrees: bend 0.065 linear, 0.023 the method of Liu 2011; twist 0.024 linear, 0.0089
-// Liu, 0.0025 shell geodesics.
+// For comparison, at 150 degrees: bend 0.065 linear, 0.023 by Liu 2011; twist 0.024 linear, 0.0089
+// by Liu, 0.0025 by shell geodesics.
 INSTANTIATE_TEST_SUITE_P(Bodies, KnownWay,
                          testing::Values(Case{"Bend150", false, 150, 0.12, 2e-5, 2e-5},
                                          Case{"Bend270", false, 270, 0.12, 6e-5, 2e-4},
@@ -199,8 +200,8 @@ TEST(Arap, EachClosedPartKeepsItsOwnVolumePath) {
 }
 
 TEST(Arap, LoosePartKeepsItsPlaceOnTheLimbThatItSitsOn) {
-  // An eyeball at the tip of a tube that bends by 300 degrees: its centroid stays where the tip's
-  // own half-way shape has it.
+  // An eyeball at the tip of a tube that bends by 300 degrees: half-way its centroid keeps its
+  // place relative to the tip.
   Mesh ball = MakeIcosphere(1);
   const Eigen::RowVector3d place(0.1, 0, 1.9);
   ball.points = (0.06 * ball.points).rowwise() + place;
@@ -238,7 +239,7 @@ TEST(Arap, SameBitsForAnyThreadCountAndBatch) {
 }
 
 TEST(Arap, EndsAreMetByTheFormulaTooNotOnlyByCopies) {
-  // Frames next to the keys lie next to them: the copies at 0 and 1 hide no jump.
+  // Frames next to the keys are close to them: the copies at 0 and 1 hide no jump.
   const Mesh mesh = MakeCylinder(0.12, kLength, 12, 40);
   const PointsX3 end = Bent(mesh.points, 300);
   const ArapInterpolator arap(mesh.points, end, mesh.faces);

@@ -64,7 +64,7 @@ std::vector<int> PatchAround(const PointsX3& points, const FacesX3& faces, int s
                      ", which is not there");
   std::vector<char> in(points.rows(), 0);
   const auto near = [&](int i) { return (points.row(i) - points.row(seed)).norm() <= radius; };
-  // Grown along edges, so that a limb that only passes by stays out.
+  // Grown along edges: another limb that is merely close stays out.
   std::vector<std::vector<int>> around(points.rows());
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)

@@ -1,4 +1,4 @@
-// What an artist holds or moves between keys: pins, patches on a path, the table.
+// Constraints between keys: pins, patches on a path, the table.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,8 @@
 
 namespace keypose::interpolation {
 
-/// One held patch. Without a path it goes straight from its place in one key to its place in the
-/// next: a foot that stands in both stands.
+/// One held patch. Without a path it moves straight from its place in one key to its place in the
+/// next. So a foot that is in the same place in both keys does not move.
 struct PatchConstraint {
   enum class Hold {
     kEveryVertex,  ///< each vertex of the patch
@@ -22,12 +22,12 @@ struct PatchConstraint {
   std::string name;
   std::vector<int> vertices;
   Hold hold = Hold::kEveryVertex;
-  /// Where the patch's centroid is at time t (0 at the first key, 1 at the second); empty: straight
-  /// between the keys. With kEveryVertex the vertices keep their offsets from it, interpolated
-  /// between the keys.
+  /// The patch's centroid at time t (0 at the first key, 1 at the second); empty: straight between
+  /// the keys. With kEveryVertex the vertices keep their offsets from it, interpolated between the
+  /// keys.
   std::function<Eigen::Vector3d(double t)> path = {};
-  double softness = 0;  ///< 0: exact. Else the patch gives way: a spring of stiffness 1 / softness,
-                        ///< beside cotangent weights near 1
+  /// 0: exact; else a spring of stiffness 1 / softness (cotangent weights are near 1)
+  double softness = 0;
 };
 
 struct Constraints {
@@ -36,8 +36,8 @@ struct Constraints {
   bool empty() const { return patches.empty() && !floor; }
 };
 
-/// Rows for PoissonSystem, three coordinates each: one a vertex or one a patch, in order.
-/// @throws InputError  no vertices, a vertex that is not there, softness that is negative or not
+/// Rows for PoissonSystem, three coordinates each: one row per vertex or per patch, in order.
+/// @throws InputError  no vertices, a vertex that does not exist, softness that is negative or not
 /// finite; names the patch
 std::vector<ConstraintRow> RowsOf(const Constraints& constraints, int vertex_count);
 
@@ -46,8 +46,8 @@ std::vector<ConstraintRow> RowsOf(const Constraints& constraints, int vertex_cou
 RowTargets TargetsOf(const Constraints& constraints, const PointsX3& v, const PointsX3& u,
                      double t);
 
-/// Vertices within `radius` of vertex `seed`, along edges and in straight distance: the patch to
-/// pin in place of a single vertex, which would make a cusp. 2 % of the diagonal is a good radius.
+/// Vertices within `radius` of vertex `seed`, along edges and in straight distance. Pin this patch
+/// instead of a single vertex, which would make a cusp. 2 % of the diagonal is a good radius.
 std::vector<int> PatchAround(const PointsX3& points, const FacesX3& faces, int seed, double radius);
 
 }  // namespace keypose::interpolation

@@ -84,14 +84,14 @@ TEST(Constraints, CentroidFollowsItsPathAndTheRestFollowsIt) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (int i : tip) mean += frame.row(i).transpose() / static_cast<double>(tip.size());
   EXPECT_LT((mean - hand.path(0.3)).norm(), 1e-12);
-  // One free centroid only moves the body: shapes are those without it.
+  // A single centroid only moves the body: the shapes are those without it.
   const Eigen::RowVector3d shift = frame.row(0) - free.row(0);
   EXPECT_LT((frame - (free.rowwise() + shift)).rowwise().norm().maxCoeff(), 1e-9);
 }
 
 TEST(Constraints, MultipliersGiveTheLeastEnergy) {
-  // Any change that keeps the rows may only raise the energy: the residual H x - G is a combination
-  // of the rows.
+  // Any change that satisfies the rows raises the energy: the residual H x - G is a combination of
+  // the rows.
   const Tube tube;
   const std::vector<int> foot = tube.Between(-1, 0.1), tip = tube.Between(1.9, 3);
   Constraints constraints{
@@ -170,7 +170,7 @@ TEST(Constraints, RowsThatFollowFromOthersAreDroppedAndNamed) {
 }
 
 TEST(Constraints, UnpinnedBodyIsLiftedToTheFloorAsAWhole) {
-  // A box on its face that turns by a quarter lands on its face; half-way its edge would sink.
+  // A box on its face that turns by a quarter ends on another face; half-way its edge would sink.
   const Mesh mesh = MakeBox(1, 1, 1);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
@@ -190,7 +190,7 @@ TEST(Constraints, UnpinnedBodyIsLiftedToTheFloorAsAWhole) {
 }
 
 TEST(Constraints, PinnedBodyBendsAtTheFloorAndKeepsPinAndVolume) {
-  // A tube held at its upper end bends sideways below the table: its lower end must give way.
+  // A tube held at its upper end bends sideways below the table, so its lower end must be lifted.
   Tube tube;
   tube.mesh.points.col(2).array() -= 0.1;  // the first key's foot is 0.1 below zero
   tube.end.col(2).array() -= 0.1;

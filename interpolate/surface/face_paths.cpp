@@ -12,8 +12,8 @@ namespace {
 
 using Plane = Eigen::Matrix<double, 3, 2>;
 
-// Paths are smooth in time beyond 0 and 1: central differences are good to 1e-8 of the speed at
-// many turns.
+// Paths are smooth in time beyond 0 and 1. Central differences have an error of 1e-8 of the speed
+// for several turns.
 constexpr double kStep = 1e-5;
 
 /// Whether `a` comes first in the order that decides from which key a pair is computed.
@@ -22,7 +22,7 @@ bool ComesFirst(const PointsX3& a, const PointsX3& b) {
                                        a.data() + a.size());
 }
 
-/// Axes of a face's plane that follow from its edges alone.
+/// Axes of a face's plane, from its edges alone.
 Plane AxesOf(const Eigen::Matrix<double, 3, 2>& edges) {
   Plane axes;
   axes.col(0) = edges.col(0).normalized();
@@ -42,10 +42,10 @@ double DoubledArea(const Eigen::Matrix<double, 3, 2>& edges) {
   return edges.col(0).cross(edges.col(1)).norm();
 }
 
-/// 1 + x, but never below zero however far x falls; once differentiable.
+/// 1 + x, but always positive, however small x is; once differentiable.
 double Positive(double x) { return x > -0.8 ? 1 + x : 0.2 * std::exp((x + 0.8) / 0.2); }
 
-/// A face's velocity: how it turns in space, and how it stretches in its plane.
+/// The velocity of a face: rotation in space, and stretch in its plane.
 struct FaceVelocity {
   Eigen::Vector3d angular;
   double growth;          ///< half the rate of log area
@@ -60,7 +60,7 @@ FaceVelocity VelocityOf(const Eigen::Matrix<double, 3, 2>& edges,
   const Eigen::Matrix2d in_plane = axes.transpose() * gradient;
   const Eigen::Vector2d out = (normal.transpose() * gradient).transpose();
   FaceVelocity v;
-  // Out of the plane x moves by (n x w) . x, in it by the skew part about n.
+  // x moves out of the plane by (n x w) . x, and in the plane by the skew part about n.
   v.angular = 0.5 * (in_plane(1, 0) - in_plane(0, 1)) * normal - normal.cross(axes * out);
   v.growth = 0.5 * (in_plane(0, 0) + in_plane(1, 1));
   v.shear << 0.5 * (in_plane(0, 0) - in_plane(1, 1)), 0.5 * (in_plane(0, 1) + in_plane(1, 0));
@@ -82,7 +82,7 @@ FacePaths::Pair::Pair(const PointsX3& from, const PointsX3& to, const PoissonSys
   const PointsX3 &v = reversed ? to : from, &u = reversed ? from : to;
   SegmentMaps maps = FaceMapsOf(v, u, system.faces());
   if (still) {
-    // A pose that stands twice in a row does not move, not even by rounding errors.
+    // A pose repeated in consecutive keys does not move, not even by rounding errors.
     for (FaceMap& map : maps.faces)
       map.rotation.setIdentity(), map.stretch.setIdentity(), map.turn.setZero();
   } else {
@@ -204,7 +204,7 @@ void FacePaths::SmoothFaces(const Schedule& schedule) {
       end += weight * wanted[k][f].end.Dot(own[k][f].end),
           end_norm += weight * own[k][f].end.Dot(own[k][f].end);
     }
-    // Up to 3 sigma does not turn back.
+    // Up to a slope of 3 sigma does not reverse.
     paces_[k] = {start_norm > 0 ? std::clamp(start / start_norm, 0.0, 3.0) : 1.0,
                  end_norm > 0 ? std::clamp(end / end_norm, 0.0, 3.0) : 1.0};
   }

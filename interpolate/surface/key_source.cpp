@@ -19,8 +19,7 @@ namespace {
 
 KeyRefs RefsOf(const std::vector<PointsX3>& keys) { return {keys.begin(), keys.end()}; }
 
-/// Targets of a system's rows: held vertices and regions on their own paths, then centroids of
-/// parts.
+/// Targets of a system's rows: paths of held vertices and regions, then centroids of parts.
 class RowPaths {
  public:
   RowPaths(const std::vector<PointsX3>& keys, const PoissonSystem& system, const Schedule& schedule,
@@ -56,7 +55,7 @@ class RowPaths {
   std::vector<SpanSpline<Eigen::Vector3d>> rows_;
 };
 
-/// A system with the regions that some spans hold.
+/// A system with one set of regions that some spans hold.
 struct HeldSystem {
   HeldSystem(const std::vector<PointsX3>& keys, const FacesX3& faces, const Schedule& schedule,
              const std::vector<const HeldRegion*>& held)
@@ -82,7 +81,7 @@ struct HeldSystem {
   RowPaths rows;
 };
 
-/// Volumes of closed parts on their way through the keys.
+/// Wanted volumes of closed parts through the keys.
 class VolumePaths {
  public:
   VolumePaths() = default;
@@ -117,7 +116,7 @@ class VolumePaths {
   }
 
  private:
-  std::vector<double> signs_;  // 0: left alone
+  std::vector<double> signs_;  // 0: not corrected
   std::vector<SpanSpline<double>> paths_;
   SpanSpline<double> ratio_;
   bool has_ratio_ = false;
@@ -160,7 +159,7 @@ struct KeySource::Impl {
     return *system;
   }
 
-  /// Volume and table, after the solve.
+  /// Applies volume and table after the solve.
   std::vector<ComputedFrame> Finish(const HeldSystem& held, int span,
                                     const std::vector<double>& ways,
                                     std::vector<PointsX3> points) const {
@@ -178,8 +177,8 @@ struct KeySource::Impl {
     return frames;
   }
 
-  /// Lifted vertices change the volume, and volume may push others down: a few rounds, of which
-  /// each holds what the last one lifted.
+  /// Lifting vertices changes the volume, and correcting the volume may push other vertices down. A
+  /// few rounds; each also holds the vertices that earlier rounds lifted.
   void KeepAbove(const HeldSystem& held, int span, double way, ComputedFrame& frame) const {
     const Floor table{(1 - way) * lowest[span] + way * lowest[span + 1], {}};
     std::vector<int> held_up;

@@ -1,4 +1,4 @@
-// Frames through any number of keys as rigid as possible: smooth paths of faces, one linear system,
+// As-rigid-as-possible frames through any number of keys: smooth paths of faces, one linear system,
 // held regions, table and volume.
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace keypose::interpolation {
 
-/// Vertices fitted to FacePaths' edges with one Laplacian, the sum of all keys': constant over the
-/// whole timeline, as a pace without jumps needs. (Where a face's wanted edges cannot be met
-/// exactly, another matrix after a key would change the vertices' pace there.) It is factored once
-/// for each set of regions that some span holds.
+/// Vertices fitted to FacePaths' edges with one Laplacian, the sum over all keys. It is constant
+/// over the timeline, because otherwise the vertices' pace would jump at a key where a face's
+/// wanted edges cannot be met exactly. It is factored once for each set of regions that some span
+/// holds.
 ///
-/// On top of it, in this order: held regions and the parts' centroids by Lagrange multipliers, on
-/// paths smooth through keys; the table; each closed part's volume on the path of its logarithm
-/// through the keys.
+/// Then, in this order: held regions and the parts' centroids are Lagrange constraints, on paths
+/// that are smooth through the keys; the table; the volume of each closed part, whose logarithm
+/// follows a path through the keys.
 class KeySource final : public FrameSource {
  public:
   /// @throws InputError, SolverError  as MakeFrameSource

@@ -16,8 +16,7 @@ Eigen::Vector3d MeanOf(const PointsX3& points, const std::vector<int>& vertices)
   return sum / static_cast<double>(vertices.size());
 }
 
-/// The body's vertices nearest to the part's centroid; none where the part does not lie on the
-/// body.
+/// The body's vertices nearest to the part's centroid; none if the part does not lie on the body.
 std::vector<int> NearestPatch(const PointsX3& points, const std::vector<int>& part,
                               const std::vector<int>& body) {
   const Eigen::Vector3d centre = MeanOf(points, part);

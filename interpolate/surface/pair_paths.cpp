@@ -18,15 +18,15 @@ using Record = PairPaths::Record;
 
 using Edges = Eigen::Matrix<double, 3, 2>;
 
-/// log(m) = (log_det / 2) I + n, n^2 = discriminant I; false where the logarithm is not real, or
+/// log(m) = (log_det / 2) I + n, n^2 = discriminant I; false where the logarithm is not real or
 /// nearly so.
 bool LogOf2(const Eigen::Matrix2d& m, double& log_det, Eigen::Matrix2d& n, double& discriminant) {
   const double root = std::sqrt(m.determinant());
   log_det = 2 * std::log(root);
   const double mean = 0.5 * m.trace() / root, half = 0.5 * (m(0, 0) - m(1, 1)) / root;
   n << half, m(0, 1) / root, m(1, 0) / root, -half;
-  // exp(n s) = cosh(s) I + sinh(s) n for the unit n: the traceless part is sinh, or sine, of what
-  // is sought.
+  // exp(n s) = cosh(s) I + sinh(s) n for the unit n. So the traceless part has the sinh, or the
+  // sine, of the sought length.
   const double q = half * half + n(0, 1) * n(1, 0);
   if (!(mean > -0.9) || (mean <= 0 && q >= 0)) return false;
   double factor = 1 - q / 6;
@@ -39,14 +39,14 @@ bool LogOf2(const Eigen::Matrix2d& m, double& log_det, Eigen::Matrix2d& n, doubl
   return true;
 }
 
-/// The rotation of the face's plane within itself times its stretch; `tilt` is what remains of the
+/// The rotation of the face's plane within itself, times its stretch; `tilt` is the rest of the
 /// remainder.
 Eigen::Matrix2d ShearOf(const FaceMap& map, Eigen::Vector3d& tilt) {
   const Eigen::Vector3d normal = map.frame.col(0).cross(map.frame.col(1));
   const Eigen::Quaterniond q = QuaternionOf(map.remainder);
   double w = q.w(), along = q.vec().dot(normal);
   const double length = std::hypot(w, along);
-  if (length < 1e-12) {  // half a turn across: no way to tell
+  if (length < 1e-12) {  // a tilt by half a turn: the split is not unique
     tilt = map.remainder;
     return map.stretch;
   }
@@ -57,7 +57,8 @@ Eigen::Matrix2d ShearOf(const FaceMap& map, Eigen::Vector3d& tilt) {
   return (Eigen::Matrix2d() << cosine, -sine, sine, cosine).finished() * map.stretch;
 }
 
-/// What a turn about `turn` keeps of v, and what goes with the cosine and the sine of its angle.
+/// The part of v that a turn about `turn` keeps, and the parts for the cosine and the sine of its
+/// angle.
 std::array<double, 9> SplitBy(const Eigen::Vector3d& turn, double angle, const Eigen::Vector3d& v) {
   std::array<double, 9> parts{};
   const Eigen::Vector3d axis = angle > 0 ? (turn / angle).eval() : Eigen::Vector3d::Zero();
@@ -95,7 +96,7 @@ Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eige
   Eigen::Vector3d turn = Eigen::Vector3d::Zero(), tilt = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   if (map.degenerate) {
-    // Straight from edge to edge, seen from the body.
+    // A straight path from edge to edge, relative to the body.
     for (int k = 0; k < 2; ++k)
       generated.col(k) =
           body.transpose() * (u.row(faces(f, k + 1)) - u.row(faces(f, 0))).transpose();
@@ -130,8 +131,8 @@ Record RecordOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces, Eige
 
 constexpr int kTerms = 18, kFewTerms = 8, kFewestTerms = 5;
 constexpr double kSmallAngle = 0.78;
-/// 1 / (2n)! and 1 / (2n+1)!: cosh and sinh(x) / x as series of x^2, which serve cosine and sine
-/// where x^2 is negative.
+/// 1 / (2n)! and 1 / (2n+1)!: cosh(x) and sinh(x) / x as series of x^2. Negative x^2 gives the
+/// cosine and the sine.
 struct EvenSeries {
   constexpr EvenSeries() {
     double factorial = 1;
@@ -148,7 +149,7 @@ constexpr EvenSeries kSeries;
 
 struct EvaluateJob {
   const Record* records;
-  const int* listed;  // none: in order
+  const int* listed;  // or null: in order
   std::int64_t count;
   bool balanced;
   const double* times;
@@ -221,7 +222,7 @@ void PairPaths::EvaluateWith(const std::vector<Eigen::Matrix3d>& rotations, doub
           plain = scale * std::cosh(x);
           generated = scale * (root > 1e-8 ? std::sinh(x) / root : tau);
         }
-        // The tilt's axes before the turn: what it keeps and what goes with its cosine.
+        // The tilt's axes before the turn: the kept part plus the part of the cosine.
         Edges local = Edges::Zero();
         const std::array<double, 9>* axes[] = {&r.along, &r.across, &r.third};
         for (int c = 0; c < 3; ++c) {

@@ -1,5 +1,5 @@
-// The paper's interpolation to the letter: surface tetrahedra, V+F unknowns, linear stretch, energy
-// of the first key only.
+// The paper's interpolation exactly: surface tetrahedra, V+F unknowns, linear stretch, energy of
+// the first key only.
 #pragma once
 
 #include <memory>
@@ -8,17 +8,17 @@
 
 namespace keypose::interpolation {
 
-/// Every triangle gets a fourth vertex at its centroid + n / sqrt(|n|); V_T^* is the first three
-/// rows of the inverse of its 4x4 matrix, A_T = V_T^* U_T is split into S R (row vectors: stretch
-/// first) by a singular value decomposition, A_T(t) = ((1-t) I + t S) R^t, and the (V+F) x (V+F)
+/// Every triangle gets a fourth vertex at its centroid + n / sqrt(|n|). V_T^* is the first three
+/// rows of the inverse of its 4x4 matrix. A_T = V_T^* U_T is split into S R (row vectors: stretch
+/// first) by a singular value decomposition, and A_T(t) = ((1-t) I + t S) R^t. The (V+F) x (V+F)
 /// normal equations of sum_T a_T |V_T^* V(t) - A_T(t)|^2 are factored once. One vertex of each part
-/// is grounded and the part's vertex centroid goes straight.
-/// Source: Ebner et al., E-StopMotion, Eq. 6-9 (whose signs and transposes are written loosely; the
-/// normal equations follow from Eq. 6). Kept as the oracle of ArapInterpolator and for comparison;
-/// three times as many unknowns.
+/// is fixed, and the part's vertex centroid moves on a straight line.
+/// Source: Ebner et al., E-StopMotion, Eq. 6-9 (whose signs and transposes are inexact; the normal
+/// equations follow from Eq. 6). Kept as the reference for ArapInterpolator and for comparison; it
+/// has three times as many unknowns.
 class PaperInterpolator {
  public:
-  /// @throws InputError   unusable mesh, other numbers of vertices, or a triangle without area
+  /// @throws InputError   unusable mesh, different numbers of vertices, or a triangle without area
   /// (named)
   /// @throws SolverError
   PaperInterpolator(const PointsX3& v, const PointsX3& u, const FacesX3& faces);

@@ -13,18 +13,19 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr int kPatchRows = 512, kWritten = 1024;
-// vectors a patch: four of volume, three of points, three of the field, one of its longest
+// vectors per patch: four of volume, three of points, three of the field, one for its longest
+// vector
 constexpr int kSums = 11;
 
-/// Positions at four frames, then the field's vectors: what a place of a patch holds.
+/// Numbers per place of a patch: positions at four frames, then the field's vectors.
 constexpr int kPlace = 24;
 
 struct SumJob {
   const double* rows;  // of the first of four frames
   int stride;
   const int *row, *vertex;
-  int own, all;                       // places; of the patch's rows, and with the faces' others
-  const TurningField::Vertex* field;  // or none
+  int own, all;  // number of places: of the patch's rows, and including the faces' others
+  const TurningField::Vertex* field;  // or null
   const std::array<int, 3>*face, *last_face;
   const double* times;
   double* places;  // kPlace each

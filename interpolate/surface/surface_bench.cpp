@@ -1,6 +1,6 @@
-// Interpolation against problem size, 1,000 to 1,000,000 faces, at the paper's size (3,490
-// triangles there, 120 s in MATLAB), and its quality beside the time. Processor seconds of the
-// whole process; wall time beside them depends on free cores.
+// Time of interpolation against problem size, 1,000 to 1,000,000 faces and the paper's size (3,490
+// triangles there, 120 s in MATLAB), together with its quality. Processor seconds of the whole
+// process; wall time depends on free cores.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ std::map<std::string, std::map<double, double>>& Measured() {
   return measured;
 }
 
-/// Runs the loop and keeps what one round took.
+/// Runs the loop and stores the time of one round.
 template <class Work>
 void Time(benchmark::State& state, const std::string& name, double faces, double rounds,
           const Work& work) {
@@ -120,7 +120,7 @@ void FrameInBatchWithoutVolume(benchmark::State& state) {
   Time(state, "frame_without_volume", keys.mesh.face_count(), 24, [&] { frames = arap.At(times); });
 }
 
-/// From two keys to nine frames, all told.
+/// All steps from two keys to nine frames.
 void ArapNineFrames(benchmark::State& state) {
   const Keys keys(static_cast<int>(state.range(0)));
   const std::vector<double> times = Times(9);

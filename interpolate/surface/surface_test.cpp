@@ -185,7 +185,7 @@ TEST(Arap, EachPartIsCentredOnItsOwnPath) {
   const Mesh mesh = TwoSpheres();
   const int n = mesh.vertex_count() / 2;
   PointsX3 u = mesh.points;
-  u.bottomRows(n).col(0).array() += 2;  // the second part slides away, nothing turns
+  u.bottomRows(n).col(0).array() += 2;  // the second part is translated, nothing turns
   const PointsX3 frame = ArapInterpolator(mesh.points, u, mesh.faces).At(0.5);
   EXPECT_LT((frame.topRows(n) - mesh.points.topRows(n)).norm(), 1e-10);
   EXPECT_NEAR(frame.bottomRows(n).col(0).mean(), 6, 1e-10);

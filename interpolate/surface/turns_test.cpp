@@ -1,4 +1,4 @@
-// Which way round faces turn: lifts, overrides, relative rotations.
+// Directions in which faces turn: consistent turns, overrides, relative rotations.
 #include "interpolate/turns/turns.h"
 
 #include <gmock/gmock.h>
@@ -51,8 +51,8 @@ TEST(FollowTurns, KeepsEveryRotationToAThousandDegrees) {
   const TurnReport report = FollowTurns(system, maps);
   EXPECT_FALSE(report.differential);
   EXPECT_EQ(report.torn_edges, 0);
-  // Any of the places that come back to where they were may be the body; from end to end the tube
-  // turns by all of it.
+  // Any region whose rotation is a whole number of turns may be the body; from end to end the tube
+  // turns by the full angle.
   double least = 0, most = 0;
   for (const FaceMap& map : maps.faces)
     least = std::min(least, map.turn[2]), most = std::max(most, map.turn[2]);
@@ -75,8 +75,7 @@ TEST(FollowTurns, RemaindersLieAcrossTheTurns) {
 }
 
 TEST(FollowTurns, BodyIsWhatMostFacesTurnWith) {
-  // Two thirds of the tube stand still, turned as a whole by 70 degrees; the rest twists by 200
-  // more.
+  // Two thirds of the tube turn rigidly by 70 degrees; the rest twists by 200 more.
   const Mesh mesh = MakeCylinder(0.12, kLength, 12, 40);
   const Eigen::Vector3d turn = 70 * kPi / 180 * Eigen::Vector3d(1, 2, 2) / 3;
   const PointsX3 end = Twisted(mesh.points, 200, 1.3) * ExpOf(turn).transpose();
@@ -123,7 +122,7 @@ TEST(TurnOverride, AddsWholeTurnsAndReversesWithTheKeys) {
       TwistOfTop(mesh.points, ArapInterpolator(mesh.points, end, mesh.faces, options).At(0.25),
                  segments, rings),
       -75, 3);
-  // From the other key the same way is the opposite turn about the same axis.
+  // From the other key the same motion is the opposite turn about the same axis.
   options.turn_overrides[0].extra_turns = 1;
   options.turn_overrides[0].axis = {0, 0, -1};
   const ArapInterpolator back(end, mesh.points, mesh.faces, options);
@@ -134,7 +133,7 @@ TEST(TurnOverride, OneFaceNamesItsRigidClusterAndBadOnesAreNamed) {
   const int segments = 12, rings = 40;
   const Mesh mesh = MakeCylinder(0.12, kLength, segments, rings);
   PointsX3 end = mesh.points;
-  // The upper half turns as one by 100 degrees, all in one row of faces.
+  // The upper half turns rigidly by 100 degrees, all within one row of faces.
   for (Eigen::Index i = 0; i < end.rows(); ++i)
     if (end(i, 2) > 1.01) end.row(i) = end.row(i) * ExpOf({0, 0, 100 * kPi / 180}).transpose();
   int face = 0;
@@ -149,12 +148,12 @@ TEST(TurnOverride, OneFaceNamesItsRigidClusterAndBadOnesAreNamed) {
   EXPECT_THROW(ArapInterpolator(mesh.points, end, mesh.faces, options), InputError);
   options.turn_overrides[0].faces = {face};
   EXPECT_THROW(ArapInterpolator(mesh.points, mesh.points, mesh.faces, options),
-               InputError);  // nothing turns: which axis?
+               InputError);  // nothing turns: no axis
 }
 
 TEST(HalfTurn, GoesTheWayRoundThatDoesNotPassThroughTheBody) {
-  // A plate that lies beside a block, hinged at an edge that both share, folds over on top of it:
-  // upwards is free, downwards is not.
+  // A plate beside a block, hinged at a shared edge, folds over onto the block: upwards is free,
+  // downwards is not.
   Mesh mesh;
   PointsX3 end;
   const int n = 8;
@@ -177,7 +176,7 @@ TEST(HalfTurn, GoesTheWayRoundThatDoesNotPassThroughTheBody) {
       faces.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
       faces.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
     }
-  // A wall stands where the plate would pass on one of the two ways; first below, then above.
+  // A wall blocks one of the two directions of the plate; first below, then above.
   for (double wall : {-0.5, 0.5}) {
     Mesh body = mesh;
     PointsX3 second = end;
@@ -216,8 +215,8 @@ TEST(DifferentialTurns, GivesTheSameWayWhereBothServe) {
 }
 
 TEST(DifferentialTurns, TakesOverWhereTurnsDoNotClose) {
-  // A ring whose tube is twisted by a whole turn on the way round: rotations wind once and no
-  // rotation vectors can agree everywhere.
+  // A ring whose tube is twisted by a whole turn around the ring: rotations wind once, and no
+  // rotation vectors are consistent everywhere.
   const int along = 120, around = 12;
   Mesh mesh;
   PointsX3 end(along * around, 3);

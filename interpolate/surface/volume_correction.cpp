@@ -14,11 +14,11 @@ namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kMostReach = 0.25;  // of the diagonal: no correction moves a vertex further
+constexpr double kMostReach = 0.25;  // of the diagonal: largest displacement of a vertex
 
 using CubicTerms = std::array<double, 4>;
 
-/// The root nearest to zero, by Newton's method from zero; NaN where it does not settle.
+/// The root nearest to zero, by Newton's method from zero; NaN where it does not converge.
 double RootNearZero(const CubicTerms& c) {
   double x = 0;
   for (int pass = 0; pass < 60; ++pass) {
@@ -35,7 +35,8 @@ double RootNearZero(const CubicTerms& c) {
              : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// Twice as many sides as the parts' edges, each in both directions once: closed and oriented.
+/// A part is closed and oriented when its sides are twice as many as its edges, and each edge
+/// occurs once in each direction.
 std::vector<char> ClosedParts(const PoissonSystem& system) {
   const FacesX3& faces = system.faces();
   std::vector<std::array<int, 3>> sides;  // low, high, +1 or -1
@@ -70,8 +71,8 @@ VolumeCorrection::VolumeCorrection(const PoissonSystem& system)
   for (int i = system.vertex_count() - 1; i >= 0; --i) origins_[system.parts()[i]] = i;
 }
 
-/// Parts' volumes along points + x * direction, as polynomials of x; about a vertex of each, for
-/// accuracy far from the origin.
+/// Parts' volumes along points + x * direction, as polynomials of x. Computed relative to a vertex
+/// of each part, for accuracy far from the origin.
 std::vector<std::array<double, 4>> VolumeCorrection::Polynomials(const PointsX3& points,
                                                                  const PointsX3* direction) const {
   const FacesX3& faces = system_->faces();
@@ -120,7 +121,7 @@ std::vector<PointsX3> VolumeCorrection::Directions(const KeyRefs& shapes) const 
     PointsX3 gradient = PointsX3::Zero(p.rows(), 3);
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
       if (!closed_[parts[faces(f, 0)]]) continue;
-      // Relative to the first corner: the same sum on a closed part, with smaller numbers.
+      // Relative to the first corner: the same sum for a closed part, with smaller numbers.
       const Eigen::RowVector3d e1 = p.row(faces(f, 1)) - p.row(faces(f, 0)),
                                e2 = p.row(faces(f, 2)) - p.row(faces(f, 0));
       const Eigen::RowVector3d sixth = e1.cross(e2) / 6;

@@ -1,4 +1,4 @@
-// Frames whose enclosed volume is the one that was asked for.
+// Frames that enclose a wanted volume.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +13,11 @@ namespace keypose::interpolation {
 /// Moves vertices along a smooth outward field until each closed part encloses the wanted volume.
 ///
 /// The field z = (H + kappa M)^-1 grad(volume) is the displacement that gains volume at the least
-/// stretch; screening keeps it from reaching across the whole body, and what would move a
-/// constraint row is projected out. Along it the volume is a cubic polynomial of the step, whose
-/// root nearest to zero is found to rounding: no iteration over solves. Parts that are open in the
-/// mesh are left alone.
-/// Source: recipe of volume-constrained deformation by one Lagrange multiplier; Huang et al. 2006
-/// for the constraint.
+/// stretch. Screening limits its reach across the body, and components that would move a constraint
+/// row are projected out. Along the field the volume is a cubic polynomial of the step. Its root
+/// nearest to zero is found to rounding, without further solves. Open parts are not corrected.
+/// Source: volume-constrained deformation with one Lagrange multiplier; Huang et al. 2006 for the
+/// constraint.
 class VolumeCorrection {
  public:
   /// @param system  built with options.screened; must outlive this
@@ -37,11 +36,11 @@ class VolumeCorrection {
   struct Result {
     double largest_move = 0;  ///< of any vertex
     int corrected = 0;        ///< parts
-    int unreachable = 0;      ///< parts with no root within reach: left as they were
+    int unreachable = 0;      ///< parts whose root is out of reach: not corrected
   };
-  /// Moves `points` along `direction` in place. Parts whose target is NaN are left alone.
+  /// Moves `points` along `direction` in place. Parts whose target is NaN are not corrected.
   /// @param direction  from Direction, of these points or of points near them
-  /// @param targets    one a part; see PathVolumes
+  /// @param targets    one per part; see PathVolumes
   /// @param held       vertices whose z must not change either (those on a floor)
   Result Apply(PointsX3& points, PointsX3 direction, const std::vector<double>& targets,
                const std::vector<int>& held = {}) const;
@@ -52,15 +51,14 @@ class VolumeCorrection {
 
   const PoissonSystem* system_;
   std::vector<char> closed_;
-  std::vector<int> origins_;  // a vertex of each part
+  std::vector<int> origins_;  // one vertex of each part
 };
 
-/// The step along a direction after which a part's volume, a cubic polynomial of the step, is
-/// `target`: the root nearest to zero. NaN where there is none to be found.
+/// The step along a direction at which a part's volume, a cubic polynomial of the step, is
+/// `target`: the root nearest to zero. NaN where none is found.
 double StepToVolume(std::array<double, 4> volume, double target);
 
-/// v0^(1-t) v1^t for each part; NaN (left alone) where a volume is 0 or the two have different
-/// signs.
+/// v0^(1-t) v1^t for each part; NaN (no correction) where a volume is 0 or the signs differ.
 std::vector<double> PathVolumes(const std::vector<double>& v0, const std::vector<double>& v1,
                                 double t);
 

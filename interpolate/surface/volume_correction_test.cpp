@@ -38,8 +38,8 @@ TEST(VolumeCorrection, SphereGrowsAlongItsNormals) {
 }
 
 TEST(VolumeCorrection, GainsTheVolumeWithLessStretchThanNormalsDo) {
-  // A thin limb on a body: the field leaves the limb's radius alone, which normals of one length
-  // would not.
+  // A thin limb on a body: the field hardly changes the limb's radius, unlike normals of unit
+  // length.
   const Mesh mesh = MakeCylinder(0.02, 2, 12, 100);
   const PoissonSystem system({mesh.points}, mesh.faces);
   const PointsX3 z = VolumeCorrection(system).Direction(mesh.points);

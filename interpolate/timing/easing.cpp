@@ -23,8 +23,8 @@ double EaseAt(const Ease& ease, double time) {
   if (time <= 0) return 0;
   if (time >= 1) return 1;
   if (ease.even()) return time;
-  // x(u) does not fall for control points in [0,1]: halving always finds u, to the last bit and the
-  // same everywhere.
+  // x(u) does not decrease for control points in [0,1], so bisection always finds u, with the same
+  // bits on every machine.
   double low = 0, high = 1;
   for (int k = 0; k < 60; ++k) {
     const double middle = 0.5 * (low + high);
@@ -36,7 +36,7 @@ double EaseAt(const Ease& ease, double time) {
 double SlopeAtStart(const Ease& ease) {
   if (ease.x1 > 0 || ease.y1 != 0) return Slope(ease.x1, ease.y1);
   return Slope(ease.x2,
-               ease.y2);  // the first control point lies on the end: the second gives the direction
+               ease.y2);  // the first control point is at the end: the second gives the direction
 }
 
 double SlopeAtEnd(const Ease& ease) {

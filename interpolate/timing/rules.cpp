@@ -19,7 +19,7 @@ std::string Seconds(double s) {
   return text;
 }
 
-/// Turns words of a timeline into vertices and spans.
+/// Converts a timeline's regions and times into vertices and spans.
 class Reader {
  public:
   Reader(const Timeline& timeline, const Schedule& schedule, const PointsX3& points,
@@ -93,8 +93,8 @@ class Reader {
     return (points_.rowwise() - center.transpose()).rowwise().norm().minCoeff();
   }
 
-  /// Listed vertices: the faces between them. A ball: the face nearest to its center, which stands
-  /// for its limb.
+  /// Listed vertices: the faces between them. A ball: the face nearest to its centre; it represents
+  /// its limb.
   std::vector<int> FacesOf(const std::string& name) const {
     const TimelineRegion& region = *timeline_.FindRegion(name);
     if (region.vertices.empty()) return {NearestFace(region.center)};

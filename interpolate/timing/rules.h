@@ -1,4 +1,4 @@
-// What an artist asks of the way between keys, in terms of vertices and spans.
+// The artist's constraints between keys, as vertices and spans.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ namespace keypose::interpolation {
 struct HeldRegion {
   std::string name;
   std::vector<int> vertices;  ///< sorted, unique
-  bool every_vertex = true;   ///< else only their centroid
+  bool every_vertex = true;   ///< else only the centroid is held
   std::vector<char> spans;    ///< 1 where it is held
   /// of the centroid, for each span
   std::vector<std::vector<Waypoint<Eigen::Vector3d>>> waypoints;
@@ -28,19 +28,18 @@ struct Rules {
   std::vector<std::vector<TurnOverride>> turns;  ///< for each span
   std::optional<double> table_height;            ///< z
   bool keep_volume = true;
-  /// for each span: log of the volume over what the keys give
+  /// for each span: log of the volume over the volume that follows from the keys
   std::vector<std::vector<Waypoint<double>>> log_volume;
 };
 
-/// Rules of no artist: volume alone.
+/// Rules without a timeline: the volume alone.
 Rules PlainRules(const Schedule& schedule, bool keep_volume);
 
-/// @param keep_volume  where the timeline does not say
-/// @param first_key    balls of regions are taken in it
-/// @throws InputError  a region without vertices or with one that is not there, a pin that does not
-/// begin and end at keys, a waypoint outside
-///                     the spans, in a hold or a stepped span, or on a span whose ease runs
-///                     backwards; names it
+/// @param keep_volume  default, where the timeline has no setting
+/// @param first_key    regions given as balls are measured in it
+/// @throws InputError  a region without vertices or with a vertex that does not exist; a pin that
+/// does not begin and end at keys; a waypoint outside the spans, in a hold or a stepped span, or on
+/// a span whose ease runs backwards; names it
 Rules RulesFrom(const Timeline& timeline, const Schedule& schedule, const PointsX3& first_key,
                 const FacesX3& faces, bool keep_volume, const std::string& name);
 

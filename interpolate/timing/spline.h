@@ -1,4 +1,4 @@
-// Smooth paths through keys as a pair's own path plus a cubic correction of its end velocities.
+// Smooth paths through keys: each pair's own path plus a cubic correction of its end velocities.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,8 @@
 namespace keypose::interpolation {
 
 /// A path between two keys that has velocity u0 at its start and u1 at its end (per span) gets
-/// velocities v0 and v1 when start(s) (v0 - u0)
-/// + end(s) (v1 - u1) is added: both weights vanish at 0 and 1, start'(0) = end'(1) = 1, start'(1)
-/// = end'(0) = 0 (cubic Hermite basis).
+/// velocities v0 and v1 when start(s) (v0 - u0) + end(s) (v1 - u1) is added. Both weights vanish at
+/// 0 and 1; start'(0) = end'(1) = 1 and start'(1) = end'(0) = 0 (cubic Hermite basis).
 struct HermiteWeights {
   explicit HermiteWeights(double s) : start(s * (1 - s) * (1 - s)), end(-s * s * (1 - s)) {}
   double start, end;
@@ -20,11 +19,11 @@ struct HermiteWeights {
 /// Velocity at a key from the mean velocities of the spans before and after it, and their durations
 /// (> 0).
 ///
-/// Clamped: the weighted harmonic mean of Fritsch & Butland (1984), which never swings beyond a
-/// key, for vectors in a form that does not depend on their basis: for parallel vectors it is the
-/// scalar rule of each, for vectors at right angles or more it is zero (an extreme lies at the
-/// key), and between it is continuous. Zero when either is zero: a hold stays still. Round
-/// (overshoot): the parabola through three keys; zero too when either is zero.
+/// Clamped: the weighted harmonic mean of Fritsch & Butland (1984), which never overshoots a key.
+/// The form for vectors does not depend on their basis. For parallel vectors it is the scalar rule;
+/// for vectors at right angles or more it is zero (the key is an extreme); in between it is
+/// continuous. Zero if either velocity is zero: a hold stays still.
+/// Round (overshoot): the parabola through three keys; also zero if either velocity is zero.
 template <class Vector>
 Vector VelocityAtKey(const Vector& before, const Vector& after, double time_before,
                      double time_after, bool overshoot) {
@@ -44,41 +43,41 @@ inline double VelocityAtKey(double before, double after, double time_before, dou
   return VelocityAtKey(One(before), One(after), time_before, time_after, overshoot)[0];
 }
 
-/// Velocities of one quantity at the ends of each span, per whole way of the span.
+/// Velocities of one quantity at the ends of each span, per span.
 template <class Value>
 struct EndVelocities {
   std::vector<Value> start, end;  ///< spans
 };
 
-/// Pace of a span at its ends [ways per frame]: 0 where it eases out of or into a key.
+/// Pace of a span at its ends [spans per frame]: 0 where it eases out of or into a key.
 struct SpanPace {
   double start = 0, end = 0;
 };
 SpanPace PaceOf(const Span& span);
 
-/// What meets at a key, as far as smooth velocities are concerned.
+/// The motion on one side of a key, for smooth velocities.
 enum class Meeting {
   kFree,    ///< the span keeps its own velocity there: an end of the timeline, or a neighbour that
-            ///< asks for none
-  kStill,   ///< it comes to rest, or starts from rest: a hold, or a stepped span after it
-  kSmooth,  ///< both spans pass with one velocity
+            ///< needs none
+  kStill,   ///< it comes to rest or starts from rest: a hold, or a stepped span after it
+  kSmooth,  ///< both spans have the same velocity
 };
-/// Of key k, 0 <= k <= spans; key 0 and the last are one key in a loop. `before` is what the span
-/// that ends there does, `after` the other.
+/// Of key k, 0 <= k <= spans; in a loop key 0 and the last are one key. `before` is for the span
+/// that ends there, `after` for the other.
 struct KeyMeeting {
   Meeting before = Meeting::kFree, after = Meeting::kFree;
 };
 KeyMeeting MeetingAt(const Schedule& schedule, int key);
 
-/// Whether any span is to be smoothed at all.
+/// Whether any span is smoothed.
 bool AnySmooth(const Schedule& schedule);
 
 /// Velocities at the ends of spans that make a quantity's path C1 in time, given the spans' own.
 ///
-/// @param own   velocities that each span's own path has at its ends, per way; for straight ways
-/// both are the difference of the keys
-/// @return velocities to give them; equal to `own` where nothing is to be smoothed, so that a path
-/// of one span stays what it is
+/// @param own   velocities of each span's own path at its ends, per span; for straight paths both
+/// are the difference of the keys
+/// @return the wanted velocities; equal to `own` where nothing is smoothed, so that the path of a
+/// single span does not change
 template <class Value>
 EndVelocities<Value> SmoothVelocities(const Schedule& schedule, const EndVelocities<Value>& own) {
   EndVelocities<Value> smooth = own;
@@ -88,7 +87,8 @@ EndVelocities<Value> SmoothVelocities(const Schedule& schedule, const EndVelocit
     const int before = key > 0 ? key - 1 : spans - 1, after = key < spans ? key : 0;
     const Span &in = schedule.spans[before], &out = schedule.spans[after];
     const double pace_in = PaceOf(in).end, pace_out = PaceOf(out).start;
-    // A span that eases out flat arrives at rest whatever its path does: it keeps its own.
+    // A span that eases out with slope zero arrives at rest with any path velocity, so it keeps its
+    // own.
     if (meeting.before == Meeting::kStill && pace_in != 0) smooth.end[before] = own.end[before] * 0;
     if (meeting.after == Meeting::kStill && pace_out != 0)
       smooth.start[after] = own.start[after] * 0;
@@ -102,16 +102,16 @@ EndVelocities<Value> SmoothVelocities(const Schedule& schedule, const EndVelocit
   return smooth;
 }
 
-/// A place to pass within a span.
+/// A value to pass through within a span.
 template <class Value>
 struct Waypoint {
   double way = 0;  ///< share of the span's way, in (0, 1)
   Value value;
 };
 
-/// A quantity through its values at the keys and through waypoints between them: straight in one
-/// span without any, C1 where spans meet smoothly and at waypoints. Exactly still between equal
-/// keys.
+/// A quantity through its values at the keys and through waypoints between them. It is linear for a
+/// single span without waypoints, C1 where spans meet smoothly and at waypoints, and exactly
+/// constant between equal keys.
 template <class Value>
 class SpanSpline {
  public:
@@ -149,7 +149,7 @@ class SpanSpline {
  private:
   struct Piece {
     std::vector<Waypoint<Value>> knots;
-    std::vector<Value> velocities;  ///< per way, at each knot
+    std::vector<Value> velocities;  ///< per span, at each knot
   };
   static Value Secant(const std::vector<Waypoint<Value>>& knots, std::size_t i) {
     return (knots[i + 1].value - knots[i].value) / (knots[i + 1].way - knots[i].way);

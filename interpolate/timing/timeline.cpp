@@ -16,7 +16,7 @@ std::string NameOf(const Timeline& timeline, std::size_t key) {
          (timeline.keys[key].pose.empty() ? "" : " ('" + timeline.keys[key].pose + "')");
 }
 
-/// Frames from each key to the next, hold and way together.
+/// Number of frames from each key to the next, hold included.
 std::vector<int> FramesBetweenKeys(const Timeline& timeline, int steps, const std::string& name) {
   std::vector<int> between;
   double total = 0;
@@ -55,7 +55,7 @@ class Planner {
       Add(copy);
     }
   }
-  /// In-betweens of a span whose first key stands at frame `key_frame`.
+  /// In-betweens of a span whose first key is at frame `key_frame`.
   void Way(int index, const Span& span, int step, int key_frame) {
     if (span.frames == 0) return;
     if (span.travel == Travel::kStepped) return Repeat(key_frame, span.frames - 1);
@@ -69,7 +69,7 @@ class Planner {
       Add({index, EaseAt(span.ease, static_cast<double>(j) / span.frames)});
     }
   }
-  /// Nothing moves between the frames from `first` on and what comes next.
+  /// Marks the frames from `first` on as unchanged until the next one.
   void Stand(int first) {
     for (int f = first; f < Next(); ++f) schedule_.frames[f].stands = true;
   }
@@ -107,7 +107,7 @@ Schedule MakeSchedule(const Timeline& timeline, int key_count, int steps, const 
     span.turns = key.turns;
     const int key_frame = plan.Next();
     plan.Key(k, 0, k);
-    // When the key stands until the next one comes, the hold ends a frame before it.
+    // When the key is held until the next one, the hold ends one frame before it.
     plan.Repeat(key_frame, span.frames == 0 ? span.hold - 1 : span.hold);
     const int leaves = plan.Next() - 1;
     plan.Way(k, span, key.step, key_frame);

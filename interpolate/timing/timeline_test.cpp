@@ -31,7 +31,7 @@ TEST(EaseAt, KnownCurvesAndExactEnds) {
   const double u = 0.4;
   EXPECT_NEAR(EaseAt({1.0 / 3, 0.9, 2.0 / 3, 0.2}, u),
               3 * u * (1 - u) * (1 - u) * 0.9 + 3 * u * u * (1 - u) * 0.2 + u * u * u, 1e-12);
-  EXPECT_LT(EaseAt({0.4, -0.8, 0.6, 1}, 0.2), 0);  // draws back before it leaves
+  EXPECT_LT(EaseAt({0.4, -0.8, 0.6, 1}, 0.2), 0);  // moves backwards first
 }
 
 TEST(EaseAt, SlopesAreTheDerivativesAtTheEnds) {
@@ -129,8 +129,8 @@ TEST(MakeSchedule, SaysWhichPicturesStandUntilTheNext) {
     for (const PlannedFrame& frame : s.frames) text += frame.stands ? '1' : '0';
     return text;
   };
-  // A hold and then a way on ones moves on from the hold's end; on twos and stepped every picture
-  // stands.
+  // After a hold, motion on ones continues from the end of the hold; on twos and stepped, every
+  // picture stays until the next.
   EXPECT_EQ(stands(FromText(R"({"fps":10,"keys":[{"time":0,"hold":0.2},{"time":0.5}]})", 2)),
             "000000");
   EXPECT_EQ(
@@ -142,8 +142,8 @@ TEST(MakeSchedule, SaysWhichPicturesStandUntilTheNext) {
           R"({"fps":10,"keys":[{"time":0,"interpolation":"stepped"},{"time":0.3},{"time":0.5}]})",
           3)),
       "111000");
-  // Held up to the next key: the pictures of a hold are one, so only the way out of its last frame
-  // is a step.
+  // Held until the next key: the pictures of a hold are equal, so only the change after its last
+  // frame is a step.
   EXPECT_EQ(
       stands(FromText(R"({"fps":10,"keys":[{"time":0,"hold":0.3},{"time":0.3},{"time":0.5}]})", 3)),
       "001000");
@@ -191,7 +191,7 @@ TEST_F(RulesTest, TakesRegionsPinsPathsAndVolumes) {
   EXPECT_EQ(rules.held[0].spans, (std::vector<char>{0, 1, 0}));
   EXPECT_EQ(rules.held[1].spans, (std::vector<char>{1, 1, 0}));
   EXPECT_NEAR(rules.held[1].waypoints[0][0].way, 0.25, 1e-12);
-  EXPECT_NEAR(rules.held[1].waypoints[1][0].way, 0.5, 1e-12);  // the hold is not on the way
+  EXPECT_NEAR(rules.held[1].waypoints[1][0].way, 0.5, 1e-12);  // the hold does not count
   EXPECT_GT(rules.held[1].vertices.size(), 10u);
   EXPECT_NEAR(rules.log_volume[0][0].value, std::log(0.5), 1e-12);
   ASSERT_EQ(rules.turns[0].size(), 1u);

@@ -108,7 +108,7 @@ struct DifferentialTurns::Impl {
 
   std::vector<Eigen::Matrix3d> rotations;  // relative to the body, at t = 1
   FaceTree tree;
-  std::vector<Eigen::Vector3d> steps;  // from the parent; at roots their turn
+  std::vector<Eigen::Vector3d> steps;  // from the parent; for roots their turn
   std::vector<Eigen::Vector3d> root_remainders;
   std::vector<Pair> pairs;
   SparseCholesky solver;

@@ -1,4 +1,4 @@
-// Faces' rotations on the way, where no consistent rotation vectors exist.
+// Faces' rotations between keys, where no consistent rotation vectors exist.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,21 +12,22 @@ namespace keypose::interpolation {
 
 /// Each frame's rotations from the relative rotations of neighbouring faces.
 ///
-/// Neighbours' relative rotations D are small even where the rotations themselves wind many times.
-/// At time t every pair wants the relative rotation exp(t log D). A tree over the faces, least D
-/// first, gives a first answer; what loops do not close is spread by Gauss-Newton: the rotation
-/// residuals of all pairs are the right-hand side of the faces' graph Laplacian, which is constant,
-/// so one factorisation serves all frames and passes.
+/// Neighbours' relative rotations D are small even where the rotations themselves wind several
+/// times. At time t the wanted relative rotation of every pair is exp(t log D). A tree over the
+/// faces, smallest D first, gives the initial rotations. Gauss-Newton then distributes the errors
+/// around loops: the rotation residuals of all pairs are the right-hand side of the faces' graph
+/// Laplacian. The Laplacian is constant, so one factorisation serves all frames and iterations.
 /// Source: relative rotations as in Kircher and Garland 2008 and Lipman et al. 2005; solved on the
 /// group with a constant matrix in place of a connection Laplacian per frame.
 class DifferentialTurns {
  public:
-  /// @param maps  with body_turn; system must outlive this
+  /// @param maps    with body_turn
+  /// @param system  must outlive this
   DifferentialTurns(const PoissonSystem& system, const SegmentMaps& maps);
   ~DifferentialTurns();
   DifferentialTurns(DifferentialTurns&&) noexcept;
 
-  /// Rotations relative to the body at time t; I at 0, the maps' own at 1.
+  /// Rotations relative to the body at time t: I at 0, the maps' own at 1.
   std::vector<Eigen::Matrix3d> At(double t) const;
 
  private:

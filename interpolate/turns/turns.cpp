@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kWholeTurn = 6.283185307179586;
 constexpr double kAxisless = 1e-6;  // rotations below this have no usable axis
-constexpr double kSmallTurn = 0.1;  // smooth turns below this fade out: their axis is noise
-// up to here a rotation vector magnifies noise less than twofold
+constexpr double kSmallTurn = 0.1;  // smaller smooth turns fade out: their axis is noise
+// [rad]: below it, a rotation vector amplifies noise less than twofold
 constexpr double kTrustedTurn = 3.5;
-constexpr double kSlack = 0.3;  // beyond what neighbours' rotations differ
+constexpr double kSlack = 0.3;  // [rad]: beyond the difference of neighbours' rotations
 constexpr double kDamping = 0.5;
 constexpr double kLargestRemainder = 1.5;
 constexpr double kTear = 0.5;
@@ -35,7 +35,7 @@ constexpr int kBuckets = 160;
 constexpr int kSmoothingPasses = 3;
 constexpr double kLeastWeight = 1e-3;
 
-/// sin^2 of half the angle between two rotations: as good as the angle for comparing, without
+/// sin^2 of half the angle between two rotations. It orders rotations as the angle does, without
 /// arccosines.
 double Difference(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   const double cosine = a.dot(b);
@@ -44,7 +44,7 @@ double Difference(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 double AngleOf(double sine2) { return 2 * std::asin(std::min(1.0, std::sqrt(sine2))); }
 
-/// Quarter octaves of the difference; all below 2^-30 are one.
+/// Index of the quarter octave of the difference; all below 2^-30 share one bucket.
 int BucketOf(double sine2) {
   const auto bits =
       static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(std::max(sine2, 0x1p-30)) >> 50);
@@ -114,8 +114,8 @@ class TurnLift {
 
   /// Splits each face's rotation into a turn about a smooth axis and a remainder across it.
   void Smooth() {
-    // Near whole turns a rotation vector's direction magnifies any noise by x / sin x of half its
-    // length: its weight is that, squared, below 1.
+    // Near whole turns the direction of a rotation vector amplifies noise by x / sin x, where x is
+    // half its length. The weight is the inverse square of that.
     Eigen::MatrixXd weighted(maps_.faces.size(), 4);
     ParallelFor(
         weighted.rows(),
@@ -157,7 +157,8 @@ class TurnLift {
         [&](std::int64_t f) { SetTurn(maps_.faces[f], f, maps_.faces[f].turn); }, 512);
   }
 
-  /// Whether turns and remainders serve: single faces, as folded ones, may tear, but not regions.
+  /// Whether turns and remainders are usable: single faces, such as folded ones, may tear, but not
+  /// regions.
   bool Holds(const TurnReport& report) const {
     const double faces = static_cast<double>(maps_.faces.size());
     return report.far_faces <= kFewFaces * faces && report.torn_edges <= kFewEdges * 1.5 * faces;
@@ -193,7 +194,7 @@ class TurnLift {
       for (int g : neighbours_[f]) {
         if (g <= f || maps_.faces[f].degenerate || maps_.faces[g].degenerate) continue;
         const double half = Difference(middle[f], middle[g]);
-        if (half < 0.04) continue;  // under 0.4 rad: no tear, whatever the ends
+        if (half < 0.04) continue;  // under 0.4 rad: no tear, whatever the rotations at the ends
         const double whole = AngleOf(Difference(relative_[f], relative_[g]));
         if (AngleOf(half) <= whole + kTear) continue;
         ++report.torn_edges;
@@ -210,7 +211,7 @@ class TurnLift {
         faces_of_part_[system_.parts()[system_.faces()(f, 0)]].push_back(static_cast<int>(f));
   }
 
-  /// Area of sampled faces that turn like `rotation` within 20 degrees.
+  /// Area of sampled faces whose rotation is within 20 degrees of `rotation`.
   double Support(const std::vector<int>& faces, const Eigen::Quaterniond& rotation,
                  const std::vector<Eigen::Quaterniond>& rotations) const {
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kSamples);
@@ -221,8 +222,8 @@ class TurnLift {
     return area;
   }
 
-  /// Of the faces that many others turn with, the one that turns least: the trunk, or the held end
-  /// of a limb.
+  /// The face that turns least among those whose rotation many others share: the trunk, or the
+  /// fixed end of a limb.
   int RootOf(const std::vector<int>& faces,
              const std::vector<Eigen::Quaterniond>& rotations) const {
     const Eigen::Quaterniond still = Eigen::Quaterniond::Identity();
@@ -243,7 +244,7 @@ class TurnLift {
     return root;
   }
 
-  /// The part of largest area; its root and the mean rotation round the root become the body's.
+  /// The part of largest area. Its root, and the mean rotation around the root, become the body's.
   int FindBody() {
     std::vector<double> area(faces_of_part_.size(), 0);
     for (std::size_t p = 0; p < area.size(); ++p)
@@ -262,7 +263,7 @@ class TurnLift {
     return body;
   }
 
-  /// Each face takes its turn from its parent's.
+  /// Sets each face's turn from its parent's.
   void TakeTurns(const std::vector<int>& roots) {
     std::vector<char> loose;
     for (const FaceMap& map : maps_.faces) loose.push_back(map.degenerate);
@@ -279,7 +280,7 @@ class TurnLift {
     }
   }
 
-  /// What hangs on each step of half a turn, where it is a limb and not a fold.
+  /// Collects the faces beyond each step of half a turn, if they are a limb and not a fold.
   void FindHalfTurns(const FaceTree& tree, const std::vector<char>& loose) {
     std::vector<int> limb_of(maps_.faces.size(), -1);
     std::vector<std::vector<int>> limbs;
@@ -313,10 +314,10 @@ class TurnLift {
     if (before < kTrustedTurn && nearest.norm() < kTrustedTurn &&
         (nearest - parent).norm() <= 2 * AngleOf(Difference(parent_rotation, rotation)) + kSlack)
       return nearest;
-    // Towards whole turns a rotation vector says less and less about its axis. From the parent's,
-    // the angle follows the face all the way and the axis as far as it can be told: Newton's step
-    // for exp(turn) = rotation, damped across the axis where its derivative s = sin x / x (x half
-    // the angle) vanishes.
+    // Towards whole turns the axis of a rotation vector becomes uncertain. From the parent's
+    // vector, the angle takes the full step and the axis as much as is certain: Newton's step for
+    // exp(turn) = rotation, damped across the axis where its derivative s = sin x / x (x half the
+    // angle) vanishes.
     const Eigen::Vector3d axis = parent / before, step = LogOf(QuaternionOf(-parent) * rotation),
                           across = step - step.dot(axis) * axis;
     const double x = 0.5 * before, s = std::sin(x) / x,
@@ -370,8 +371,8 @@ FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours,
   FaceTree tree;
   tree.steps.reserve(count);
   std::vector<char> done(count, 0);
-  // Prim's algorithm with a queue of quarter octaves in place of a heap: the order matters at jumps
-  // only.
+  // Prim's algorithm with buckets of quarter octaves in place of a heap: the order matters only at
+  // large differences.
   std::vector<std::vector<FaceTree::Step>> open(kBuckets);
   int lowest = 0;
   const auto visit = [&](const FaceTree::Step& step) {
@@ -440,7 +441,7 @@ TurnReport FollowTurns(const PoissonSystem& system, SegmentMaps& maps,
   lift.Smooth();
   TurnReport report = lift.Report();
   if (lift.Holds(report)) return report;
-  // Smoothing reached over parts that turn about other axes: the faces' own turns may still do.
+  // Smoothing mixed parts that turn about other axes. The faces' own turns may still be consistent.
   lift.Restore(raw);
   lift.KeepRaw();
   const TurnReport unsmoothed = lift.Report();

@@ -30,11 +30,11 @@ constexpr double kSurroundings = 30 * std::numbers::pi / 180;
 constexpr double kSameRotation = 10 * std::numbers::pi / 180;
 
 double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  // Of a^T b: by the chord, which keeps its digits near 0.
+  // Angle of a^T b from the chord, which is accurate near 0.
   return 2 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0)));
 }
 
-/// Whether two rotations are within an angle whose chord this is, without an arc sine.
+/// The squared chord of an angle, to compare rotations without an arc sine.
 double ChordOf(double angle) { return 8 * std::pow(std::sin(0.5 * angle), 2); }
 bool Within(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, double chord) {
   return (a - b).squaredNorm() < chord;
@@ -44,7 +44,7 @@ double WholeTurnsTo(double angle, double goal) {
   return angle + kFullTurn * std::round((goal - angle) / kFullTurn);
 }
 
-/// Angle of a rotation's part about an axis, nearest to `goal`.
+/// Angle of a rotation's component about an axis, nearest to `goal`.
 double AngleAbout(const Eigen::Vector3d& axis, const Eigen::Matrix3d& rotation, double goal) {
   const Eigen::Quaterniond q(rotation);
   return WholeTurnsTo(2 * std::atan2(q.vec().dot(axis), q.w()), goal);
@@ -67,8 +67,8 @@ Eigen::Vector3d NearestTurn(const Eigen::Matrix3d& rotation, const Eigen::Vector
 
 using Neighbours = std::vector<std::array<int, 4>>;
 
-/// Means over the surroundings; each turn counts as much as its axis is known: hardly at whole
-/// turns.
+/// Means over the surroundings. A turn's weight is the certainty of its axis, which is small near
+/// whole turns.
 std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours,
                                       const std::vector<Eigen::Vector3d>& turns) {
   std::vector<Eigen::Vector4d> sums(turns.size()), next(turns.size());
@@ -95,7 +95,7 @@ std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours,
   return smooth;
 }
 
-/// Turns about smooth axes, where the turn is long; a short one keeps its own.
+/// Long turns get smooth axes; short ones keep their own.
 void SplitAboutSmoothAxes(const std::vector<Eigen::Matrix3d>& rotations,
                           const Neighbours& neighbours, LiftedTurns& lifted) {
   const auto longest =
@@ -144,7 +144,7 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root,
   std::iota(roots.begin(), roots.end(), 0);
   std::stable_sort(roots.begin(), roots.end(), [&](int a, int b) { return ranks[a] < ranks[b]; });
   std::vector<char> done(count, 0);
-  using Link = std::tuple<double, int, int>;  // how much later, node, parent
+  using Link = std::tuple<double, int, int>;  // priority of the visit, node, parent
   std::priority_queue<Link, std::vector<Link>, std::greater<>> open;
   for (int start : roots) {
     if (!done[start]) open.emplace(0.0, start, start);
@@ -164,7 +164,7 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root,
   }
   SplitAboutSmoothAxes(rotations, neighbours, lifted);
   for (std::size_t i = 0; i < count;
-       ++i)  // those that took their parent's axis have a remainder as well
+       ++i)  // nodes that took their parent's axis have a remainder as well
     if (lifted.remainders[i].isZero(0)) {
       const Eigen::Vector3d left = LogOf(ExpOf(lifted.turns[i]).transpose() * rotations[i]);
       if (left.norm() > 1e-12) lifted.remainders[i] = left;

@@ -11,8 +11,8 @@ namespace keypose::interpolation {
 
 namespace {
 
-/// Sum over edges of the squared turn of the normal over the edge's share of area: free of scale; 4
-/// pi or so for a ball, more for what is folded or twisted.
+/// Sum over edges of the squared angle between the normals over the edge's share of area.
+/// Independent of scale: about 4 pi for a ball, more for folded or twisted surfaces.
 /// Source: hinge energy, Grinspun et al. 2003.
 double BendingEnergy(const PointsX3& p, const FacesX3& faces) {
   struct Side {
@@ -38,7 +38,8 @@ double BendingEnergy(const PointsX3& p, const FacesX3& faces) {
     const double angle =
         2 * std::asin(std::min(1.0, 0.5 * (normals.row(a) - normals.row(b)).norm()));
     sum += angle * angle * edge /
-           std::max(areas[a] + areas[b], 0.05 * edge);  // bounded: one sliver does not decide
+           // bounded, so that a single sliver cannot dominate
+           std::max(areas[a] + areas[b], 0.05 * edge);
   }
   return sum;
 }

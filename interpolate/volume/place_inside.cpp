@@ -14,10 +14,10 @@ namespace keypose::interpolation {
 namespace {
 
 constexpr int kRounds = 100;
-// largest move of a round over the mean edge of a tetrahedron
+// largest move of a round over the mean edge of a tetrahedron, at convergence
 constexpr double kSettledMove = 1e-4;
 constexpr int kSweeps = 40;
-// determinant over the body's own growth that is worth untangling
+// tetrahedra below this determinant over the body's own growth are untangled
 constexpr double kNearlyFlat = 0.01;
 
 /// Orthonormal frame of a triangle: along its first edge, across, and its normal.
@@ -29,8 +29,8 @@ Eigen::Matrix3d FrameOf(const PointsX3& p, const FacesX3& faces, Eigen::Index f)
   return edges;
 }
 
-/// Turn of each vertex: the mean of its faces' maps with unit growth along the normal. V x 9, as
-/// rows of a matrix.
+/// Rotation of each vertex: the nearest to the mean of its faces' maps with unit growth along the
+/// normal. V x 9, matrices as rows.
 Eigen::MatrixXd SurfaceTurns(const PointsX3& from, const PointsX3& to, const FacesX3& faces,
                              Eigen::Index vertex_count) {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(vertex_count, 9);
@@ -52,7 +52,7 @@ Eigen::MatrixXd SurfaceTurns(const PointsX3& from, const PointsX3& to, const Fac
   return sums;
 }
 
-/// Solves for the inner points of a Laplacian with the surface's values given.
+/// Solves a Laplacian for the inner points, with the surface's values given.
 class InnerSolver {
  public:
   InnerSolver(const Solid& solid, const std::vector<TetShape>& shapes, Eigen::Index surface_count)
@@ -66,7 +66,7 @@ class InnerSolver {
     solver_.Analyze(inner);
     solver_.Factor(inner);
   }
-  /// @param rhs  N x C, of which the inner rows count
+  /// @param rhs  N x C; only the inner rows are used
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs, const Eigen::MatrixXd& surface) const {
     return solver_.Solve(rhs.bottomRows(n_ - v_) - coupling_ * surface);
   }
@@ -95,8 +95,8 @@ std::vector<Eigen::Matrix3d> FirstTurns(const Solid& solid, const InnerSolver& s
   return turns;
 }
 
-/// What a tetrahedron's map costs, with its derivatives along one corner. Garanzha et al., Eq. 3,
-/// theta = 1/2.
+/// Energy of a tetrahedron's map, with its derivatives with respect to one corner. Garanzha et al.,
+/// Eq. 3, theta = 1/2.
 class FoldEnergy {
  public:
   explicit FoldEnergy(double epsilon) : epsilon_(epsilon) {}
@@ -104,8 +104,8 @@ class FoldEnergy {
     const double d = j.determinant(), chi = Chi(d);
     return j.squaredNorm() / std::pow(chi, 2.0 / 3) + (d * d + 1) / chi;
   }
-  /// Adds gradient and Hessian for a corner with hat gradient g: J + x g^T, whose determinant is
-  /// linear in x.
+  /// Adds gradient and Hessian for a corner with hat gradient g. The map is J + x g^T, whose
+  /// determinant is linear in x.
   void Add(const Eigen::Matrix3d& j, const Eigen::Vector3d& g, double weight,
            Eigen::Vector3d& gradient, Eigen::Matrix3d& hessian) const {
     Eigen::Matrix3d cofactors;
@@ -126,7 +126,7 @@ class FoldEnergy {
   }
 
  private:
-  /// Positive whatever d, and d itself where d is well above epsilon.
+  /// Positive for all d, and close to d where d is well above epsilon.
   double Chi(double d) const {
     const double root = std::hypot(epsilon_, d);
     return d > 0 ? 0.5 * (d + root) : 0.5 * epsilon_ * epsilon_ / (root - d);
@@ -134,7 +134,7 @@ class FoldEnergy {
   double epsilon_;
 };
 
-/// Moves single points so that the tetrahedra around them unfold.
+/// Moves single points so that the tetrahedra around them are no longer inverted.
 class PointUntangler {
  public:
   PointUntangler(const Solid& solid, const std::vector<TetShape>& shapes, Eigen::Index fixed,
@@ -160,7 +160,7 @@ class PointUntangler {
     return folded;
   }
 
-  /// Inner points of these tetrahedra and of their neighbours, rising.
+  /// Inner points of these tetrahedra and of their neighbours, in rising order.
   std::vector<int> PointsAround(const std::vector<int>& tets) const {
     std::vector<char> wanted(star_.size(), 0);
     for (int t : tets)
@@ -222,7 +222,7 @@ int Untangle(const Solid& solid, const std::vector<TetShape>& shapes, Eigen::Ind
   for (int sweep = 0; sweep < kSweeps && !folded.empty(); ++sweep) {
     double least = 1;
     for (int t : folded) least = std::min(least, untangler.Map(t).determinant());
-    // Garanzha's rule for epsilon, from the worst determinant.
+    // Garanzha's rule for epsilon, from the smallest determinant.
     const FoldEnergy energy(std::sqrt(1e-8 + 0.04 * std::min(0.0, least) * std::min(0.0, least)));
     for (int i : untangler.PointsAround(folded)) untangler.Move(i, energy);
     folded = untangler.FoldedTets(kNearlyFlat);

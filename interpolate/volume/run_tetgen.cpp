@@ -60,8 +60,8 @@ bool ReadAll(int fd, void* data, std::size_t size) {
   return true;
 }
 
-/// The child's whole life. Nothing here takes a lock that another thread could have held at the
-/// fork: malloc looks after its own.
+/// The child process. Nothing here takes a lock that another thread may have held at the fork;
+/// malloc resets its own locks.
 [[noreturn]] void Work(int out_fd, const PointsX3& points, const FacesX3& faces,
                        std::string switches, int time_limit_s) {
   const int nowhere = open("/dev/null", O_RDWR);

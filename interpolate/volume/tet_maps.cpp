@@ -51,7 +51,7 @@ std::vector<TetShape> TetShapesOf(const PointsX3& points, const TetsX4& tets) {
 
 Eigen::Matrix3d MapOf(const TetShape& shape, const PointsX3& to, const TetsX4& tets,
                       Eigen::Index t) {
-  // Edges, not corners: what is far from the origin keeps its digits.
+  // From edges, not corners: accurate far from the origin.
   Eigen::Matrix3d j = Eigen::Matrix3d::Zero();
   for (int k = 1; k < 4; ++k)
     j += (to.row(tets(t, k)) - to.row(tets(t, 0))).transpose() * shape.gradients.col(k).transpose();
@@ -68,7 +68,7 @@ Eigen::Matrix3d ClosestRotation(const Eigen::Matrix3d& j) {
     const Eigen::Matrix3d next = 0.5 * (scale * x + inverse / scale);
     const double change = (next - x).squaredNorm();
     x = next;
-    if (change < 1e-16) break;  // quadratic: the next step would change 1e-16 itself
+    if (change < 1e-16) break;  // quadratic convergence: the next change would be below 1e-16
   }
   return x;
 }

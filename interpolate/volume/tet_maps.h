@@ -1,4 +1,4 @@
-// The map of each tetrahedron from one key to the next, split into turn and stretch; and the sums
+// The map of each tetrahedron from one key to the next, split into turn and stretch, and the sums
 // over tetrahedra that fits need.
 #pragma once
 
@@ -23,25 +23,26 @@ std::vector<TetShape> TetShapesOf(const PointsX3& points, const TetsX4& tets);
 Eigen::Matrix3d MapOf(const TetShape& shape, const PointsX3& to, const TetsX4& tets,
                       Eigen::Index t);
 
-/// The rotation nearest to j, also for j that mirror or flatten.
+/// The rotation nearest to j, also for a j that mirrors or flattens.
 /// Source: scaled Newton iteration, Higham 1986; else by singular values.
 Eigen::Matrix3d ClosestRotation(const Eigen::Matrix3d& j);
 
 /// J = rotation * axes * diag(stretch) * axes^T.
 struct TetMap {
   Eigen::Matrix3d rotation, axes;
-  /// falling; the last is negative for a tetrahedron that is turned inside out
+  /// decreasing; the last is negative for an inverted tetrahedron
   Eigen::Vector3d stretch;
-  bool inverted = false;  ///< inside out or flat: no power of its stretch
+  bool inverted = false;  ///< inverted or flat: its stretch has no power
 };
 std::vector<TetMap> TetMapsOf(const std::vector<TetShape>& shapes, const PointsX3& to,
                               const TetsX4& tets);
 
-/// Sums what each tetrahedron gives to its corners, in one order whatever the thread count.
+/// Sums the terms of each tetrahedron at its corners, in an order that does not depend on the
+/// thread count.
 class CornerSums {
  public:
   CornerSums(Eigen::Index point_count, const TetsX4& tets);
-  /// @param term  fills the four corners' vectors (columns) of tetrahedron t
+  /// @param term  fills the four corners' vectors (columns) for tetrahedron t
   PointsX3 Sum(
       const std::function<void(std::int64_t t, Eigen::Matrix<double, 3, 4>& corners)>& term) const;
 

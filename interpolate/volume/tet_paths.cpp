@@ -11,7 +11,7 @@ namespace keypose::interpolation {
 
 namespace {
 
-// [rad]: near half a turn the logarithm may go the other way round than the neighbours'
+// [rad]: near half a turn the logarithm may take the other direction than the neighbours'
 constexpr double kFarFromRegion = 2.5;
 constexpr double kFlatGrowth = 1e-9;  // of the mean edge growth cubed
 
@@ -49,7 +49,7 @@ TetPath TetPath::Straight(const Eigen::Matrix3d& start, const Eigen::Matrix3d& e
 Eigen::Matrix3d TetPath::At(double t) const {
   const Eigen::Matrix3d turn = ExpOf(t * turn_);
   if (!has_power_) return turn * ExpOf(t * remainder_) * ((1 - t) * start_ + t * stretch_);
-  // tau: the share of the way at which exp(tau volume_log) is 1 - t + t exp(volume_log).
+  // tau: the value at which exp(tau volume_log) is 1 - t + t exp(volume_log).
   const double tau = std::abs(volume_log_) < 1e-9 ? t : std::log1p(t * volume_gain_) / volume_log_;
   return std::exp(t * growth_) * (turn * power_.At(tau));
 }

@@ -57,7 +57,7 @@ FacesX3 FacesOf(const FacesX3& faces, const std::vector<int>& group, int wanted)
   return some;
 }
 
-/// How often the surface goes round a point: 1 inside, 0 outside.
+/// Winding number of the surface around a point: 1 inside, 0 outside.
 /// Source: van Oosterom and Strackee 1983.
 double WindingNumber(const Eigen::RowVector3d& x, const PointsX3& points, const FacesX3& faces) {
   double sum = 0;
@@ -98,8 +98,8 @@ void RequireClosed(const PointsX3& points, const FacesX3& faces, const std::stri
   }
 }
 
-/// Body of each face: parts that face outwards, each with the hollows for which it is the smallest
-/// part around.
+/// Body of each face: the parts that face outwards, each with the hollows for which it is the
+/// smallest enclosing part.
 std::vector<int> BodiesOf(const PointsX3& points, const FacesX3& faces, const std::string& what,
                           int& body_count) {
   int part_count = 0;
@@ -133,7 +133,7 @@ std::vector<int> BodiesOf(const PointsX3& points, const FacesX3& faces, const st
   return of_face;
 }
 
-/// One body as TetGen takes and gives it.
+/// One body in TetGen's input and output format.
 class Filler {
  public:
   Filler(const PointsX3& points, const FacesX3& faces) : local_(points.rows(), -1), faces_(faces) {
@@ -151,8 +151,8 @@ class Filler {
 
   std::string Switches(const TetrahedralizeOptions& options) const {
     const double edge = options.element_size * MeanEdge();
-    // A regular tetrahedron holds 0.118 edge^3; TetGen's come out at about half of the largest it
-    // may make.
+    // A regular tetrahedron has the volume 0.118 edge^3; TetGen's have about half of the allowed
+    // volume.
     const double largest =
         std::max(0.12 * edge * edge * edge,
                  2 * SignedVolume(points_, faces_) / std::max(1, options.max_tetrahedra));
@@ -181,24 +181,24 @@ class Filler {
 };
 
 constexpr std::array<Triple, 4> kFaceOpposite = {
-    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};  // seen from outside, of a positive tetrahedron
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};  // seen from outside, for a positive tetrahedron
 
 double SixVolumes(const std::vector<double>& p, const int* t) {
   const auto at = [&](int k) { return Eigen::Map<const Eigen::Vector3d>(p.data() + 3 * t[k]); };
   return (at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0));
 }
 
-/// The same three corners in the same order round, lowest first.
+/// The same three corners in the same cyclic order, lowest first.
 Triple Rotated(const Triple& t) {
   const int k = static_cast<int>(std::min_element(t.begin(), t.end()) - t.begin());
   return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
-/// Tetrahedra on the inner side of the surface: TetGen fills hollows as well. Corners come out in
-/// positive order.
+/// Tetrahedra on the inner side of the surface (TetGen fills hollows as well). Corners are in
+/// positive order afterwards.
 /// @return 1 for tetrahedra to keep; empty when a face of the surface is missing
 std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
-  std::map<Triple, int> surface;  // 1: seen once from inside
+  std::map<Triple, int> surface;  // 1: found once from inside
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     surface[Rotated({faces(f, 0), faces(f, 1), faces(f, 2)})] = 0;
   const int count = static_cast<int>(out.tets.size()) / 4;
@@ -236,7 +236,7 @@ std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
   return inner;
 }
 
-/// Growing parts of the result, joined at the end.
+/// The result as it grows, joined at the end.
 struct Parts {
   std::vector<std::array<double, 3>> inner_points;
   std::vector<int> inner_bodies;
@@ -311,8 +311,8 @@ Solid Joined(const PointsX3& points, const FacesX3& faces, Parts&& parts,
   return solid;
 }
 
-/// One body into `parts`, as it is or with its crossings parted.
-/// @return whether TetGen took it
+/// Adds one body to `parts`, as it is or with its crossings smoothed away.
+/// @return whether TetGen succeeded
 bool FillBody(const PointsX3& points, const FacesX3& faces, int body,
               const TetrahedralizeOptions& options, Parts& parts) {
   const Filler filler(points, faces);

@@ -27,19 +27,19 @@ namespace keypose::interpolation {
 
 namespace {
 
-// weight of the second key's energy over the first's, at most: flattened tetrahedra
+// largest weight of the second key's energy over the first's, for flattened tetrahedra
 constexpr double kStiffest = 1e4;
 constexpr double kVolumeTolerance = 1e-10;
 constexpr int kVolumeRounds = 30;
-// of a parted tetrahedron's volume: less is as good as inside out
+// of a tetrahedron's volume in the smoothed shape: with less it counts as inverted
 constexpr double kCrossed = 0.02;
-// of the volume: enough to be the body that the rest turns against
+// of the volume: the least share of the body to which other turns are relative
 constexpr double kRigidShare = 0.25;
 constexpr double kReach = 4;  // of volume over area, half a limb's radius: how far regions and the
-                              // volume's correction spread
+                              // volume correction spread
 
-/// Path of each body's centroid: the whole's centroid goes straight, the bodies' offsets from it
-/// turn with the whole.
+/// Path of each body's centroid: the whole solid's centroid moves on a straight line, the bodies'
+/// offsets from it turn with the whole.
 class BodyPaths {
  public:
   BodyPaths(const PointsX3& v, const PointsX3& u, const Solid& solid, const Eigen::Vector3d& turn)
@@ -52,8 +52,7 @@ class BodyPaths {
     rotation_ = ExpOf(turn_);
   }
 
-  /// Moves each body so that the centroid of its surface's vertices lies where it belongs at time
-  /// t.
+  /// Moves each body so that the centroid of its surface's vertices lies on its path at time t.
   void Apply(double t, PointsX3& points) const {
     PointsX3 shift = Means(points);
     const Eigen::Matrix3d turn = ExpOf(t * turn_);
@@ -83,7 +82,7 @@ class BodyPaths {
   Eigen::Matrix3d rotation_;
 };
 
-/// Volume of each body, about one of its own vertices so that far bodies keep their digits.
+/// Volume of each body, relative to one of its own vertices for accuracy far from the origin.
 Eigen::VectorXd BodyVolumes(const PointsX3& p, const FacesX3& faces, const Solid& solid) {
   Eigen::VectorXd volumes = Eigen::VectorXd::Zero(solid.bodies);
   std::vector<int> about(solid.bodies, -1);
@@ -98,11 +97,11 @@ Eigen::VectorXd BodyVolumes(const PointsX3& p, const FacesX3& faces, const Solid
   return volumes;
 }
 
-/// A volume along a step.
+/// A volume as a cubic polynomial of a step.
 struct Cubic {
   std::array<double, 4> c = {0, 0, 0, 0};  // of 1, x, x^2, x^3
   double At(double x) const { return c[0] + x * (c[1] + x * (c[2] + x * c[3])); }
-  /// The step from 0 that reaches `goal`; 0 where Newton's method finds none.
+  /// The step from 0 that reaches `goal`; 0 where Newton's method does not converge.
   double Reach(double goal) const {
     double x = 0;
     for (int round = 0; round < kVolumeRounds; ++round) {
@@ -137,8 +136,8 @@ std::vector<Cubic> VolumesAlong(const PointsX3& p, const PointsX3& z, const Face
   return volumes;
 }
 
-/// Makes rotations relative to those around one of them.
-/// @return what they were turned against
+/// Makes rotations relative to the mean rotation around one of them.
+/// @return that mean
 Eigen::Matrix3d TurnAgainst(int body, const std::vector<double>& weights,
                             std::vector<Eigen::Matrix3d>& rotations) {
   const Eigen::Matrix3d mean = MeanAround(body, rotations, weights);
@@ -146,7 +145,7 @@ Eigen::Matrix3d TurnAgainst(int body, const std::vector<double>& weights,
   return mean;
 }
 
-/// Everything between the key that was filled and the other one.
+/// Everything between the filled key and the other one.
 class FilledKey {
  public:
   FilledKey(const PointsX3& from, const PointsX3& to, const FacesX3& faces,
@@ -177,7 +176,7 @@ class FilledKey {
 
   int inverted() const { return inverted_; }
 
-  /// What only the key that is used in the end needs.
+  /// Computes what only the chosen key needs.
   void Prepare() {
     Lift();
     Factor();
@@ -207,13 +206,13 @@ class FilledKey {
   Eigen::VectorXd start_volumes_, end_volumes_;
   std::vector<TetMap> maps_;
   int inverted_ = 0;
-  std::vector<char> crossed_;  // tetrahedra that are inside out in the filled key itself; empty
-                               // when none is parted
-  std::vector<Eigen::Matrix3d> starts_;  // their maps from the parted shape to that key
+  std::vector<char> crossed_;  // tetrahedra that are inverted in the filled key itself; empty when
+                               // no crossing was removed
+  std::vector<Eigen::Matrix3d> starts_;  // their maps from the smoothed shape to that key
   Eigen::Vector3d body_turn_ = Eigen::Vector3d::Zero();
   double largest_turn_ = 0, largest_tear_ = 0;
-  std::vector<Eigen::Matrix3d> rotations_;  // less the body's
-  std::vector<Eigen::Vector3d> turns_;      // of these, lifted
+  std::vector<Eigen::Matrix3d> rotations_;  // relative to the body's
+  std::vector<Eigen::Vector3d> turns_;      // of rotations_, made consistent
   std::vector<TetPath> paths_of_tets_;
   std::vector<Eigen::Matrix<double, 3, 4>> corners_;  // weighted gradients
   std::optional<CornerSums> sums_;
@@ -221,9 +220,9 @@ class FilledKey {
   SparseCholesky fit_, spread_;
 };
 
-// The solid was made of a surface with its crossings smoothed away. Its points go where the key has
-// them; what is inside out there keeps the smoothed shape as its reference and goes straight from
-// one key to the other.
+// The solid was made from a surface with its crossings smoothed away. Its points move back to the
+// key. Tetrahedra that are inverted there keep the smoothed shape as their reference and are
+// interpolated linearly.
 void FilledKey::ReturnParted() {
   const PointsX3 start = PlaceInside(solid_, shapes_, faces_, from_);
   const std::vector<TetShape> shapes = TetShapesOf(start, solid_.tets);
@@ -252,7 +251,7 @@ void FilledKey::Lift() {
   } else {
     LiftedTurns lifted = LiftTurns(rotations, body.node, solid_.opposite, doubtful);
     if (body.share <
-        kRigidShare) {  // no torso to speak of: the longest turns are shortest seen from the middle
+        kRigidShare) {  // no large rigid body: turns are shortest relative to the middle
       const int middle = MiddleOf(lifted.turns, weights);
       body_turn_ = LogOf(ExpOf(body_turn_) * TurnAgainst(middle, weights, rotations));
       lifted = LiftTurns(rotations, middle, solid_.opposite, doubtful);
@@ -265,8 +264,8 @@ void FilledKey::Lift() {
     if (!doubtful[t]) largest_turn_ = std::max(largest_turn_, turns_[t].norm());
 }
 
-// Whole turns of everything do not show in the keys. The least turning of all clay is the
-// likeliest.
+// The keys do not show whole turns of the entire figure. The smallest total turn is the most
+// likely.
 void FilledKey::ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns) {
   const double angle = body_turn_.norm();
   if (angle < 1e-6) return;
@@ -280,9 +279,9 @@ void FilledKey::ChooseBodyTurn(const std::vector<Eigen::Vector3d>& turns) {
   }
 }
 
-// Both keys' Dirichlet energies ask for the same map A(t), the second's seen through A(1)^-1:
-// together a weight v0 I + v1 S^-2 in the first key's frame. Any such weight gives the keys at the
-// ends; this one is the sum that the swapped keys would have.
+// Both keys' Dirichlet energies have the same wanted map A(t), the second's relative to A(1)^-1.
+// Together they give the weight v0 I + v1 S^-2 in the first key's frame. Any such weight reproduces
+// the keys at the ends; this one is symmetric under swapping the keys.
 Eigen::Matrix3d FilledKey::WeightOf(std::int64_t t) const {
   Eigen::Vector3d weight = Eigen::Vector3d::Constant(shapes_[t].volume);
   const Eigen::Vector3d& s = maps_[t].stretch;
@@ -291,8 +290,8 @@ Eigen::Matrix3d FilledKey::WeightOf(std::int64_t t) const {
   return maps_[t].axes * weight.asDiagonal() * maps_[t].axes.transpose();
 }
 
-// A region's growth and turn: means over its surroundings, by the screened solve, of the volumes in
-// both keys and of the turns.
+// A region's growth and turn: means, by the screened solve, of the volumes in both keys and of the
+// turns.
 void FilledKey::MakePaths() {
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(solid_.points.rows(), 5);
   for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t) {
@@ -309,8 +308,8 @@ void FilledKey::MakePaths() {
     for (int k = 0; k < 4; ++k) region += spread.row(solid_.tets(t, k));
     const double own =
         std::log(std::max(maps_[t].stretch.prod(), std::numeric_limits<double>::min()));
-    // Next to tetrahedra that are inside out the mean can fail; then there is no region but the
-    // tetrahedron itself.
+    // Next to inverted tetrahedra the mean can be invalid; then the tetrahedron itself is the
+    // region.
     const bool known = region[0] > 0 && region[1] > 0;
     const double growth = (known ? std::log(region[1] / region[0]) : own) / 3;
     const Eigen::Vector3d turn = known && options_.follow_turns
@@ -366,8 +365,8 @@ PointsX3 FilledKey::VolumeGradient(const PointsX3& p) const {
   return gradient;
 }
 
-// One number a body: all of it grows by a screened response to even pressure, so what is far from
-// the surface hardly moves. Along that growth the volume is a cubic, whose root needs no further
+// One step per body: it grows by the screened response to uniform pressure, so points far from the
+// surface hardly move. The volume is a cubic polynomial of the step, whose root needs no further
 // solve.
 void FilledKey::KeepVolumes(const std::vector<double>& times, std::vector<PointsX3>& frames) const {
   Eigen::MatrixXd pressure(solid_.points.rows(), 3 * frames.size());
@@ -438,9 +437,8 @@ struct VolumetricInterpolator::Impl {
     report.note = "crossings were parted to fill it: " + fault;
   }
 
-  /// Fills the preferred key, or the other where that goes better.
-  /// @return false and the preferred
-  /// key's fault where neither can be
+  /// Fills the preferred key, or the other if fewer tetrahedra are then inverted.
+  /// @return false and the preferred key's fault if neither can be filled
   bool TryKeys(bool part_crossings, std::string& fault) {
     std::unique_ptr<FilledKey> preferred = Filled(swapped, part_crossings, fault), other;
     std::string other_fault;
@@ -458,7 +456,7 @@ struct VolumetricInterpolator::Impl {
 
   static std::string Name(bool second) { return second ? "second key" : "first key"; }
 
-  /// @return null and the reason where this key cannot be filled
+  /// @return null and the reason if this key cannot be filled
   std::unique_ptr<FilledKey> Filled(bool second, bool part_crossings, std::string& fault) const {
     const std::string from = "interpolate: " + Name(second), to = "interpolate: " + Name(!second);
     try {

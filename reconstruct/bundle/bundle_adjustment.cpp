@@ -17,7 +17,7 @@ namespace {
 
 using Intrinsics = std::array<double, 8>;  // fx, fy over fx, cx cy k1 k2 p1 p2
 
-/// Projects with focal length and aspect ratio as they are solved for.
+/// Projects with the unknown focal length and aspect ratio.
 Eigen::Vector2d ProjectWith(const double* in, const Eigen::Vector3d& x,
                             Eigen::Matrix<double, 2, 8>* of_intrinsics,
                             Eigen::Matrix<double, 2, 3>* of_point) {
@@ -30,8 +30,8 @@ Eigen::Vector2d ProjectWith(const double* in, const Eigen::Vector3d& x,
   return pixel;
 }
 
-/// Pixel error of one observation. The distortion is Brown's, as in core/camera.h. Derivatives by
-/// hand: automatic ones of 18 unknowns cost more than the solve.
+/// Pixel error of one observation. The distortion is Brown's, as in core/camera.h. Analytic
+/// derivatives: automatic ones of 18 unknowns cost more than the solve.
 class ReprojectionError : public ceres::SizedCostFunction<2, 8, 4, 3, 3> {
  public:
   explicit ReprojectionError(const Eigen::Vector2d& pixel) : pixel_(pixel) {}
@@ -59,7 +59,7 @@ class ReprojectionError : public ceres::SizedCostFunction<2, 8, 4, 3, 3> {
   Eigen::Vector2d pixel_;
 };
 
-/// Pixel error of a known point of a body that may stand elsewhere in the world.
+/// Pixel error of a known point of a body with an unknown pose.
 class BodyError : public ceres::SizedCostFunction<2, 8, 4, 3, 4, 3> {
  public:
   BodyError(const Eigen::Vector3d& on_body, const Eigen::Vector2d& pixel)
@@ -144,7 +144,7 @@ std::vector<int> FixedIntrinsics(const BundleOptions& options) {
   return fixed;
 }
 
-/// Residuals of known points; body 0 stays where it is.
+/// Adds residuals of known points; body 0 is fixed.
 void AddBodies(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering, Scene& scene,
                Bodies& bodies, Intrinsics& camera, ceres::LossFunction* loss,
                ceres::Manifold* manifold) {
@@ -180,7 +180,7 @@ double BodiesRms(const Scene& scene, const Bodies& bodies) {
 }
 
 /// One solve. Poses, points and the camera are changed in place.
-/// @return iterations
+/// @return number of iterations
 int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observations,
           const BundleOptions& options) {
   Intrinsics camera = FromCamera(scene.views[0].camera);
@@ -197,8 +197,8 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
     ordering->AddElementToGroup(point, 0);
   }
   AddBodies(problem, *ordering, scene, bodies, camera, loss, manifold);
-  // Ceres orders a group by address: one group for each array, or sums would depend on where the
-  // memory lies.
+  // Ceres orders a group by address. One group per array makes the sums independent of memory
+  // locations.
   ordering->AddElementToGroup(camera.data(), 1);
   bool first = bodies.observations.empty();  // bodies fix the gauge
   for (View& view : scene.views) {
@@ -210,18 +210,18 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
     ordering->AddElementToGroup(translation, 3);
     if (first)
       problem.SetParameterBlockConstant(rotation),
-          problem.SetParameterBlockConstant(translation);  // the gauge, but for scale
+          problem.SetParameterBlockConstant(translation);  // the gauge, except for scale
     first = false;
   }
   if (const auto fixed = FixedIntrinsics(options); !fixed.empty())
     problem.SetManifold(camera.data(), new ceres::SubsetManifold(8, fixed));
   ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_SCHUR;  // by Eigen on one thread; the sparse one would
-                                                   // go through a threaded BLAS
+  // Eigen on one thread; the sparse solver would use a threaded BLAS
+  solver.linear_solver_type = ceres::DENSE_SCHUR;
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-6;
-  // beyond, steps gain nothing and rounding makes the reduced system indefinite
+  // a larger radius gains nothing, and rounding would make the reduced system indefinite
   solver.max_trust_region_radius = 1e8;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
@@ -249,8 +249,8 @@ std::vector<Observation> Inliers(const Scene& scene, const std::vector<Observati
   return kept;
 }
 
-/// Points that are still observed, with their views and mean errors; the observations take their
-/// new numbers.
+/// Keeps the points that are still observed and updates their views and mean errors; the
+/// observations get the new indices.
 void RebuildPoints(Scene& scene, std::vector<Observation>& observations) {
   std::vector<int> count(scene.points.size(), 0);
   for (SparsePoint& point : scene.points) point.views.clear(), point.error_px = 0;

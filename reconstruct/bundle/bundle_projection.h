@@ -8,8 +8,8 @@ namespace keypose::reconstruct {
 /// Pixel of a point in the camera's frame; the distortion is Brown's, as in core/camera.h.
 ///
 /// @param camera    fx fy cx cy k1 k2 p1 p2
-/// @param of_camera derivative by those, when not null
-/// @param of_point  derivative by the point, when not null
+/// @param of_camera derivative with respect to those, if not null
+/// @param of_point  derivative with respect to the point, if not null
 inline Eigen::Vector2d ProjectPoint(const double* camera, const Eigen::Vector3d& x,
                                     Eigen::Matrix<double, 2, 8>* of_camera,
                                     Eigen::Matrix<double, 2, 3>* of_point) {
@@ -37,8 +37,8 @@ inline Eigen::Vector2d ProjectPoint(const double* camera, const Eigen::Vector3d&
   return {camera[0] * du + camera[2], camera[1] * dv + camera[3]};
 }
 
-/// Derivative of q * x by the coefficients (x, y, z, w) of a unit q, where q * x = x + 2 w (v x x)
-/// + 2 v x (v x x).
+/// Derivative of q * x with respect to the coefficients (x, y, z, w) of a unit q, where q * x = x +
+/// 2 w (v x x) + 2 v x (v x x).
 inline Eigen::Matrix<double, 3, 4> RotatedByQuaternion(const Eigen::Quaterniond& q,
                                                        const Eigen::Vector3d& x) {
   const Eigen::Vector3d v = q.vec();

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Sums over squares of side 2 radius + 1, in place; a margin of `radius` stays as it is.
+/// Sums over squares of side 2 radius + 1, in place; a margin of `radius` is not changed.
 void SumSquares(ImageF& image, int radius) {
   ImageF across(image.width, image.height, 1);
   for (int y = 0; y < image.height; ++y) {
@@ -34,7 +34,7 @@ void SumSquares(ImageF& image, int radius) {
     }
 }
 
-/// Smaller eigenvalue of the gradients' moments over a patch.
+/// Smaller eigenvalue of the structure tensor over a patch.
 ImageF Cornerness(const ImageF& grey, int radius) {
   ImageF xx(grey.width, grey.height, 1), xy = xx, yy = xx;
   for (int y = 1; y + 1 < grey.height; ++y)
@@ -87,7 +87,7 @@ std::vector<Corner> CornersOf(const PatchImage& image, int radius, int cell) {
   return corners;
 }
 
-/// Known points as one view shows them, by cells.
+/// Projections of known points in one view, by cells.
 class Shown {
  public:
   struct Spot {
@@ -142,14 +142,13 @@ class Shown {
   std::vector<std::vector<Spot>> cells_;
 };
 
-/// Inverse depth at a pixel by the plane through spots round it: a plane's inverse depth is linear
-/// over the picture.
+/// Inverse depth at a pixel from the plane through points around it: a plane's inverse depth is
+/// linear over the picture.
 std::optional<double> InverseDepthAt(const Vector2d& pixel, const std::vector<Shown::Spot>& spots,
                                      double most_bent) {
   if (spots.size() < 4) return std::nullopt;
   Eigen::Matrix3d a =
-      1e-3 *
-      Eigen::Vector3d(0, 1, 1).asDiagonal().toDenseMatrix();  // level where the spots lie in a line
+      1e-3 * Eigen::Vector3d(0, 1, 1).asDiagonal().toDenseMatrix();  // level if collinear
   Vector3d b = Vector3d::Zero();
   for (const Shown::Spot& spot : spots) {
     const Vector3d row(1, spot.pixel.x() - pixel.x(), spot.pixel.y() - pixel.y());
@@ -189,8 +188,8 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
     shown.emplace_back(image.grey.width, image.grey.height, options.cell_px);
   for (const SparsePoint& point : scene.points)
     for (const int v : point.views) show(point.position, static_cast<std::size_t>(v));
-  const std::vector<Shown> known = shown;  // depths come from these alone
-  // One corner of each view in turn, so that all views get their share of the points.
+  const std::vector<Shown> known = shown;  // depths are interpolated from these alone
+  // One corner of each view in turn, so that points are distributed evenly over the views.
   std::vector<std::size_t> next(corners.size(), 0);
   for (bool any = true; any && static_cast<int>(more.points.size()) < options.most_points;) {
     any = false;
@@ -210,7 +209,7 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
         point.position = view.camera_from_world.Inverse() * Vector3d(ray / *inverse_depth);
         point.color.setConstant(160);
         point.views = {static_cast<int>(v)};
-        // Views that look from near by see the same corner: it is not wanted twice.
+        // Views with similar directions see the same corner, which is added only once.
         for (std::size_t w = 0; w < scene.views.size(); ++w)
           if ((scene.views[w].Center() - point.position)
                   .normalized()

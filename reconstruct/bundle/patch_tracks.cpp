@@ -81,7 +81,7 @@ bool Sample(const ImageF& image, const Vector2d& center, const Matrix2d& step, i
   return true;
 }
 
-/// Takes the mean away.
+/// Subtracts the mean.
 /// @return squared length
 double Center(std::vector<float>& values) {
   double sum = 0, squares = 0;
@@ -97,9 +97,9 @@ double DotOf(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-/// What a patch looks like, and how it changes when it moves.
+/// A patch's values, and their derivatives with respect to its position.
 struct Template {
-  /// without mean; the slopes also without what contrast explains
+  /// without mean; the derivatives also without the component along the values
   std::vector<float> values, along_x, along_y;
   double energy = 0;
   Matrix2d information = Matrix2d::Zero();
@@ -135,13 +135,14 @@ struct FittedPlace {
   double ncc = 0, sigma = 0;
 };
 
-/// Moves the patch from `start` until it fits. Nothing when it runs away or fits badly.
+/// Moves the patch from `start` to the best match. Nothing if it diverges or the match is bad.
 std::optional<FittedPlace> Fit(const Template& patch, const ImageF& image, const Vector2d& start,
                                const Matrix2d& step, double most_shift,
                                const PatchOptions& options) {
   constexpr int kMostSteps = 15;
   constexpr double kStill_px = 0.005;
-  // Neighbouring samples of a smoothed picture share their noise: fewer count than there are.
+  // Neighbouring samples of a smoothed picture have correlated noise, so the effective number of
+  // samples is smaller.
   const double shared = 2 * std::sqrt(3.14159265358979) * options.smoothing_px;
   const Eigen::LDLT<Matrix2d> solver(patch.information);
   const auto count = static_cast<double>(patch.values.size());
@@ -167,7 +168,8 @@ std::optional<FittedPlace> Fit(const Template& patch, const ImageF& image, const
   return place;
 }
 
-/// Unit normals by the plane of the nearest points, turned towards the views that see each point.
+/// Unit normals of the planes through the nearest points, oriented towards the views that see each
+/// point.
 std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& toward) {
   constexpr int kNear = 16;
   PointsX3 points(static_cast<Eigen::Index>(scene.points.size()), 3);
@@ -178,7 +180,7 @@ std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& t
       static_cast<std::int64_t>(scene.points.size()),
       [&](std::int64_t i) {
         const Vector3d x = points.row(i), view = toward[i];
-        // Points of the other side of a thin limb are no neighbours.
+        // Excludes points on the other side of a thin limb.
         std::vector<Vector3d> near;
         for (const auto& [index, distance] : tree.Nearest(x, 2 * kNear)) {
           if (toward[index].dot(view) > 0.5 && static_cast<int>(near.size()) < kNear)
@@ -255,7 +257,7 @@ class Tracker {
     return (pixel + image.origin) / image.scale;
   }
 
-  /// How the plane through x maps a step in one image to a step in another.
+  /// The affine map of the plane through x from one image to another.
   Matrix2d Affine(int from, int to, const Vector3d& x, const Vector3d& normal) const {
     const Vector3d a = normal.unitOrthogonal(), b = normal.cross(a);
     const double size = 1e-3 * (centers_[from] - x).norm();

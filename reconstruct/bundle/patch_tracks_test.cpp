@@ -40,7 +40,7 @@ double Texture(const Vector3d& x) {
   return 128 + 14 * sum;
 }
 
-/// Where the ray of a pixel meets the ball.
+/// Intersection of a pixel's ray with the ball.
 std::optional<Vector3d> OnBall(const View& view, const Vector2d& pixel) {
   const Vector3d from = view.Center(), along = (view.camera_from_world.rotation.conjugate() *
                                                 view.camera.Unproject(pixel))
@@ -78,7 +78,7 @@ TEST(TrackPatches, PlacesLieWithinAFifthOfAPixelOfTheSurfacePointThatThePatchSho
   std::optional<Vector3d> shown;
   int last = -1;
   for (const Observation& o : tracks.observations) {
-    // The first place of a point is where its patch was cut.
+    // The first position of a point is where its patch was cut.
     const View& view = tracks.scene.views[o.view];
     if (o.point != last) {
       shown = OnBall(view, o.pixel);
@@ -91,7 +91,7 @@ TEST(TrackPatches, PlacesLieWithinAFifthOfAPixelOfTheSurfacePointThatThePatchSho
     count += 1;
   }
   EXPECT_LT(sum / count, 0.2);
-  EXPECT_GT(before / count, 0.3);  // what the start was off by
+  EXPECT_GT(before / count, 0.3);  // error of the initial positions
 }
 
 TEST(TrackPatches, SameBitsOnOneThreadAndTwo) {
@@ -124,9 +124,9 @@ TEST(AddCorners, NewPointsLieOnTheSurface) {
   double off = 0, count = 0;
   for (std::size_t p = start.points.size(); p < more.points.size(); ++p, ++count)
     off += std::abs(more.points[p].position.norm() - 1);
-  EXPECT_LT(
-      off / count,
-      0.03);  // known points lie 0.2 apart, and planes through six of them 0.02 within the ball
+  // Known points have a distance of 0.2, and planes through six of them are up to 0.02 inside the
+  // ball.
+  EXPECT_LT(off / count, 0.03);
 }
 
 }  // namespace

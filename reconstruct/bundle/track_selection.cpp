@@ -24,7 +24,7 @@ PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observat
 
 PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observations, int count) {
   if (static_cast<int>(scene.points.size()) <= count) return {scene, observations};
-  // along the object's longest side, by the middle nine tenths of its points
+  // along the object's longest side, over the middle nine tenths of its points
   constexpr double kCells = 24;
   Eigen::Vector3d low, high;
   for (int axis = 0; axis < 3; ++axis) {
@@ -35,7 +35,7 @@ PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observ
     high(axis) = values[values.size() - 1 - values.size() / 20];
   }
   const double cell = std::max((high - low).maxCoeff() / kCells, 1e-12);
-  // What few views show goes last in its cell; far strays share the cells at the rim.
+  // Within a cell, points with few views come last; distant outliers share the cells at the border.
   std::map<std::array<int, 3>, std::vector<int>> cells;
   for (std::size_t p = 0; p < scene.points.size(); ++p) {
     std::array<int, 3> at{};

@@ -1,4 +1,4 @@
-// Fewer points for an adjustment, spread over the object.
+// Selects fewer points for an adjustment, spread over the object.
 #pragma once
 
 #include <vector>
@@ -7,15 +7,15 @@
 
 namespace keypose::reconstruct {
 
-/// A scene's points and where views show them.
+/// A scene's points and their observations.
 struct PointSet {
   Scene scene;
   std::vector<Observation> observations;  ///< of scene.points
 };
 
-/// At most `count` of the points, in their order: from each cell of a grid over the object the
-/// points that most views show, cell after cell in turns. What an adjustment gains from more points
-/// than some thousand is little against what they cost.
+/// At most `count` of the points, in their order. In turns, each cell of a grid over the object
+/// contributes its point with most views. More than some thousand points improve an adjustment
+/// little and cost much.
 PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observations, int count);
 
 /// The points for which `keep` is not 0, in their order.

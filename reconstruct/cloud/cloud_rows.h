@@ -1,4 +1,4 @@
-// Points of a cloud kept or dropped, in place.
+// Keeps or drops points of a cloud, in place.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace keypose::reconstruct {
 
-/// Moves the points that are kept up, with all that is known of them, and frees the rest. Without a
+/// Moves the kept points to the front, with all their attributes, and frees the rest, without a
 /// second cloud in memory.
-/// @param keep   one for each point
+/// @param keep   one per point
 /// @param cloud  with normals, colours and confidence
-/// @return how many went
+/// @return number of removed points
 int KeepRows(const std::vector<char>& keep, PointCloud* cloud);
 
 }  // namespace keypose::reconstruct

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The point nearest to two lines of sight, where both see it before them.
+/// The point nearest to two rays, if it is in front of both cameras.
 std::optional<Vector3d> Meeting(const Vector3d& from_a, const Vector3d& along_a,
                                 const Vector3d& from_b, const Vector3d& along_b) {
   Eigen::Matrix2d system;
@@ -33,7 +33,7 @@ bool IsIn(const HullBox& box, const Vector3d& x) {
   return (x.array() >= box.low.array()).all() && (x.array() <= box.high.array()).all();
 }
 
-/// Whether most matches of a pair agree with two cameras.
+/// Whether most matches of a pair agree with its two cameras.
 bool PairAgrees(const View& a, const View& b, const Features& first, const Features& second,
                 const PairMatches& pair, const HullBox& near, double max_error_px) {
   const Eigen::Matrix3d ra = a.camera_from_world.rotation.toRotationMatrix(),
@@ -60,7 +60,7 @@ bool PairAgrees(const View& a, const View& b, const Features& first, const Featu
 
 double CameraEvidence::Score() const {
   const double share = images > 0 ? static_cast<double>(placed) / images : 0;
-  // A few pairs say little: they count with as many that half agree.
+  // A few pairs are not conclusive: kFewestPairs pairs of which half agree are added.
   const double agree = (pairs_agree + 0.5 * kFewestPairs) / (pairs + kFewestPairs);
   return share * (outlines ? hull_iou : 1) * (0.7 + 0.3 * agree);
 }

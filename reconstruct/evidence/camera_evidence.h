@@ -1,4 +1,4 @@
-// What speaks for cameras, whatever way they were found: outlines and matches that agree with them.
+// Agreement of cameras with outlines and matches, for all strategies alike.
 #pragma once
 
 #include <optional>
@@ -10,56 +10,55 @@
 
 namespace keypose::reconstruct {
 
-/// The evidence for the cameras of a scene. Reprojection errors are no part of it: an adjustment
-/// makes them small for wrong cameras too.
+/// The evidence for the cameras of a scene. It does not include reprojection errors: bundle
+/// adjustment makes them small for wrong cameras too.
 struct CameraEvidence {
   int images = 0, placed = 0;  ///< photographs, and those with a camera
-  bool outlines = false;       ///< there are masks to judge by; without them the rest is 0
-  double hull_iou = 0;  ///< overlap of mask and hull of all masks, mean over the views; 0 where the
-                        ///< masks have no common space
+  bool outlines = false;  ///< there are masks to compare with; without them the values below are 0
+  double hull_iou = 0;  ///< overlap of each mask with the hull of all masks, mean over the views; 0
+                        ///< where the masks have no common space
   double hull_iou_least = 0;
-  /// views whose outlines stand out from the others, as HullCheck has it
+  /// views whose outlines differ from the others' (see HullCheck)
   std::vector<std::string> disagreeing = {};
-  int pairs = 0;        ///< pairs of photographs that verified matches tie, both placed
-  int pairs_agree = 0;  ///< of these, where most matches agree with the cameras
+  int pairs = 0;        ///< pairs of placed photographs with verified matches
+  int pairs_agree = 0;  ///< of these, the pairs most of whose matches agree with the cameras
 
   double pairs_agree_share() const {
     return pairs > 0 ? static_cast<double>(pairs_agree) / pairs : 0;
   }
-  /// One number in [0, 1] to compare strategies by: the share of photographs placed, times how far
-  /// outlines and matches agree.
+  /// One number in [0, 1] to compare strategies by: the share of photographs placed, times the
+  /// agreement of outlines and matches.
   double Score() const;
 };
 
-/// Below this overlap no camera was ever right, and above it none was far from right:
+/// In tests, no cameras below this overlap were right, and none above it were far from right:
 /// docs/decisions/one-evidence-for-all-cameras.md.
 constexpr double kLeastHullOverlap = 0.88;
-/// From here on other strategies need not be asked.
+/// From this overlap on, no other strategy is tried.
 constexpr double kSureHullOverlap = 0.89;
-/// Of pairs tied by matches, that must agree for cameras to be sure. Pairs are few on weak texture;
-/// fewer than this many say nothing.
+/// Least share of agreeing pairs for cameras to be sure. On weak texture pairs are few; fewer than
+/// kFewestPairs are not conclusive.
 constexpr double kSurePairShare = 0.7;
 constexpr int kFewestPairs = 8;
 
-/// Whether the outlines allow the cameras at all; without masks nothing speaks against any.
+/// Whether the cameras are consistent with the outlines; without masks always true.
 bool CanBeRight(const CameraEvidence& evidence);
-/// Whether outlines and matches leave no doubt.
+/// Whether outlines and matches confirm the cameras.
 bool IsSure(const CameraEvidence& evidence);
 
-/// Whether `other` is to be taken instead of `best`, which was found by a strategy that comes
-/// first: where it alone can be right, where it places more photographs and can be right too, or
-/// where the evidence for it is clearly better.
+/// Whether `other` is better than `best`, which an earlier strategy found: when only `other` can be
+/// right, when it can be right and places more photographs, or when its evidence is clearly better.
 bool IsBetter(const CameraEvidence& other, const CameraEvidence& best);
 
-/// Where a hull lies.
+/// Bounding box of a visual hull.
 struct HullBox {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
 };
 
-/// Counts the pairs of placed photographs whose verified matches agree with the cameras: for most
-/// of them, each match must lie within `max_error_px` of its epipolar line, and the lines of sight
-/// must meet in or near the hull. The second tells a wrong turn of the table, which slides matches
-/// along their epipolar lines.
+/// Counts the pairs of placed photographs whose verified matches agree with the cameras. For most
+/// matches of such a pair, each match lies within `max_error_px` of its epipolar line, and the rays
+/// intersect in or near the hull. The second condition detects a wrong rotation of the table, which
+/// moves matches along their epipolar lines.
 ///
 /// @param verified  matches that fit a fundamental matrix, by images
 /// @param view_of_image  index into scene.views, or -1
@@ -68,10 +67,10 @@ void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_imag
                         const std::vector<PairMatches>& verified, const HullBox& hull,
                         double max_error_px, CameraEvidence& evidence);
 
-/// Outlines against their hull, on a grid of 96 cells: adds hull_iou, hull_iou_least and
+/// Compares outlines with their hull, on a grid of 96 cells: sets hull_iou, hull_iou_least and
 /// disagreeing.
 /// @param views  masks without colour, a few hundred pixels wide, at least 3
-/// @return where the hull is; nothing when the masks have no common space, which leaves an overlap
+/// @return the hull's bounds; nothing when the masks have no common space, which leaves an overlap
 /// of 0
 std::optional<HullBox> MeasureOutlines(const std::vector<PreparedView>& views,
                                        CameraEvidence& evidence);

@@ -12,9 +12,9 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// Mean distance by which points that a motion takes into a frame lie outside of the masks there.
+/// Mean distance of points outside of the masks of a frame, after a motion into that frame.
 double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes& masks) {
-  constexpr double kMost_px = 12;  // beyond, a mask tells nothing about the way back
+  constexpr double kMost_px = 12;  // farther away the gradient of the distance is not useful
   double sum = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     sum +=
@@ -22,7 +22,7 @@ double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes
   return sum / static_cast<double>(points.rows());
 }
 
-/// Points of both halves by which motions are judged.
+/// Points of both models, for comparing motions.
 struct OutlineJudge {
   const HalfOutlines& outlines;
   PointsX3 first, second;
@@ -31,16 +31,16 @@ struct OutlineJudge {
     return 0.5 * (MissOf(second, first_from_second, outlines.first) +
                   MissOf(first, first_from_second.Inverse(), outlines.second));
   }
-  /// What the points miss their own half's outlines by.
+  /// Distance of the points outside of their own model's outlines.
   double Own() const {
     return 0.5 * (MissOf(first, {}, outlines.first) + MissOf(second, {}, outlines.second));
   }
 };
 
-// turn, shift over the spread, logarithm of the scale
+// rotation, shift over the spread, logarithm of the scale
 using MotionUnknowns = Eigen::Matrix<double, 7, 1>;
 
-/// A motion turned and scaled about `middle` of the second half, and shifted.
+/// A motion, rotated and scaled about `middle` of the second model, and shifted.
 Similarity3 Moved(const Similarity3& motion, const Eigen::Vector3d& middle, double spread,
                   const Eigen::VectorXd& by) {
   const Eigen::Vector3d turn = by.head<3>();
@@ -59,7 +59,7 @@ struct Candidate {
   double miss = 0;
 };
 
-/// @param size  of the first simplex: 1 for a start from afar
+/// @param size  of the first simplex: 1 for a far start
 void Search(const OutlineJudge& judge, double spread, double size, int evaluations,
             Candidate& candidate) {
   const Eigen::Vector3d middle = judge.second.colwise().mean();
@@ -74,8 +74,8 @@ void Search(const OutlineJudge& judge, double spread, double size, int evaluatio
   candidate.miss = judge.Miss(candidate.motion);
 }
 
-/// Searches on from all candidates, and leaves the best `kept` that differ by 10 degrees or more,
-/// best first: rivals stay.
+/// Continues the search from all candidates, and keeps the best `kept` that differ by 10 degrees or
+/// more, best first, so that other rotations remain for comparison.
 void SearchAll(const OutlineJudge& judge, double spread, double size, int evaluations,
                std::size_t kept, std::vector<Candidate>& candidates) {
   constexpr double kSameTurn = 10 * kDegree;

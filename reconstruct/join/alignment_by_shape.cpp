@@ -11,7 +11,7 @@ namespace keypose::reconstruct {
 namespace {
 
 /// One step of trimmed ICP.
-/// @return the mean distance of the pairs kept
+/// @return the mean distance of the pairs used
 double TrimmedStep(const Cloud& first, const KdTree& tree, const Cloud& second, double kept,
                    Similarity3& first_from_second) {
   std::vector<std::pair<double, Eigen::Index>> order;

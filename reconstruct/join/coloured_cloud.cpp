@@ -11,7 +11,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// Normals of planes through each point's neighbours, of either sign.
+/// Normals of planes fitted to each point's neighbours, with arbitrary sign.
 PointsX3 PlaneNormals(const Cloud& cloud, const KdTree& tree) {
   constexpr int kNeighbors = 12;
   PointsX3 normals(cloud.size(), 3);

@@ -1,4 +1,4 @@
-// Coloured point clouds of two halves of a figure, and what bringing them together needs.
+// Coloured point clouds of a figure's two models, and operations to align them.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,39 +9,38 @@
 
 namespace keypose::reconstruct {
 
-/// Points with the shares that red, green and blue have in their colour.
+/// Points with chromaticities: the shares of red, green and blue in their colours.
 struct Cloud {
   PointsX3 points, colors;
   Eigen::Index size() const { return points.rows(); }
 };
 
-/// At most `count` of a scene's points, evenly through their list, without those far from all
-/// others.
+/// At most `count` of a scene's points, evenly spread over the list, without outliers.
 Cloud Decimated(const Scene& scene, int count);
 
-/// Root mean square distance from the middle.
+/// Root mean square distance from the centroid.
 double Spread(const PointsX3& points);
 
-/// Median distance of a point to its nearest neighbour: finer than this a cloud tells no place.
+/// Median distance of a point to its nearest neighbour: the resolution of the cloud.
 double Spacing(const Cloud& cloud, const KdTree& tree);
 
-/// Turns spread evenly over all there are: a spiral on the unit quaternions.
+/// Rotations evenly distributed over SO(3): a spiral on the unit quaternions.
 /// Source: Alexa, "Super-Fibonacci spirals", CVPR 2022.
 Eigen::Matrix3d Turn(int i, int count);
 
-/// Share of the second cloud's points that have one of the first beside them, of their colour; and
-/// the rms of these.
+/// Share of the second cloud's points with a point of the first nearby and of the same colour, and
+/// the rms distance of these pairs.
 std::pair<double, double> Agreement(const Cloud& first, const KdTree& tree, const Cloud& second,
                                     const Similarity3& first_from_second, double limit,
                                     double max_color);
 
-/// Point-to-plane steps over pairs that agree: sparse points of two halves are never the same ones,
-/// but lie on one surface.
+/// Point-to-plane steps over pairs that agree, because sparse points of two models are never the
+/// same points, but lie on one surface.
 /// Source: Chen & Medioni, "Object modelling by registration of multiple range images", 1992.
 void Polish(const Cloud& first, const KdTree& tree, const Cloud& second, double limit,
             double max_color, bool with_scale, Similarity3& first_from_second);
 
-/// Between the rotations of two motions [rad].
+/// Angle between the rotations of two motions [rad].
 double AngleBetween(const Similarity3& a, const Similarity3& b);
 
 }  // namespace keypose::reconstruct

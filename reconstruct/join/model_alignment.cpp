@@ -36,7 +36,7 @@ Pairs Agreeing(const Scene& first, const Scene& second, const Pairs& pairs,
   return agreeing;
 }
 
-/// Root mean square distance of the points from their middle.
+/// Root mean square distance of the points from their centroid.
 double SpreadOf(const Scene& scene) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const SparsePoint& point : scene.points)
@@ -46,8 +46,8 @@ double SpreadOf(const Scene& scene) {
   return scene.points.empty() ? 0 : std::sqrt(sum / static_cast<double>(scene.points.size()));
 }
 
-/// Whether three pairs could be one triangle: wide enough to tell a rotation, its sides alike in
-/// both models (but for one scale, if free).
+/// Whether three pairs could be the same triangle: wide enough to determine a rotation, with equal
+/// sides in both models (up to one scale, if free).
 bool CouldAgree(const Scene& first, const Scene& second, const Pairs& three, double spread,
                 double limit, bool with_scale) {
   const auto in_first = [&](int k) { return first.points[three[k % 3].first].position; };

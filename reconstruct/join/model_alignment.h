@@ -1,4 +1,4 @@
-// Two models of one figure, shot upright and lying, brought together by what both saw of it.
+// Aligns two models of one figure, shot upright and lying, by their common surface.
 #pragma once
 
 #include <utility>
@@ -10,16 +10,16 @@
 
 namespace keypose::reconstruct {
 
-/// A feature of an image that shows a point of a model; image counts in the set, from 0.
+/// A feature of an image that shows a point of a model; images are counted in the set, from 0.
 struct TrackElement {
   int image = 0, feature = 0, point = 0;
 };
 
 struct AlignmentOptions {
-  /// between points that agree, over the spread of the first model's points
+  /// between points that agree, over the spread (rms radius) of the first model's points
   double max_distance = 0.01;
   int trials = 4000;
-  int min_pairs = 12;      ///< that agree
+  int min_pairs = 12;      ///< least number of agreeing pairs
   bool with_scale = true;  ///< false when both models are metric
 };
 
@@ -29,20 +29,21 @@ struct ModelAlignment {
   int pairs = 0, agreeing = 0;
   double rms = 0;  ///< of the agreeing pairs, in the first model's units
   double miss_px = 0,
-         /// by outlines: MissedOutlines of the join, and of the best other turn
+         /// by outlines: MissedOutlines of this alignment, and of the best one with a different
+         /// rotation
       rival_miss_px = 0;
 };
 
-/// Pairs (point of the first model, point of the second) that matches join, most votes first; each
-/// point in one pair at most. The matches need no geometric test of their own: light and view
-/// differ much between placements, so that hardly a pair of photographs has enough of them to stand
-/// one, but AlignModels looks at those of all pairs together.
+/// Pairs (point of the first model, point of the second) connected by matches, those with most
+/// matches first; each point is in at most one pair. The matches need no geometric verification:
+/// light and view differ so much between placements that hardly any pair of photographs has enough
+/// matches for it, but AlignModels checks the matches of all pairs together.
 std::vector<std::pair<int, int>> MatchPoints(const std::vector<TrackElement>& first,
                                              const std::vector<TrackElement>& second,
                                              const std::vector<PairMatches>& matches);
 
-/// The similarity under which most pairs agree: RANSAC over triples, then least squares over those
-/// that agree, until they stay the same.
+/// The similarity with most agreeing pairs: RANSAC over triples, then least squares over the
+/// inliers until they no longer change.
 /// Source: Fischler & Bolles 1981; Umeyama 1991.
 /// Same bits at every call.
 ModelAlignment AlignModels(const Scene& first, const Scene& second,
@@ -50,58 +51,62 @@ ModelAlignment AlignModels(const Scene& first, const Scene& second,
                            const AlignmentOptions& options);
 
 struct ShapeAlignmentOptions {
-  int rotations = 240;  ///< starts, spread evenly over all turns
+  int rotations = 240;  ///< starts, evenly distributed over all rotations
   int coarse_points = 300, fine_points = 2000;
-  double kept = 0.6;  ///< share of the pairs, nearest first, that a step is fitted to: each half
-                      ///< saw what the other did not
+  double kept = 0.6;  ///< share of the pairs, nearest first, that a step is fitted to: each model
+                      ///< has parts that the other lacks
   double max_distance = 0.02;  ///< of pairs that agree, over the first model's spread; at least
                                ///< twice its points' spacing
-  /// between their shares of red, green and blue, which light hardly changes
+  /// between their chromaticities, which hardly depend on light
   double max_color = 0.06;
-  double min_share = 0.35;  ///< of the points that must agree
-  double max_rival = 0.85;  ///< what the next best turn may reach of the best one's agreement
+  double min_share = 0.35;  ///< least share of points that agree
+  /// largest agreement of the next best rotation, relative to the best one's
+  double max_rival = 0.85;
 };
 
-/// The motion under which the coloured points of two metric models agree, where their photographs
-/// share too few features: trimmed ICP from turns all round, judged by points that agree in place
-/// and colour. `pairs` counts the second model's points.
+/// The motion that aligns the coloured points of two metric models whose photographs share too few
+/// features: trimmed ICP from starts over all rotations, compared by the number of points that
+/// agree in position and colour. `pairs` is the number of the second model's points.
 /// Source: Chetverikov et al., "The trimmed iterative closest point algorithm", ICPR 2002.
 /// Same bits for any thread count.
 ModelAlignment AlignByShape(const Scene& first, const Scene& second,
                             const ShapeAlignmentOptions& options);
 
-/// Outlines of both halves, each in its own model's frame.
+/// Outlines of both models, each in its own model's frame.
 struct HalfOutlines {
   const Silhouettes& first;
   const Silhouettes& second;
 };
 
-/// By how much the points of each half lie outside of the other half's masks [px of the masks], the
-/// mean over both, each point 12 at most. What one half's cameras see of the figure must lie within
-/// all masks of the other. Points of a half that is too large fall outside of the other's masks,
-/// and of one that is too small the other's outside of its own: so this tells the scale too.
-/// @param points  of each half, at most
+/// Distance of each model's points outside of the other model's masks [px of the masks], the mean
+/// over both, with at most 12 per point. The surface that one model's cameras see must project
+/// inside all masks of the other. If a model is too large, its points fall outside of the other's
+/// masks; if it is too small, the other's points fall outside of its own. So the distance also
+/// determines the scale.
+/// @param points  largest number of points of each model
 double MissedOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines,
                       const Similarity3& first_from_second, int points);
 
 struct OutlineAlignmentOptions {
-  int rotations = 400;  ///< starts, spread evenly over all turns
+  int rotations = 400;  ///< starts, evenly distributed over all rotations
   int coarse_points = 50, fine_points = 400;
-  double max_miss_px = 0.5;   ///< beyond what the points miss their own half's outlines by
-  double least_rival_px = 1;  ///< any other turn misses by so much more than the best
-  /// of pairs that agree in place and colour, as in ShapeAlignmentOptions
+  double max_miss_px = 0.5;   ///< largest excess over the distance of the points outside of their
+                              ///< own model's outlines
+  double least_rival_px = 1;  ///< least excess of any other rotation over the best
+  /// of pairs that agree in position and colour, as in ShapeAlignmentOptions
   double max_distance = 0.02;
   double max_color = 0.06;
-  double min_share = 0.25;  ///< of the points that must agree: lower, since sparse points of two
-                            ///< mappers lie farther apart
+  double min_share = 0.25;  ///< least share of points that agree: lower, since sparse points of two
+                            ///< mapper models lie farther apart
 };
 
-/// The similarity under which each half's points lie within the other half's outlines, for models
-/// of which neither is metric: simplex searches from turns all round, then point-to-plane steps
-/// over the points that agree in place and colour.
-/// @return not found unless the outlines agree nearly as well as each half's do with its own
-/// points, no other turn comes near to that, and enough points agree in place and colour Cost: some
-/// 50,000 evaluations of 100 points in all masks; same bits for any thread count.
+/// The similarity that moves each model's points inside of the other's outlines, for models that
+/// are both non-metric: simplex searches from starts over all rotations, then point-to-plane steps
+/// over the points that agree in position and colour.
+/// @return found only if the outlines fit nearly as well as each model's own points fit its own
+/// outlines, no other rotation is nearly as good, and enough points agree in position and colour
+/// Cost: some 50,000 evaluations of 100 points in all masks.
+/// Same bits for any thread count.
 ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
                                const HalfOutlines& outlines,
                                const OutlineAlignmentOptions& options);

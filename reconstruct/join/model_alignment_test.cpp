@@ -1,4 +1,4 @@
-// Halves whose alignment is known exactly.
+// Models whose alignment is known exactly.
 #include "reconstruct/join/model_alignment.h"
 
 #include <gmock/gmock.h>
@@ -19,7 +19,7 @@ using testing::PointAt;
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-/// A cloud and its copy in another frame, with pairs of which a share is wrong.
+/// A cloud and its copy in another frame, with pairs of which a given share is wrong.
 struct Halves {
   Scene first, second;
   std::vector<std::pair<int, int>> pairs;
@@ -64,8 +64,8 @@ TEST(AlignModels, UnrelatedModelsAreNotJoined) {
   EXPECT_FALSE(AlignModels(halves.first, halves.second, {}, {}).found);
 }
 
-/// Points on a lopsided coloured body: three balls of different sizes, of which `skip` (a
-/// direction) leaves one side unseen.
+/// Points on an asymmetric coloured body: three balls of different sizes, of which the side in
+/// direction `skip` is unseen.
 Scene HalfSeen(const Vector3d& skip, const Similarity3& frame, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, 1);
@@ -152,8 +152,8 @@ std::vector<PreparedView> BallMasks(const Similarity3& frame, const Vector3d& up
   return views;
 }
 
-// Neither half is metric: only at the true turn and scale do the points of each half lie within all
-// outlines of the other.
+// Neither model is metric: only with the true rotation and scale do the points of each model
+// project inside all outlines of the other.
 TEST(AlignByOutlines, HalvesWithoutMetresFindTheirScale) {
   Similarity3 lying;
   lying.scale = 1.4;
@@ -167,7 +167,7 @@ TEST(AlignByOutlines, HalvesWithoutMetresFindTheirScale) {
   OutlineAlignmentOptions options;
   options.rotations = 120;
   options.coarse_points = 40, options.fine_points = 120;
-  options.least_rival_px = 0.4;  // pictures of a third of the size that masks have in the program
+  options.least_rival_px = 0.4;  // pictures of a third of the masks' size in the program
   const ModelAlignment join = AlignByOutlines(first, second, outlines, options);
   ASSERT_TRUE(join.found) << join.agreeing << " of " << join.pairs << ", miss " << join.miss_px
                           << ", rival " << join.rival_miss_px;
@@ -177,7 +177,7 @@ TEST(AlignByOutlines, HalvesWithoutMetresFindTheirScale) {
       (join.first_from_second.rotation.transpose() * truth.rotation - Eigen::Matrix3d::Identity())
           .norm(),
       0.02);
-  // Too large or too small by a twentieth shows in one half's masks or the other's.
+  // An error of scale by a twentieth shows in one model's masks or the other's.
   for (const double off : {0.95, 1.05}) {
     Similarity3 wrong = truth;
     wrong.scale *= off, wrong.translation *= off;
@@ -201,12 +201,12 @@ TEST(AlignByOutlines, PlainBallIsNotJoinedSinceAnyTurnFits) {
   options.least_rival_px = 0.4;
   const ModelAlignment join = AlignByOutlines(ball, ball, {masks, masks}, options);
   EXPECT_FALSE(join.found);
-  EXPECT_LT(join.miss_px, 0.5);  // it is the other turns that speak against it
+  EXPECT_LT(join.miss_px, 0.5);  // rejected because other rotations fit too
 }
 
 TEST(MatchPoints, MostVotesWinAndNoPointIsUsedTwice) {
-  // Points 0 and 1 of the first model are seen by image 0 (features 0, 1) and image 1 (features 5,
-  // 6); the second's by images 2 and 3.
+  // Images 0 (features 0, 1) and 1 (features 5, 6) see points 0 and 1 of the first model; images 2
+  // and 3 see those of the second.
   const std::vector<TrackElement> first = {{0, 0, 0}, {1, 5, 0}, {0, 1, 1}, {1, 6, 1}},
                                   second = {{2, 7, 0}, {3, 8, 0}, {2, 9, 1}};
   const std::vector<PairMatches> matches = {

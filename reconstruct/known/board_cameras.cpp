@@ -38,8 +38,8 @@ Rigid3 FromOpenCv(const cv::Mat& rotation_vector, const cv::Mat& translation) {
                           translation.at<double>(2))};
 }
 
-/// The better of the plane's two poses among those whose camera lies above the board: a print
-/// cannot be seen from below.
+/// The better of the plane's two poses among those with the camera above the board: a print cannot
+/// be seen from below.
 std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& plate,
                                 const std::vector<BoardCorner>& corners) {
   std::vector<cv::Point3d> on_board;
@@ -55,7 +55,7 @@ std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& plate,
     cv::solvePnPGeneric(on_board, rays, identity, cv::noArray(), rotations, translations, false,
                         cv::SOLVEPNP_IPPE);
   } catch (const cv::Exception&) {
-    return std::nullopt;  // corners in one line
+    return std::nullopt;  // collinear corners
   }
   PlanePose best;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -79,8 +79,8 @@ bool InOneLine(const BoardLayout& plate, const std::vector<BoardCorner>& corners
   return columns.size() < 2 || rows.size() < 2;
 }
 
-/// The focal length with which the board fits best, over a row of values; a robust sum, since some
-/// views may be wrong.
+/// The focal length with the best fit to the board, over a range of values. The sum is robust,
+/// since some views may be wrong.
 double SoughtFocal(Camera camera, const BoardLayout& plate,
                    const std::vector<const BoardSighting*>& sightings) {
   constexpr int kTrials = 24;
@@ -134,8 +134,8 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
   }
   Camera start = camera;
   if (!focal_known && !usable.empty()) start.fx = start.fy = SoughtFocal(camera, plate, usable);
-  // A wrong focal length leaves errors that the joint solution takes away; what is left of them
-  // then tells a wrong view.
+  // The joint solution removes errors from a wrong focal length; the remaining errors then show
+  // wrong views.
   for (const BoardSighting* sighting : usable) {
     const auto pose = PoseOf(start, plate, sighting->corners);
     if (!pose || pose->rms_px > 10 * options.max_rms_px) {

@@ -1,5 +1,5 @@
-// Cameras from a printed calibration board that photographs show: metric, upright, and in one frame
-// for all poses that stand on it.
+// Cameras from a printed calibration board in the photographs: metric, upright, and in one frame
+// for all poses on the same board.
 #pragma once
 
 #include <vector>
@@ -10,31 +10,31 @@
 
 namespace keypose::reconstruct {
 
-/// What one photograph shows of the board.
+/// The board corners in one photograph.
 struct BoardSighting {
   std::string name;
   std::vector<BoardCorner> corners;
 };
 
 struct BoardPosesOptions {
-  int min_corners = 8;    ///< fewer tell no pose
-  double max_rms_px = 3;  ///< a view that misses the board by more is left out
-  BundleOptions bundle;   ///< which intrinsics are solved for
+  int min_corners = 8;    ///< fewer corners do not determine a pose
+  double max_rms_px = 3;  ///< a view with a larger error is left out
+  BundleOptions bundle;   ///< selects the intrinsics that are solved for
 };
 
 struct BoardPoses {
   Scene scene;    ///< the placed views, in the board's frame [m], z up; no points
-  Bodies bodies;  ///< the board's corners in them, as body 0
+  Bodies bodies;  ///< the board's corners in the views, as body 0
   double rms_px = 0;
-  /// views with fewer than min_corners, and views that fit no pose above the board
+  /// views with fewer than min_corners, and views without a good pose above the board
   std::vector<std::string> too_few, rejected;
 };
 
-/// Each view by itself from its corners (the plane's two solutions, the better one above the board
-/// refined), then all with their shared camera by bundle adjustment.
+/// First estimates each view by itself from its corners (of the plane's two solutions, the better
+/// one above the board is refined), then all with their shared camera by bundle adjustment.
 ///
-/// @param camera       to start from; its focal length is sought between 0.6 and 6 times the longer
-/// side when it is not known
+/// @param camera       initial camera; if the focal length is not known, it is searched between 0.6
+/// and 6 times the longer side
 /// @param sightings    sorted by name
 /// @throws InputError  a corner that the board does not have
 /// Same bits for any thread count.
@@ -49,8 +49,8 @@ std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLa
                                                const std::vector<BoardSighting>& sightings,
                                                int body, int min_corners);
 
-/// The similarity that takes a scene with free scale into the board's frame, from the centres of
-/// views that both hold.
+/// The similarity from a scene of free scale to the board's frame, from the centres of the views in
+/// both.
 /// @throws InputError  fewer than 3 views in common, or their centres coincide
 Similarity3 BoardFromScene(const Scene& board, const Scene& scene);
 

@@ -1,4 +1,4 @@
-// Against cameras that are known exactly.
+// Tests with cameras that are known exactly.
 #include "reconstruct/known/board_cameras.h"
 
 #include <gmock/gmock.h>
@@ -29,7 +29,7 @@ Camera TestCamera() {
   return camera;
 }
 
-/// Rings of cameras round the board, and what they see of it.
+/// Rings of cameras around the board, and their sightings of it.
 struct Table {
   std::vector<View> truth;
   std::vector<BoardSighting> sightings;
@@ -50,7 +50,7 @@ Table MakeTable(const std::vector<double>& elevations_deg, int per_ring, double 
       table.truth.push_back(LookFrom(eye, TestCamera(), name));
       BoardSighting sighting{name, {}};
       for (int id = 0; id < plate.CornerCount(); ++id) {
-        if (plate.Corner(id).norm() < 0.06) continue;  // the figure stands there
+        if (plate.Corner(id).norm() < 0.06) continue;  // the figure is there
         sighting.corners.push_back({id, table.truth.back().Project(plate.Corner(id)) +
                                             Vector2d(noise(random), noise(random))});
       }
@@ -104,8 +104,8 @@ TEST(PlaceByBoard, UnknownFocalLengthIsFound) {
 }
 
 TEST(PlaceByBoard, CamerasLieAboveThePlateEvenWhereBothPosesOfThePlaneFit) {
-  // From far away a plane's two poses fit equally well; noise decides, but a print is seen from
-  // above only.
+  // From far away a plane's two poses fit equally well, and noise decides; but a print is only seen
+  // from above.
   Table table;
   const BoardLayout plate;
   Camera camera = TestCamera();
@@ -147,8 +147,8 @@ TEST(PlaceByBoard, CornerThatThePlateDoesNotHaveThrows) {
 }
 
 TEST(AdjustBundle, SecondPlateIsFoundWhereItStands) {
-  // Half of the views see the board in the world, half see another copy of it that stands
-  // elsewhere; points tie them.
+  // Half of the views see the board in the world, half see a copy of it elsewhere; points connect
+  // them.
   const BoardLayout plate;
   Rigid3 elsewhere;
   elsewhere.rotation = Eigen::AngleAxisd(1.2, Vector3d(1, 2, 0.5).normalized());
@@ -173,7 +173,7 @@ TEST(AdjustBundle, SecondPlateIsFoundWhereItStands) {
       const Vector3d x = bodies.world_from_body[body] * plate.Corner(id);
       bodies.observations.push_back({v, body, plate.Corner(id), table.truth[v].Project(x)});
     }
-  // Disturb everything but the world's plate.
+  // Changes everything but the world's board.
   bodies.world_from_body[1].translation += Vector3d(0.002, 0.001, -0.002);
   bodies.world_from_body[1].rotation =
       Eigen::Quaterniond(Eigen::AngleAxisd(0.01, Vector3d::UnitX())) * elsewhere.rotation;

@@ -1,4 +1,4 @@
-// Cameras known beforehand, brought to the photographs of a set.
+// Assigns cameras that are known beforehand to the photographs of a set.
 #pragma once
 
 #include <string>
@@ -8,12 +8,11 @@
 
 namespace keypose::reconstruct {
 
-/// Known cameras under the names of the photographs they belong to: of the same name, else of the
-/// same stem ("r_001" for "r_001.png"), and with intrinsics for the photographs' size.
+/// Known cameras under the names of their photographs: of the same name, else of the same stem
+/// ("r_001" for "r_001.png"), with intrinsics for the photographs' size.
 ///
-/// @param known   names may lack an extension; sizes and principal points 0 are filled in from the
-/// photograph, a negative focal length is
-///                one over the photograph's width
+/// @param known   names may lack an extension; sizes and principal points of 0 are filled in from
+/// the photograph; a negative focal length is in units of the photograph's width
 /// @param photographs  of the set, all of the size of `photograph`, sorted by name
 /// @return sorted by name; photographs without a known camera are left out
 /// @throws InputError  cameras whose names are not among the photographs (lists them), two for one

@@ -37,7 +37,7 @@ CREATE TABLE two_view_geometries (pair_id INTEGER PRIMARY KEY NOT NULL, rows INT
                   "; check free space in the temporary folder");
 }
 
-/// A prepared statement that frees itself.
+/// A prepared statement with automatic release.
 class Statement {
  public:
   Statement(sqlite3* database, const char* sql) : database_(database) {

@@ -1,7 +1,7 @@
 // COLMAP 3.8's SQLite database: cameras, images, features, matches, two-view geometries.
 //
-// We write cameras and images ourselves, so that ids follow the names' order, and verified matches,
-// which our own matcher finds; COLMAP's programs add features. Image ids count from 1.
+// We write cameras and images ourselves, so that ids follow the names' order, and the verified
+// matches of our own matcher; COLMAP's programs add features. Image ids count from 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct PairMatches {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> features;
 };
 
-/// How two images are related.
+/// The geometric relation of two images.
 struct PairGeometry {
   enum Kind { kFundamental, kHomography, kOther } kind = kOther;
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();  ///< fundamental matrix (second^T F first = 0)
@@ -51,17 +51,17 @@ class ColmapDatabase {
   ColmapDatabase(ColmapDatabase&&) noexcept;
   ColmapDatabase(const ColmapDatabase&) = delete;
 
-  /// Starts the one camera from another focal length.
+  /// Sets another initial focal length of the shared camera.
   void SetFocal(const Camera& camera) const;
   /// Features of image i (0-based); none when COLMAP found none.
   Features ReadFeatures(int image) const;
-  /// Copies the features that another database holds for the image of that name to image i
-  /// (0-based), moved by (x, y) pixels.
+  /// Copies the features of the image of that name in another database to image i (0-based), moved
+  /// by (x, y) pixels.
   void AddFeaturesFrom(const ColmapDatabase& other, const std::string& name, int image, double x,
                        double y);
-  /// The matched features of pairs that stood the geometric test, by pair id.
+  /// The matched features of pairs that passed the geometric test, by pair id.
   std::vector<PairMatches> VerifiedMatches() const;
-  /// Adds pairs with their inliers, or puts these in the place of what such a pair had.
+  /// Adds pairs with their inliers, or replaces those of existing pairs.
   void PutInliers(const std::vector<PairMatches>& pairs);
 
  private:

@@ -34,7 +34,7 @@ TEST_F(DatabaseTest, VerifiedMatchesAreReadInPairOrderAsTheyWerePut) {
   ColmapDatabase database =
       ColmapDatabase::Create(folder / "d.db", camera, true, {"a.jpg", "b.jpg", "c.jpg"});
   database.PutInliers({{1, 2, {{0, 3}, {4, 5}}}, {0, 1, {{7, 8}}}, {0, 2, {}}});
-  database.PutInliers({{1, 2, {{6, 9}}}});  // in the place of what it had
+  database.PutInliers({{1, 2, {{6, 9}}}});  // replaces the previous matches
   const std::vector<PairMatches> pairs = database.VerifiedMatches();
   using Matches = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   ASSERT_EQ(pairs.size(), 2U);

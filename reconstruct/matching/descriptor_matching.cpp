@@ -18,10 +18,10 @@ constexpr double kSquaredLength = 512.0 * 512.0;
 
 constexpr int kLanes = 16;                    // descriptors side by side in a packed block
 constexpr int kPackedBlock = kLanes * kSize;  // 16-bit numbers of a block
-constexpr int kRows = 8;                      // descriptors of a that one pass over a block serves
+constexpr int kRows = 8;                      // descriptors of a for each pass over a block
 
-/// Blocks of 16 descriptors with their dimensions interleaved two by two, as the multiply-add
-/// instruction wants them; zero-filled.
+/// Blocks of 16 descriptors with their dimensions interleaved in pairs, as the multiply-add
+/// instruction needs them; zero-filled.
 std::vector<std::int16_t> Packed(const Features& features) {
   const int blocks = (features.count() + kLanes - 1) / kLanes;
   std::vector<std::int16_t> packed(static_cast<std::size_t>(blocks) * kPackedBlock, 0);
@@ -35,7 +35,7 @@ std::vector<std::int16_t> Packed(const Features& features) {
 
 struct Dots {
   alignas(64) std::int32_t value[kRows][kLanes];
-  std::uint32_t above[kRows];  ///< bit for each lane whose value exceeds the least that counts
+  std::uint32_t above[kRows];  ///< bit for each lane whose value exceeds the least relevant one
 };
 
 using DotBlock = void (*)(const std::int16_t* const rows[kRows], const std::int16_t* block,
@@ -60,7 +60,7 @@ void DotBlockPortable(const std::int16_t* const rows[kRows], const std::int16_t*
 __attribute__((target("avx2"))) void DotBlockAvx2(const std::int16_t* const rows[kRows],
                                                   const std::int16_t* block, std::int32_t least,
                                                   Dots& dots) {
-  constexpr int kHalf = kRows / 2;  // as many sums as there are registers for
+  constexpr int kHalf = kRows / 2;  // as many sums as there are registers
   for (int start = 0; start < kRows; start += kHalf) {
     __m256i sums[kHalf][2];
     for (auto& row : sums) row[0] = row[1] = _mm256_setzero_si256();
@@ -115,7 +115,7 @@ DotBlock ChooseDotBlock() {
   return DotBlockPortable;
 }
 
-/// Below this dot product a descriptor can be neither nearest nor a second nearest that fails the
+/// A descriptor with a smaller dot product is neither a match, nor a second nearest that fails the
 /// ratio test.
 int LeastDot(const MatchOptions& options) {
   const double widest = std::min(1.5707963267948966, options.max_distance / options.max_ratio);
@@ -150,7 +150,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> MutualMatches(
 std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchDescriptors(const Features& a,
                                                                       const Features& b,
                                                                       const MatchOptions& options) {
-  constexpr int kTile = 48;  // blocks of b that stay in the cache while all of a passes by
+  constexpr int kTile = 48;  // blocks of b that stay in the cache during a pass over a
   static const DotBlock dot_block = ChooseDotBlock();
   std::vector<NearestTwo> of_a(static_cast<std::size_t>(a.count())),
       of_b(static_cast<std::size_t>(b.count()));

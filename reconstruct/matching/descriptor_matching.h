@@ -9,12 +9,13 @@
 namespace keypose::reconstruct {
 
 struct MatchOptions {
-  /// of the angle to the nearest over the angle to the second nearest descriptor
+  /// largest ratio of the angles to the nearest and to the second nearest descriptor
   double max_ratio = 0.8;
-  double max_distance = 0.7;  ///< angle to the nearest [rad]
+  double max_distance = 0.7;  ///< largest angle to the nearest [rad]
 };
 
-/// Largest and second largest dot product of a descriptor with others, and where the largest is.
+/// Largest and second largest dot product of a descriptor with others, and the index of the
+/// largest.
 struct NearestTwo {
   int dot = -1, second = -1, index = -1;  ///< -1: none
   void Offer(int value, int at) {
@@ -28,7 +29,7 @@ struct NearestTwo {
   }
 };
 
-/// Pairs that are each other's nearest and pass both tests in both directions.
+/// Mutual nearest neighbours that pass both tests in both directions.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> MutualMatches(
     const std::vector<NearestTwo>& of_a, const std::vector<NearestTwo>& of_b,
     const MatchOptions& options);
@@ -40,8 +41,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchDescriptors(const Feat
                                                                       const Features& b,
                                                                       const MatchOptions& options);
 
-/// The `count` features of largest scale, in their order; what can still be matched when all pairs
-/// of images are tried.
+/// The `count` features of largest scale, in their order; so few that all pairs of images can be
+/// matched.
 Features LargestFeatures(const Features& features, int count);
 
 }  // namespace keypose::reconstruct

@@ -9,9 +9,9 @@
 namespace keypose::reconstruct {
 namespace {
 
-// Pixels that stay as they are around the grown mask, and over which they then fade. Wide against a
-// feature's window, so that the fade itself is no feature; the feature's centre lies inside the
-// grown mask anyhow.
+// Pixels around the grown mask that stay unchanged, and over which the rest then fades. The fade is
+// wide relative to a feature's window, so that it is no feature itself; features' centres are
+// inside the grown mask.
 constexpr int kKeep_px = 16, kFade_px = 24;
 
 struct CropBox {

@@ -33,11 +33,11 @@ class Grid {
           .push_back(i);
   }
 
-  /// Calls visit(feature) for all within `reach` of the line and some more.
+  /// Calls visit(feature) for all features within `reach` of the line and some more.
   template <class Visit>
   void AlongLine(const Eigen::Vector3d& line, double reach, const Visit& visit) const {
-    // The axis along which the line advances faster is walked cell by cell; the other one follows
-    // from the line.
+    // Visits cell by cell along the axis in which the line advances faster; the other coordinate
+    // follows from the line.
     const bool along_x = std::abs(line.y()) >= std::abs(line.x());
     const double across = along_x ? line.y() : line.x(), along = along_x ? line.x() : line.y();
     if (across == 0) return;

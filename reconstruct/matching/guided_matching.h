@@ -1,4 +1,4 @@
-// A second matching along epipolar lines, for pairs whose geometry is known.
+// A second matching along epipolar lines, for pairs with known geometry.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,13 +11,12 @@
 namespace keypose::reconstruct {
 
 /// Mutual nearest neighbours among the features that the pair's geometry allows, with the ratio
-/// test among those only: a feature whose rivals lie off its epipolar line counts, which is what
-/// keeps fur and grain together.
+/// test among those only. So a feature passes if similar features are far from its epipolar line,
+/// which is the case on fur and grain.
 ///
-/// @param geometry  how COLMAP related the two images; kOther gives no matches
-/// @param max_error_px  Sampson distance (or transfer distance of a homography) that is allowed;
-/// the feature of b must also lie within
-///                      sqrt(2) times that of its epipolar line
+/// @param geometry      of the two images; kOther gives no matches
+/// @param max_error_px  largest Sampson distance (or transfer distance of a homography); the
+/// feature of b must also be within sqrt(2) times that of its epipolar line
 /// Cost: features near each line, found by a grid. Same matches on every processor.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> MatchGuided(const Features& a,
                                                                  const Features& b,

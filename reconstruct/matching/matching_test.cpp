@@ -1,4 +1,4 @@
-// Matching of descriptors, matching along epipolar lines, and the choice of pairs.
+// Matching of descriptors, matching along epipolar lines, and the selection of pairs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -120,7 +120,7 @@ TEST(LargestFeatures, KeepsTheLargestInTheirOrder) {
   EXPECT_EQ(LargestFeatures(features, 2).scales, Eigen::Vector2f(9, 5));
 }
 
-/// Two images a base line along x apart, so that epipolar lines are rows.
+/// Two images with a baseline along x, so that epipolar lines are rows.
 PairGeometry RowGeometry() {
   PairGeometry geometry;
   geometry.kind = PairGeometry::kFundamental;
@@ -132,7 +132,8 @@ TEST(MatchGuided, FindsOnTheLineWhatARivalElsewhereHides) {
   std::mt19937 random(9);
   Features a = RandomFeatures(1, random);
   a.positions.row(0) << 100, 200;
-  Features b = Permuted(a, {0, 0});  // twice the same descriptor: the ratio test alone must refuse
+  // twice the same descriptor: the ratio test alone must reject it
+  Features b = Permuted(a, {0, 0});
   b.positions.row(0) << 300, 201;
   b.positions.row(1) << 300, 260;
   EXPECT_TRUE(MatchDescriptors(a, b, {}).empty());
@@ -163,7 +164,7 @@ TEST(MatchGuided, GridMissesNothingNearSteepAndFlatLines) {
   std::mt19937 random(11);
   const Features a = RandomFeatures(120, random);
   for (const double angle : {0.0, 0.4, 0.8, 1.2, 1.57}) {
-    // Features moved along a direction: the geometry of a sideways camera, rotated.
+    // Features shifted along a direction: the geometry of a sideways camera, rotated.
     const Vector2d along(std::cos(angle), std::sin(angle));
     Features b = a;
     for (int i = 0; i < b.count(); ++i)
@@ -180,7 +181,7 @@ TEST(MatchGuided, HomographyLooksAroundTheTarget) {
   Features a = RandomFeatures(1, random);
   a.positions.row(0) << 100, 100;
   Features b = Permuted(a, {0, 0});
-  b.positions.row(0) << 110, 106;  // 1 px off the shifted place
+  b.positions.row(0) << 110, 106;  // 1 px off the shifted position
   b.positions.row(1) << 140, 105;
   PairGeometry geometry;
   geometry.kind = PairGeometry::kHomography;

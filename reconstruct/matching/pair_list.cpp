@@ -23,7 +23,7 @@ Eigen::MatrixXi PreviewScores(const std::vector<Features>& features, int preview
     previews[i] = LargestFeatures(features[i], preview_features);
   const std::vector<ImagePair> all = AllPairs(images);
   std::vector<int> counts(all.size());
-  // A lenient ratio: the count only ranks, and what is matched later is tested strictly.
+  // A lenient ratio: the number only ranks, and selected pairs are tested strictly later.
   const MatchOptions lenient{.max_ratio = 0.85, .max_distance = 0.8};
   ParallelFor(
       static_cast<std::int64_t>(all.size()),

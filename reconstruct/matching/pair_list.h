@@ -1,4 +1,4 @@
-// Which pairs of photographs to match.
+// Selects the pairs of photographs to match.
 #pragma once
 
 #include <utility>
@@ -10,11 +10,11 @@
 namespace keypose::reconstruct {
 
 struct PairListOptions {
-  int all_pairs_limit = 48;  ///< up to this many images all pairs are matched
-  int neighbors = 4;  ///< images before and after in the names' order are always paired; the order
-                      ///< closes to a circle
-  int similar = 24;   ///< most similar images of each image that are paired too
-  int preview_features = 512;  ///< largest features of each image by which similarity is counted
+  int all_pairs_limit = 48;  ///< sets of at most this many images are matched in all pairs
+  int neighbors = 4;  ///< number of images before and after, in the circular order of names, that
+                      ///< are always paired
+  int similar = 24;   ///< most similar images of each image that are also paired
+  int preview_features = 512;  ///< largest features of each image that are used for similarity
 };
 
 using ImagePair = std::pair<int, int>;  ///< first < second
@@ -22,8 +22,8 @@ using ImagePair = std::pair<int, int>;  ///< first < second
 /// All pairs, sorted.
 std::vector<ImagePair> AllPairs(int images);
 
-/// Pairs of each image with its neighbours in a circle of `images`, sorted. Closes the ring when
-/// one ring is all there is.
+/// Pairs of each image with its neighbours in a circle of `images`, sorted. Closes the ring if
+/// there is only one ring.
 std::vector<ImagePair> CircularPairs(int images, int neighbors);
 
 /// Pairs of each image with the `similar` images with which it has the highest positive score;
@@ -31,11 +31,12 @@ std::vector<ImagePair> CircularPairs(int images, int neighbors);
 /// @param scores  images x images, symmetric
 std::vector<ImagePair> SimilarPairs(const Eigen::MatrixXi& scores, int similar);
 
-/// The pairs to match: all when that is affordable, else neighbours in order and the most similar
-/// by matches among the largest features of all pairs, which is what finds each ring's closure and
-/// the neighbouring rings without knowing how the photographs were taken.
+/// The pairs to match: all if the set is small, else neighbours in order and the most similar
+/// images. Similarity is the number of matches among the largest features of all pairs; it finds
+/// each ring's closure and the neighbouring rings for any way of shooting.
 /// Source: Wu, "Towards linear-time incremental structure from motion", 3DV 2013 (preemptive
-/// matching). Same result for any thread count.
+/// matching).
+/// Same result for any thread count.
 std::vector<ImagePair> ChoosePairs(const std::vector<Features>& features,
                                    const PairListOptions& options, Progress* progress = nullptr);
 

@@ -1,4 +1,4 @@
-// Matches on what does not turn with the table.
+// Removes matches on the static background of a turntable.
 #pragma once
 
 #include <utility>
@@ -8,15 +8,15 @@
 
 namespace keypose::reconstruct {
 
-/// Takes away matches that stay in place between two photographs, when there are so many of them
-/// that the camera must have stood still: the background of a turntable, where masks are missing or
-/// let it through. It would hold the cameras together in one place.
+/// Removes matches that do not move between two photographs, if there are so many that the camera
+/// must have been fixed: the background of a turntable, where masks are missing or include it.
+/// Those matches would place all cameras at the same position.
 ///
-/// A match stays in place when it moves by less than a thousandth of the picture's longer side or 1
-/// px. They go when they are 8 or more and outnumber the matches that move by one to three times
-/// that: places of a turning object spread smoothly over displacements, and then the ring of eight
-/// times the area holds more.
-/// @return how many were taken away
+/// A match is static when it moves by less than a thousandth of the picture's longer side or 1 px.
+/// Static matches are removed if there are at least 8 and more than matches that move by one to
+/// three times that limit. Displacements of a turning object are distributed smoothly, and then
+/// that ring, with eight times the area, has more matches.
+/// @return number of removed matches
 int RejectStaticMatches(const Features& first, const Features& second, int longer_side_px,
                         std::vector<std::pair<std::uint32_t, std::uint32_t>>& matches);
 

@@ -7,7 +7,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// `count` matches of feature i with feature i, displaced by up to `reach` px in each axis.
+/// `count` matches of feature i with feature i, displaced by up to `reach` px along each axis.
 struct Pair {
   Features first, second;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> matches;
@@ -39,7 +39,7 @@ TEST(RejectStaticMatches, TakesTheBackgroundAndLeavesWhatTurns) {
 TEST(RejectStaticMatches, LeavesSmallTurnsNearTheAxis) {
   std::mt19937 random(4);
   Pair pair;
-  Add(pair, 900, 5, 0, random);  // some 30 within 1 px, but they are no crowd
+  Add(pair, 900, 5, 0, random);  // some 30 within 1 px, but no excess
   EXPECT_EQ(RejectStaticMatches(pair.first, pair.second, 1000, pair.matches), 0);
   EXPECT_EQ(pair.matches.size(), 900U);
 }

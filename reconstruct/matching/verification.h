@@ -8,22 +8,22 @@
 namespace keypose::reconstruct {
 
 struct VerificationOptions {
-  double max_error_px = 4;  ///< distance to the epipolar line that an inlier may have
+  double max_error_px = 4;  ///< largest distance of an inlier from its epipolar line
   int min_inliers = 15;
   int max_iterations = 3000;  ///< samples of seven matches
 };
 
-/// Matches that stood the test, and the fundamental matrix that they agree on.
+/// Matches that passed the test, and their fundamental matrix.
 struct Verified {
   PairMatches inliers;
   PairGeometry geometry;
 };
 
-/// Fits a fundamental matrix by RANSAC with a guard against planes (a flat scene fits many) and
-/// local optimisation.
-/// @return nothing with fewer inliers than asked for
-/// Same result on any number of threads: each pair draws from a generator of its own.
-/// Source: Raguram et al., "USAC", TPAMI 2013, as OpenCV has it.
+/// Fits a fundamental matrix by RANSAC with a test for degenerate planes (a flat scene fits many
+/// matrices) and local optimisation.
+/// @return nothing with fewer inliers than required
+/// Same result on any number of threads: each pair has its own random generator.
+/// Source: Raguram et al., "USAC", TPAMI 2013, as in OpenCV.
 std::optional<Verified> VerifyPair(const Features& first, const Features& second,
                                    const PairMatches& raw, const VerificationOptions& options);
 

@@ -77,7 +77,7 @@ TEST(MergeWithinCells, MeanOfACellIsWeightedByConfidenceSquared) {
   PointCloud cloud = SphereCloud(4);
   cloud.points << 0, 0, 0, 0.3, 0, 0, 0.3, 0, 0, 2, 0, 0;
   cloud.normals << 0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0,
-      1;  // the third is another side of a thin sheet
+      1;  // the third is on the other side of a thin sheet
   cloud.confidence = Eigen::Vector4f(1, 0.5f, 0.25f, 0.75f);
   const PointCloud merged = MergeWithinCells(cloud, 1);
   ASSERT_EQ(merged.points.rows(), 3);
@@ -154,7 +154,7 @@ TEST(ReconstructSurface, GenerousTrimKeepsTheSmoothClosure) {
 }
 
 TEST(ReconstructSurface, SmallGapIsClosedAndCounted) {
-  // The opening has 0.3 % of the sphere's area; it is trimmed at one spacing, and stays as a
+  // The opening has 0.3 % of the sphere's area; it is trimmed at one spacing, and kept as a
   // closure.
   MeshOptions options = Fast();
   options.trim.trim = 1;
@@ -278,7 +278,7 @@ double PoleHeight(const Mesh& mesh) {
 
 TEST(ReconstructSurface, WrongPatchOfLowConfidenceMovesTheSurfaceLessThanATenthOfASureOne) {
   const PointCloud sphere = SphereCloud(8000);
-  PointCloud patch = UpperCap(SphereCloud(7000), 0.95);  // as dense as what is right
+  PointCloud patch = UpperCap(SphereCloud(7000), 0.95);  // as dense as the correct points
   patch.points += 0.04 * kRadius * patch.normals;
   PointCloud both = Joined(sphere, patch);
   both.confidence = Eigen::VectorXf::Ones(both.points.rows());

@@ -15,11 +15,11 @@ namespace {
 
 constexpr int kFewestPoints = 100;
 constexpr std::int64_t kPointGrain = 2048;
-// Two sides of a thin sheet see half of their neighbours turned away: only near unanimity tells a
-// wrong normal.
+// On a thin sheet half of a point's neighbours are on the other side with opposite normals. So only
+// a near-unanimous disagreement indicates a wrong normal.
 constexpr double kContraryShare = 0.2;
-// With the normals' own weight this makes a point of a tenth of the confidence pull less than a
-// tenth.
+// Exponent of the confidence ratio. Combined with the normals' own weights, a point of a tenth of
+// the confidence has less than a tenth of the influence.
 constexpr double kThinning = 1.5;
 
 double Median(std::vector<double> values) {
@@ -45,7 +45,7 @@ PointCloud Selected(const PointCloud& cloud, const std::vector<char>& keep) {
   return out;
 }
 
-// Drops the marked points and counts them.
+// Removes the points with keep == 0 and returns their number.
 int Drop(PointCloud& cloud, const std::vector<char>& keep) {
   const int dropped = static_cast<int>(std::count(keep.begin(), keep.end(), 0));
   if (dropped > 0) cloud = Selected(cloud, keep);
@@ -55,13 +55,13 @@ int Drop(PointCloud& cloud, const std::vector<char>& keep) {
 struct Neighborhood {
   Eigen::VectorXd mean_distance;  // to the k nearest
   Eigen::VectorXd spacing;        // from the k-th: k points in a disc of that radius
-  Eigen::VectorXd confidence;     // the largest of the k nearest that show the same place; empty
-                                  // without confidences
-  Eigen::VectorXd agreeing;       // share of the k nearest whose normal lies on the same side
+  Eigen::VectorXd confidence;  // largest confidence among the k nearest for the same place; empty
+                               // without confidences
+  Eigen::VectorXd agreeing;    // share of the k nearest whose normal is on the same side
 };
 
-// The largest confidence, its own included, among the neighbours that lie above or below a point
-// and face the same way: those that contradict it. What lies beside it does not.
+// The largest confidence, the point's own included, among the neighbours above or below it that
+// face the same way. Only those are inconsistent with it; neighbours beside it are not.
 double SurestAbove(const PointCloud& cloud, int i, const std::vector<KdTree::Neighbor>& near,
                    double spacing) {
   double surest = cloud.confidence[i];
@@ -84,7 +84,7 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
                    Eigen::VectorXd::Zero(graded ? count : 0), Eigen::VectorXd::Zero(count)};
   ParallelBlocks(count, kPointGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
-      // The point finds itself too.
+      // The query returns the point itself too.
       const auto near = tree.Nearest(cloud.points.row(i).transpose(), neighbors + 1);
       double sum = 0;
       int agree = 0;
@@ -101,14 +101,14 @@ Neighborhood Measure(const PointCloud& cloud, int neighbors) {
   return out;
 }
 
-// The mean distance to the nearest `neighbors` of a point among points that lie evenly on a plane,
-// one for a square of this side.
+// The mean distance from a point to its `neighbors` nearest, for points evenly distributed on a
+// plane with one point per square of this side.
 double EvenMeanDistance(double side, int neighbors) {
   return 2.0 / 3 * side * std::sqrt(neighbors / std::numbers::pi);
 }
 
-// The divergence theorem on samples: area-weighted normals against offsets from the middle give
-// three times the volume.
+// The divergence theorem on samples: the sum of area-weighted normals times offsets from the
+// centroid is three times the volume.
 bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
   const Eigen::RowVector3d middle = cloud.points.colwise().mean();
   double flux = 0;
@@ -118,8 +118,8 @@ bool PointInside(const PointCloud& cloud, const Eigen::VectorXd& spacing) {
   return flux < 0;
 }
 
-// A point speaks for the area around it, so that sparse points of the hull are not drowned by their
-// dense neighbours.
+// A point's weight includes the area around it, so that sparse points of the hull keep their
+// influence beside dense neighbours.
 Eigen::VectorXf Weights(const FilteredPoints& points) {
   constexpr double kLargestArea = 16;
   Eigen::VectorXf weights(points.spacing.size());
@@ -131,7 +131,7 @@ Eigen::VectorXf Weights(const FilteredPoints& points) {
   return weights;
 }
 
-// A share of the points, even and the same on every run.
+// Selects a share of the points, evenly and the same in every run.
 bool Chosen(std::uint64_t index, double share) {
   std::uint64_t z = (index + 1) * 0x9E3779B97F4A7C15ull;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -195,10 +195,10 @@ FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options,
     RequireEnough(out.cloud, what, before);
   }
 
-  ReportProgress(progress, 0.1, "looking for strays");
+  ReportProgress(progress, 0.1, "removing outliers");
   Neighborhood near = Measure(out.cloud, options.neighbors);
-  // Several layers of points are denser than merging leaves one: what the hull fills in, a point a
-  // voxel, is no stray beside them.
+  // Several layers of points are denser than a merged layer. With this limit, the hull's points,
+  // one per voxel, are no outliers beside them.
   const double usual =
       std::max(Median(near.mean_distance), EvenMeanDistance(merge_cell, options.neighbors));
   const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * usual : INFINITY;

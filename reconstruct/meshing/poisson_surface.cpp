@@ -13,8 +13,8 @@
 namespace keypose::reconstruct {
 namespace {
 
-// PCL works in floats: coordinates far from the origin would lose the surface's detail, so points
-// go to the unit cube and back.
+// PCL works in floats: coordinates far from the origin would lose the surface's detail. So points
+// are mapped to the unit cube and back.
 struct UnitCube {
   Eigen::RowVector3d center;
   double extent;
@@ -67,17 +67,17 @@ Mesh ScreenedPoisson(const PointsX3& points, const PointsX3& normals,
   const UnitCube cube(points);
   pcl::Poisson<pcl::PointNormal> poisson;
   poisson.setInputCloud(ToPcl(points, normals, weights, cube));
-  poisson.setConfidence(weights.size() > 0);  // the normals' lengths
+  poisson.setConfidence(weights.size() > 0);  // given by the normals' lengths
   poisson.setDepth(options.depth);
   poisson.setScale(static_cast<float>(kPoissonCubeScale));
-  // A solver split above the tree's depth would be ignored; below depth 9 one block is fastest,
-  // above it saves memory.
+  // A solver division above the tree's depth is ignored. Below depth 9 one block is fastest; above,
+  // this saves memory.
   poisson.setSolverDivide(8);
   poisson.setIsoDivide(8);
   poisson.setMinDepth(std::min(5, options.depth));
   poisson.setPointWeight(static_cast<float>(options.point_weight));
   poisson.setSamplesPerNode(static_cast<float>(options.samples_per_node));
-  // Its parallel sums add in the order in which threads arrive.
+  // With several threads the order of its sums would vary.
   poisson.setThreads(1);
   pcl::PointCloud<pcl::PointNormal> vertices;
   std::vector<pcl::Vertices> polygons;

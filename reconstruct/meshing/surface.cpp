@@ -19,8 +19,8 @@ double CellSize(const PointsX3& points, int depth) {
   return kPoissonCubeScale * extent.maxCoeff() / std::pow(2.0, depth);
 }
 
-// The largest extent of all but the outermost hundredth on each side: a single stray must not say
-// how fine the mesh is.
+// The largest extent without the outermost hundredth on each side, so that a single outlier does
+// not affect the fineness of the mesh.
 double BulkExtent(const PointsX3& points) {
   double extent = 0;
   for (int c = 0; c < 3; ++c) {
@@ -35,8 +35,8 @@ double BulkExtent(const PointsX3& points) {
   return extent;
 }
 
-// Poisson's inside is where the normals come from; a surface that disagrees with its points would
-// turn every later step inside out.
+// Poisson's surface is oriented by the normals; a surface oriented against its points would make
+// every later step work inside out.
 void FaceAlongNormals(Mesh& mesh, const PointCloud& cloud) {
   const KdTree tree(cloud.points);
   const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
@@ -75,30 +75,26 @@ void MeshOptions::Describe(OptionVisitor& visit) {
          4,
          {}});
   visit("point_weight", poisson.point_weight,
-        {"how strongly the surface is held to the points; 0 is the unscreened method",
-         "",
-         0,
-         100,
-         {}});
+        {"weight of the points in the fit; 0 is the unscreened method", "", 0, 100, {}});
   visit("samples_per_node", poisson.samples_per_node,
-        {"points wanted in a leaf: 1 to 5 for clean clouds, 10 to 20 for noisy ones",
+        {"least number of points in a leaf: 1 to 5 for clean clouds, 10 to 20 for noisy ones",
          "points",
          1,
          50,
          {}});
   visit("neighbors", filter.neighbors,
-        {"points that say how dense a place is", "points", 4, 100, {}});
-  visit(
-      "outlier_ratio", filter.outlier_ratio,
-      {"a point is removed when its neighbours are this many times farther than usual; 0 keeps all",
-       "",
-       0,
-       1000,
-       {}});
+        {"neighbours from which the local density is measured", "points", 4, 100, {}});
+  visit("outlier_ratio", filter.outlier_ratio,
+        {"a point is removed when its mean distance to its neighbours exceeds the median by this "
+         "factor; 0 keeps all",
+         "",
+         0,
+         1000,
+         {}});
   visit("min_confidence", filter.min_confidence,
         {"points of lower confidence are not used", "", 0, 1, {}});
   visit("thin_unsure", filter.thin_unsure,
-        {"keep only a share of the points that are less certain than their neighbours"});
+        {"keep only a share of the points that are less confident than their neighbours"});
   visit("trim", trim.trim,
         {"surface farther from all points than this many point distances is cut away; 0 keeps all",
          "spacings",

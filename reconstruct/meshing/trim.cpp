@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kTrimGrain = 2048;
 constexpr int kColorNeighbors = 6;
-// Lonely points must not hold up a balloon because their own spacing is large.
+// An isolated point has a large spacing, but must not keep a far surface.
 constexpr double kLargestSpacing = 4;
 
 std::vector<char> VerticesWithData(const Mesh& surface, const FilteredPoints& points, double cell,
@@ -33,8 +33,8 @@ std::vector<char> VerticesWithData(const Mesh& surface, const FilteredPoints& po
   return has_data;
 }
 
-// Union-find over vertices; the smallest index names a part, so that names do not depend on the
-// order of joining.
+// Union-find over vertices. The smallest index identifies a part, so that the result does not
+// depend on the order of joining.
 class Parts {
  public:
   explicit Parts(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -51,7 +51,7 @@ class Parts {
   std::vector<int> parent_;
 };
 
-// For each face of the chosen kind, the name of its connected part; -1 for the others.
+// For each face with chosen != 0 the index of its connected part; -1 for the others.
 std::vector<int> PartOfFaces(const Mesh& mesh, const std::vector<char>& chosen) {
   Parts parts(mesh.vertex_count());
   for (int f = 0; f < mesh.face_count(); ++f) {
@@ -66,7 +66,7 @@ std::vector<int> PartOfFaces(const Mesh& mesh, const std::vector<char>& chosen) 
   return part;
 }
 
-// Small patches without data stay: Poisson closes them better than a hole filler would.
+// Small patches without data are kept: Poisson closes them better than hole filling would.
 int KeepSmallClosures(const Mesh& mesh, double share, std::vector<char>& keep) {
   std::vector<char> bare(keep.size());
   std::transform(keep.begin(), keep.end(), bare.begin(), [](char k) { return !k; });
@@ -152,7 +152,7 @@ ColorsX3 ColorsFromPoints(const Mesh& surface, const FilteredPoints& points) {
   ColorsX3 colors(surface.vertex_count(), 3);
   ParallelBlocks(surface.vertex_count(), kTrimGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t v = begin; v < end; ++v) {
-      // Two sums: facing points, and all of them for the rare vertex that none faces.
+      // Two sums: over facing points, and over all points for the rare vertex without facing ones.
       Eigen::RowVector3d sum[2] = {Eigen::RowVector3d::Zero(), Eigen::RowVector3d::Zero()};
       double weight[2] = {0, 0};
       for (const auto& near : tree.Nearest(surface.points.row(v).transpose(), kColorNeighbors)) {

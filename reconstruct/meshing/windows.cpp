@@ -19,8 +19,9 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double kSurelyOutside = 1.5;  // [px] masks are right to a pixel or so
-constexpr double kReach = 2;  // [px] outside, where a point of the cloud contradicts a window
+constexpr double kSurelyOutside = 1.5;  // [px] masks have an error of a pixel or so
+// [px] points of the cloud farther outside are inconsistent with a window
+constexpr double kReach = 2;
 
 using Key = std::tuple<int, int, int>;  // of a lattice point, in cells
 
@@ -39,8 +40,8 @@ class Solid {
     return votes >= 2;
   }
 
-  /// Where a line runs from its first to its last meeting with the surface, in its own units;
-  /// nothing where it meets none.
+  /// The interval of a line from its first to its last intersection with the surface, in its own
+  /// units; nothing where it does not intersect it.
   std::array<double, 2> Span(const SightLine& line) const {
     std::array<double, 2> span = {0, 0};
     double from = 0;
@@ -59,7 +60,7 @@ class Solid {
   PointsX3 normals_;
 };
 
-/// Lattice points in the windows, and what the outlines say of them and of those beside them.
+/// Lattice points in the windows, with the outlines' distance there and at adjacent points.
 class Windows {
  public:
   Windows(const Solid& solid, const OutsideField& outside, double cell)
@@ -80,12 +81,13 @@ class Windows {
     }
   }
 
-  /// One near each pair of neighbours in and out of the figure, where the outlines run.
+  /// One point near each pair of adjacent lattice points inside and outside of the figure, on the
+  /// outlines.
   PointCloud Walls() {
-    std::map<Key, Vector3d> walls;  // by the lattice point in the figure, so that each has one
+    std::map<Key, Vector3d> walls;  // by lattice point in the figure
     std::set<Key> rim = open_;
     for (int ring = 0; ring < 2; ++ring)
-      rim = Widened(rim);  // from surely outside to the outline itself
+      rim = Widened(rim);  // from clearly outside to the outline itself
     for (const Key& at : rim) {
       if (OutsideAt(at) <= 0) continue;
       for (const Key& next : Beside(at)) {

@@ -1,4 +1,4 @@
-// A plate with a window whose points web it over, and photographs that see through it.
+// A plate with a window that is covered by wrong points, and photographs that see through it.
 #include "reconstruct/meshing/windows.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kHalf = 1, kThick = 0.15, kWindow = 0.35, kSpacing = 0.04,
-                 kPixel = 0.01;  // a pixel's length at the plate
+                 kPixel = 0.01;  // size of a pixel at the plate
 
-/// Both sides and the edge of the plate, with points in the window as well: unsure ones, as the
-/// hull of masks that closed it gives.
+/// Both sides and the edge of the plate, with points of low confidence in the window as well, as
+/// from the hull of masks that closed it.
 PointCloud WebbedPlate() {
   std::vector<Vector3d> points, normals;
   std::vector<float> sure;
@@ -48,7 +48,7 @@ PointCloud WebbedPlate() {
   return cloud;
 }
 
-/// The exact outlines' word: in the window, or beyond the plate.
+/// The exact outlines: in the window, or beyond the plate.
 double Outside(const Vector3d& x) {
   const double across = std::max(std::abs(x.y()), std::abs(x.z()));
   return std::max(kWindow - across, std::max(across - kHalf, std::abs(x.x()) - kThick)) / kPixel;
@@ -88,7 +88,7 @@ TEST(Windows, StayOpenWherePhotographsSeeThrough) {
   EXPECT_EQ(GenusOf(open.mesh), 1);
   EXPECT_EQ(open.views_with_closed_window, 4);
   EXPECT_GT(open.window_points, 100);
-  // As wide as the outlines say, to a finest cell: 2.5 / 64.
+  // As wide as in the outlines, up to a finest cell: 2.5 / 64.
   double narrowest = kHalf;
   for (int v = 0; v < open.mesh.vertex_count(); ++v)
     if (std::abs(open.mesh.points(v, 0)) < kThick / 2)
@@ -108,7 +108,7 @@ TEST(Windows, WallsFaceTheWindow) {
   const auto before = points.cloud.points.rows();
   const int walls = AddWindowWalls(Webbed().mesh, LinesOf(4), Outside, 0.04, &points);
   ASSERT_GT(walls, 100);
-  EXPECT_LT(points.cloud.points.rows() - walls, before);  // the web's points went
+  EXPECT_LT(points.cloud.points.rows() - walls, before);  // the wrong points were removed
   for (Eigen::Index i = points.cloud.points.rows() - walls; i < points.cloud.points.rows(); ++i) {
     const Vector3d x = points.cloud.points.row(i), n = points.cloud.normals.row(i);
     if (std::abs(x.x()) > kThick - 0.04) continue;  // the plate's own faces beside the window

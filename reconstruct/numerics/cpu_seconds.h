@@ -5,7 +5,7 @@
 
 namespace keypose::reconstruct {
 
-/// User and system seconds of this process and of the programs that it has run to their end.
+/// User and system seconds of this process and of its finished child processes.
 inline double CpuSeconds() {
   double seconds = 0;
   for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {

@@ -14,8 +14,8 @@ inline double SquaredSampson(const Eigen::Matrix3d& e, const Eigen::Vector3d& x,
          (line.head<2>().squaredNorm() + (e.transpose() * y).head<2>().squaredNorm() + 1e-300);
 }
 
-/// The matrix E with y^T E x = 0 for rays x, y of the first and the second view, whose poses (view
-/// from world) are given.
+/// The matrix E with y^T E x = 0 for rays x of the first and y of the second view, whose poses
+/// (view from world) are given.
 inline Eigen::Matrix3d EssentialOf(const Eigen::Matrix3d& r1, const Eigen::Vector3d& t1,
                                    const Eigen::Matrix3d& r2, const Eigen::Vector3d& t2) {
   const Eigen::Matrix3d r = r2 * r1.transpose();

@@ -1,4 +1,4 @@
-// Minimum of a function of a few variables that has kinks: the simplex search.
+// Minimum of a non-smooth function of a few variables: the simplex search.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,7 +6,7 @@
 
 namespace keypose::reconstruct {
 
-/// The best point found from `start`, with the first simplex spanned by `step` along each axis.
+/// The best point found from `start`; `step` is the size of the first simplex along each axis.
 /// Never worse than `start`.
 /// Source: Nelder & Mead, The Computer Journal 1965, with the usual coefficients 1, 2, 1/2, 1/2.
 Eigen::VectorXd MinimizeSimplex(const std::function<double(const Eigen::VectorXd&)>& cost,

@@ -1,4 +1,4 @@
-// The median of values that count differently.
+// The weighted median.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 namespace keypose::reconstruct {
 
 /// @param values  value and weight; sorted by the call
-/// @return the least value up to which lies half of all weight; 0 for none
+/// @return the smallest value at which the cumulative weight reaches half of the total; 0 for no
+/// values
 inline double WeightedMedian(std::vector<std::pair<double, double>>* values) {
   std::sort(values->begin(), values->end());
   double total = 0, sum = 0;

@@ -11,9 +11,9 @@ namespace {
 
 constexpr int kSolveGrain = 2048;
 constexpr int kMaxRounds = 120;
-constexpr double kRelativeResidual = 1e-3;  // of the residual at the start
+constexpr double kRelativeResidual = 1e-3;  // of the initial residual
 
-constexpr int kShapeRounds = 8;  // neighbours so far around tell how a place bends at large
+constexpr int kShapeRounds = 8;  // rounds of neighbours over which the surface's shape is averaged
 
 using Values = std::vector<float>;
 
@@ -30,8 +30,8 @@ double Dot(const Values& a, const Values& b) {
   return total;
 }
 
-// The quadratic form of the energy, applied without a matrix. Neighbours count as if they faced
-// alike: with their true cosines the surface that bends least is one that has shrunk to nothing.
+// The quadratic form of the energy, applied without a matrix. It assumes parallel normals of
+// neighbours: with their true cosines, the surface of least bending would shrink to nothing.
 class Form {
  public:
   Form(const PointsX3& normals, const Neighbors& neighbors, const DisplacementEnergy& energy)
@@ -42,7 +42,7 @@ class Form {
     if (energy.slope_normals.rows() > 0) MakeSlopes(normals);
   }
 
-  // Half the energy's slope at no displacement, with its sign turned.
+  // Half the negative gradient of the energy at zero displacement.
   void RightSide(const PointsX3& points, const PointsX3& normals, Values* out) {
     ForBlocks([&](int v) {
       Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -52,7 +52,7 @@ class Form {
       bend_[v] =
           static_cast<float>(-mean.dot(normals.row(v)) * neighbors_.inverse_sum[v] / energy_.unit);
     });
-    // What the surface bends at large is its shape, and stays.
+    // Bending at a large scale is the surface's shape, and is kept.
     Values shape = bend_;
     Diffuse(neighbors_, 1, kShapeRounds, std::vector<char>(bend_.size(), 1), &shape);
     ForBlocks([&](int v) { bend_[v] -= shape[v]; });
@@ -117,7 +117,7 @@ class Form {
   }
 
  private:
-  // The transpose of the umbrella on bend_, gathered.
+  // The transpose of the umbrella operator, applied to bend_ and gathered per vertex.
   float BendBack(int v) const {
     float sum = neighbors_.inverse_sum[v] > 0 ? -bend_[v] : 0;
     for (int e = neighbors_.begin[v]; e < neighbors_.begin[v + 1]; ++e) {
@@ -127,7 +127,7 @@ class Form {
     return sum;
   }
 
-  // The rise along an edge from v to u changes by other * d_u - own * d_v.
+  // The height difference along an edge from v to u changes by other * d_u - own * d_v.
   struct Slope {
     float weight = 0, own = 0, other = 0;
   };

@@ -15,22 +15,24 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr int kFine = 2;          // cells of a view's picture a pixel and axis
-constexpr int kMargin = 24;       // pixels round the mask's crop: the surface may stand out
-constexpr double kBeyond = 0.75;  // pixels beyond an edge where nothing of the surface may lie
-// pixels that a contour may lie inside of its neighbours on the outline
+constexpr int kFine = 2;  // cells of a view's picture per pixel and axis
+// pixels around the mask's crop, since the surface may extend beyond it
+constexpr int kMargin = 24;
+constexpr double kBeyond = 0.75;  // pixels beyond an edge without any other surface
+// pixels: largest distance of a contour inside of its neighbours on the outline
 constexpr double kOutermost = 0.2;
 // cosine between the surface's normal and the outline's plane
 constexpr double kConstraintFacing = 0.7;
-constexpr double kFullLength = 0.5;            // pixels of outline that make a whole constraint
-constexpr double kHullSlack = 1;               // pixels that a constraint may leave the hull
-constexpr double kViolationFrom = 0.5;         // pixels outside of a mask, at least
-constexpr double kViolationErrors = 3;         // and so many times what masks usually err
+constexpr double kFullLength = 0.5;     // pixels of outline for the full weight of a constraint
+constexpr double kHullSlack = 1;        // pixels by which a constraint may leave the hull
+constexpr double kViolationFrom = 0.5;  // pixels outside of a mask, at least
+constexpr double kViolationErrors = 3;  // and at least this many times the masks' usual error
 constexpr double kLeastViolationFacing = 0.4;  // as kConstraintFacing, for violations
-// pixels that contours miss exact masks by, on average: there a violation counts fully
+// mean distance [pixels] of contours from exact masks: violations then have full weight
 constexpr double kExactMiss = 0.15;
 constexpr int kFrontierNeighbors = 32;
-constexpr double kFrontierReach = 6;  // pixels that a vertex may lie beside a frontier point
+// largest distance of a vertex beside a frontier point, pixels
+constexpr double kFrontierReach = 6;
 constexpr int kConstraintGrain = 256;
 
 using Constraint = OutlineConstraint;
@@ -67,7 +69,7 @@ std::vector<InnerEdge> InnerEdges(const FacesX3& faces) {
   return edges;
 }
 
-// Which cells of a view's picture the surface covers.
+// The cells of a view's picture that the surface covers.
 class Picture {
  public:
   Picture(int width, int height)
@@ -114,10 +116,10 @@ class Picture {
   std::vector<std::uint8_t> covered_;
 };
 
-// A place on an edge of the occluding contour that may be on the outline.
+// A point on an edge of the occluding contour that may be on the outline.
 struct Sample {
   int a = 0, b = 0;
-  double t = 0, length = 0;  // share of the edge, pixels that it stands for
+  double t = 0, length = 0;  // share of the edge; pixels of outline that the sample represents
   double offset = 0, footprint = 0;
   double distance = 0;  // outside of the mask, pixels
   std::size_t bin = 0;  // pixel of the mask's outline
@@ -170,8 +172,8 @@ class Outline {
     }
   }
 
-  // Whether all of a face lies deeper in the mask than outlines are asked for: most faces do, and
-  // need not be drawn.
+  // Whether a face is so deep in the mask that it cannot be within reach of the outline. Most faces
+  // are, and need not be drawn.
   bool Deep(int a, int b, int c) const {
     const Eigen::Vector2d& p = pixels_[a];
     if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= field_.width - 1 && p.y() <= field_.height - 1))
@@ -188,7 +190,7 @@ class Outline {
     for (int k = 0; k < steps; ++k) Ask(edge, (k + 0.5) / steps, std::max(length, 0.1) / steps);
   }
 
-  // At the share t of an edge, which stands for `length` pixels of outline.
+  // Adds a sample at the share t of an edge, which represents `length` pixels of outline.
   void Ask(const InnerEdge& edge, double t, double length) {
     const PointsX3 &points = surface_.mesh.points, &normals = surface_.normals;
     const Eigen::Vector3d x = (1 - t) * points.row(edge.a) + t * points.row(edge.b);
@@ -219,8 +221,8 @@ class Outline {
                                     cell(foot.x(), field_.width));
   }
 
-  // A rough surface has many such edges near its outline. Those that others hide from the outline
-  // by a fraction of a pixel say nothing: they would be pulled out.
+  // A rough surface has many such edges near its outline. Edges that others occlude from the
+  // outline, by a fraction of a pixel, are no outline; using them would pull them outwards.
   void KeepOutermost() {
     const std::ptrdiff_t row = field_.width + 2 * kMargin;
     std::vector<float> outermost(static_cast<std::size_t>(row * (field_.height + 2 * kMargin)),
@@ -280,7 +282,7 @@ bool Before(const Constraint& a, const Constraint& b) {
   return a.vertex != b.vertex ? a.vertex < b.vertex : a.view < b.view;
 }
 
-// One constraint a vertex and view.
+// Merges constraints to one per vertex and view.
 std::vector<Constraint> Together(std::vector<Constraint> constraints) {
   std::stable_sort(constraints.begin(), constraints.end(), Before);
   std::vector<Constraint> out;
@@ -305,7 +307,7 @@ std::vector<Constraint> Made(std::vector<Constraint> constraints) {
   return constraints;
 }
 
-// Frontier points want the surface even where it has fallen in and has no outline of its own.
+// Constraints from frontier points, even where the surface is too deep inside to have an outline.
 std::vector<Constraint> FrontierTerms(const Surface& surface,
                                       const std::vector<FrontierPoint>& frontier, double reach_px) {
   const KdTree tree(surface.mesh.points);
@@ -342,8 +344,8 @@ double UsualMiss(const std::vector<Constraint>& contour) {
   return weight > 0 ? sum / weight : 0;
 }
 
-// Nothing of the object lies where one mask shows the background. The farthest of many masks'
-// outlines is far by their noise alone: nearer than `from_px` is nothing asked.
+// Where a mask shows the background, there is no surface. The largest distance over many masks is
+// large because of their noise alone, so distances below `from_px` give no constraint.
 std::vector<Constraint> SilhouetteViolations(const Surface& surface, const Silhouettes& silhouettes,
                                              double weight, double from_px, double reach_px) {
   std::vector<Constraint> constraints(surface.mesh.vertex_count());
@@ -397,8 +399,8 @@ OutlineConstraints FindOutlineConstraints(const Mesh& mesh, const PointsX3& norm
   }
   if (violation_weight > 0) {
     const double miss = UsualMiss(constraints.contour);
-    // One mask's word against all photographs is worth what masks are worth here: loose ones bite
-    // into the object somewhere.
+    // The weight of a violation depends on the accuracy of these masks: inaccurate masks cut off
+    // parts of the figure somewhere.
     const double trust = std::pow(std::min(1.0, kExactMiss / std::max(miss, 1e-6)), 4);
     constraints.violations =
         SilhouetteViolations(surface, silhouettes, violation_weight * trust,

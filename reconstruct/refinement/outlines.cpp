@@ -14,17 +14,17 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr double kNeighbourFacing = 0.7;  // cosine between neighbours' normals
-constexpr double kLeastSpread = 0.5;      // pixels: outlines of masks are no finer
+constexpr double kLeastSpread = 0.5;      // pixels: outlines of masks are not more accurate
 constexpr int kNeighbors = 48;
 constexpr int kRounds = 2;
-// a view that misses by up to this many times what is typical is trusted fully
+// a view up to this factor worse than the typical view keeps its full weight
 constexpr double kUsualMisses = 1.5;
 constexpr int kOutlineGrain = 256;
 
 using Constraint = OutlineConstraint;
 using Weighed = std::pair<double, double>;  // value, weight
 
-// Constraints [begin, end) of one vertex, and what is usual around it.
+// Constraints [begin, end) of one vertex, with the median and spread of the constraints around it.
 struct Place {
   int begin = 0, end = 0;
   double usual = 0, spread = 0;  // pixels
@@ -35,8 +35,8 @@ struct Place {
   std::vector<Near> around;
 };
 
-// Judges constraints by those around them. All in pixels, since a constraint is as good as its
-// mask.
+// Weights constraints by comparison with those around them. All in pixels, since a constraint is as
+// accurate as its mask.
 class Consensus {
  public:
   /// @param constraints  sorted by vertex
@@ -63,12 +63,12 @@ class Consensus {
 
   const std::vector<Place>& places() const { return places_; }
 
-  // How much of a constraint counts, in [0, 1]: Tukey's biweight of its miss.
+  // Inlier weight of a constraint, in [0, 1]: Tukey's biweight of its residual.
   double InlierWeight(const Place& place, const Constraint& constraint) const {
     const double miss =
         Miss(place, constraint) / (options_.errors * std::max(place.spread, kLeastSpread));
     const double rest = std::max(0.0, 1 - miss * miss);
-    // Fur makes constraints that scatter: each says less.
+    // Constraints from fur scatter, so each has less weight.
     const double scatter = std::max(place.spread / kLeastSpread, 1.0);
     return trust_[constraint.view] * rest * rest / (scatter * scatter);
   }
@@ -105,7 +105,7 @@ class Consensus {
   }
 
   void WhatIsUsual(Place* place) const {
-    // A view that sees much outline here counts little more than one that sees little.
+    // A view with a long outline here gets little more weight than one with a short outline.
     std::vector<double> of_view(trust_.size(), 1e-12);
     for (const Place::Near& near : place->around)
       of_view[constraints_[near.constraint].view] +=
@@ -122,7 +122,7 @@ class Consensus {
     place->spread = 1.48 * WeightedMedian(&values);
   }
 
-  // By the square of how much more than other views a view contradicts.
+  // The weight of a view falls with the square of its residual relative to other views'.
   void TrustViews() {
     std::vector<std::vector<Weighed>> misses(trust_.size());
     for (const Place& place : places_)
@@ -144,7 +144,7 @@ class Consensus {
   const Mesh& mesh_;
   const PointsX3& normals_;
   const OutlineTargetOptions& options_;
-  std::vector<double> trust_;  // of each view
+  std::vector<double> trust_;  // weight of each view
   std::vector<Place> places_;
 };
 
@@ -159,8 +159,8 @@ void Measure(const std::vector<Constraint>& contour, SurfaceTargets* targets) {
   if (total > 0) targets->gap_px /= total, targets->gap_spread_px /= total;
 }
 
-// Constraints are judged by others of their kind: a dent makes few, among many contour terms round
-// it that miss nothing.
+// Each kind is compared with its own kind only: a dent has few constraints, and would be an outlier
+// among the many contour terms around it.
 class OutlineSum {
  public:
   OutlineSum(const Mesh& mesh, const PointsX3& normals, int views,

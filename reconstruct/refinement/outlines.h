@@ -1,5 +1,5 @@
-// Where the outlines of the masks want a mesh's surface: a displacement for each vertex that some
-// view sees on the surface's own outline.
+// Displacements of a mesh's vertices from the masks' outlines, for each vertex that is on the
+// surface's own outline in some view.
 #pragma once
 
 #include <vector>
@@ -11,35 +11,35 @@
 namespace keypose::reconstruct {
 
 struct OutlineTargetOptions {
-  double reach_px = 10;  ///< outlines farther than this from the surface's own are not believed
-  /// constraints within some of these lengths say together what is usual here
+  double reach_px = 10;  ///< outlines farther than this from the surface's own are ignored
+  /// distance over which constraints are averaged for a robust local estimate
   double smoothing_px = 20;
-  double violation_weight = 1;  ///< of silhouette violations beside the other terms, where contours
-                                ///< meet the outlines exactly
-  double errors = 3;  ///< a constraint that misses the usual by more than this many typical
-                      ///< deviations has no weight
+  double violation_weight = 1;  ///< of silhouette violations relative to the other terms, where
+                                ///< contours match the outlines exactly
+  double errors = 3;  ///< a constraint farther than this many standard deviations from the local
+                      ///< estimate has no weight
 };
 
 struct SurfaceTargets {
-  std::vector<float> offset;  ///< for each vertex, world units along the vertex normal (area
-                              ///< weighted): puts the outline on the masks'
-  std::vector<float> weight;  ///< how many views say so; a constraint errs by about 0.35 px; 0: no
-                              ///< view has the vertex on its outline, offset is 0
-  double gap_px = 0;  ///< mean over views and outlines of how far inside of the masks' outlines the
-                      ///< surface's lie
+  std::vector<float> offset;  ///< per vertex, world units along the vertex normal (area weighted):
+                              ///< moves the outline to the masks'
+  std::vector<float> weight;  ///< number of supporting views; a constraint has an error of about
+                              ///< 0.35 px; 0: the vertex is on no view's outline, and offset is 0
+  /// mean distance over views and outlines of the surface's outlines inside of the masks'
+  double gap_px = 0;
   double gap_spread_px = 0;  ///< mean absolute gap
 };
 
-/// What occluding contours, frontier points and silhouette violations (outline_constraints.h) ask
-/// together. Views whose constraints contradict their surroundings are trusted less, constraints
-/// far from what is usual of their kind around them have no weight: a hole in a mask, a bad mask or
-/// a bad camera does not pull.
+/// Combines the constraints of occluding contours, frontier points and silhouette violations
+/// (outline_constraints.h). The weight of a view decreases when its constraints differ from those
+/// around them. Constraints far from the local estimate of their kind are outliers without weight,
+/// so that a hole in a mask, a bad mask or a bad camera has no effect.
 ///
 /// @param frontier  of the same masks; may be empty
-/// @param mesh  triangles, outwards; may be open. Edges without exactly two faces make no outline
-/// Constraints are right to first order: after vertices have moved by several pixels, ask again.
-/// Cost: a picture of the mesh for each view, and some ten thousand questions of nearest
-/// constraints.
+/// @param mesh  triangles, facing outwards; may be open. Edges without exactly two faces are no
+/// outline
+/// Constraints are valid to first order: after displacements of several pixels, compute them again.
+/// Cost: one picture of the mesh for each view, and some ten thousand nearest-neighbour queries.
 /// Same bits for any thread count.
 SurfaceTargets OutlineTargets(const Mesh& mesh, const Silhouettes& silhouettes,
                               const std::vector<FrontierPoint>& frontier = {},

@@ -19,7 +19,8 @@ constexpr int kSize = 300;
 constexpr double kFocal = 700;
 constexpr double kDistance = 7;
 constexpr double kPixel =
-    kDistance / kFocal;  // world length of a pixel at the middle: the unit ball is 100 pixels wide
+    // size of a pixel at the middle, in world units: the unit ball is 100 pixels wide
+    kDistance / kFocal;
 
 View RingView(int i, int count, double elevation) {
   const double azimuth = 2 * M_PI * i / count;
@@ -66,7 +67,7 @@ struct Miss {
   double mean_px = 0, median_px = 0, p95_px = 0;
   int vertices = 0;  // with weight
 };
-// How far vertices that have a target lie from the truth when they follow it.
+// Distance from the truth of vertices that have a target, after moving to it.
 Miss MissOf(const Mesh& mesh, const SurfaceTargets& targets, const Mesh& truth) {
   const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
   const RayScene scene(truth.points, truth.faces);
@@ -122,7 +123,7 @@ TEST(OutlineTargets, WrongMasksDoNotPull) {
   const auto spoil = [](int i, Image8* mask) {
     for (int y = 0; y < kSize; ++y)
       for (int x = 0; x < kSize; ++x) {
-        if (i == 5 && x < 90) *mask->at(x, y) = 0;  // a part is lost
+        if (i == 5 && x < 90) *mask->at(x, y) = 0;  // a part is missing
         if (i == 14 && std::hypot(x - 170, y - 60) < 20)
           *mask->at(x, y) = 0;  // a bite out of the outline
         if (i == 20 && std::hypot(x - 150, y - 150) < 30) *mask->at(x, y) = 0;  // a hole
@@ -138,7 +139,7 @@ TEST(OutlineTargets, WrongMasksDoNotPull) {
   EXPECT_LT(miss.p95_px, 0.8);
 }
 
-// The mesh with a smooth dent (negative: a bump) of so many pixels round the direction, `width` of
+// The mesh with a smooth dent (negative: a bump) of the given pixels around a direction, `width` of
 // the radius wide.
 Mesh Dented(Mesh mesh, const Eigen::Vector3d& direction, double width, double pixels) {
   const PointsX3 normals = VertexNormals(mesh.points, mesh.faces);
@@ -216,7 +217,7 @@ TEST(OutlineTargets, WhatStandsOutOfMasksIsPulledIn) {
 }
 
 TEST(OutlineTargets, WhatNoViewSeesOnTheOutlineHasNoWeight) {
-  // A small ball that stands before the large one in every view never makes the outline.
+  // A small ball in front of the large one in every view never forms the outline.
   const Mesh truth = Ball(4, 1, 0);
   const Silhouettes silhouettes(Views(truth), 1);
   Mesh both = truth, inner = Ball(3, 0.5, 0);

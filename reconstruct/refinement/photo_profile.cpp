@@ -17,7 +17,7 @@ constexpr int kSide = 8, kSamples = kSide * kSide;
 constexpr double kLeastNoise = 0.6;  // grey levels
 constexpr int kProfileGrain = 128;
 
-// Where a patch lies in a view's picture: affine, since a patch is small against its distance.
+// Position of a patch in a view's picture: affine, since a patch is small compared to its distance.
 struct Placement {
   const GreyMask* grey = nullptr;
   float x = 0, y = 0;        // of the patch's middle at offset 0
@@ -32,7 +32,7 @@ struct alignas(32) Patch {
 };
 
 // Bilinear grey values of the patch, in kGreyScale; samples outside of the picture take its
-// border's.
+// border's values.
 void SamplePlain(const Placement& at, float x, float y, Patch* patch) {
   const GreyMask& grey = *at.grey;
   const float right = static_cast<float>(grey.width) - 1.01f,
@@ -51,7 +51,7 @@ void SamplePlain(const Placement& at, float x, float y, Patch* patch) {
     }
 }
 
-// Lanes are summed in the order of the vector code.
+// Sums lanes in the same order as the vector code.
 float Lanes(const float* lane) {
   return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
 }
@@ -115,7 +115,7 @@ struct Avx2 {
       const __m256 fx = _mm256_sub_ps(px, _mm256_cvtepi32_ps(ix)),
                    fy = _mm256_sub_ps(py, _mm256_cvtepi32_ps(iy));
       const __m256i index = _mm256_add_epi32(_mm256_mullo_epi32(iy, stride), ix);
-      // One read brings both neighbours of a row.
+      // One read gives both neighbours of a row.
       const __m256i top = _mm256_i32gather_epi32(base, index, 2),
                     low = _mm256_i32gather_epi32(base, _mm256_add_epi32(index, stride), 2);
       const __m256 p00 = _mm256_cvtepi32_ps(_mm256_and_si256(top, low16)),
@@ -175,7 +175,7 @@ class Placer {
       const Eigen::Matrix3d& turn = turns_[chosen.view[i]];
       const Pinhole& camera = view.camera(level_);
       const Eigen::Vector3d y = turn * x + view.camera_from_world.translation;
-      Eigen::Matrix<double, 2, 3> slope;  // of the pixel by the place
+      Eigen::Matrix<double, 2, 3> slope;  // derivative of the pixel with respect to the position
       slope << camera.fx / y.z(), 0, -camera.fx * y.x() / (y.z() * y.z()), 0, camera.fy / y.z(),
           -camera.fy * y.y() / (y.z() * y.z());
       slope = (slope * turn).eval();
@@ -194,7 +194,7 @@ class Placer {
   }
 
  private:
-  // Patches over an outline hold background, which does not move with the surface.
+  // Patches over an outline contain background, which does not move with the surface.
   static bool WithinMask(const Placement& at) {
     constexpr float kReach = 3;
     for (int corner = 0; corner < 4; ++corner) {

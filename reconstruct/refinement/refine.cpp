@@ -19,13 +19,14 @@ namespace {
 
 using Values = std::vector<float>;
 
-constexpr int kSteps = 8;           // offsets to either side
+constexpr int kSteps = 8;           // offsets to each side
 constexpr double kStep = 0.5;       // pixels of the level, at levels above 0
 constexpr double kFineStep = 0.25;  // at level 0
 constexpr int kSearches = 4;        // searches and solutions of one set of profiles
-constexpr float kFaint = 0.01f;     // weights below this are believed less than in proportion
-constexpr float kContrast = 0.05f;  // a minimum this much below its profile's mean is half believed
-constexpr int kRelax = 2;           // rounds of tangential smoothing before each search
+constexpr float kFaint = 0.01f;     // smaller weights are reduced more than proportionally
+// a minimum this much below its profile's mean has half of the full agreement
+constexpr float kContrast = 0.05f;
+constexpr int kRelax = 2;  // rounds of tangential smoothing before each search
 constexpr int kSmoothNormals = 2, kMostSmoothNormals = 60;
 constexpr int kUnfoldings = 5;
 constexpr double kLeastEvidence = 0.02;
@@ -40,8 +41,8 @@ double Quantile(Values values, double share) {
   return *at;
 }
 
-// The place that a profile asks for near where the vertex is, and how surely: the curvature of the
-// minimum times the square of the agreement.
+// The minimum of a profile near the vertex's position, and its weight: the curvature of the minimum
+// times the square of the agreement.
 struct Wish {
   float target = 0, weight = 0;
 };
@@ -57,12 +58,13 @@ Wish Search(const float* cost, int count, float step, float at, float window, fl
     if (value < least) least = value, best = k;
   }
   if (best < 0) return {};
-  // One place that is better than all others, not one of many.
+  // The agreement is high for a single distinct minimum, not for one of many.
   float usual = 0;
   for (int k = 0; k < count; ++k) usual += cost[k] / static_cast<float>(count);
   const float contrast = std::max(0.0f, usual - cost[best]),
               agreement = std::max(0.0f, 1 - cost[best]) * contrast / (contrast + kContrast);
-  if (best == 0 || best == count - 1) {  // the minimum lies beyond: go there, less surely
+  // the minimum is out of range: move towards it, with less weight
+  if (best == 0 || best == count - 1) {
     const float slope = std::abs(cost[best] - cost[best == 0 ? 1 : count - 2]);
     return {static_cast<float>(best - middle) * step,
             0.5f * slope / (step * step) * agreement * agreement};
@@ -144,13 +146,13 @@ class Refiner {
     if (footprints.empty())
       throw InputError(
           "refine: no vertex of the surface lies within the masks of two photographs that it "
-          "faces; it was made from other "
+          "faces; the surface was made from other "
           "photographs or cameras: run mesh again on these");
     result_.seen = static_cast<double>(footprints.size()) / static_cast<double>(chosen_.size());
     result_.footprint = Quantile(std::move(footprints), 0.5);
   }
 
-  // Where the surface lies now, over the vertices that are compared.
+  // Mean cost of the surface as it is now, over the compared vertices.
   double MeanCost() const {
     const Profiles here =
         CostProfiles(result_.mesh.points, normals_, chosen_, views_, 0, 0, result_.footprint);
@@ -161,9 +163,9 @@ class Refiner {
     return count ? sum / static_cast<double>(count) : 1;
   }
 
-  // A rough surface that is moved far along its own normals folds in its creases and swells on its
-  // bumps: before it moves far, its normals are made even. Each round of diffusion adds half a
-  // squared edge to their variance.
+  // When a rough surface moves far along its own normals, its creases fold and its bumps swell. So
+  // the normals are smoothed first, over a distance that depends on the move. Each round of
+  // diffusion adds half a squared edge length to the variance of the smoothing.
   void EvenNormals() {
     result_.outline_gap_before_px = outlines_.gap_spread_px;
     const double reach =
@@ -206,7 +208,7 @@ class Refiner {
     energy.slope_normals = shading_.normals, energy.slope_weight = shading_.weight;
     for (float& weight : energy.slope_weight) weight *= static_cast<float>(options_.shading);
     for (int search = 0; search < kSearches; ++search) {
-      // First the whole range, then what is near to where the neighbours allow.
+      // First the whole range, then around the smooth solution.
       const float window = step * static_cast<float>(kSteps) * (search == 0 ? 1.0f : 0.5f);
       const float pull = (search == 0 ? 0.05f : 0.1f * static_cast<float>(search)) /
                          (step * step * kSteps * kSteps);
@@ -215,8 +217,8 @@ class Refiner {
                        for (std::int64_t v = begin; v < end; ++v) {
                          Wish wish = Search(profiles.Row(v), profiles.count(), step, (*shift)[v],
                                             window, pull);
-                         // Shading that moves over smooth clay pulls everywhere a little; texture
-                         // pulls much.
+                         // Shading that moves over smooth clay gives small weights everywhere,
+                         // texture gives large ones.
                          wish.weight *= wish.weight / (wish.weight + kFaint);
                          const float outline =
                              static_cast<float>(options_.outlines) * outlines_.weight[v];
@@ -235,7 +237,7 @@ class Refiner {
     Unfold(&energy, shift);
   }
 
-  // What turns a face over is not believed, nor is what lies beside it.
+  // Constraints on faces that would turn over, and on their neighbours, are dropped.
   void Unfold(DisplacementEnergy* energy, Values* shift) {
     HoldInside(shift);
     for (int round = 0; round < kUnfoldings; ++round) {
@@ -273,8 +275,8 @@ class Refiner {
       outlines_.offset[v] -= shift[v] * static_cast<float>(result_.footprint);
   }
 
-  // Marching cubes leave slivers, whose normals turn at the least touch: vertices slide along the
-  // surface towards their neighbours' middle.
+  // Marching cubes leave slivers, whose normals are unstable. So vertices move along the surface
+  // towards the centroid of their neighbours.
   void Relax() {
     for (int round = 0; round < kRelax; ++round) {
       const PointsX3 from = result_.mesh.points, normals = VertexNormals(from, result_.mesh.faces);
@@ -314,7 +316,7 @@ class Refiner {
     return folded;
   }
 
-  // Masks know where the object ends: no vertex is moved out of them.
+  // Limits displacements so that no vertex leaves the masks.
   void HoldInside(Values* shift) {
     std::vector<char> held(shift->size(), 0);
     ParallelFor(
@@ -358,29 +360,31 @@ void RefineOptions::Describe(OptionVisitor& visit) {
         {"pyramid levels, each of half the size of the one before; the coarsest goes first", "", 1,
          6});
   visit("rounds", rounds, {"searches along new normals at each level", "", 1, 10});
-  visit("anchor", anchor,
-        {"how much a vertex resists photographs that tell little", "", 1e-6, 100});
-  visit("membrane", membrane, {"how much neighbours are kept moving alike", "", 0, 100});
+  visit(
+      "anchor", anchor,
+      {"weight that keeps a vertex in place where photographs have little texture", "", 1e-6, 100});
+  visit("membrane", membrane, {"weight of equal displacements of neighbours", "", 0, 100});
   visit("bending", bending,
-        {"stiffness against bending where photographs tell little", "", 0, 100000});
+        {"weight against bending, which dominates where photographs have little texture", "", 0,
+         100000});
   visit("aggregate", aggregate,
-        {"rounds in which neighbours average how well each offset matches", "", 0, 50});
+        {"rounds of averaging the matching costs over neighbours", "", 0, 50});
   visit("outlines", outlines,
-        {"weight of a view in which a vertex lies on the outline; 1 is as much as good texture", "",
-         0, 1000});
+        {"weight of a view in which a vertex lies on the outline; 1 is the weight of good texture",
+         "", 0, 1000});
   visit("cuts", cuts,
-        {"weight of masks that show background where the surface is, relative to `outlines`; 0 "
-         "ignores them",
+        {"weight of silhouette violations (a mask shows background where the surface is), "
+         "relative to `outlines`; 0 ignores them",
          "", 0, 1});
   visit("shading", shading,
         {"weight of normals from shading, which give fine detail; 0 ignores them", "", 0, 1000});
   visit("shading_smooth", shading_smooth,
-        {"shading gives only detail finer than this many rings of neighbours", "", 1, 10000});
+        {"shading is used only for detail finer than this many rings of neighbours", "", 1, 10000});
   visit("outside_px", outside_px,
-        {"how far outside of the masks a vertex may be moved", "px", 0, 100});
+        {"largest distance outside of the masks to which a vertex may move", "px", 0, 100});
   visit("normal_reach", normal_reach,
-        {"before a rough surface is moved, its normals are smoothed over this many times its mean "
-         "distance to the outlines; 0 does not smooth",
+        {"normals are smoothed before the surface moves, over this many times its mean distance "
+         "to the masks' outlines; 0: no smoothing",
          "gaps", 0, 10});
 }
 

@@ -1,5 +1,5 @@
-// A surface moved along its normals to where the photographs agree best, as smooth as they leave
-// it.
+// Moves a surface along its normals to the best photometric consistency, with smoothness where the
+// photographs do not determine it.
 #pragma once
 
 #include <vector>
@@ -29,35 +29,35 @@ struct RefineOptions {
 };
 
 struct RefineResult {
-  Mesh mesh;                ///< the surface's faces and colours, other places
-  double footprint = 0;     ///< world length of a pixel, the median over the vertices that are seen
+  Mesh mesh;                ///< the surface's faces and colours, at new positions
+  double footprint = 0;     ///< size of a pixel in world units, the median over the seen vertices
   double moved_median = 0;  ///< footprints
-  double moved_95 = 0;      ///< footprints, 95 % of the vertices
-  double cost_before = 0;   ///< mean of one minus the correlation between views where the surface
-                            ///< was, at the finest level
-  double cost_after = 0;    ///< and where it is now
-  double seen = 0;          ///< share of the vertices that two views or more can compare
-  double evidence = 0;      ///< share of the vertices where photographs tell one place from another
+  double moved_95 = 0;      ///< footprints, 95th percentile over the vertices
+  double cost_before = 0;   ///< mean of one minus the correlation between views for the initial
+                            ///< surface, at the finest level
+  double cost_after = 0;    ///< and for the final surface
+  double seen = 0;          ///< share of the vertices that at least two views see
+  double evidence = 0;      ///< share of the vertices whose position the photographs determine
   /// mean distance between the surface's outlines and the masks'
   double outline_gap_before_px = 0;
   double outline_gap_px = 0;
-  /// median relative error of brightness as light of few directions explains it
+  /// median relative error of brightness under the fitted light
   double shading_error_before = 0;
-  double shading_error_after = 0;  ///< with the normals that explain it best
-  int unfolded = 0;                ///< vertices held back so that no face turns over
-  int held_inside = 0;             ///< vertices held back by the masks' outlines
+  double shading_error_after = 0;  ///< with the best-fitting normals
+  int unfolded = 0;     ///< vertices whose displacement was reduced so that no face turns over
+  int held_inside = 0;  ///< vertices whose displacement was limited by the masks' outlines
 };
 
-/// Coarse to fine over the views' pyramids, each level `rounds` times: the agreement of views on
-/// patches pushed along the normals (CostProfiles), averaged over neighbours, gives each vertex a
-/// place and how sure it is; displacements that meet these and bend the surface least are solved
-/// for.
+/// Coarse to fine over the views' pyramids, `rounds` times at each level. The photometric
+/// consistency of patches moved along the normals (CostProfiles), averaged over neighbours, gives
+/// each vertex a target and a weight. Then the displacements are solved for that fit the targets
+/// with the least bending.
 ///
 /// @param surface  may be open; faces counter-clockwise seen from outside
 /// @param views    all with options.levels levels
-/// @throws InputError  an unusable mesh, or no vertex that two views see; says so
+/// @throws InputError  an unusable mesh, or no vertex that two views see
 /// Same bits for any thread count on one kind of processor.
-/// Source: Vu, Labatut, Pons, Keriven, PAMI 2012 (what is minimised).
+/// Source: Vu, Labatut, Pons, Keriven, PAMI 2012 (the energy).
 /// Departs: exhaustive search along normals (as Newcombe et al., ICCV 2011, search along rays)
 /// instead of gradient descent, which needs a start within a pixel.
 RefineResult RefineSurface(const Mesh& surface, const std::vector<PreparedView>& views,

@@ -38,7 +38,7 @@ const RenderedScene& Painted() {
   return scene;
 }
 
-// The true surface, pushed along its normals by smooth waves of `footprints`; vertices about two
+// The true surface, displaced along its normals by smooth waves of `footprints`; vertices about two
 // pixels apart.
 Mesh Wavy(const RenderedScene& scene, double footprints) {
   Mesh mesh = MakeIcosphere(5);
@@ -57,7 +57,7 @@ Mesh Wavy(const RenderedScene& scene, double footprints) {
   return mesh;
 }
 
-// Distances to the true surface in footprints, ascending, of what the rings see well.
+// Ascending distances to the true surface in footprints, for the part that the rings see well.
 std::vector<double> Errors(const RenderedScene& scene, const Mesh& mesh) {
   const RayScene rays(scene.truth.points, scene.truth.faces);
   std::vector<double> errors;

@@ -15,10 +15,10 @@ using Basis = Eigen::Matrix<double, 9, 1>;
 using Eigen::Vector3d;
 
 constexpr int kShadingGrain = 256;
-constexpr int kFits = 3;                 // of light and brightness in turn
+constexpr int kFits = 3;                 // alternating fits of light and albedo
 constexpr int kTurns = 4;                // Gauss-Newton steps of a normal
-constexpr double kRelativeError = 0.03;  // errors of this share of the brightness are usual
-constexpr double kPrior = 0.25;          // radians; turns beyond are unlikely
+constexpr double kRelativeError = 0.03;  // typical error, as a share of the brightness
+constexpr double kPrior = 0.25;          // radians; larger rotations are unlikely
 constexpr int kLeastViews = 5;
 
 Basis Harmonics(const Vector3d& n) {
@@ -28,7 +28,7 @@ Basis Harmonics(const Vector3d& n) {
   return b;
 }
 
-// Slope of light * Harmonics(n).
+// Gradient of light * Harmonics(n).
 Vector3d Slope(const Basis& l, const Vector3d& n) {
   return {l[1] + l[4] * n.y() + l[5] * n.z() + 2 * l[7] * n.x(),
           l[2] + l[4] * n.x() + l[6] * n.z() - 2 * l[7] * n.y(),
@@ -44,7 +44,7 @@ const std::array<float, 256>& Linear() {
   return table;
 }
 
-// Mean of three by three pixels of linear brightness; vertices are some pixels apart.
+// Mean linear brightness of 3 x 3 pixels; vertices are several pixels apart.
 float Brightness(const Image8& color, double x, double y) {
   const int ix = static_cast<int>(x + 0.5), iy = static_cast<int>(y + 0.5);
   if (ix < 1 || iy < 1 || ix >= color.width - 1 || iy >= color.height - 1) return 0;
@@ -87,7 +87,7 @@ class Shading {
     }
   }
 
-  // Turns the normal of v; its weight, and relative errors before and after.
+  // Rotates the normal of v; also gives its weight, and relative errors before and after.
   void Solve(std::int64_t v, Vector3d* normal, float* weight, float* before, float* after) const {
     const Vector3d start = normals_.row(v), first = start.unitOrthogonal(),
                    second = start.cross(first);
@@ -134,7 +134,7 @@ class Shading {
   }
 
  private:
-  // Weighted mean of what views say of a vertex's own brightness, robust about the median.
+  // Robust mean over the views of a vertex's albedo, about the median.
   double Own(std::int64_t v, const Vector3d& normal) const {
     std::vector<double> values;
     for (std::size_t i = 0; i < light_.size(); ++i) {
@@ -189,7 +189,7 @@ class Shading {
   }
 
   const PointsX3& normals_;
-  // of each view, of each vertex; 0 where it is not seen
+  // for each view, for each vertex; 0 where it is not seen
   std::vector<std::vector<float>> brightness_;
   std::vector<Basis> light_;
   std::vector<float> own_;

@@ -1,5 +1,5 @@
-// Normals from shading: a turntable turns an object under lamps that stand still, so each place is
-// seen in the light of many directions.
+// Normals from shading: a turntable turns the figure under fixed lamps, so each vertex is seen
+// under light from many directions.
 #pragma once
 
 #include <vector>
@@ -11,22 +11,23 @@
 namespace keypose::reconstruct {
 
 struct ShadingNormals {
-  PointsX3 normals;  ///< V x 3 unit: the surface's own, turned by what shading says of fine detail
-  /// in [0, 1]: how much of a turn the photographs tell; 0 where they say nothing
+  /// V x 3 unit: the surface's own, rotated to the fine detail that shading shows
+  PointsX3 normals;
+  /// in [0, 1]: how well the photographs determine the rotation; 0: not at all
   std::vector<float> weight;
   double residual_before = 0;  ///< median relative error of brightness with the surface's normals
-  double residual_after = 0;   ///< and with these
+  double residual_after = 0;   ///< and with these normals
 };
 
-/// Each view's light is a polynomial of second degree of the normal, fitted to what it sees with
-/// the surface's normals; each vertex has a brightness of its own. Normals that explain the
-/// brightness best are found a vertex at a time. Shadows, lamps that are near and light from other
-/// parts of the object err smoothly, so turns that vary slowly over the surface are taken out:
-/// positions know those better.
+/// Each view's light is a polynomial of second degree in the normal, fitted to the view's pixels
+/// with the surface's normals. Each vertex has an albedo. The normals that fit the brightness best
+/// are estimated vertex by vertex. Errors from shadows, near lamps and light from other parts of
+/// the figure vary slowly over the surface, so slowly varying rotations are removed: the vertex
+/// positions are more accurate for those.
 ///
 /// @param views    with colours
-/// @param sights   as AllSights gives them
-/// @param smooth   rounds of Diffuse that make out what is slow
+/// @param sights   from AllSights
+/// @param smooth   rounds of Diffuse that separate slow variation
 /// Source: Hernandez, Vogiatzis, Cipolla, PAMI 2008, and Nehab et al., SIGGRAPH 2005.
 /// Departs: light of any distribution, by view.
 ShadingNormals NormalsFromShading(const Mesh& mesh, const PointsX3& normals,

@@ -10,10 +10,10 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr double kViewFacing = 0.3;         // cosine to the view's direction
-constexpr double kApart = 12 * M_PI / 180;  // views nearer to each other than this count for less
+constexpr double kApart = 12 * M_PI / 180;  // views closer together than this have less weight
 constexpr int kViewGrain = 256;
 
-// Depths of the nearest faces at the picture's pixels; infinite where there is none.
+// Depths of the nearest faces at the picture's pixels; infinite where there are none.
 class DepthBuffer {
  public:
   DepthBuffer(const Mesh& mesh, const PreparedView& view)
@@ -38,7 +38,7 @@ class DepthBuffer {
       Draw(corners, mesh.faces(f, 0), mesh.faces(f, 1), mesh.faces(f, 2));
   }
 
-  // A slanting surface varies within a pixel, by its slope.
+  // The tolerance includes the depth range of a slanted surface within a pixel.
   bool Sees(const Eigen::Vector3d& x_in_camera, double facing) const {
     const Pinhole& camera = view_.camera(level_);
     const Eigen::Vector2d p = camera.Project(x_in_camera);
@@ -76,8 +76,8 @@ class DepthBuffer {
   ImageF depth_;
 };
 
-// How well each view sees each vertex: pixels along a unit of length, times the facing's cosine; 0
-// when it does not.
+// For each vertex: pixels per unit of length times the cosine to the viewing direction; 0 when the
+// view does not see it.
 std::vector<float> Sights(const Mesh& mesh, const PointsX3& normals, const PreparedView& view) {
   const DepthBuffer buffer(mesh, view);
   const Eigen::Matrix3d turn = view.camera_from_world.rotation.toRotationMatrix();
@@ -104,7 +104,7 @@ std::vector<float> Sights(const Mesh& mesh, const PointsX3& normals, const Prepa
 VertexViews Choose(const Eigen::Vector3d& x, const std::vector<std::vector<float>>& sights,
                    std::int64_t v, const std::vector<Eigen::Vector3d>& centers,
                    const std::vector<double>& focals) {
-  std::vector<std::pair<int, double>> candidates;  // view and what it is worth
+  std::vector<std::pair<int, double>> candidates;  // view and its score
   std::vector<Eigen::Vector3d> directions;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (sights[i][v] <= 0) continue;

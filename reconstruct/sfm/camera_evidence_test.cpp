@@ -1,5 +1,4 @@
-// One evidence for all strategies, photographs that are upside down, and sets that fall apart:
-// against exact rings.
+// The evidence for cameras, upside-down photographs, and sets without overlap, on exact rings.
 #include "reconstruct/evidence/camera_evidence.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +23,7 @@ struct Ball {
   double radius;
 };
 
-/// A figure of balls that is lopsided all round: trunk, head, arms, a nose, feet.
+/// A figure of balls, asymmetric in all directions: trunk, head, arms, a nose, feet.
 const std::vector<Ball> kFigure = {{{0.02, 0.03, 0}, 0.3},     {{0, 0.05, 0.38}, 0.2},
                                    {{0.34, 0.1, 0.12}, 0.12},  {{-0.42, -0.05, 0.2}, 0.1},
                                    {{0.05, -0.22, 0.4}, 0.08}, {{0.15, -0.1, -0.38}, 0.13},
@@ -104,7 +103,7 @@ std::vector<int> Counted(std::size_t count) {
   return numbers;
 }
 
-/// What speaks for `cameras`, where the photographs were taken by `truth`.
+/// The evidence for `cameras`, for photographs taken by `truth`.
 CameraEvidence Judged(const Scene& truth, const Scene& cameras, const Matched& matched) {
   CameraEvidence evidence;
   evidence.images = static_cast<int>(truth.views.size());
@@ -123,10 +122,10 @@ TEST(CameraEvidence, TrueCamerasAreSureAndEveryWrongRingIsNot) {
   const Scene truth = Ring(15, 24);
   const Matched matched = MatchesOf(truth);
   const CameraEvidence right = Judged(truth, truth, matched);
-  EXPECT_GT(right.hull_iou, 0.95);  // pixels of 1/60 of the figure, two views to carve
+  EXPECT_GT(right.hull_iou, 0.95);  // pixels of 1/60 of the figure, carved from two views
   EXPECT_EQ(right.pairs_agree, right.pairs);
   EXPECT_TRUE(IsSure(right));
-  // Turned the wrong way, half as far, a third too far.
+  // Rotated in the wrong direction, half as far, a third too far.
   for (const double step_deg : {-24.0, 12.0, 32.0}) {
     const CameraEvidence wrong = Judged(truth, Ring(15, step_deg), matched);
     EXPECT_FALSE(CanBeRight(wrong)) << step_deg << " degrees: " << wrong.hull_iou;
@@ -146,7 +145,7 @@ TEST(CameraEvidence, TheFirstStrategyStaysUnlessAnotherIsClearlyBetter) {
   CameraEvidence other = first;
   other.hull_iou = 0.955;
   EXPECT_FALSE(IsBetter(other, first));
-  first.hull_iou = 0.56;  // small residuals, and outlines that make no figure
+  first.hull_iou = 0.56;  // small residuals, but outlines of no single figure
   EXPECT_TRUE(IsBetter(other, first));
   other.placed = 12;
   EXPECT_TRUE(IsBetter(other, first));
@@ -168,7 +167,7 @@ TEST(UpsideDown, MatchesTellThePhotographsThatWereTurnedOver) {
 
 TEST(UpsideDown, OutlinesTellWhereNoMatchDoes) {
   std::vector<Image8> masks;
-  for (int i = 0; i < 12; ++i) {  // pears: the lower, the wider
+  for (int i = 0; i < 12; ++i) {  // pears: wider towards the bottom
     Image8 mask(kWidth, kHeight, 1, 0);
     for (int y = 40; y < 200; ++y)
       for (int x = 160 - (y - 40) / 3 - i % 3; x < 160 + (y - 40) / 3; ++x) *mask.at(x, y) = 255;
@@ -184,14 +183,14 @@ TEST(FallsApart, SixSidesShotManyTimesDoAndRingsOrBareClayDoNot) {
     sides.push_back({i, i + 6, 300});  // six sides, 60 degrees apart, each from several heights
   EXPECT_EQ(JoinedImages(34, sides).size(), 6U);
   EXPECT_TRUE(FallsApart(34, sides, 60));
-  for (int ring = 0; ring < 4; ++ring)  // four rings of twelve that share nothing yet
+  for (int ring = 0; ring < 4; ++ring)  // four rings of twelve without common features yet
     for (int k = 0; k < 12; ++k)
       rings.push_back(
           {12 * ring + std::min(k, (k + 1) % 12), 12 * ring + std::max(k, (k + 1) % 12), 300});
   EXPECT_FALSE(FallsApart(48, rings, 60));
   for (int i = 0; i + 1 < 24; ++i)
     if (i % 3 != 2)
-      chain.push_back({i, i + 1, 25});  // weak texture: neighbours match here and there, and little
+      chain.push_back({i, i + 1, 25});  // weak texture: few matches between some neighbours
   EXPECT_EQ(JoinedImages(24, chain).size(), 8U);
   EXPECT_FALSE(FallsApart(24, chain, 60));
   EXPECT_FALSE(FallsApart(24, {}, 60));  // no texture: left to the outlines

@@ -33,8 +33,8 @@ std::string Text(double value) {
 std::string Text(int value) { return std::to_string(value); }
 std::string Text(bool value) { return value ? "1" : "0"; }
 
-/// A photograph as features are sought in it: files in a folder of its own, and where its first
-/// pixel was.
+/// A photograph for feature extraction: a file in a folder of its own, and the position of its
+/// first pixel in the photograph.
 struct Prepared {
   std::string file;
   int x0 = 0, y0 = 0;
@@ -60,8 +60,8 @@ Prepared PrepareImage(const ImageSet& set, int i, const fs::path& folder, int ma
   return {file, crop.x0, crop.y0};
 }
 
-/// Features of images [begin, end) into a database in `folder`, by a COLMAP of one thread. @return
-/// what the images were called there
+/// Features of images [begin, end) into a database in `folder`, by COLMAP on one thread.
+/// @return the images' names there
 std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int begin, int end,
                                   const fs::path& folder, const SfmOptions& options, bool fine) {
   fs::create_directories(folder / "images");
@@ -70,8 +70,8 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
   int limit = options.max_image_size;
   for (int i = begin; i < end; ++i) {
     prepared.push_back(PrepareImage(set, i, folder, options.mask_margin_px));
-    // Features are sought at the scale that the whole photograph would have: the limit shrinks with
-    // the crop.
+    // Features are extracted at the scale that the whole photograph would have, so the size limit
+    // shrinks with the crop.
     const CapturedImage& whole = set.images[i];
     const ImageInfo crop = ReadImageInfo(folder / "images" / prepared.back().file);
     const double scale = std::min(
@@ -112,7 +112,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
                      const SfmOptions& options, bool fine) {
   const int images = static_cast<int>(set.images.size());
   const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
-  const int per_part = shrunk ? 1 : 3;  // one limit on the size holds for all images of a part
+  const int per_part = shrunk ? 1 : 3;  // a part has one limit for all its images
   const int parts = (images + per_part - 1) / per_part;
   const auto folder = [&](std::int64_t k) {
     return files.scratch / ("features" + std::to_string(k));
@@ -143,7 +143,7 @@ void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& f
 
 namespace {
 
-/// All elements of all tracks, by point; points in the order of ReadColmapModel.
+/// All elements of all tracks, by point, in the order of ReadColmapModel's points.
 std::vector<TrackElement> ReadTracks(const fs::path& model) {
   // COLMAP's layout: a count, then for each point id, position, colour, error, track length, and
   // (image id, feature) pairs. The points come in the order in which ReadColmapModel reads them.
@@ -189,14 +189,14 @@ std::vector<ColmapModel> MapImages(StageContext& stage, const SfmFiles& files,
          "--Mapper.init_min_tri_angle", "8", "--Mapper.abs_pose_min_num_inliers", "15",
          "--Mapper.filter_min_tri_angle", Text(options.min_triangulation_deg),
          "--Mapper.tri_min_angle", Text(options.min_triangulation_deg),
-         // Its adjustments only have to keep it from drifting: ours follow.
+         // Its adjustments only have to limit drift: ours follow.
          "--Mapper.ba_local_num_images", "5", "--Mapper.ba_local_max_num_iterations", "10",
          "--Mapper.ba_local_max_refinements", "1", "--Mapper.ba_global_images_ratio", "1.5",
          "--Mapper.ba_global_points_ratio", "1.5", "--Mapper.ba_global_max_num_iterations", "15",
          "--Mapper.ba_global_max_refinements", "1"});
   } catch (const ToolError& error) {
-    // COLMAP fails when no two images make a start: that is a fault of the photographs, which the
-    // caller words.
+    // COLMAP fails when it finds no initial pair. The photographs cause that; the caller reports
+    // it.
     stage.Note(std::string("sfm: mapper: ") + error.what());
   }
   std::vector<fs::path> folders;
@@ -244,8 +244,8 @@ bool OneCamera(const std::vector<View>& views) {
   });
 }
 
-/// A model without points in COLMAP's text form. Image ids are those of the database, and so is the
-/// one camera where all have one.
+/// Writes a model without points in COLMAP's text form. Image ids are those of the database, and
+/// also the camera where all images share one.
 void WriteCameras(const fs::path& folder, const ImageSet& set, const std::vector<View>& views) {
   fs::create_directories(folder);
   std::ostringstream cameras, images;
@@ -310,8 +310,8 @@ ColmapModel TriangulateKnown(StageContext& stage, const ImageSet& set, const Sfm
   try {
     Triangulate(stage, files, known, model, options);
   } catch (const ToolError& error) {
-    // COLMAP gives up when not one point comes out: a figure without texture. Its cameras are known
-    // all the same.
+    // COLMAP fails when it triangulates no point, for a figure without texture. Its cameras are
+    // still valid.
     stage.Note(std::string("sfm: no point could be triangulated: ") + error.what());
     Scene cameras;
     cameras.views = views;

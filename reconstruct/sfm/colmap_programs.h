@@ -1,4 +1,4 @@
-// COLMAP's programs as steps of sfm, run so that their results never depend on threads.
+// COLMAP's programs as steps of sfm, run so that their results do not depend on threads.
 #pragma once
 
 #include <filesystem>
@@ -19,12 +19,11 @@ struct SfmFiles {
   std::filesystem::path scratch, images, database;
 };
 
-/// SIFT features of all images into the database, sought in the photographs cut to their masks.
-/// Photographs without a mask are looked at whole.
-/// @throws InputError a mask of another size than
-/// its photograph
-/// @param fine  also at twice the photographs' size, which is where four of five features come from
-/// and most of the time goes
+/// Writes the SIFT features of all images into the database. The photographs are cropped to their
+/// masks; photographs without a mask are used whole.
+/// @param fine  also at twice the photographs' size, which gives four of five features and takes
+/// most of the time
+/// @throws InputError  a mask of another size than its photograph
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                      const SfmOptions& options, bool fine);
 
@@ -34,26 +33,25 @@ struct ColmapModel {
   std::vector<TrackElement> tracks;  ///< of scene.points, by point
 };
 
-/// Incremental mapping on one thread (sums over threads depend on their number).
-/// @return most
-/// images first
+/// Incremental mapping on one thread (sums over several threads depend on their number).
+/// @return the model with most images first
 std::vector<ColmapModel> MapImages(StageContext& stage, const SfmFiles& files,
                                    const SfmOptions& options);
 
-/// Points seen by images whose cameras are known, by COLMAP's point_triangulator on one thread;
-/// then images that `views` lacks are placed by these points, as far as they can be
-/// (image_registrator), and triangulated too. Cameras that are given do not move.
+/// Triangulates points in images with known cameras, by COLMAP's point_triangulator on one thread.
+/// Images that `views` lacks are then registered to these points where possible
+/// (image_registrator), and triangulated too. The given cameras do not move.
 /// @param views  with names of the set; cameras may differ
 ColmapModel TriangulateKnown(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                              const std::vector<View>& views, const std::string& name,
                              const SfmOptions& options);
 
-/// The features that COLMAP joined into the points of a model.
+/// The features of the points of a model.
 /// @param features  of all images of the set
 std::vector<Observation> ObservationsOf(const ColmapModel& model, const ImageSet& set,
                                         const std::vector<Features>& features);
 
-/// What `colmap model_analyzer` says, as name and number.
+/// The output of `colmap model_analyzer`, as names and numbers.
 std::vector<std::pair<std::string, double>> AnalyzeModel(StageContext& stage,
                                                          const std::filesystem::path& model);
 

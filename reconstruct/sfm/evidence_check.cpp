@@ -37,7 +37,7 @@ std::vector<PreparedView> ViewsOf(const ImageSet& set, const std::vector<Image8>
     const int i = set.Find(view.name);
     if (i < 0 || masks[i].empty()) return;
     view.camera = view.camera.Scaled(ShrinkFactor(view.camera.width, view.camera.height));
-    // The hull asks for no colour.
+    // The hull needs no colour.
     const Image8 grey(view.camera.width, view.camera.height, 3, 128);
     views[v] = PrepareView(view, static_cast<int>(v), grey, masks[i], 1, 1);
   });
@@ -70,7 +70,7 @@ CameraEvidence EvidenceJudge::Judge(const Scene& scene, const std::vector<Featur
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     if (const int i = set_.Find(scene.views[v].name); i >= 0)
       view_of_image[i] = static_cast<int>(v);
-  constexpr double kMaxError_px = 4;  // as of verification
+  constexpr double kMaxError_px = 4;  // as in verification
   CountAgreeingPairs(scene, view_of_image, features, verified, *hull, kMaxError_px, evidence);
   return evidence;
 }
@@ -84,8 +84,8 @@ void ReportEvidence(StageContext& stage, const CameraEvidence& evidence) {
   if (evidence.disagreeing.empty()) return;
   std::string names;
   for (const std::string& name : evidence.disagreeing) names += (names.empty() ? "" : ", ") + name;
-  // For the log: these masks have not yet been compared with each other, and most of such views are
-  // honest. `masks` judges, and warns.
+  // Only a note: these masks have not been compared with each other yet, and most such views are
+  // correct. `masks` compares them, and warns.
   stage.Note("the outlines of these photographs do not fit the other ones: " + names +
              "; look at their masks (contact_sheet.jpg), and whether they were cropped, turned, or "
              "shot with another zoom");

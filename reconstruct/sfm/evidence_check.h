@@ -1,4 +1,4 @@
-// Whether the outlines and the matches in the photographs agree with the cameras that were found.
+// Checks cameras against the outlines and the matches in the photographs.
 #pragma once
 
 #include <vector>
@@ -15,21 +15,21 @@ struct ImageSet;
 
 namespace keypose::reconstruct {
 
-/// The masks of a scene's views at some 500 px, without colour; views whose photographs have none
+/// The masks of a scene's views at about 500 px, without colour; views whose photographs have none
 /// are left out.
 std::vector<PreparedView> MaskViews(const ImageSet& set, const Scene& scene);
 
-/// The evidence of one set of photographs, by which all strategies are judged. Masks are read once.
+/// The evidence of one set of photographs, for comparing all strategies. Masks are read once.
 class EvidenceJudge {
  public:
   explicit EvidenceJudge(const ImageSet& set);
 
-  /// Whether there are masks enough to judge by.
+  /// Whether there are enough masks for a comparison.
   bool HasMasks() const { return with_mask_ >= 3; }
   /// @param features, verified  of all images; may be empty
   CameraEvidence Judge(const Scene& scene, const std::vector<Features>& features,
                        const std::vector<PairMatches>& verified) const;
-  /// Masks of all images, some 500 px; empty where there is none.
+  /// Masks of all images at about 500 px; empty where there is none.
   const std::vector<Image8>& masks() const { return masks_; }
 
  private:
@@ -39,7 +39,7 @@ class EvidenceJudge {
 };
 
 /// Reports hull_iou_mean, hull_iou_least, views_disagreeing, pairs_tied and pairs_agreeing, and
-/// warns of the views that disagree.
+/// notes the views that disagree.
 void ReportEvidence(StageContext& stage, const CameraEvidence& evidence);
 
 }  // namespace keypose::reconstruct

@@ -15,9 +15,9 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kFewestPoints = 40;
-// with fewer points, a round more that adds corners round those of the round before
+// with fewer points, another round adds corners around those of the round before
 constexpr int kPlenty = 3000;
-constexpr int kFewestPlaces = 60;  // of a view; with fewer its features stay too
+constexpr int kFewestPlaces = 60;  // per view; with fewer its features are kept too
 
 Image8 Shrunk(const Image8& image, double scale) {
   if (scale >= 1 || image.empty()) return image;
@@ -40,7 +40,7 @@ std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<V
   return images;
 }
 
-/// Views with few patches see their points where features were found.
+/// Adds the feature observations of views that have few patches.
 void AddFeatures(PatchTracks& tracks, const std::vector<Observation>& features) {
   std::vector<int> places(tracks.scene.views.size(), 0);
   for (const Observation& o : tracks.observations) ++places[o.view];
@@ -97,7 +97,8 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
   Bodies bodies = model.bodies;
   RingFitOptions fitting;
   fitting.bundle = BundleFor(model, options);
-  // Pixels are square: a ring of views alone would let the aspect ratio trade against the distance.
+  // Pixels are square: with a single ring of views, the aspect ratio and the distance would be
+  // ambiguous.
   fitting.bundle.keep_aspect = true;
   if (!options.refine_distortion && bodies.observations.empty())
     for (View& view : current.scene.views)

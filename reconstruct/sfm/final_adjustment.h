@@ -1,4 +1,4 @@
-// Last part of sfm: points found again by grey values, and cameras adjusted to them.
+// Last part of sfm: matches points by grey values, and adjusts the cameras to them.
 #pragma once
 
 #include "core/stage/stage.h"
@@ -10,16 +10,16 @@ struct ImageSet;
 
 namespace keypose::reconstruct {
 
-/// Two rounds of patches and adjustment. The cameras of a turntable are held to its rings where the
-/// data do not speak against it; plates stay what fixes the frame. A photograph in which too few
-/// patches are found keeps its features. The model comes back as it was where that gives no better
-/// one. Reports patch_points, patch_observations, patch_error_px, turntable_chi2_ratio,
+/// Two rounds of patch tracks and adjustment. The cameras of a turntable are constrained to its
+/// rings unless the data contradict that; calibration boards keep fixing the frame. A photograph
+/// with too few patches keeps its features. If the result is no better, the model is returned
+/// unchanged. Reports patch_points, patch_observations, patch_error_px, turntable_chi2_ratio,
 /// on_turntable.
 /// @param model  adjusted; with the observations of its points
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
                       bool focal_known, const SfmOptions& options);
 
-/// Colours of points that a model of ours has, each from the first photograph that shows it.
+/// Sets the colours of points of our own models, each from the first photograph that shows it.
 void ColorPoints(const ImageSet& set, Scene& scene);
 
 }  // namespace keypose::reconstruct

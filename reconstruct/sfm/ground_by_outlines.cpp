@@ -8,8 +8,8 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kOutliers = 0.01;  // of the points, either way
-constexpr double kSpread = 0.02;    // of the height; sets with right cameras have 0.005 at most
+constexpr double kOutliers = 0.01;  // of the points, at each end
+constexpr double kSpread = 0.02;    // of the height; at most 0.005 for sets with right cameras
 
 Eigen::Vector3d Quantile(const Scene& scene, double share) {
   Eigen::Vector3d result;

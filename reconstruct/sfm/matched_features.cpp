@@ -14,7 +14,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// The one camera: median focal length of the EXIF data, else COLMAP's guess of 1.2 times the
+/// The shared camera: median focal length of the EXIF data, else COLMAP's default of 1.2 times the
 /// longer side.
 Camera StartCamera(const ImageSet& set, bool& focal_known) {
   std::vector<double> focals;
@@ -39,9 +39,8 @@ Camera StartCamera(const ImageSet& set, bool& focal_known) {
   return camera;
 }
 
-/// Raw matches, but for those on a background that stands still.
-/// @param rejected  how many those
-/// were
+/// Raw matches without those on a static background.
+/// @param rejected  number of those
 std::vector<PairMatches> MatchPairs(const std::vector<Features>& features,
                                     const std::vector<ImagePair>& pairs, int longer_side_px,
                                     const SfmOptions& options, int& rejected, Progress* progress) {
@@ -82,8 +81,9 @@ std::vector<Verified> VerifyPairs(const std::vector<Features>& features,
   return verified;
 }
 
-/// Matches verified pairs once more along their epipolar lines, and keeps what is more. @return
-/// inliers gained
+/// Matches verified pairs again along their epipolar lines, and keeps the result where it has more
+/// matches.
+/// @return number of additional inliers
 int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& features,
                     int longer_side_px, const SfmOptions& options, Progress* progress) {
   std::vector<int> gained(pairs.size(), 0);
@@ -138,7 +138,7 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   double count = 0;
   for (const Features& f : features) count += f.count();
   stage.Report("mean_features", count / static_cast<double>(features.size()));
-  ReportProgress(stage.progress(), 0.4, "choosing pairs");
+  ReportProgress(stage.progress(), 0.4, "selecting pairs");
   const auto pairs = ChoosePairs(features, options.PairList(), stage.progress());
   watch.Lap(stage, "pairs");
   ReportProgress(stage.progress(), 0.45, "matching");
@@ -149,8 +149,8 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   stage.Report("static_matches_rejected", static_matches);
   if (static_matches > 0)
     stage.Warn(std::to_string(static_matches) +
-               " matches lie on a background that stands still while the object turns; they are "
-               "left out (better masks would spare them)");
+               " matches lie on a background that does not move while the object turns; they are "
+               "left out (better masks would avoid them)");
   watch.Lap(stage, "matching");
   ReportProgress(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = matched.matches;

@@ -1,5 +1,4 @@
-// First half of sfm: what the photographs show. Features, matches, and the matches that stand the
-// geometric test.
+// First half of sfm: features, matches, and the matches that pass the geometric test.
 #pragma once
 
 #include <string>
@@ -15,20 +14,21 @@ struct ImageSet;
 
 namespace keypose::reconstruct {
 
-/// What the photographs show: features and what matches.
+/// Features of the photographs and their matches.
 struct MatchedFeatures {
-  Camera camera;  ///< as assumed before any adjustment
+  Camera camera;  ///< before any adjustment
   bool focal_known = false;
   std::vector<Features> features;
-  std::vector<PairMatches> matches;   ///< raw, however few a pair has
-  std::vector<PairMatches> verified;  ///< those of pairs that stand the geometric test
+  std::vector<PairMatches> matches;   ///< raw, including pairs with few matches
+  std::vector<PairMatches> verified;  ///< of pairs that pass the geometric test
   std::vector<char> upside_down;      ///< by image; see FindUpsideDown
 };
 
 std::vector<std::string> NamesOf(const ImageSet& set);
 
-/// Features, matches and verified matches of the set, the last in a COLMAP database.
-/// @param fine  features from twice the photographs' size too
+/// Features, matches and verified matches of the set; the verified ones are also written to a
+/// COLMAP database.
+/// @param fine  also features at twice the photographs' size
 /// @throws InputError  photographs of different sizes
 MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                               const SfmOptions& options, bool fine, Stopwatch& watch);

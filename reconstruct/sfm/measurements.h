@@ -1,5 +1,4 @@
-// What was measured on the way to a result. It goes to the report only with the result that is
-// taken.
+// Measurements of a result. They are reported only if the result is used.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@ class StageContext;
 
 namespace keypose::reconstruct {
 
-/// Names and values, as a stage's report has them, and sentences that a person should know.
+/// Names and values for a stage's report, and warnings.
 class Measurements {
  public:
   /// A whole JSON text: an array or an object.
@@ -25,7 +24,7 @@ class Measurements {
   };
   using Value = std::variant<bool, std::int64_t, double, std::string, Json>;
 
-  /// A name that is there already gets the new value.
+  /// Replaces the value of an existing name.
   void Add(std::string_view name, bool value) { Put(name, value); }
   void Add(std::string_view name, int value) { Put(name, static_cast<std::int64_t>(value)); }
   void Add(std::string_view name, double value) { Put(name, value); }
@@ -38,7 +37,7 @@ class Measurements {
   /// In the order in which they were first added.
   const std::vector<std::pair<std::string, Value>>& values() const { return values_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Null when nothing has the name.
+  /// Null when there is no such name.
   const Value* Find(std::string_view name) const;
 
   void Report(StageContext& stage) const;

@@ -27,14 +27,14 @@ BundleOptions BundleOf(const SfmOptions& options, bool with_plate, bool calibrat
   BundleOptions bundle;
   bundle.refine_principal_point = options.refine_principal_point || calibrate;
   bundle.refine_distortion = options.refine_distortion;
-  // of a plane seen under one tilt, any aspect ratio fits with another distance
+  // for a plane seen at one tilt, any aspect ratio fits with another distance
   bundle.keep_aspect = with_plate;
   return bundle;
 }
 
-/// Whether cameras look down on the board at angles that differ by 15 degrees or more. One ring of
-/// views turns the board about its normal only, which tells the focal length and nothing more
-/// (Zhang, TPAMI 2000, section 4).
+/// Whether cameras look down on the board at angles that differ by 15 degrees or more. A single
+/// ring of views rotates the board about its normal only, which determines the focal length and no
+/// other parameter (Zhang, TPAMI 2000, section 4).
 bool SeenUnderSeveralTilts(const Scene& scene) {
   constexpr double kLeast_deg = 15;
   std::vector<double> tilts;
@@ -61,7 +61,7 @@ void Append(std::vector<View>& views, const Scene& scene) {
             [](const View& a, const View& b) { return a.name < b.name; });
 }
 
-/// All views with the first one's camera: the sets were shot with one.
+/// Sets the first view's camera in all views: the sets were shot with one camera.
 void ShareCamera(std::vector<View>& views, const Camera& camera) {
   for (View& view : views) view.camera = camera;
 }
@@ -76,7 +76,7 @@ PosedModel Triangulated(StageContext& stage, const ImageSet& set, const SfmFiles
   return model;
 }
 
-/// Plates of all groups in a scene, where enough views show them.
+/// Boards of all groups in a scene, if enough views show them.
 Bodies BodiesOf(const Scene& scene, const ImageSet& set, const SetBoards& boards,
                 const std::vector<Rigid3>& world_from_board, const SfmOptions& options) {
   Bodies bodies;
@@ -100,8 +100,8 @@ Eigen::Matrix3d Fundamental(const View& first, const View& second) {
          second_from_first.rotation.toRotationMatrix() * first.camera.K().inverse();
 }
 
-/// Matches features of two placements along the epipolar lines that their joined cameras give, into
-/// the database: what ties the halves in the adjustment.
+/// Matches features of two placements along the epipolar lines of their joined cameras, and writes
+/// the matches to the database. These matches connect the two models in the adjustment.
 void MatchAcross(const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
                  const std::vector<View>& first, const std::vector<View>& second,
                  const SfmOptions& options, Measurements& measurements) {
@@ -142,7 +142,7 @@ void Measure(StageContext& stage, const std::string& name, const ModelAlignment&
              Measurements& measurements) {
   stage.Note("sfm: " + name + ": " + std::to_string(join.agreeing) + " of " +
              std::to_string(join.pairs) + " pairs of points agree" +
-             (join.found ? "" : ", too few to join the models"));
+             (join.found ? "" : ", which are too few to join the models"));
   measurements.AddJson("join_" + name, json{{"pairs", join.pairs},
                                             {"agreeing", join.agreeing},
                                             {"rms", join.rms},
@@ -226,10 +226,10 @@ PosedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFil
 
 namespace {
 
-/// One placement's model in its own plate's frame.
+/// One placement's model in its own board's frame.
 struct Half {
   ColmapModel raw;  ///< as triangulated
-  Scene adjusted;   ///< with its wrong points gone
+  Scene adjusted;   ///< without its wrong points
 };
 
 Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files,
@@ -246,15 +246,15 @@ Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files,
   half.adjusted = AdjustBundle(half.raw.scene, ObservationsOf(half.raw, set, matched.features),
                                BundleOf(options, true, boards.calibrate), stage.progress(), bodies)
                       .scene;
-  // Photographs of other placements that COLMAP took in by chance matches are placed with their
-  // own.
+  // Photographs of other placements that COLMAP added because of false matches are placed with
+  // their own group.
   std::erase_if(half.adjusted.views, [&](const View& view) {
     return std::find(group.images.begin(), group.images.end(), view.name) == group.images.end();
   });
   return half;
 }
 
-/// A mapper's model with its wrong points gone.
+/// A mapper's model, adjusted and without its wrong points.
 Scene AdjustedModel(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched,
                     const ColmapModel& model, const SfmOptions& options) {
   BundleOptions bundle = BundleOf(options, false, false);
@@ -264,7 +264,7 @@ Scene AdjustedModel(StageContext& stage, const ImageSet& set, const MatchedFeatu
       .scene;
 }
 
-/// The placement that most of a scene's photographs are of.
+/// The placement with most of a scene's photographs.
 std::string PlacementOf(const ImageSet& set, const Scene& scene) {
   std::map<std::string, int> count;
   for (const View& view : scene.views) ++count[set.images[set.Find(view.name)].group];
@@ -273,8 +273,8 @@ std::string PlacementOf(const ImageSet& set, const Scene& scene) {
       ->first;
 }
 
-/// Models of two placements of which neither is metric, by outlines, shape and colour: of a figure
-/// that was turned over, the light that stays where it is changes every feature.
+/// Aligns non-metric models of two placements by outlines, shape and colour. When a figure is
+/// turned over under fixed light, all its features change.
 ModelAlignment JoinPlacements(StageContext& stage, const ImageSet& set, const std::string& name,
                               const Scene& first, const Scene& second, Measurements& measurements) {
   const std::vector<PreparedView> first_views = MaskViews(set, first),
@@ -287,7 +287,7 @@ ModelAlignment JoinPlacements(StageContext& stage, const ImageSet& set, const st
   return join;
 }
 
-/// By matches, else by shape and colour.
+/// Aligns by matches, else by shape and colour.
 ModelAlignment JoinHalves(StageContext& stage, const std::string& name, const Half& first,
                           const Half& second, const MatchedFeatures& matched, bool& by_shape,
                           Measurements& measurements) {
@@ -332,8 +332,8 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
       world_from_board[g] = RigidOf(join.first_from_second);
       joined[g] = 1;
       const Scene moved = Transformed(join.first_from_second, other.adjusted);
-      // Halves that share no features are tied by their shape alone: the few matches that epipolar
-      // lines would still find are chance, and pull them half a degree apart.
+      // Models that share no features are only joined by shape. The few matches along epipolar
+      // lines are then false, and would rotate the models against each other by half a degree.
       if (!by_shape)
         MatchAcross(set, files, matched.features, first.adjusted.views, moved.views, options,
                     measurements);
@@ -342,7 +342,7 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
   }
   ShareCamera(views, Camera(views[0].camera));
   PosedModel model = Triangulated(stage, set, files, matched.features, views, "boards", options);
-  // A group that could not be joined has no place for its plate.
+  // The board of a group that was not joined has no known pose.
   SetBoards known = boards;
   for (std::size_t g = 1; g < known.groups.size(); ++g)
     if (!joined[g]) known.groups[g].sightings.clear();
@@ -355,7 +355,7 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
 
 namespace {
 
-/// Views of the mapper's largest model and of all that join it.
+/// Views of the mapper's largest model and of all models joined with it.
 std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                               const MatchedFeatures& matched,
                               const std::vector<ColmapModel>& models, const SfmOptions& options,
@@ -381,7 +381,7 @@ std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const Sf
                   other_half = AdjustedModel(stage, set, matched, other, options);
       join = JoinPlacements(stage, set, name, first_half, other_half, measurements);
       if (!join.found) continue;
-      // Both as adjusted, since the join is between these.
+      // Both as adjusted, since the alignment is between these.
       if (views.size() == first.scene.views.size()) views = first_half.views;
       Append(views, Transformed(join.first_from_second, other_half));
     }

@@ -11,7 +11,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// "a.jpg, b.jpg, c.jpg"; of many the first ones.
+/// "a.jpg, b.jpg, c.jpg"; only the first ones of many.
 std::string Names(const ImageSet& set, const std::vector<int>& images) {
   constexpr std::size_t kMost = 8;
   std::string names;
@@ -25,7 +25,7 @@ std::string Names(const ImageSet& set, const std::vector<int>& images) {
 
 void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched) {
   const int images = static_cast<int>(set.images.size());
-  constexpr int kStrong = 60;  // matches of a pair that shares a good part of what it shows
+  constexpr int kStrong = 60;  // matches of a pair with a large overlap
   std::vector<ImageTie> ties;
   for (const PairMatches& pair : matched.verified)
     ties.push_back({pair.first, pair.second, static_cast<int>(pair.features.size())});
@@ -58,8 +58,9 @@ std::vector<char> FindUpsideDown(StageContext& stage, const ImageSet& set,
   }
   stage.ReportJson("upside_down", names.dump());
   if (!members.empty())
-    stage.Note("sfm: these photographs are upside down beside the others, and are used so: " +
-               Names(set, members));
+    stage.Note(
+        "sfm: these photographs are upside down relative to the others, which is allowed for: " +
+        Names(set, members));
   return upside_down;
 }
 

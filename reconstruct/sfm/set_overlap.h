@@ -1,5 +1,5 @@
-// What matches of neighbours tell of a set before any camera is sought: whether it can join at all,
-// and which photographs are upside down.
+// Uses matches before cameras are estimated: whether a set can form one model, and which
+// photographs are upside down.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace keypose::reconstruct {
 
-/// Stops where photographs that do match some others still fall into many small groups which share
-/// nothing: they were shot too far apart. A figure without texture, whose photographs match
-/// nothing, is left to the outlines.
-/// @throws InputError  names the groups and says what to shoot
+/// Stops if photographs that match some others form many small groups without common features: they
+/// were shot too far apart. A figure without texture, whose photographs have no matches, is left to
+/// the outlines.
+/// @throws InputError  names the groups and what to shoot
 void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched);
 
-/// The photographs that are upside down beside the others, by matches, else by outlines; warns of
-/// them.
+/// Finds the photographs that are upside down relative to the others, by matches, else by outlines;
+/// notes them.
 /// @return by image, 1 or 0
 std::vector<char> FindUpsideDown(StageContext& stage, const ImageSet& set,
                                  const EvidenceJudge& judge, const MatchedFeatures& matched);

@@ -14,12 +14,12 @@
 namespace keypose::reconstruct {
 
 struct SfmOptions {
-  /// auto tries one after the other: plate, features, ring, silhouettes
+  /// auto tries board, features, ring, silhouettes in this order
   std::string method = "auto";
   std::string rings = "auto";  ///< sizes of the rings in the order of names, such as 18+18
   int max_image_size = 2000;   ///< longer side at which features are found
   int max_features = 8192;     ///< per image
-  /// COLMAP's default of 0.0067 leaves little on clay, plush and paint
+  /// COLMAP's default of 0.0067 finds few features on clay, plush and paint
   double peak_threshold = 0.002;
   std::string detail = "auto";  ///< size of the smallest features
   bool affine_shape = true;
@@ -34,14 +34,15 @@ struct SfmOptions {
   double min_triangulation_deg = 1.5;
   bool refine_principal_point = BundleOptions{}.refine_principal_point;
   bool refine_distortion = BundleOptions{}.refine_distortion;
-  bool patches = true;         ///< points found again by grey values, and cameras adjusted to these
-  int adjusted_points = 6000;  ///< in the bundle adjustments, spread over the object
+  bool patches = true;         ///< track points by grey values, and adjust the cameras to them
+  int adjusted_points = 6000;  ///< points in the bundle adjustments, spread over the figure
   double min_placed = 0.6;
-  double min_hull_overlap = kLeastHullOverlap;  ///< of masks and their hull under the cameras found
+  /// of masks and their hull under the estimated cameras
+  double min_hull_overlap = kLeastHullOverlap;
   bool level = true;
-  bool board = true;          ///< use the printed calibration board where photographs show it
-  int min_board_corners = 8;  ///< of the board that a photograph must show to be placed by it
-  bool refine_poses = false;  ///< known poses are a start; else they stay as given
+  bool board = true;          ///< use the printed calibration board if photographs show it
+  int min_board_corners = 8;  ///< corners that a photograph must show to be placed by the board
+  bool refine_poses = false;  ///< adjust given poses; else they stay as given
 
   PairListOptions PairList() const {
     PairListOptions pairs;
@@ -51,8 +52,8 @@ struct SfmOptions {
     return pairs;
   }
 
-  /// How the photographs may lie in rings.
-  /// @throws InputError  the sizes given do not add up to the number of photographs
+  /// The possible assignments of photographs to rings.
+  /// @throws InputError  the given sizes do not add up to the number of photographs
   std::vector<RingLayout> Layouts(const std::vector<std::string>& names) const {
     const std::vector<int> sizes = RingSizes();
     return sizes.empty()
@@ -62,18 +63,19 @@ struct SfmOptions {
 
   std::vector<std::string> Problems() const {
     if (rings == "auto" || !RingSizes().empty()) return {};
-    return {"rings must be auto or sizes joined by +, each 3 or more, such as 18+18, and is '" +
+    return {"rings must be auto or sizes joined by +, each 3 or more, such as 18+18, but is '" +
             rings + "'"};
   }
 
   void Describe(OptionVisitor& visit) {
-    visit("method", method,
-          {"how cameras are found; auto tries one strategy after the other and says which one it "
-           "took",
-           "",
-           0,
-           0,
-           {"auto", "board", "features", "ring", "silhouettes"}});
+    visit(
+        "method", method,
+        {"how cameras are found; auto tries one strategy after the other and reports the one that "
+         "it uses",
+         "",
+         0,
+         0,
+         {"auto", "board", "features", "ring", "silhouettes"}});
     visit("rings", rings,
           {"sizes of the turntable's rings in the order of names, such as 18+18; auto tries equal "
            "ones",
@@ -83,13 +85,13 @@ struct SfmOptions {
            {}});
     visit("max_image_size", max_image_size,
           {"longer side at which features are found", "px", 320, 20000, {}});
-    visit("max_features", max_features, {"features of one image at most", "", 256, 65536, {}});
+    visit("max_features", max_features,
+          {"largest number of features per image", "", 256, 65536, {}});
     visit("peak_threshold", peak_threshold,
           {"least contrast of a feature; smaller finds more on weak texture", "", 1e-4, 0.1, {}});
     visit("detail", detail,
-          {"features from the photographs as they are (coarse), from twice their size too (fine), "
-           "or that only where coarse ones leave "
-           "photographs out (auto)",
+          {"features at the photographs' own size (coarse), also at twice that size (fine), "
+           "or fine only if photographs cannot be placed with coarse ones (auto)",
            "",
            0,
            0,
@@ -99,11 +101,11 @@ struct SfmOptions {
     visit("domain_size_pooling", domain_size_pooling,
           {"pool descriptors over sizes: some more matches, three times slower", "", 0, 1, {}});
     visit("mask_margin_px", mask_margin_px,
-          {"masks grow by this before features are looked for", "px", 0, 100, {}});
+          {"masks grow by this before features are extracted", "px", 0, 100, {}});
     visit("all_pairs_limit", all_pairs_limit,
-          {"up to this many images all pairs are matched", "", 0, 100000, {}});
+          {"sets of at most this many images are matched in all pairs", "", 0, 100000, {}});
     visit("neighbors", neighbors,
-          {"neighbours in name order, both ways round the circle, that are always matched",
+          {"neighbours in name order, in both directions round the circle, that are always matched",
            "",
            0,
            1000,
@@ -112,8 +114,7 @@ struct SfmOptions {
           {"most similar images that each image is matched with", "", 0, 10000, {}});
     visit("max_ratio", max_ratio,
           {"Lowe's ratio: nearest over second nearest descriptor", "", 0.1, 1, {}});
-    visit("guided_matching", guided_matching,
-          {"match once more along epipolar lines", "", 0, 1, {}});
+    visit("guided_matching", guided_matching, {"match again along epipolar lines", "", 0, 1, {}});
     visit("min_inliers", min_inliers,
           {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
     visit("min_triangulation_deg", min_triangulation_deg,
@@ -128,7 +129,8 @@ struct SfmOptions {
     visit("refine_distortion", refine_distortion,
           {"solve for k1, k2, p1, p2 instead of k1 alone; for wide lenses", "", 0, 1, {}});
     visit("patches", patches,
-          {"track points by grey values, far finer than features, and adjust the cameras to these",
+          {"track points by grey values, which is far more accurate than features, and adjust the "
+           "cameras to them",
            "",
            0,
            1,
@@ -137,8 +139,9 @@ struct SfmOptions {
           {"points in the bundle adjustments, spread over the object", "", 500, 1000000, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
     visit("min_hull_overlap", min_hull_overlap,
-          {"overlap of masks and their hull that cameras must reach; right ones always do, unless "
-           "masks are bad. 0 accepts all",
+          {"least overlap of masks and their hull under the cameras; correct cameras always reach "
+           "it, "
+           "unless masks are bad; 0 accepts all",
            "",
            0,
            1,
@@ -148,7 +151,7 @@ struct SfmOptions {
     visit("min_board_corners", min_board_corners,
           {"corners of the board that a photograph must show to be placed by it", "", 6, 1000, {}});
     visit("refine_poses", refine_poses,
-          {"take --poses for a start and adjust them; else they stay as given", "", 0, 1, {}});
+          {"use --poses as a start and adjust them; else they stay as given", "", 0, 1, {}});
     visit("level", level,
           {"turn the model upright, centre it, and scale the mean camera distance to 1",
            "",

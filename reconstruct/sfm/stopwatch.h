@@ -1,4 +1,4 @@
-// What each part of a stage's work cost.
+// The time that each part of a stage takes.
 #pragma once
 
 #include <chrono>
@@ -28,7 +28,7 @@ class Stopwatch {
 
  private:
   double last_cpu_ = CpuSeconds();
-  std::map<std::string, std::pair<double, double>> spent_;  ///< what is done twice adds up
+  std::map<std::string, std::pair<double, double>> spent_;  ///< repeated parts add up
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 

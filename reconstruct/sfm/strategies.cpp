@@ -16,8 +16,8 @@ using nlohmann::json;
 
 namespace {
 
-/// The model adjusted once more, with a robust loss; known poses stay, and so does what shows
-/// neither points nor a plate.
+/// The model after another adjustment with a robust loss. Known poses stay fixed; models without
+/// observations of points and boards stay unchanged.
 PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& options,
                    Measurements& measurements) {
   if (model.fixed || (model.observations.empty() && model.bodies.observations.empty()))
@@ -35,7 +35,7 @@ PosedModel Refined(StageContext& stage, PosedModel model, const SfmOptions& opti
   return model;
 }
 
-/// @param measurements  of how the model was made; they go into the result
+/// @param measurements  of how the model was made; they are added to the result
 StrategyResult Adjusted(StageContext& stage, PosedModel model, const std::string& method,
                         const SfmOptions& options, Measurements measurements) {
   ReportProgress(stage.progress(), 0.85, "bundle adjustment");
@@ -52,7 +52,7 @@ StrategyResult PlaceByPoses(const StrategyContext& context, const SfmFiles& file
   return Adjusted(stage, std::move(model), "poses", options, std::move(measurements));
 }
 
-/// No views where too few photographs show the board.
+/// The result has no views if too few photographs show the board.
 StrategyResult PlaceByPlate(const StrategyContext& context, const SfmFiles& files,
                             const MatchedFeatures& matched, const SetBoards& boards) {
   const auto& [stage, set, options, judge, watch] = context;
@@ -84,8 +84,9 @@ StrategyResult PlaceByFeatures(const StrategyContext& context, const SfmFiles& f
       matched);
 }
 
-/// Maps again from other focal lengths, where no photograph tells it and the first guess gave
-/// doubtful cameras: the mapper seldom finds its way from a guess that is a fifth off.
+/// Runs the mapper again with other focal lengths, if no photograph has one in its EXIF data and
+/// the first guess gave doubtful cameras: the mapper seldom converges from a guess that is off by a
+/// fifth.
 StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const SfmFiles& files,
                                          const MatchedFeatures& matched, const SetBoards& boards) {
   StrategyResult best = PlaceByFeatures(context, files, matched, boards);
@@ -101,7 +102,7 @@ StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const S
   return best;
 }
 
-/// The strategies that need matched features: plate and mapper.
+/// The strategies that need matched features: board and mapper.
 StrategyResult PlaceByMatches(const StrategyContext& context, const SfmFiles& files,
                               const MatchedFeatures& matched, const SetBoards& boards) {
   const auto& [stage, set, options, judge, watch] = context;
@@ -121,9 +122,9 @@ StrategyResult PlaceByMatches(const StrategyContext& context, const SfmFiles& fi
   return best;
 }
 
-/// Whether cameras hang on so few points that a wrong camera can explain them: 57 a view bent a
-/// ring of 20 by 2 % and made its pixels twice as high as wide. Photographs with texture give some
-/// hundreds.
+/// Whether the model has so few points that wrong cameras can fit them: 57 per view bent a ring of
+/// 20 by 2 % and made its pixels twice as high as wide. Photographs with texture have several
+/// hundred.
 bool HasFewPoints(const StrategyResult& result) {
   constexpr double kLeastObservations = 100;  // of a view, on average
   return result.method == "features" && result.views() > 0 &&
@@ -137,10 +138,10 @@ SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {
 
 void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& result,
                        bool few_points, bool settled) {
-  const char* doubt = few_points ? ", by few points" : settled ? "" : ", not surely";
-  context.stage.Note(
-      "sfm: features at the photographs' own size place " + std::to_string(result.views()) +
-      " of " + std::to_string(context.set.images.size()) + doubt + "; looking for finer ones");
+  const char* doubt = few_points ? ", with few points" : settled ? "" : ", but without certainty";
+  context.stage.Note("sfm: features at the photographs' own size place " +
+                     std::to_string(result.views()) + " of " +
+                     std::to_string(context.set.images.size()) + doubt + "; extracting finer ones");
 }
 
 }  // namespace
@@ -148,7 +149,7 @@ void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& res
 StrategyResult FindCameras(const StrategyContext& context, const fs::path& scratch,
                            MatchedFeatures& matched) {
   const auto& [stage, set, options, judge, watch] = context;
-  // The ring model lives on what little there is: it gets the fine features at once.
+  // The ring model works with few features, so it gets the fine ones at once.
   bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
   SfmFiles files = FilesOf(set, scratch, fine);
   matched = BuildDatabase(stage, set, files, options, fine, watch);
@@ -170,8 +171,8 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
     if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);
   }
   stage.Report("fine_features", fine);
-  // A figure that was turned over between two halves stands on no one turntable: what the other
-  // strategies would find for both is wrong.
+  // A figure that was turned over between two placements is not on one turntable: the other
+  // strategies' results for both would be wrong.
   if (boards.groups.size() > 1) return best;
   return PlaceByTurntable(context, files, matched, std::move(best));
 }

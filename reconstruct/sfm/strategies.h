@@ -1,5 +1,5 @@
-// Second half of sfm: cameras from what the photographs show, by one strategy after the other until
-// the evidence leaves no doubt.
+// Second half of sfm: cameras from the matched features, by one strategy after the other until the
+// evidence is sure.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,13 @@
 
 namespace keypose::reconstruct {
 
-/// One strategy after the other until one holds all photographs and the evidence is sure; else the
-/// one for which the evidence is best. Coarse features come first, and fine ones where those leave
-/// photographs out, hang on few points, or give doubtful cameras.
-/// @param matched  set: what the photographs showed in the end
-/// @return what the winner found and measured; its measurements are for the caller to report
-/// @throws InputError  the photographs share so little that no strategy can succeed; said before
-/// any is tried
+/// Tries one strategy after the other until one places all photographs with sure evidence; else
+/// returns the one with the best evidence. Coarse features are tried first. Fine ones follow if
+/// photographs are missing, if there are few points, or if the cameras are doubtful.
+/// @param matched  set to the features that were used last
+/// @return the best result with its measurements, which the caller reports
+/// @throws InputError  the photographs overlap so little that no strategy can succeed; thrown
+/// before any is tried
 StrategyResult FindCameras(const StrategyContext& context, const std::filesystem::path& scratch,
                            MatchedFeatures& matched);
 

@@ -8,7 +8,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// Evenly through the list, for a quick judgement.
+/// Evenly spread over the list, for a quick check.
 Scene SomeViews(const Scene& scene, std::size_t most) {
   if (scene.views.size() <= most) return scene;
   Scene some;

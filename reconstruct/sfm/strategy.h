@@ -1,5 +1,4 @@
-// What all strategies of sfm share: what they work on, what each gives back, and which result is
-// taken.
+// Types that all strategies of sfm share: their input, their result, and the comparison of results.
 #pragma once
 
 #include <string>
@@ -12,8 +11,8 @@
 
 namespace keypose::reconstruct {
 
-/// Cameras, the strategy that found them, what speaks for them, and what was measured on the way: a
-/// result that is not taken leaves nothing in the report.
+/// Cameras, the strategy that found them, their evidence, and measurements. The measurements of a
+/// result that is not used are not reported.
 struct StrategyResult {
   PosedModel model = {};  ///< adjusted
   std::string method = {};
@@ -22,8 +21,8 @@ struct StrategyResult {
   std::size_t views() const { return model.scene.views.size(); }
 };
 
-/// What all strategies work on. They use the stage for its progress, its tools and its log; they
-/// report nothing but the time that they cost.
+/// The input of all strategies. They use the stage for progress, tools and the log, and report
+/// nothing but their time.
 struct StrategyContext {
   StageContext& stage;
   const ImageSet& set;
@@ -31,17 +30,17 @@ struct StrategyContext {
   const EvidenceJudge& judge;
   Stopwatch& watch;
 
-  /// The same cameras with their evidence. Of many views some are asked, which is quick.
+  /// The same cameras with their evidence. For speed only some of many views are checked.
   StrategyResult Judged(StrategyResult result, const MatchedFeatures& matched) const;
-  /// Whether all photographs have a camera that the evidence leaves no doubt about.
+  /// Whether all photographs have a camera and the evidence is sure.
   bool IsSettled(const StrategyResult& result) const;
 };
 
-/// The candidate where the evidence prefers it, else the best so far.
+/// The candidate if the evidence prefers it, else the best so far.
 StrategyResult BetterOf(StrategyResult best, StrategyResult candidate);
 
-/// Focal lengths worth trying, in pixels, the likeliest first: that which the photographs tell,
-/// else those of lenses from 26 to 92 mm (as of 35 mm film) in steps of a fifth.
+/// Focal lengths to try, in pixels, the most likely first: the one from the EXIF data, else those
+/// of lenses from 26 to 92 mm (35 mm equivalent) in steps of a fifth.
 std::vector<double> FocalsToTry(const MatchedFeatures& matched);
 
 /// The camera with another focal length.

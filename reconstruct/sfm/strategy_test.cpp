@@ -15,7 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-/// A stage of which nothing but the report is asked.
+/// A stage of which only the report is used.
 class Reported final : public StageContext {
  public:
   bool Has(std::string_view) const override { return false; }

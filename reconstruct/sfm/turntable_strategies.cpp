@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What the photographs show with all of them upright.
+/// The features with all photographs upright.
 struct Upright {
   Camera camera;
   std::vector<Features> features;
@@ -37,7 +37,7 @@ std::vector<Features> UprightFeatures(const MatchedFeatures& matched) {
   return features;
 }
 
-/// Cameras of photographs that were turned over go back with them.
+/// Rotates the cameras of photographs that were rotated back with them.
 void TurnBack(const ImageSet& set, const MatchedFeatures& matched, Scene& scene) {
   const Rigid3 over{Eigen::Quaterniond(0, 0, 0, 1), Eigen::Vector3d::Zero()};
   for (View& view : scene.views) {
@@ -46,7 +46,7 @@ void TurnBack(const ImageSet& set, const MatchedFeatures& matched, Scene& scene)
   }
 }
 
-/// Without observations of its own.
+/// A result without observations.
 StrategyResult ResultOf(const StrategyContext& context, const MatchedFeatures& matched, Scene scene,
                         const std::string& method) {
   StrategyResult result{.method = method};
@@ -68,15 +68,15 @@ void Measure(const RingSfmResult& ring, Measurements& measurements) {
   measurements.AddJson("placed_by_step_only", json(ring.by_step_only).dump());
 }
 
-/// A layout that names do not tell.
+/// A layout whose order does not follow from the names.
 struct SortedRings {
   RingLayout layout;
   std::string names_in_order;  ///< JSON, ring by ring
   int sorted = 0;              ///< photographs
 };
 
-/// The order in which the photographs stand on their rings, by what they show: where names do not
-/// tell it.
+/// Estimates the order of the photographs on their rings from their content, where names do not
+/// give it.
 std::optional<SortedRings> SortRings(const StrategyContext& context, const SfmFiles& files,
                                      const MatchedFeatures& matched, const Scene& known) {
   const auto& [stage, set, options, judge, watch] = context;
@@ -97,13 +97,13 @@ std::optional<SortedRings> SortRings(const StrategyContext& context, const SfmFi
   return SortedRings{order->layout, rings.dump(), order->sorted};
 }
 
-/// What a result tells that stands on an order found.
+/// Adds the measurements of a result whose order was estimated.
 void Measure(const SortedRings& rings, std::size_t photographs, Measurements& measurements) {
   measurements.AddJson("order_found", rings.names_in_order);
   measurements.Warn(
-      "the names of the photographs do not tell in which order they were shot; sorted " +
+      "the names of the photographs do not give the order in which they were shot; sorted " +
       std::to_string(rings.sorted) + " of " + std::to_string(photographs) +
-      " by what they show: " + rings.layout.reason);
+      " by their content: " + rings.layout.reason);
 }
 
 RingSfmOptions RingOptionsOf(const SfmOptions& options, const MatchedFeatures& matched) {
@@ -115,8 +115,8 @@ RingSfmOptions RingOptionsOf(const SfmOptions& options, const MatchedFeatures& m
   return ring;
 }
 
-/// Of the focal lengths that may be, and of the layouts, those whose ring model the evidence
-/// prefers. No views where none fits.
+/// The ring model with the best evidence, over the possible focal lengths and layouts. No views
+/// where none fits.
 StrategyResult PlaceByRing(const StrategyContext& context, const Upright& upright,
                            const MatchedFeatures& matched, const std::vector<RingLayout>& layouts) {
   const std::vector<std::string> names = NamesOf(context.set);
@@ -132,7 +132,7 @@ StrategyResult PlaceByRing(const StrategyContext& context, const Upright& uprigh
     const RingSfmResult ring =
         ReconstructRing(camera, names, upright.features, matched.matches, tried, options, &part);
     if (!ring.found) continue;
-    tried = {ring.layout};  // the order of shooting does not hang on the focal length
+    tried = {ring.layout};  // the layout does not depend on the focal length
     StrategyResult result = ResultOf(context, matched, ring.scene, "ring");
     if (best.views() > 0 && result.evidence.Score() <= best.evidence.Score()) continue;
     Measure(ring, result.measurements);
@@ -152,14 +152,14 @@ std::vector<Image8> ReadMasks(const ImageSet& set, const std::vector<char>& upsi
   return masks;
 }
 
-/// Outlines that agree with a ring model, and which of the layouts it has.
+/// A ring model that fits the outlines, and the index of its layout.
 struct OutlineFit {
   RingSilhouettes ring;
   std::size_t layout = 0;
 };
 
-/// The layout and the focal length for which outlines agree best. Focal lengths are tried with the
-/// layout that won at the first of them.
+/// The layout and the focal length that fit the outlines best. Focal lengths are tried with the
+/// layout that was best for the first of them.
 OutlineFit FitOutlines(const StrategyContext& context, const MatchedFeatures& matched,
                        const std::vector<Image8>& masks, const std::vector<RingLayout>& layouts) {
   OutlineFit best;
@@ -176,7 +176,7 @@ OutlineFit FitOutlines(const StrategyContext& context, const MatchedFeatures& ma
   const auto none = [](const RingSilhouettes& found) { return found.view_error_px.empty(); };
   for (std::size_t k = 0; k < layouts.size(); ++k) {
     RingSilhouettes found = fit(k, focals[0]);
-    // A layout of more rings has more unknowns: it has to be clearly better.
+    // A layout with more rings has more unknowns, so it must be clearly better.
     if (none(found) || (!none(best.ring) && found.error_px >= 0.9 * best.ring.error_px)) continue;
     best = {std::move(found), k};
   }
@@ -188,8 +188,9 @@ OutlineFit FitOutlines(const StrategyContext& context, const MatchedFeatures& ma
   return best;
 }
 
-/// The last strategy: no feature counts, only outlines. No views where they do not agree.
-/// @param sorted  the first of the layouts, where that was found by what the photographs show
+/// The last strategy uses outlines only, without features. No views if it does not fit.
+/// @param sorted  the first of the layouts, if its order was estimated from the photographs'
+/// content
 StrategyResult PlaceBySilhouettes(const StrategyContext& context, const MatchedFeatures& matched,
                                   const std::vector<RingLayout>& layouts,
                                   const std::optional<SortedRings>& sorted) {

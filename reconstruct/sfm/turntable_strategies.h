@@ -1,15 +1,15 @@
-// The strategies of sfm that believe in a turntable: a ring model from matches, the same in an
-// order found, and outlines alone.
+// The strategies of sfm that assume a turntable: a ring model from matches, the same with an
+// estimated order of the photographs, and outlines alone.
 #pragma once
 
 #include "reconstruct/sfm/strategy.h"
 
 namespace keypose::reconstruct {
 
-/// Asks these strategies where `best`, which was found before, is in doubt or leaves photographs
-/// out. Photographs that are upside down are turned over for them, and their cameras turned back.
-/// Where no photograph tells the focal length, several are tried.
-/// @return what the evidence prefers, `best` or a result of theirs
+/// Tries these strategies if `best`, which was found before, is doubtful or lacks photographs.
+/// Photographs that are upside down are rotated for them, and their cameras rotated back. If no
+/// photograph has a focal length, several are tried.
+/// @return the result with the best evidence, `best` or a result of these strategies
 StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& files,
                                 const MatchedFeatures& matched, StrategyResult best);
 

@@ -56,7 +56,8 @@ void Append(const PointCloud& more, PointCloud* cloud) {
   cloud->colors.bottomRows(added) = more.colors, cloud->confidence.tail(added) = more.confidence;
 }
 
-// Depth bounds are as coarse as the grid; what a mask cuts off to the pixel goes here.
+// Depth bounds are as coarse as the grid; this removes points that the masks exclude, accurate to
+// the pixel.
 int KeepWithinOutlines(const Silhouettes& silhouettes, double limit_px, PointCloud* cloud) {
   std::vector<char> keep(cloud->points.rows(), 1);
   ParallelFor(
@@ -81,10 +82,11 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("levels", levels, {"pyramid levels, each of half the size of the one before", "", 1, 6});
   visit("sources", sources, {"views that each view is matched with", "", 2, 16});
   visit("geometric_passes", geometric_passes,
-        {"passes in which views confirm each other, at the finest level", "", 0, 6});
+        {"passes with geometric consistency between views, at the finest level", "", 0, 6});
   visit("least_views", least_views, {"views that must agree on a point", "", 2, 10});
-  visit("reprojection_px", reprojection_px,
-        {"largest disagreement of two views on a point, there and back", "px", 0.1, 10});
+  visit(
+      "reprojection_px", reprojection_px,
+      {"largest forward-backward reprojection error between two views of a point", "px", 0.1, 10});
   visit("depth_tolerance", depth_tolerance,
         {"largest relative difference of depth of two views that agree", "", 1e-5, 0.5});
   visit("normal_tolerance_deg", normal_tolerance_deg,
@@ -93,24 +95,23 @@ void DenseOptions::Describe(OptionVisitor& visit) {
         {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "",
          0.05, 2});
   visit("largest_error", largest_error,
-        {"pixels with a larger expected depth error than this, and than half of all pixels have, "
-         "are dropped",
+        {"pixels with a larger expected depth error than this, and than the median, are dropped",
          "px of the picture on the surface", 0.05, 100});
   visit("narrow_texture", narrow_texture,
         {"at the finest level windows are half as wide where their contrast is at least this many "
-         "times the noise: sharper detail; 0 is always",
+         "times the noise, for sharper detail; 0: always",
          "", 0, 1000});
   visit("window_variance", window_variance,
-        {"variance of the matching window along an axis: depths are corrected for the averaging "
-         "over it; 0 does not correct, which flattens bumps",
+        {"variance of the matching window along an axis, which averages depths; the bias is "
+         "corrected; 0: no correction, which flattens bumps",
          "px2", 0, 40});
   visit("hull_resolution", hull_resolution,
         {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px,
         {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
   visit("rim_points", rim_points,
-        {"add points where the masks' outlines touch the surface, and drop points near them that "
-         "lie above or below"});
+        {"add frontier points, where the masks' outlines touch the surface, and drop points that "
+         "lie above or below them"});
   visit("gap_fill", gap_fill,
         {"add points of smooth surface, at low confidence, over gaps without texture that "
          "confirmed depths surround"});
@@ -175,7 +176,8 @@ DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene
   if (options.hull_fill)
     Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud),
            &result.cloud);
-  // After the hull's points: those beside frontier points hold the surface where these end.
+  // Appended after the hull's points, so that hull points near frontier points remain and support
+  // the surface where frontier points end.
   result.frontier_points = static_cast<int>(frontier.size());
   Append(FrontierCloud(frontier, views), &result.cloud);
   if (result.cloud.points.rows() == 0)

@@ -38,28 +38,28 @@ struct DenseOptions {
 };
 
 struct DenseResult {
-  PointCloud cloud;             ///< world frame; normals towards the cameras, colour, confidence
-  int stereo_points = 0;        ///< the first ones of the cloud
-  int gap_points = 0;           ///< the next ones, bridging gaps; after them come the hull's
-  int frontier_points = 0;      ///< the last ones, where rays of masks' outlines touch the surface
-  int contradicted_points = 0;  ///< dropped because frontier points contradict them
+  PointCloud cloud;         ///< world frame; normals towards the cameras, colour, confidence
+  int stereo_points = 0;    ///< the first points of the cloud
+  int gap_points = 0;       ///< the next ones, fitted over gaps; then come the hull's
+  int frontier_points = 0;  ///< the last ones, where rays through masks' borders touch the surface
+  int contradicted_points = 0;       ///< dropped because they are inconsistent with frontier points
   std::vector<double> completeness;  ///< for each view, share of masked pixels with a fused depth
   std::vector<std::string> views_without_sources;
-  HullCheck hull_check;          ///< each mask against what all masks allow
+  HullCheck hull_check;          ///< each mask against the visual hull of all masks
   int outside_points = 0;        ///< dropped because they lie outside of the masks
-  std::int64_t evaluations = 0;  ///< windows correlated
+  std::int64_t evaluations = 0;  ///< number of window correlations
   double hull_volume = 0;
   double matching_cpu_seconds = 0;  ///< of PatchMatch alone, all threads together
 };
 
-/// The whole of the stage's computation.
+/// The stage's entire computation.
 ///
 /// @param views  with at least one masked pixel each, all with options.levels levels, in the order
 /// of their names
-/// @param scene  that the views' scene_index point into; its sparse points help, but may be missing
+/// @param scene  the target of the views' scene_index; its sparse points are used if there are any
 /// @throws InputError  fewer than 3 views, masks without common space, no view with two or more
-/// sources, or nothing that agrees; with names Same bits for any thread count on one kind of
-/// processor.
+/// sources, or no consistent depths; names the views
+/// Same bits for any thread count on one kind of processor.
 DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene& scene,
                              const DenseOptions& options, Progress* progress = nullptr);
 

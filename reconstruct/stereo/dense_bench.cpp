@@ -1,5 +1,5 @@
-// How many window correlations a second, per kernel; and the whole of dense stereo on a rendered
-// ring, with its accuracy.
+// Window correlations per second and kernel, and the entire dense stereo on a rendered ring, with
+// its accuracy.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -12,9 +12,8 @@
 namespace keypose::reconstruct {
 namespace {
 
-// Windows a second of a kernel by itself. With `near`, all that it reads stays in the first-level
-// cache: the roof of the arithmetic; without, windows wander over an image of 1.5 megapixels as
-// PatchMatch's do.
+// Windows per second of a kernel by itself. With `near`, all that it reads stays in the L1 cache:
+// the arithmetic limit. Without, windows move over an image of 1.5 megapixels as in PatchMatch.
 void NccPerSecond(benchmark::State& state) {
   const std::vector<PatchCostKernel> kernels = AvailablePatchCostKernels();
   if (state.range(0) >= std::ssize(kernels))

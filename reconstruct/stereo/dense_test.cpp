@@ -37,8 +37,8 @@ TEST(ReconstructDense, TexturedBallIsAccurateAndComplete) {
   }
 }
 
-// Flat windows on a ball settle inside of it. The ball of the scene is lumpy, and convex nearly
-// everywhere.
+// Depths of flat windows on a ball are biased inwards. The ball of the scene is lumpy, and convex
+// nearly everywhere.
 TEST(ReconstructDense, NarrowWindowsAndTheCorrectionForCurvatureBringPointsNearerToACurvedSurface) {
   const RenderedScene scene = RenderRing({.views = 9, .size = 150});
   DenseOptions plain;
@@ -101,7 +101,7 @@ TEST(ReconstructDense, SameBitsForAnyThreadCount) {
 
 TEST(ReconstructDense, TooFewOrLonelyViewsThrowWithTheirNames) {
   RenderedScene scene = RenderRing(
-      {.views = 3, .size = 60});  // 120 degrees apart; the two rings lie 30 degrees apart
+      {.views = 3, .size = 60});  // 120 degrees apart; the two rings are 30 degrees apart
   std::vector<PreparedView> views = Prepared(scene);
   try {
     ReconstructDense({views[0], views[1], views[2]}, scene.scene, {});

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kNeighbors = 8;
 constexpr double kLeastFacing = 0.5;  // cosine between a point's normal and a frontier point's
-// pixels from the outline to where the figure's colour is read
+// distance from the outline at which the figure's colour is read, pixels
 constexpr double kInsideOutline = 2;
 constexpr int kGrain = 1024;
 
-// What frontier points say of a place.
+// Numbers of frontier points that are consistent or inconsistent with a point.
 struct FrontierVerdict {
   int agreed = 0, contradicted = 0;
 };

@@ -1,5 +1,5 @@
-// Frontier points in a cloud: where the rays of the masks' outlines touch the surface, points are
-// put, and points that contradict them go.
+// Frontier points in a cloud: adds points where the rays through the masks' borders touch the
+// surface, and removes points that are inconsistent with them.
 #pragma once
 
 #include <vector>
@@ -11,26 +11,28 @@
 namespace keypose::reconstruct {
 
 struct FrontierCloudOptions {
-  /// how far beside a frontier point, along the surface, it says where the surface is
+  /// a frontier point constrains the surface up to this distance beside it
   double beside_px = 6;
-  double reach_px = 16;  ///< how far above or below it
-  double agrees_px = 1;  ///< a point no farther above or below a frontier point agrees with it
-  double errs_px = 1.5;  ///< and one that is farther contradicts it
-  /// frontier points that have to be contradicted, and none agreed with, for a point to go
+  double reach_px = 16;  ///< and up to this distance above or below it
+  /// a point no farther above or below a frontier point is consistent with it
+  double agrees_px = 1;
+  double errs_px = 1.5;  ///< a point farther above or below is inconsistent with it
+  /// a point is removed when it is inconsistent with at least this many frontier points and
+  /// consistent with none
   int contradictions = 2;
 };
 
-/// Takes out what frontier points contradict: a lamp's image in gloss, which photographs match
-/// behind the surface, or a chance match on smooth clay. Only points that face as the frontier
-/// points beside them do are judged.
+/// Removes points that are inconsistent with frontier points: reflections of a lamp, which stereo
+/// matches behind the surface, or false matches on smooth clay. Only points whose normals are
+/// similar to those of the frontier points beside them are tested.
 /// @param cloud  with normals, colours and confidence
-/// @return how many went.
+/// @return number of removed points
 /// Same bits for any thread count.
 int DropWhatFrontierPointsContradict(const std::vector<FrontierPoint>& frontier,
                                      const FrontierCloudOptions& options, PointCloud* cloud);
 
-/// Frontier points with their normals, the colour that their view shows just inside of its outline,
-/// and confidence 1.
+/// Frontier points with their normals, their view's colour just inside of its outline, and
+/// confidence 1.
 PointCloud FrontierCloud(const std::vector<FrontierPoint>& frontier,
                          const std::vector<PreparedView>& views);
 

@@ -30,7 +30,7 @@ std::vector<FrontierPoint> PlaneOfFrontierPoints() {
   return frontier;
 }
 
-// One point, so many pixels beside the middle and above the plane.
+// One point, at the given pixels beside the middle and above the plane.
 PointCloud At(double x_px, double z_px, const Eigen::Vector3d& normal = Eigen::Vector3d::UnitZ()) {
   PointCloud cloud;
   cloud.points = kPixel * Eigen::RowVector3d(x_px, 0.3, z_px);
@@ -88,7 +88,7 @@ TEST(FrontierCloud, HasTheColourInsideOfTheOutline) {
   EXPECT_EQ(cloud.colors(1, 1), 100);
 }
 
-// A flat ball has nothing to match: the frontier points are what is known of it besides its hull.
+// A ball without texture has no matches: apart from its hull only frontier points are known.
 TEST(FrontierCloud, OfAFlatBallLiesOnItsSurface) {
   const testing::RenderedScene rendered = testing::RenderRing({.views = 30, .contrast = 0});
   DenseOptions options;

@@ -16,8 +16,8 @@ struct Member {
   std::size_t pixel = 0;
 };
 
-// From one view's pixels to another's, and its normals to the first: both ways what Transfer is to
-// PatchMatch, in double precision.
+// Maps one view's pixels to another's and back, and the other view's normals to the first. As
+// Transfer of PatchMatch, but in both directions and in double precision.
 struct Passage {
   Eigen::Matrix3d there, back, turn;
   Eigen::Vector3d there_depth, back_depth;
@@ -34,7 +34,7 @@ Passage PassageOf(const PreparedView& from, const PreparedView& to) {
 
 constexpr char kConfirmed = 1, kUsed = 2;
 
-// A point of the cloud, small: there are a million.
+// A point of the cloud in little memory: there are a million.
 struct FusedPoint {
   Eigen::Vector3d point;
   Eigen::Vector3f normal;
@@ -47,7 +47,8 @@ struct Group {
   int count = 0;
 };
 
-// Of fur, or out of focus, no depth is sure: half of the pixels that match count in any case.
+// On fur, or out of focus, no depth is accurate. Then half of the matched pixels are used in any
+// case.
 float ErrorLimit(const std::vector<PlaneMap>& maps, const FusionOptions& options) {
   std::vector<float> errors;
   for (const PlaneMap& map : maps) {
@@ -108,7 +109,7 @@ class Fuser {
   }
 
  private:
-  // Of a plane by its place in the map.
+  // `place` is the plane's index in the map.
   bool Usable(const PlaneMap& map, std::size_t place) const {
     return map.Cost(place) <= options_.largest_cost && map.ExpectedError(place) <= error_limit_;
   }
@@ -134,8 +135,8 @@ class Fuser {
                             plane.inverse_depth - gx * (x - camera.cx) - gy * (y - camera.cy));
   }
 
-  // The pixels of the sources that show the same piece of surface; the first member is the pixel
-  // itself. Stops when there are `enough`.
+  // The pixels of the sources that show the same surface; the first member is the pixel itself.
+  // Stops after `enough` members.
   Group Agreeing(int view, std::size_t pixel, int enough) const {
     Group group;
     group.members[group.count++] = {view, pixel};
@@ -199,7 +200,7 @@ class Fuser {
     }
   }
 
-  // Weighted by how squarely and how closely a view sees the surface.
+  // Weighted by how frontally and how closely a view sees the surface.
   void Merge(const Group& group, std::vector<FusedPoint>* points) const {
     Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = point, color = point;
     double total = 0, match = 0;
@@ -224,7 +225,7 @@ class Fuser {
     points->push_back(out);
   }
 
-  // View by view, so that what was copied is freed.
+  // View by view, so that copied points are freed.
   PointCloud Cloud() {
     std::size_t count = 0;
     for (const std::vector<FusedPoint>& points : points_) count += points.size();

@@ -15,7 +15,7 @@ using testing::AllOthers;
 
 constexpr int kSize = 40;
 
-// Cameras above the plane z = 0, ten degrees apart, all looking at the origin.
+// Cameras above the plane z = 0, ten degrees apart, all directed at the origin.
 std::vector<PreparedView> ViewsOfThePlane(int count) {
   std::vector<PreparedView> views;
   for (int i = 0; i < count; ++i) {

@@ -13,9 +13,10 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kLeastConfirmed = 4, kLeastMasked = 16;  // pixels of a cell, of 16
-constexpr double kSteepestBend = 30;  // pixels of depth over the reach that a quadric may bend by
-constexpr double kLeastNoise = 0.5;   // of a cell's depth, pixels
-constexpr double kSlack = 3;          // a known cell has one depth, also where it is steep
+// largest depth change by the quadratic terms over the reach, pixels of depth
+constexpr double kSteepestBend = 30;
+constexpr double kLeastNoise = 0.5;  // of a cell's depth, pixels
+constexpr double kSlack = 3;  // a known cell stores one depth, even where the surface is steep
 constexpr double kMiddle = 0.5 * (kCellPixels - 1);
 constexpr float kGap = 0, kNothing = -1;
 
@@ -39,8 +40,8 @@ float CellDepth(const PreparedView& view, const PlaneMap& map, const std::vector
   return masked >= kLeastMasked ? kGap : kNothing;
 }
 
-// z = c0 + c1 u + c2 v + c3 u^2 + c4 uv + c5 v^2 over the cells around one, z in pixels of depth, u
-// and v in reaches.
+// z = c0 + c1 u + c2 v + c3 u^2 + c4 uv + c5 v^2 over the cells around one; z in pixels of depth, u
+// and v in units of the reach.
 class Bridge {
  public:
   explicit Bridge(int reach) : reach_(reach) {
@@ -55,7 +56,7 @@ class Bridge {
       }
   }
 
-  // The plane at the cell's middle, with inverse depth 0 when nothing can be said.
+  // The plane at the cell's middle; inverse depth 0 if the fit is not reliable.
   PlaneHypothesis At(const SurfaceCells& cells, const Pinhole& camera, int cx, int cy,
                      const GapFillOptions& options) const {
     float reference = 0;
@@ -184,7 +185,7 @@ class Filler {
     }
   }
 
-  // Marks the cells of other views that bridge the same place.
+  // Also marks the cells of other views that have the same point.
   bool Supported(int view, const Eigen::Vector3d& point) {
     int agreeing = 1;
     std::vector<std::pair<int, std::size_t>> same;
@@ -221,7 +222,7 @@ class Filler {
           plane.gy * (p.y() - MiddleOf(cy));
     if (!(w > 0)) return Opinion::kNone;
     const double nearer = (1 / x.z() - w) * camera.fx /
-                          w;  // pixels on the surface, positive before what the view knows
+                          w;  // pixels on the surface, positive in front of the view's own depth
     if (std::abs(nearer) <= options_.agreement) return Opinion::kAgrees;
     return nearer > kSlack * options_.agreement && !(plane.inverse_depth > 0)
                ? Opinion::kContradicts

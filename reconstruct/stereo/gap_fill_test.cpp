@@ -17,7 +17,7 @@ using testing::AllOthers;
 constexpr int kSize = 120;
 constexpr double kFocal = 300, kDistance = 4;
 
-// Cameras ten degrees apart that look at the origin; all pixels are object.
+// Cameras ten degrees apart, directed at the origin; all pixels are object.
 std::vector<PreparedView> Views(int count) {
   std::vector<PreparedView> views;
   for (int i = 0; i < count; ++i) {
@@ -39,8 +39,8 @@ std::vector<PreparedView> Views(int count) {
   return views;
 }
 
-// Where the ray from a camera meets the ball of radius 2 below the origin, or the plane z = 0:
-// depth over the ray.
+// Intersection of a camera's ray with the ball of radius 2 below the origin, or with the plane z =
+// 0: depth over the ray.
 using Surface = std::function<double(const Eigen::Vector3d& from, const Eigen::Vector3d& ray)>;
 double Plane(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
   return -from.z() / ray.z();
@@ -53,7 +53,7 @@ double Ball(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
 
 bool WithinHole(const Eigen::Vector3d& x, double radius) { return x.norm() < radius; }
 
-// Cells of the surface, without those whose place lies in the hole around the origin.
+// Cells of the surface, without those in the hole around the origin.
 std::vector<SurfaceCells> Cells(const std::vector<PreparedView>& views, const Surface& surface,
                                 double hole) {
   std::vector<SurfaceCells> all;
@@ -77,7 +77,7 @@ std::vector<SurfaceCells> Cells(const std::vector<PreparedView>& views, const Su
 TEST(FillGaps, HoleInAPlaneGetsThePlaneOnce) {
   const std::vector<PreparedView> views = Views(4);
   const PointCloud cloud = FillGaps(views, AllOthers(4), Cells(views, Plane, 0.2), {});
-  // The hole is 30 pixels wide across, and seen 34 degrees from above: about 35 cells of 4 x 4.
+  // The hole is 30 pixels wide, seen at 34 degrees from above: about 35 cells of 4 x 4.
   ASSERT_GT(cloud.points.rows(), 20);
   EXPECT_LT(cloud.points.rows(), 70) << "views of one gap are merged, not stacked";
   EXPECT_LT(cloud.points.col(2).cwiseAbs().maxCoeff(), 1e-5);
@@ -92,8 +92,8 @@ TEST(FillGaps, HoleInABallIsBridgedRound) {
   ASSERT_GT(cloud.points.rows(), 15);
   const Eigen::VectorXd radius =
       (cloud.points.rowwise() - Eigen::RowVector3d(0, 0, -2)).rowwise().norm();
-  // A pixel is 4 / 300 there; a plane over the hole would be off by a quarter of 0.18 squared, 0.6
-  // pixels.
+  // A pixel is 4 / 300 there; the error of a plane over the hole would be a quarter of 0.18
+  // squared, 0.6 pixels.
   EXPECT_LT((radius.array() - 2).abs().maxCoeff(), 0.35 * kDistance / kFocal);
   const PointsX3 outward =
       (cloud.points.rowwise() - Eigen::RowVector3d(0, 0, -2)).rowwise().normalized();
@@ -102,7 +102,7 @@ TEST(FillGaps, HoleInABallIsBridgedRound) {
 
 TEST(FillGaps, EdgesOpenBordersAndWideGapsStayOpen) {
   const std::vector<PreparedView> views = Views(4);
-  // Half of the surroundings lie 15 pixels above the others.
+  // Half of the surroundings are 15 pixels above the others.
   const Surface step = [](const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
     const double low = Plane(from, ray), high = (0.2 - from.z()) / ray.z();
     return (from + high * ray).y() > 0 ? high : low;

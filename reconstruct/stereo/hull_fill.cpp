@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kStereoVoxels = 3;
 constexpr double kConfirmedShare = 0.1;
-constexpr float kSure = 0.3f;  // stereo below this does not silence the hull
-// The unseen underside is wanted only as a band along the rim of what is seen: it turns the surface
-// inwards where the outlines end. Farther in, the hull is a cone below the true base.
+constexpr float kSure = 0.3f;  // stereo points below this do not replace hull points
+// The unseen underside is only added as a band along the border of the seen surface, so that the
+// surface turns inwards where the outlines end. Farther in, the hull is a cone below the true base.
 constexpr double kRimFrom = 1, kRimTo = 14;
 constexpr double kUnseenGrey = 128;
 
-// What the views that look at a place of the hull say of it.
+// Statistics over the views that see a point of the hull.
 struct Witness {
-  int facing = 0;  // that look at this side of the surface, hidden or not
+  int facing = 0;  // views on this side of the surface, whether occluded or not
   int views = 0;
   int pixels = 0, confirmed = 0;
   Eigen::Vector3d color_sum = Eigen::Vector3d::Zero();
@@ -40,8 +40,8 @@ void Ask(const PreparedView& view, const DepthBounds& bounds, const std::vector<
   if (px < 0 || py < 0 || px >= camera.width || py >= camera.height ||
       !InMask(*view.levels[0].grey.at(px, py)))
     return;
-  // Hidden by another part of the hull? The bounds carry a margin, and a window's maximum at a
-  // coarse level; the masks were grown.
+  // Occluded by another part of the hull? The bounds include a margin and the maximum over a window
+  // at a coarse level, and the masks were grown.
   const double slack = 6 * cell + (4 + (2 << bounds.shift)) * x.z() / camera.fx;
   const int bx = std::min(px >> bounds.shift, bounds.nearest.width - 1),
             by = std::min(py >> bounds.shift, bounds.nearest.height - 1);
@@ -59,8 +59,8 @@ void Ask(const PreparedView& view, const DepthBounds& bounds, const std::vector<
   ++witness->views;
 }
 
-// Which places of the hull a surface needs: seen ones that stereo does not know, and the rim of the
-// underside that no view looks at.
+// Which points of the hull are added: seen ones without stereo, and the border of the underside
+// that no view sees.
 bool Wanted(const Witness& witness, double stereo_distance, double cell) {
   if (witness.views >= 2)
     return stereo_distance > kStereoVoxels * cell &&

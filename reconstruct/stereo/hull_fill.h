@@ -1,5 +1,5 @@
-// Points of the visual hull where stereo found nothing: they let a surface close over what has no
-// texture.
+// Points of the visual hull where stereo found nothing, so that the surface closes over areas
+// without texture.
 #pragma once
 
 #include <vector>
@@ -14,12 +14,12 @@ namespace keypose::reconstruct {
 
 constexpr float kHullConfidence = 0.1f;
 
-/// Places of the hull's surface that at least two views look at, with outward normals, mean colours
-/// and kHullConfidence.
+/// Points of the hull's surface that at least two views see, with outward normals, mean colours and
+/// kHullConfidence.
 ///
-/// Left out where stereo knows better: within three voxels of a stereo point of confidence 0.3 or
-/// more, and where more than a tenth of the pixels that look at the place have a confirmed depth
-/// (the hull bridges a hollow there). Of the underside that no camera faces, a band of 13 voxels
+/// Left out where stereo is more accurate: within three voxels of a stereo point of confidence 0.3
+/// or more, and where more than a tenth of the pixels that see the point have a confirmed depth
+/// (the hull spans a concavity there). On the underside that no camera faces, a band of 13 voxels
 /// along such stereo points is added, so that the surface turns inwards where the outlines end.
 /// @param hull       carved with a margin from the views of `silhouettes`
 /// @param confirmed  for each view, 1 for each level-0 pixel with a confirmed depth

@@ -20,8 +20,8 @@ std::uint64_t Mixed(std::uint64_t z) {
 }
 float Unit(std::uint64_t hash) { return static_cast<float>(hash >> 40) * (1.0f / (1 << 24)); }
 
-// The images to sample of the views that were asked for last: neighbours in the order of the files
-// share most of their sources, and all views' images together would be a sixth of the memory.
+// The sample images of the most recently requested views. Views that are neighbours in file order
+// share most of their sources; the images of all views together would be a sixth of the memory.
 class SampleCache {
  public:
   SampleCache(const std::vector<PreparedView>& views, int level)
@@ -78,7 +78,7 @@ class Estimator {
         priors_(views.size()),
         evaluations_(views.size(), 0) {
     levels_ = views.empty() ? 0 : static_cast<int>(views[0].levels.size());
-    // Work of a pass grows fourfold with each level.
+    // The work of a pass grows fourfold with each finer level.
     for (int level = 0; level < levels_; ++level)
       total_work_ += Passes(level) * std::pow(0.25, level);
   }
@@ -141,8 +141,8 @@ class Estimator {
       const bool geometric = pass >= PhotometricPasses(level),
                  first_geometric = pass == PhotometricPasses(level);
       SweepSettings settings;
-      // All sources judge all planes at the first pass of a level, and at the end of the coarsest,
-      // when the planes are worth a choice.
+      // All sources are compared for all planes in the first pass of a level, and at the end of the
+      // coarsest level, when the planes are accurate enough for a choice.
       const bool settled = coarsest && pass + 1 == PhotometricPasses(level);
       settings.select_sources = !geometric && ((level > 0 && pass == 0) || settled || levels_ == 1);
       settings.refresh = pass == 0;
@@ -172,7 +172,7 @@ class Estimator {
     }
   }
 
-  // Copies the depths of all views, for others to read while the maps change.
+  // Copies the depths of all views, which the other views read while the maps change.
   void Freeze(int level) {
     ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
       const Pinhole& camera = views_[i].camera(level);
@@ -195,7 +195,7 @@ class Estimator {
     return DepthImage(camera.width, camera.height, std::min(lowest, highest), highest);
   }
 
-  // Half of the pixels start at the hull's front, half anywhere on their ray within the hull; known
+  // Half of the pixels start at the hull's front, half at a random depth within the hull. Known
   // points replace both.
   void Start(int i, int level) {
     const SweepInputs inputs = Inputs(i, level);
@@ -220,7 +220,7 @@ class Estimator {
         plane.gy = front ? slope[1] : spread * (2 * Unit(Mixed(hash + 2)) - 1);
         maps_[i].SetPlane(index, plane);
         maps_[i].SetSources(index, all);
-        maps_[i].SetCost(index, 2 * kWorstCost);  // unknown, but there: may be asked for
+        maps_[i].SetCost(index, 2 * kWorstCost);  // not computed yet, but readable
       }
     if (!seeds_.empty()) PlantSeeds(i, level);
   }
@@ -246,7 +246,7 @@ class Estimator {
     }
   }
 
-  // Each fine pixel takes the plane of the coarse pixel that covers it.
+  // Each fine pixel inherits the plane of the coarse pixel that covers it.
   void Descend(int i, int level) {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
@@ -276,8 +276,8 @@ class Estimator {
     priors_[i] = std::move(prior);
   }
 
-  // The pixel's own parent; at the rim, where that was not in the mask, the best of the parents
-  // around.
+  // The pixel's own parent. At the mask's border, where that was not in the mask, the best of the
+  // parents around.
   static int BestParent(const PlaneMap& coarse, int x, int y) {
     const int cx = std::min(x / 2, coarse.width - 1), cy = std::min(y / 2, coarse.height - 1);
     if (coarse.InverseDepth(static_cast<std::size_t>(cy) * coarse.width + cx) > 0)

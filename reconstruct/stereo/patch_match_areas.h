@@ -1,4 +1,5 @@
-// Where a pixel's neighbours offer it their planes: areas of the checkerboard's other colour.
+// The areas of neighbours from which a pixel takes plane candidates; they have the other colour of
+// the checkerboard.
 #pragma once
 
 #include <array>
@@ -11,7 +12,7 @@ struct Offset {
   int dx, dy;
 };
 
-/// Pixels of the other colour, up; the other directions are turns of these.
+/// Pixels of the other colour, upwards; rotations give the other directions.
 inline constexpr std::array<Offset, 7> kNear = {
     {{0, -1}, {-1, -2}, {1, -2}, {-2, -3}, {2, -3}, {-3, -4}, {3, -4}}};
 inline constexpr std::array<Offset, 11> kFar = {{{0, -3},
@@ -28,13 +29,15 @@ inline constexpr std::array<Offset, 11> kFar = {{{0, -3},
 
 constexpr int kNearReach = 4, kFarReach = 23;
 
-/// An area in a view of a given width: offsets, and the same as distance in memory.
+/// An area in a view of a given width: offsets, and the same as distances in memory.
 struct Area {
   std::vector<Offset> offsets;
   std::vector<std::ptrdiff_t> steps;
 };
 
-/// @param up  an area @param quarter  turns, 0 to 3 @param width  pixels of the view's rows
+/// @param up       an area
+/// @param quarter  number of rotations by 90 degrees, 0 to 3
+/// @param width    pixels of the view's rows
 template <std::size_t n>
 Area Turned(const std::array<Offset, n>& up, int quarter, int width) {
   Area area;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTableShift = 5;  // a quarter of a grey level
 constexpr float kLostWeightLimit = 0.5f;
-// a plane must not gain by pushing its window out of the source's mask
+// so that a plane does not gain when its window leaves the source's mask
 constexpr float kLostWeightPenalty = 0.2f;
 
 PatchOffsets MakeOffsets() {
@@ -107,7 +107,7 @@ const PatchOffsets& WindowOffsets() {
 
 float CostOfSums(const PatchSums& sums, float noise_variance) {
   const float lost = 1 - sums.w;
-  if (!(lost <= kLostWeightLimit)) return kWorstCost;  // also when the window has no weight at all
+  if (!(lost <= kLostWeightLimit)) return kWorstCost;  // also when the window has no weight
   const float inverse = 1 / sums.w;
   const float mean_r = sums.r * inverse, mean_s = sums.s * inverse;
   const float var_r = std::max(0.0f, sums.rr * inverse - mean_r * mean_r);

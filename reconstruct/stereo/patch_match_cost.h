@@ -10,10 +10,10 @@
 
 namespace keypose::reconstruct {
 
-/// Window: 11 x 11 with step 2 and without its corners, so that 32 samples fill four AVX2 or two
-/// AVX-512 registers. The narrow one has the same samples side by side, 6 x 6 pixels whose middle
-/// lies half a pixel right of and below the pixel that it belongs to: in units of half a pixel
-/// about that middle its offsets are those of the wide one, so kernels need not know.
+/// Window: 11 x 11 with step 2 and without its corners, so that its 32 samples fill four AVX2 or
+/// two AVX-512 registers. The narrow window has the same samples with step 1: 6 x 6 pixels, whose
+/// middle is half a pixel to the right of and below its pixel. In units of half a pixel about that
+/// middle it has the same offsets as the wide window, so kernels treat both alike.
 enum class Window { kWide, kNarrow };
 constexpr float WindowScale(Window window) {
   return window == Window::kNarrow ? 0.5f : 1.0f;
@@ -33,7 +33,7 @@ const PatchOffsets& WindowOffsets();
 /// color_scale), zero outside the mask.
 struct alignas(64) RefPatch {
   float weight[kPatchSamples];          ///< sum 1, or all zero
-  float value[kPatchSamples];           ///< grey levels, less the window's weighted mean
+  float value[kPatchSamples];           ///< grey levels, minus the window's weighted mean
   float weighted_value[kPatchSamples];  ///< weight * value; sums to 0
   float variance = 0;                   ///< weighted, grey levels^2
   float noise_variance = 0;             ///< added to both variances of the correlation
@@ -51,22 +51,21 @@ struct BilateralTable {
 void FillRefPatch(const GreyMask& image, int x, int y, const BilateralTable& table,
                   float noise_variance, RefPatch* patch, Window window = Window::kWide);
 
-/// A source image laid out for sampling: one 64-bit read at a pixel brings it and its three
-/// neighbours to the right and below.
+/// A source image in a layout for sampling: one 64-bit read gives a pixel and its three neighbours
+/// to the right and below.
 ///
-/// Entry (x + 1, y + 1) belongs to pixel (x, y); a border of one entry goes all round. Low half:
-/// the pixel less 32768, as int16, but its bit 0 tells whether all four neighbours are in the mask.
-/// High half: the same of the pixel below.
+/// Entry (x + 1, y + 1) belongs to pixel (x, y); the image has a border of one entry on all sides.
+/// Low half: the pixel minus 32768, as int16, but its bit 0 is set if all four neighbours are in
+/// the mask. High half: the same for the pixel below.
 struct SampleImage {
   int width = 0, height = 0;  ///< with the border
   std::vector<std::uint32_t> entries;
 };
 SampleImage MakeSampleImage(const GreyMask& image);
 
-/// Where the window of a plane lies in up to four sources, one a lane, in coordinates of
-/// SampleImage: the sample (dx, dy) is at (x + (ax dx
-/// + bx dy) r, y + (ay dx + by dy) r) with r = 1 / (1 + ex dx + ey dy). The centre's form keeps
-/// single precision exact enough.
+/// Position of a plane's window in up to four sources, one per lane, in coordinates of SampleImage:
+/// the sample (dx, dy) is at (x + (ax dx + bx dy) r, y + (ay dx + by dy) r) with r = 1 / (1 + ex dx
+/// + ey dy). This form, relative to the centre, makes single precision accurate enough.
 constexpr int kLanes = 4;
 struct alignas(16) WarpLanes {
   float x[kLanes], y[kLanes], ax[kLanes], bx[kLanes], ay[kLanes], by[kLanes], ex[kLanes],
@@ -74,8 +73,8 @@ struct alignas(16) WarpLanes {
 };
 
 /// costs[k] = 1 - correlation for lanes first <= k < first + count, in [0, 2]; 2 when more than
-/// half of the window's weight falls outside the source's mask or image. Textureless windows tend
-/// to 1 because the noise is added to both variances.
+/// half of the window's weight falls outside the source's mask or image. The cost of textureless
+/// windows approaches 1, because the noise is added to both variances.
 using PatchCostFunction = void (*)(const RefPatch& patch, const SampleImage* const* sources,
                                    const WarpLanes& warps, int first, int count, float* costs);
 
@@ -83,22 +82,22 @@ struct PatchCostKernel {
   std::string name;  ///< "scalar", "avx2", "avx512"
   PatchCostFunction cost;
 };
-/// Kernels that this processor runs, slowest first. The scalar one is the reference; the others
-/// agree to 1e-4.
+/// Kernels that this processor supports, slowest first. The scalar one is the reference; the others
+/// differ from it by at most 1e-4.
 std::vector<PatchCostKernel> AvailablePatchCostKernels();
 /// The last of them, unless KEYPOSE_SIMD names another.
 const PatchCostKernel& BestPatchCostKernel();
 
 constexpr float kWorstCost = 2.0f;
 
-/// Weighted sums over the samples that lie inside the source's mask: weight, reference (also
-/// squared), source (also squared), product.
+/// Weighted sums over the samples inside the source's mask: weight, reference and its square,
+/// source and its square, product.
 struct PatchSums {
   float w, r, rr, s, ss, rs;
 };
 float CostOfSums(const PatchSums& sums, float noise_variance);
 
-/// The kernels of x86-64 that this processor runs; none elsewhere.
+/// The kernels for x86-64 that this processor supports; none elsewhere.
 std::vector<PatchCostKernel> SimdPatchCostKernels();
 
 }  // namespace keypose::reconstruct

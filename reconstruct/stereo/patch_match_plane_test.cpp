@@ -82,7 +82,7 @@ DepthBounds WideBounds() {
   return bounds;
 }
 
-// Half of the plane has an eighth of the other's contrast, and every photograph noise of its own.
+// Half of the plane has an eighth of the other's contrast, and every photograph has its own noise.
 TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
   PaintedPlane plane(20 * M_PI / 180);
   plane.faint_below = true;
@@ -100,7 +100,7 @@ TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
   std::vector<double> errors[2], expected[2];
   for (int y = 12; y < kSize - 12; ++y)
     for (int x = 12; x < kSize - 12; ++x) {
-      if (std::abs(y - kSize / 2) < 8) continue;  // windows that see both halves
+      if (std::abs(y - kSize / 2) < 8) continue;  // windows that cover both halves
       const std::size_t pixel = map.Find(static_cast<std::size_t>(y) * map.width + x);
       const double depth = plane.Depth({0, 0, 0}, views[0].camera().Ray(x, y));
       errors[y > kSize / 2].push_back(std::abs(1 / map.InverseDepth(pixel) / depth - 1) *
@@ -108,7 +108,8 @@ TEST(EstimatePlanes, ExpectsLargerErrorsWhereTextureIsFaint) {
       expected[y > kSize / 2].push_back(map.ExpectedError(pixel));
     }
   EXPECT_GT(Median(expected[1]), 2 * Median(expected[0]));
-  // On a plane the coarser level holds the faint half better than its own windows could.
+  // On a plane the coarser level is more accurate in the half with low contrast than its own
+  // windows.
   for (int half = 0; half < 2; ++half)
     EXPECT_LT(Median(errors[half]), 3 * Median(expected[half])) << half;
 }
@@ -136,7 +137,7 @@ TEST(EstimatePlanes, FindsDepthAndNormalOfPlanesUpToSeventyDegreesOfSlant) {
         const double cosine = PlaneNormal(views[0].camera(), x, y, found).dot(plane.normal);
         angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI);
       }
-    // A tenth of a pixel of motion in the sources is 0.7 % of the depth.
+    // A displacement of a tenth of a pixel in the sources is 0.7 % of the depth.
     EXPECT_LT(Median(depth_errors), 0.007) << degrees << " degrees";
     EXPECT_LT(Median(angles), 6) << degrees << " degrees";
   }

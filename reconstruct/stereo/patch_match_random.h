@@ -1,11 +1,11 @@
-// Random changes of planes.
+// Random numbers for plane changes.
 #pragma once
 
 #include <cstdint>
 
 namespace keypose::reconstruct {
 
-/// Numbers that are a pure function of the seed: small and fast.
+/// A generator whose numbers depend on the seed alone: small and fast.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

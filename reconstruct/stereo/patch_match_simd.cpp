@@ -1,6 +1,6 @@
-// The window correlation for AVX2 and AVX-512. A window is about 170 cycles deep from warp to cost,
-// deeper than the processor looks ahead, so several independent vectors go through each stage
-// together: on one core that alone is a third of the time.
+// The window correlation for AVX2 and AVX-512. The latency of a window from warp to cost is about
+// 170 cycles, more than out-of-order execution hides. So several independent vectors go through
+// each stage together, which saves a third of the time on one core.
 #include <algorithm>
 #include <cstdint>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kSampleScale = kGreyScale / 16384;  // vertical interpolation has weights of 14 bits
 
-// GCC 12 takes its own _mm512_undefined_* for a read of an uninitialised value.
+// GCC 12 reports its own _mm512_undefined_* as a read of an uninitialised value.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
@@ -29,8 +29,8 @@ __attribute__((always_inline)) inline bool Whole(const RefPatch& patch, std::uin
   return (used | patch.unused) == 0xFFFFFFFFu && patch.unused != 0xFFFFFFFFu;
 }
 
-// CostOfSums where all of the window is in the source's mask, so that w = 1 and r = 0: the common
-// case.
+// CostOfSums for a window that is entirely in the source's mask, so that w = 1 and r = 0: the
+// common case.
 __attribute__((always_inline)) inline float WholeCost(const RefPatch& patch, __m128 totals) {
   const float s = totals[0] * kSampleScale, ss = totals[1] * (kSampleScale * kSampleScale),
               rs = totals[2] * kSampleScale;
@@ -73,8 +73,7 @@ KEYPOSE_AVX2 inline __attribute__((always_inline)) void Avx2Half(const RefPatch&
                                _mm256_mul_ps(dy, _mm256_set1_ps(warps.bx[lane])));
     __m256 y = _mm256_fmadd_ps(dx, _mm256_set1_ps(warps.ay[lane]),
                                _mm256_mul_ps(dy, _mm256_set1_ps(warps.by[lane])));
-    // Samples outside of the image land on the border, which is in no mask; so do those that are
-    // not numbers.
+    // Samples outside of the image, and NaNs, are moved to the border, which is in no mask.
     x = _mm256_max_ps(_mm256_min_ps(_mm256_fmadd_ps(x, r, _mm256_set1_ps(warps.x[lane])), right),
                       zero);
     y = _mm256_max_ps(_mm256_min_ps(_mm256_fmadd_ps(y, r, _mm256_set1_ps(warps.y[lane])), bottom),
@@ -109,13 +108,13 @@ KEYPOSE_AVX2 inline __attribute__((always_inline)) void Avx2Half(const RefPatch&
   }
 }
 
-// (sum of a, sum of b, sum of c, again).
+// (sum of a, sum of b, sum of c, sum of c).
 KEYPOSE_AVX2 inline __attribute__((always_inline)) __m128 Totals(__m256 a, __m256 b, __m256 c) {
   const __m256 t = _mm256_hadd_ps(_mm256_hadd_ps(a, b), _mm256_hadd_ps(c, c));
   return _mm_add_ps(_mm256_castps256_ps128(t), _mm256_extractf128_ps(t, 1));
 }
 
-// What of the window was lost is not in the reference's sums either.
+// The reference's sums exclude the lost samples as well.
 KEYPOSE_AVX2 __attribute__((noinline)) float PartialCost(const RefPatch& patch, std::uint32_t used,
                                                          __m128 totals) {
   const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
@@ -151,8 +150,7 @@ KEYPOSE_AVX2 void Avx2Cost(const RefPatch& patch, const SampleImage* const* sour
   }
 }
 
-// Single reads instead of a gather instruction, which some processors take apart into more steps
-// than these.
+// Single reads instead of a gather instruction, which is slower on some processors.
 KEYPOSE_AVX512 inline __attribute__((always_inline)) __m128i TwoPairs(const std::uint32_t* entries,
                                                                       const int* index) {
   const __m128i one = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(entries + index[0]));
@@ -197,8 +195,7 @@ KEYPOSE_AVX512 inline __attribute__((always_inline)) void Avx512Windows(
                                _mm512_mul_ps(dy, _mm512_set1_ps(warps.bx[lane])));
     __m512 y = _mm512_fmadd_ps(dx, _mm512_set1_ps(warps.ay[lane]),
                                _mm512_mul_ps(dy, _mm512_set1_ps(warps.by[lane])));
-    // Samples outside of the image land on the border, which is in no mask; so do those that are
-    // not numbers.
+    // Samples outside of the image, and NaNs, are moved to the border, which is in no mask.
     x = _mm512_min_ps(_mm512_fmadd_ps(x, r, _mm512_set1_ps(warps.x[lane])),
                       _mm512_set1_ps(static_cast<float>(image.width - 1)));
     y = _mm512_min_ps(_mm512_fmadd_ps(y, r, _mm512_set1_ps(warps.y[lane])),

@@ -12,20 +12,21 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr float kCostCap = 1.2f;  // one source that sees a highlight or an occluder must not veto
-// cost per pixel of disagreement with a source's own depth
+// so that a single source with a highlight or an occluder cannot exclude a plane
+constexpr float kCostCap = 1.2f;
+// cost per pixel of distance from a source's own depth
 constexpr float kGeometricWeight = 0.2f;
 constexpr float kGeometricCap = 3.0f;  // pixels
 constexpr float kPriorWeight = 0.3f;
-constexpr float kPairMargin = 0.02f;  // a plane this much worse than the present one in the first
-                                      // two sources does not win by the others
+constexpr float kPairMargin = 0.02f;  // a plane whose cost in the first two sources exceeds the
+                                      // present one's by this is rejected
 constexpr float kSame = 0.1f, kSameInTheEnd = 0.15f;  // pixels
-constexpr int kStripWidth = 64;  // pixels visited side by side: what their windows read of all
-                                 // sources stays in the nearest cache
-constexpr float kLeastCosine = 0.17f;  // planes more slanted than 80 degrees are not worth a window
+constexpr int kStripWidth = 64;  // width of strips in which pixels are visited: the source pixels
+                                 // that their windows read stay in the L1 cache
+constexpr float kLeastCosine = 0.17f;  // planes slanted by more than 80 degrees are rejected
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-// Up to four of the sources, ready to be matched side by side.
+// Up to four of the sources, in the layout for matching them together.
 struct SourceLanes {
   int count = 0;
   int ids[kLanes] = {};  // unused lanes repeat the first
@@ -41,7 +42,7 @@ struct Trial {
   WarpLanes warps;
   float sum = 0;
   float pair = 0;   // the sum after the first two sources
-  float extra = 0;  // what of the sum is not of windows
+  float extra = 0;  // the part of the sum that does not come from windows
 };
 
 class Sweeper {
@@ -124,9 +125,9 @@ class Sweeper {
            kLeastCosine * kLeastCosine * ray_length2_ * (nx * nx + ny * ny + nz * nz);
   }
 
-  // A narrow window averages the depth of a curved surface over less of it, and reaches over fewer
-  // edges; a wide one hears more texture. The choice is the reference picture's alone, so it is the
-  // same in all passes of a level.
+  // A narrow window averages the depth of a curved surface over a smaller area and covers fewer
+  // edges; a wide one has more texture. The choice depends on the reference picture alone, so it is
+  // the same in all passes of a level.
   void ChooseWindow(int x, int y) {
     window_ = Window::kNarrow;
     if (in_.narrow_variance < kInfinite) {
@@ -155,8 +156,8 @@ class Sweeper {
     prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
   }
 
-  // Between the four pixels of the coarser level around; across an edge of depth, the one that
-  // covers this pixel.
+  // Interpolated between the four pixels of the coarser level around; across a depth edge, the one
+  // that covers this pixel.
   float PriorAt(const DepthImage& coarse, int x, int y) const {
     const int px = std::min(x / 2, coarse.width - 1), py = std::min(y / 2, coarse.height - 1);
     const int qx = std::clamp(px + (x & 1 ? 1 : -1), 0, coarse.width - 1),
@@ -170,8 +171,8 @@ class Sweeper {
            0.0625f * near(coarse.At(qx, qy));
   }
 
-  // How far the pixel lands from itself when it goes to each source by this plane and comes back by
-  // the source's own depth.
+  // The forward-backward reprojection error: to each source by this plane, and back by the source's
+  // own depth.
   Lanes GeometricCosts(const SourceLanes& lanes, const WarpLanes& warps) const {
     Lanes sx, sy, w{};
     std::memcpy(&sx, warps.x, sizeof sx), std::memcpy(&sy, warps.y, sizeof sy);
@@ -201,10 +202,11 @@ class Sweeper {
                : 0;
   }
 
-  // Costs are means over the pixel's sources. Planes go to the first two sources all together and
-  // only then to the others, one by one, if they may still win: the answer of a window comes long
-  // after its start, and a branch on it would leave the processor idle until then. Planes that lose
-  // by the costs that need no window are dropped before. @return how many are left
+  // Costs are means over the pixel's sources. All planes are first matched in the first two
+  // sources, and only those that may still win are then matched in the others, one by one. A
+  // window's result has a long latency, and a branch on it would stall the processor. Planes whose
+  // costs without windows are already too large are dropped first.
+  // @return number of remaining planes
   int StartTrials(int count, float limit) {
     const int pair = std::min(2, chosen_.count);
     const float scale = 1.0f / static_cast<float>(chosen_.count);
@@ -264,8 +266,8 @@ class Sweeper {
 
   void Collect(int x, int y, const Area& area, bool inner) {
     const std::size_t here = Index(x, y);
-    // Cost and index in one number: its minimum needs no branch, which would be guessed wrong as
-    // often as not.
+    // Cost and index in one number: finding its minimum needs no branch, which would be
+    // mispredicted half of the time.
     std::uint32_t least = static_cast<std::uint32_t>(PlaneMap::kNoCost) << 4;
     const int count = static_cast<int>(area.steps.size());
     for (int i = 0; i < count; ++i) {
@@ -288,16 +290,16 @@ class Sweeper {
     candidate_[candidates_++] = plane;
   }
 
-  // Planes that differ by less than a fraction of a pixel over the window; depths that close are
-  // found by the parabola.
+  // Planes that differ by less than a fraction of a pixel over the window. The parabola resolves
+  // smaller depth differences.
   bool Same(const PlaneHypothesis& a, const PlaneHypothesis& b) const {
     const float change = std::abs(a.inverse_depth - b.inverse_depth) +
                          kPatchRadius * (std::abs(a.gx - b.gx) + std::abs(a.gy - b.gy));
     return change * px_per_inverse_depth_ < (set_.parabola ? kSameInTheEnd : kSame);
   }
 
-  // Sources that agree with several candidates see this pixel; those that agree with none are
-  // hidden from it.
+  // A source that matches several candidates sees this pixel; a source that matches none is
+  // occluded.
   void SelectSources(std::size_t index) {
     candidate_[candidates_] = present_;
     const int total = candidates_ + 1;
@@ -312,7 +314,7 @@ class Sweeper {
         if (m < 0.8f) score[k] += std::exp(-m * m / 0.18f);
       }
       if (before >> k & 1) score[k] *= 1.25f;
-      score[k] -= 1e-3f * least;  // an order when nothing is good
+      score[k] -= 1e-3f * least;  // ranks the sources when no candidate is good
     }
     std::uint16_t chosen = 0;
     for (int n = 0; n < std::min(kSourcesUsed, count_); ++n) {
@@ -341,7 +343,7 @@ class Sweeper {
     pixel_ = AtPixel(chosen_.to, x_, y_);
   }
 
-  // A candidate whose windows in all sources are known.
+  // For a candidate whose windows in all sources are known.
   void JudgeRow(int h, PlaneHypothesis* plane, float* cost) {
     const float scale = 1.0f / static_cast<float>(chosen_.count), extra = PriorCost(candidate_[h]);
     float sum = extra, pair = extra;
@@ -352,8 +354,8 @@ class Sweeper {
     if (sum < *cost) *plane = candidate_[h], *cost = sum, pair_ = pair, extra_ = extra;
   }
 
-  // The present plane's windows are known from the pass before; what other views say of it may be
-  // new.
+  // The present plane's window costs are known from the pass before; its geometric costs may have
+  // changed.
   void Recall(std::size_t index, const PlaneHypothesis& plane, float* cost) {
     extra_ = PriorCost(plane);
     if (geometric_) {
@@ -412,13 +414,13 @@ class Sweeper {
     for (int trial = 0; trial < set_.refinements; ++trial) {
       if (trial == 2)
         Contest(trials, plane, cost),
-            trials = 0;  // the third change builds on the better of the first two
+            trials = 0;  // the third change starts from the better of the first two
       PlaneHypothesis candidate = *plane;
       const int kind = (trial + (set_.parabola ? 1 : 0)) %
-                       4;  // depth, unless the parabola finds it; tilt, both, anywhere
+                       4;  // 0 depth, unless the parabola finds it; 1 tilt; 2 both; 3 random plane
       if (kind == 0 || kind == 2) candidate.inverse_depth += depth_step * random.Signed();
       if (kind == 1 || kind == 2) {
-        // Tilts grow with the slant, for equal angles are larger tangents there.
+        // Tilts grow with the slant, because there the same angle is a larger tangent.
         const float unit = plane->inverse_depth / focal;
         const float slope2 = (plane->gx * plane->gx + plane->gy * plane->gy) / (unit * unit);
         const float step = set_.slope_step * unit * (1 + slope2);
@@ -437,7 +439,8 @@ class Sweeper {
     if (set_.parabola) Settle(plane, cost);
   }
 
-  // The minimum of the parabola through the costs a quarter of a pixel nearer, here, and farther.
+  // Moves the depth to the minimum of the parabola through the costs at a quarter of a pixel
+  // nearer, here, and a quarter farther.
   void Settle(PlaneHypothesis* plane, float* cost) {
     const float step = 0.25f / px_per_inverse_depth_, here = *cost;
     trials_[0].plane = trials_[1].plane = *plane;
@@ -454,18 +457,19 @@ class Sweeper {
     if (!(bend > 1e-4f)) return;
     PlaneHypothesis lowest = center;
     lowest.inverse_depth += step * std::clamp(0.5f * (farther - nearer) / bend, -1.0f, 1.0f);
-    if (Legal(lowest)) *plane = lowest;  // its windows would only say what the parabola has said
+    if (Legal(lowest)) *plane = lowest;  // no windows needed: the parabola gives the cost
   }
 
-  // Two windows of variance V that differ by noise of variance r cost r / (2 V) at the best shift
-  // and u^2 g / (2 V) more at u pixels beside it, where g is the mean squared gradient; least
-  // squares over n samples find the shift to r / (n g). So cost over bend is the squared error,
-  // whatever the noise is: the sensor's, or a highlight's. [pixels of this view on the surface]
+  // Two windows of variance V that differ by noise of variance r have the cost r / (2 V) at the
+  // best shift, and u^2 g / (2 V) more at a distance of u pixels, where g is the mean squared
+  // gradient. Least squares over n samples estimates the shift with the variance r / (n g). So cost
+  // over curvature is the squared error, for any kind of noise: the sensor's, or a highlight's.
+  // [pixels of this view on the surface]
   float ExpectedError(const PlaneHypothesis& plane) const {
     constexpr float kStep = 0.25f,
                     // half of the window's samples: weights differ, and noise is not white
         kSamples = 16;
-    if (patch_.variance < 4 * in_.noise_variance) return kInfinite;  // nothing but noise to go by
+    if (patch_.variance < 4 * in_.noise_variance) return kInfinite;  // no texture above the noise
     const float px = kStep * std::sqrt(2 * std::max(window_cost_, 1e-3f) /
                                        (kSamples * std::max(window_bend_, 1e-6f)));
     return px / px_per_inverse_depth_ * static_cast<float>(camera_.fx) / plane.inverse_depth;
@@ -486,7 +490,7 @@ class Sweeper {
   std::vector<Area> areas_;
   std::int64_t evaluations_ = 0;
 
-  // Of the pixel that is visited.
+  // State of the visited pixel.
   RefPatch patch_;
   Window window_ = Window::kWide;
   float x_ = 0, y_ = 0;  // the window's middle
@@ -497,7 +501,7 @@ class Sweeper {
   PixelLanes pixel_{};
   PlaneHypothesis present_;
   float extra_ = 0, window_cost_ = 0, window_bend_ = 0;
-  // of the present plane: its cost after the first two sources, where it is known
+  // cost of the present plane in the first two sources, where known
   float pair_ = kInfinite;
   int candidates_ = 0;
   std::array<PlaneHypothesis, 9> candidate_;
@@ -524,7 +528,7 @@ bool Visited(const SweepInputs& inputs, int x, int y) {
 }
 
 double PixelsPerInverseDepth(const SweepInputs& inputs) {
-  // At the middle of the picture, at the mean of the bounds there.
+  // For the middle of the picture, at the mean of the bounds there.
   const DepthBounds& b = *inputs.bounds;
   double w = 0;
   std::int64_t n = 0;

@@ -1,5 +1,5 @@
-// One red-black pass of PatchMatch over one view: propagation of planes between pixels, choice of
-// source views, refinement.
+// One red-black pass of PatchMatch over one view: propagation of planes between pixels, source view
+// selection, refinement.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace keypose::reconstruct {
 Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
                             const PlaneHypothesis& plane);
 
-/// What a pass over one view reads and does not change.
+/// The constant inputs of a pass over one view.
 struct SweepInputs {
   const PreparedView* reference = nullptr;
   std::vector<const PreparedView*> sources;  ///< at most 16, best first
@@ -27,45 +27,44 @@ struct SweepInputs {
   const DepthBounds* bounds = nullptr;
   /// of each source at this level, for geometric passes; else empty
   std::vector<const DepthImage*> source_inverse_depths;
-  /// of the coarser level: inverse depth expected where texture is weak; may be null
+  /// of the coarser level: expected inverse depth where texture is weak; may be null
   const DepthImage* prior = nullptr;
   float noise_variance = 0;
-  /// windows are narrow where these vary that much, grey levels^2
+  /// windows are narrow where their variance is at least this, grey levels^2
   float narrow_variance = std::numeric_limits<float>::infinity();
   std::uint64_t seed = 0;
 };
 
 struct SweepSettings {
-  bool select_sources = false;  ///< judge all sources with all candidates and choose anew; else use
-                                ///< each pixel's choice
-  bool refresh = false;         ///< nothing is known of the planes' costs: compute them
-  bool far_areas = false;       ///< also look for planes up to 23 pixels away
+  bool select_sources = false;  ///< select sources anew, from all sources' costs of all candidates;
+                                ///< else use each pixel's selection
+  bool refresh = false;         ///< the planes' costs are unknown: compute them
+  bool far_areas = false;       ///< also take candidates from pixels up to 23 pixels away
   int refinements = 3;
-  /// settle each depth in the minimum of a parabola, after the random changes
+  /// after the random changes, move each depth to the minimum of a parabola
   bool parabola = false;
-  float depth_step_px = 0.5f;  ///< size of random depth changes, as motion in the sources
+  float depth_step_px = 0.5f;  ///< size of random depth changes, as displacement in the sources
   float slope_step = 0.2f;     ///< size of random tilts, tangent of the slant
-  int pass = 0;                ///< distinguishes the random numbers of passes
+  int pass = 0;                ///< seed of the pass's random numbers
 };
 
 constexpr int kMaxSources = 16;
 constexpr int kSourcesUsed = 4;
 constexpr float kColorScale = 18.0f;
 
-/// Motion in the sources (pixels of the level, mean) for a unit change of inverse depth at the
-/// object.
+/// Displacement in the sources (pixels of the level, mean) per unit of inverse depth at the object.
 double PixelsPerInverseDepth(const SweepInputs& inputs);
 
 /// Pixels that a pass visits: in the mask, with bounds.
 bool Visited(const SweepInputs& inputs, int x, int y);
 
-/// Improves `map` in place: all pixels of one colour of the checkerboard, then of the other; each
-/// reads only the other colour, so the order within a colour cannot matter.
-/// @return number of
-/// window correlations computed Source: Galliani, Lasinger & Schindler, ICCV 2015 (red-black); Xu &
-/// Tao, CVPR 2019 (eight areas, joint choice of views, geometric cost).
+/// Improves `map` in place: all pixels of one colour of the checkerboard, then of the other. Each
+/// pixel reads only the other colour, so the order within a colour does not matter.
+/// @return number of window correlations
+/// Source: Galliani, Lasinger & Schindler, ICCV 2015 (red-black); Xu & Tao, CVPR 2019 (eight areas,
+/// joint view selection, geometric cost).
 /// Departs: planes are stored as inverse depth and its gradient, so that moving a plane to another
-/// pixel is two multiplications.
+/// pixel takes two multiplications.
 std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map);
 
 }  // namespace keypose::reconstruct

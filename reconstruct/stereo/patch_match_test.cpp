@@ -20,7 +20,7 @@ GreyMask NoiseImage(int width, int height, unsigned seed) {
   return image;
 }
 
-// The same picture blurred, so that bilinear sampling is near the truth.
+// The same picture blurred, so that bilinear sampling is accurate.
 GreyMask SmoothImage(int width, int height, double phase_x, double phase_y) {
   GreyMask image(width, height, 1);
   for (int y = 0; y < height; ++y)
@@ -34,14 +34,14 @@ GreyMask SmoothImage(int width, int height, double phase_x, double phase_y) {
   return image;
 }
 
-// A homography by its columns at the window's centre: where the centre goes, and what a step in x
-// and in y adds.
+// A homography by its columns at the window's centre: the image of the centre, and the change for a
+// step in x and in y.
 struct Warp {
   float h0[3], hx[3], hy[3];
 };
 Warp Shift(float x, float y) { return {{x, y, 1}, {1, 0, 0}, {0, 1, 0}}; }
 
-// In the first lane; the others are shifted by their number, so that lanes that are mixed up show.
+// In the first lane; the others are shifted by their index, so that mixed-up lanes are detected.
 WarpLanes Lanes(const Warp& warp, Window window = Window::kWide) {
   TransferLanes transfers;
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -93,7 +93,7 @@ TEST(PatchCost, NarrowWindowSeesItsOwnPixelsAndNoOthers) {
       const int dx = x - 30, dy = y - 30;
       const bool inside = dx >= -2 && dx <= 3 && dy >= -2 && dy <= 3,
                  corner = (dx == -2 || dx == 3) && (dy == -2 || dy == 3);
-      // The pixel itself is what others are weighed against.
+      // The other samples are weighted relative to the pixel itself.
       ASSERT_EQ(before.variance != after.variance, inside && !corner) << dx << ' ' << dy;
       affected += before.variance != after.variance;
     }
@@ -135,7 +135,7 @@ TEST(PatchCost, SlantedPlaneWarpOfSmoothTextureCostsLittleAndWrongPlaneMuch) {
 TEST(PatchCost, KernelsAgreeOnRandomWarpsToOneInTenThousand) {
   const GreyMask image = NoiseImage(96, 80, 2);
   GreyMask source = NoiseImage(96, 80, 3);
-  for (int y = 0; y < 80; ++y)  // a mask with a ragged rim
+  for (int y = 0; y < 80; ++y)  // a mask with a ragged border
     for (int x = 0; x < 96; ++x)
       if (x + (y * 7) % 5 < 20) *source.at(x, y) &= 0xFFFE;
   const SampleImage samples = MakeSampleImage(source);

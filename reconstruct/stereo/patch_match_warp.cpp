@@ -36,7 +36,7 @@ WarpLanes WarpsOf(const TransferLanes& t, const PixelLanes& pixel, const PlaneHy
   const Lanes inverse = 1.0f / h[2], x = h[0] * inverse, y = h[1] * inverse, ex = hx[2] * inverse,
               ey = hy[2] * inverse;
   const Lanes ex_size = ex < 0.0f ? -ex : ex, ey_size = ey < 0.0f ? -ey : ey;
-  // false for what is not a number
+  // false for NaN
   const auto good = (h[2] > 0.0f) & (ex_size + ey_size < kSteepest);
   const Lanes outside = Lanes{} + kFarOutside, none = Lanes{};
   WarpLanes out;

@@ -1,4 +1,4 @@
-// How planes of a reference view map to source views: four sources at a time, one a lane.
+// How planes of a reference view map to source views: four sources at a time, one per lane.
 #pragma once
 
 #if defined(__SSE__)
@@ -22,8 +22,7 @@ struct Transfer {
 };
 Transfer MakeTransfer(const PreparedView& from, const PreparedView& to, int level);
 
-/// Four numbers that one instruction works on (GCC's and Clang's vector extension, on any
-/// processor).
+/// Four numbers for one instruction (vector extension of GCC and Clang, on any processor).
 using Lanes = float __attribute__((vector_size(sizeof(float) * kLanes)));
 using LaneInts = std::int32_t __attribute__((vector_size(sizeof(std::int32_t) * kLanes)));
 
@@ -37,8 +36,8 @@ inline Lanes SquareRoots(const Lanes& x) {
 #endif
 }
 
-/// Up to four transfers from one reference; and the same at one pixel: homogeneous source pixel of
-/// the pixel's ray at infinity.
+/// Up to four transfers from one reference; PixelLanes has their values at one pixel: the
+/// homogeneous source pixel of the pixel's ray at infinity.
 struct TransferLanes {
   Lanes x[3] = {}, y[3] = {}, one[3] = {}, depth[3] = {};
   void Set(int lane, const Transfer& transfer);
@@ -51,11 +50,10 @@ inline PixelLanes AtPixel(const TransferLanes& t, float px, float py) {
            t.x[2] * px + t.y[2] * py + t.one[2]}};
 }
 
-/// The plane that the pixel sees, in each lane's source: homography H = K_s (R - t n^T / d) K_r^-1
-/// in the centre's form of WarpLanes. Windows that reach the source camera's plane are sent far
-/// outside.
-/// @param pixel, plane  at the window's middle @param scale  pixels in a unit of the window's
-/// offsets
+/// The pixel's plane in each lane's source: homography H = K_s (R - t n^T / d) K_r^-1 in the form
+/// of WarpLanes. Windows that reach the source camera's plane are moved far outside.
+/// @param pixel, plane  at the window's middle
+/// @param scale         pixels per unit of the window's offsets
 WarpLanes WarpsOf(const TransferLanes& transfers, const PixelLanes& pixel,
                   const PlaneHypothesis& plane, float scale = 1);
 

@@ -1,5 +1,5 @@
-// Planes and depths of all pixels of a view, packed: at full resolution they are most of what
-// stereo keeps in memory.
+// Packed planes and depths of all pixels of a view; at full resolution they are most of stereo's
+// memory.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +14,15 @@
 
 namespace keypose::reconstruct {
 
-/// A plane seen by a pixel: inverse depth changes linearly over the picture, 1/z(x + dx, y + dy) =
-/// inverse_depth + dx gx + dy gy.
+/// A pixel's plane. Inverse depth is linear over the picture: 1/z(x + dx, y + dy) = inverse_depth +
+/// dx gx + dy gy.
 struct PlaneHypothesis {
   float inverse_depth = 0, gx = 0, gy = 0;
 };
 
-/// A plane, its costs and its source views for each pixel, row-major, in 15 bytes a pixel (16 when
-/// there are more than eight sources). Pixels without a plane have inverse depth 0 and infinite
-/// cost. Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to 1/16384.
+/// A plane, its costs and its source views for each pixel, row-major, in 15 bytes per pixel (16
+/// with more than eight sources). Pixels without a plane have inverse depth 0 and infinite cost.
+/// Tilts are rounded to 1/4096 (tangent of the slant, at most 8), costs to 1/16384.
 class PlaneMap {
  public:
   int width = 0, height = 0;
@@ -58,8 +58,8 @@ class PlaneMap {
     costs_[pixel] =
         static_cast<std::uint16_t>(std::clamp(cost * kCostSteps + 0.5f, 0.0f, kNoCost - 1.0f));
   }
-  /// What of the cost the windows in all used sources make, and in the first two of them: it stays
-  /// while plane and sources do.
+  /// The part of the cost that comes from windows: in all used sources, and in the first two of
+  /// them. It stays the same as long as plane and sources do.
   struct Match {
     float all = 0, pair = 0;
   };
@@ -72,11 +72,11 @@ class PlaneMap {
     };
     match_[pixel] = {steps(match.all), steps(match.pair)};
   }
-  /// Frees what only further passes would need; none may follow.
+  /// Frees data for further passes; none may follow.
   void DropMatches() { std::vector<PackedMatch>().swap(match_); }
 
-  /// Keeps only the pixels that have a plane: half of a picture that is cropped to its mask. Until
-  /// Unpack everything is asked by the place that Find tells, not by the pixel.
+  /// Keeps only the pixels that have a plane, about half of a picture that is cropped to its mask.
+  /// Until Unpack, data is addressed by the place that Find returns, not by the pixel.
   void Pack() {
     present_.assign((planes_.size() + 63) / 64, 0);
     for (std::size_t pixel = 0; pixel < planes_.size(); ++pixel)
@@ -97,7 +97,7 @@ class PlaneMap {
     present_.clear(), before_.clear();
   }
   bool packed() const { return !present_.empty(); }
-  /// Where a pixel's plane is kept, whether packed or not; kNone when it has none.
+  /// Place of a pixel's plane, whether packed or not; kNone when it has none.
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::size_t Find(std::size_t pixel) const {
     if (!packed()) return planes_[pixel].inverse_depth > 0 ? pixel : kNone;
@@ -106,7 +106,7 @@ class PlaneMap {
                ? before_[pixel / 64] + static_cast<std::size_t>(std::popcount(bits & (bit - 1)))
                : kNone;
   }
-  /// body(pixel, place) of all planes of a packed map, in the order of pixels.
+  /// Calls body(pixel, place) for all planes of a packed map, in the order of pixels.
   template <class Body>
   void ForEachPlane(const Body& body) const {
     std::size_t place = 0;
@@ -123,8 +123,8 @@ class PlaneMap {
     first_sources_[pixel] = static_cast<std::uint8_t>(sources & 255);
     if (!more_sources_.empty()) more_sources_[pixel] = static_cast<std::uint8_t>(sources >> 8);
   }
-  /// How far the depth is likely to be off, in pixels of this view on the surface: what the last
-  /// pass leaves in the place of the sources. In steps of 3 %, between 1/64 and 24.
+  /// Expected depth error, in pixels of this view on the surface. The last pass stores it in place
+  /// of the sources. In steps of 3 %, between 1/64 and 24.
   float ExpectedError(std::size_t pixel) const {
     return kLeastError * std::exp2(first_sources_[pixel] * (1.0f / kErrorSteps));
   }
@@ -132,7 +132,7 @@ class PlaneMap {
     first_sources_[pixel] = static_cast<std::uint8_t>(std::clamp(
         kErrorSteps * std::log2(std::max(error, kLeastError) / kLeastError) + 0.5f, 0.0f, 255.0f));
   }
-  /// The same order as Cost, cheaper to read; kNoCost where there is no plane.
+  /// Has the same order as Cost and is cheaper to read; kNoCost where there is no plane.
   std::uint16_t PackedCost(std::size_t pixel) const { return costs_[pixel]; }
   static constexpr std::uint16_t kNoCost = 65535;
 
@@ -166,15 +166,15 @@ class PlaneMap {
 
   float unit_ = 0, inverse_unit_ = 0;
   bool many_sources_ = false;
-  std::vector<std::uint64_t> present_;  // of a packed map: a bit a pixel
-  std::vector<std::uint32_t> before_;   // planes before each 64 pixels
+  std::vector<std::uint64_t> present_;  // of a packed map: one bit per pixel
+  std::vector<std::uint32_t> before_;   // number of planes before each 64 pixels
   std::vector<Packed> planes_;
   std::vector<std::uint16_t> costs_;
   std::vector<PackedMatch> match_;
   std::vector<std::uint8_t> first_sources_, more_sources_;
 };
 
-/// One inverse depth a pixel in 16 bits, within known limits.
+/// One inverse depth per pixel in 16 bits, within known limits.
 class DepthImage {
  public:
   int width = 0, height = 0;

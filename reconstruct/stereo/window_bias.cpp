@@ -11,15 +11,18 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kReach = 10;  // pixels
-constexpr int kStep = 2;    // depths side by side err together: every second one tells as much
-constexpr float kEdge = 3;  // pixels of depth between a pixel and the middle of two opposite ones
-constexpr float kLeastInformation = 0.25f;  // of what all fours together tell of curvature
-constexpr float kLargest = 2;  // correction, pixels of depth: a bump smaller than the window
-// unknown depths after each row, which also keep rows apart
+// errors of adjacent depths are correlated: every second depth has the same information
+constexpr int kStep = 2;
+constexpr float kEdge = 3;  // pixels of depth between a pixel and the mean of two opposite ones
+// of the information on curvature in all groups together
+constexpr float kLeastInformation = 0.25f;
+// correction, pixels of depth: that of a bump smaller than the window
+constexpr float kLargest = 2;
+// unknown depths after each row, which also separate the rows
 constexpr int kPadding = 2 * kReach + kLanes;
 
-// A place and its three turns by 90 degrees: their mean is the middle's depth and a quarter of the
-// Laplacian times the squared radius.
+// A place and its three rotations by 90 degrees: the mean of their depths is the middle's depth
+// plus a quarter of the Laplacian times the squared radius.
 struct Four {
   std::ptrdiff_t at[4];
   float weight, squared;
@@ -39,7 +42,7 @@ std::vector<Four> Fours(std::ptrdiff_t stride) {
   return fours;
 }
 
-// Moments of squared radii, and with the depths above the middle.
+// Moments of the squared radii, and of the depths relative to the middle.
 struct Moments {
   Lanes count{}, r2{}, r4{}, z{}, r2z{};
   Lanes Information() const { return r4 - r2 * r2 / count; }
@@ -102,12 +105,12 @@ class Corrector {
     return (pixel / map_.width + kReach) * stride_ + kReach + pixel % map_.width;
   }
 
-  // Of inverse depth, for pixels side by side; 0 where nothing can be said.
+  // Correction of inverse depth, for adjacent pixels; 0 where it is not determined.
   Lanes Correction(const float* at) const {
     const Lanes here = Load(at), none{};
     const LaneInts present = here > 0.0f;
     if (!(present[0] | present[1] | present[2] | present[3])) return none;
-    const Lanes unit = (present ? here : Lanes{} + 1.0f) / focal_;  // a pixel of depth
+    const Lanes unit = (present ? here : Lanes{} + 1.0f) / focal_;  // one pixel of depth
     const Lanes edge = kEdge * unit;
     Moments moments;
     for (const Four& four : fours_) {
@@ -123,8 +126,7 @@ class Corrector {
       moments.z += z, moments.r2z += four.squared * z;
     }
     const auto known =
-        (moments.count > 0.0f) &
-        (moments.Information() > least_information_);  // false for what is not a number
+        (moments.count > 0.0f) & (moments.Information() > least_information_);  // false for NaN
     const Lanes laplacian = 4.0f * moments.Slope(), most = kLargest * unit;
     Lanes correction = static_cast<float>(-0.5 * options_.variance) * laplacian;
     correction = correction > most ? most : correction < -most ? -most : correction;
@@ -136,7 +138,7 @@ class Corrector {
   const std::ptrdiff_t stride_;
   const float focal_;
   const std::vector<Four> fours_;
-  std::vector<float> depths_;  // inverse; 0 where they are not good, with a margin all round
+  std::vector<float> depths_;  // inverse; 0 where they are not reliable, with a margin on all sides
   Lanes least_information_{};
 };
 

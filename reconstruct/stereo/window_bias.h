@@ -1,5 +1,5 @@
-// Takes out of depth maps what windows put in: the depth of a curved surface is averaged over the
-// window, which fills creases and flattens bumps.
+// Removes the windows' bias from depth maps: a window averages the depth of a curved surface, which
+// fills creases and flattens bumps.
 #pragma once
 
 #include "reconstruct/stereo/plane_map.h"
@@ -8,23 +8,23 @@
 namespace keypose::reconstruct {
 
 struct WindowBiasOptions {
-  /// of the places that a window listens to, along an axis [px^2]; 0 changes nothing
+  /// of the window's weights, along an axis [px^2]; 0 changes nothing
   double variance = 16;
-  double largest_cost = 1.0;  ///< pixels that match worse neither tell curvature nor are corrected
-  /// the same for those whose depth is expected to be off by more [px on the surface]
+  double largest_cost = 1.0;  ///< pixels with a larger matching cost are neither used nor corrected
+  /// pixels with a larger expected depth error are neither used nor corrected [px on the surface]
   double largest_error = 1.0;
 };
 
-/// A flat window that is laid on a curved surface settles at the surface's mean depth under it: off
-/// by half the window's variance times the Laplacian of inverse depth. That is subtracted. The
-/// Laplacian is a least-squares paraboloid over 10 pixels around, of places that lie in fours round
-/// the pixel, so that slants cancel; fours that reach over an edge of depth are left out, and a
-/// pixel with few is left as it is.
+/// A flat window on a curved surface finds the surface's mean depth under the window. Its error is
+/// half the window's variance times the Laplacian of inverse depth, which is subtracted. The
+/// Laplacian comes from a least-squares paraboloid over a radius of 10 pixels. It uses groups of
+/// four places, rotated by 90 degrees about the pixel, so that slants cancel. Groups that cross a
+/// depth edge are left out, and a pixel with few groups is not corrected.
 ///
-/// @param map  of `camera`, packed or not, after the last pass. Costs about 0.05 CPU seconds a
-/// megapixel that has planes.
-/// Source: first term of the inverse of a blur (Van Cittert); the same that Kanade & Okutomi, PAMI
-/// 1994, avoid by windows that adapt.
+/// @param map  of `camera`, packed or not, after the last pass
+/// Cost: about 0.05 CPU seconds per megapixel that has planes.
+/// Source: first term of the inverse of a blur (Van Cittert); Kanade & Okutomi, PAMI 1994, avoid
+/// the same bias by adaptive windows.
 void CorrectWindowBias(const Pinhole& camera, const WindowBiasOptions& options, PlaneMap* map);
 
 }  // namespace keypose::reconstruct

@@ -29,7 +29,7 @@ PlaneMap MapOf(const Depth& inverse_depth) {
   return map;
 }
 
-// Pixels of depth between a map's pixel and an inverse depth.
+// Difference between a map's pixel and an inverse depth, in pixels of depth.
 double Off(const PlaneMap& map, int x, int y, double inverse_depth) {
   return (map.InverseDepth(static_cast<std::size_t>(y) * kSize + x) - inverse_depth) * kCamera.fx /
          0.5;
@@ -37,7 +37,7 @@ double Off(const PlaneMap& map, int x, int y, double inverse_depth) {
 
 TEST(WindowBias, MeansOverWindowsOfACurvedSurfaceBecomeItsDepths) {
   for (const auto& [kx, ky] : {std::pair{0.02, 0.03}, {-0.03, 0.0}, {0.02, -0.02}}) {
-    // of the window's places, above their middle
+    // of the window's samples, above their mean
     const double mean_above = 0.5 * kVariance * (kx + ky);
     PlaneMap map =
         MapOf([&](int x, int y) { return Bent(x, y, kx, ky) + mean_above * 0.5 / kCamera.fx; });
@@ -67,8 +67,7 @@ TEST(WindowBias, SlantsStepsRimsAndDoubtfulPixelsStayAsTheyAre) {
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x)
       ASSERT_NEAR(Off(map, x, y, step(x, y)), 0, 2e-3) << x << ' ' << y;
-  // Bent: at the map's rim, and among pixels that match badly, there is nothing to tell the
-  // curvature by.
+  // Curved: at the map's border, and among pixels with bad matches, the curvature is unknown.
   const PlaneMap bent = MapOf([](int x, int y) { return Bent(x, y, 0.03, 0.03); });
   PlaneMap doubtful = bent;
   for (std::size_t i = 0; i < doubtful.size(); ++i)

@@ -28,7 +28,7 @@ struct RenderedScene {
 };
 
 RenderedScene RenderRing(const RingOptions& options);
-/// At the size of the pictures. The default is what stage dense takes.
+/// At the size of the pictures. The defaults are those of stage dense.
 std::vector<PreparedView> Prepared(const RenderedScene& rendered, int levels = 3);
 
 struct Accuracy {
@@ -39,10 +39,10 @@ struct Accuracy {
                             ///< point within 3 footprints
   double normal_deg_mean = 0;
 };
-/// Of the first `count` points of the cloud.
+/// For the first `count` points of the cloud.
 Accuracy Measure(const RenderedScene& rendered, const PointCloud& cloud, int count);
 
-/// For each of so many views, all the others.
+/// For each view, all the others.
 std::vector<std::vector<int>> AllOthers(int count);
 
 }  // namespace keypose::reconstruct::testing

@@ -28,7 +28,7 @@ double Quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-/// Axis of the rotation from view i to view j, in the world; turning angles near 0 and 180 degrees
+/// Axis of the rotation from view i to view j, in the world. Rotation angles near 0 and 180 degrees
 /// give none.
 struct PairAxis {
   int i, j;
@@ -60,8 +60,8 @@ Vector3d MeanAxis(const std::vector<PairAxis>& axes, const Vector3d& start, doub
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvectors().col(2);
 }
 
-/// The direction around which most pair axes crowd. Every axis (or every n-th of many) is tried as
-/// a centre.
+/// The direction with the highest density of pair axes. Every axis (or every n-th of many) is tried
+/// as a centre.
 Vector3d DensestAxis(const std::vector<PairAxis>& axes) {
   const std::size_t step = std::max<std::size_t>(1, axes.size() / 1500);
   const double sharp = 3 * kDegree;
@@ -79,7 +79,7 @@ Vector3d DensestAxis(const std::vector<PairAxis>& axes) {
   return best;
 }
 
-/// Groups of views that turn into each other about the axis; groups of fewer than 4 are dropped.
+/// Groups of views related by rotations about the axis; groups of fewer than 4 are dropped.
 std::vector<std::vector<int>> FindRings(const std::vector<View>& views,
                                         const std::vector<PairAxis>& axes, const Vector3d& axis,
                                         double distance) {
@@ -102,8 +102,7 @@ std::vector<std::vector<int>> FindRings(const std::vector<View>& views,
   return rings;
 }
 
-/// Normal of the rings' common plane direction; `axis` itself where their arcs are too short to
-/// tell.
+/// Normal of the rings' common plane direction; `axis` itself if their arcs are too short.
 Vector3d RefineByPlanes(const std::vector<View>& views, const std::vector<std::vector<int>>& rings,
                         const Vector3d& axis) {
   Matrix3d scatter = Matrix3d::Zero();
@@ -134,8 +133,8 @@ struct CommonCenter {
   bool valid = false;
 };
 
-/// Circles of any radii about one centre, in the plane across the axis: linear in the centre and
-/// one number a ring.
+/// Circles of any radii about one centre, in the plane perpendicular to the axis: linear in the
+/// centre and one number per ring.
 CommonCenter FitCenter(const std::vector<View>& views, const std::vector<std::vector<int>>& rings,
                        const Matrix3d& upright) {
   CommonCenter result;
@@ -167,7 +166,7 @@ CommonCenter FitCenter(const std::vector<View>& views, const std::vector<std::ve
   return result;
 }
 
-/// Share-wise box of the points in the upright frame.
+/// Quantile box of the points in the upright frame.
 struct Box {
   Vector3d low, middle, high;
 };
@@ -246,8 +245,8 @@ Leveling LevelScene(const Scene& scene) {
   level.ring_of_view.assign(scene.views.size(), -1);
   for (std::size_t r = 0; r < rings.size(); ++r)
     for (const int i : rings[r]) level.ring_of_view[i] = static_cast<int>(r);
-  // The axis counts where rings agree on it and it runs through the object's box; else the object's
-  // middle does.
+  // The axis is used if the rings agree on it and it passes through the object's box; else the
+  // object's centre.
   const Eigen::Vector2d half = ((box.high - box.low) / 2).head<2>();
   const Eigen::Vector2d off = (ring_center.center - box.middle.head<2>()).cwiseAbs();
   level.centered_on_axis =

@@ -46,7 +46,7 @@ struct LevelCase {
 
 class LevelSceneOn : public ::testing::TestWithParam<LevelCase> {};
 
-// 0.1 degrees: a tilt that moves the top of a figure by a thousandth of its height and more.
+// 0.1 degrees: a larger tilt moves the top of a figure by more than a thousandth of its height.
 TEST_P(LevelSceneOn, FindsTheAxisWithinATenthOfADegree) {
   std::mt19937 random(21);
   const LevelCase& c = GetParam();
@@ -70,8 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(LevelScene, PutsTheObjectOnTheFloorAndTheFirstCameraInFront) {
   std::mt19937 random(22);
-  const Scene model =
-      Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
+  const Scene model = Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
   const Scene level = Transformed(LevelScene(model).level_from_model, model);
   double lowest = 1e9, distance = 0;
   for (const SparsePoint& point : level.points) lowest = std::min(lowest, point.position.z());
@@ -86,8 +85,7 @@ TEST(LevelScene, PutsTheObjectOnTheFloorAndTheFirstCameraInFront) {
 
 TEST(LevelScene, ProjectionsStayWhereTheyAre) {
   std::mt19937 random(23);
-  const Scene model =
-      Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
+  const Scene model = Transformed(SomeSimilarity(), RingScene({{0.3, 20}}, 2 * kPi, 0, 0, random));
   const Scene level = Transformed(LevelScene(model).level_from_model, model);
   for (std::size_t v = 0; v < model.views.size(); v += 3)
     EXPECT_LT((model.views[v].Project(model.points[v].position) -

@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The unknown intrinsics: f and k1. What else the camera has stays.
+/// The unknown intrinsics: f and k1. The camera's other parameters are constant.
 struct SharedIntrinsics {
   std::array<double, 2> focal_k1;
   Camera camera;
@@ -80,7 +80,7 @@ struct Prior {
   }
 };
 
-/// Focal length and k1 about what is known of the camera.
+/// Priors of focal length and k1.
 struct CameraPrior {
   double focal, focal_weight, k1, k1_weight;
   template <class T>
@@ -101,7 +101,7 @@ struct SlopPrior {
   }
 };
 
-/// Holds the first ring's distance to the axis' origin, and that origin opposite the camera.
+/// Fixes the first ring's distance to the axis' origin, and that origin opposite the camera.
 struct Gauge {
   double squared_distance, along_axis, weight;
   template <class T>
@@ -151,7 +151,7 @@ class RingProblem {
     solver.linear_solver_ordering = ordering_;
     solver.max_num_iterations = options_.max_iterations;
     solver.function_tolerance = 1e-7;
-    // beyond, steps gain nothing and rounding makes the reduced system indefinite
+    // a larger radius gains nothing, and rounding would make the reduced system indefinite
     solver.max_trust_region_radius = 1e7;
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
@@ -179,7 +179,8 @@ class RingProblem {
 
   void AddPriors(double focal_px) {
     using ceres::AutoDiffCostFunction;
-    // Residuals are pixels; a prior's deviation counts as much as an error of noise_px.
+    // Residuals are pixels; one standard deviation of a prior has the weight of an error of
+    // noise_px.
     const double slop = options_.noise_px / (options_.angle_prior_deg * kDegree),
                  step = options_.noise_px / (options_.step_prior_deg * kDegree);
     for (RingView& view : model_.views)
@@ -204,8 +205,8 @@ class RingProblem {
   }
 
   void OrderCameras() {
-    // Ceres orders a group by address: one group for each array, or sums would depend on where the
-    // memory lies.
+    // Ceres orders a group by address. One group per array makes the sums independent of memory
+    // locations.
     ordering_->AddElementToGroup(camera_.focal_k1.data(), 1);
     for (Rigid3& ring : model_.rings) {
       if (!problem_.HasParameterBlock(ring.rotation.coeffs().data())) continue;

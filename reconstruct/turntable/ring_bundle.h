@@ -1,5 +1,5 @@
-// Bundle adjustment of a turntable capture with few unknowns: a pose for each ring, an angle for
-// each view, one camera.
+// Bundle adjustment of a turntable capture with few unknowns: one pose per ring, one angle per
+// view, one camera.
 #pragma once
 
 #include <vector>
@@ -12,32 +12,33 @@ namespace keypose::reconstruct {
 struct RingBundleOptions {
   int max_iterations = 30;
   double robust_px = 1;  ///< Cauchy loss
-  /// how far the table may stand from its even steps: standard deviation
+  /// standard deviation of the table's angles from even steps
   double angle_prior_deg = 0.6;
-  /// how far the even step may be from 360 degrees over the positions
+  /// standard deviation of the even step from 360 degrees over the number of positions
   double step_prior_deg = 0.5;
-  double noise_px = 0.5;      ///< of features; what the priors are weighed against
+  double noise_px = 0.5;      ///< of features; the priors' weights are relative to it
   bool refine_camera = true;  ///< fx = fy and k1
-  double focal_px = 0;        ///< what is known of the focal length; 0: the model's
-  double focal_prior = 0.03;  ///< its relative standard deviation; holds what few points leave open
+  double focal_px = 0;        ///< known focal length; 0: the model's
+  double focal_prior = 0.03;  ///< its relative standard deviation; constrains the focal length when
+                              ///< there are few points
   double k1_prior = 0.05;     ///< standard deviation of k1 about 0
-  double max_error_px = 3;    ///< observations beyond are dropped, and all is solved once more
+  double max_error_px = 3;    ///< observations with larger errors are dropped before a second solve
 };
 
 struct RingBundleResult {
   RingModel model;
-  /// in the table's frame; those that keep no two observations stay where they were
+  /// in the table's frame; points that keep fewer than two observations do not move
   std::vector<SparsePoint> points;
   std::vector<Observation> observations;  ///< kept
   double mean_error_px = 0;
   double chi2 = 0;               ///< sum of Cauchy losses over the observations kept [px^2]
-  int unknowns = 0;              ///< of cameras; points not counted
-  std::vector<double> slop_rad;  ///< by view: angle less that of an even step
+  int unknowns = 0;              ///< of the cameras, without points
+  std::vector<double> slop_rad;  ///< by view: angle minus that of an even step
 };
 
-/// Refines a ring model: camera 6 for each ring, step and angles with priors, focal length and k1.
-/// The gauge is fixed by the priors of the angles (turn) and by holding the first ring's distance
-/// and the axis' origin opposite its camera.
+/// Refines a ring model: 6 unknowns for each ring's camera, step and angles with priors, focal
+/// length and k1. The gauge is fixed by the priors of the angles (rotation), by a constant distance
+/// of the first ring, and by keeping the axis' origin opposite its camera.
 ///
 /// @param points        start, in the table's frame
 /// @param observations  `view` counts RingModel::views

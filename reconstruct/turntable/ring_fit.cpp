@@ -35,7 +35,7 @@ int UnknownsOf(const Scene& scene, int points, bool ring, const RingModel* model
   return cameras + 3 * points;
 }
 
-/// Sum of Cauchy losses at least squares' end is judged over the same observations for both.
+/// Sum of Cauchy losses at the solution, over the same observations for both models.
 double ChiSquared(const Scene& scene, const std::vector<Observation>& observations,
                   double robust_px) {
   double sum = 0;
@@ -59,8 +59,8 @@ RingModel NearestRingModel(const Scene& scene, const Leveling& leveling) {
   }
   RingModel model;
   model.camera = scene.views[0].camera;
-  // One ring leaves the pixels' aspect open to free cameras, and what they made of it would stay:
-  // pixels are square.
+  // With a single ring, free cameras do not determine the pixels' aspect ratio, and their value
+  // would be kept: pixels are square.
   model.camera.fx = model.camera.fy = 0.5 * (model.camera.fx + model.camera.fy);
   model.views.resize(level.views.size());
   for (const auto& [name, views] : members) {
@@ -70,7 +70,7 @@ RingModel NearestRingModel(const Scene& scene, const Leveling& leveling) {
     const double step = 2 * kPi / static_cast<double>(std::max<std::size_t>(views.size(), 3));
     for (const int v : views) {
       const View& view = level.views[v];
-      // A camera at azimuth a is the ring's own with the table turned back by a.
+      // A camera at azimuth a equals the ring's own with the table rotated back by a.
       const double angle = -AngleOf(view);
       model.views[v] = {v, ring, angle / step, angle};
       rotations.push_back(view.camera_from_world.rotation *
@@ -94,7 +94,7 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
     return fit;
   fit.tried = true;
   const RingModel start = NearestRingModel(fit.result.scene, leveling);
-  // The points as they were given: the adjustment has renumbered its own.
+  // The given points: the adjustment has renumbered its own.
   std::vector<SparsePoint> points = Transformed(leveling.level_from_model, scene).points;
   RingBundleOptions ring_options = options.ring;
   ring_options.angle_prior_deg = 10;
@@ -105,8 +105,8 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
   std::vector<std::string> names;
   for (const View& view : scene.views) names.push_back(view.name);
   const Scene on_rings = SceneOf(ring.model, names, ring.points);
-  // Both judged by the observations that the ring keeps, after an adjustment of free cameras to
-  // just these.
+  // Both are compared on the observations that the ring keeps, after an adjustment of free cameras
+  // to exactly these.
   BundleOptions free_options = options.bundle;
   free_options.max_error_px = 1e3;
   const BundleResult free = AdjustBundle(on_rings, ring.observations, free_options, progress);

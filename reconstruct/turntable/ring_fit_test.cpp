@@ -19,8 +19,8 @@ struct RingCase {
   std::vector<Observation> observations;
 };
 
-/// Two rings of 12 cameras, or cameras off them by `off_ring`; observations with noise, a start
-/// that is off.
+/// Two rings of 12 cameras, or cameras off them by `off_ring`; noisy observations, an inexact
+/// start.
 RingCase MakeRingCase(double off_ring) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal(0, 1);
@@ -70,7 +70,7 @@ TEST(AdjustOnRings, CamerasOffTheRingStayFree) {
   const RingFit fit = AdjustOnRings(made.start, made.observations, RingFitOptions{});
   EXPECT_FALSE(fit.is_ring) << fit.chi2_ratio;
   EXPECT_LT(MeanCentreError(fit.result.scene, made.truth),
-            7e-3);  // what 0.3 px leave open to free cameras so far from a small body
+            7e-3);  // uncertainty of free cameras with 0.3 px at this distance from a small body
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace keypose::reconstruct {
 namespace {
 
-/// The number before the name's extension; -1 when there is none of a sensible size.
+/// The number before the name's extension; -1 if there is none or it is too long.
 long TrailingNumber(const std::string& name) {
   const std::size_t dot = name.find_last_of('.');
   std::size_t end = dot == std::string::npos ? name.size() : dot, begin = end;
@@ -19,15 +19,14 @@ long TrailingNumber(const std::string& name) {
   return std::stol(name.substr(begin, end - begin));
 }
 
-/// Position of each photograph in the order of shooting, gaps included; 0, 1, 2, ... where the
-/// names do not tell.
+/// Position of each photograph in the shooting order, gaps included; 0, 1, 2, ... if the names do
+/// not give it.
 std::vector<long> ShootingOrder(const std::vector<std::string>& names) {
   std::vector<long> order;
   for (const std::string& name : names) order.push_back(TrailingNumber(name));
   bool rising = !order.empty() && order[0] >= 0;
   for (std::size_t i = 1; i < order.size(); ++i) rising = rising && order[i] > order[i - 1];
-  // Numbers that jump by more than half a set are no count of positions (times of day, two
-  // cameras).
+  // Numbers with gaps of more than half a set are not positions (times of day, two cameras).
   if (rising && order.back() - order[0] < static_cast<long>(order.size() + order.size() / 2)) {
     const long first = order[0];
     for (long& number : order) number -= first;

@@ -1,5 +1,4 @@
-// A turntable capture with few unknowns: the camera stands still for each ring, and only the
-// table's angle differs from view to view.
+// A turntable capture with few unknowns: one fixed camera per ring, and one table angle per view.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +13,7 @@ namespace keypose::reconstruct {
 struct RingView {
   int image = 0;         ///< index in the image set
   int ring = 0;          ///< index into RingModel::rings
-  double index = 0;      ///< position on the table in steps, by the order of the photographs
+  double index = 0;      ///< position on the table in steps, in the order of the photographs
   double angle_rad = 0;  ///< of the table
 };
 
@@ -23,8 +22,8 @@ struct RingView {
 struct RingModel {
   Camera camera;
   std::vector<Rigid3> rings;     ///< camera from table at angle 0
-  std::vector<double> step_rad;  ///< of each ring's table from photograph to photograph; its sign
-                                 ///< is the sense of turning
+  std::vector<double> step_rad;  ///< table angle between consecutive photographs of each ring; its
+                                 ///< sign is the direction of rotation
   std::vector<RingView> views;   ///< by image
 
   Rigid3 CameraFromTable(const RingView& view) const;
@@ -39,24 +38,24 @@ Rigid3 SecondFromFirst(const RingModel& model, const RingView& first, const Ring
 /// The matrix F with second^T F first = 0 for pixels, lens distortion aside.
 Eigen::Matrix3d FundamentalMatrix(const Camera& camera, const Rigid3& second_from_first);
 
-/// Which photographs make up one ring.
+/// The photographs of each ring.
 struct RingLayout {
   struct Place {
     int image = 0;
     double index = 0;  ///< in steps
   };
   std::vector<std::vector<Place>> rings;
-  /// of each ring's table in a full turn; the step starts at 360 degrees over this
+  /// number of each ring's positions in a full turn; the initial step is 360 degrees over this
   std::vector<int> positions;
-  std::string reason;  ///< in words: "2 rings of 18 in the order of names"
+  std::string reason;  ///< as text: "2 rings of 18 in the order of names"
 };
 
 /// Rings of the given sizes in the order of the names.
 /// @throws InputError  the sizes do not add up to the number of photographs
 RingLayout LayoutOfSizes(int images, const std::vector<int>& sizes);
 
-/// Ways in which photographs named so may lie in rings: one to four rings of equal size. Numbers at
-/// the end of the names (IMG_0012.jpg) tell which are missing; names without them count in their
+/// Possible layouts of photographs with these names: one to four rings of equal size. Numbers at
+/// the end of the names (IMG_0012.jpg) show which are missing; names without numbers count in their
 /// order.
 std::vector<RingLayout> LikelyLayouts(const std::vector<std::string>& names);
 

@@ -20,24 +20,24 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kApart = 0.6;  // of a step: places nearer than this are one place
-// of the camera distance: what cameras of a few views may be off their rings
+constexpr double kApart = 0.6;  // of a step: positions closer together than this are the same
+// of the camera distance: largest distance of cameras of a few views from their rings
 constexpr double kMostOffAxis = 0.03;
 
 double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
-/// Ring poses (camera from table at angle 0, the camera at azimuth 0) that are one ring's, seen by
-/// different photographs.
+/// Whether two ring poses (camera from table at angle 0, the camera at azimuth 0), from different
+/// photographs, belong to the same ring.
 bool SameRing(const Rigid3& a, const Rigid3& b) {
   const Vector3d ca = a.Inverse().translation, cb = b.Inverse().translation;
   return (ca - cb).norm() < 0.08 * ca.norm() &&
          a.rotation.angularDistance(b.rotation) < 5 * kDegree;
 }
 
-/// Where a photograph may stand.
+/// A candidate position of a photograph.
 struct Place {
-  Rigid3 ring;           ///< of one of the rings, or of one of its own
-  int ring_index = -1;   ///< -1: a ring of its own
+  Rigid3 ring;           ///< pose of one of the rings, or of a new one
+  int ring_index = -1;   ///< -1: a new ring
   double angle_rad = 0;  ///< of the table
   double score = 0;
 
@@ -48,7 +48,7 @@ struct Place {
   Vector3d Center() const { return CameraFromTable().Inverse().translation; }
 };
 
-/// A match of a photograph without a place with one that has its place.
+/// A match between a photograph without a position and one with a position.
 struct SeenPair {
   Vector3d own, other;  ///< rays with z = 1, each in its camera
 };
@@ -72,7 +72,7 @@ class Sorter {
     step_ = LeastStep();
   }
 
-  /// @return photographs that found a place
+  /// @return number of photographs that got a position
   int PlaceOthers(Progress* progress) {
     int found = 0;
     std::vector<int> waiting;
@@ -117,8 +117,8 @@ class Sorter {
     order.sorted = static_cast<int>(sorted.size());
     for (int i = 0; i < std::ssize(of_image_); ++i)
       if (!sorted.contains(i)) order.left_out.push_back(i);
-    order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by what they show"
-                                                          : " (rings), sorted by what they show";
+    order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by their content"
+                                                          : " (rings), sorted by their content";
     return order;
   }
 
@@ -142,7 +142,7 @@ class Sorter {
     surface_.emplace(surface);
   }
 
-  /// The ring that a pose belongs to, which is a new one where there is none like it.
+  /// The ring of a pose; a new one if no existing ring matches.
   int RingLike(const Rigid3& pose) {
     for (std::size_t r = 0; r < rings_.size(); ++r)
       if (SameRing(rings_[r], pose)) return static_cast<int>(r);
@@ -157,7 +157,7 @@ class Sorter {
     std::vector<SeenPair> sights;
   };
 
-  /// The photographs with a place that an image has matches with.
+  /// The photographs with a position that share matches with an image.
   std::vector<Partner> PartnersOf(int image) const {
     std::vector<Partner> partners;
     for (const PairPoints& pair : pairs_) {
@@ -176,9 +176,9 @@ class Sorter {
     return partners;
   }
 
-  /// Whether two lines of sight meet in front of both cameras and near the object's surface. Along
-  /// a ring epipolar lines are all but the same wherever the camera stands; where on them a match
-  /// lies tells the place.
+  /// Whether two rays intersect in front of both cameras and near the object's surface. Along a
+  /// ring the epipolar lines hardly depend on the camera's position; the match's position along the
+  /// line determines it.
   bool MeetNearSurface(const Vector3d& c1, const Vector3d& d1, const Vector3d& c2,
                        const Vector3d& d2) const {
     const Vector3d between = c2 - c1;
@@ -190,7 +190,8 @@ class Sorter {
            surface_->Nearest(0.5 * (c1 + s * d1 + c2 + t * d2)).squared_distance < near_ * near_;
   }
 
-  /// Matches that hold an image in a pose, each by how near it is to its epipolar line.
+  /// Sum over the matches consistent with a pose, weighted by their distance from the epipolar
+  /// line.
   double Score(const std::vector<Partner>& partners, const Rigid3& pose, double limit) const {
     const Matrix3d rotation = pose.rotation.toRotationMatrix();
     const Vector3d center = pose.Inverse().translation;
@@ -209,7 +210,7 @@ class Sorter {
     return score;
   }
 
-  /// A ring pose whose camera stands higher or lower on its sphere about the object's middle.
+  /// A ring pose with the camera moved up or down on its sphere about the object's centre.
   Rigid3 Tilted(const Rigid3& ring, double by_rad) const {
     const Vector3d aim(0, 0, middle_.z());
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(by_rad, Vector3d::UnitY()));
@@ -221,14 +222,14 @@ class Sorter {
     return std::atan2(c.z(), c.head<2>().norm());
   }
 
-  /// The best place.
+  /// The best position.
   struct Found {
     Place best;
-    double clear = 0;  ///< by how many standard deviations of counts like these the best place
-                       ///< stands out from any other
+    double clear = 0;  ///< difference between the best position's score and any other's, in
+                       ///< standard deviations of such counts
   };
 
-  /// Of places in the order given; places about the best are no rivals.
+  /// Among positions in the given order; positions near the best are not counted as others.
   Found BestOf(const std::vector<Place>& places) const {
     Found found;
     for (const Place& place : places)
@@ -254,7 +255,7 @@ class Sorter {
     }
   }
 
-  /// Whether another photograph stands there.
+  /// Whether another photograph has this position.
   bool Taken(const Place& place) const {
     return place.ring_index >= 0 &&
            std::any_of(of_image_.begin(), of_image_.end(), [&](const Place& other) {
@@ -263,7 +264,7 @@ class Sorter {
            });
   }
 
-  /// The least step from photograph to photograph on any ring; those that stand at one place aside.
+  /// The smallest step between photographs on any ring, without photographs at the same position.
   double LeastStep() const {
     double least = 45 * kDegree;
     for (const Place& a : of_image_)
@@ -275,7 +276,7 @@ class Sorter {
     return least;
   }
 
-  /// Where an image seems to stand: on one of the rings, else at an elevation of its own.
+  /// The estimated position of an image: on one of the rings, else at a new elevation.
   Found PlaceOf(int image) const {
     const std::vector<Partner> partners = PartnersOf(image);
     std::vector<Place> tried;
@@ -290,8 +291,8 @@ class Sorter {
       if (is_new) TryRing(partners, Tilted(rings_[0], elevation - Elevation(rings_[0])), -1, tried);
     }
     Found found = BestOf(tried);
-    // A pose that is nearly a ring's is that ring's: a ring of its own has one unknown more to
-    // gather matches with.
+    // A pose close to an existing ring belongs to it: a new ring has one more unknown, and can fit
+    // more matches by chance.
     if (found.best.ring_index < 0 && on_ring > 0.7 * found.best.score) {
       std::erase_if(tried, [](const Place& place) { return place.ring_index < 0; });
       found = BestOf(tried);
@@ -338,8 +339,8 @@ class Sorter {
     return refined;
   }
 
-  /// The even steps in a full turn that the angles fall on best, each on a step of its own; 0 when
-  /// they fall on none.
+  /// The number of even steps in a full turn that fits the angles best, each on a step of its own;
+  /// 0 if none fits.
   int EvenPositions(const std::vector<std::pair<double, int>>& members, double& best_offset) const {
     const int count = static_cast<int>(members.size());
     int best = 0;
@@ -387,13 +388,13 @@ class Sorter {
   const RingOrderOptions& options_;
   const std::vector<PairPoints>& pairs_;
   Camera camera_;
-  double step_ = 0;   ///< about that of the table
-  double limit_ = 0;  ///< of a match from its epipolar line, over the focal length
+  double step_ = 0;   ///< approximate step of the table
+  double limit_ = 0;  ///< largest distance of a match from its epipolar line, over the focal length
   Vector3d middle_ = Vector3d::Zero();  ///< of the object, on the table
   std::optional<KdTree> surface_;       ///< the part's points
-  double near_ = 0;                     ///< what counts as on it
+  double near_ = 0;                     ///< largest distance from those points
   std::vector<Rigid3> rings_;
-  std::vector<Place> of_image_;  ///< ring_index -1: none yet
+  std::vector<Place> of_image_;  ///< ring_index -1: no position yet
 };
 
 }  // namespace

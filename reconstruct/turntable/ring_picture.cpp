@@ -14,11 +14,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Color = Eigen::Matrix<std::uint8_t, 3, 1>;
 
-constexpr int kSamples = 3;  // pixels drawn for each pixel shown, along each axis
+constexpr int kSamples = 3;  // pixels drawn per pixel of the result, along each axis
 
 const Color kGrey(150, 150, 150);
 
-/// Told apart by people who see colours differently too (Okabe & Ito).
+/// Colours that are also distinct for colour-blind people (Okabe & Ito).
 Color RingColor(int ring) {
   static const Color kColors[] = {{0, 114, 178},   {213, 94, 0},  {0, 158, 115},
                                   {204, 121, 167}, {230, 159, 0}, {86, 180, 233}};
@@ -83,12 +83,12 @@ void DrawFrustum(Canvas& canvas, const View& view, double depth, const Color& co
   for (std::size_t k = 0; k < 4; ++k) {
     canvas.Line(eye, corners[k], color, 0.9);
     canvas.Line(corners[k], corners[(k + 1) % 4], color,
-                k == 0 ? 2.2 : 0.9);  // the picture's upper edge is bold
+                k == 0 ? 2.2 : 0.9);  // marks the picture's upper edge
   }
   canvas.Dot(eye, color, 3);
 }
 
-/// Mean error of the points that each view shows; negative where it shows none.
+/// Mean error of the points that each view observes; negative if it observes none.
 std::vector<double> ViewErrors(const Scene& scene) {
   std::vector<double> sum(scene.views.size(), 0), count(scene.views.size(), 0);
   for (const SparsePoint& point : scene.points)

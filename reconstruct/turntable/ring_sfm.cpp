@@ -31,7 +31,7 @@ class Reconstruction {
     }
     if (bundle_.observations.size() < 3 * result_.model.views.size()) return std::move(result_);
     result_.found = true;
-    ReportProgress(progress, 0.9, "setting the cameras free");
+    ReportProgress(progress, 0.9, "adjusting free cameras");
     Release(progress);
     return std::move(result_);
   }
@@ -43,7 +43,7 @@ class Reconstruction {
       const double from = 0.6 * static_cast<double>(k) / static_cast<double>(layouts.size());
       SubProgress part(progress, from, from + 0.6 / static_cast<double>(layouts.size()));
       RingStart start = FindRingModel(camera, layouts[k], points, &part);
-      // A wrong layout gathers a few matches more only by its additional unknowns.
+      // A wrong layout has a few more matches only because of its additional unknowns.
       if (k > 0 && start.inliers < 1.1 * result_.start.inliers) continue;
       result_.start = std::move(start);
       result_.layout = layouts[k];
@@ -57,7 +57,7 @@ class Reconstruction {
     return view_of;
   }
 
-  /// Of raw matches those near the model's epipolar lines.
+  /// The raw matches near the model's epipolar lines.
   std::vector<PairMatches> Agreeing(const std::vector<PairMatches>& matches,
                                     double error_px) const {
     const std::vector<int> view_of = ViewOfImage();
@@ -75,7 +75,7 @@ class Reconstruction {
     return agreeing;
   }
 
-  /// Matches along the epipolar lines of pairs of cameras that look from not too different sides.
+  /// Matches along the epipolar lines of pairs of cameras with similar viewing directions.
   std::vector<PairMatches> GuidedMatches(const Scene& scene, double error_px) const {
     std::vector<std::pair<std::size_t, std::size_t>> pairs;
     for (std::size_t a = 0; a < scene.views.size(); ++a)
@@ -123,7 +123,7 @@ class Reconstruction {
     for (const double slop : bundle_.slop_rad) result_.slop_deg.push_back(slop / kDegree);
     const Scene ring = SceneOf(result_.model, names_, bundle_.points);
     BundleOptions ring_camera = options_.bundle;
-    ring_camera.max_iterations = 0;  // the ring's own errors, by the same sum
+    ring_camera.max_iterations = 0;  // the ring's own errors, computed in the same way
     BundleResult held = AdjustBundle(ring, bundle_.observations, ring_camera, progress);
     std::vector<int> seen(ring.views.size(), 0);
     for (const Observation& o : bundle_.observations) ++seen[o.view];
@@ -132,7 +132,7 @@ class Reconstruction {
       if (seen[v] < options_.min_view_matches)
         all_seen = false, result_.by_step_only.push_back(ring.views[v].name);
     result_.scene = std::move(held.scene);
-    if (!all_seen) return;  // a camera of its own needs observations of its own
+    if (!all_seen) return;  // a free camera needs observations
     BundleResult free = AdjustBundle(ring, bundle_.observations, options_.bundle, progress);
     const double observations = 2.0 * static_cast<double>(bundle_.observations.size()),
                  points = 3.0 * static_cast<double>(ring.points.size());
@@ -147,8 +147,7 @@ class Reconstruction {
     Follow(std::move(free.scene), progress);
   }
 
-  /// What did not fit the ring may fit the cameras now that they are free: matched and adjusted
-  /// again.
+  /// Matches and adjusts again: matches that did not fit the ring may fit the free cameras.
   void Follow(Scene scene, Progress* progress) {
     for (const double error_px : {4.0, 2.5}) {
       const Triangulated points = Points(scene, GuidedMatches(scene, error_px), 4 * error_px);

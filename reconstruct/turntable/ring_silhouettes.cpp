@@ -16,21 +16,21 @@ using Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// at the search's size: an outline farther off tells nothing about the way back
+// at the search's size: for outlines farther away the gradient is not useful
 constexpr double kCap_px = 12;
 
-/// A mask as distances to its outline, positive outside, on a coarse raster; and lines of sight
-/// along the outline.
+/// A mask as distances to its outline, positive outside, on a coarse raster, with rays through the
+/// outline.
 struct Outline {
   ImageF distance;             ///< [px of the coarse raster]
-  std::vector<Vector3d> rays;  ///< z = 1, by the angle about the mask's middle
-  Vector3d middle;             ///< line of sight through the mask's centre of mass
+  std::vector<Vector3d> rays;  ///< z = 1, by the angle about the mask's centre
+  Vector3d middle;             ///< ray through the mask's centre of mass
   double area = 0;             ///< of the mask over f^2
 };
 
 bool IsInside(const Image8& mask, int x, int y) { return *mask.at(x, y) > 127; }
 
-/// Distance of each pixel's centre to the outline by two sweeps with steps of 1 and sqrt 2;
+/// Distance of each pixel's centre to the outline, by two sweeps with steps of 1 and sqrt 2;
 /// positive outside.
 ImageF SignedDistance(const Image8& mask) {
   ImageF distance(mask.width, mask.height, 1, 1e6F);
@@ -97,7 +97,7 @@ Outline MakeOutline(const Image8& mask, const Camera& camera, int factor) {
   return outline;
 }
 
-/// Bilinear; beyond the raster its rim's value.
+/// Bilinear; beyond the raster the value at its border.
 float DistanceAt(const ImageF& raster, double x, double y) {
   const double cx = std::clamp(x - 0.5, 0.0, raster.width - 1.001),
                cy = std::clamp(y - 0.5, 0.0, raster.height - 1.001);
@@ -108,13 +108,13 @@ float DistanceAt(const ImageF& raster, double x, double y) {
   return (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1]);
 }
 
-/// How much of the set an evaluation looks at.
+/// The number of samples of an evaluation.
 struct Effort {
   int rays = 8, depths = 16;
 };
 
-/// Three unknowns of a ring of its own and three against the first ring: axis direction (2), place
-/// (1), turn, height, log scale.
+/// Three unknowns of a ring by itself and three relative to the first ring: axis direction (2),
+/// position (1), rotation, height, log scale.
 using Unknowns = Eigen::Matrix<double, 6, 1>;
 
 class Fitter {
@@ -150,14 +150,14 @@ class Fitter {
     for (std::size_t r = 0; r < model_.rings.size(); ++r) {
       ReportProgress(progress,
                      0.5 * static_cast<double>(r) / static_cast<double>(model_.rings.size()),
-                     "looking for the axis by outlines");
+                     "searching the axis by outlines");
       if (Members(static_cast<int>(r)).size() < 5) return result;
       FindAxis(static_cast<int>(r));
     }
     for (std::size_t r = 1; r < model_.rings.size(); ++r) {
       ReportProgress(progress,
                      0.5 + 0.2 * static_cast<double>(r) / static_cast<double>(model_.rings.size()),
-                     "tying rings together by outlines");
+                     "connecting rings by outlines");
       Join(static_cast<int>(r));
     }
     for (int round = 0; round < (options_.adjust_angles ? 3 : 1); ++round) {
@@ -179,7 +179,7 @@ class Fitter {
   }
 
  private:
-  /// Half the outline's longest extent, as a tangent.
+  /// Half the largest extent of the outline, as a tangent.
   static double HalfExtent(const Outline& outline) {
     double extent = 0;
     for (const Vector3d& ray : outline.rays)
@@ -205,7 +205,7 @@ class Fitter {
     return some;
   }
 
-  /// Mean over the outline's rays of how far their best point lies outside of the other masks
+  /// Mean over the outline's rays of the distance of their best point outside of the other masks
   /// [coarse px].
   double ViewError(std::size_t v, const std::vector<std::size_t>& against, const Effort& effort,
                    std::vector<Vector3d>* touching = nullptr) const {
@@ -224,7 +224,7 @@ class Fitter {
       others.push_back(
           {&outlines_[j].distance, relative.rotation.toRotationMatrix(), relative.translation});
     }
-    // Views across the line of sight rule out most, so they are asked first.
+    // Views perpendicular to the ray exclude most points, so they come first.
     std::stable_sort(others.begin(), others.end(), [](const Other& a, const Other& b) {
       return std::abs(a.rotation(2, 2)) < std::abs(b.rotation(2, 2));
     });
@@ -261,8 +261,7 @@ class Fitter {
     return sum / rays;
   }
 
-  /// A place on the outline of view v; views that look from within 50 degrees are taken to see it
-  /// too.
+  /// A point on the outline of view v. Views within 50 degrees are assumed to see it too.
   SparsePoint PointOf(std::size_t v, const Vector3d& x) const {
     SparsePoint point;
     point.position = x;
@@ -276,13 +275,13 @@ class Fitter {
     return point;
   }
 
-  /// Depth of the axis where the camera of a view sees the middle of the body.
+  /// Depth of the axis where a view's camera sees the centre of the solid.
   double AimDistance(std::size_t v) const {
     const Rigid3& ring = model_.rings[model_.views[v].ring];
     const Vector3d axis = ring.rotation * Vector3d::UnitZ(),
                    foot = ring.translation - ring.translation.dot(axis) * axis;
     const Vector3d& m = outlines_[v].middle;
-    // The point of the line of sight nearest to the axis.
+    // The point of the ray nearest to the axis.
     const Vector3d across = m - m.dot(axis) * axis;
     return std::max(0.05 * foot.norm(), across.dot(foot) / std::max(across.squaredNorm(), 1e-12));
   }
@@ -301,7 +300,7 @@ class Fitter {
     return mean;
   }
 
-  /// `ring` with its axis turned and moved sideways, and the table turned, lifted and scaled.
+  /// `ring` with its axis rotated and moved sideways, and the table rotated, lifted and scaled.
   static Rigid3 Moved(const Rigid3& ring, const Unknowns& by) {
     const Vector3d axis = ring.rotation * Vector3d::UnitZ(),
                    toward = ring.rotation * Vector3d::UnitX(),
@@ -314,7 +313,7 @@ class Fitter {
                 by(4) * ring.translation.norm() * turned};
   }
 
-  /// Mean error of some views with another pose of one ring, which is put back.
+  /// Mean error of some views with another pose of one ring, whose pose is then restored.
   double ErrorWith(int ring, const Rigid3& pose, const std::vector<std::size_t>& of,
                    const std::vector<std::size_t>& against, const Effort& effort) {
     const Rigid3 kept = model_.rings[ring];
@@ -384,7 +383,7 @@ class Fitter {
     model_.rings[ring] = Moved(best->second, by);
   }
 
-  /// Height over the axis' origin at which the ring's cameras see the middle of the body.
+  /// Height above the axis' origin at which the ring's cameras see the centre of the solid.
   double MiddleHeight(int ring) const {
     const Rigid3& pose = model_.rings[ring];
     const Vector3d axis = pose.rotation * Vector3d::UnitZ(), m = MeanMiddle(Members(ring));
@@ -406,7 +405,7 @@ class Fitter {
       return sum;
     };
     const std::vector<std::size_t> first = Members(0);
-    // The nearer a camera, the larger the body in its pictures.
+    // The closer a camera, the larger the solid in its pictures.
     const auto aim = [&](int r) { return AimDistance(Members(r)[0]); };
     const double scale = std::log(aim(0) / aim(ring) * area(first) / area(members));
     const Rigid3 own = model_.rings[ring];
@@ -443,8 +442,8 @@ class Fitter {
     model_.rings[ring] = Moved(start, by);
   }
 
-  /// The table's angle at each view in turn by its own outline, from the angles before: all views
-  /// look at the same ones.
+  /// Adjusts the table's angle at each view by the view's own outline. All views use the angles
+  /// from before the step.
   void AdjustAngles() {
     std::vector<double> angles(model_.views.size());
     for (std::size_t v = 0; v < model_.views.size(); ++v) {
@@ -462,7 +461,7 @@ class Fitter {
       angles[v] = best;
       view.angle_rad = start;
     }
-    // Half of the way: two neighbours that disagree would else change sides for ever.
+    // Half of the step: two inconsistent neighbours would otherwise alternate.
     for (std::size_t v = 0; v < model_.views.size(); ++v)
       model_.views[v].angle_rad += 0.5 * (angles[v] - model_.views[v].angle_rad);
   }
@@ -472,7 +471,7 @@ class Fitter {
   Camera coarse_;
   RingModel model_;
   std::vector<Outline> outlines_;
-  double half_size_ = 0;  ///< reach of the body from its middle, over the distance
+  double half_size_ = 0;  ///< extent of the solid from its centre, over the distance
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A ring model from outlines alone, against a body whose outlines are exact.
+// A ring model from outlines alone, for a body with exact outlines.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,13 +19,13 @@ struct Ball {
   double radius;
 };
 
-/// A figure of balls, none on the axis but the trunk: arms, a nose, feet.
+/// A figure of balls, of which only the trunk is on the axis: arms, a nose, feet.
 const std::vector<Ball> kFigure = {{{0.02, 0.03, 0}, 0.3},     {{0, 0.05, 0.38}, 0.2},
                                    {{0.34, 0.1, 0.12}, 0.12},  {{-0.42, -0.05, 0.2}, 0.1},
                                    {{0.05, -0.22, 0.4}, 0.08}, {{0.15, -0.1, -0.38}, 0.13},
                                    {{-0.16, 0.08, -0.4}, 0.14}};
 
-/// Exact outlines: a pixel is inside when its ray comes within the radius of a ball's centre.
+/// Exact outlines: a pixel is inside when its ray passes within the radius of a ball's centre.
 Image8 MaskOf(const Camera& camera, const Rigid3& camera_from_table) {
   Image8 mask(camera.width, camera.height, 1, 0);
   for (const Ball& ball : kFigure) {
@@ -83,8 +83,8 @@ double CenterError(const RingModel& found, const RingModel& truth) {
   return (Transformed(FitSimilarity(a, b), a) - b).rowwise().norm().mean() / 3;
 }
 
-// Outlines of 480 x 360 pixels, at the search's width of 240: cameras to a hundredth of the
-// distance is what stereo can start from.
+// Outlines of 480 x 360 pixels, at the search's width of 240: stereo can start from cameras
+// accurate to a hundredth of the distance.
 TEST(FitRingToSilhouettes, FindsOneRingFromNothing) {
   const World world = MakeWorld({25}, 16, 0);
   const RingSilhouettes fit = FitRingToSilhouettes(world.truth.camera, LayoutOfSizes(16, {16}),

@@ -17,19 +17,17 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double
-    kWide_rad = 0.005,
-    kNarrow_rad = 0.0012;  // epipolar errors beyond count as wrong, while searching and at the end
+// Largest epipolar errors of inliers, during the search and at the end.
+constexpr double kWide_rad = 0.005, kNarrow_rad = 0.0012;
 constexpr double kLeastTurn = 4 * kDegree, kMostTurn = 75 * kDegree;
 
 /// A match as rays with z = 1.
 struct Match {
-  int a, b;  ///< places of its views in the list of views
+  int a, b;  ///< indices of its views in the list of views
   Vector3d x, y;
 };
 
-/// Truncated squared errors of matches. Their essential matrices are made once for each pair of
-/// views.
+/// Truncated squared errors of matches. Essential matrices are computed once per pair of views.
 class Judge {
  public:
   explicit Judge(std::vector<Match> matches) : matches_(std::move(matches)) {
@@ -40,7 +38,7 @@ class Judge {
       pair_of_.push_back(at->second);
     }
   }
-  /// @param pose  rotation and translation of a view by its place
+  /// @param pose  rotation and translation of a view by its index
   template <class Pose>
   double Cost(const Pose& pose, double limit) const {
     std::vector<Matrix3d> essential(pairs_.size());
@@ -63,7 +61,7 @@ class Judge {
   std::vector<int> pair_of_;
 };
 
-/// At most `count`, evenly from the list.
+/// At most `count`, evenly spread over the list.
 std::vector<Match> Sampled(const std::vector<Match>& matches, std::size_t count) {
   if (matches.size() <= count) return matches;
   std::vector<Match> sample;
@@ -73,11 +71,11 @@ std::vector<Match> Sampled(const std::vector<Match>& matches, std::size_t count)
 
 double WrappedTurn(double a, double b) { return std::abs(std::remainder(a - b, 2 * kPi)); }
 
-/// Axis direction and place of one ring in its camera's frame.
+/// Axis direction and position of one ring in its camera's frame.
 struct Axis {
   Vector3d direction;
-  double offset_rad;  ///< of the axis' nearest point from the plane of axis and line of sight, as
-                      ///< seen from the camera
+  double offset_rad;  ///< angle, seen from the camera, of the axis' nearest point from the plane of
+                      ///< axis direction and optical axis
 
   /// Camera from table, whose origin is the axis' point nearest to the camera, at distance 1.
   Rigid3 Pose() const {
@@ -91,8 +89,8 @@ struct Axis {
 
 bool Sensible(const Vector3d& direction) { return std::abs(direction.z()) < 0.985; }
 
-/// Directions over the whole sphere some `spacing` apart, on rings of latitude about y. Both senses
-/// of an axis count: they differ in the sense of turning.
+/// Directions over the whole sphere at a distance of about `spacing`, on rings of latitude about y.
+/// Opposite directions are both included: they differ in the direction of rotation.
 std::vector<Vector3d> SphereDirections(double spacing) {
   std::vector<Vector3d> directions;
   const int latitudes = static_cast<int>(std::lround(kPi / spacing));
@@ -110,7 +108,7 @@ std::vector<Vector3d> SphereDirections(double spacing) {
   return directions;
 }
 
-/// An axis near `axis`, by two turns of its direction and one of its place.
+/// An axis near `axis`, by two rotations of its direction and one change of its position.
 Axis Nudged(const Axis& axis, const Eigen::VectorXd& by) {
   const Rigid3 pose = axis.Pose();
   const Vector3d turned = axis.direction + by(0) * (pose.rotation * Vector3d::UnitX()) +
@@ -136,12 +134,12 @@ class Finder {
 
   RingStart Run(Progress* progress) {
     for (int r = 0; r < rings(); ++r) {
-      ReportProgress(progress, 0.6 * r / rings(), "looking for the table's axis");
+      ReportProgress(progress, 0.6 * r / rings(), "searching the table's axis");
       FindAxis(r);
     }
     std::set<int> joined{0};
     for (int round = 1; round < rings(); ++round) {
-      ReportProgress(progress, 0.6 + 0.3 * round / rings(), "tying rings together");
+      ReportProgress(progress, 0.6 + 0.3 * round / rings(), "connecting rings");
       result_.joined = Join(joined) && result_.joined;
     }
     RelaxAngles(matches_, kNarrow_rad);
@@ -168,7 +166,7 @@ class Finder {
     }
   }
 
-  /// Matches within one ring, of views neither too near to tell nor too far to match.
+  /// Matches within one ring, of views neither too close for a baseline nor too far apart to match.
   std::vector<Match> RingMatches(int ring) const {
     std::vector<Match> found;
     for (const Match& m : matches_) {
@@ -194,7 +192,7 @@ class Finder {
     };
     const Judge few(Sampled(matches, 400)), many(Sampled(matches, 4000));
     const std::vector<Vector3d> directions = SphereDirections(5 * kDegree);
-    // -12 to 12 degrees: the table's axis runs through the picture's middle part
+    // -12 to 12 degrees: the table's axis passes through the picture's middle part
     constexpr int kOffsets = 9;
     std::vector<std::pair<double, Axis>> tried(directions.size());
     ParallelFor(
@@ -243,8 +241,8 @@ class Finder {
     return Nudged(axis, MinimizeSimplex(bounded, Eigen::Vector3d::Zero(), step, evaluations));
   }
 
-  /// The table's angle at each view in turn, the others held: a few sweeps over views, each a
-  /// search about the present angle.
+  /// Adjusts the table's angle at each view with the others fixed: a few sweeps over views, each a
+  /// search around the present angle.
   void RelaxAngles(const std::vector<Match>& matches, double limit) {
     std::vector<std::vector<const Match*>> of(views().size());
     for (const Match& m : matches) {
@@ -286,9 +284,8 @@ class Finder {
     moving.angle_rad = best;
   }
 
-  /// Turns, lifts and scales the ring with most matches to the joined ones.
-  /// @return whether matches
-  /// stood out
+  /// Rotates, lifts and scales the ring with most matches relative to the joined ones.
+  /// @return whether the matches are conclusive
   bool Join(std::set<int>& joined) {
     std::vector<std::vector<Match>> across(static_cast<std::size_t>(rings()));
     for (const Match& m : matches_) {
@@ -323,12 +320,12 @@ class Finder {
           },
           limit);
     };
-    // Matches that the rest of the search looks at: pairs of views with several.
+    // Samples for the rest of the search.
     const Judge few(Sampled(matches, 300)), many(Sampled(matches, 3000));
     constexpr int kTurns = 120, kHeights = 13, kScales = 7;
     std::vector<std::pair<double, Eigen::VectorXd>> tried(kTurns);
-    // Two cameras that look at one object: the height follows from where both see its middle, up to
-    // some play.
+    // Both cameras look at the same object, so the height follows from where both see its centre,
+    // within a tolerance.
     const double middle = AimHeight(own, 1), first = AimHeight(result_.model.rings[0], 1);
     ParallelFor(kTurns, [&](std::int64_t k) {
       tried[k] = {1e300, Eigen::Vector3d::Zero()};
@@ -360,8 +357,8 @@ class Finder {
     return static_cast<double>(many.size()) - best.first >= 12;
   }
 
-  /// Height on the axis, in units of the distance to it, that the camera's line of sight passes
-  /// nearest to; moving the origin there is what the returned number, times the scale, does to the
+  /// Height on the axis, in units of the distance to it, of the point nearest to the camera's
+  /// optical axis. Moving the origin there adds the returned number, times the axis, to the
   /// translation.
   static double AimHeight(const Rigid3& ring, double scale) {
     // On the axis: own.translation + h * axis is nearest to the optical axis z.
@@ -370,8 +367,8 @@ class Finder {
     return across < 1e-9 ? 0 : -scale * a.head<2>().dot(t.head<2>()) / across;
   }
 
-  /// Rings are shot from about one distance to the object: what the distance to the axis must be
-  /// scaled by for that.
+  /// Rings are shot from about the same distance to the object: log of the scale of the distance to
+  /// the axis for which that holds.
   double LogDistanceRatio(const Rigid3& own) const {
     const auto distance = [](const Rigid3& ring) {
       return (ring.translation + AimHeight(ring, 1) * (ring.rotation * Vector3d::UnitZ())).norm();

@@ -1,4 +1,4 @@
-// A ring model from point matches alone, however few a pair has: all pairs vote together.
+// A ring model from point matches alone, using the few matches of all pairs together.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace keypose::reconstruct {
 
-/// Matched pixels of two images; wrong matches may be among them.
+/// Matched pixels of two images; some matches may be wrong.
 struct PairPoints {
   int first = 0, second = 0;                                     ///< images, first < second
   Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> xy;  ///< N x (x1, y1, x2, y2) [px]
@@ -22,24 +22,24 @@ std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches,
 
 struct RingStart {
   RingModel model;
-  int matches = 0;  ///< looked at
-  int inliers = 0;  ///< of those, within 3 px of their epipolar lines at the end
+  int matches = 0;  ///< number of tested matches
+  int inliers = 0;  ///< number within 3 px of their epipolar lines at the end
   double inlier_share = 0;
-  bool joined = true;  ///< whether rings could be tied to each other by matches
-  /// Whether the matches stand out from what a wrong model would gather by chance.
+  bool joined = true;  ///< whether matches connect the rings
+  /// Whether there are more inliers than a wrong model would have by chance.
   bool Believable() const { return joined && inliers >= 40 && inlier_share > 0.25; }
 };
 
-/// Fits a ring model to matches. For each ring the axis as its camera sees it is sought over the
-/// whole sphere (a ring at known steps has but three unknowns: two of the axis' direction, one of
-/// its place; the scale is free), judged by truncated epipolar errors of matches of all pairs; then
-/// the table's angle at each view; then the place of each further ring by matches across rings
-/// (turn, height and scale).
+/// Fits a ring model to matches. For each ring, the axis in its camera's frame is searched over the
+/// whole sphere. A ring with known steps has only three unknowns: two of the axis' direction and
+/// one of its position; the scale is free. The cost is the truncated epipolar error of the matches
+/// of all pairs. Then the table's angle at each view is estimated, and then the pose of each
+/// further ring from matches across rings (rotation, height and scale).
 ///
-/// @param camera  intrinsics, taken as they are
+/// @param camera  intrinsics, not changed
 /// @return rings' cameras at distance 1 (the first ring's) from the axis
-/// Cost: some 10^5 hypotheses of some hundred matches each, on all cores; same bits for any thread
-/// count.
+/// Cost: some 10^5 hypotheses with several hundred matches each, on all cores; same bits for any
+/// thread count.
 RingStart FindRingModel(const Camera& camera, const RingLayout& layout,
                         const std::vector<PairPoints>& pairs, Progress* progress = nullptr);
 

@@ -1,5 +1,5 @@
-// The ring model against rings that are known: start from matches, bundle adjustment, gaps, slop,
-// wrong matches, release.
+// The ring model on known rings: start from matches, bundle adjustment, gaps, uneven steps, wrong
+// matches, free cameras.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ struct RingWorld {
 };
 
 /// Rings of `count` cameras each at these elevations, 4 units from a body of half axes 0.5, 0.4,
-/// 0.8 that stands a bit off the axis.
+/// 0.8 that is slightly off the axis.
 RingWorld MakeWorld(const std::vector<double>& elevations_deg, int count, int points,
                     double slop_deg) {
   RingWorld world;
@@ -129,7 +129,7 @@ struct BundleStart {
   std::vector<Observation> observations;
 };
 
-/// Observations of all visible points, and a start that is some way off.
+/// Observations of all visible points, and an inexact start.
 BundleStart MakeStart(RingWorld& world, double noise) {
   BundleStart start{world.truth, {}, {}};
   for (std::size_t p = 0; p < world.points.size(); ++p) {
@@ -154,9 +154,9 @@ BundleStart MakeStart(RingWorld& world, double noise) {
   return start;
 }
 
-// The known answer of a rendered ring: 0.3 px of noise, centres to a thousandth of the radius, a
-// table that stops 0.2 degrees off its marks told to a tenth of that. 1,000 points, each seen by
-// some nine views; a photograph of clay has more.
+// The known answer of a rendered ring: 0.3 px of noise, centres accurate to a thousandth of the
+// radius, and a table that stops 0.2 degrees off its marks, estimated to a tenth of that. 1,000
+// points, each seen by some nine views; a photograph of clay has more.
 TEST(AdjustRingBundle, RecoversCentersToAThousandthAndSlopToATenthOfIt) {
   RingWorld world = MakeWorld({25}, 24, 1000, 0.2);
   const BundleStart start = MakeStart(world, 0.3);
@@ -165,7 +165,7 @@ TEST(AdjustRingBundle, RecoversCentersToAThousandthAndSlopToATenthOfIt) {
   EXPECT_LT(CenterError(Centers(result.model), Centers(world.truth)), 1e-3);
   EXPECT_LT(result.mean_error_px,
             0.45);  // the mean length of a 2D error of 0.3 px each way is 0.376
-  // Angles are known up to a common turn, which moves nothing.
+  // Angles are known up to a common rotation, which changes nothing.
   double turn = 0;
   for (std::size_t v = 0; v < 24; ++v)
     turn += (result.model.views[v].angle_rad - world.truth.views[v].angle_rad) / 24;
@@ -194,7 +194,7 @@ TEST(AdjustRingBundle, BadIndicesThrow) {
   EXPECT_THROW(AdjustRingBundle(start.model, start.points, start.observations, {}), InputError);
 }
 
-// 12 matches a pair, a third of them wrong: no pair could be verified on its own.
+// 12 matches per pair, a third of them wrong: no pair could be verified on its own.
 TEST(FindRingModel, FewMatchesOfTwoRingsWithWrongOnesAmongThem) {
   RingWorld world = MakeWorld({12, 40}, 18, 200, 0.5);
   const auto pairs = MakePairs(world, 0.5, 0.33, 12);
@@ -221,7 +221,7 @@ TEST(FindRingModel, SameBitsForAnyThreadCount) {
   EXPECT_EQ(Centers(one.model), Centers(three.model));
 }
 
-/// Features whose descriptors tell the points apart, and their true matches but for what `each`
+/// Features whose descriptors identify the points, and their true matches except those that `each`
 /// leaves out.
 struct FeatureSet {
   std::vector<Features> features;
@@ -253,7 +253,7 @@ FeatureSet MakeFeatures(RingWorld& world, double noise) {
     }
     set.features.push_back(std::move(f));
   }
-  // What reaches the ring's start: a handful of each pair.
+  // The matches for the ring's start: a few of each pair.
   for (int a = 0; a < std::ssize(set.features); ++a)
     for (int b = a + 1; b < std::ssize(set.features); ++b) {
       PairMatches pair{a, b, MatchDescriptors(set.features[a], set.features[b], {})};
@@ -287,7 +287,7 @@ TEST(ReconstructRing, CamerasThatStandOffTheRingAreSetFree) {
   EXPECT_FALSE(ReconstructRing(world.truth.camera, world.names, even.features, even.matches,
                                LikelyLayouts(world.names), {})
                    .freed);
-  // Held in the hand: each view with a ring of its own as far as projection goes.
+  // Held in the hand: for the projection, each view has a ring of its own.
   RingWorld shaky = world;
   shaky.truth.rings.clear();
   for (RingView& view : shaky.truth.views) {
@@ -302,11 +302,11 @@ TEST(ReconstructRing, CamerasThatStandOffTheRingAreSetFree) {
   ASSERT_TRUE(ring.found);
   EXPECT_TRUE(ring.freed);
   EXPECT_LT(ring.chi2_ratio, 0.5);
-  // Some 50 points a view at 0.3 px, and focal length and distortion free besides.
+  // Some 50 points per view at 0.3 px, with free focal length and distortion.
   EXPECT_LT(CenterError(Centers(ring.scene), Centers(shaky.truth)), 6e-3);
 }
 
-/// Photographs whose names say nothing, and the cameras of some of them, roughly.
+/// Photographs whose names give no order, and the approximate cameras of some of them.
 struct Shuffled {
   std::vector<std::string> names;
   std::vector<PairPoints> pairs;
@@ -350,8 +350,8 @@ Shuffled Shuffle(RingWorld& world, const std::vector<std::size_t>& known, double
   return shuffled;
 }
 
-/// Photographs whose place in the order is not that of the truth, each ring counted from its first
-/// photograph in the sense it turns.
+/// Photographs whose position in the order is wrong; each ring is counted from its first photograph
+/// in its direction of rotation.
 int Misplaced(const RingOrder& order, const Shuffled& shuffled, const RingWorld& world) {
   int wrong = 0;
   for (std::size_t r = 0; r < order.layout.rings.size(); ++r) {
@@ -375,8 +375,8 @@ int Misplaced(const RingOrder& order, const Shuffled& shuffled, const RingWorld&
   return wrong;
 }
 
-// A mapper that got nine of 24: the others find their places, and the gaps where five are missing
-// stay gaps.
+// A mapper that placed nine of 24: the others get positions, and the gaps of five missing ones stay
+// gaps.
 TEST(OrderOnRings, SortsShuffledPhotographsOfTwoRingsAndKeepsTheGaps) {
   RingWorld world = MakeWorld({12, 40}, 12, 250, 0.6);
   for (const int gone : {22, 17, 11, 6, 5})
@@ -439,7 +439,7 @@ TEST(BuildTracks, JoinsThroughImagesAndDropsWhatDisagrees) {
   ASSERT_EQ(tracks.size(), 2U);
   EXPECT_EQ(tracks[0].elements.size(), 3U);  // 0:0 - 1:1 - 2:3
   EXPECT_EQ(tracks[1].elements.size(),
-            2U);  // features 2 and 3 of image 0 both claim 2:4; what is left is 1:2 and 2:4
+            2U);  // features 2 and 3 of image 0 both match 2:4, so only 1:2 and 2:4 remain
 }
 
 TEST(MinimizeSimplex, FindsTheBananaValleysEnd) {

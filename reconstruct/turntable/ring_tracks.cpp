@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Features of all images in one numbering, and which belong together.
+/// Union-find over the features of all images.
 class Union {
  public:
   explicit Union(const std::vector<Features>& features) {
@@ -51,7 +51,7 @@ struct Ray {
   Vector3d from, along;
 };
 
-/// Least squares of distances to the rays.
+/// The point with the least sum of squared distances to the rays.
 Vector3d NearestToRays(const std::vector<Ray>& rays) {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
@@ -117,7 +117,7 @@ Triangulated Triangulate(const Scene& scene, const std::vector<int>& view_of_ima
                       (view.camera_from_world.rotation.conjugate() * view.camera.Unproject(pixel))
                           .normalized()});
     }
-    // Twice: the second time without the rays that miss the first meeting place.
+    // Two rounds: the second without the outlier rays of the first.
     SparsePoint point;
     for (int round = 0; round < 2 && seen.size() >= 2; ++round) {
       if (WidestAngle(rays) < options.min_angle_deg * 3.14159265358979323846 / 180) seen.clear();

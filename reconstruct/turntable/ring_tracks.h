@@ -9,7 +9,7 @@
 
 namespace keypose::reconstruct {
 
-/// A point's features, one for each image.
+/// A point's features, one per image.
 struct Track {
   struct Element {
     int image = 0;
@@ -18,23 +18,23 @@ struct Track {
   std::vector<Element> elements;  ///< by image
 };
 
-/// Features that matches tie together, directly or through other images. Where they join two
-/// features of one image, both go.
+/// Features connected by matches, directly or through other images. If a track has two features of
+/// one image, both are dropped.
 /// @return tracks of at least two images, in order of their first feature
 std::vector<Track> BuildTracks(const std::vector<PairMatches>& matches,
                                const std::vector<Features>& features);
 
 struct TriangulationOptions {
-  double min_angle_deg = 1.5;  ///< between some two rays
+  double min_angle_deg = 1.5;  ///< least angle between some two rays
   double max_error_px = 6;
 };
 
 struct Triangulated {
-  Scene scene;  ///< the views that were given, and the points found, without colours
+  Scene scene;  ///< the given views and the triangulated points, without colours
   std::vector<Observation> observations;
 };
 
-/// Points where the rays of each track meet; features beyond the error are left out of their track,
+/// Triangulates the rays of each track. Features with larger errors are removed from their track,
 /// and tracks of fewer than two are dropped.
 ///
 /// @param scene     views; points are ignored

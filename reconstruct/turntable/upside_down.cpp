@@ -11,17 +11,17 @@ namespace keypose::reconstruct {
 namespace {
 
 constexpr int kRows = 48;  ///< of an outline's profile
-/// of a pair's matched places to each other, in one of the orientations
+/// least correlation of a pair's matched positions, in one of the orientations
 constexpr double kLeastLikeness = 0.5;
 constexpr Eigen::Index kFewestMatches = 10;
 
 struct Tie {
   int first, second;
-  double likeness;  ///< in [-1, 1]; below 0: one is upside down beside the other
+  double likeness;  ///< in [-1, 1]; below 0: one is upside down relative to the other
   double weight;
 };
 
-/// Correlation of matched places about their middles: 1 for the same picture, -1 for the same
+/// Correlation of matched positions about their means: 1 for the same picture, -1 for the same
 /// picture upside down.
 double Likeness(const PairPoints& pair) {
   Eigen::MatrixXd first = pair.xy.leftCols<2>(), second = pair.xy.rightCols<2>();
@@ -30,7 +30,7 @@ double Likeness(const PairPoints& pair) {
   return first.cwiseProduct(second).sum() / (first.norm() * second.norm() + 1e-12);
 }
 
-/// Groups of images that ties join, and each image's orientation beside its group's root.
+/// Groups of connected images, and each image's orientation relative to its group's root.
 class Joined {
  public:
   explicit Joined(int images)
@@ -56,7 +56,7 @@ class Joined {
   std::vector<int> parent_, flipped_;
 };
 
-/// Share of the picture's width that a mask fills, by rows.
+/// Share of the picture's width that a mask covers, by rows.
 Eigen::VectorXd Profile(const Image8& mask) {
   Eigen::VectorXd profile = Eigen::VectorXd::Zero(kRows);
   for (int y = 0; y < mask.height; ++y)
@@ -87,7 +87,7 @@ std::vector<int> UpsideDownByMatches(int images, const std::vector<PairPoints>& 
                    [](const Tie& a, const Tie& b) { return a.weight > b.weight; });
   Joined joined(images);
   for (const Tie& tie : ties) joined.Join(tie);
-  // Groups: members, and how many of them differ from their root.
+  // Groups: number of members, and how many differ in orientation from their root.
   std::vector<int> root(static_cast<std::size_t>(images)), side(root.size(), 0),
       size(root.size(), 0), over(root.size(), 0);
   for (int i = 0; i < images; ++i) {

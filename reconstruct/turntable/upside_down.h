@@ -1,4 +1,4 @@
-// Photographs that stand on their heads beside the others, such as those of a camera that was
+// Photographs that are upside down relative to the others, for example from a camera that was
 // turned over and wrote no EXIF orientation.
 #pragma once
 
@@ -9,21 +9,21 @@
 
 namespace keypose::reconstruct {
 
-/// For each image 1 where it is upside down beside most of those that matches tie it to, 0 where it
-/// is not, -1 where no match tells.
+/// For each image: 1 if it is upside down relative to most of those with matches, 0 if it is not,
+/// -1 if no match decides.
 ///
-/// Of a pair, the matched places about their middle are scored for both orientations: as they are,
-/// and turned by 180 degrees. The clearest pairs join all images (a spanning tree), so that views
-/// from far above, which turn in the picture by and by, are no obstacle. The smaller part is taken
-/// to be upside down.
+/// For a pair, the matched positions about their means are compared in both orientations: as they
+/// are, and rotated by 180 degrees. The clearest pairs connect all images (a spanning tree), so
+/// that views from far above, which rotate gradually in the picture, are no problem. The smaller
+/// group is assumed to be upside down.
 /// @param pairs  verified matches
 std::vector<int> UpsideDownByMatches(int images, const std::vector<PairPoints>& pairs);
 
-/// The same by outlines, for what matches leave open: how much of each row of the picture the mask
-/// fills hardly changes while the table turns. Each mask is scored both ways against the median of
-/// the others.
-/// @param known  as UpsideDownByMatches; entries of -1 are decided, 0 where neither way is clearly
-/// better
+/// The same by outlines, for images that matches do not decide: the share of each row of the
+/// picture that the mask covers hardly changes while the table turns. Each mask is compared in both
+/// orientations with the median of the others.
+/// @param known  from UpsideDownByMatches; entries of -1 are decided, 0 where neither orientation
+/// is clearly better
 /// @param masks  1 channel, above 127 inside; empty where there is none
 std::vector<int> UpsideDownByOutlines(std::vector<int> known, const std::vector<Image8>& masks);
 

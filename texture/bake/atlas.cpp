@@ -41,7 +41,7 @@ TexelBox BoxOf(const TexelTriangle& triangle, int size, double margin) {
           std::min(size, static_cast<int>(high.y() + margin - 0.5) + 1)};
 }
 
-/// Some rows of the atlas, which one thread fills.
+/// Rows of the atlas for one thread.
 class Band {
  public:
   Band(Atlas& atlas, int y0, int y1) : atlas_(atlas), y0_(y0), y1_(y1) {}
@@ -93,7 +93,7 @@ class Band {
   std::int64_t texels_ = 0;
 };
 
-/// Rows that one thread takes at a time.
+/// Rows per task of a thread.
 constexpr int kRows = 128;
 
 template <class Visit>
@@ -105,7 +105,7 @@ void ForNeighbors(int size, int texel, const Visit& visit) {
         visit((y + dy) * size + x + dx);
 }
 
-/// Allowed texels that are not done but touch one that is.
+/// Allowed texels that are not done but adjacent to one that is.
 template <class Allowed>
 std::vector<int> FirstRing(int size, const std::vector<char>& done, const Allowed& allowed) {
   std::vector<std::vector<int>> bands((size + kRows - 1) / kRows);
@@ -123,14 +123,14 @@ std::vector<int> FirstRing(int size, const std::vector<char>& done, const Allowe
   return ring;
 }
 
-/// Texels around `done` ones, ring by ring, take the mean of their done neighbours' values times
+/// Ring by ring, texels around `done` ones get the mean of their done neighbours' values times
 /// `decay`.
 template <class Allowed, class Value>
 void Grow(int size, Painting& painting, std::vector<char>& done, int rings, float decay,
           const Allowed& allowed, const Value& value) {
   if (rings <= 0) return;
   std::vector<int> ring = FirstRing(size, done, allowed), next;
-  constexpr char kQueued = 2;  // neither done nor to be queued again: seen as done by nobody
+  constexpr char kQueued = 2;  // neither done nor to be queued again; not counted as done
   std::vector<char> state = done;
   for (const int texel : ring) state[texel] = kQueued;
   for (int round = 0; round < rings && !ring.empty(); ++round) {
@@ -159,8 +159,8 @@ void Grow(int size, Painting& painting, std::vector<char>& done, int rings, floa
   }
 }
 
-/// For the corners of a face, a column each: weighted sums of its colours, of their weights, and of
-/// what the weights would be were all sure.
+/// For the corners of a face, one column each: weighted sums of its colours, of their weights, and
+/// of the weights at full confidence.
 using CornerSums = Eigen::Matrix<float, 5, 3>;
 CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
   CornerSums sums = CornerSums::Zero();
@@ -178,9 +178,9 @@ CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
   return sums;
 }
 
-/// How freely colour flows along an edge of the mesh: hardly between hues that differ, so that two
-/// paints that meet at the border of the unseen part do not run into a grey within it. Light and
-/// shade flow as they like.
+/// Conductance of colour along an edge of the mesh. It is small between different hues, so that two
+/// paints at the border of the unseen part do not mix to grey within it. Differences of brightness
+/// do not reduce it.
 double Flow(const Vector3f& a, const Vector3f& b) {
   constexpr float kSameHue = 0.02f;  // square root of linear light
   const Vector3f root = a.cwiseMax(0.0f).cwiseSqrt() - b.cwiseMax(0.0f).cwiseSqrt();
@@ -188,14 +188,13 @@ double Flow(const Vector3f& a, const Vector3f& b) {
   return kSameHue * kSameHue / (kSameHue * kSameHue + apart);
 }
 
-/// Colours that are not sure become the mean of their neighbours, each as far as colour flows from
-/// it (a harmonic function on the edges of the mesh), drawn to what they were as far as that was
-/// sure.
+/// Colours with low confidence become the weighted mean of their neighbours (a harmonic function on
+/// the edges of the mesh), mixed with their own colour by its confidence.
 void SpreadOverSurface(const Mesh& mesh, const std::vector<std::pair<int, int>>& edges,
                        const std::vector<double>& flows, const Vector3f& fallback,
                        VertexColors& colors) {
-  // Surer than this is kept; a grain of the fallback keeps parts that touch nothing known from
-  // being singular.
+  // Vertices with a higher confidence are kept. A small weight of the fallback makes parts without
+  // known neighbours non-singular.
   constexpr float kKept = 0.9f;
   constexpr double kGrain = 1e-6, kPull = 0.2;
   std::vector<int> row(mesh.vertex_count(), -1);
@@ -230,8 +229,8 @@ void SpreadOverSurface(const Mesh& mesh, const std::vector<std::pair<int, int>>&
     if (row[v] >= 0) colors.color[v] = solved.row(row[v]).cast<float>().transpose();
 }
 
-/// The vertices' colours, spread into what is not sure of them. Rounds, since which hues differ
-/// shows only when all have a colour.
+/// The vertices' colours after spreading into those with low confidence. Iterative, since hues can
+/// only be compared when all vertices have a colour.
 VertexColors SpreadVertices(const Mesh& mesh, const VertexColors& read, const Vector3f& fallback) {
   constexpr int kRounds = 4;
   const std::vector<std::pair<int, int>> edges = UndirectedEdges(mesh.faces);
@@ -370,14 +369,15 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
     return (w[0] * vertices.color[f[0]] + w[1] * vertices.color[f[1]] + w[2] * vertices.color[f[2]])
         .eval();
   };
-  // What photographs show beside their edges only may be the backdrop. Farther from the edges
-  // hardly anything is, and detail would be lost.
+  // Colours seen only near photographs' edges may be background. Texels with more confidence than
+  // this keep all of their detail.
   constexpr float kKeptOfSure = 8;
   const auto kept = [&](std::size_t texel) {
     return std::min(1.0f, kKeptOfSure * static_cast<float>(painting.sure[texel]) / 255);
   };
-  // What a painted texel has beyond the smooth colour is carried a little way into the unseen part,
-  // so that no edge shows there. Until the end unseen texels hold this grain only.
+  // The difference of a painted texel from the smooth colour is continued a little way into the
+  // unseen part, so that no edge is visible. Up to the end unseen texels contain this difference
+  // only.
   std::vector<char> done(painting.sure.size());
   std::vector<std::pair<std::size_t, Vector3f>> unsure;
   for (std::size_t texel = 0; texel < done.size(); ++texel) {

@@ -22,13 +22,13 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// Fewer photographs than this predict nothing that one of them could be measured by.
+/// With fewer photographs, none is held out.
 constexpr int kLeastForHoldOut = 12;
-/// Small against the squared jumps between views: the mean rules over several rings of faces,
-/// detail is left alone (measured best of 0.03 to 20 on held-out photographs,
+/// Small compared to the squared jumps between views: the mean determines colours over several
+/// rings of faces, and detail stays (measured best of 0.03 to 20 on held-out photographs,
 /// docs/decisions/one-photograph-in-common-light.md).
 constexpr double kToMean = 0.03;
-/// Of the texture that predicts held-out photographs.
+/// Size of the texture that predicts held-out photographs.
 constexpr int kMeasureSize = 1024;
 
 std::vector<BakeView> LoadViews(const Mesh& mesh, const std::vector<View>& views,
@@ -56,7 +56,7 @@ std::vector<BakeView> LoadViews(const Mesh& mesh, const std::vector<View>& views
   return result;
 }
 
-/// Everything that does not change between the texture and the one that measures.
+/// The data that the final texture and the one for measurements share.
 struct Studio {
   const Mesh& mesh;
   const std::vector<BakeView>& views;
@@ -101,8 +101,8 @@ Baked BakeFrom(const Studio& studio, const Atlas& atlas, const std::vector<char>
   return baked;
 }
 
-/// Leaves out photographs, or parts of them, whose colours contradict the others.
-/// @return one a view; empty where nothing was asked
+/// Removes photographs, or parts of them, with outlier colours.
+/// @return one per view; default values if `consensus` is off
 std::vector<ViewColors> Consent(const Mesh& mesh, const BakeOptions& options,
                                 std::vector<char>& used, std::vector<BakeView>& views) {
   if (!options.consensus) return std::vector<ViewColors>(views.size());
@@ -130,7 +130,7 @@ std::vector<Comparison> Compare(const Studio& studio, const Image8& texture,
   return comparisons;
 }
 
-/// 1 for the photographs that are predicted by the others; none when there are too few.
+/// 1 for the held-out photographs; none if there are too few.
 std::vector<char> HeldOut(const std::vector<BakeView>& views, const std::vector<char>& trusted,
                           int period) {
   std::vector<char> held_out(views.size(), 0);

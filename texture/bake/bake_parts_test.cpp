@@ -1,4 +1,4 @@
-// The parts of baking: choice of photographs, levelling, measures, splitting.
+// The parts of baking: selection of photographs, levelling, measures, splitting.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,8 @@
 namespace keypose::texture {
 namespace {
 
-/// Colours a little to both sides of the middles of the mesh's edges: mean difference over edges
-/// between two views, and over the rest.
+/// Colours on both sides of the middles of the mesh's edges: mean difference over edges between two
+/// views, and over the others.
 std::pair<double, double> JumpsAtBordersAndWithin(const Mesh& mesh, const ImageF& texture,
                                                   const std::vector<int>& labels) {
   std::map<std::pair<int, int>, std::vector<std::pair<int, Vector3f>>> sides;  // edge: face, colour
@@ -44,7 +44,7 @@ std::pair<double, double> JumpsAtBordersAndWithin(const Mesh& mesh, const ImageF
   return {sum[0] / count[0], sum[1] / count[1]};
 }
 
-/// What BakeAll does of all views, with the labels kept.
+/// BakeAll's steps for all views, keeping the labels.
 struct PaintedSphere {
   std::vector<int> labels;
   ImageF texture;
@@ -63,7 +63,7 @@ PaintedSphere PaintAll(const Mesh& mesh, const std::vector<View>& views,
   return {result.labels, FinishTexture(atlas, std::move(result.painting), 4)};
 }
 
-/// A painting of a sphere's atlas, a texel at a time.
+/// A painting of a sphere's atlas, texel by texel.
 Painting PaintedBy(
     const Mesh& mesh, const Atlas& atlas,
     const std::function<std::pair<Vector3f, int>(int, const Vector3d&)>& color_and_sure) {
@@ -82,7 +82,7 @@ Painting PaintedBy(
   return painting;
 }
 
-// A face that one photograph shows beside its edge alone, where half of a pixel is the white
+// A face that one photograph shows only beside its edge, where half of a pixel is the white
 // backdrop.
 TEST(InpaintUnseen, TakesWhatIsSeenBesideEdgesOnlyFromAround) {
   const Mesh mesh = PatchSphere(8);
@@ -96,13 +96,13 @@ TEST(InpaintUnseen, TakesWhatIsSeenBesideEdgesOnlyFromAround) {
     for (std::size_t texel = 0; texel < atlas.face.size(); ++texel) {
       if (atlas.face[texel] != 10) continue;
       ASSERT_NEAR(painting.At(texel)[0], sure == 1 ? 0.1f : 0.8f,
-                  0.03);  // 8/255 of the difference stay
+                  0.03);  // 8/255 of the difference remain
     }
   }
 }
 
-// A glove and a sleeve meet in front and behind; below, in a strip where no photograph looks, they
-// do not run into a grey.
+// A glove and a sleeve meet in front and behind; below, in a strip that no photograph shows, they
+// do not mix to grey.
 TEST(InpaintUnseen, PaintsThatMeetDoNotRunIntoEachOther) {
   const Mesh mesh = PatchSphere(16);
   const Atlas atlas = RasterizeAtlas(mesh, 256);
@@ -156,8 +156,8 @@ TEST(Bake, TexelsFarFinerThanThePhotographsAreWhatTheyWouldBeOneByOne) {
   BakeOptions options = Small();
   options.texture_size = 768;
   options.hold_out = 0;
-  // 20 texels a pixel: nodes. The same photographs' bilinear values, read one by one, are the paint
-  // of a photograph of 80 lines at best.
+  // 20 texels per pixel: nodes. The reference is the bilinear value of the same photographs, read
+  // one by one, which have 80 lines at best.
   const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Smooth), options);
   EXPECT_GT(PsnrAgainst(mesh, result.texture, Smooth), 38);
   EXPECT_EQ(result.unseen_texels(), 0);
@@ -166,7 +166,7 @@ TEST(Bake, TexelsFarFinerThanThePhotographsAreWhatTheyWouldBeOneByOne) {
 TEST(PaintTexels, BordersBetweenViewsShowNoMoreThanTheInside) {
   const Mesh mesh = PatchSphere(20);
   const std::vector<View> views = AllRound(240);
-  // The lamp stands still while the sphere turns, and every photograph has another exposure.
+  // The lamp is fixed while the sphere turns, and every photograph has another exposure.
   const Paint lit = [](const Vector3d& x, const Vector3d& eye) {
     const double shade = 0.75 + 0.25 * x.normalized().dot((eye + Vector3d(0, 0, 3)).normalized());
     return (Smooth(x, eye) *
@@ -199,7 +199,7 @@ TEST(LevelSeams, ViewsThatDifferByAConstantMeetHalfWay) {
   for (const double to_mean : {0.0, 1000.0})
     for (const auto& list : LevelSeams(mesh, faces, labels, shares, to_mean)) {
       if (list.size() < 2) continue;
-      // At the border both end at one colour; pulled hard, at the mean.
+      // At the border both have one colour; with a large weight, the mean.
       EXPECT_NEAR(0.3 + list[0].color[1], 0.6 + list[1].color[1], 0.02);
       if (to_mean > 0) {
         EXPECT_NEAR(0.3 + list[0].color[1], 0.4, 1e-3);

@@ -34,16 +34,16 @@ TEST(Bake, CheckerComesBack) {
   BakeOptions options = Small();
   options.texture_size = 512;
   const BakeResult result = BakeAll(mesh, views, Shoot(mesh, views, Checker), options);
-  // A texel is a square, and the edge runs through it: against the mean of the paint over the
-  // square nothing may be lost. The point in the square's middle has one colour or the other; away
-  // from edges that is all the same.
+  // A texel is a square with the edge through it: compared with the mean of the paint over the
+  // square there must be no error. The square's middle has one colour or the other; away from edges
+  // the two comparisons are equal.
   EXPECT_GT(FootprintPsnrAgainst(mesh, result.texture, Checker, 1), 41);
   EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker), 34);
   EXPECT_GT(PsnrAgainst(mesh, result.texture, Checker, AwayFromCheckerEdges), 60);
 }
 
-/// Mean squared difference of neighbouring texels of one chart: a blurred edge has less of it than
-/// a sharp one.
+/// Mean squared difference of neighbouring texels of one chart: lower for a blurred edge than for a
+/// sharp one.
 double EdgeEnergy(const Mesh& mesh, const Image8& texture) {
   const Atlas atlas = RasterizeAtlas(mesh, texture.width);
   double sum = 0, count = 0;
@@ -87,8 +87,8 @@ TEST(AlignPhotographs, HalvesWhatACameraIsOff) {
     const Eigen::Vector2d middle(160, 120), moved = warps[v].Moved(middle) - middle;
     const Eigen::Vector2d expected(truth[v].camera.cx - off[v].camera.cx,
                                    truth[v].camera.cy - off[v].camera.cy);
-    // Some five views see a place, so part of an error is taken for the others': it shrinks to
-    // about half, and no other view goes far.
+    // Some five views see a point, so a part of one view's displacement is attributed to the
+    // others: it is reduced to about half, and no other view moves far.
     EXPECT_LT((moved - expected).norm(), expected.norm() > 0 ? 0.6 * expected.norm() : 0.7)
         << "view " << v << ": " << moved.transpose();
   }
@@ -143,7 +143,7 @@ TEST(Bake, OccluderIsNotPaintedOnWhatItHides) {
 TEST(Bake, WanderingHighlightIsAbsentFromTheMap) {
   const Mesh mesh = PatchSphere(12);
   const std::vector<View> views = AllRound(180, 12);
-  // The lamp sits above the camera, so that its reflection wanders over the sphere with the view.
+  // The lamp is above the camera, so its reflection moves over the sphere with the view.
   const Paint glossy = [](const Vector3d& x, const Vector3d& eye) {
     const Vector3d n = x.normalized(),
                    half = ((eye + Vector3d(0, 0, 2)).normalized() + eye.normalized()).normalized();
@@ -210,8 +210,8 @@ TEST(Bake, UnseenTexelsAreCountedAndInpaintedFromWhatTheyTouch) {
   EXPECT_GT(PsnrAgainst(mesh, result.texture, halves,
                         [](const Vector3d& x) { return x.x() > 0.55 && std::abs(x.z()) > 0.1; }),
             38);
-  // The rim of what is seen, where one photograph's edge is all there is, is drawn to the colours
-  // around: it blurs within a face.
+  // At the border of the seen part, with one photograph's edge only, texels are mixed with the
+  // colours around: this blurs within a face.
   EXPECT_GT(PsnrAgainst(mesh, result.texture, halves,
                         [](const Vector3d& x) { return x.x() > 0.4 && std::abs(x.z()) > 0.1; }),
             34);
@@ -256,8 +256,8 @@ TEST(Bake, HeldOutPhotographsArePredictedAndStillPainted) {
   const BakeResult without = BakeAll(mesh, views, photographs, options);
   for (std::size_t v = 0; v < views.size(); ++v) {
     EXPECT_NE(without.quality[v].held_out, without.quality[v].used);
-    // Nothing of the photograph may be in what predicts it: both ways of measuring paint the same
-    // texture.
+    // Held-out photographs must not be used for the prediction: both ways of measuring paint the
+    // same texture.
     if (without.quality[v].held_out) {
       EXPECT_EQ(without.quality[v].held_out_psnr_db, result.quality[v].held_out_psnr_db);
     }
@@ -268,8 +268,8 @@ TEST(Bake, HeldOutPhotographsArePredictedAndStillPainted) {
 
 TEST(Bake, ATexelIsTheSameSpotInEveryPose) {
   const Mesh rest = PatchSphere(16);
-  // The other pose: same vertices, faces and layout, bent and twisted. Paint sticks to the clay, so
-  // it is looked up at rest.
+  // The other pose: same vertices, faces and layout, bent and twisted. The paint is fixed to the
+  // clay, so it is looked up at rest.
   Mesh bent = rest;
   for (int v = 0; v < bent.vertex_count(); ++v) {
     const Vector3d x = rest.points.row(v);

@@ -17,13 +17,13 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr float kFar = 1e6f;
-/// A step in depth of more than this many ray spacings is an edge; a plane makes such a step only
-/// when seen at less than 10 degrees.
+/// A depth difference of more than this many ray spacings is an edge; a plane has such a difference
+/// only at less than 10 degrees to the ray.
 constexpr double kDepthStepInCells = 6;
-/// Rays apart whose directions are known; those between are interpolated.
+/// Distance between rays with stored directions; those between are interpolated.
 constexpr int kRayStep = 8;
 
-/// Over the square root: fine in the darks, where sRGB is steep.
+/// Indexed by the square root: fine for dark values, where sRGB is steep.
 std::array<std::uint8_t, 4096> SrgbTable() {
   std::array<std::uint8_t, 4096> t;
   for (int i = 0; i < 4096; ++i) {
@@ -49,8 +49,7 @@ void CheckSizes(const View& view, const Photograph& photograph) {
   if (!photograph.mask.empty()) check(photograph.mask, "the mask of image");
 }
 
-/// Half the size; a pixel without any object in it stays without colour, and background never
-/// enters a mean.
+/// Half the size. A pixel without object pixels has no colour, and background is never averaged.
 Image8 Halved(const Image8& fine) {
   Image8 coarse((fine.width + 1) / 2, (fine.height + 1) / 2, 4);
   for (int y = 0; y < coarse.height; ++y)
@@ -90,7 +89,7 @@ void DistanceToZero(ImageF& d) {
 
 bool IsObject(const Image8& mask, int x, int y) { return mask.empty() || *mask.at(x, y) > 127; }
 
-/// Whether every mask pixel of a square around (x, y) is object.
+/// Whether all mask pixels of a square around (x, y) are object.
 bool AllObject(const Image8& mask, double x, double y, double half) {
   if (mask.empty()) return true;
   const int x0 = std::max(0, static_cast<int>(x - half)),

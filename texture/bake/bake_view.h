@@ -1,5 +1,5 @@
-// One photograph made ready for baking: what the camera sees of the mesh, how far that is from an
-// edge, and colours at any scale.
+// One photograph prepared for baking: visible surface of the mesh, distances from edges, and
+// colours at any scale.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace keypose::texture {
 
-/// Pixels of one view as they come from the disk.
+/// Pixels of one view, as read from disk.
 struct Photograph {
   Image8 image;          ///< 3 channels, of the view's camera size
   Image8 mask;           ///< 1 channel, above 127 is object; empty: everything is object
@@ -25,12 +25,12 @@ struct Photograph {
 };
 
 struct BakeViewOptions {
-  double edge_guard_px = 2;     ///< nearer than this to a mask, depth or image edge nothing is seen
-  double edge_feather_px = 10;  ///< over this width beyond the guard the trust rises from 0 to 1
-  /// the stored photograph is halved while it has more pixels a texel than this
+  double edge_guard_px = 2;     ///< pixels closer to a mask, depth or image edge are not used
+  double edge_feather_px = 10;  ///< width beyond the guard over which the trust rises from 0 to 1
+  /// the stored photograph is halved while it has more pixels per texel than this
   double pixels_per_texel = 4;
-  double texels = 1e6;      ///< texels of the atlas that one view may fill
-  int depth_rays = 200000;  ///< at most about this many rays for the depth map
+  double texels = 1e6;      ///< number of texels of the atlas that one view may fill
+  int depth_rays = 200000;  ///< approximate limit of rays for the depth map
 };
 
 /// A colour in linear light with the share of object pixels under it.
@@ -39,14 +39,14 @@ struct Sample {
   float alpha = 0;                                  ///< 0: no object pixel there
 };
 
-/// Where a camera sees a point of the surface.
+/// The projection of a surface point into a camera.
 struct Sighting {
   Eigen::Vector2d pixel;  ///< of the original photograph
   double depth = 0;       ///< z in the camera's frame
-  float trust = 0;        ///< in [0,1]; 0 means hidden, outside the mask, or on an edge
+  float trust = 0;        ///< in [0,1]; 0: occluded, outside the mask, or on an edge
 };
 
-/// All queries are safe from many threads; Hide and Weigh come before them.
+/// All queries are thread-safe; Hide and Weigh must come before them.
 class BakeView {
  public:
   /// @throws InputError  the photograph or its mask is not of the camera's size
@@ -58,28 +58,27 @@ class BakeView {
   double sharpness() const { return sharpness_; }
   bool sees_nothing() const { return box_.empty(); }
 
-  /// Nothing is seen any more where a picture of squares has 255; each is `side_px` of the
-  /// photograph wide.
+  /// Hides the squares with 255 in a picture of squares; each is `side_px` pixels of the photograph
+  /// wide.
   void Hide(const Image8& squares, double side_px);
-  /// What this view weighs beside the others; 1 at first.
+  /// Sets this view's weight relative to the others; 1 initially.
   void Weigh(float weight) { weight_ = weight; }
   float weight() const { return weight_; }
 
-  /// Whether and where the camera sees a point of the mesh: by the depth map, the mask, and the
+  /// Projection and visibility of a point of the mesh, from the depth map, the mask, and the
   /// distance to their edges.
   Sighting See(const Eigen::Vector3d& x_in_world) const;
-  /// Colour at a pixel of the photograph, averaged over about 2^level of the photograph's pixels
-  /// each way. Background never bleeds in.
+  /// Colour at a pixel of the photograph, averaged over about 2^level of its pixels in each
+  /// direction. Background is never included.
   Sample ColorAt(const Eigen::Vector2f& pixel, float level) const;
-  /// Trust in a place of the surface that projects to `pixel` at `depth`; 0 where something is in
-  /// front of it.
+  /// Trust in a surface point that projects to `pixel` at `depth`; 0 where it is occluded.
   float TrustAt(const Eigen::Vector2f& pixel, float depth) const;
 
-  /// What the photograph shows finer than 8 pixels of a stored level and coarser than one: luma,
-  /// square root of linear light, 1 channel. Not a number where the mask leaves nothing.
+  /// The photograph's detail finer than 8 pixels of a stored level and coarser than one: luma,
+  /// square root of linear light, 1 channel. NaN where the mask leaves nothing.
   ImageF Detail(int level) const;
-  /// The same place in the picture of a stored level, whose pixels are `scale` of the photograph's
-  /// (at most 1).
+  /// The same point in the picture of a stored level, whose pixels have `scale` times the
+  /// resolution of the photograph's (at most 1).
   struct Stored {
     Eigen::Vector2d pixel;
     double scale;
@@ -89,9 +88,9 @@ class BakeView {
     return {scale * (pixel - Eigen::Vector2d(box_.x0, box_.y0)), scale};
   }
 
-  /// The grid of depth rays over what the mesh covers: its size, the pixel (of the photograph) of a
-  /// ray, its direction (z of 1 before the camera), the face that it meets, whether it meets it
-  /// inside the mask beyond the guard along edges, and the pyramid's level on which a ray is a
+  /// The grid of depth rays over the mesh's area: its size, a ray's pixel in the photograph, its
+  /// direction (z = 1 in the camera's frame), the face that it meets, whether that point is inside
+  /// the mask and beyond the guard along edges, and the pyramid's level on which a ray is one
   /// pixel.
   int rays_wide() const { return depth_.width; }
   int rays_high() const { return depth_.height; }
@@ -116,30 +115,30 @@ class BakeView {
   Eigen::Vector3d center_;
   double sharpness_ = 0;
   float weight_ = 1;
-  PixelBox box_;        ///< of the photograph: what is stored
-  int base_level_ = 0;  ///< levels dropped at the fine end
+  PixelBox box_;        ///< stored part of the photograph
+  int base_level_ = 0;  ///< number of fine levels that are not stored
   /// 4 channels: sRGB and alpha; level i is of 2^(base_level + i) pixels
   std::vector<Image8> levels_;
-  std::vector<float> scales_;  ///< of the levels: their pixels a pixel of the photograph
-  double cell_px_ = 1;         ///< photograph pixels a depth ray, each way
+  std::vector<float> scales_;  ///< for each level: its pixels per pixel of the photograph
+  double cell_px_ = 1;         ///< photograph pixels per depth ray, in each direction
   float cells_per_px_ = 1;     ///< its inverse
-  /// what lies further behind the depth map than this part of its depth is hidden
+  /// points behind the depth map by more than this share of its depth are occluded
   float depth_step_ = 0;
   int cell_x0_ = 0, cell_y0_ = 0;
-  ImageT<Eigen::Vector3d> rays_;  ///< in world, of every 8th ray each way; between them they are
-                                  ///< bent by lenses too little to tell
-  ImageT<int> ray_face_;          ///< -1 where nothing is met
+  ImageT<Eigen::Vector3d> rays_;  ///< in world, for every 8th ray in each direction; between them
+                                  ///< lens distortion is negligible
+  ImageT<int> ray_face_;          ///< -1 where the ray meets nothing
   ImageF depth_;
   Image8 trust_;  ///< 255 is 1
 };
 
-/// Linear light in [0,1] of an 8-bit sRGB value, and back. A table beside the function, not in it:
-/// it is asked a thousand million times, and would each time look whether it is made.
+/// Conversion between an 8-bit sRGB value and linear light in [0,1]. The table is outside of the
+/// function, because a function-local static would be checked at each of about 10^9 calls.
 extern const std::array<float, 256> kLinear;
 inline float LinearOf(std::uint8_t srgb) { return kLinear[srgb]; }
 std::uint8_t SrgbOf(float linear);
 
-// What is asked for each texel and view.
+// Functions that are called for each texel and view.
 
 inline float BakeView::Trust(float cell_x, float cell_y) const {
   const float x = std::clamp(cell_x - 0.5f, 0.0f, static_cast<float>(trust_.width - 1)),

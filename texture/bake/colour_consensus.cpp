@@ -16,20 +16,21 @@ using Eigen::Vector3d;
 
 constexpr int kLeastViews = 4;  // fewer have no majority
 constexpr double kLeastCosine = 0.35;
-constexpr float kLevel = 2;  // colours are means over 4 pixels each way
+constexpr float kLevel = 2;  // colours are means over 4 pixels in each direction
 constexpr int kLeastInBlock = 4;
 constexpr int kLeastForLight = 100;
 
-/// What one view shows at one place, and how far that is from what most show.
+/// One view's colour at one point, and its difference from most views'.
 struct Show {
   int view;
   Vector2d pixel,
-      normal;         // of the photograph; the surface's, to the right and down before the camera
-  Vector3d hue;       // unit
+      normal;    // pixel in the photograph; the surface's normal, right and down in the camera's
+                 // frame
+  Vector3d hue;  // unit
   double brightness;  // logarithm
   double hue_off = 0, brightness_off = 0;
 };
-using Shows = std::vector<std::vector<Show>>;  // one list a place
+using Shows = std::vector<std::vector<Show>>;  // one list per point
 
 double MedianOf(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -68,7 +69,7 @@ Shows Look(const Mesh& mesh, const std::vector<BakeView>& views,
           const Sighting sighting = views[v].See(x);
           if (sighting.trust <= 0) continue;
           const Sample sample = views[v].ColorAt(sighting.pixel.cast<float>(), kLevel);
-          // What is clipped has no hue.
+          // Clipped colours have no hue.
           if (sample.alpha <= 0 || sample.color.maxCoeff() > 0.95f ||
               sample.color.maxCoeff() < 0.003f)
             continue;
@@ -86,7 +87,7 @@ Shows Look(const Mesh& mesh, const std::vector<BakeView>& views,
   return shows;
 }
 
-/// Slope of brightness over the normal, robust: what a hand or a shadow does is not the lamp's.
+/// Robust gradient of brightness with respect to the normal: a hand or a shadow is an outlier.
 Vector2d LightOf(const std::vector<const Show*>& of_view, double* constant) {
   constexpr double kUsual = 0.1;
   Vector3d fit = Vector3d::Zero();
@@ -116,7 +117,7 @@ struct Blocks {
   }
 };
 
-/// Connected squares that hold enough of the view's places, grown by one square all round.
+/// Connected squares that contain enough of the view's points, grown by one square on all sides.
 Image8 Believed(const Blocks& blocks, const std::vector<char>& contrary,
                 const std::vector<int>& places, double least, double* held) {
   std::vector<char> seen(contrary.size(), 0);
@@ -176,8 +177,8 @@ void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view,
   out->told = !out->hidden.empty() && out->hidden_share >= options.told_hidden;
 }
 
-/// The middle of the half of the values that lie closest together: the majority's, where a minority
-/// lies all to one side.
+/// The centre of the closest half of the values: the majority's value, if a minority lies on one
+/// side.
 double MiddleOfHalf(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2 + 1;
@@ -187,7 +188,7 @@ double MiddleOfHalf(std::vector<double> values) {
   return values[best + half / 2];
 }
 
-/// The views whose lamp stands elsewhere than most views' does.
+/// Marks the views whose lamp is elsewhere than in most views.
 void FindOtherLights(const ConsensusOptions& options, std::vector<ViewColors>& colors) {
   std::vector<double> x, y, away;
   for (const ViewColors& c : colors)
@@ -218,7 +219,7 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
     if (colors[v].places >= kLeastForLight) colors[v].light = LightOf(of_view[v], &constants[v]);
   }
   FindOtherLights(options, colors);
-  // How far apart the views lie at a place once each one's lamp is taken out.
+  // Differences between the views at a point, after correction for each one's lamp.
   std::vector<std::vector<char>> contrary(views.size());
   for (const std::vector<Show>& list : shows) {
     if (list.empty()) continue;

@@ -1,4 +1,4 @@
-// Photographs that contradict the others in colour: found, and without harm to the texture.
+// Photographs with outlier colours are detected, without loss of quality in the texture.
 #include "texture/bake/colour_consensus.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kSize = 160;
 
-/// The lamp stands to one side of the camera and goes round with it: right for 1, left for -1.
+/// The lamp is on one side of the camera and moves with it: right for 1, left for -1.
 Paint Lit(double side) {
   return [side](const Vector3d& x, const Vector3d& eye) {
     const Vector3d out = eye.normalized(), right = Vector3d::UnitZ().cross(out).normalized();
@@ -35,7 +35,7 @@ Set LitSet() {
   return lit;
 }
 
-/// A green disc over a part of the figure, as a hand would be.
+/// A green disc over a part of the figure, like a hand.
 void Cover(Photograph& photograph) {
   const int cx = photograph.image.width / 2 + kSize / 10, cy = photograph.image.height / 2;
   for (int y = 0; y < photograph.image.height; ++y)
@@ -74,7 +74,7 @@ TEST(JudgeColors, WhatCoversTheFigureInOnePhotographIsFoundAndNotPainted) {
   EXPECT_FALSE(covered.colors[3].distrusted);
   EXPECT_TRUE(covered.colors[3].told);
   // 51 dB without the disc; one of the views that showed the place is gone, and the squares leave
-  // some of the disc's rim to the samples.
+  // some of the disc's border in the samples.
   EXPECT_GT(PsnrAgainst(set.mesh, covered.texture, Smooth), 45);
 }
 
@@ -97,7 +97,7 @@ TEST(JudgeColors, PhotographsAfterTheLampFellAreTheFewThatAreLitFromTheOtherSide
   std::vector<Photograph> fallen = Shoot(set.mesh, late, Lit(1));
   std::move(fallen.begin(), fallen.end(), set.photographs.begin() + 13);
   const BakeResult result = BakeAll(set.mesh, set.views, set.photographs, Quick());
-  // The last two look along the axis: their lamp has no side that the others know.
+  // The last two view along the axis: the side of their lamp is not comparable with the others'.
   for (std::size_t v = 0; v < 16; ++v) {
     EXPECT_EQ(result.colors[v].other_light, v >= 13)
         << v << " " << result.colors[v].light.transpose();

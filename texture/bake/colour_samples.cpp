@@ -12,16 +12,17 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// Samples are compared by their colour, and by that of 2^3 times the width.
+/// Samples are compared by their colour, and by the mean colour over 2^3 times the width.
 constexpr float kBandLevels = 3;
-/// Colours (square root of linear light) this far from what most views show are never doubted:
-/// shading that turns with the table, and single hairs. Held-out photographs are predicted the
-/// worse the more of these is left out.
+/// Smaller colour differences (square root of linear light) from the median keep full agreement:
+/// shading that turns with the table, and single hairs. Removing more of these makes the prediction
+/// of held-out photographs worse.
 constexpr float kLeastScale = 0.35f;
-/// Where the views differ among themselves, so many times their median difference from the middle
-/// is not doubted either.
+/// Where the views differ from each other, differences up to this many times their median
+/// difference keep full agreement too.
 constexpr float kScale = 3;
-/// What is darker than the middle is no lamp: shadows and hairs are doubted at twice the distance.
+/// Colours darker than the median are not lamps: shadows and hairs lose weight at twice the
+/// difference.
 constexpr float kDark = 0.5f;
 
 using Weighted = std::vector<std::pair<float, float>>;  // value, weight
@@ -47,9 +48,9 @@ Vector3f MiddleOf(const std::vector<ColorSample>& samples, Vector3f ColorSample:
   return middle;
 }
 
-/// Lowers the agreement of samples far from what most others show, measured by how far the others
-/// lie apart: where lit and shaded views are about equally many all stay, and no seam appears where
-/// the majority turns; one highlight among views that agree goes.
+/// Lowers the agreement of samples far from the median, relative to the spread of the others. Where
+/// lit and shaded views are about equally frequent, all keep their weight, and no seam appears
+/// where the majority changes; a single highlight among views that agree is removed.
 void WeighAgreement(std::vector<ColorSample>& samples, double strictness) {
   if (samples.size() < 3 || strictness <= 0) return;
   Weighted scratch(samples.size());
@@ -68,7 +69,8 @@ void WeighAgreement(std::vector<ColorSample>& samples, double strictness) {
   }
 }
 
-/// The level of the photograph's pyramid on which so many pixels are one; 0 for less than a pixel.
+/// The level of the photograph's pyramid on which this many pixels are one; 0 for less than a
+/// pixel.
 float LevelOf(double pixels) {
   return pixels > 1 ? 0.5f * std::log2(static_cast<float>(pixels)) : 0;
 }
@@ -110,7 +112,8 @@ void ColorSampler::FindViews(const std::vector<char>& used) {
           for (int k = 0; k < 3; ++k) {
             const Vector3d to_eye =
                 views_[v].center() - mesh_.points.row(mesh_.faces(f, k)).transpose();
-            // A corner may see the eye a little more aslant than the middle of a large face does.
+            // The normal at a corner of a large face may face the camera slightly less than at its
+            // middle.
             if (n.dot(to_eye) < (least_cosine_ - 0.1) * to_eye.norm()) continue;
             facing_[f].push_back(v);
             break;
@@ -186,8 +189,8 @@ void ColorSampler::AddColorSample(int view, const Sighting& sighting, double pix
   sample.weight = from.weight() * static_cast<float>(sighting.trust * pixels * sharpness_[view]);
   sample.consensus_weight =
       from.weight() * static_cast<float>(sighting.trust * std::min(1.0, 2 * cosine));
-  // A clipped pixel tells only that the surface was at least this bright: a highlight, or an
-  // overexposed photograph.
+  // A clipped pixel only gives a lower bound of the brightness: a highlight, or an overexposed
+  // photograph.
   if (fine.color.minCoeff() > 0.9f) sample.weight *= 0.1f, sample.consensus_weight *= 0.3f;
   sample.quality = static_cast<float>(sample.weight * cosine * cosine);
   sample.trust = sighting.trust;
@@ -195,7 +198,7 @@ void ColorSampler::AddColorSample(int view, const Sighting& sighting, double pix
 }
 
 bool ColorSampler::Prepare(int view, int face, FaceSight& sight) const {
-  // Within so many pixels perspective and lens are straight to a hundredth of a pixel.
+  // Within this many pixels perspective and lens distortion are linear to a hundredth of a pixel.
   constexpr float kFlatPixels = 48;
   const View& from = views_[view].view();
   sight.view = view;
@@ -232,7 +235,7 @@ FaceViews ColorSampler::LookAtFace(int face) const {
                                      {kMost, kRest, kRest},
                                      {kRest, kMost, kRest},
                                      {kRest, kRest, kMost}};
-  // Each point stands for a quarter of the face.
+  // Each point represents a quarter of the face.
   const double texels = area_per_texel_[face] > 0
                             ? std::max(1.0, 0.5 * std::sqrt(areas_[face] / area_per_texel_[face]))
                             : 1;
@@ -262,8 +265,8 @@ FaceViews ColorSampler::LookAtFace(int face) const {
   for (const int v : facing_[face]) {
     const LabelCandidate& sum = sums[v];
     if (!(sum.quality > 0)) continue;
-    // A view that sees a part of the face only, or a part of it otherwise than the others, is no
-    // good for all of it.
+    // A view is less suitable for a face if it sees only a part of it, or if a part differs from
+    // the other views.
     const float seen = sum.seen / kPoints, agreement = std::max(sum.agreement, 1e-6f);
     result.candidates.push_back({v, sum.quality * agreement * seen * seen, sum.color / sum.seen,
                                  sum.linear / sum.seen, seen, agreement, sum.weight / kPoints,

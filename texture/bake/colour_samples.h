@@ -1,4 +1,4 @@
-// Colour samples: what the photographs show of a point of the surface, and how far they agree.
+// Colour samples: the photographs' colours at a point of the surface, and their agreement.
 #pragma once
 
 #include <vector>
@@ -10,19 +10,19 @@
 
 namespace keypose::texture {
 
-/// What one view shows of one point.
+/// One view's colour at one point.
 struct ColorSample {
   int view = 0;
   Eigen::Vector3f fine;  ///< linear light, gain applied
-  /// square roots, of fine and of the mean over 8 times as much: steps of about equal visibility. A
-  /// highlight shows in the low band beyond its rim
+  /// square roots, of fine and of the mean over 8 times the width: steps of about equal visibility.
+  /// A highlight appears in the low band beyond its own border
   Eigen::Vector3f root, low_root;
-  float weight = 0;   ///< pixels of the photograph, sharpness, trust: its part of the mean
-  float quality = 0;  ///< weight x cosine^2: how good it is to be painted from alone
-  /// Its part in what the views agree upon; flatter than `weight`, since the view from straight
-  /// ahead may be the one that sees the lamp.
+  float weight = 0;   ///< from the photograph's pixels, sharpness and trust: weight in the mean
+  float quality = 0;  ///< weight x cosine^2: suitability for painting from this view alone
+  /// Weight in the consensus. It varies less than `weight`, since the most frontal view may be the
+  /// one with the highlight.
   float consensus_weight = 0;
-  float trust = 0;      ///< that the view sees the point, (0, 1]; part of all of the above
+  float trust = 0;      ///< visibility of the point, (0, 1]; a factor of all of the above
   float agreement = 1;  ///< with the other views, (0, 1]
 };
 
@@ -32,42 +32,41 @@ struct SurfacePoint {
   Eigen::Vector3f weights;  ///< barycentric
 };
 
-/// What all views together show of a face.
+/// The colours of a face in all views.
 struct FaceViews {
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  ///< linear light, by weight and agreement
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();  ///< linear light, weighted mean with agreement
   std::vector<LabelCandidate> candidates;          ///< ascending
 };
 
-/// One view of a face, prepared so that each texel of it is looked at quickly.
+/// One view of a face, prepared for fast evaluation of its texels.
 struct FaceSight {
   int view = 0;
-  /// pixels and depths at the corners may be interpolated; else each texel is projected
+  /// pixels and depths are interpolated between the corners; else each texel is projected
   bool flat = true;
   Eigen::Matrix<float, 2, 3> pixels;  ///< of the photograph, at the corners
   Eigen::Vector3f depths;             ///< at the corners
   float level = 0;                    ///< of the photograph's pyramid
 };
 
-/// All views, their gains and warps, and the texels of one atlas.
+/// All views with their gains and warps, and the texels of one atlas.
 class ColorSampler {
  public:
-  /// @param used          one a view: 0 leaves it out
-  /// @param warps         one a view, or none at all
+  /// @param used          one per view: 0 leaves it out
+  /// @param warps         one per view, or empty
   /// @param texture_size  of the atlas whose texels are painted
   ColorSampler(const Mesh& mesh, const std::vector<BakeView>& views,
                const std::vector<Eigen::Vector3f>& gains, const std::vector<Warp>& warps,
                const std::vector<char>& used, int texture_size, double max_angle_deg,
                double strictness);
 
-  /// One sample for each used view that sees the point, ascending, with agreements. Colours are
-  /// means over `texels` texels each way.
+  /// One sample for each used view that sees the point, in ascending order, with agreements.
+  /// Colours are means over `texels` texels in each direction.
   void CollectColorSamples(const SurfacePoint& point, double texels,
                            std::vector<ColorSample>& samples) const;
-  /// False when a corner of the face is behind the camera.
+  /// @return false when a corner of the face is behind the camera
   bool Prepare(int view, int face, FaceSight& sight) const;
-  /// One view's colour of a texel, gain applied;
-  /// @return trust in it, 0 when the view does not see
-  /// the point.
+  /// One view's colour of a texel, with gain.
+  /// @return trust; 0 if the view does not see the point
   float Look(const FaceSight& sight, const SurfacePoint& point, Eigen::Vector3f& color) const {
     const BakeView& from = views_[sight.view];
     Eigen::Vector2f pixel;
@@ -85,7 +84,7 @@ class ColorSampler {
     return trust;
   }
 
-  /// The views that see each face, judged at four points of it.
+  /// The views that see each face, evaluated at four points of it.
   std::vector<FaceViews> LookAtFaces() const;
   const Mesh& mesh() const { return mesh_; }
   int view_count() const { return static_cast<int>(views_.size()); }

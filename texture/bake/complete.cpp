@@ -17,19 +17,19 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Both must be surer than this of a vertex before their colours are compared.
+/// Least confidence of both at a vertex for a comparison of their colours.
 constexpr float kBothSure = 0.9f;
-/// Added to linear light before logarithms: in black, noise is all there is.
+/// Added to linear light before logarithms: black consists of noise only.
 constexpr float kDarkColor = 0.01f;
-/// How strongly a vertex holds the factor that it shows, against an edge's wish for no change. Low:
-/// a factor is a matter of many faces.
+/// Weight of a vertex's own factor relative to the smoothness along an edge. Low, so that a factor
+/// depends on many faces.
 constexpr double kHold = 0.1;
-/// Differences of logarithms beyond this are something else than light.
+/// Larger differences of logarithms are not caused by light.
 constexpr double kSameThing = 0.12;
-/// Draws to the overall factor where nothing near says anything.
+/// Weight of the overall factor, for regions without observations nearby.
 constexpr double kSmoothingGrain = 1e-4;
 constexpr int kRobustRounds = 4;
-/// Rings of vertices over which confidence is gathered before the best pose is chosen.
+/// Rings of vertices over which confidence is averaged before the best pose is chosen.
 constexpr int kRings = 3;
 
 Painting PaintingOf(const PoseTexture& pose) {
@@ -56,11 +56,11 @@ void RequireSquare(const PoseTexture& pose, int size, const std::string& what) {
                      " is not of its texture's size; pass the one that the same bake wrote");
 }
 
-/// What is solved on the mesh: a value a vertex, smooth along edges.
+/// The edges of the mesh along which values are smooth.
 using Edges = std::vector<std::pair<int, int>>;
 
-/// Logarithms of the factors that bring `other` to `own` in light, a row a vertex. Empty when too
-/// little is seen in both.
+/// Logarithms of the factors that adapt `other` to the light of `own`, one row per vertex. Empty if
+/// too little is seen in both.
 using Factors = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 double MedianOfCopy(std::vector<double> values) {
@@ -69,10 +69,10 @@ double MedianOfCopy(std::vector<double> values) {
   return *middle;
 }
 
-/// Where both are sure: logarithm of own over other.
+/// Logarithm of own over other, where both are confident.
 struct Ratios {
   std::vector<int> vertices;
-  Factors logs;                           ///< a row for each of `vertices`
+  Factors logs;                           ///< one row per entry of `vertices`
   Eigen::RowVector3d median = {0, 0, 0};  ///< zero when there are none
 };
 
@@ -115,8 +115,8 @@ Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
   return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(right);
 }
 
-/// Rounds of least squares in which a vertex that contradicts its surroundings weighs less
-/// (Cauchy).
+/// Rounds of least squares with robust weights (Cauchy) for vertices that differ from their
+/// surroundings.
 Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) {
   Eigen::VectorXd inlier_weight(static_cast<Eigen::Index>(ratios.vertices.size()));
   const auto weigh = [&](const auto& expected) {
@@ -133,7 +133,7 @@ Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) 
   return factors;
 }
 
-/// Confidence as its surroundings have it: high well within what is seen, low at its border.
+/// Confidence averaged over the surroundings: high well within the seen part, low at its border.
 std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
   for (int ring = 0; ring < kRings; ++ring) {
     std::vector<float> sum = sure, count(sure.size(), 1);
@@ -143,15 +143,15 @@ std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
   return sure;
 }
 
-/// One of the others, ready to be taken from.
+/// One of the other poses, prepared as a source.
 struct Giver {
   Painting painting;
-  Factors factors;              ///< a row a vertex
-  std::vector<float> gathered;  ///< of each vertex
-  int index = 0;                ///< among those given
+  Factors factors;              ///< one row per vertex
+  std::vector<float> gathered;  ///< for each vertex
+  int index = 0;                ///< in the given list
 };
 
-/// At each vertex the giver that shows it best; -1: none.
+/// The best source for each vertex; -1: none.
 std::vector<int> BestGivers(const std::vector<Giver>& givers, int vertex_count) {
   std::vector<int> best(vertex_count, -1);
   for (int v = 0; v < vertex_count; ++v)
@@ -163,7 +163,7 @@ std::vector<int> BestGivers(const std::vector<Giver>& givers, int vertex_count) 
 struct Filling {
   Vector3f color = Vector3f::Zero();
   float sure = 0;
-  int giver = -1;  ///< that most of it comes from
+  int giver = -1;  ///< the one with the largest share
 };
 
 class Filler {
@@ -174,14 +174,14 @@ class Filler {
         givers_(givers),
         best_(BestGivers(givers, mesh.vertex_count())) {}
 
-  /// What the others show at a texel of the surface, in the own pose's light.
+  /// The others' colour at a texel of the surface, in the own pose's light.
   Filling At(std::size_t texel) const {
     const Vector3f w = atlas_.Weights(texel);
     const auto face = mesh_.faces.row(atlas_.face[texel]);
     Filling filling;
     float sum = 0, most = 0;
     for (int g = 0; g < std::ssize(givers_); ++g) {
-      // A giver that is not the best of any corner still steps in where the best ones show nothing.
+      // A source that is best at no corner is still used where the best ones show nothing.
       float share = 1e-4f;
       for (int k = 0; k < 3; ++k) share += best_[face[k]] == g ? std::max(w[k], 0.0f) : 0;
       const float sure = static_cast<float>(givers_[g].painting.sure[texel]) / 255,
@@ -203,7 +203,7 @@ class Filler {
     Eigen::RowVector3d log = Eigen::RowVector3d::Zero();
     for (int k = 0; k < 3; ++k) log += static_cast<double>(w[k]) * giver.factors.row(face[k]);
     const Vector3f factor = log.array().exp().matrix().transpose().cast<float>();
-    // The factor is of the colour and the dark light that was added to it, so that black stays
+    // The factor applies to the colour plus the constant that was added to it, so that black stays
     // black.
     const Vector3f raised =
         ((giver.painting.At(texel).array() + kDarkColor) * factor.array() - kDarkColor).matrix();
@@ -216,9 +216,8 @@ class Filler {
   std::vector<int> best_;
 };
 
-/// Mixes what the others show into the own painting.
-/// @return for each texel the giver that it comes
-/// from, -1: its own or nothing
+/// Mixes the others' colours into the own painting.
+/// @return for each texel its source; -1: its own or none
 std::vector<int> Fill(const Atlas& atlas, const Filler& filler, Painting& own) {
   std::vector<int> from(own.sure.size(), -1);
   ParallelFor(
@@ -276,7 +275,7 @@ Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
     if (from[texel] >= 0) ++completed.filled_texels, ++completed.taken[givers[from[texel]].index];
     completed.own_texels += from[texel] < 0 && own.confidence.data[texel] > 0;
   }
-  // The guesses of the own bake make way for new ones.
+  // Inpainted texels of the own bake are inpainted again.
   for (std::size_t texel = 0; texel < painting.sure.size(); ++texel)
     if (painting.sure[texel] == 0) painting.At(texel).setZero();
   InpaintUnseen(mesh, atlas, painting);

@@ -1,5 +1,5 @@
-// A pose's texture, with what its own photographs do not show taken from the other poses' textures
-// in the same layout.
+// A pose's texture, completed from the other poses' textures in the same layout where its own
+// photographs do not show the surface.
 #pragma once
 
 #include <cstdint>
@@ -10,40 +10,41 @@
 
 namespace keypose::texture {
 
-/// A baked texture and how far each of its texels is what photographs show.
+/// A baked texture, and how well photographs show each of its texels.
 struct PoseTexture {
   Image8 texture;     ///< RGB, sRGB, square
-  Image8 confidence;  ///< 1 channel of the same size: 255 shown well, 0 not at all (then the
-                      ///< texture holds a guess)
+  Image8 confidence;  ///< 1 channel of the same size: 255 seen well, 0 not seen (the texel is then
+                      ///< inpainted)
 };
 
 struct Completed {
   Image8 texture;
   std::int64_t texels = 0;          ///< of the surface
-  std::int64_t own_texels = 0;      ///< that the pose's own photographs show
-  std::int64_t filled_texels = 0;   ///< that come from other poses
+  std::int64_t own_texels = 0;      ///< seen in the pose's own photographs
+  std::int64_t filled_texels = 0;   ///< copied from other poses
   std::vector<std::int64_t> taken;  ///< from each of the others, of filled_texels
   std::int64_t unseen_texels() const {
     return texels - own_texels - filled_texels;
-  }  ///< that no pose shows: inpainted
+  }  ///< seen in no pose: inpainted
 };
 
-/// Where the own photographs show nothing, each place takes the texture of the pose that shows it
-/// best: the choice is made a vertex at a time by confidence around it, and goes over within a
-/// face. Before that the other pose's light is brought to the own one's: by a factor a channel that
-/// is found where both are seen and goes on smoothly (as heat spreads over the surface, through the
-/// seams of charts) into what only the other one shows, so that both meet without an edge. Spots
-/// where the two show different things (a shadow, a slipped registration) lose their weight in it.
-/// Over the width in which the own confidence fades, both are mixed. What no pose shows is
-/// inpainted.
+/// Where the pose's own photographs show nothing, the texture of the pose with the highest
+/// confidence is used. The choice is made per vertex from the confidence around it, with
+/// transitions within faces. Before that the other pose's colours are adapted to the own pose's
+/// light, by one factor per channel. The factor is estimated where both are seen, and continued
+/// smoothly (by heat diffusion over the surface, through the seams of charts) to where only the
+/// other one is seen, so that no edge is visible between the two. Places where the two differ in
+/// content (a shadow, a wrong registration) have a low weight in this estimate. Where the own
+/// confidence fades, both are mixed. Surface that no pose shows is inpainted.
 ///
 /// @param mesh    with UVs in [0,1]: the layout of all textures, and the shape of this pose
 /// @param own     this pose
-/// @param others  one with the own pixels is passed over
+/// @param others  a texture with the own pixels is ignored
 /// @param gutter  texels around each chart that continue its colours
 /// @throws InputError  no UVs; textures of other sizes, not square, or without a texel of the mesh
-/// Same bits for any thread count. Sources: Perez, Gangnet, Blake, SIGGRAPH 2003 (membrane between
-/// images), here of a factor and with robust weights (Cauchy).
+/// Same bits for any thread count.
+/// Sources: Perez, Gangnet, Blake, SIGGRAPH 2003 (membrane between images), here for a factor and
+/// with robust weights (Cauchy).
 Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
                           const std::vector<PoseTexture>& others, int gutter);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSize = 256;
 
-/// What a pose shows: sure in [0, 1] at a point, and its light there.
+/// The colours of a pose: confidence in [0, 1] at a point, and its light there.
 using Sure = std::function<double(const Vector3d&)>;
 using Light = std::function<Vector3f(const Vector3d&)>;
 const Light kWhite = [](const Vector3d&) { return Vector3f(1, 1, 1); };
@@ -28,8 +28,8 @@ class CompleteTextureTest : public ::testing::Test {
     return x;
   }
 
-  /// Painted by Smooth where it is sure at all; red where it is not, so that what is taken from
-  /// there shows.
+  /// Painted by Smooth where the confidence is positive; red elsewhere, so that colours taken from
+  /// there are visible.
   PoseTexture Pose(const Sure& sure, const Light& light) const {
     PoseTexture pose{Image8(kSize, kSize, 3), Image8(kSize, kSize, 1)};
     for (std::size_t texel = 0; texel < atlas_.face.size(); ++texel) {
@@ -44,8 +44,8 @@ class CompleteTextureTest : public ::testing::Test {
     return pose;
   }
 
-  /// Largest and mean difference from the truth in steps of 8-bit sRGB, over the texels where
-  /// `where` says so.
+  /// Largest and mean difference from the truth in steps of 8-bit sRGB, over the texels for which
+  /// `where` is true.
   struct Error {
     int largest = 0, texels = 0;
     double mean = 0;
@@ -85,11 +85,11 @@ TEST_F(CompleteTextureTest, WhatOnlyTheOtherPoseShowsComesInTheOwnLightWithoutAS
   const auto hidden = [](const Vector3d& x) { return x.z() < -0.1; };
   EXPECT_GT(ErrorOf(alone.texture, hidden).mean, 15)
       << "a guess is far off, or this test shows nothing";
-  // What is left is that the light's slope goes on as a constant beyond the overlap, 10 % over the
-  // sphere: 5 steps or so at its foot.
+  // The remaining error: beyond the overlap the light's slope continues as a constant, 10 % over
+  // the sphere, about 5 steps at its foot.
   EXPECT_LT(ErrorOf(completed.texture, hidden).mean, 4);
-  // Unlevelled, the seam would be 24 to 29 steps high. The factor is smooth over some faces, so a
-  // part of the slope is left.
+  // Without levelling, the seam would be 24 to 29 steps high. The factor is smooth over some faces,
+  // so a part of the slope remains.
   EXPECT_LT(
       ErrorOf(completed.texture, [](const Vector3d& x) { return std::abs(x.z()) < 0.15; }).largest,
       12)
@@ -113,7 +113,7 @@ TEST_F(CompleteTextureTest, WhatTheOwnPhotographsShowStaysAsItIs) {
 }
 
 TEST_F(CompleteTextureTest, SpotsThatShowSomethingElseDoNotTintWhatIsTaken) {
-  // In the overlap a spot of the other pose is in deep shade: a cast shadow.
+  // In the overlap a spot of the other pose is in deep shadow: a cast shadow.
   const auto shade = [](const Vector3d& x) {
     return Vector3f((x - Vector3d(0.97, 0, 0.22)).norm() < 0.2 ? Vector3f(0.3f, 0.3f, 0.3f)
                                                                : Vector3f(1, 1, 1));
@@ -139,7 +139,7 @@ TEST_F(CompleteTextureTest, WhatNoPoseShowsIsCountedAndPaintedSmoothly) {
   EXPECT_NEAR(
       static_cast<double>(completed.unseen_texels()) / static_cast<double>(completed.texels), 0.15,
       0.03);
-  // The red of unseen places must not come through; a smooth guess is off by the pattern only.
+  // The red of unseen places must not appear; a smooth interpolation only lacks the pattern.
   EXPECT_LT(ErrorOf(completed.texture, [](const Vector3d& x) { return x.z() < -0.75; }).mean, 45);
 }
 

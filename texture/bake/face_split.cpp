@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 constexpr double kMostPixels = 400;
 constexpr int kMostFaces = 400000;
 
-/// Rows for the middles of the edges of `faces` are appended to `rows`; faces become four times as
-/// many.
+/// Appends rows for the middles of the edges of `faces` to `rows`; the number of faces grows
+/// fourfold.
 template <class Rows>
 void SplitAtMiddles(Rows& rows, FacesX3& faces) {
   const auto edges = UndirectedEdges(faces);

@@ -14,17 +14,17 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// More than this between two photographs of one pose is no exposure, but an error of this
-/// estimate.
+/// A larger gain between two photographs of one pose is an error of this estimate.
 constexpr double kMostGain = 3;
-/// Weight of "no gain" beside what the photographs show, in parts of the latter.
+/// Weight of the prior "no gain" relative to the observations.
 constexpr double kBelief = 0.05;
-/// The same for light; two photographs cannot tell a lamp from an exposure, thirty can.
+/// The same for light: with two photographs a lamp and an exposure are ambiguous, with thirty they
+/// are not.
 double LightBelief(int photographs) { return kBelief + 3.0 / (photographs * photographs); }
 
-/// How the light on a surface may depend on its normal before the camera: a flash on the camera
-/// (the logarithm of the cosine), and a lamp beside it that stands still (the normal's part to the
-/// right). Light from above is not told: it is taken for the exposure of a ring of views.
+/// Dependence of the surface's light on its normal in the camera's frame: a flash on the camera
+/// (the logarithm of the cosine), and a fixed lamp beside it (the normal's component to the right).
+/// Light from above is not estimated: it is indistinguishable from the exposure of a ring of views.
 constexpr int kLights = 2;
 using Lights = Eigen::Matrix<double, kLights, 1>;
 
@@ -34,7 +34,7 @@ struct GainObservation {
   Lights lights;
   Vector3d log_color;
 };
-using GainObservations = std::vector<std::vector<GainObservation>>;  // one list a surface point
+using GainObservations = std::vector<std::vector<GainObservation>>;  // one list per surface point
 
 GainObservations Observe(const Mesh& mesh, const std::vector<BakeView>& views,
                          const std::vector<char>& used, int samples) {
@@ -52,7 +52,7 @@ GainObservations Observe(const Mesh& mesh, const std::vector<BakeView>& views,
           const Sighting sighting = views[v].See(x);
           if (sighting.trust <= 0) continue;
           const Eigen::Vector3f color = views[v].ColorAt(sighting.pixel.cast<float>(), 1.5f).color;
-          // Near black the logarithm is noise, near white the sensor has clipped.
+          // Near black the logarithm is dominated by noise, near white the sensor clips.
           if (color.minCoeff() < 0.004f || color.maxCoeff() > 0.93f) continue;
           const Lights lights(-std::log(cosine),
                               (views[v].view().camera_from_world.rotation * n).x());
@@ -64,9 +64,9 @@ GainObservations Observe(const Mesh& mesh, const std::vector<BakeView>& views,
   return lists;
 }
 
-/// The unknowns of a channel: a log gain for each view, and how much brightness depends on the
-/// surface's normal before the camera. Without the latter a turntable's lamps, which stand still
-/// while the object turns, would be taken for exposures: the lit side for overexposed.
+/// The unknowns of a channel: a log gain for each view, and the dependence of brightness on the
+/// surface's normal in the camera's frame. Without the latter, a turntable's fixed lamps would
+/// appear as exposures: the lit side as overexposed.
 struct Unknowns {
   VectorXd log_gain;
   Lights light = Lights::Zero();
@@ -75,7 +75,7 @@ struct Unknowns {
   }
 };
 
-/// Outlier weights of one point's observations under the present estimate.
+/// Robust weights of one point's observations under the current estimate.
 void Weigh(const std::vector<GainObservation>& list, int channel, const Unknowns& unknowns,
            double scale, std::vector<double>& weights) {
   double total = 0, mean = 0;
@@ -91,7 +91,7 @@ void Weigh(const std::vector<GainObservation>& list, int channel, const Unknowns
   }
 }
 
-/// One round of weighted least squares, each point's own colour eliminated.
+/// One round of weighted least squares, with each point's own colour eliminated.
 Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& before,
                     double scale) {
   const int n = static_cast<int>(before.log_gain.size());
@@ -121,9 +121,9 @@ Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& 
       matrix.block<kLights, kLights>(n, n) += w * lights * lights.transpose();
     }
   }
-  // Only differences of log gains are known; this holds their mean, and views without neighbours,
-  // at zero. Shading that the model does not know pulls whole rings of views apart a little; gains
-  // are believed only as far as the photographs insist.
+  // Only differences of log gains are determined; this prior keeps their mean, and views without
+  // neighbours, at zero. Shading outside of the model slightly biases whole rings of views, so the
+  // prior also limits gains with weak evidence.
   const double view = std::max(matrix.diagonal().head(n).mean(), 1e-9);
   matrix.diagonal().head(n).array() += kBelief * view;
   matrix.diagonal().tail(kLights).array() += LightBelief(n) * view;
@@ -140,14 +140,13 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
   MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
     Unknowns unknowns{VectorXd::Zero(n), Lights::Zero()};
-    // Graduated: nearly plain least squares first, then only what lies within a few per cent counts
-    // fully.
+    // Graduated scale: first nearly plain least squares, then only differences within a few per
+    // cent have full weight.
     for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15})
       unknowns = SolveRound(lists, channel, unknowns, scale);
     log_gains.col(channel) = unknowns.log_gain;
   }
-  // The mean exposure is nearest to all photographs together: any brighter or darker choice is
-  // further from those not yet seen.
+  // The mean exposure is the closest to all photographs, and so to further ones.
   VectorXd shown = VectorXd::Constant(n, 1e-9);
   for (const auto& list : lists)
     for (const GainObservation& o : list) shown[o.view] += o.weight;

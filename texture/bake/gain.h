@@ -1,4 +1,4 @@
-// One gain a view and colour channel that makes the views agree on the surface they share.
+// One gain per view and colour channel, for equal colours on the surface that views share.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 
 namespace keypose::texture {
 
-/// Factors on linear light, one row a view, each in [1/3, 3]; their mean (of the logarithms, by how
-/// much each view shows) is 1, so that the texture is exposed like the typical photograph of the
-/// set. Views that share nothing with others are left nearly as they are.
+/// Factors on linear light, one row per view, each in [1/3, 3]. Their mean (of the logarithms,
+/// weighted by how much each view shows) is 1, so that the texture has the exposure of the typical
+/// photograph. Views without shared surface stay nearly unchanged.
 ///
-/// Robust least squares of log colours at points spread over the surface, the colour of the surface
+/// Robust least squares of log colours at points spread over the surface, with the surface's colour
 /// eliminated (as in Waechter et al., ECCV 2014; the normal matrix is views x views). A highlight
 /// or a wrong mask is an outlier and loses its weight. Deterministic; the same bits for any thread
 /// count.
 ///
-/// @param used  one a view; 0: its photograph is not looked at and its factor is 1
+/// @param used  one per view: with 0 its photograph is ignored and its factor is 1
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views,
                                             const std::vector<char>& used, int samples = 6000);
 

@@ -47,7 +47,7 @@ std::vector<Border> FindBorders(const Mesh& mesh, const Candidates& candidates, 
   return borders;
 }
 
-/// The energy in integers, and the labels that lower it.
+/// The energy in integers, and labels with decreasing energy.
 class Expansion {
  public:
   Expansion(const Mesh& mesh, const Candidates& candidates, const LabelOptions& options)
@@ -55,8 +55,8 @@ class Expansion {
         borders_(FindBorders(mesh, candidates, options.smoothness)),
         color_step_(options.color_step),
         areas_(FaceAreas(mesh.points, mesh.faces)) {
-    // Total data cost of some nats over the whole surface stays far below 2^63, one face of a
-    // million far above 1.
+    // The total data cost over the whole surface is far below 2^63, and the cost of one face of a
+    // million is far above 1.
     unit_ = 1e12 / std::max(areas_.sum(), 1e-300);
     labels_.assign(candidates.size(), -1);
     best_.assign(candidates.size(), 0);
@@ -76,7 +76,7 @@ class Expansion {
       }
   }
 
-  /// @return whether any face took `view`
+  /// @return whether any face changed to `view`
   bool Expand(int view) {
     std::vector<int> faces;
     for (const int f : faces_of_[view]) {
@@ -86,15 +86,16 @@ class Expansion {
     }
     if (faces.empty()) return false;
     MinCut cut(static_cast<int>(faces.size()));
-    // With the source: takes the view; what could go either way keeps its label. The cut severs the
-    // source from those that keep, so that is where the price of keeping lies.
+    // Faces on the source's side change to the view; undecided ones keep their label. The cut
+    // separates the source from faces that keep their label, so that edge has the cost of keeping
+    // it.
     for (std::size_t i = 0; i < faces.size(); ++i)
       cut.AddTerminals(static_cast<int>(i), Data(faces[i], labels_[faces[i]]),
                        Data(faces[i], view));
     for (const int f : faces)
       for (const int b : borders_of_[f]) {
         const Border& border = borders_[b];
-        // A border inside is met from both sides.
+        // A border between two such faces occurs from both sides.
         if (f == border.a || node_[border.a] < 0) AddBorder(border, view, cut);
       }
     cut.Solve();
@@ -116,8 +117,8 @@ class Expansion {
         unit_ * areas_[f] *
         std::min(20.0, std::log(best_[f] / FindCandidate(candidates_[f], view)->quality)));
   }
-  /// The colour of a view along a border: of the faces beside it that it sees. Distances of such
-  /// points obey the triangle inequality, which expansion needs.
+  /// The colour of a view along a border, from those adjacent faces that it sees. Distances between
+  /// such points satisfy the triangle inequality, which expansion requires.
   Vector3f ColorAlong(const Border& border, int view) const {
     const LabelCandidate *a = FindCandidate(candidates_[border.a], view),
                          *b = FindCandidate(candidates_[border.b], view);
@@ -141,7 +142,7 @@ class Expansion {
     cut.AddTerminals(p, std::max<std::int64_t>(0, both_keep - only_p),
                      std::max<std::int64_t>(0, only_p - both_keep));
     cut.AddTerminals(q, only_p, 0);
-    // Rounding may break the triangle inequality by one unit.
+    // Rounding may violate the triangle inequality by one unit.
     cut.AddEdge(q, p, std::max<std::int64_t>(0, only_p + only_q - both_keep), 0);
   }
 
@@ -151,7 +152,7 @@ class Expansion {
   Eigen::VectorXd areas_;
   std::vector<double> best_;
   std::vector<int> labels_, node_;
-  std::vector<std::vector<int>> borders_of_, faces_of_;  ///< of each face, of each view
+  std::vector<std::vector<int>> borders_of_, faces_of_;  ///< for each face, for each view
 };
 
 void KeepBest(int most, std::vector<LabelCandidate>& list) {
@@ -179,7 +180,7 @@ std::vector<int> ChooseLabels(const Mesh& mesh, std::vector<std::vector<LabelCan
     if (!list.empty()) views = std::max(views, list.back().view + 1);
   }
   Expansion expansion(mesh, candidates, options);
-  // A view that changed nothing need not be tried again before another one did.
+  // A view without changes is only tried again after another one had some.
   int idle = 0;
   for (int step = 0; step < options.sweeps * views && idle < views; ++step)
     idle = expansion.Expand(step % views) ? 0 : idle + 1;

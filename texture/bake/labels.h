@@ -1,5 +1,4 @@
-// One photograph for each face: near enough the best everywhere, with as few and as invisible
-// borders as possible.
+// One photograph per face: nearly the best everywhere, with few and inconspicuous borders.
 #pragma once
 
 #include <vector>
@@ -8,39 +7,39 @@
 
 namespace keypose::texture {
 
-/// A photograph that could paint a face.
+/// A photograph from which a face may be painted.
 struct LabelCandidate {
   int view;
   double quality;  ///< > 0; footprint, angle, sharpness, trust, agreement with the other views
-  Eigen::Vector3f color;     ///< mean colour of the face there, square root of linear light
+  Eigen::Vector3f color;     ///< mean colour of the face in it, square root of linear light
   Eigen::Vector3f linear;    ///< the same in linear light
   float seen;                ///< share of the face that the view sees, in (0, 1]
   float agreement;           ///< with the other views, the least over the face, in (0, 1]
-  float weight = 0;          ///< of this view in the mean of all, where it is fully trusted
+  float weight = 0;          ///< weight of this view in the mean of all, at full trust
   float mean_agreement = 1;  ///< over the face: part of the weight
 };
 
 struct LabelOptions {
-  int most_candidates = 8;  ///< the best so many views of each face are looked at
-  double smoothness = 1;  ///< cost of a border of the length of a mean edge, in faces painted from
-                          ///< a view of 1/e of the best quality
-  double color_step = 0.1;  ///< a border where the two photographs differ by this (square root of
-                            ///< linear light) costs twice
-  int sweeps = 4;           ///< rounds over all views, at most
+  int most_candidates = 8;  ///< at most this many best views per face
+  double smoothness = 1;    ///< cost of a border of one mean edge length, in faces painted from a
+                            ///< view of 1/e of the best quality
+  double color_step = 0.1;  ///< where the two photographs differ by this (square root of linear
+                            ///< light), a border costs twice as much
+  int sweeps = 4;           ///< largest number of rounds over all views
 };
 
 /// The view of each face, -1 where there is no candidate.
 ///
-/// Minimises  sum_f area_f ln(best_f / quality_f)  +  smoothness sum_e length_e h (1 + |colour gap
-/// along e| / color_step)  over labelings, h the mean edge; by alpha-expansion, each step an exact
-/// minimum cut. Never worse than each face's best view by itself.
+/// Minimises  sum_f area_f ln(best_f / quality_f)  +  smoothness sum_e length_e h (1 + |colour
+/// difference along e| / color_step)  over labelings, with h the mean edge, by alpha-expansion;
+/// each step is an exact minimum cut. Never worse than each face's best view by itself.
 /// Same bits for any thread count.
 /// Source: Boykov, Veksler, Zabih, PAMI 2001; Kolmogorov, Zabih, PAMI 2004 (the graph); Lempitsky,
 /// Ivanov, CVPR 2007 (the use).
 std::vector<int> ChooseLabels(const Mesh& mesh, std::vector<std::vector<LabelCandidate>> candidates,
                               const LabelOptions& options = {});
 
-/// The candidate of a view in a list that is ascending; null when it is not there.
+/// The candidate of a view in an ascending list; null if there is none.
 const LabelCandidate* FindCandidate(const std::vector<LabelCandidate>& ascending, int view);
 
 /// Shares of the views around each vertex, by the area of its faces; sums to 1 where any face has a

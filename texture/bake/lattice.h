@@ -1,4 +1,4 @@
-// A triangle cut into equal small ones: values known at the corners are linear between them.
+// A triangle divided into equal small ones; values at the nodes are interpolated linearly.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace keypose::texture {
 
-/// n parts along each side, n >= 1; (n + 1)(n + 2) / 2 nodes.
+/// n parts per side, n >= 1; (n + 1)(n + 2) / 2 nodes.
 class FaceLattice {
  public:
   explicit FaceLattice(int parts) : parts_(parts) {}
@@ -23,8 +23,8 @@ class FaceLattice {
                               unit * static_cast<float>(i), unit * static_cast<float>(j)));
   }
 
-  /// The small triangle that holds a point of the face, and the point's weights in it. Points a
-  /// rounding outside count as on the outline.
+  /// The small triangle that contains a point of the face, and the point's weights in it. Points
+  /// outside by rounding are moved to the outline.
   struct Corners {
     int node[3];
     float weight[3];

@@ -15,48 +15,47 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Where a chosen view agrees less than this with the others, on a face or beside it, every texel
-/// is compared with all views.
+/// If a chosen view's agreement is lower on a face or beside it, every texel is compared with all
+/// views.
 constexpr float kSure = 0.15f;
-/// Weight of the mean of all views there: a trace where the chosen view agrees, everything where it
-/// does not.
+/// Weight of the mean of all views there: negligible where the chosen view agrees, dominant where
+/// it does not.
 constexpr float kMeanWeight = 0.02f;
 
-/// A texel that some view trusts this much is what the photographs show; what is nearer to all
-/// their edges may be background.
+/// A texel with at least this trust in some view is fully confident; points closer to edges in all
+/// photographs may be background.
 constexpr float kSureTrust = 0.5f;
 std::uint8_t SureOf(float trust) {
   return static_cast<std::uint8_t>(1 + std::lround(254 * std::min(1.0f, trust / kSureTrust)));
 }
 
-/// Photographs are bilinear between their pixels: at nodes this near to each other nothing of that
-/// is lost that could be seen.
+/// Photographs are bilinear between their pixels: with this distance of nodes nothing visible is
+/// lost.
 constexpr float kNodePixels = 0.7f;
 
-/// Less than this share of the weight is not looked at: it is not seen, but would cost as much as
-/// all of it.
+/// Views with a smaller share of the weight are skipped: they are invisible but cost as much.
 constexpr float kLeastShare = 0.02f;
 
-/// One view of a face with its parts at the corners.
+/// One view of a face with its values at the corners.
 struct Painted {
   FaceSight sight;
-  float agreement = 1;    ///< with the other views over the face: part of its weight
+  float agreement = 1;    ///< of its weight: agreement with the other views over the face
   Vector3f weight;        ///< in the mean of all views
   Vector3f share;         ///< in the detail
-  Eigen::Matrix3f shift;  ///< of its colour as detail, times the share; a column a corner
+  Eigen::Matrix3f shift;  ///< shift of its colour as detail, times the share; one column per corner
 };
 /// A texel of a face.
 struct FaceTexel {
   std::size_t texel = 0;
   Vector3f weights;  ///< barycentric
 };
-/// A point of a face, what the views have said of it so far, and at last its colour.
+/// A point of a face, its sums over the views so far, and finally its colour.
 struct PointWork {
   Vector3f weights;  ///< barycentric
   float least_weight = 0, least_share = 0;
   Vector3f mean = Vector3f::Zero(), detail = Vector3f::Zero();
   float mean_sum = 0, detail_sum = 0;
-  float trust = 0;  ///< the greatest of a view
+  float trust = 0;  ///< the largest over the views
   Vector3f color = Vector3f::Zero();
   bool seen = false;
 
@@ -68,12 +67,12 @@ struct FaceWork {
   std::vector<Painted> views;
   Vector3f weight;  ///< sum over the views
   Vector3f share;
-  Vector3f doubt;                ///< at the corners: 1 where a chosen view is contradicted, else 0
+  Vector3f doubt;                ///< at the corners: 1 where a chosen view is an outlier, else 0
   std::vector<float> agreement;  ///< of each point's views; empty without doubt
   std::vector<ColorSample> samples;  ///< scratch
 };
 
-/// All that is known once the views are chosen.
+/// The data for painting once the views are chosen.
 class Painter {
  public:
   Painter(const ColorSampler& sampler, const PaintOptions& options)
@@ -90,7 +89,7 @@ class Painter {
     SpreadWeights();
   }
 
-  /// Colours of the texels in `work`, all of this face.
+  /// Paints the texels in `work`, all of this face.
   void PaintFace(int face, FaceWork& work, Painting& painting, std::vector<char>& used) const {
     PrepareFace(face, work);
     const int parts = LatticeParts(work);
@@ -142,7 +141,7 @@ class Painter {
     }
   }
 
-  /// So many parts of the sides that photographs say nothing more between the nodes.
+  /// Number of parts per side, so that photographs have no detail between the nodes.
   static int LatticeParts(const FaceWork& work) {
     float longest = 0;
     for (const Painted& view : work.views)
@@ -152,8 +151,8 @@ class Painter {
     return 1 + static_cast<int>(std::min(1000.0f, std::sqrt(longest) / kNodePixels));
   }
 
-  /// Where texels are many times smaller than the photographs' pixels: colours at the nodes, linear
-  /// between them. Texels that have an unseen node beside them are left in `work`.
+  /// For texels much smaller than the photographs' pixels: colours at the nodes, interpolated
+  /// linearly. Texels next to an unseen node are left in `work`.
   void PaintLattice(int face, const FaceLattice& lattice, FaceWork& work, Painting& painting,
                     std::vector<char>& used) const {
     work.points.clear();
@@ -192,8 +191,8 @@ class Painter {
     }
   }
 
-  /// Compares each point of a face in doubt with all views. What a view then loses grows from
-  /// nothing where the doubt ends, so that no edge shows there.
+  /// Compares each point of a doubtful face with all views. The loss of weight increases from zero
+  /// at the border of the doubt, so that no edge is visible there.
   void AskForAgreement(int face, FaceWork& work) const {
     work.agreement.clear();
     if (work.doubt.isZero()) return;
@@ -218,8 +217,8 @@ class Painter {
       point.trust = std::max(point.trust, trust);
       const float agreement =
           work.agreement.empty() ? 1 : work.agreement[j * work.views.size() + which];
-      // The weight holds the agreement over the face already: what the place itself has less of is
-      // all that comes off.
+      // The weight includes the agreement over the face, so it is only reduced where the agreement
+      // at the point is lower.
       const float part = trust * weight * std::min(1.0f, agreement / view.agreement);
       point.mean += part * seen;
       point.mean_sum += part;
@@ -234,15 +233,15 @@ class Painter {
       if (w.view == candidate.view) painted.weight[corner] = w.weight;
     for (std::size_t i = 0; i < shares_[v].size(); ++i) {
       if (shares_[v][i].view != candidate.view) continue;
-      // A view that was chosen beside this face may have a highlight on it.
+      // A view that was chosen for an adjacent face may have a highlight on this one.
       painted.share[corner] = shares_[v][i].share * candidate.agreement;
       painted.shift.col(corner) = painted.share[corner] * shifts_[v][i].color;
     }
   }
 
-  /// The detail as far as the mean of all views bears it out. Where photographs show something else
-  /// in one place (hairs, wrong cameras), no single one of them is right, and all together are
-  /// nearest to the next photograph.
+  /// The detail as far as it agrees with the mean of all views. Where photographs show different
+  /// things at one point (hairs, wrong cameras), no single one is right, and the mean predicts
+  /// other photographs best.
   Vector3f Mixed(const Vector3f& mean, Vector3f detail, float sum, float mean_weight) const {
     if (!(sum > 0)) return mean;
     detail = ((detail + mean_weight * mean) / (sum + mean_weight)).cwiseMax(0.0f);
@@ -252,8 +251,8 @@ class Painter {
                       (detail - mean);
   }
 
-  /// The corners of all faces at vertices around which a face sees one of the vertex's views
-  /// contradicted: what is contradicted is in full doubt, and beyond it doubt ends.
+  /// Marks the corners of all faces at vertices around which one of the vertex's views is an
+  /// outlier on some face: outliers are in full doubt, which ends beyond them.
   void FindDoubts() {
     std::vector<char> contradicted(shares_.size(), 0);
     for (int f = 0; f < mesh_.face_count(); ++f)
@@ -270,7 +269,8 @@ class Painter {
     }
   }
 
-  /// Each view's weight in the mean at the vertices, so that it changes smoothly over the surface.
+  /// Computes each view's weight in the mean at the vertices, so that it varies smoothly over the
+  /// surface.
   void SpreadWeights() {
     const Eigen::VectorXd areas = FaceAreas(mesh_.points, mesh_.faces);
     weights_.resize(mesh_.vertex_count());
@@ -300,7 +300,7 @@ class Painter {
     return 1e-6f;
   }
 
-  /// A texel that is seen only by views that see none of the points at which its face was judged.
+  /// For a texel that is only seen by views that see none of its face's sample points.
   bool Rest(const SurfacePoint& place, PointWork& point, std::vector<char>& used,
             std::vector<ColorSample>& samples) const {
     sampler_.CollectColorSamples(place, 1, samples);
@@ -324,8 +324,8 @@ class Painter {
   std::vector<int> labels_;
   std::vector<std::vector<LabelShare>> shares_;
   std::vector<std::vector<Shift>> shifts_;
-  std::vector<float> doubt_;                        ///< 1 or 0, of each vertex
-  std::vector<std::vector<VertexWeight>> weights_;  ///< of each vertex
+  std::vector<float> doubt_;                        ///< 1 or 0, for each vertex
+  std::vector<std::vector<VertexWeight>> weights_;  ///< for each vertex
 };
 
 void PaintFace(const Painter& painter, const Atlas& atlas, int face, FaceWork& work,
@@ -340,7 +340,7 @@ void PaintFace(const Painter& painter, const Atlas& atlas, int face, FaceWork& w
   if (!work.texels.empty()) painter.PaintFace(face, work, painting, used);
 }
 
-/// Texels with their centre in a triangle that are painted.
+/// Number of painted texels with their centre in a triangle.
 std::int64_t CountSeen(const Atlas& atlas, const Painting& painting) {
   std::int64_t seen = 0;
   for (std::size_t texel = 0; texel < atlas.inside.size(); ++texel)
@@ -361,7 +361,7 @@ PaintResult PaintTexels(const ColorSampler& sampler, const Atlas& atlas,
   result.painting = Painting(atlas.size);
   result.used.assign(sampler.view_count(), 0);
   std::mutex mutex;
-  // Bands, so that progress is told and cancelling is possible between them.
+  // In bands, for progress reports and cancellation between them.
   const std::int64_t faces = mesh.face_count(), band = std::max<std::int64_t>(1024, faces / 16 + 1);
   for (std::int64_t first = 0; first < faces; first += band) {
     ReportProgress(progress, 0.3 + 0.7 * static_cast<double>(first) / static_cast<double>(faces),
@@ -371,7 +371,7 @@ PaintResult PaintTexels(const ColorSampler& sampler, const Atlas& atlas,
       std::vector<char> used(sampler.view_count(), 0);
       for (std::int64_t f = first + begin; f < first + end; ++f)
         PaintFace(painter, atlas, static_cast<int>(f), work, result.painting, used);
-      const std::lock_guard<std::mutex> lock(mutex);  // the same in any order
+      const std::lock_guard<std::mutex> lock(mutex);  // the result does not depend on the order
       for (int v = 0; v < sampler.view_count(); ++v) result.used[v] |= used[v];
     });
   }

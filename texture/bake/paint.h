@@ -12,24 +12,25 @@ namespace keypose::texture {
 
 struct PaintResult {
   Painting painting;
-  /// one a face: the view that its detail comes from, -1 where none sees it
+  /// one per face: the view that its detail comes from, -1 where none sees it
   std::vector<int> labels;
-  std::vector<char> used;        ///< one a view: at least one texel has something of it
-  std::int64_t seen_texels = 0;  ///< of those whose centre is in a triangle
-  double mean_views = 0;         ///< that see a place of the surface, over the seen part
+  std::vector<char> used;        ///< one per view: whether it contributed to any texel
+  std::int64_t seen_texels = 0;  ///< of those with their centre in a triangle
+  double mean_views = 0;         ///< number of views that see a point, over the seen part
 };
 
 struct PaintOptions {
-  double to_mean = 0.03;     ///< how much large-scale colour of the detail is that of all views
-                             ///< together; 0: only the borders are levelled
+  double to_mean = 0.03;  ///< weight of all views' mean in the large-scale colour of the detail; 0:
+                          ///< only the borders are levelled
   float detail_step = 0.03;  ///< see PaintTexels; infinite: detail everywhere
 };
 
-/// Two pictures in one: the mean of all views that see a place, and the detail of one photograph a
-/// face, chosen by a graph cut (labels.h), shifted smoothly in colour (seams.h), and cross-faded
-/// over the faces around a border between two. A texel is the detail where the two differ by much
-/// less than `detail_step` (square root of linear light), and the mean where by much more.
-/// Cost: four colour samples a face and view, one look a texel and view.
+/// Combines two pictures: the mean of all views, and the detail of one photograph per face. That
+/// photograph is chosen by a graph cut (labels.h), shifted smoothly in colour (seams.h), and
+/// cross-faded over the faces around a border between two. A texel has the detail where the two
+/// pictures differ by much less than `detail_step` (square root of linear light), and the mean
+/// where they differ by much more.
+/// Cost: four colour samples per face and view, one evaluation per texel and view.
 /// Same bits for any thread count.
 PaintResult PaintTexels(const ColorSampler& sampler, const Atlas& atlas,
                         const PaintOptions& options, Progress* progress);

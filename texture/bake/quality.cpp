@@ -35,7 +35,7 @@ struct Pair {
   std::vector<Vector3f> photographed;  ///< linear
 };
 
-/// Where a ray meets the plane of a face that it is known to meet.
+/// Intersection of a ray with the plane of a face that it is known to meet.
 struct Meeting {
   double distance = 0;  ///< in lengths of the direction
   double u = 0, v = 0;  ///< weights of the second and third corner, within [0, 1] but for rounding
@@ -65,8 +65,8 @@ Pair RenderInto(const Mesh& mesh, const TextureLevels& texture, int size, const 
       const Meeting hit = Meet(mesh, f, view.center(), view.RayInWorld(x, y));
       const Vector2d uv = (1 - hit.u - hit.v) * mesh.uvs.row(t[0]) + hit.u * mesh.uvs.row(t[1]) +
                           hit.v * mesh.uvs.row(t[2]);
-      // Texels under a pixel, each way, where the surface faces the camera; aslant there are more,
-      // but along one direction only.
+      // Texels under a pixel, in each direction, for a frontal surface; on a slanted one there are
+      // more, but in one direction only.
       const double on_surface = (mesh.points.row(f[1]) - mesh.points.row(f[0])).norm();
       const double on_texture = (mesh.uvs.row(t[1]) - mesh.uvs.row(t[0])).norm() * size;
       const std::size_t i = static_cast<std::size_t>(y) * width + x;

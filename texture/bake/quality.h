@@ -1,4 +1,4 @@
-// How well a textured mesh repeats photographs.
+// How well a rendered textured mesh matches photographs.
 #pragma once
 
 #include <vector>
@@ -11,25 +11,26 @@
 
 namespace keypose::texture {
 
-/// A texture and its halves, quarters, ...: far texels are averaged, not skipped.
+/// A texture with its mipmap levels, so that distant texels are averaged, not skipped.
 class TextureLevels {
  public:
   explicit TextureLevels(Image8 texture);
-  /// sRGB, 0..255, of about `texels` texels each way.
+  /// sRGB, 0..255, averaged over about `texels` texels in each direction.
   Eigen::Vector3d Sample(const Eigen::Vector2d& uv, double texels) const;
 
  private:
   std::vector<Image8> levels_;
 };
 
-/// One photograph against the mesh rendered into it without lamps, over the pixels inside the mask
-/// that the mesh covers, except within the guard of edges of depth and mask. 8-bit sRGB.
+/// Comparison of one photograph with the mesh rendered into it without lights, over the pixels
+/// inside the mask that the mesh covers, except within the guard of edges of depth and mask. 8-bit
+/// sRGB.
 struct Comparison {
   int pixels = 0;
-  double psnr_db = 0;  ///< as both are
-  /// after one factor a channel (linear light) that gives the render the photograph's mean
+  double psnr_db = 0;  ///< of the unchanged pictures
+  /// after one factor per channel (linear light) that gives the rendering the photograph's mean
   double psnr_gain_db = 0;
-  double ssim = 0;  ///< of the luma as both are (core/image_quality.h)
+  double ssim = 0;  ///< of the luma of the unchanged pictures (core/image_quality.h)
 };
 /// At most 200,000 rays.
 /// @param texture_size  of `texture`, for the footprint of a ray

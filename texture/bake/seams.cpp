@@ -15,7 +15,7 @@ using Shares = std::vector<std::vector<LabelShare>>;
 
 constexpr double kSmooth = 0.1, kSmall = 1e-4;
 
-/// The quadratic form, lower triangle, and its right sides.
+/// The quadratic form, lower triangle, and its right-hand sides.
 struct Quadratic {
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd right;
@@ -41,9 +41,9 @@ int Find(const std::vector<LabelShare>& list, int view) {
   return -1;
 }
 
-/// For each unknown (vertex, view): that view's colour and the mean of all views, both over those
-/// faces of the ring that the view sees, and sees as the others do: a highlight beside the vertex
-/// would darken it.
+/// For each unknown (vertex, view): the view's colour and the mean of all views, both over those
+/// faces of the ring where the view sees the face and agrees with the others. A highlight beside
+/// the vertex would otherwise darken it.
 struct RingColors {
   std::vector<RowVector3d> view, mean;
   std::vector<double> area;
@@ -95,7 +95,7 @@ std::vector<std::vector<Shift>> LevelSeams(const Mesh& mesh, const std::vector<F
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3 && labels[f] >= 0; ++k) {
       const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
-      // Each inner edge comes twice, once from each side.
+      // Each inner edge occurs twice, once from each side.
       form.AddDifference(first[a] + Find(shares[a], labels[f]),
                          first[b] + Find(shares[b], labels[f]), kSmooth / 2, RowVector3d::Zero());
     }

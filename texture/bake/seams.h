@@ -1,5 +1,5 @@
-// Colour shifts that make photographs match where one is painted beside another, and the mean of
-// all where they differ from it.
+// Colour shifts that match photographs where one is painted beside another, and that move them to
+// the mean of all.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace keypose::texture {
 
-/// What is added to a view's colours (linear light) at a vertex.
+/// A term that is added to a view's colours (linear light) at a vertex.
 struct Shift {
   int view;
   Eigen::Vector3f color;
@@ -17,15 +17,15 @@ struct Shift {
 
 /// One shift for each vertex and each view that paints a face around it.
 ///
-/// Minimises the squared jumps between any two views at the vertices where they meet, plus 0.1 of
-/// the squared differences between the shifts of one view along its edges, plus `to_mean` of the
-/// squared distances to the mean colour of all views, plus 1e-4 of the shifts themselves. Colours
-/// at a vertex are means over the ring of its faces. With to_mean = 0 this is seam levelling as
-/// published; else the texture's large-scale colour is that of all views together, and only what is
-/// finer than a ring of faces comes from one photograph. Sparse and symmetric positive definite:
-/// one factorisation for the three channels. Sources: Lempitsky, Ivanov, CVPR 2007; Waechter et
-/// al., ECCV 2014.
-/// Departs: the pull to the mean.
+/// Minimises the sum of four terms: the squared jumps between any two views at the vertices where
+/// they meet; 0.1 times the squared differences between the shifts of one view along its edges;
+/// `to_mean` times the squared distances to the mean colour of all views; 1e-4 times the squared
+/// shifts. Colours at a vertex are means over the ring of its faces. With to_mean = 0 this is seam
+/// levelling as published. Otherwise the texture's large-scale colour is that of all views
+/// together, and only detail finer than a ring of faces comes from one photograph. The system is
+/// sparse and symmetric positive definite: one factorisation for the three channels.
+/// Sources: Lempitsky, Ivanov, CVPR 2007; Waechter et al., ECCV 2014.
+/// Departs: the term towards the mean.
 std::vector<std::vector<Shift>> LevelSeams(const Mesh& mesh, const std::vector<FaceViews>& faces,
                                            const std::vector<int>& labels,
                                            const std::vector<std::vector<LabelShare>>& shares,

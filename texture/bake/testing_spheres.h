@@ -1,4 +1,4 @@
-// Painted spheres, cameras around them and their photographs: what the tests of baking share.
+// Painted spheres, cameras around them and their photographs, for the tests of baking.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ inline Mesh PatchSphere(int n, double radius = 1, const Vector3d& center = Vecto
       for (int i = 0; i <= n; ++i) {
         Vector3d cube;
         cube[axis] = sign;
-        // Equal angles, so that the faces are of about one size; swapped on the back so that all
+        // Equal angles, so that the faces have about the same size; swapped on the back so that all
         // face outwards.
         cube[(axis + 1) % 3] = std::tan((2.0 * i / n - 1) * M_PI / 4) * sign;
         cube[(axis + 2) % 3] = std::tan((2.0 * j / n - 1) * M_PI / 4);
@@ -115,7 +115,7 @@ inline bool AwayFromCheckerEdges(const Vector3d& x) {
   return nearest > 0.02;
 }
 
-/// Two rings of cameras around the unit sphere, and one above and below.
+/// Two rings of cameras around the unit sphere, one camera above and one below.
 inline std::vector<View> AllRound(int size, int around = 8) {
   std::vector<View> views;
   for (int ring = 0; ring < 2; ++ring)
@@ -131,7 +131,8 @@ inline std::vector<View> AllRound(int size, int around = 8) {
   return views;
 }
 
-/// Photographs by 2 x 2 rays a pixel on the mesh; background is white, so that bleeding would show.
+/// Photographs with 2 x 2 rays per pixel on the mesh; the background is white, so that its
+/// influence would be visible.
 inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& views,
                                      const Paint& paint) {
   const RayScene scene(mesh.points, mesh.faces);
@@ -148,8 +149,7 @@ inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& 
       for (int x = 0; x < c.width; ++x) {
         Vector3f sum = Vector3f::Zero();
         int hits = 0;
-        // The lens bends nothing within a pixel, so one ray of it is solved for, and its corners'
-        // are not.
+        // Lens distortion is linear within a pixel, so it is solved for one ray of the pixel only.
         const Vector3d middle =
             world_from_camera * c.Unproject({x + 0.5, static_cast<double>(y) + 0.5});
         for (int s = 0; s < 4; ++s) {
@@ -169,8 +169,7 @@ inline std::vector<Photograph> Shoot(const Mesh& mesh, const std::vector<View>& 
   return photographs;
 }
 
-/// PatchSphere(12) from AllRound(240), smooth or checkered: several tests look at the same
-/// photographs.
+/// PatchSphere(12) from AllRound(240), smooth or checkered: several tests share these photographs.
 inline const std::vector<Photograph>& SharedPhotographs(bool checkered) {
   static const std::vector<Photograph> smooth = Shoot(PatchSphere(12), AllRound(240), Smooth);
   static const std::vector<Photograph> checker = Shoot(PatchSphere(12), AllRound(240), Checker);
@@ -212,9 +211,9 @@ inline double PsnrAgainst(
   return Psnr(sum, count);
 }
 
-/// The same against the paint averaged over a square of `texels` around each texel's centre: what a
-/// camera of that footprint can know of a hard edge. A square that reaches beyond its texel's face
-/// goes on in the face's plane.
+/// The same for the paint averaged over a square of `texels` around each texel's centre: the best
+/// that a camera of that footprint can resolve of a hard edge. A square that extends beyond its
+/// texel's face continues in the face's plane.
 inline double FootprintPsnrAgainst(const Mesh& mesh, const Image8& texture, const Paint& truth,
                                    double texels) {
   constexpr int kSamples = 8;

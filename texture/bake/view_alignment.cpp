@@ -14,22 +14,22 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Differences of this size (square root of linear light) count half: other hairs, highlights,
-/// occlusion.
+/// Differences of this size (square root of linear light) have half the weight: other hairs,
+/// highlights, occlusion.
 constexpr double kLikeness = 0.06;
-/// Texture of less slope than this [a stored pixel] is noise and rounding, and moves nothing.
+/// Smaller gradients [per stored pixel] are noise and rounding, and have no influence.
 constexpr double kFlatSlope = 0.005;
-/// Stored levels of the photographs, coarse to fine, and steps on each.
+/// Stored levels of the photographs, from coarse to fine, and steps on each.
 constexpr int kLevels[] = {3, 2, 1};
 constexpr int kSteps[] = {3, 3, 3};
 
 struct Observation {
   int point;
   float weight;
-  Vector2d pixel;  ///< by the camera
+  Vector2d pixel;  ///< predicted by the camera
 };
 
-/// Bilinear with its slope; false where a pixel is without object.
+/// Bilinear value with its gradient; false where a pixel has no object.
 struct Read {
   double value = 0;
   Vector2d slope = Vector2d::Zero();
@@ -62,11 +62,11 @@ Corners CornersAt(const Warp& warp, const Vector2d& pixel) {
           {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
 }
 
-/// What is compared on one level.
+/// The pictures and means of one level.
 struct Round {
-  std::vector<ImageF> details;  ///< one a view
+  std::vector<ImageF> details;  ///< one per view
   int level = 0;
-  std::vector<float> mean, weight;  ///< one a point: of the views so far
+  std::vector<float> mean, weight;  ///< one per point: over the views so far
 };
 
 class Aligner {
@@ -135,10 +135,11 @@ class Aligner {
   }
 
   /// One pass over the views in their order, so that sums are the same for any thread count; blocks
-  /// of points are apart.
+  /// of points are independent.
   void MeasureMeans(Round& round) {
     std::vector<float> sum(points_, 0), weight(points_, 0);
-    // Observations of a view ascend by point: each block of points finds its part of every view.
+    // The observations of a view are in ascending order of points: each block of points finds its
+    // part of every view.
     constexpr int kBlock = 4096;
     ParallelBlocks(points_, kBlock, [&](std::int64_t begin, std::int64_t end) {
       for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -165,11 +166,11 @@ class Aligner {
     return 1 / ((1 + u * u) * (1 + u * u));
   }
 
-  /// The normal equations of one lattice, by pairs of nodes that are neighbours.
+  /// The normal equations of one lattice, by pairs of adjacent nodes.
   struct Normal {
     std::vector<Eigen::Matrix2d> blocks;  ///< see Slot
     Eigen::VectorXd right;
-    double information = 0, total = 0;  ///< of all slopes, weights
+    double information = 0, total = 0;  ///< sums over all gradients and weights
   };
 
   Normal Collect(int v, const Round& round) const {
@@ -179,7 +180,7 @@ class Aligner {
     normal.right.setZero(2 * static_cast<Eigen::Index>(warp.nodes.size()));
     for (const Observation& o : seen_[v]) {
       Read read;
-      // The mean of one photograph is that photograph.
+      // With a single photograph the mean is that photograph.
       if (round.weight[o.point] < 1.5f * o.weight || !ReadView(v, o, round, read)) continue;
       const double r = read.value - round.mean[o.point], w = o.weight * Robust(r);
       const Corners at = CornersAt(warp, o.pixel);
@@ -214,7 +215,7 @@ class Aligner {
     return entries;
   }
 
-  /// A Gauss-Newton step of one lattice.
+  /// One Gauss-Newton step of one lattice.
   void StepView(int v, const Round& round) {
     Warp& warp = warps_[v];
     const int count = static_cast<int>(warp.nodes.size());
@@ -233,7 +234,7 @@ class Aligner {
         Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>(matrix).solve(
             normal.right);
     if (!solved.allFinite()) return;
-    // Slopes are known over about a pixel of this level.
+    // Gradients are valid within about a pixel of this level.
     const double most_step = 1.5 / scale;
     for (int a = 0; a < count; ++a) {
       Vector2d step = solved.segment<2>(2 * a);
@@ -244,7 +245,7 @@ class Aligner {
     }
   }
 
-  /// Where the block of nodes a >= b, neighbours, is kept.
+  /// Index of the block of adjacent nodes a >= b.
   static std::size_t Slot(const Warp& warp, int a, int b) {
     const int dy = b / warp.wide - a / warp.wide, dx = b % warp.wide - a % warp.wide;
     return static_cast<std::size_t>(a) * 9 + static_cast<std::size_t>((dy + 1) * 3 + dx + 1);
@@ -274,7 +275,7 @@ class Aligner {
   AlignOptions options_;
   int points_ = 0;
   std::vector<Warp> warps_;
-  std::vector<std::vector<Observation>> seen_;  ///< of each view, ascending by point
+  std::vector<std::vector<Observation>> seen_;  ///< for each view, ascending by point
 };
 
 }  // namespace

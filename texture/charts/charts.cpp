@@ -26,8 +26,7 @@ struct Flood {
   std::vector<double> cost;  // F
 };
 
-// Grows all regions at once, cheapest step first. `allowed` restricts it to the faces that it
-// marks.
+// Grows all regions at once, cheapest step first, within the faces marked in `allowed`.
 Flood Grow(const Surface& s, const std::vector<int>& seeds, const PointsX3& normals,
            const std::vector<char>& allowed) {
   Flood flood{std::vector<int>(s.faces.rows(), -1), std::vector<double>(s.faces.rows(), kInfinity)};
@@ -51,7 +50,7 @@ Flood Grow(const Surface& s, const std::vector<int>& seeds, const PointsX3& norm
   return flood;
 }
 
-// Mean normal and the face nearest to the mean place of each region.
+// Mean normal of each region, and the face nearest to its centroid.
 void Recenter(const Surface& s, const Flood& flood, std::vector<int>& seeds, PointsX3& normals) {
   const int count = static_cast<int>(seeds.size());
   PointsX3 centers = PointsX3::Zero(count, 3);
@@ -96,7 +95,7 @@ int Farthest(const Flood& flood, const std::vector<char>& allowed) {
   return best;
 }
 
-// Walks the boundary; returns the number of loops and the first one.
+// Follows the boundary; returns the number of loops and the first one.
 int Loops(const Surface& s, const Chart& chart, const std::vector<int>& local,
           std::vector<int>& rim) {
   const int vertex_count = static_cast<int>(chart.vertices.size());
@@ -222,7 +221,7 @@ Chart MakeChart(const Surface& surface, std::vector<int> faces) {
   for (int i = 0; i < std::ssize(chart.faces); ++i) local[chart.faces[i]] = i;
   NumberCorners(surface, local, chart);
   const int loops = Loops(surface, chart, local, chart.rim);
-  // With one loop through all boundary edges, V - E + F = 1 leaves no handle.
+  // With one loop through all boundary edges, V - E + F = 1 excludes handles.
   const long f = static_cast<long>(chart.faces.size()),
              v = static_cast<long>(chart.vertices.size()), b = static_cast<long>(chart.rim.size());
   chart.disk = loops == 1 && (3 * f + b) % 2 == 0 && v - (3 * f + b) / 2 + f == 1 &&

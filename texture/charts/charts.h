@@ -1,4 +1,4 @@
-// Cuts a closed surface into charts that lie nearly flat.
+// Cuts a closed surface into charts that are nearly flat.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace keypose::texture {
 /// @throws InputError  an edge without exactly one opposite; names it
 FacesX3 FaceNeighbors(const FacesX3& faces);
 
-/// What cutting needs of the surface, computed once.
+/// Surface data for cutting, computed once.
 struct Surface {
   PointsX3 points;
   FacesX3 faces, neighbors;
@@ -21,8 +21,8 @@ struct Surface {
 };
 Surface MakeSurface(const Mesh& mesh);
 
-/// A connected part of the surface with its own numbering; a vertex whose faces form several fans
-/// here is one vertex a fan.
+/// A connected part of the surface with its own vertex numbers. A vertex with several fans of faces
+/// in the chart becomes one vertex per fan.
 struct Chart {
   std::vector<int> faces;     ///< of the surface, ascending
   FacesX3 corners;            ///< local vertices, row i belongs to faces[i]

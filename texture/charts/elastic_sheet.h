@@ -1,5 +1,5 @@
-// A chart as a sheet that resists being bent out of shape within its plane: what flattening and
-// packing both relax.
+// A chart as an elastic sheet that resists deformation within its plane; flattening and packing
+// both relax it.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ struct RestTriangle {
 };
 RestTriangle RestOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-/// What a chart looks like without stress.
+/// The shape of a chart without stress.
 struct RestShape {
   std::vector<RestTriangle> triangles;  ///< per face
   /// opposite of edge k (corners k, k + 1), kept in [1e-2, 1e2]
@@ -30,22 +30,22 @@ Eigen::SparseMatrix<double> ChartLaplacian(const Chart& chart, const RestShape& 
                                            const std::vector<int>& column, int size);
 
 double SignedArea(const UvsX2& uvs, const Chart& chart, int face);
-/// Whether each face is counter-clockwise with more than `least` of its area in space times
+/// Whether each face is counter-clockwise with more than `least` times its area in space times
 /// scale^2.
 bool Upright(const Surface& surface, const Chart& chart, const UvsX2& uvs, double least,
              double scale = 1);
 
-/// One factor for many rounds of as-rigid-as-possible relaxation.
+/// One factorisation for many rounds of as-rigid-as-possible relaxation.
 class Sheet {
  public:
   /// @param chart  a disk; must outlive the sheet
-  /// @param hold   >= 0: how strongly rim vertices are drawn to their targets, beside springs of
-  /// about 1; 0: not, and vertex 0 stays
+  /// @param hold   >= 0: weight of the boundary vertices' targets, relative to springs of about 1;
+  /// 0: no targets, and vertex 0 is fixed
   Sheet(const Surface& surface, const Chart& chart, double hold);
 
-  /// One round: each triangle takes its best turn, then all vertices settle. `targets`: one row per
-  /// rim vertex, unused when hold is 0.
-  /// @return how far the vertices moved over their norm
+  /// One round: the best rotation of each triangle, then a solve for all vertices. `targets`: one
+  /// row per boundary vertex, unused when hold is 0.
+  /// @return displacement of the vertices over their norm
   /// Source: Liu et al., SGP 2008.
   double Settle(double scale, const UvsX2& targets, UvsX2& uvs) const;
   const RestShape& rest() const { return rest_; }

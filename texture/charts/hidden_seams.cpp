@@ -17,15 +17,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kDirections = 60;
-// of an inch of seam that nobody sees, against one in full view
+// cost per length of an invisible seam, relative to a fully visible one
 constexpr double kLeastCost = 0.12;
-// [mean edge lengths] below the smoothed surface, where a seam costs half
+// [mean edge lengths] below the smoothed surface, where a seam has half the cost
 constexpr double kCreaseDepth = 0.15;
 constexpr double kSightPower = 1.5;
 constexpr double kFrontFactor = 1.5;
 constexpr int kSmoothing = 8;
-constexpr double kLeastGain = 0.02;  // of the cost: less is not worth flattening two charts anew
-// costs in a cut are whole numbers, for the sake of an exact answer
+// of the cost: for a smaller gain two charts are not flattened again
+constexpr double kLeastGain = 0.02;
+// costs in a cut are integers, for an exact result
 constexpr double kWeightScale = 1e4;
 
 struct View {
@@ -42,7 +43,7 @@ std::vector<View> ViewsOf(const Viewers& viewers) {
     const double z = 1 - (2 * i + 1.0) / kDirections, r = std::sqrt(1 - z * z),
                  angle = i * EIGEN_PI * (3 - std::sqrt(5.0));
     const double x = r * std::cos(angle);
-    const double height = std::clamp((z + 0.7) / 0.7, 0.1, 1.0);  // from below: seldom
+    const double height = std::clamp((z + 0.7) / 0.7, 0.1, 1.0);  // seldom from below
     views.push_back({x * front + r * std::sin(angle) * side + z * up, height * (0.65 + 0.35 * x)});
   }
   return views;
@@ -57,7 +58,7 @@ PointsX3 VertexNormals(const Surface& s) {
   return normals;
 }
 
-// Each vertex to the mean of its neighbours; every edge is met twice, once from each face.
+// Moves each vertex to the mean of its neighbours; every edge occurs twice, once from each face.
 PointsX3 Smoothed(const Surface& s, PointsX3 points, int rounds) {
   Eigen::VectorXd count = Eigen::VectorXd::Zero(points.rows());
   for (int f = 0; f < static_cast<int>(s.faces.rows()); ++f)
@@ -74,7 +75,7 @@ PointsX3 Smoothed(const Surface& s, PointsX3 points, int rounds) {
   return points;
 }
 
-// How deep each vertex lies below the smoothed surface, in mean edge lengths; negative on ridges.
+// Depth of each vertex below the smoothed surface, in mean edge lengths; negative on ridges.
 Eigen::VectorXd CreaseDepth(const Surface& s, const PointsX3& normals) {
   const PointsX3 smooth = Smoothed(s, s.points, kSmoothing);
   double length = 0;
@@ -85,7 +86,7 @@ Eigen::VectorXd CreaseDepth(const Surface& s, const PointsX3& normals) {
   return (smooth - s.points).cwiseProduct(normals).rowwise().sum() / std::max(length, 1e-300);
 }
 
-// Rings of faces of `a` and `b` about their common border: 0 beside it; -1 beyond `band`.
+// Rings of faces of `a` and `b` around their common border: 0 beside it; -1 beyond `band`.
 std::unordered_map<int, int> Rings(const Surface& s, const std::vector<int>& label, int a, int b,
                                    int band) {
   std::unordered_map<int, int> ring;
@@ -111,7 +112,7 @@ std::unordered_map<int, int> Rings(const Surface& s, const std::vector<int>& lab
   return ring;
 }
 
-// The faces that the cut gives to the other chart, unless that saves next to nothing.
+// The faces that the cut moves to the other chart, unless the gain is too small.
 std::vector<int> WorthChanging(const Surface& s, const PointsX3& costs,
                                const std::vector<int>& label, int a, const std::vector<int>& faces,
                                const std::unordered_map<int, int>& node, const MinCut& cut) {
@@ -140,7 +141,7 @@ Exposure FindExposure(const Surface& s, const Viewers& viewers) {
   const RayScene scene(s.points, s.faces);
   const double diagonal = BoundingDiagonal(s.points), near = 1e-4 * diagonal, far = 2 * diagonal;
   const Vector3d front = viewers.front.normalized();
-  // The most that any normal could gather: about that of one that faces the front.
+  // The normalisation: the sum for a normal that faces the front, about the largest possible.
   double most = 0;
   for (const View& view : views) most += view.weight * std::max(0.0, view.direction.dot(front));
   const Eigen::Index count = s.points.rows();
@@ -199,7 +200,7 @@ std::vector<int> BetterBorder(const Surface& s, const PointsX3& costs,
   MinCut cut(static_cast<int>(faces.size()));
   for (const int f : faces) {
     const int side = label[f] == b;
-    // The last ring belongs to its chart for good, so that neither chart is eaten up.
+    // The last ring stays with its chart, so that neither chart disappears.
     if (ring.at(f) == deepest[side])
       cut.AddTerminals(node[f], side ? 0 : kNever, side ? kNever : 0);
     for (int k = 0; k < 3; ++k) {

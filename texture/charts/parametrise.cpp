@@ -20,7 +20,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kSettled = 1e-5;
-constexpr double kLeastArea = 0.02;  // of the area in space: thinner than that counts as flipped
+constexpr double kLeastArea = 0.02;  // of the area in space: smaller triangles count as flipped
 
 UvsX2 Projected(const Surface& s, const Chart& chart) {
   Vector3d normal = Vector3d::Zero();
@@ -34,8 +34,8 @@ UvsX2 Projected(const Surface& s, const Chart& chart) {
   return uvs;
 }
 
-// Rim on a circle by arc length, every other vertex in the weighted mean of its neighbours: no
-// triangle can flip.
+// The boundary on a circle by arc length, every other vertex at the weighted mean of its
+// neighbours: no triangle can flip.
 UvsX2 Tutte(const Surface& s, const Chart& chart, const RestShape& rest) {
   const int count = static_cast<int>(chart.vertices.size());
   UvsX2 uvs = UvsX2::Zero(count, 2);
@@ -91,8 +91,8 @@ bool Cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector
 
 }  // namespace
 
-// A map of a disk that flips nothing and whose rim is a simple polygon is one to one; the exact
-// test of that follows once all is packed.
+// A map of a disk without flips and with a simple boundary polygon is injective; the exact test
+// follows after packing.
 bool RimIsSimple(const Chart& chart, const UvsX2& uvs) {
   const std::size_t n = chart.rim.size();
   std::vector<Vector2d> p;
@@ -136,7 +136,7 @@ Vector2d Stretches(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
   from << flat.x1, flat.x2, 0, flat.y2;
   to << q - p, r - p;
   const Matrix2d j = to * from.inverse();
-  // Closed form of the 2 x 2 singular values.
+  // Singular values of a 2 x 2 matrix in closed form.
   const double e = (j(0, 0) + j(1, 1)) / 2, f = (j(0, 0) - j(1, 1)) / 2,
                g = (j(1, 0) + j(0, 1)) / 2, h = (j(1, 0) - j(0, 1)) / 2;
   const double u = std::hypot(e, h), v = std::hypot(f, g);

@@ -18,7 +18,7 @@ struct OutlineEdge {
   int rim, from, to;
 };
 
-// Edges in square buckets that are as wide as the reach.
+// Edges in square buckets as wide as the reach.
 class Buckets {
  public:
   Buckets(const std::vector<UvsX2>& rims, double reach)
@@ -81,7 +81,7 @@ Vector2d OutwardAt(const UvsX2& rim, const Touch& touch) {
 
 struct Contact {
   Touch touch;
-  Vector2d push;  // of the vertex; the edge takes the opposite
+  Vector2d push;  // of the vertex; the edge gets the opposite
 };
 
 struct VertexContacts {
@@ -149,8 +149,8 @@ class Finder {
     const Vector2d outward = OutwardAt(other, touch);
     const double side = (p - foot).dot(outward), distance = std::sqrt(touch.squared);
     if (touch.rim == rim) {
-      // Across a bay of its own the rim looks at itself from outside; across a neck from inside,
-      // which is no contact.
+      // Across its own bay an outline is near itself from outside; across a neck from inside, which
+      // is no contact.
       const Touch here{rim, vertex, (vertex + 1) % static_cast<int>(other.rows()), 0, 0};
       const int end = touch.t <= 0   ? touch.from
                       : touch.t >= 1 ? touch.to
@@ -191,7 +191,7 @@ Contacts FindContacts(const std::vector<UvsX2>& rims, double gap, double reach) 
     out.push.push_back(UvsX2::Zero(rim.rows(), 2));
     weight.emplace_back(rim.rows(), 0.0);
   }
-  // In order, not side by side: sums stay the same bits.
+  // Sequentially, so that sums have the same bits.
   for (std::size_t r = 0; r < rims.size(); ++r) {
     for (std::size_t v = 0; v < found[r].size(); ++v) {
       const VertexContacts& at = found[r][v];

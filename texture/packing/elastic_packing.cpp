@@ -15,24 +15,25 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kAim = 1.05;  // times the gap: pushes end slowly, so they aim a little farther
+// times the gap: displacements converge slowly, so their target is somewhat larger
+constexpr double kAim = 1.05;
 constexpr double kFarthestAim = 1.6;
-constexpr double kDepth = 0.012;  // [side of the square] of overlaps that are resolved
+constexpr double kDepth = 0.012;  // [side of the square] largest overlap that is resolved
 constexpr int kRigidRounds = 40;  // at one scale
 constexpr double kRigidShrink = 0.998;
-constexpr double kHold = 2;  // of rims to where contacts want them, beside cotangents of about 1
-constexpr double kPressure = 0.4;  // share of a push that stays
-constexpr double kRelease = 0.9;   // of the pressure that is left after a round without contact
+constexpr double kHold = 2;        // weight of boundary targets, relative to cotangents of about 1
+constexpr double kPressure = 0.4;  // share of a displacement that is kept as pressure
+constexpr double kRelease = 0.9;   // factor of the pressure after a round without contact
 constexpr double kGrowth = 0.001;  // of the scale in a round
 constexpr int kMeasureEvery = 8;
 constexpr int kSettlingRounds = 60;
 constexpr double kEase = 0.98;
-// of a triangle, times what it would have without stress
+// least area of a triangle, relative to its area without stress
 constexpr double kLeastStressedArea = 0.1;
 
 double ReachOf(double gap) { return kFarthestAim * gap + kDepth; }
 
-// The rigid motion that follows the pushes best; vertices without contact do not count.
+// The rigid motion that fits the displacements best; vertices without contact are ignored.
 void Follow(const UvsX2& rim, const UvsX2& push, Placement& place) {
   const Vector2d center = rim.colwise().mean().transpose();
   Vector2d shift = Vector2d::Zero();
@@ -73,7 +74,7 @@ UvsX2 Blurred(const UvsX2& rim, int rounds) {
   return now;
 }
 
-// A blur that does not shrink: teeth go, bays stay.
+// A blur without shrinking: small teeth are removed, bays stay.
 UvsX2 Straightened(const UvsX2& rim) {
   const UvsX2 once = Blurred(rim, 6);
   return 2 * once - Blurred(once, 6);
@@ -113,7 +114,8 @@ class ElasticPacking {
     }
     for (int round = 0; round < kSettlingRounds; ++round) {
       Step();
-      // The last bit of pressure goes slowly, so more distance is asked for than is needed.
+      // The last part of the pressure converges slowly, so the target distance is larger than
+      // needed.
       aim_ =
           gap_ < options_.gap ? std::min(kFarthestAim, aim_ + 0.02) : std::max(kAim, aim_ - 0.005);
       Keep();
@@ -162,7 +164,7 @@ class ElasticPacking {
                options_.most_deviation;
   }
 
-  // A sheet that is about to fold is eased, so that it does not spoil the layout of all others.
+  // A sheet that is about to fold is relaxed, so that it does not invalidate the whole layout.
   void Keep() {
     if (gap_ < options_.gap) return;
     std::vector<char> good(charts_.size());
@@ -188,8 +190,8 @@ class ElasticPacking {
   Layout now_, best_;
   std::vector<double> ease_;
   std::vector<std::optional<Sheet>> sheets_;
-  std::vector<UvsX2> pressure_;  // per rim vertex: what its contacts have asked for in sum, so that
-                                 // they are met under load
+  std::vector<UvsX2> pressure_;  // per boundary vertex: accumulated displacements of its contacts,
+                                 // so that they are met under load
   double best_area_ = 0, gap_ = 0, aim_ = kAim;
 };
 
@@ -215,7 +217,7 @@ std::optional<Nesting> SetApart(const std::vector<UvsX2>& outlines, Nesting nest
       for (std::size_t i = 0; i < outlines.size(); ++i)
         Follow(rims[i], contacts.push[i], nesting.places[i]);
     }
-    // Charts shrink about their own middles, not about the origin of their coordinates.
+    // Charts shrink about their own centres, not about the origin of their coordinates.
     for (std::size_t i = 0; i < outlines.size(); ++i) {
       const Vector2d center = rims[i].colwise().mean().transpose();
       nesting.places[i].offset = center + kRigidShrink * (nesting.places[i].offset - center);

@@ -1,5 +1,5 @@
-// Packed charts moved apart where they touch, as rigid shapes or as elastic sheets (elastic
-// packing) that fill the gaps between them.
+// Packed charts that are moved apart where they touch, as rigid shapes or as elastic sheets
+// (elastic packing) that fill the gaps between them.
 #pragma once
 
 #include <optional>
@@ -10,35 +10,35 @@
 
 namespace keypose::texture {
 
-/// Points turned, scaled and moved.
+/// Points rotated, scaled and moved.
 UvsX2 Placed(const UvsX2& points, double scale, const Placement& place);
 
-/// Moves rigid charts, from places that may overlap a little.
+/// Separates rigid charts whose places may overlap a little.
 /// @param outlines  simple polygons; `nesting` belongs to them
 /// @return places and scale (that of `nesting` or somewhat smaller) at which all keep `gap`;
-/// nothing when that takes more than a third of the scale
+/// nothing if more than a third of the scale would be lost
 std::optional<Nesting> SetApart(const std::vector<UvsX2>& outlines, Nesting nesting, double gap);
 
 struct ElasticPackingOptions {
   double gap = 0;              ///< [side of the square] between charts; half of it to the border
-  int rounds = 200;            ///< of growing, by a thousandth each; cost grows with it
-  double straightening = 0.1;  ///< how strongly rims are drawn straight, 0: not
-  /// growing ends when the mean of s1 / s2 over all faces exceeds it
+  int rounds = 200;            ///< rounds of growth, by a thousandth each; cost grows with it
+  double straightening = 0.1;  ///< strength of the straightening of boundaries, 0: none
+  /// growth ends when the mean of s1 / s2 over all faces exceeds it
   double most_conformal = 1.13;
-  double most_deviation = 0.088;  ///< ... or the mean deviation of areas from their fair share does
+  double most_deviation = 0.088;  ///< ... or when the mean relative deviation of areas exceeds it
 };
 
-/// Charts laid out in the unit square, each an elastic sheet.
+/// Charts laid out in the unit square, each as an elastic sheet.
 struct Layout {
   std::vector<UvsX2> uvs;  ///< per chart
   double scale = 0;        ///< sides of the square per unit of the surface, without stress
 };
 
-/// Elastic packing: grows the sheets under pressure: they yield where they touch and bulge into the
-/// gaps. Nothing is mirrored, no triangle flips.
+/// Elastic packing: the sheets grow under pressure, deform where they touch, and fill the gaps.
+/// Nothing is mirrored, no triangle flips.
 /// @param layout  all at least `gap` apart
-/// @return the layout with the most covered area among those that keep the gap; `layout` itself
-/// when none is better
+/// @return the layout with the largest covered area among those that keep the gap; `layout` itself
+/// if none is better
 Layout PackElastically(const Surface& surface, const std::vector<const Chart*>& charts,
                        const Layout& layout, const ElasticPackingOptions& options);
 

@@ -19,11 +19,12 @@ constexpr int kFirstTurns = 16;  // of the bottom-left start
 constexpr double kScaleStep = 1.012;
 constexpr double kLeastGrowth = 1.002;
 constexpr int kPatience = 60;  // sweeps at one scale
-// an outline of fewer counts as its box: half a cell of overlap would be too much for it
+// an outline with fewer cells is replaced by its box: half a cell of overlap would be too much for
+// it
 constexpr int kFewCells = 60;
 constexpr int kMovesPerEffort = 16;
 constexpr int kFar = 50;   // samples anywhere
-constexpr int kNear = 16;  // samples about the present place
+constexpr int kNear = 16;  // samples near the present place
 constexpr int kDescents = 3;
 
 struct Random {
@@ -46,7 +47,7 @@ UvsX2 Turned(const UvsX2& points, double angle) {
   return out;
 }
 
-// The turn with the smallest bounding box, in steps of a degree and a half.
+// The rotation with the smallest bounding box, in steps of a degree and a half.
 double LaidAngle(const UvsX2& points) {
   double best = 0, least = std::numeric_limits<double>::infinity();
   for (int step = 0; step < 60; ++step) {
@@ -80,8 +81,8 @@ UvsX2 Widened(const UvsX2& p, double by) {
     if (!(a > 0) || !(b > 0)) continue;
     const Eigen::RowVector2d along = before / a + after / b;
     const double length = along.norm();
-    if (!(length > 0.2)) continue;  // a spike keeps its tip
-    // 2 / length: how much farther a corner goes so that its edges move by `by`.
+    if (!(length > 0.2)) continue;  // the tip of a spike stays
+    // 2 / length: a corner moves farther so that its edges move by `by`.
     out.row(i) +=
         Eigen::RowVector2d(along.y(), -along.x()) / length * (by * std::min(2 / length, 1.5));
   }
@@ -95,8 +96,8 @@ struct Stamp {
   };
   std::vector<Span> spans;
   int width = 0, height = 0, cells = 0;
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();  // [cells] of the turned outline's box, before the
-                                                  // move to the origin
+  Eigen::Vector2d low = Eigen::Vector2d::Zero();  // [cells] lower corner of the rotated outline's
+                                                  // box, before the move to the origin
 };
 
 Stamp Draw(const UvsX2& outline_in_cells) {
@@ -142,7 +143,7 @@ struct Spot {
   int turn = 0, x = 0, y = 0;
 };
 
-// The outlines at one scale, drawn in each turn when first asked for.
+// The outlines at one scale, rasterised for each rotation at first use.
 class Stamps {
  public:
   Stamps(const std::vector<UvsX2>& laid, double cells_per_unit, double widen)
@@ -161,8 +162,8 @@ class Stamps {
   std::vector<std::optional<Stamp>> drawn_;
 };
 
-// For the bottom-left start: the last taken cell at or before each, so that a blocked place says
-// how far to move on.
+// For the bottom-left start: the last occupied cell at or before each cell, which gives the next
+// possible position after a collision.
 class Taken {
  public:
   explicit Taken(int n) : n_(n), last_(static_cast<std::size_t>(n) * n, -1) {}
@@ -246,7 +247,7 @@ class NestingSearch {
   }
 
  private:
-  // Bottom-left at falling scales, then bisection.
+  // Bottom-left at decreasing scales, then bisection.
   void Start() {
     const double high_limit = n_ * std::sqrt(1 / area_);
     double low = 0, high = high_limit;
@@ -290,7 +291,7 @@ class NestingSearch {
     return true;
   }
 
-  // Prefix sums along the rows of what overlapping each cell costs the item.
+  // Prefix sums along the rows of the item's cost for overlapping each cell.
   void BuildCosts(int item, const std::vector<Spot>& spots, Stamps& stamps) {
     const int stride = n_ + 1, count = static_cast<int>(spots.size());
     costs_.assign(static_cast<std::size_t>(stride) * n_, 0);
@@ -341,7 +342,7 @@ class NestingSearch {
     Spot spot;
   };
 
-  // Steps of halving size while they pay.
+  // Descent with halving step sizes.
   void Descend(int item, Candidate& c, Stamps& stamps) const {
     for (int step = 8; step >= 1 && c.cost > 0; step /= 2) {
       for (bool better = true; better && c.cost > 0;) {
@@ -355,7 +356,7 @@ class NestingSearch {
                                             {-turn, 0, 0}}};
         for (const Spot& move : moves) {
           Spot next{c.spot.turn + move.turn, c.spot.x + move.x, c.spot.y + move.y};
-          if (move.turn) {  // about the middle, not the corner of the box
+          if (move.turn) {  // about the centre, not the corner of the box
             const Stamp &old = stamps.Get(item, c.spot.turn),
                         &now = stamps.Get(item, ((next.turn % kTurns) + kTurns) % kTurns);
             next.x += (old.width - now.width) / 2;
@@ -421,8 +422,8 @@ class NestingSearch {
     return cells;
   }
 
-  // Spots of the present scale at another: what was about the middle stays there. False when
-  // something is larger than the square.
+  // Converts spots of the present scale to another, with the centre fixed. False if an outline is
+  // larger than the square.
   bool Rescaled(double scale, std::vector<Spot>& spots, Stamps& stamps) const {
     const double ratio = scale / scale_;
     for (int i = 0; i < std::ssize(spots); ++i) {
@@ -437,7 +438,7 @@ class NestingSearch {
     return true;
   }
 
-  // The items that overlap; pairs that do so for long weigh more and more.
+  // The items that overlap; the weights of pairs increase as long as they overlap.
   std::vector<int> Overlapping(const std::vector<Spot>& spots, Stamps& stamps) {
     const int count = static_cast<int>(spots.size());
     std::vector<int> overlap(static_cast<std::size_t>(count) * count, 0);
@@ -467,7 +468,7 @@ class NestingSearch {
     return items;
   }
 
-  // Moves what overlaps until nothing does, or patience ends.
+  // Moves overlapping items until none overlaps, or the limit of sweeps is reached.
   bool Separated(double scale, std::vector<Spot>& spots) {
     Stamps stamps(laid_, scale, widen_);
     if (!Rescaled(scale, spots, stamps)) return false;

@@ -14,7 +14,7 @@
 namespace keypose::texture {
 namespace {
 
-// Corners along the boundary, surface to the left.
+// Vertices along the boundary, surface to the left.
 UvsX2 RimOf(const Shape& shape) {
   std::map<std::pair<int, int>, int> edges;
   for (int f = 0; f < static_cast<int>(shape.corners.rows()); ++f)
@@ -53,8 +53,8 @@ Packing Pack(const std::vector<Shape>& shapes, const PackingOptions& options) {
   nesting_options.gap = gap;
   nesting_options.effort = options.effort;
   std::optional<Nesting> apart;
-  // Overlaps of half a cell are seldom too deep to be undone; outlines a cell wider do not overlap
-  // at all.
+  // Overlaps of half a cell can usually be resolved; outlines wider by a cell do not overlap at
+  // all.
   for (nesting_options.margin = 0; !apart && nesting_options.margin <= 1;
        ++nesting_options.margin) {
     const Nesting nesting = Nested(rims, nesting_options);

@@ -22,7 +22,7 @@ UvsX2 Rectangle(double x, double y, double width, double height) {
   return p;
 }
 
-/// A star of triangles about the origin: `tips` bumps of relative height `depth`.
+/// A star of triangles around the origin: `tips` bumps of relative height `depth`.
 Shape Star(int tips, double depth) {
   const int n = 8 * tips;
   Shape shape;
@@ -73,7 +73,7 @@ TEST(Pack, ShapesKeepTheirShapeAndTheGutter) {
                   packing.scale * before, 1e-12);
     }
   }
-  // The centres of the stars are inside; all other vertices are on the rims.
+  // The centres of the stars are inside; all other vertices are on the boundaries.
   std::vector<UvsX2> rims;
   for (std::size_t i = 0; i < shapes.size(); ++i)
     rims.push_back(packing.uvs[i].topRows(packing.uvs[i].rows() - 1));
@@ -177,8 +177,8 @@ TEST(SetApart, OverlappingSquaresEndWithTheGapBetweenThem) {
   EXPECT_GE(FindContacts(rims, 0.01, 0.1).least_gap, 0.01);
 }
 
-/// Half spheres as charts: domes that lie flat with some stretch, and gaps between them that only
-/// bulging can fill.
+/// Half spheres as charts: domes that are flattened with some stretch, and gaps between them that
+/// only deformation can fill.
 struct Domes {
   Surface surface;
   std::vector<Chart> charts;

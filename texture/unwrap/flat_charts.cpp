@@ -13,20 +13,21 @@
 namespace keypose::texture {
 namespace {
 
-constexpr int kFacesPerChart = 300;  // at the start, before charts are merged
+constexpr int kFacesPerChart = 300;  // initially, before charts are merged
 constexpr int kLloydRounds = 6;
 constexpr int kRounds = 25;  // of flattening while charts are cut and merged
 constexpr int kFinalRounds = 200;
 constexpr int kEarlyHidingRounds = 2;
-constexpr int kEarlyBand = 5;         // rings that a border of the small charts may move
+constexpr int kEarlyBand = 5;         // rings by which a border of the small charts may move
 constexpr int kLateBand = 20;         // ... of the large ones
-constexpr double kLeastScore = 0.03;  // below which a merge is not even tried
-// faces: charts as small as that go to a neighbour even if it is bent somewhat too far
+constexpr double kLeastScore = 0.03;  // merges with a lower score are not tried
+// faces: charts of at most this size are merged with a neighbour even with a little too much
+// distortion
 constexpr std::size_t kCrumb = 12;
 constexpr double kCrumbSlack = 1.05;
 constexpr double kP99Distortion = 2;  // within a chart
 constexpr double kWorstDistortion = 8;
-// |sum of normals| / area below which a merge is not even tried
+// |sum of normals| / area: merges with less are not tried
 constexpr double kLeastFlatness = 0.35;
 
 }  // namespace
@@ -49,8 +50,8 @@ std::optional<FlatChart> ChartAtlas::TryFlat(std::vector<int> faces, int rounds,
   return flat;
 }
 
-// Each round tries all open pieces side by side, and halves those that failed; a single triangle
-// always lies flat.
+// Each round flattens all open pieces in parallel, and halves those that failed; a single triangle
+// is always flat.
 void ChartAtlas::Settle(std::vector<std::vector<int>> work) {
   while (!work.empty()) {
     ReportProgress(progress_, 0.2, "flattening " + std::to_string(work.size()) + " charts");
@@ -115,7 +116,7 @@ double ChartAtlas::RimCost(const FlatChart& flat, const std::vector<int>& label)
   return cost;
 }
 
-// Charts that would bend around too far cannot lie flat; asking that first saves most attempts.
+// Charts that bend too far cannot be flat; testing that first avoids most attempts.
 bool ChartAtlas::WorthJoining(const FlatChart& a, const FlatChart& b) const {
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
   double area = 0;
@@ -128,8 +129,8 @@ bool ChartAtlas::WorthJoining(const FlatChart& a, const FlatChart& b) const {
   return area <= largest_share_ * surface_.areas.sum() && sum.norm() >= kLeastFlatness * area;
 }
 
-// Goes once over the pairs, first those that share most of their rims where these are seen best;
-// each chart takes part in one merge a round.
+// One pass over the pairs, those with the largest and most visible shared borders first. Each chart
+// takes part in one merge per round.
 bool ChartAtlas::JoinRound(std::set<std::pair<int, int>>& failed) {
   const std::vector<int> label = Labels();
   std::vector<double> rim;
@@ -162,8 +163,8 @@ bool ChartAtlas::JoinRound(std::set<std::pair<int, int>>& failed) {
       failed.insert(name);
       continue;
     }
-    // The merged chart keeps the lower name; what failed with either part may work with both, so it
-    // is asked again.
+    // The merged chart keeps the lower index. Pairs that failed with either part may work with the
+    // merged chart, so they are tried again.
     std::erase_if(failed, [&](const std::pair<int, int>& p) {
       return p.first == name.first || p.second == name.first;
     });
@@ -186,8 +187,7 @@ void ChartAtlas::Join(double largest_share) {
   }
 }
 
-// One border after the other, the costliest first, since a chart that has changed is the start of
-// what its next border does.
+// One border after the other, the costliest first, since each change affects a chart's next border.
 void ChartAtlas::Hide() {
   std::vector<int> label = Labels();
   std::vector<std::tuple<double, int, int>> pairs;
@@ -215,7 +215,7 @@ void ChartAtlas::Hide() {
   }
 }
 
-// More rounds for the charts that stay; where they lead into a fold, the earlier result is kept.
+// More rounds for the final charts; where they lead to a fold, the earlier result is kept.
 void ChartAtlas::Refine() {
   ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t i) {
     const Chart& chart = charts_[i].chart;

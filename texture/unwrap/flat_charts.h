@@ -1,4 +1,5 @@
-// Charts of a closed surface that are cut until each lies flat, then joined while they still do.
+// Charts of a closed surface that are cut until each is nearly flat, then joined while they stay
+// so.
 #pragma once
 
 #include <map>
@@ -17,10 +18,10 @@ struct FlatChart {
   UvsX2 uvs;
 };
 
-/// Call the steps in any order after Cut. The charts cover every face once at any time.
+/// Call Cut first, then the other steps in any order. The charts always cover every face once.
 class ChartAtlas {
  public:
-  /// @param seam_costs  what a seam costs along edge k of each face, F x 3; all > 0
+  /// @param seam_costs  cost of a seam along edge k of each face, F x 3; all > 0
   ChartAtlas(const Surface& surface, const PointsX3& seam_costs, double max_distortion,
              Progress* progress)
       : surface_(surface),
@@ -29,15 +30,15 @@ class ChartAtlas {
         max_distortion_(max_distortion),
         progress_(progress) {}
 
-  /// Many small charts, with borders where seams cost little.
+  /// Makes many small charts, with borders where seams have low cost.
   /// @throws InputError  a face without area
   void Cut();
   /// Merges neighbours, costly borders first, while the joint chart stays flat enough.
-  /// @param largest_share  of the whole area that one chart may have
+  /// @param largest_share  of the whole area, for one chart
   void Join(double largest_share);
-  /// Moves each border to the cheapest place near it where both charts stay flat enough.
+  /// Moves each border to the cheapest position near it with which both charts stay flat enough.
   void Hide();
-  /// Relaxes each chart to the end.
+  /// Relaxes each chart to convergence.
   void Refine();
   const std::vector<FlatChart>& charts() const { return charts_; }
 
@@ -53,7 +54,7 @@ class ChartAtlas {
 
   const Surface& surface_;
   const PointsX3& costs_;
-  PointsX3 lengths_;  // of edges, as costs_
+  PointsX3 lengths_;  // of edges, in the layout of costs_
   double max_distortion_, largest_share_ = 1;
   Progress* progress_;
   std::vector<FlatChart> charts_;

@@ -23,7 +23,7 @@ struct Int2 {
 };
 using Edge = std::pair<int, int>;  // directed, surface to the left
 
-// Sign of twice the area; coordinates below 2^41 leave 128 bits ample room.
+// Sign of twice the area; coordinates are below 2^41, so 128 bits are sufficient.
 int Turn(const Int2& a, const Int2& b, const Int2& c) {
   const __int128 det = static_cast<__int128>(b.x - a.x) * (c.y - a.y) -
                        static_cast<__int128>(b.y - a.y) * (c.x - a.x);
@@ -71,8 +71,8 @@ void NumberCharts(const Mesh& mesh, Atlas& atlas) {
   atlas.charts = static_cast<int>(id.size());
 }
 
-// Follows each chart's boundary. A chart counts as a disk when it is a manifold with one loop and V
-// - E + F = 1.
+// Follows each chart's boundary. A chart is a disk when it is a manifold with one loop and V - E +
+// F = 1.
 int NonDisks(const Mesh& mesh, Atlas& atlas) {
   std::set<Edge> edges;
   std::vector<int> euler(atlas.charts, 0), boundary(atlas.charts, 0);
@@ -134,8 +134,8 @@ int Crossings(const Atlas& atlas) {
       const Int2 &pa = atlas.points[a], &pb = atlas.points[b], &pc = atlas.points[c],
                  &pd = atlas.points[d];
       if (a == d || b == c) {
-        // Neighbours share a corner; they may only fold back onto each other, which one of the
-        // other two ends then shows.
+        // Adjacent edges share a corner. They intersect only if one folds back onto the other,
+        // which one of the other two ends shows.
         const Int2 &shared = a == d ? pa : pb, &p = a == d ? pb : pa, &q = a == d ? pc : pd;
         const bool folded =
             Turn(shared, p, q) == 0 && (Between(shared, p, q) || Between(shared, q, p));

@@ -15,8 +15,8 @@
 namespace keypose::texture {
 namespace {
 
-// Of the surface in one chart. Large charts have few seams; where they pack badly, smaller ones are
-// tried.
+// Largest share of the surface in one chart. Large charts have few seams; if they pack badly,
+// smaller ones are tried.
 constexpr double kLargestShares[] = {0.25, 0.1, 0.05};
 
 Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts,
@@ -37,7 +37,7 @@ Mesh Assembled(const Mesh& clean, const std::vector<FlatChart>& charts,
   return mesh;
 }
 
-// Edges whose two faces use different UV vertices at the corner where the edge begins.
+// Edges whose two faces use different UV vertices at the edge's first corner.
 void MeasureSeams(const Surface& surface, const Exposure& exposure, UnwrapResult& result) {
   const Mesh& mesh = result.mesh;
   double length = 0, seam = 0, seen = 0, seam_seen = 0, front = 0;
@@ -122,18 +122,20 @@ UnwrapResult LaidOut(const Mesh& clean, const Surface& surface, const ChartAtlas
 
 void UnwrapOptions::Describe(OptionVisitor& visit) {
   visit("texture_size", texture_size,
-        {"width and height of the texture that the gutter is meant for", "px", 64, 16384, {}});
+        {"width and height of the texture for which the gutter is given", "px", 64, 16384, {}});
   visit("gutter", gutter,
         {"least distance between two charts, half of it to the border", "px", 1, 64, {}});
   visit("effort", effort,
-        {"packing effort: moves tried, in units of 16; more take longer and fill better",
+        {"packing effort: number of moves in units of 16; more take longer and cover more",
          "",
          0,
          100000,
          {}});
   visit("press", press, {"deform charts a little where that fills gaps between them"});
-  visit("hide_seams", hide_seams,
-        {"seams go where they are seen least: creases, below, behind (up is +z, the front -y)"});
+  visit(
+      "hide_seams", hide_seams,
+      {"seams are placed where they are least visible: creases, below, behind (up is +z, the front "
+       "-y)"});
   visit("enough_utilisation", enough_utilisation,
         {"smaller charts are tried while less than this share of the texture is covered",
          "",

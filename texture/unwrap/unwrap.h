@@ -1,4 +1,4 @@
-// A closed mesh to a texture layout: charts that lie nearly flat, packed into the unit square.
+// From a closed mesh to a texture layout: charts that are nearly flat, packed into the unit square.
 #pragma once
 
 #include "core/mesh.h"
@@ -12,13 +12,13 @@ struct UnwrapOptions {
   int texture_size = 2048;  ///< [px] edge of the square texture that the gutter is meant for
   int gutter = 4;           ///< [px] least distance between two charts; half of it to the border
   double max_distortion = 1.12;  ///< charts merge while their mean of max(s1, 1/s2) stays below,
-                                 ///< and are cut when above; before elastic packing
-  int effort = 600;  ///< moves in the search for places, in sixteens; cost grows with it
-  /// more, smaller charts are tried while less of the texture is covered
+                                 ///< and are cut when it is above; before elastic packing
+  int effort = 600;  ///< moves in the search for places, in units of 16; cost grows with it
+  /// smaller charts are tried while a smaller share of the texture is covered
   double enough_utilisation = 0.82;
-  bool press = true;       ///< charts yield a little where that fills gaps between them
-  bool hide_seams = true;  ///< seams go where they are seen least: creases, below, behind (up is
-                           ///< +z, the front -y)
+  bool press = true;       ///< charts deform a little where that fills gaps between them
+  bool hide_seams = true;  ///< seams are placed where they are least visible: creases, below,
+                           ///< behind (up is +z, the front -y)
   void Describe(OptionVisitor& visit);
 };
 
@@ -29,15 +29,15 @@ struct UnwrapResult {
   double seam_over_diag = 0;        ///< length of all seams over the diagonal
   double seam_front_over_diag = 0;  ///< ... of those in view from the front
   double seam_exposure = 0;         ///< mean of Exposure::seen along the seams
-  double edge_exposure = 0;         ///< ... along all edges: what seams laid at random would have
+  double edge_exposure = 0;         ///< ... along all edges: the expected value of random seams
   double texels_per_unit = 0;       ///< texture pixels along one unit of the surface, on average
 };
 
 /// @param clean  closed oriented 2-manifold
 /// @throws InputError    empty, not finite, not closed, or a face without area; names the place
 /// @throws QualityError  the charts do not fit the texture with this gutter
-/// The layout is proven free of flipped and overlapping triangles in exact arithmetic before it is
-/// returned.
+/// Before it is returned, the layout is proven free of flipped and overlapping triangles in exact
+/// arithmetic.
 /// Same bits for any thread count.
 /// Cost: some three processor seconds for 20,000 faces.
 /// Source: chart growing Sander et al., SGP 2003; flattening Liu et al., SGP 2008; places Egeblad

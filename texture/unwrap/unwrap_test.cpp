@@ -47,7 +47,7 @@ Mesh Torus(int n, int m) {
   return mesh;
 }
 
-/// A unit square of two triangles in the plane z = 0, laid into the texture by `uvs`.
+/// A unit square of two triangles in the plane z = 0, with the texture coordinates `uvs`.
 Mesh Square(const UvsX2& uvs) {
   Mesh mesh;
   mesh.points.resize(4, 3);
@@ -81,7 +81,7 @@ void ExpectProven(const Mesh& clean, const UnwrapResult& result) {
   EXPECT_TRUE(result.mesh.has_uvs());
 }
 
-/// Brute force over the centres of the texels: how many triangles cover each.
+/// Brute force over the centres of the texels: number of triangles that cover each.
 int MostCovered(const Mesh& mesh, int size) {
   std::vector<int> count(static_cast<std::size_t>(size) * size, 0);
   for (int f = 0; f < mesh.face_count(); ++f) {
@@ -130,7 +130,7 @@ TEST(Unwrapped, CharacterLikeShapeIsFlatDenseAndProven) {
 TEST(Unwrapped, CylinderSideHasNoStretch) {
   const Mesh clean = MakeCylinder(0.3, 2, 48, 40);
   UnwrapOptions options = Rigid();
-  options.max_distortion = 1.02;  // else the round rim of the caps may join the side
+  options.max_distortion = 1.02;  // otherwise the round border of the caps may join the side
   const UnwrapResult result = Unwrapped(clean, options);
   ExpectProven(clean, result);
   EXPECT_LT(result.stretch.l2, 1.01);
@@ -146,8 +146,8 @@ TEST(Unwrapped, ChartsKeepTheGutter) {
   UnwrapOptions options = Small();
   options.gutter = 12;
   const UnwrapResult result = Unwrapped(Bumpy(4), options);
-  // Chart of each texel's nearest vertex is enough: vertices of two charts are never nearer than
-  // the gutter.
+  // Comparing each texel's nearest vertex's chart is sufficient: vertices of two charts are never
+  // closer than the gutter.
   std::vector<int> parent(result.mesh.uvs.rows());
   for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = static_cast<int>(i);
   const auto root = [&](int i) {
@@ -246,7 +246,7 @@ TEST(FindAtlasFaults, SeesTwoChartsThatCrossAndOneInsideAnother) {
 }
 
 TEST(FindAtlasFaults, FanThatWindsAroundTwiceCrossesItself) {
-  // No triangle flips, yet the fan covers the plane twice: only its boundary tells.
+  // No triangle flips, but the fan covers the plane twice: only its boundary reveals that.
   const int n = 12;
   Mesh fan;
   fan.points = PointsX3::Zero(n + 2, 3);

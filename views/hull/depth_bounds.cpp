@@ -21,7 +21,7 @@ Entries MarchAll(const VisualHull& hull, const PreparedView& view, int level) {
   const Eigen::Vector3d center = view.Center();
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
-      // The mask's rim is only half a pixel of the coarse level: neighbours count too.
+      // The mask's border is known to half a pixel of the coarse level, so neighbours count too.
       bool near_mask = false;
       for (int k = 0; k < 9 && !near_mask; ++k) {
         const int nx = std::clamp(x + k % 3 - 1, 0, camera.width - 1),
@@ -29,7 +29,7 @@ Entries MarchAll(const VisualHull& hull, const PreparedView& view, int level) {
         near_mask = InMask(*grey.at(nx, ny));
       }
       if (!near_mask) continue;
-      const Eigen::Vector3d ray = camera.Ray(x, y);  // z = 1, so that distances along it are depths
+      const Eigen::Vector3d ray = camera.Ray(x, y);  // z = 1, so distances along it are depths
       const auto interval = hull.March(center, world_from_camera * ray);
       if (!interval) continue;
       const double margin = kMarginVoxels * hull.cell / ray.norm();
@@ -40,7 +40,7 @@ Entries MarchAll(const VisualHull& hull, const PreparedView& view, int level) {
   return out;
 }
 
-// Least-squares plane through the entries of a 7 x 7 window that belong to the same sheet.
+// Least-squares plane through those entries of a 7 x 7 window that belong to the same surface.
 Eigen::Vector2f Slope(const ImageF& nearest, int x, int y, float largest_jump) {
   const float center = *nearest.at(x, y);
   Eigen::Matrix2f a = Eigen::Matrix2f::Identity() * 1e-6f;

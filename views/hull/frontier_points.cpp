@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeastWeight = 0.4;
 
-// The only piece of the ray that all masks allow, if there is only one.
+// The interval of the ray that all masks allow, if it is the only one.
 std::optional<VisualHull::Interval> OnlyPiece(const VisualHull& hull,
                                               const Silhouettes& silhouettes,
                                               const Eigen::Vector3d& from,
@@ -27,7 +27,7 @@ std::optional<VisualHull::Interval> OnlyPiece(const VisualHull& hull,
     if (!allowed(t)) continue;
     if (!piece) piece = {t, t};
     if (t - piece->back > 1.5 * step || t - piece->front > longest)
-      return std::nullopt;  // a second piece, or a long one
+      return std::nullopt;  // a second interval, or a long one
     piece->back = t;
   }
   if (!piece) return piece;
@@ -54,7 +54,7 @@ std::vector<FrontierPoint> FrontierPointsOf(const VisualHull& hull, const Silhou
       if (std::abs(field.At(x, y) + 0.5f) > 0.1f) continue;  // the last pixels inside
       Eigen::Vector2d out(field.At(x + 2, y) - field.At(x - 2, y),
                           field.At(x, y + 2) - field.At(x, y - 2));
-      if (out.norm() < 2) continue;  // a thread or a notch
+      if (out.norm() < 2) continue;  // a thin structure or a notch
       out.normalize();
       const Eigen::Vector3d ray =
           world_from_camera * view.camera().Ray(x + 0.5 * out.x(), y + 0.5 * out.y());

@@ -1,5 +1,5 @@
-// Places where the surface touches the rays of the masks' rims: as exact as the masks, whatever the
-// texture or gloss.
+// Points where the surface touches the rays through the masks' borders. They are as accurate as the
+// masks, independent of texture and gloss.
 #pragma once
 
 #include <vector>
@@ -11,28 +11,29 @@
 namespace keypose {
 
 struct FrontierPointOptions {
-  double tolerance_px = 0.5;  ///< of the other masks, within which a ray still counts as inside
-  /// pieces of rays up to this share of the hull's longest side weigh 1
+  /// a ray point this far outside of the other masks still counts as inside
+  double tolerance_px = 0.5;
+  /// ray intervals up to this share of the hull's longest side have weight 1
   double sure_length = 0.015;
-  double longest_length = 0.03;  ///< longer ones tell too little: left out
+  double longest_length = 0.03;  ///< longer intervals are too inaccurate: left out
 };
 
 struct FrontierPoint {
   Eigen::Vector3d point, normal;  ///< in the world; unit, outwards
-  int view = 0;                   ///< whose rim it is
-  double footprint = 0;           ///< world length of a pixel there
+  int view = 0;                   ///< the view whose mask border it is on
+  double footprint = 0;           ///< size of a pixel at the point, in world units
   double weight = 0;              ///< 0.4 to 1
 };
 
-/// Every ray through a mask's rim touches the surface somewhere. The other masks leave only a piece
-/// of it; where that is a single short one, its middle lies on the surface but for a small part of
-/// the piece's length times the angle between the views that end it. The piece is tangent to the
-/// surface, so a place too near or too far along it hardly matters.
+/// Every ray through a mask's border touches the surface somewhere. The other masks leave only an
+/// interval of the ray. If that is a single short interval, its middle is close to the surface: the
+/// error is a small fraction of the interval's length times the angle between the views that bound
+/// it. The interval is tangent to the surface, so errors along it have little effect.
 ///
 /// @param hull  carved with a margin from the views of `silhouettes`
-/// @return one point near every second pixel of rim, view by view
-/// Masks that are wrong give none: where one is too large no piece is left, where it is too small
-/// the piece is long.
+/// @return one point near every second pixel of the masks' borders, view by view
+/// Wrong masks give no points: a mask that is too large leaves no interval, a mask that is too
+/// small leaves a long one.
 /// Source: the frontier points of Cipolla & Giblin, Visual Motion of Curves and Surfaces, 2000,
 /// found by bracketing instead of tracking.
 std::vector<FrontierPoint> FindFrontierPoints(const VisualHull& hull,

@@ -57,8 +57,8 @@ std::vector<float> DistanceTo(const std::vector<char>& set, int width, int heigh
   return out;
 }
 
-// The crop keeps a margin around the mask wherever the photograph goes on; a mask that touches the
-// crop's side touches the photograph's side.
+// The crop has a margin around the mask wherever the photograph continues. So a mask that touches
+// the crop's side touches the photograph's side.
 std::array<bool, 4> MaskEdges(const GreyMask& grey) {
   std::array<bool, 4> edges{};
   for (int y = 0; y < grey.height; ++y)

@@ -1,5 +1,5 @@
-// Signed distance to a mask's rim, for any point of the picture: how far inside or outside of an
-// object's outline a place projects.
+// Signed distance to a mask's border, for any point of the picture: how far inside or outside of
+// the figure's outline a point projects.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,8 @@ struct MaskField {
   int width = 0, height = 0;
   std::vector<float> distance;  ///< pixels of the field's level; positive outside, 0 midway between
                                 ///< the last pixel inside and the first outside
-  std::array<bool, 4> edges = {};  ///< the photograph ends at the field's left, right, top, bottom
-                                   ///< side: nothing is known beyond
+  std::array<bool, 4> edges = {};  ///< whether the mask touches the photograph's left, right, top,
+                                   ///< bottom side: beyond it nothing is known
 
   float At(int x, int y) const { return distance[static_cast<std::size_t>(y) * width + x]; }
 };

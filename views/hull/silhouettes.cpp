@@ -15,8 +15,8 @@ constexpr double kFarOutside = 1e6;
 constexpr double kStandsOut = 0.005;
 constexpr double kRaysPerView = 5000;
 
-// Marks voxels so deep within the hull's margin that every place in them is inside of all outlines:
-// most rays end there without a question.
+// Marks the voxels that lie so deep within the hull's margin that all their points are inside of
+// all outlines. Most rays end there without a projection.
 std::vector<std::uint8_t> DeepVoxels(const VisualHull& hull) {
   constexpr int kDepth = 3;
   std::vector<std::uint8_t> deep = hull.inside, next(deep.size());
@@ -44,8 +44,8 @@ struct RayGrid {
   VisualHull deep;  // the same grid with fewer voxels
 };
 
-// Whether a ray meets the hull. The grid holds every place of the hull, so only its voxels are
-// asked, the deep ones first.
+// Whether a ray meets the hull. The grid contains the hull, so only its voxels are tested, the deep
+// ones first.
 bool Meets(const RayGrid& grid, const Silhouettes& silhouettes, const Eigen::Vector3d& from,
            const Eigen::Vector3d& direction) {
   const auto interval = grid.hull.March(from, direction);
@@ -129,7 +129,8 @@ double Silhouettes::Outside(const Eigen::Vector3d& x, int without) const {
 }
 
 bool Silhouettes::Within(const Eigen::Vector3d& x, double limit_px) const {
-  // Distances change by at most one a pixel, so far from the limit the nearest pixel's says it all.
+  // Distances change by at most one per pixel, so far from the limit the nearest pixel's distance
+  // is sufficient.
   constexpr double kSure = 1.5;
   int seen = 0, outside = 0;
   for (int i = 0; i < views(); ++i) {
@@ -156,7 +157,7 @@ Eigen::Vector3d Silhouettes::OutlineNormal(int view, const Eigen::Vector3d& x) c
   const Eigen::Vector3d h = field.from_world * x.homogeneous();
   if (h.z() <= 0) return Eigen::Vector3d::Zero();
   const double px = h.x() / h.z(), py = h.y() / h.z();
-  // Differences over five pixels: the outline's steps are one pixel.
+  // Differences over five pixels, because the outline has steps of one pixel.
   constexpr double kReach = 2.5;
   const Eigen::Vector2d slope(
       DistanceAt(view, px + kReach, py) - DistanceAt(view, px - kReach, py),
@@ -180,7 +181,7 @@ double MiddleFootprint(const VisualHull& hull, const Silhouettes& silhouettes) {
 
 PointCloud ExactHullSurface(const VisualHull& hull, const Silhouettes& silhouettes) {
   constexpr int kHalvings = 10;
-  constexpr double kMarginPx = 4;  // more than hulls are grown by
+  constexpr double kMarginPx = 4;  // more than the margin with which hulls are carved
   const double reach = 3 * hull.cell + kMarginPx * MiddleFootprint(hull, silhouettes);
   PointCloud surface = HullSurface(hull);
   std::vector<char> found(surface.points.rows(), 0);
@@ -220,7 +221,7 @@ HullCheck CheckAgainstHull(const std::vector<PreparedView>& views, const VisualH
   std::vector<double> sorted = out.iou;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
                    sorted.end());
-  // Fuzz lowers all views alike, and naming all of them would name none.
+  // Hair or fur lowers the IoU of all views alike, and then no single view is at fault.
   const double limit = std::min(least_iou, sorted[sorted.size() / 2] - kStandsOut);
   for (std::size_t i = 0; i < views.size(); ++i)
     if (out.iou[i] < limit) out.disagreeing.push_back(views[i].name);

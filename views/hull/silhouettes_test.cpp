@@ -10,9 +10,10 @@
 namespace keypose {
 namespace {
 
-constexpr double kPixels = 75;  // radius of the ball in the pictures, about
+constexpr double kPixels = 75;  // radius of the ball in the pictures, approximately
 
-// Exact masks of the unit ball from a ring of cameras, far enough to be nearly orthographic.
+// Exact masks of the unit ball from a ring of cameras, so far away that they are nearly
+// orthographic.
 std::vector<PreparedView> BallRing(int count, double elevation_deg = 0, double distance = 50) {
   std::vector<PreparedView> views;
   for (int i = 0; i < count; ++i) {
@@ -48,8 +49,8 @@ VisualHull Carved(const std::vector<PreparedView>& views, int votes = 1) {
 }
 
 TEST(Silhouettes, SliceOfARingIsThePolygonOfItsOutlines) {
-  // n views of a circle leave a regular polygon around it, of n sides when n is even, of 2 n when
-  // it is odd.
+  // n views of a circle give a regular polygon around it, of n sides when n is even, of 2 n when it
+  // is odd.
   for (const int n : {4, 5, 8, 12}) {
     const Silhouettes silhouettes(BallRing(n, 0, 1000), 1);
     const int sides = n % 2 ? 2 * n : n;
@@ -66,8 +67,8 @@ TEST(Silhouettes, SliceOfARingIsThePolygonOfItsOutlines) {
       }
       area += inner * inner * M_PI / kSteps;
     }
-    // Pixels decide by their centres: the outline is right to a fraction of one, 1/75 of the
-    // radius.
+    // Pixels are classified by their centres: the outline is accurate to a fraction of one, 1/75 of
+    // the radius.
     EXPECT_NEAR(area / M_PI, sides / M_PI * std::tan(M_PI / sides), 0.015) << n << " views";
   }
 }

@@ -33,7 +33,7 @@ bool InMaskAt(const PreparedView& view, const Eigen::Vector3d& point) {
       *view.levels[0].grey.at(static_cast<int>(p.x() + 0.5), static_cast<int>(p.y() + 0.5)));
 }
 
-// Whether the point lies at the front of the hull as the view sees it.
+// Whether the point is on the front of the hull as seen from the view.
 bool InFront(const PreparedView& view, const DepthBounds& bounds, const Eigen::Vector3d& point) {
   if (!InMaskAt(view, point)) return false;
   const Eigen::Vector3d x = view.camera_from_world * point;

@@ -13,7 +13,8 @@
 namespace keypose {
 namespace {
 
-// Half of the working resolution is finer than the grid and keeps the transforms cheap.
+// Half of the working resolution is still finer than the grid, and makes the distance transforms
+// cheap.
 MaskField GrownField(const PreparedView& view, double margin_px) {
   const int level = std::min<int>(1, static_cast<int>(view.levels.size()) - 1);
   MaskField field = MakeMaskField(view, level);
@@ -24,9 +25,9 @@ MaskField GrownField(const PreparedView& view, double margin_px) {
 
 enum class Verdict { kUnseen, kInside, kOutside, kMixed };
 
-// Judges a ball against one mask. The crop's outside counts as outside the mask (it was cut at the
-// mask's bounds) except beyond the photograph, which the caller cannot tell apart: `field.edges`
-// says which sides of the crop are sides of the photograph.
+// Classifies a ball against one mask. Points outside of the crop are outside of the mask (the crop
+// follows the mask's bounds), except beyond the photograph: `field.edges` marks the sides of the
+// crop where the mask reaches the photograph's side.
 Verdict Judge(const MaskField& field, const Eigen::Vector3d& center, double radius) {
   const std::array<bool, 4>& edges = field.edges;
   const Eigen::Vector3d h = field.from_world * center.homogeneous();
@@ -41,7 +42,8 @@ Verdict Judge(const MaskField& field, const Eigen::Vector3d& center, double radi
   const double beyond = std::hypot(x - cx, y - cy);
   const double d =
       field.distance[static_cast<std::size_t>(std::lround(cy)) * field.width + std::lround(cx)];
-  // Every pixel is at most as far from the rim as its neighbour plus their distance.
+  // The distance of a pixel to the border is at most its neighbour's plus the distance between the
+  // two.
   if (beyond > 0) {
     const bool photograph_ends = (edges[0] && x < 0) || (edges[1] && x > field.width - 1) ||
                                  (edges[2] && y < 0) || (edges[3] && y > field.height - 1);
@@ -53,7 +55,7 @@ Verdict Judge(const MaskField& field, const Eigen::Vector3d& center, double radi
   return Verdict::kMixed;
 }
 
-// At a voxel's centre nothing is mixed.
+// For a voxel's centre, which is never mixed.
 Verdict JudgePoint(const MaskField& field, const Eigen::Vector3d& x) {
   const std::array<bool, 4>& edges = field.edges;
   const Eigen::Vector3d h = field.from_world * x.homogeneous();
@@ -95,8 +97,8 @@ class Carver {
   }
 
  private:
-  // What the cells around a cell have settled, which holds for all within them, and the views that
-  // are still to be asked.
+  // The views that larger cells have already decided, for all their subcells, and the views still
+  // to be tested.
   struct Open {
     int outside = 0, seen = 0;
     std::vector<int> views;
@@ -139,7 +141,7 @@ class Carver {
   std::vector<MaskField> fields_;
 };
 
-// Where the rays through the masks' centroids meet, and how far the masks reach around it.
+// The point where the rays through the masks' centroids meet, and the masks' extent around it.
 struct Ball {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0;
@@ -201,7 +203,7 @@ VisualHull Cropped(const VisualHull& hull, const Bounds& bounds) {
   return out;
 }
 
-// Part of the ray within the grid's box.
+// The part of the ray within the grid's box.
 bool ClipToGrid(const VisualHull& hull, const Eigen::Vector3d& from,
                 const Eigen::Vector3d& direction, double* begin, double* end) {
   *begin = 0, *end = std::numeric_limits<double>::infinity();
@@ -233,8 +235,7 @@ std::optional<VisualHull::Interval> VisualHull::March(const Eigen::Vector3d& fro
   const double step = 0.5 * cell / direction.norm();
   const Eigen::Vector3d first = (from + (begin + 0.5 * step) * direction - origin) / cell,
                         next = step / cell * direction;
-  // Within the box coordinates are positive but for rounding, so that cutting off the fraction is
-  // the floor.
+  // Within the box coordinates are positive except for rounding, so truncation is the floor.
   auto inside_at = [&](int k) {
     return Inside(static_cast<int>(first.x() + k * next.x()),
                   static_cast<int>(first.y() + k * next.y()),
@@ -279,7 +280,7 @@ VisualHull CarveVisualHull(const std::vector<PreparedView>& views,
   }
   int n = 8;
   while (n < options.resolution) n *= 2;
-  // The octree wants a power of two; a larger cube keeps the voxel's size as asked.
+  // The octree needs a power of two; a larger cube keeps the requested voxel size.
   const double grown = side * n / options.resolution;
   const VisualHull fine =
       carver.Carve(low - Eigen::Vector3d::Constant(0.5 * (grown - side)), grown, n);
@@ -297,7 +298,8 @@ PointCloud HullSurface(const VisualHull& hull) {
         if (hull.Inside(x + 1, y, z) && hull.Inside(x - 1, y, z) && hull.Inside(x, y + 1, z) &&
             hull.Inside(x, y - 1, z) && hull.Inside(x, y, z + 1) && hull.Inside(x, y, z - 1))
           continue;
-        // The occupancy's gradient over a ball of three voxels is smooth enough to orient.
+        // The occupancy's gradient over a ball of radius three voxels is smooth enough for a
+        // normal.
         Eigen::Vector3d normal = Eigen::Vector3d::Zero();
         for (int dz = -3; dz <= 3; ++dz)
           for (int dy = -3; dy <= 3; ++dy)

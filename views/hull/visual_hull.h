@@ -1,5 +1,5 @@
-// The visual hull: space that no mask rules out, on a voxel grid. Bounds depth before stereo and
-// fills what stereo cannot see.
+// The visual hull: the space that no mask rules out, on a voxel grid. It bounds depths before
+// stereo and fills places that stereo does not reconstruct.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@
 
 namespace keypose {
 
-/// How many views have to see a place outside of their masks for it to be outside: masks that cut
-/// the object by mistake are the more likely the more there are.
+/// Number of views that must see a point outside of their masks for it to be outside. The more
+/// views there are, the more likely some masks cut off parts of the figure.
 inline int OutsideVotes(std::size_t views) {
   return std::clamp(static_cast<int>(views / 14), 1, 5);
 }
@@ -23,7 +23,7 @@ struct VisualHullOptions {
   int resolution = 160;  ///< voxels along the longest side, in [8, 512]
   /// a voxel is carved when at least this many views see it outside of their masks
   int outside_votes = 2;
-  double mask_margin_px = 2;  ///< masks are grown by this at level 0, for their uncertainty
+  double mask_margin_px = 2;  ///< masks are grown by this at level 0, to allow for their errors
 };
 
 class VisualHull {
@@ -50,12 +50,13 @@ class VisualHull {
 
 /// Carves by all views' masks. The grid fits the hull with a margin of two voxels.
 ///
-/// A place that a view does not see (outside of its picture) gets no vote from it; a place that
-/// fewer than two views see is outside.
-/// @throws InputError  fewer than 2 views with a mask, or the masks have no common space; says so
-/// Cost: octree cells are tested whole against distance transforms of the masks, so that only cells
-/// at the surface are divided. Departs from Szeliski (CVGIP 1993): votes, so that one bad mask does
-/// not cut the object.
+/// A view does not count for points outside of its picture. A point that fewer than two views see
+/// is outside.
+/// @throws InputError  fewer than 2 views with a mask, or the masks have no common space; names the
+/// cause
+/// Cost: whole octree cells are tested against distance transforms of the masks, so only cells at
+/// the surface are divided. Departs from Szeliski (CVGIP 1993): several views must agree, so that
+/// one bad mask does not cut the figure.
 VisualHull CarveVisualHull(const std::vector<PreparedView>& views,
                            const VisualHullOptions& options);
 

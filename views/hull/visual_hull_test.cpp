@@ -13,7 +13,7 @@
 namespace keypose {
 namespace {
 
-// Masks of the unit ball from a ring of cameras, far enough to be nearly orthographic.
+// Masks of the unit ball from a ring of cameras, so far away that they are nearly orthographic.
 std::vector<PreparedView> BallRing(int count, double distance = 50, double elevation_deg = 0,
                                    int levels = 2) {
   std::vector<PreparedView> views;
@@ -47,14 +47,14 @@ VisualHullOptions Exact(int resolution) {
 }
 
 TEST(VisualHull, SliceOfARingIsTheCircumscribedPolygon) {
-  // n views of a circle leave a regular n-gon around it (n even): area ratio (n / pi) tan(pi / n).
+  // n views of a circle give a regular n-gon around it (n even): area ratio (n / pi) tan(pi / n).
   for (const int n : {4, 6, 8}) {
     const VisualHull hull = CarveVisualHull(BallRing(n), Exact(160));
     const int z = static_cast<int>(std::floor(-hull.origin.z() / hull.cell));
     double area = 0;
     for (int y = 0; y < hull.size.y(); ++y)
       for (int x = 0; x < hull.size.x(); ++x) area += hull.Inside(x, y, z) * hull.cell * hull.cell;
-    // The masks' rim is known to half a pixel of 1/75.
+    // The masks' border is known to half a pixel of 1/75.
     EXPECT_NEAR(area / M_PI, n / M_PI * std::tan(M_PI / n), 0.03) << n << " views";
   }
 }

@@ -11,7 +11,7 @@
 namespace keypose {
 namespace {
 
-// For each view of the model its index in the images folder.
+// The index in the images folder for each view of the model.
 std::vector<int> MatchToImages(const std::string& stage_name, const Scene& scene,
                                const ImageSet& set) {
   std::vector<int> index;

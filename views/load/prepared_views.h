@@ -1,5 +1,5 @@
-// From folders of photographs, masks and cameras to prepared views, for the stages that compare
-// photographs.
+// Reads photographs, masks and cameras from folders and makes prepared views, for the stages that
+// compare photographs.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace keypose {
 
-/// The photographs of the stage's port `images` that the scene names, made ready. Views whose mask
-/// is empty, and photographs that contradict the others (`trusted` in capture.json), are left out
+/// Prepares the photographs of the stage's port `images` that the scene names. Views with an empty
+/// mask, and photographs that disagree with the others (`trusted` in capture.json), are left out
 /// with a note.
 ///
-/// @param stage_name  begins the messages
+/// @param stage_name  prefix of the messages
 /// @param max_size    longer side of the largest prepared picture [px]
-/// @throws InputError  no views, photographs or masks that are missing, or fewer than 3 masks with
-/// anything in them; names them
+/// @throws InputError  no views, missing photographs or masks, or fewer than 3 masks that are not
+/// empty; names them
 std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::string& stage_name,
                                             const Scene& scene, int max_size, int levels);
 

@@ -8,7 +8,7 @@
 namespace keypose {
 namespace {
 
-// pixels of background kept around the mask, so that windows at the rim see real samples
+// pixels of background around the mask, so that windows at its border have real samples
 constexpr int kMargin = 8;
 
 struct Box {
@@ -46,7 +46,7 @@ Image8 BoxScaled(const Image8& image, int width, int height) {
   return out;
 }
 
-// Photographs are scaled first with their distortion and then straightened; `cx` etc. are in core's
+// Photographs are first scaled with their distortion and then undistorted; `cx` etc. are in core's
 // convention (centres at .5).
 Camera ScaledCamera(const Camera& camera, int width, int height) {
   Camera scaled = camera;
@@ -57,8 +57,7 @@ Camera ScaledCamera(const Camera& camera, int width, int height) {
   return scaled;
 }
 
-// Where a pixel of the straight image lies in the distorted one, both with centres at whole
-// numbers.
+// Position of an undistorted pixel in the distorted image, both with centres at whole numbers.
 Eigen::Vector2f Source(const Camera& camera, int x, int y) {
   const Eigen::Vector3d ray((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy,
                             1.0);
@@ -132,8 +131,8 @@ void FillLevelZero(const Image8& image, const Image8& mask, const Camera& camera
   out->levels.push_back(std::move(level));
 }
 
-// Running sums of `radius` places either way along `length` places that lie `stride` apart, for
-// `lines` lines side by side: memory is read in its order.
+// Running sums over `radius` places in both directions along `length` places with distance
+// `stride`, for `lines` adjacent lines at once, so that memory is read in order.
 void BoxBlur(const float* in, int length, int stride, int lines, int radius, float* out) {
   std::vector<double> sums(lines, 0.0);
   for (int i = -radius; i < length; ++i) {
@@ -148,9 +147,9 @@ void BoxBlur(const float* in, int length, int stride, int lines, int radius, flo
   }
 }
 
-// Light stays with the lamp while the object turns, so smooth shading moves over the surface and
-// makes wrong planes agree. Without the local mean, slow changes vanish and texture stays; what has
-// no texture then looks flat, and is known as such.
+// The light stays with the lamp while the figure turns, so smooth shading moves over the surface
+// and wrong planes can agree. Subtracting the local mean removes slow changes and keeps texture.
+// Areas without texture then have a low variance and are recognised as such.
 PreparedView::Level WithoutShading(const PreparedView::Level& level) {
   constexpr int kRadius = 4, kRounds = 3;  // thrice a box of 9 is close to a Gaussian of 4.5 pixels
   const GreyMask& grey = level.grey;
@@ -196,8 +195,8 @@ PreparedView::Level Halved(const PreparedView::Level& fine) {
   return level;
 }
 
-// Residual against its neighbours' plane, in blocks: texture only adds to it, so a low quantile
-// over blocks is noise.
+// Residual against its neighbours' plane, in blocks. Texture only adds to it, so a low quantile
+// over the blocks is the noise.
 double NoiseLevel(const GreyMask& grey) {
   constexpr int kBlock = 16;
   std::vector<double> blocks;
@@ -212,7 +211,7 @@ double NoiseLevel(const GreyMask& grey) {
             return static_cast<double>(*grey.at(x + dx, y + dy)) * kGreyScale;
           };
           // Immerkaer's mask annihilates planes; its response to white noise has 6 times the
-          // noise's deviation.
+          // standard deviation of the noise.
           const double r = v(-1, -1) + v(1, -1) + v(-1, 1) + v(1, 1) -
                            2 * (v(0, -1) + v(0, 1) + v(-1, 0) + v(1, 0)) + 4 * v(0, 0);
           sum += std::abs(r);

@@ -1,4 +1,4 @@
-// A photograph made ready for stereo: undistorted, scaled to the working resolution, cropped to its
+// A photograph prepared for stereo: undistorted, scaled to the working resolution, cropped to its
 // mask, with a pyramid.
 #pragma once
 
@@ -25,9 +25,9 @@ struct Pinhole {
   Eigen::Matrix3d K() const;
 };
 
-/// Brightness and mask in one number, so that one read brings both: bits 1..15 are grey (0..32767),
-/// bit 0 is set inside the mask. Grey is 128 plus the difference from the local mean: shading is
-/// taken out.
+/// Brightness and mask in one number, so that one read gives both: bits 1..15 are grey (0..32767),
+/// bit 0 is set inside the mask. Grey is 128 plus the difference from the local mean, which removes
+/// shading.
 using GreyMask = ImageT<std::uint16_t>;
 constexpr float kGreyScale =
     255.0f / 65535.0f;  ///< times a GreyMask pixel gives grey levels 0..255
@@ -41,9 +41,10 @@ struct PreparedView {
   std::string name;
   int scene_index = -1;  ///< of Scene::views
   Rigid3 camera_from_world;
-  std::vector<Level> levels;  ///< 0 is the working resolution; each next has half of it
-  Image8 color;               ///< RGB at level 0
-  double noise = 0;           ///< standard deviation of the sensor's noise at level 0, grey levels
+  /// 0 is the working resolution; each next level has half of the resolution
+  std::vector<Level> levels;
+  Image8 color;      ///< RGB at level 0
+  double noise = 0;  ///< standard deviation of the sensor's noise at level 0, grey levels
   std::int64_t masked_pixels = 0;  ///< at level 0
 
   const Pinhole& camera(int level = 0) const { return levels[level].camera; }
@@ -60,7 +61,7 @@ struct PreparedView {
 PreparedView PrepareView(const View& view, int scene_index, const Image8& image, const Image8& mask,
                          double scale, int levels);
 
-/// The names of views for a message: eight, and how many more.
+/// The names of the first eight views, and the number of the others, for a message.
 std::string NameList(const std::vector<std::string>& names);
 
 }  // namespace keypose

@@ -28,7 +28,7 @@ TEST(PrepareView, NamesTheImageWhoseSizeIsWrong) {
 }
 
 TEST(PrepareView, UndistortsScalesAndCrops) {
-  // A bright dot placed by the distorted camera is found where the straight camera projects it.
+  // A bright dot placed by the distorted camera is found where the undistorted camera projects it.
   View view;
   view.camera = {.width = 400,
                  .height = 300,
