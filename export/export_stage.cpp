@@ -108,8 +108,9 @@ Frames ReadFrames(const fs::path& folder, keypose::Progress* progress) {
       throw InputError("export: frame " + std::to_string(index) + " is missing in " +
                        folder.string() + " (found " + path.filename().string() +
                        " in its place); run `interpolate` again");
-    keypose::ReportProgress(progress, 0.3 * static_cast<double>(index) / static_cast<double>(numbered.size()),
-                  "reading frames");
+    keypose::ReportProgress(progress,
+                            0.3 * static_cast<double>(index) / static_cast<double>(numbered.size()),
+                            "reading frames");
     frames.names.push_back(path.stem().string());
     frames.meshes.push_back(keypose::ReadMesh(path));
   }
@@ -231,8 +232,9 @@ void WriteSequence(const Frames& frames, const fs::path& folder, const std::stri
                    const std::string& texture, keypose::Progress* progress) {
   fs::create_directories(folder);
   for (std::size_t i = 0; i < frames.meshes.size(); ++i) {
-    keypose::ReportProgress(progress, static_cast<double>(i) / static_cast<double>(frames.meshes.size()),
-                  "writing " + extension + " files");
+    keypose::ReportProgress(progress,
+                            static_cast<double>(i) / static_cast<double>(frames.meshes.size()),
+                            "writing " + extension + " files");
     Mesh mesh = frames.meshes[i];
     mesh.uvs = frames.meshes[0].uvs;
     mesh.uv_faces = frames.meshes[0].uv_faces;
