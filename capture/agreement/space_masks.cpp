@@ -95,6 +95,170 @@ Image8 ResizedMask(const Image8& mask, int width, int height) {
   return Binary(std::move(to));
 }
 
+/// The set at half the size, where it is decided which parts belong to the figure.
+class CoarseMasks {
+ public:
+  CoarseMasks(const std::vector<Image8>& images, const std::vector<Image8>& masks,
+              const std::vector<View>& views, const std::vector<BoardOdds>& boards,
+              const MaskOptions& masking, const SpaceOptions& options);
+  /// Fills the agreement and the consensus of `refined`.
+  void Run(RefinedMasks& refined, Progress* progress);
+  const std::vector<Image8>& masks() const { return masks_; }
+
+ private:
+  Denials DenialsBy(const std::vector<char>& inlier) const;
+  /// Which views are consistent, by outline and by colour; denials_ are those of the inliers then.
+  ViewConsensus Judge();
+  std::vector<Image8> Segmented(const std::vector<char>& inlier, const std::vector<char>& guided,
+                                double weight) const;
+  /// Segments views that are outliers by outline alone once more, with the others' denials.
+  void Reconsider(ViewConsensus& consensus);
+
+  const MaskOptions& masking_;
+  const SpaceOptions& options_;
+  SpaceOptions coarse_;
+  std::vector<Image8> images_, masks_;
+  std::vector<View> views_;
+  std::vector<BoardOdds> boards_;
+  Denials denials_;
+};
+
+CoarseMasks::CoarseMasks(const std::vector<Image8>& images, const std::vector<Image8>& masks,
+                         const std::vector<View>& views, const std::vector<BoardOdds>& boards,
+                         const MaskOptions& masking, const SpaceOptions& options)
+    : masking_(masking), options_(options), coarse_(options), views_(views) {
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    images_.push_back(WorkingImage(images[i], std::max(images[i].width, images[i].height) / 2));
+    masks_.push_back(ResizedMask(masks[i], images_[i].width, images_[i].height));
+    views_[i].camera =
+        views[i].camera.Scaled(static_cast<double>(images_[i].width) / images[i].width);
+  }
+  boards_ = Halved(boards, images_);
+  coarse_.resolution = std::max(16, options.resolution * 3 / 4);
+  coarse_.margin_px = 0.7 * options.margin_px;
+}
+
+Denials CoarseMasks::DenialsBy(const std::vector<char>& inlier) const {
+  const auto inliers = inlier.empty()
+                           ? views_.size()
+                           : static_cast<std::size_t>(std::count(inlier.begin(), inlier.end(), 1));
+  return {DenialsByOthers(views_, masks_, coarse_, inlier), DenialsToldApart(inliers, coarse_)};
+}
+
+ViewConsensus CoarseMasks::Judge() {
+  const auto denials_by = [&](const std::vector<char>& inlier) { return DenialsBy(inlier); };
+  ViewConsensus consensus = JudgeOutlines(masks_, denials_, denials_by, options_.consensus);
+  const SpaceSurface surface = SurfaceOfSpace(views_, masks_, coarse_, consensus.inlier);
+  consensus.colors = FitsOfColors(images_, masks_, views_, surface.points, surface.cell,
+                                  consensus.inlier, options_.colors);
+  const std::vector<char> by_outline = consensus.inlier;
+  JudgeColors(consensus.colors, options_.colors, consensus.inlier);
+  if (consensus.inlier != by_outline) denials_ = DenialsBy(consensus.inlier);
+  const auto outliers =
+      static_cast<double>(std::count(consensus.inlier.begin(), consensus.inlier.end(), 0));
+  consensus.undecided |=
+      outliers > options_.consensus.most_doubtful * static_cast<double>(views_.size());
+  return consensus;
+}
+
+std::vector<Image8> CoarseMasks::Segmented(const std::vector<char>& inlier,
+                                           const std::vector<char>& guided, double weight) const {
+  return SpaceRound(images_, masks_, denials_.pictures, inlier, guided, boards_, masking_, coarse_,
+                    weight);
+}
+
+void CoarseMasks::Reconsider(ViewConsensus& consensus) {
+  const std::vector<std::size_t> again = OutliersByOutline(consensus, options_.colors);
+  if (again.empty()) return;
+  const std::vector<Image8> unguided = masks_;
+  const std::vector<Image8> guided =
+      Segmented(consensus.inlier, std::vector<char>(views_.size(), 1), options_.weight);
+  for (const std::size_t i : again) masks_[i] = guided[i];
+  denials_ = DenialsBy({});
+  consensus = Judge();
+  for (const std::size_t i : again)
+    if (!consensus.inlier[i]) masks_[i] = unguided[i];
+}
+
+void CoarseMasks::Run(RefinedMasks& refined, Progress* progress) {
+  denials_ = DenialsBy({});
+  refined.agreement_before = AgreementInSpace(masks_, denials_.pictures);
+  refined.consensus_before = Judge();
+  const std::vector<char>& inlier = refined.consensus_before.inlier;
+  // The initial masks of the others are partly wrong, so their denials have less weight in the
+  // first round.
+  for (const double weight : {1.0, options_.weight, options_.weight}) {
+    ReportProgress(progress, 0.15 * weight, "masks in space");
+    masks_ = Segmented(inlier, inlier, weight);
+    denials_ = DenialsBy(inlier);
+  }
+  refined.agreement = AgreementInSpace(masks_, denials_.pictures);
+  denials_ = DenialsBy({});
+  refined.consensus = Judge();
+  Reconsider(refined.consensus);
+}
+
+/// The set at its own size, where the outline is located and windows are opened.
+class FineMasks {
+ public:
+  FineMasks(const std::vector<Image8>& images, const std::vector<View>& views,
+            const std::vector<BoardOdds>& boards, const std::vector<char>& inlier,
+            const MaskOptions& masking, const SpaceOptions& options)
+      : images_(images),
+        views_(views),
+        boards_(boards),
+        inlier_(inlier),
+        masking_(masking),
+        options_(options),
+        takes_(FindTakes(images, masking.border_share)) {
+    for (const Image8& image : images) lab_.push_back(LabOf(image));
+  }
+  /// Fills the masks and backdrops of `refined`. @param from  coarse masks at the images' size
+  void Run(const std::vector<Image8>& from, RefinedMasks& refined) const;
+
+ private:
+  std::vector<Image8> Segmented(const std::vector<Image8>& from) const {
+    return SpaceRound(images_, from, DenialsByOthers(views_, from, options_, inlier_), inlier_,
+                      inlier_, boards_, masking_, options_, options_.weight);
+  }
+  Backdrops BackdropsBy(const std::vector<Image8>& masks) const {
+    std::vector<Image8> trimaps;
+    for (const Image8& mask : masks) trimaps.push_back(TrimapOf(mask));
+    return BackdropsOf(lab_, trimaps, takes_, masking_.largest_misfit);
+  }
+
+  const std::vector<Image8>& images_;
+  const std::vector<View>& views_;
+  const std::vector<BoardOdds>& boards_;
+  const std::vector<char>& inlier_;
+  const MaskOptions& masking_;
+  const SpaceOptions& options_;
+  std::vector<Take> takes_;
+  std::vector<Image8> lab_;
+};
+
+void FineMasks::Run(const std::vector<Image8>& from, RefinedMasks& refined) const {
+  // of the figure; smaller openings do not change the other masks
+  constexpr double kWorthARound = 3e-4;
+  refined.masks = Segmented(from);
+  Backdrops backdrops = BackdropsBy(refined.masks);
+  std::vector<Image8> open = refined.masks;
+  if (OpenWindows(images_, views_, backdrops.of, options_, inlier_, open) > kWorthARound) {
+    refined.masks = Segmented(open);
+    backdrops = BackdropsBy(refined.masks);
+    OpenWindows(images_, views_, backdrops.of, options_, inlier_, refined.masks);
+  }
+  refined.backdrops = std::move(backdrops.of);
+  if (backdrops.Confusing())
+    for (Backdrop& backdrop : refined.backdrops) backdrop.empty = {};
+  if (std::all_of(refined.backdrops.begin(), refined.backdrops.end(),
+                  [](const Backdrop& b) { return b.empty.empty(); }))
+    return;
+  std::vector<Image8> thickness = ThicknessOfHull(views_, refined.masks, options_, inlier_);
+  for (std::size_t i = 0; i < images_.size(); ++i)
+    refined.backdrops[i].thickness = std::move(thickness[i]);
+}
+
 }  // namespace
 
 RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<Image8>& masks,
@@ -104,101 +268,14 @@ RefinedMasks RefineInSpace(const std::vector<Image8>& images, const std::vector<
   cv::setNumThreads(1);
   std::vector<BoardOdds> known = boards;
   known.resize(images.size());
-  // All rounds but the last work at half the size: they decide which parts belong to the figure.
-  // The last one locates the outline.
-  std::vector<Image8> small, small_masks;
-  std::vector<View> small_views = views;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    small.push_back(WorkingImage(images[i], std::max(images[i].width, images[i].height) / 2));
-    small_masks.push_back(ResizedMask(masks[i], small[i].width, small[i].height));
-    small_views[i].camera =
-        views[i].camera.Scaled(static_cast<double>(small[i].width) / images[i].width);
-  }
-  const std::vector<BoardOdds> small_boards = Halved(known, small);
-  SpaceOptions coarse = options;
-  coarse.resolution = std::max(16, options.resolution * 3 / 4);
-  coarse.margin_px = 0.7 * options.margin_px;
   RefinedMasks refined;
-  const auto denials_by = [&](const std::vector<char>& inlier) {
-    const auto inliers =
-        inlier.empty() ? views.size()
-                       : static_cast<std::size_t>(std::count(inlier.begin(), inlier.end(), 1));
-    return Denials{DenialsByOthers(small_views, small_masks, coarse, inlier),
-                   DenialsToldApart(inliers, coarse)};
-  };
-  Denials denials = denials_by({});
-  refined.agreement_before = AgreementInSpace(small_masks, denials.pictures);
-  const auto judge = [&] {
-    ViewConsensus consensus = JudgeOutlines(small_masks, denials, denials_by, options.consensus);
-    const SpaceSurface surface = SurfaceOfSpace(small_views, small_masks, coarse, consensus.inlier);
-    consensus.colors = FitsOfColors(small, small_masks, small_views, surface.points, surface.cell,
-                                    consensus.inlier, options.colors);
-    const std::vector<char> by_outline = consensus.inlier;
-    JudgeColors(consensus.colors, options.colors, consensus.inlier);
-    if (consensus.inlier != by_outline) denials = denials_by(consensus.inlier);
-    const auto outliers =
-        static_cast<double>(std::count(consensus.inlier.begin(), consensus.inlier.end(), 0));
-    consensus.undecided |=
-        outliers > options.consensus.most_doubtful * static_cast<double>(views.size());
-    return consensus;
-  };
-  refined.consensus_before = judge();
-  std::vector<char> inlier = refined.consensus_before.inlier;
-  // The initial masks of the others are partly wrong, so their denials have less weight in the
-  // first round.
-  for (const double weight : {1.0, options.weight, options.weight}) {
-    ReportProgress(progress, 0.15 * weight, "masks in space");
-    small_masks = SpaceRound(small, small_masks, denials.pictures, inlier, inlier, small_boards,
-                             masking, coarse, weight);
-    denials = denials_by(inlier);
-  }
-  refined.agreement = AgreementInSpace(small_masks, denials.pictures);
-  denials = denials_by({});
-  refined.consensus = judge();
-  if (const std::vector<std::size_t> again = OutliersByOutline(refined.consensus, options.colors);
-      !again.empty()) {
-    const std::vector<Image8> unguided = small_masks;
-    const std::vector<Image8> with_guide = SpaceRound(
-        small, small_masks, denials.pictures, refined.consensus.inlier,
-        std::vector<char>(views.size(), 1), small_boards, masking, coarse, options.weight);
-    for (const std::size_t i : again) small_masks[i] = with_guide[i];
-    denials = denials_by({});
-    refined.consensus = judge();
-    for (const std::size_t i : again)
-      if (!refined.consensus.inlier[i]) small_masks[i] = unguided[i];
-  }
-  inlier = refined.consensus.inlier;
+  CoarseMasks coarse(images, masks, views, known, masking, options);
+  coarse.Run(refined, progress);
   ReportProgress(progress, 0.6, "masks in space");
   std::vector<Image8> large;
   for (std::size_t i = 0; i < images.size(); ++i)
-    large.push_back(ResizedMask(small_masks[i], images[i].width, images[i].height));
-  std::vector<Image8> lab;
-  for (const Image8& image : images) lab.push_back(LabOf(image));
-  const std::vector<Take> takes = FindTakes(images, masking.border_share);
-  const auto round = [&](const std::vector<Image8>& from) {
-    refined.masks = SpaceRound(images, from, DenialsByOthers(views, from, options, inlier), inlier,
-                               inlier, known, masking, options, options.weight);
-    std::vector<Image8> trimaps;
-    for (const Image8& mask : refined.masks) trimaps.push_back(TrimapOf(mask));
-    return BackdropsOf(lab, trimaps, takes, masking.largest_misfit);
-  };
-  // of the figure; smaller openings do not change the other masks
-  constexpr double kWorthARound = 3e-4;
-  Backdrops backdrops = round(large);
-  std::vector<Image8> open = refined.masks;
-  if (OpenWindows(images, views, backdrops.of, options, inlier, open) > kWorthARound) {
-    backdrops = round(open);
-    OpenWindows(images, views, backdrops.of, options, inlier, refined.masks);
-  }
-  refined.backdrops = std::move(backdrops.of);
-  if (backdrops.Confusing())
-    for (Backdrop& backdrop : refined.backdrops) backdrop.empty = {};
-  if (std::all_of(refined.backdrops.begin(), refined.backdrops.end(),
-                  [](const Backdrop& b) { return b.empty.empty(); }))
-    return refined;
-  std::vector<Image8> thickness = ThicknessOfHull(views, refined.masks, options, inlier);
-  for (std::size_t i = 0; i < images.size(); ++i)
-    refined.backdrops[i].thickness = std::move(thickness[i]);
+    large.push_back(ResizedMask(coarse.masks()[i], images[i].width, images[i].height));
+  FineMasks(images, views, known, refined.consensus.inlier, masking, options).Run(large, refined);
   return refined;
 }
 

@@ -119,32 +119,40 @@ void DenseOptions::Describe(OptionVisitor& visit) {
         {"add points of the visual hull, at low confidence, where no view found a depth"});
 }
 
-DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene& scene,
-                             const DenseOptions& options, Progress* progress) {
-  if (views.size() < 3)
-    throw InputError("dense: " + std::to_string(views.size()) +
-                     " views have a mask and a pose; stereo needs at least 3");
-  DenseResult result;
-  ReportProgress(progress, 0.02, "visual hull");
-  VisualHullOptions hull_options;
-  hull_options.resolution = options.hull_resolution;
-  hull_options.outside_votes = OutsideVotes(views.size());
-  const VisualHull hull = CarveVisualHull(views, hull_options);
-  result.hull_volume = hull.Volume();
-  std::vector<DepthBounds> bounds(views.size());
+namespace {
+
+/// What the masks say of space.
+struct HullOfViews {
+  VisualHull hull;
+  std::vector<DepthBounds> bounds;  ///< one per view
+};
+
+HullOfViews CarveHull(const std::vector<PreparedView>& views, int resolution) {
+  VisualHullOptions options;
+  options.resolution = resolution;
+  options.outside_votes = OutsideVotes(views.size());
+  HullOfViews carved{CarveVisualHull(views, options), std::vector<DepthBounds>(views.size())};
   ParallelFor(static_cast<std::int64_t>(views.size()),
-              [&](std::int64_t i) { bounds[i] = HullDepthBounds(hull, views[i]); });
-  std::vector<std::vector<int>> sources = SelectSourceViews(views, bounds, scene, options.sources);
-  RequireSources(views, &sources, &result);
-  PatchMatchOptions match_options;
-  match_options.geometric_passes = options.geometric_passes;
-  match_options.narrow_texture = options.narrow_texture;
+              [&](std::int64_t i) { carved.bounds[i] = HullDepthBounds(carved.hull, views[i]); });
+  return carved;
+}
+
+PatchMatchResult Match(const std::vector<PreparedView>& views, const Scene& scene,
+                       const std::vector<std::vector<int>>& sources,
+                       const std::vector<DepthBounds>& bounds, const DenseOptions& options,
+                       Progress* progress, DenseResult& result) {
+  PatchMatchOptions matching;
+  matching.geometric_passes = options.geometric_passes;
+  matching.narrow_texture = options.narrow_texture;
   const double cpu_before = CpuSeconds();
   PatchMatchResult matched =
-      EstimatePlanes(views, sources, bounds, Seeds(views, scene), match_options, progress);
+      EstimatePlanes(views, sources, bounds, Seeds(views, scene), matching, progress);
   result.matching_cpu_seconds = CpuSeconds() - cpu_before;
   result.evaluations = matched.evaluations;
-  ReportProgress(progress, 0.9, "fusion");
+  return matched;
+}
+
+FusionOptions FusionFor(const DenseOptions& options) {
   FusionOptions fusion;
   fusion.least_views = options.least_views;
   fusion.reprojection_px = options.reprojection_px;
@@ -153,16 +161,20 @@ DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene
   fusion.largest_cost = options.largest_cost;
   fusion.largest_error = options.largest_error;
   fusion.window_variance = options.window_variance;
-  FusionResult fused = FuseDepthMaps(views, sources, std::move(matched.maps), fusion);
-  result.completeness = std::move(fused.completeness);
-  ReportProgress(progress, 0.94, "outlines");
-  const Silhouettes silhouettes(views, hull_options.outside_votes);
-  result.hull_check = CheckAgainstHull(views, hull, silhouettes);
+  return fusion;
+}
+
+/// Takes the fused points, drops those that outlines or frontier points contradict, and adds points
+/// where stereo found none.
+void CompleteCloud(const std::vector<PreparedView>& views,
+                   const std::vector<std::vector<int>>& sources, const HullOfViews& carved,
+                   const Silhouettes& silhouettes, FusionResult fused, const DenseOptions& options,
+                   DenseResult& result) {
   result.cloud = std::move(fused.cloud);
   result.outside_points = KeepWithinOutlines(silhouettes, options.outline_px, &result.cloud);
-  const std::vector<FrontierPoint> frontier = options.rim_points
-                                                  ? FindFrontierPoints(hull, silhouettes, views)
-                                                  : std::vector<FrontierPoint>{};
+  const std::vector<FrontierPoint> frontier =
+      options.rim_points ? FindFrontierPoints(carved.hull, silhouettes, views)
+                         : std::vector<FrontierPoint>{};
   result.contradicted_points = DropWhatFrontierPointsContradict(frontier, {}, &result.cloud);
   result.stereo_points = static_cast<int>(result.cloud.points.rows());
   if (options.gap_fill) {
@@ -174,12 +186,36 @@ DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene
     Append(bridges, &result.cloud);
   }
   if (options.hull_fill)
-    Append(HullFill(hull, silhouettes, views, bounds, fused.confirmed, result.cloud),
+    Append(HullFill(carved.hull, silhouettes, views, carved.bounds, fused.confirmed, result.cloud),
            &result.cloud);
   // Appended after the hull's points, so that hull points near frontier points remain and support
   // the surface where frontier points end.
   result.frontier_points = static_cast<int>(frontier.size());
   Append(FrontierCloud(frontier, views), &result.cloud);
+}
+
+}  // namespace
+
+DenseResult ReconstructDense(const std::vector<PreparedView>& views, const Scene& scene,
+                             const DenseOptions& options, Progress* progress) {
+  if (views.size() < 3)
+    throw InputError("dense: " + std::to_string(views.size()) +
+                     " views have a mask and a pose; stereo needs at least 3");
+  DenseResult result;
+  ReportProgress(progress, 0.02, "visual hull");
+  const HullOfViews carved = CarveHull(views, options.hull_resolution);
+  result.hull_volume = carved.hull.Volume();
+  std::vector<std::vector<int>> sources =
+      SelectSourceViews(views, carved.bounds, scene, options.sources);
+  RequireSources(views, &sources, &result);
+  PatchMatchResult matched = Match(views, scene, sources, carved.bounds, options, progress, result);
+  ReportProgress(progress, 0.9, "fusion");
+  FusionResult fused = FuseDepthMaps(views, sources, std::move(matched.maps), FusionFor(options));
+  result.completeness = std::move(fused.completeness);
+  ReportProgress(progress, 0.94, "outlines");
+  const Silhouettes silhouettes(views, OutsideVotes(views.size()));
+  result.hull_check = CheckAgainstHull(views, carved.hull, silhouettes);
+  CompleteCloud(views, sources, carved, silhouettes, std::move(fused), options, result);
   if (result.cloud.points.rows() == 0)
     throw InputError("dense: no two views agree on any point (" + std::to_string(views.size()) +
                      " views from " + views.front().name + " to " + views.back().name +
