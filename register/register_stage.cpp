@@ -112,7 +112,7 @@ struct RegisterOptions {
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
-  spec.version = "5";
+  spec.version = "6";
   spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
   spec.inputs = {
       {"source", "file", "template mesh", "", false, false},

@@ -8,7 +8,6 @@
 #include "core/geometry.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
-#include "register/auto/flipped_face_repair.h"
 #include "register/intrinsic/suggest.h"
 #include "register/skeleton/skeleton.h"
 
@@ -136,7 +135,6 @@ class AutoRegistration {
   SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before,
                        const PointsX3* match_points);
   void Finish();
-  void RepairFlippedFacesOfFinest(double stiffness);
   Level& coarse() { return (*levels_)[levels_->count() - 1]; }
   PointsX3 Back(const PointsX3& points) const { return (points * unit_).rowwise() + origin_; }
 
@@ -433,25 +431,6 @@ void AutoRegistration::Finish() {
     ReportProgress(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
   }
   result_.gap = (gap.forward + gap.backward) / 4;
-  RepairFlippedFacesOfFinest(terms.stiffness);
-}
-
-void AutoRegistration::RepairFlippedFacesOfFinest(double stiffness) {
-  Level& level = (*levels_)[0];
-  const double smoothing = 2 * options_.smoothing;
-  const BentMesh bent{level.rest,
-                      level.faces,
-                      level.moved,
-                      level.fit->maps(),
-                      result_.softened ? kSoft : kRigid,
-                      smoothing * smoothing,
-                      SurfaceWeight(stiffness)};
-  FlippedFaceRepair mended = RepairFlippedFaces(bent, goal_points_, target_.faces);
-  if (mended.after == mended.before) return;
-  for (const std::vector<int>& piece : level.fit->pieces().pieces())
-    for (int v : piece) mended.points.row(v) = level.moved.row(v);
-  level.moved = std::move(mended.points);
-  level.fit->FitMaps(level.moved);
 }
 
 AutoResult AutoRegistration::Run() {
