@@ -15,7 +15,8 @@ A template holds {source} {target} {landmarks} {out}: meshes as given, landmarks
 Every program gets one thread. Processor time is user + system of the program and of the children that it waited for, start to end.
 
 SCORER is called as `SCORER SOURCE REGISTERED TARGET [PAIRS_OF_VERTICES]` and prints JSON with err_mean, err_p95, err_max, surface_mean,
-hausdorff, flipped, degenerate, finite; meshes.py beside it reads meshes. On synthetic pairs the error is the distance to the exact place
+hausdorff, flipped, degenerate, finite, and flipped_true where PAIRS_OF_VERTICES names every source vertex: faces that oppose the same face at its
+true place (`flipped` asks the nearest face of the target, which in a crease may be the other wall's). meshes.py beside it reads meshes. On synthetic pairs the error is the distance to the exact place
 of each vertex, over the same diagonal. `itself` is what the scorer says of the true positions: faces that the truth flips by that measure.
 A run fails when it gives no mesh, a mean above 1 % of the diagonal, a number that is not finite, or more flips than the truth itself.
 Needs python3-numpy and python3-scipy.
@@ -241,14 +242,15 @@ def show(value, digits=4):
 
 
 def print_pairs(rows):
-    print('| pair | landmarks | program | mean | 95 % | largest | surface mean | Hausdorff | flipped | itself | degenerate | CPU s |')
-    print('|---|---|---|---|---|---|---|---|---|---|---|---|')
+    print('| pair | landmarks | program | mean | 95 % | largest | surface mean | Hausdorff | flipped | itself | flipped, true | degenerate | CPU s |')
+    print('|---|---|---|---|---|---|---|---|---|---|---|---|---|')
     for row in rows:
         head = f"| {row['pair']} | {row['landmarks']} | {row['program']} |"
         if 'failure' in row:
-            print(head, row['failure'], '| | | | | | | |', show(row['cpu_s'], 2), '|')
+            print(head, row['failure'], '| | | | | | | | |', show(row['cpu_s'], 2), '|')
             continue
-        cells = [show(row.get(key)) for key in ('err_mean', 'err_p95', 'err_max', 'surface_mean', 'hausdorff', 'flipped', 'itself', 'degenerate')]
+        cells = [show(row.get(key)) for key in ('err_mean', 'err_p95', 'err_max', 'surface_mean', 'hausdorff', 'flipped', 'itself',
+                                              'flipped_true', 'degenerate')]
         print(head, ' | '.join(cells), '|', show(row['cpu_s'], 2), '|')
 
 

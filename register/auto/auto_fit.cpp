@@ -73,8 +73,6 @@ void HoldPieces(Level& level, const Pulls& staying, double landmark_weight) {
 
 }  // namespace
 
-double SurfaceWeight(double stiffness) { return kSurfaceWeight / stiffness; }
-
 void FitToLandmarks(Level& level, double weight) {
   // Point pulls alone are what the factor solves exactly: one step each.
   Turn(level, Pulls(level.rest.rows()), weight, kMostLandmarkTurns, 1, kStill);
@@ -94,7 +92,7 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
                         const FitTerms& terms, Eigen::VectorXd* seen) {
   Pulls pulls(level.rest.rows());
   SurfacePullTerms surface;
-  surface.weight = SurfaceWeight(terms.stiffness);
+  surface.weight = kSurfaceWeight / terms.stiffness;
   surface.robust = terms.robust;
   surface.samples = terms.samples;
   surface.measure = terms.measure;

@@ -17,9 +17,6 @@ struct FitTerms {
   bool measure = true;    ///< whether the gap is asked for
 };
 
-/// Weight of the whole surface at a stiffness, in units of the shape term.
-double SurfaceWeight(double stiffness);
-
 /// Landmarks alone, until nothing moves by more than 1e-4 of the diagonal.
 void FitToLandmarks(Level& level, double weight);
 /// Landmarks and matches; matches are believed less the further they lie from where the others

@@ -8,7 +8,6 @@
 #include "core/geometry.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
-#include "register/auto/flipped_face_repair.h"
 #include "register/intrinsic/suggest.h"
 #include "register/skeleton/skeleton.h"
 
@@ -122,21 +121,27 @@ class AutoRegistration {
     double scale = 1;                        // of the rest shape
     const PointsX3* match_points = nullptr;  // what matches point into
   };
+  /// A start as the coarse level's rounds left it, or none, and what was measured of it.
+  struct Attempt {
+    std::optional<Start> start;
+    StartTrial trial;
+  };
 
   void Align();
   void Prepare();
   void MeasureDistances();
   void TryStarts();
-  void TryLandmarks(double rigidity, const std::string& name);
-  void TryIntrinsicMap(double rigidity, const std::string& name);
-  void TrySkeleton();
-  void Compete(Start start, StartTrial trial);
+  Attempt FromLandmarks(double rigidity, const std::string& name);
+  Attempt FromIntrinsicMap(double rigidity, const std::string& name);
+  Attempt FromSkeleton();
+  Attempt BendCoarse(Start start, StartTrial trial);
+  static Attempt Unusable(StartTrial trial);
+  void Compete(Attempt attempt);
   void Reset(Level& level);
   void SetRestScale(double scale);
   SurfaceGap RunRounds(int level, const Schedule& schedule, int rounds_before,
                        const PointsX3* match_points);
   void Finish();
-  void RepairFlippedFacesOfFinest(double stiffness);
   Level& coarse() { return (*levels_)[levels_->count() - 1]; }
   PointsX3 Back(const PointsX3& points) const { return (points * unit_).rowwise() + origin_; }
 
@@ -256,8 +261,7 @@ void AutoRegistration::Reset(Level& level) {
   level.fit->SetRigidity(kRigid);
 }
 
-/// Runs a start on the coarse level and keeps it when it is the best so far.
-void AutoRegistration::Compete(Start start, StartTrial trial) {
+AutoRegistration::Attempt AutoRegistration::BendCoarse(Start start, StartTrial trial) {
   Level& level = coarse();
   level.moved = start.moved;
   level.fit->SetMaps(start.maps);
@@ -272,14 +276,26 @@ void AutoRegistration::Compete(Start start, StartTrial trial) {
   start.moved = level.moved;
   start.maps = level.fit->maps();
   start.scale = rest_scale_;
-  if (!best_ || trial.score < result_.starts[result_.chosen].score) {
-    best_ = std::move(start);
-    result_.chosen = static_cast<int>(result_.starts.size());
-  }
-  result_.starts.push_back(std::move(trial));
+  return {std::move(start), std::move(trial)};
 }
 
-void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
+AutoRegistration::Attempt AutoRegistration::Unusable(StartTrial trial) {
+  trial.score = trial.gap = 1;
+  return {std::nullopt, std::move(trial)};
+}
+
+/// Of an attempt that is not the best so far, only its trial is kept.
+void AutoRegistration::Compete(Attempt attempt) {
+  const bool better = !best_ || attempt.trial.score < result_.starts[result_.chosen].score;
+  if (attempt.start && better) {
+    best_ = std::move(attempt.start);
+    result_.chosen = static_cast<int>(result_.starts.size());
+  }
+  result_.starts.push_back(std::move(attempt.trial));
+}
+
+AutoRegistration::Attempt AutoRegistration::FromLandmarks(double rigidity,
+                                                          const std::string& name) {
   Level& level = coarse();
   Reset(level);
   Start start;
@@ -293,10 +309,11 @@ void AutoRegistration::TryLandmarks(double rigidity, const std::string& name) {
   }
   start.moved = level.moved;
   start.maps = level.fit->maps();
-  Compete(std::move(start), {.name = name});
+  return BendCoarse(std::move(start), {.name = name});
 }
 
-void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name) {
+AutoRegistration::Attempt AutoRegistration::FromIntrinsicMap(double rigidity,
+                                                             const std::string& name) {
   if (!suggestion_) suggestion_ = SuggestLandmarks(source_, target_, landmarks_, {});
   const Suggestion& suggestion = *suggestion_;
   StartTrial trial{.name = name, .words = suggestion.explanation};
@@ -304,9 +321,7 @@ void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name)
   for (int v : suggestion.dense) known += v >= 0;
   if (known < source_.vertex_count() / 4) {
     trial.words = "no use: " + trial.words;
-    trial.score = trial.gap = 1;
-    result_.starts.push_back(std::move(trial));
-    return;
+    return Unusable(std::move(trial));
   }
   Start start;
   start.rigidity = rigidity;
@@ -321,18 +336,14 @@ void AutoRegistration::TryIntrinsicMap(double rigidity, const std::string& name)
   FitToMatches(level, goal_points_, options_.landmark_weight);
   start.moved = level.moved;
   start.maps = level.fit->maps();
-  Compete(std::move(start), std::move(trial));
+  return BendCoarse(std::move(start), std::move(trial));
 }
 
-void AutoRegistration::TrySkeleton() {
+AutoRegistration::Attempt AutoRegistration::FromSkeleton() {
   const SkeletonStart skeleton =
       StartFromSkeletons(source_, target_, landmarks_, place_, {}, progress_);
   StartTrial trial{.name = "skeleton", .words = skeleton.words};
-  if (!skeleton.usable()) {
-    trial.score = trial.gap = 1;
-    result_.starts.push_back(std::move(trial));
-    return;
-  }
+  if (!skeleton.usable()) return Unusable(std::move(trial));
   Level& level = coarse();
   Reset(level);
   for (std::size_t k = 0; k < level.fine.size(); ++k)
@@ -341,23 +352,23 @@ void AutoRegistration::TrySkeleton() {
   Start start;
   start.moved = level.moved;
   start.maps = level.fit->maps();
-  Compete(std::move(start), std::move(trial));
+  return BendCoarse(std::move(start), std::move(trial));
 }
 
 void AutoRegistration::TryStarts() {
   const auto poor = [&] { return result_.starts[result_.chosen].gap > options_.poor_fit; };
-  TryLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks");
+  Compete(FromLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks"));
   ReportProgress(progress_, 0.4, "start");
   if (options_.suggest && static_cast<int>(goals_.size()) < kFewestForDistances)
-    TryIntrinsicMap(kRigid, "intrinsic map");
+    Compete(FromIntrinsicMap(kRigid, "intrinsic map"));
   ReportProgress(progress_, 0.5, "start");
   if (options_.skeleton && static_cast<int>(goals_.size()) < kFewestForDistances && poor())
-    TrySkeleton();
+    Compete(FromSkeleton());
   ReportProgress(progress_, 0.55, "start");
-  if (poor() && !goals_.empty()) TryLandmarks(kSofter, "landmarks, softer");
+  if (poor() && !goals_.empty()) Compete(FromLandmarks(kSofter, "landmarks, softer"));
   if (!goals_.empty() && options_.suggest &&
       result_.starts[result_.chosen].gap > kHopeless * options_.poor_fit)
-    TryIntrinsicMap(kSofter, "intrinsic map, softer");
+    Compete(FromIntrinsicMap(kSofter, "intrinsic map, softer"));
 }
 
 SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before,
@@ -433,25 +444,6 @@ void AutoRegistration::Finish() {
     ReportProgress(progress_, 0.95 - 0.15 * l / std::max(1, middle_), "fine detail");
   }
   result_.gap = (gap.forward + gap.backward) / 4;
-  RepairFlippedFacesOfFinest(terms.stiffness);
-}
-
-void AutoRegistration::RepairFlippedFacesOfFinest(double stiffness) {
-  Level& level = (*levels_)[0];
-  const double smoothing = 2 * options_.smoothing;
-  const BentMesh bent{level.rest,
-                      level.faces,
-                      level.moved,
-                      level.fit->maps(),
-                      result_.softened ? kSoft : kRigid,
-                      smoothing * smoothing,
-                      SurfaceWeight(stiffness)};
-  FlippedFaceRepair mended = RepairFlippedFaces(bent, goal_points_, target_.faces);
-  if (mended.after == mended.before) return;
-  for (const std::vector<int>& piece : level.fit->pieces().pieces())
-    for (int v : piece) mended.points.row(v) = level.moved.row(v);
-  level.moved = std::move(mended.points);
-  level.fit->FitMaps(level.moved);
 }
 
 AutoResult AutoRegistration::Run() {

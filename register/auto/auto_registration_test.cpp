@@ -314,6 +314,31 @@ TEST(RegisterAuto, TransformsCarryEachNeighbourhood) {
   EXPECT_LT(misfit / length, 0.1);
 }
 
+/// A tube bent by 46 degrees, with so few landmarks that other starts are tried too.
+AutoResult BentByFewLandmarks(const AutoOptions& options) {
+  constexpr double kAngle = 0.8;
+  const Mesh source = Tube(), target = WithPoints(source, Bent(source.points, kLength, kAngle));
+  const std::vector<LandmarkGoal> all = Every(kGoalStride, target.points);
+  return RegisterAuto(source, target, {all.front(), all[all.size() / 2], all.back()}, {}, options);
+}
+
+TEST(RegisterAuto, AStartThatLosesLeavesNothingButItsTrial) {
+  AutoOptions one_start, more_starts;
+  one_start.suggest = one_start.skeleton = false;
+  const AutoResult alone = BentByFewLandmarks(one_start), among = BentByFewLandmarks(more_starts);
+  ASSERT_EQ(alone.starts.size(), 1u);
+  ASSERT_GT(among.starts.size(), 1u);
+  ASSERT_EQ(among.chosen, 0);
+  // Each start sets the size of the rest shape by a factor of the last one's, and factors round.
+  constexpr double kRounding = 1e-12;
+  EXPECT_LT((among.points - alone.points).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_NEAR(among.gap, alone.gap, kRounding);
+  EXPECT_NEAR(among.scale, alone.scale, kRounding);
+  EXPECT_EQ(among.softened, alone.softened);
+  EXPECT_EQ(among.starts[0].gap, alone.starts[0].gap);
+  EXPECT_EQ(among.starts[0].score, alone.starts[0].score);
+}
+
 TEST(RegisterAuto, SameBitsAtOneAndTwoThreads) {
   const Mesh source = Tube(), body = Body(2);
   Mesh target = OtherTube(),

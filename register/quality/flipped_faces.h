@@ -8,18 +8,17 @@
 
 namespace keypose::registration {
 
-/// F x 3.
-PointsX3 FaceCentres(const PointsX3& points, const FacesX3& faces);
-
 /// A target as a set of face centres, which is how a flipped face is told.
 struct TargetFaces {
   /// @throws InputError  no faces
   TargetFaces(const PointsX3& points, const FacesX3& faces);
 
-  /// 1 for each face whose normal points away (dot < 0) from that of the target face with the
-  /// nearest centre.
+  /// 1 for each face whose normal points away (dot < 0) from those of all target faces with
+  /// centres at most `slack` farther from its own than the nearest.
+  /// @param slack  >= 0 [length]; in a crease that is as narrow as the surfaces are exact, the
+  /// nearest centre may be the opposite wall's
   /// Same bits for any thread count.
-  std::vector<char> Opposed(const PointsX3& points, const FacesX3& faces) const;
+  std::vector<char> Opposed(const PointsX3& points, const FacesX3& faces, double slack) const;
 
   PointsX3 centres, normals;  ///< of the target's faces
   KdTree tree;                ///< of the centres

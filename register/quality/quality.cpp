@@ -17,14 +17,18 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kQualitySamples = 6000;
-constexpr double kCovered = 0.01;    // of the diagonal
+constexpr double kCovered = 0.01;  // of the diagonal
+// of the diagonal: about how exact a good registration's surface is, so that a wall of a crease
+// this much farther may be a face's own
+constexpr double kFlipSlack = 0.002;
 constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
 using FootList = std::vector<RayScene::Foot>;
 
 int CountFlipped(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
+  const double slack = kFlipSlack * BoundingDiagonal(target.points);
   const std::vector<char> flipped =
-      TargetFaces(target.points, target.faces).Opposed(registered, faces);
+      TargetFaces(target.points, target.faces).Opposed(registered, faces, slack);
   return static_cast<int>(std::count(flipped.begin(), flipped.end(), 1));
 }
 

@@ -23,8 +23,9 @@ struct Stretch {
 
 /// Distances are over the target's bounding diagonal.
 struct RegistrationQuality {
-  int flipped = 0;  ///< faces whose normal points away (dot < 0) from the normal of the face with
-                    ///< the nearest centre on the target
+  /// faces whose normal points away (dot < 0) from those of all target faces with centres at most
+  /// 0.002 farther than the nearest; which wall of a narrow crease a face belongs to is not known
+  int flipped = 0;
   int degenerate = 0;  ///< faces that shrank below 1 % of their area in the source
   /// root mean square of exact distances of area samples, both ways together
   double surface_rms = 0;

@@ -51,6 +51,38 @@ TEST(MeasureRegistration, AnInvertedSurfaceIsAllFlippedAndCoversNothing) {
   EXPECT_EQ(q.coverage, 0);
 }
 
+/// Two square sheets, their outsides facing away from each other, the upper one at `height`, the
+/// lower one at 0.
+Mesh TwoSheets(double height) {
+  constexpr int kSide = 21;
+  Mesh mesh;
+  mesh.points.resize(2 * kSide * kSide, 3);
+  mesh.faces.resize(4 * (kSide - 1) * (kSide - 1), 3);
+  Eigen::Index face = 0;
+  for (int sheet = 0; sheet < 2; ++sheet)
+    for (int i = 0; i < kSide; ++i)
+      for (int j = 0; j < kSide; ++j) {
+        const int a = (sheet * kSide + i) * kSide + j, b = a + kSide;
+        mesh.points.row(a) << i / (kSide - 1.0), j / (kSide - 1.0), sheet * height;
+        if (i + 1 == kSide || j + 1 == kSide) continue;
+        mesh.faces.row(face++) << a, (sheet ? b : a + 1), (sheet ? a + 1 : b);
+        mesh.faces.row(face++) << a + 1, (sheet ? b : b + 1), (sheet ? b + 1 : b);
+      }
+  return mesh;
+}
+
+TEST(MeasureRegistration, AFaceIsFlippedWhereItsOwnWallIsClearlyFarther) {
+  constexpr double kGap = 0.1;
+  const Mesh target = TwoSheets(kGap);
+  const double slack = 0.002 * BoundingDiagonal(target.points);
+  // The upper sheet lies so low that the lower one is nearer by less, and by more, than the slack.
+  const Mesh doubtful = TwoSheets(kGap / 2 - 0.49 * slack),
+             flipped = TwoSheets(kGap / 2 - 0.51 * slack);
+  EXPECT_EQ(MeasureRegistration(target, target.points, target).flipped, 0);
+  EXPECT_EQ(MeasureRegistration(target, doubtful.points, target).flipped, 0);
+  EXPECT_EQ(MeasureRegistration(target, flipped.points, target).flipped, target.face_count() / 2);
+}
+
 TEST(MeasureRegistration, HalfTheTargetIsHalfCovered) {
   const Mesh sphere = MakeIcosphere(5);
   Mesh half = sphere;
