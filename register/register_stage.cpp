@@ -92,7 +92,7 @@ struct RegisterOptions {
     visit("max_surface_rms", max_surface_rms,
           {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
     visit("max_flipped_share", max_flipped_share,
-          {"fail when a larger share of faces is flipped", "", 0, 1, {}});
+          {"fail when a larger share of faces is clearly flipped", "", 0, 1, {}});
     visit("allow_fused", allow_fused,
           {"write the result also where parts that touch in the template would have to come apart",
            "",
@@ -230,6 +230,7 @@ RegistrationQuality ReportQuality(StageContext& stage, const Mesh& source,
   stage.Report("vertices", source.vertex_count());
   stage.Report("faces", source.face_count());
   stage.Report("flipped", q.flipped);
+  stage.Report("flipped_clearly", q.flipped_clearly);
   stage.Report("degenerate", q.degenerate);
   stage.Report("surface_rms_over_diag", q.surface_rms);
   stage.Report("surface_mean_over_diag", q.surface_mean);
@@ -352,8 +353,9 @@ void Gate(const RegistrationQuality& q, int faces, const RegisterOptions& option
     throw QualityError("register: the surfaces are " + std::to_string(q.surface_rms) +
                        " of the diagonal apart (limit " + std::to_string(options.max_surface_rms) +
                        "); add landmarks where the pose differs most");
-  if (q.flipped > options.max_flipped_share * faces)
-    throw QualityError("register: " + std::to_string(q.flipped) + " of " + std::to_string(faces) +
+  if (q.flipped_clearly > options.max_flipped_share * faces)
+    throw QualityError("register: " + std::to_string(q.flipped_clearly) + " of " +
+                       std::to_string(faces) +
                        " faces are flipped, more than max_flipped_share allows; add landmarks "
                        "where the pose differs most");
 }
@@ -418,7 +420,7 @@ void Run(StageContext& stage, const RegisterOptions& options) {
   const RegistrationQuality quality =
       ReportQuality(stage, whole, registered.points, target, surfaces);
   if (unbound && options.method == "auto")
-    RefuseWrongNumbers(worst, quality.flipped, source.face_count());
+    RefuseWrongNumbers(worst, quality.flipped_clearly, source.face_count());
   ReportAdvice(stage, whole, registered.points, target, landmarks.goals, surfaces);
   Gate(quality, source.face_count(), options);
   RefuseFused(stage, source, target, quality.hausdorff_to_target, options.allow_fused);

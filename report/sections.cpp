@@ -292,6 +292,7 @@ std::string PairSection(const PairPart& pair, const Encoder& encode) {
   Pairs facts;
   AddFacts(&step,
            {{"flipped triangles", "flipped"},
+            {"clearly flipped triangles", "flipped_clearly"},
             {"degenerate triangles", "degenerate"},
             {"iterations", "iterations"},
             {"landmarks", "landmarks"},

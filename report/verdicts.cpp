@@ -196,7 +196,9 @@ class Findings {
   }
 
   void Register(const StepRecord& s) {
-    const auto flipped = s.Number("flipped"), rms = s.Number("surface_rms_over_diag"),
+    // In a crease the nearest face may be of the opposite wall: those are no fault to act on.
+    const auto flipped = s.Number(s.Number("flipped_clearly") ? "flipped_clearly" : "flipped"),
+               rms = s.Number("surface_rms_over_diag"),
                landmark = s.Number("landmark_max_over_diag");
     const std::string more = "add landmarks where the picture below marks them";
     const double faces = s.Number("faces").value_or(20000), few_flips = kFlipsLook * faces,

@@ -35,6 +35,7 @@ std::vector<char> TargetFaces::Opposed(const PointsX3& points, const FacesX3& fa
     const Eigen::Vector3d centre = at.row(f).transpose();
     const KdTree::Neighbor nearest = tree.Nearest(centre);
     if (!away_from(f, nearest)) return false;
+    if (slack == 0) return true;
     const double reach = std::sqrt(nearest.squared_distance) + slack;
     const std::vector<KdTree::Neighbor> near = tree.Within(centre, reach);
     return std::all_of(near.begin(), near.end(),

@@ -25,11 +25,15 @@ constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
 
 using FootList = std::vector<RayScene::Foot>;
 
-int CountFlipped(const PointsX3& registered, const FacesX3& faces, const Mesh& target) {
-  const double slack = kFlipSlack * BoundingDiagonal(target.points);
-  const std::vector<char> flipped =
-      TargetFaces(target.points, target.faces).Opposed(registered, faces, slack);
-  return static_cast<int>(std::count(flipped.begin(), flipped.end(), 1));
+void CountFlipped(const PointsX3& registered, const FacesX3& faces, const Mesh& target,
+                  RegistrationQuality& q) {
+  const TargetFaces sides(target.points, target.faces);
+  const auto count = [&](double slack) {
+    const std::vector<char> flipped = sides.Opposed(registered, faces, slack);
+    return static_cast<int>(std::count(flipped.begin(), flipped.end(), 1));
+  };
+  q.flipped = count(0);
+  q.flipped_clearly = count(kFlipSlack * BoundingDiagonal(target.points));
 }
 
 double UnitRandom(std::uint64_t n) {  // SplitMix64 of Steele et al., 2014
@@ -185,7 +189,7 @@ RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& regi
     covered += std::sqrt(from[i].squared_distance) <= kCovered * diagonal &&
                our_normals.row(from[i].face).dot(their_normals.row(theirs.faces[i])) > 0;
   q.coverage = theirs.faces.empty() ? 0 : covered / static_cast<double>(theirs.faces.size());
-  q.flipped = CountFlipped(registered, source.faces, target);
+  CountFlipped(registered, source.faces, target, q);
   const Eigen::VectorXd before = FaceAreas(source.points, source.faces),
                         after = FaceAreas(registered, source.faces);
   q.degenerate = static_cast<int>((after.array() < 0.01 * before.array()).count());

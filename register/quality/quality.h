@@ -23,9 +23,12 @@ struct Stretch {
 
 /// Distances are over the target's bounding diagonal.
 struct RegistrationQuality {
-  /// faces whose normal points away (dot < 0) from those of all target faces with centres at most
-  /// 0.002 farther than the nearest; which wall of a narrow crease a face belongs to is not known
+  /// faces whose normal points away (dot < 0) from that of the target face with the nearest centre;
+  /// in a narrow crease that face may be of the opposite wall
   int flipped = 0;
+  /// of these, faces whose normal points away from those of all target faces with centres at most
+  /// 0.002 farther than the nearest
+  int flipped_clearly = 0;
   int degenerate = 0;  ///< faces that shrank below 1 % of their area in the source
   /// root mean square of exact distances of area samples, both ways together
   double surface_rms = 0;

@@ -71,16 +71,19 @@ Mesh TwoSheets(double height) {
   return mesh;
 }
 
-TEST(MeasureRegistration, AFaceIsFlippedWhereItsOwnWallIsClearlyFarther) {
+TEST(MeasureRegistration, AFaceIsClearlyFlippedWhereItsOwnWallIsClearlyFarther) {
   constexpr double kGap = 0.1;
   const Mesh target = TwoSheets(kGap);
   const double slack = 0.002 * BoundingDiagonal(target.points);
   // The upper sheet lies so low that the lower one is nearer by less, and by more, than the slack.
   const Mesh doubtful = TwoSheets(kGap / 2 - 0.49 * slack),
              flipped = TwoSheets(kGap / 2 - 0.51 * slack);
-  EXPECT_EQ(MeasureRegistration(target, target.points, target).flipped, 0);
-  EXPECT_EQ(MeasureRegistration(target, doubtful.points, target).flipped, 0);
-  EXPECT_EQ(MeasureRegistration(target, flipped.points, target).flipped, target.face_count() / 2);
+  EXPECT_EQ(MeasureRegistration(target, target.points, target).flipped_clearly, 0);
+  EXPECT_EQ(MeasureRegistration(target, doubtful.points, target).flipped_clearly, 0);
+  EXPECT_EQ(MeasureRegistration(target, flipped.points, target).flipped_clearly,
+            target.face_count() / 2);
+  // By the nearest face alone both are flipped.
+  EXPECT_EQ(MeasureRegistration(target, doubtful.points, target).flipped, target.face_count() / 2);
 }
 
 TEST(MeasureRegistration, HalfTheTargetIsHalfCovered) {
