@@ -40,7 +40,7 @@ PortInfo ParsePort(const json& value, bool output) {
   if (output && (!IsOneName(port.file) || port.file == "manifest.json" ||
                  port.file == "report.json" || port.file == "log.txt"))
     throw std::runtime_error(fmt::format(
-        "the file '{}' of an output is no plain name, or one that the cache uses itself",
+        "the file '{}' of an output is not a plain name, or is a name that the cache itself uses",
         port.file));
   return port;
 }
