@@ -4,9 +4,8 @@
 //   on the true surface
 // - truth/POSE/masks/NAME.png: 255 = character
 // - truth/POSE/surface.ply: vertex i is the same material point in every pose
-// - truth/POSE/outer.ply: only for a pose with parts pressed into each other: the visible surface
-// of
-//   its solid, without walls inside
+// - truth/POSE/outer.ply: the visible surface of the solid, without walls inside; only for a pose
+//   with parts pressed into each other
 // - truth/POSE/smooth.ply: only if finger-prints move the surface: its vertices without them
 // - truth/POSE/landmarks.json: named vertices of surface.ply
 // - truth/POSE/world.json: what was rendered
