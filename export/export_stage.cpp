@@ -39,7 +39,7 @@ struct ExportOptions {
   bool ply = true;
 
   void Describe(keypose::OptionVisitor& visit) {
-    visit("fps", playback.fps, {"frames a second", "1/s", 0.1, 1000, {}});
+    visit("fps", playback.fps, {"frames per second", "1/s", 0.1, 1000, {}});
     visit("hold", playback.hold,
           {"extra frames for which the first and the last frame are held", "frames", 0, 10000, {}});
     visit("loop", playback.loop,
