@@ -337,8 +337,8 @@ bool Builder::WasSpoilt(const Running& running) {
   workshop_.disk.Remove(WorkFolder(running.step));
   AddToRecord(running.step, "spoilt", clock_.Now() - running.begin, 0);
   observer_.Finished(id, "spoilt", clock_.Now() - running.begin);
-  observer_.Note(fmt::format(
-      "warning: while {} ran, {}; nothing of it was kept, and it is made anew", id, changed));
+  observer_.Note(fmt::format("warning: while {} ran, {}; nothing of it was kept, and it runs again",
+                             id, changed));
   result_.again = true;
   return true;
 }
@@ -405,7 +405,7 @@ std::string Builder::FailureMessage(int step, ExitCode code, int raw_code,
   const fs::path log = FailedFolder(step) / "log.txt";
   if (workshop_.disk.Stat(log))
     message += fmt::format("\nits whole log: {} (or `keypose log {}`)", log.string(), id);
-  message += "\nwhen that is mended, `keypose run` goes on from here; what was made before is kept";
+  message += "\nwhen that is fixed, `keypose run` continues from here; earlier results are kept";
   return message;
 }
 
@@ -418,7 +418,7 @@ void Builder::Interrupt() {
   }
   running_.clear();
   result_.code = ExitCode::kInterrupted;
-  result_.message = "interrupted; what was made before is kept, `keypose run` goes on from here";
+  result_.message = "interrupted; earlier results are kept, and `keypose run` continues from here";
 }
 
 void Builder::SaveRecord() {

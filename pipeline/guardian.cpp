@@ -123,7 +123,7 @@ bool Reap(int stage, int* status) {
 }
 
 /// Passes on requests until the stage ends.
-/// @return false when it had to be killed because the runner is gone
+/// @return false if it was killed because the runner died
 bool Watch(int stage, int children_fd, int* status) {
   for (;;) {
     pollfd fds[2] = {{kControl, POLLIN, 0}, {children_fd, POLLIN, 0}};

@@ -140,7 +140,7 @@ ExitCode InitCommand(const InitOptions& options) {
   }
   // Written last, so that a folder with a pipeline.yaml is a complete project.
   disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
-  fmt::print("the photographs that you named stay as they are\nnext: keypose run -C {}\n",
+  fmt::print("your original photographs were not changed\nnext: keypose run -C {}\n",
              ShellWord(options.folder));
   return ExitCode::kOk;
 }

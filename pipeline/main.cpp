@@ -226,7 +226,7 @@ class CommandLine {
 void Complain(const std::string& line) { std::fputs(("keypose: " + line + "\n").c_str(), stderr); }
 
 int Bug(const std::exception& error) {
-  Complain(fmt::format("a bug: {}\nplease report it with the command that you gave", error.what()));
+  Complain(fmt::format("a bug: {}\nplease report it, with your command", error.what()));
   return static_cast<int>(ExitCode::kBug);
 }
 

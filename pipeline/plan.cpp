@@ -198,7 +198,7 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
 
 std::vector<std::string> Plan::ReasonsOf(const StepPlan& step) const {
   std::vector<std::string> reasons;
-  if (step.forced) reasons.push_back("--force asks for it");
+  if (step.forced) reasons.push_back("--force was given");
   if (!step.last) {
     reasons.push_back("it has never run");
     return reasons;

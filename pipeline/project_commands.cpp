@@ -245,7 +245,7 @@ ExitCode VerifyCommand(const std::string& folder) {
   results.Save();
   if (damaged > 0)
     fmt::print(
-        "the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
+        "the damaged artifacts were removed from the cache; `keypose run` makes them again\n");
   fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes),
              damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
   return damaged > 0 || !notes.empty() ? ExitCode::kDisk : ExitCode::kOk;

@@ -21,14 +21,14 @@ class ResultsFolder {
   ResultsFolder(Disk& disk, std::filesystem::path out, std::filesystem::path memory_file);
 
   /// Updates the step's named results, and removes those that it no longer has.
-  /// @return lines for a person
+  /// @return lines for the user
   std::vector<std::string> Publish(const Step& step, const Artifact& artifact);
   /// Removes results of steps that the graph no longer has.
-  /// @return lines for a person
+  /// @return lines for the user
   std::vector<std::string> DropStepsOutside(const Graph& graph);
   /// Reads all results. Files that changed without a new size or time are checked again by the next
   /// run.
-  /// @return lines for a person
+  /// @return lines for the user
   std::vector<std::string> Verify();
   void Save();
   const std::filesystem::path& out() const { return out_; }

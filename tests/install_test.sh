@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs a build under a fresh prefix and uses it from there, as described in README.md. usage:
-# install_test.sh BUILD_DIR
+# Installs a build under a fresh prefix and uses it from there, as described in README.md.
+# usage: install_test.sh BUILD_DIR
 set -euo pipefail
 build=$1
 folder=$(mktemp -d)

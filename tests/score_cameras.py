@@ -1,5 +1,7 @@
 #!/usr/bin/python3
-"""Prints the distances between the camera centres of two COLMAP models, as one JSON line.\n\n    score_cameras.py MODEL REFERENCE
+"""Prints the distances between the camera centres of two COLMAP models, as one JSON line.
+
+    score_cameras.py MODEL REFERENCE
 
 The arguments are folders with images.bin or images.txt. A similarity fitted to the centres (Umeyama) transforms
 MODEL into REFERENCE's frame. Errors are fractions of REFERENCE's mean distance from its cameras to the point
