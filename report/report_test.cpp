@@ -214,7 +214,7 @@ TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
 TEST(BuildPage, OnePoseEndsInAMeshAndThePageSaysSo) {
   Contents contents = Minimal();
   contents.run.poses = {"rest"};
-  EXPECT_THAT(BuildPage(contents, NoPictures), HasSubstr("The project has one pose"));
+  EXPECT_THAT(BuildPage(contents, NoPictures), HasSubstr("The project has only one pose"));
 }
 
 TEST(BuildPage, ShowsThePapersTablesBesideOurs) {
