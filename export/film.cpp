@@ -29,7 +29,8 @@ View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOpt
   return FitView(all, azimuth_deg, kElevationDeg, options.width, options.height, Up(options));
 }
 
-/// Sum of the image motion from frame to frame, over vertices that face the camera.
+/// Sum of the motion across the picture from frame to frame, over vertices that face the camera,
+/// weighted by how much they face it.
 double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& normals,
                   const Eigen::Matrix3d& camera_from_world) {
   std::vector<double> seen(frames.size(), 0);

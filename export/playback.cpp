@@ -39,7 +39,8 @@ bool Changes(const std::vector<Moment>& moments, std::size_t i, const Clip& clip
   return clip.picture[moments[i].frame] != clip.picture[moments[i + 1].frame];
 }
 
-/// The shortest time before a step that single precision distinguishes from the step.
+/// Time from a held picture's second keyframe to the step [s]: a thousandth of a frame, or more if
+/// single precision needs it.
 double GapBefore(double seconds, double fps) {
   const auto time = static_cast<float>(seconds);
   const double grain = time - std::nextafter(time, -std::numeric_limits<float>::infinity());

@@ -195,7 +195,7 @@ std::string EverythingMeasured(const StepRecord& step) {
                      ": everything measured</summary>" + Facts(facts);
   for (const auto& [name, text] : step.lists) {
     const std::string shown =
-        text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (whole in report.json)" : text;
+        text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (complete in report.json)" : text;
     html += "<details><summary>" + Words(name) +
             "</summary><code style=\"display:block;white-space:pre-wrap;overflow-wrap:anywhere\">" +
             Escape(shown) + "</code></details>";

@@ -135,8 +135,8 @@ class Findings {
                                     : "");
     if (const auto light = s.Number("shading_error_after"))
       Add(Grade::kNote, s,
-          "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) +
-              ".");
+          "Shape and lamps explain the brightness of the photographs to within " +
+              Bold(Percent(*light)) + ".");
   }
 
   void Cleanup(const StepRecord& s, const StepRecord* refine) {
@@ -148,7 +148,7 @@ class Findings {
           *closed > 0 ? "" : "keypose log cleanup shows where; add photographs of that side");
     if (crossings && *crossings > 0)
       Add(Grade::kWrong, s, Bold(Pretty(*crossings)) + " faces still intersect others.",
-          "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts "
+          "try more faces, e.g. --set cleanup.faces=40000, or photograph the gap between the parts "
           "that touch");
     // The distance of soles cut flat at the ground from the scan's caps is at most the depth of the
     // caps below the ground.
@@ -184,7 +184,7 @@ class Findings {
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
           Bold(Percent(*unseen)) + " of the texture was in no photograph" +
-              (complete ? " of any pose" : "") + " and is filled in from around.",
+              (complete ? " of any pose" : "") + " and is filled in from its surroundings.",
           *unseen < kUnseenLook
               ? ""
               : "shoot a second ring from lower or higher, and between the limbs");
