@@ -1,9 +1,10 @@
-// Photographs beside renders of the textured mesh from the same cameras, or the mesh from all
-// round: the pictures of docs/.
+// Photographs beside renders of the textured mesh from the same cameras, or renders of the mesh
+// from given directions. Makes pictures of docs/.
 //
-//   compare_views OUT.png WIDTH MESH TEXTURE MODEL IMAGES NAME...   one row a photograph:
-//   photograph, render compare_views OUT.png WIDTH MESH TEXTURE AZIMUTH...             one row:
-//   renders from these directions [deg]
+// - compare_views OUT.png WIDTH MESH TEXTURE MODEL IMAGES NAME...
+//   One row per photograph: photograph, render.
+// - compare_views OUT.png WIDTH MESH TEXTURE AZIMUTH...
+//   One row: renders from these directions [deg].
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>

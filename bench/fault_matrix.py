@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
-"""Faults put into runs at random moments; after each, the next run must end with the bits of an undisturbed one.
+"""Injects faults into runs at random moments. The next run must give the same bits as an undisturbed run.
 
-    fault_matrix.py [--build build/release] [--count 1000] [--seed 1] [--jobs 4] [--kinds a,b,...] [--work DIR] [--json FILE]
+    fault_matrix.py [--build build/release] [--count 1000] [--seed 1] [--jobs 4] [--kinds a,b,...]
+                    [--work DIR] [--json FILE]
 
-The runner and its guardians are the real ones; the stages are the small text programs of the runner's own tests, which write slowly, so that a moment can
-be hit. Every injection has a project of its own: two poses, five steps. What counts as a failure:
+The runner and its guardians are the real ones. The stages are the small text programs of the runner's tests;
+they write slowly, so that faults hit them while they write. Every injection has its own project with two poses
+and five steps. An injection fails if
 
-    - the run after the fault (or the disturbed one, where that is to go on) does not end with exit code 0,
-    - a file below out/ differs from the undisturbed run's, or is missing, or one is there that does not belong (NAME.mine where the fault spoilt NAME is as promised),
-    - `keypose verify` finds anything damaged after that,
-    - a process that the project's stages started is alive two seconds later, or temporary files are left.
+    - the run after the fault (or the disturbed run, if it should go on) does not end with exit code 0,
+    - a file below out/ is missing, differs from the undisturbed run's, or does not belong there
+      (NAME.mine is expected where the fault damaged NAME),
+    - `keypose verify` then finds anything damaged,
+    - two seconds later a process started by the project's stages is still alive, or temporary files are left.
 
-Prints a table: fault, how it is made, what is promised, how often, failures. `disk full` needs the right to mount a tmpfs, and is left out without.
-Exit code 1 on any failure. Needs nothing beyond Python.
+Prints a table: fault, how it is made, what is promised, injections, failures. `disk full` is left out without
+the right to mount a tmpfs. Exit code 1 on any failure. Needs only Python.
 """
 import argparse
 import concurrent.futures
@@ -41,7 +44,7 @@ def text_of(pose, number, variant=''):
 
 
 class Project:
-    """An installation and a project of its own."""
+    """A separate installation with a project."""
 
     def __init__(self, build, root):
         self.root, self.folder = root, root / 'hero'
@@ -75,7 +78,7 @@ class Project:
         return subprocess.run([self.root / 'bin/keypose', *words, '-C', self.folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
 
     def processes(self, prefix='keypose'):
-        """Process ids whose program lies in this installation, by name of the program, or by the guardians' own names."""
+        """Ids of processes whose program lies in this installation, by program name or guardian name."""
         found = {}
         for entry in pathlib.Path('/proc').iterdir():
             if not entry.name.isdigit():
@@ -110,11 +113,11 @@ def flip(path, chance):
         return
     at = chance.randrange(len(data))
     data[at] ^= 1 << chance.randrange(8)
-    with open(path, 'r+b') as file:  # in place, as a disk does
+    with open(path, 'r+b') as file:  # in place, like a faulty disk
         file.write(data)
 
 
-# Each fault disturbs a run under way, or a project at rest; it returns after the disturbed run has ended.
+# Each fault disturbs a running run, or a project at rest. It returns after the disturbed run has ended.
 
 def under_way(disturb, longest=0.45):
     def fault(project, chance):
@@ -126,7 +129,7 @@ def under_way(disturb, longest=0.45):
 
 
 def at_rest(disturb, without_results=False):
-    """@param without_results  out/ is deleted too, so that what is damaged in the cache would reach it"""
+    """@param without_results  delete out/ too, so that damage in the cache would reach it"""
     def fault(project, chance):
         code, text = project.run()
         assert code == 0, text
@@ -161,7 +164,7 @@ def change_and_put_back(project, chance, runner):
     time.sleep(chance.uniform(0.0, 0.1))
     photo.write_text(text)
     if chance.random() < 0.5:
-        os.utime(photo, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # a clock turned back, or a program that keeps times
+        os.utime(photo, ns=(stat.st_atime_ns, stat.st_mtime_ns))  # simulates a clock turned back, or a program that preserves times
 
 
 def remove_and_put_back(project, chance, runner):
@@ -233,7 +236,7 @@ def spoil_result(project, chance):
 def spoil_state(project, chance):
     state = project.folder / '.keypose'
     files = [state / name for name in ('hashes.json', 'out.json', 'stages.json', 'lock')] + sorted((state / 'steps').rglob('*.json')) + sorted((state / 'runs').glob('*.json'))
-    path = chance.choice([file for file in files if file.exists()])  # hashes of files that are a moment old are not remembered
+    path = chance.choice([file for file in files if file.exists()])  # hashes of very new files are not stored
     damage = chance.randrange(4)
     if damage == 0:
         path.unlink()
@@ -246,7 +249,10 @@ def spoil_state(project, chance):
 
 
 def old_clock(project, chance):
-    """The photographs get times of the past or the future, some with other content of the same size: what the next run makes must be of the new content."""
+    """Gives photographs past or future times, some with other content of the same size.
+
+    The next run must use the new content.
+    """
     photo = any_photo(project, chance)
     stat = photo.stat()
     text = photo.read_text()
@@ -314,7 +320,7 @@ KINDS = {
 
 
 def inject(build, work, kind, number, seed, reference):
-    """@return what went wrong, or nothing"""
+    """@return what went wrong, or None"""
     chance = random.Random(f'{seed} {kind} {number}')
     root = pathlib.Path(tempfile.mkdtemp(prefix='fault_', dir=work))
     project = Project(build, root)
@@ -340,7 +346,7 @@ def inject(build, work, kind, number, seed, reference):
             return f'processes left: {project.processes()}'
         litter = [str(path.relative_to(project.folder)) for path in project.folder.rglob('*') if '.tmp' in path.name or '.partial' in path.name]
         return f'litter: {litter[:5]}' if litter else None
-    except Exception as error:  # whatever it is, it is a failure of this injection and not of the matrix
+    except Exception as error:  # any exception is a failure of this injection, not of the matrix
         return f'{type(error).__name__}: {str(error)[-600:]}'
     finally:
         for pid in project.processes():
@@ -382,11 +388,12 @@ def main():
     if unknown:
         parser.error(f'unknown fault {unknown[0]}; there are {", ".join(KINDS)}')
     if 'disk full' in kinds and not can_mount(work):
-        print('disk full is left out: no right to mount a tmpfs here', file=sys.stderr)
+        print('disk full is left out: no permission to mount a tmpfs', file=sys.stderr)
         kinds.remove('disk full')
     reference = reference_results(build, work)
     done, failures = {kind: 0 for kind in kinds}, {kind: [] for kind in kinds}
-    # Processes, not threads: a thread that starts a program while another one copies one holds the copy open, and it cannot be run.
+    # Processes, not threads: if a thread starts a program while another thread copies one, the copy stays open
+    # in the child, and it cannot be executed.
     with concurrent.futures.ProcessPoolExecutor(args.jobs) as pool:
         waiting = {pool.submit(inject, build, work, kinds[i % len(kinds)], i // len(kinds), args.seed, reference): kinds[i % len(kinds)] for i in range(args.count)}
         for future in concurrent.futures.as_completed(waiting):

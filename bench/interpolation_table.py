@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Frames half-way between a straight tube and a bent or twisted one, beside the pose that they should be.
+"""Compares the frame halfway between a straight tube and a bent or twisted one with the ideal pose.
 
     bench/interpolation_table.py BIN_DIR [--json FILE]
 
-BIN_DIR holds keypose-interpolate. The tube has 3,600 faces, length 2, radius 0.12 (twists: a bar of 0.4 x 0.4 x 2). For each shape and
-method: error of the middle frame to the ideal pose (half the angle), mean over vertices after a rigid fit, over the diagonal; the largest
-deviation of area and volume from their paths over nine in-betweens; and for sequences through three keys the same, and the jump of pace
-at the middle key.
+BIN_DIR contains keypose-interpolate. The tube has 3,600 faces, length 2 and radius 0.12; twists use a bar of
+0.4 x 0.4 x 2. Per shape and method the table has the error of the middle frame against the ideal pose (half the
+angle): mean over vertices after a rigid fit / diagonal. It also has the largest deviation of area and volume
+from their paths over nine in-betweens. For sequences of three keys it has the same deviations, and the jump of
+speed at the middle key.
 """
 import argparse
 import json
@@ -40,7 +41,7 @@ def tube(radius, length, segments, rings):
 
 
 def bar(side, length, across, rings):
-    """A tube of square cross-section, `across` quads to a side."""
+    """A tube of square cross-section with `across` quads per side."""
     points, faces = tube(1, length, 4 * across, rings)
     ring = []
     for s in range(4 * across):
@@ -129,7 +130,7 @@ def pairs(runner):
 
 
 def sequences(runner):
-    """Three keys; frames of a thousandth of a span round the middle one tell the pace on both sides."""
+    """Three keys. Frames a thousandth of a span around the middle key give the speed on both sides."""
     rows = []
     points, faces = tube(0.12, 2, 30, 59)
     twist_points, twist_faces = bar(0.4, 2, 8, 56)

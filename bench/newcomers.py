@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
-"""A newcomer's sets, good ones and bad ones, through `keypose init` and `keypose run`: does each end right or refused, and does the verdict agree with the truth?
+"""Runs a newcomer's sets, good and bad ones, through `keypose init` and `keypose run`.
+
+Does each set end correctly or with a refusal, and does the verdict agree with the truth?
 
     newcomers.py [--bin DIR] [--work DIR] [--kinds plain,weak,...] [--seeds 1] [--more 20] [--json FILE]
 
-Every kind of set is rendered by `keypose synth photos` (24 photographs of 640 x 480 unless the kind says otherwise), once for each of --seeds;
---more adds so many sets of further seeds, the kinds in turn. A set's truth is its surface: mean distance both ways over the diagonal.
+`keypose synth photos` renders every kind of set (24 photographs of 640 x 480 unless the kind says otherwise),
+once per seed of --seeds. --more adds that many sets with further seeds, cycling through the kinds. A set is
+judged by its surface: mean distance, both ways, / diagonal.
 
     right     below 0.5 %, and as many handles as the true masks see through on the true surface
-    ruin      above 1 %, or a genus that is not the truth's
+    ruin      above 1 %, or a genus different from the truth's
     between   neither
 
-What a person gets is `refused` (exit code 3 or 6 with a reason), or the verdict of out/report/report.json. They disagree when a ruin is called
-good, when a right one is called wrong, when a set that others finish is refused, or on any other exit code. Exit code 1 when any row disagrees.
-Needs nothing beyond Python.
+The result for the user is `refused` (exit code 3 or 6 with a reason), or the verdict of out/report/report.json.
+Result and truth disagree if a ruin is called good, if a right set is called wrong, if a set that others finish
+is refused, or on any other exit code. Exit code 1 if any row disagrees. Needs only Python.
 """
 import argparse
 import json
@@ -24,7 +27,7 @@ import tempfile
 
 RIGHT_BELOW, RUIN_ABOVE = 0.005, 0.01
 
-# Options of `synth photos`; `may_refuse`: refusing is a good answer too; `damage`: copies spoilt by `synth damage`.
+# Options of `synth photos`. `may_refuse`: a refusal is correct too. `damage`: copies damaged by `synth damage`.
 KINDS = {
     'plain': {'options': []},
     'weak': {'options': ['--texture', 'weak', '--views', 32]},
@@ -48,7 +51,7 @@ def call(command, may_fail=False):
 
 
 def render(bin_dir, world, kind, seed):
-    """@return the folder of photographs as the newcomer has them"""
+    """@return the folder of the newcomer's photographs"""
     pose = kind.get('pose', 'rest')
     if not (world / f'truth/{pose}/world.json').exists():
         defaults = ['--width', 640, '--views', 24, '--poses', pose]
@@ -66,7 +69,10 @@ def render(bin_dir, world, kind, seed):
 
 
 def seen_genus(bin_dir, world, pose, photos_of_truth):
-    """Handles of the true surface that the true masks see through: others, such as a slit between arm and body that faces no camera, nobody can know."""
+    """Handles of the true surface that the true masks see through.
+
+    Others, such as a slit between arm and body that faces no camera, cannot be reconstructed.
+    """
     truth, work = world / 'truth' / pose, world / 'seen'
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir()
@@ -78,13 +84,13 @@ def seen_genus(bin_dir, world, pose, photos_of_truth):
 
 
 def truth_of(bin_dir, world, pose, out):
-    """Mean surface error over the diagonal, and whether the genus is the truth's; None without a mesh."""
+    """Mean surface error / diagonal, and whether the genus is the truth's; None without a mesh."""
     if not (out / 'clean.ply').exists() or not (out / 'model').exists():
         return None
     done = call([bin_dir / 'keypose', 'synth', 'score', '--truth', world / 'truth' / pose, '--model', out / 'model', '--mesh', out / 'clean.ply'],
                 may_fail=True)
     if done.returncode != 0:
-        return {'error': float('inf'), 'genus_right': False}  # so far off that nothing fits
+        return {'error': float('inf'), 'genus_right': False}  # so far off that no alignment succeeds
     score = json.loads(done.stdout)
     genus = seen_genus(bin_dir, world, pose, world / 'photos' / pose)
     return {'error': score['surface_refined']['mean_over_diag'], 'genus_right': score['closed']['genus'] == genus}
@@ -146,7 +152,7 @@ def show(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--bin', default='build/release/bin')
-    parser.add_argument('--work', help='folder to work in; sets that are there are not rendered again')
+    parser.add_argument('--work', help='working folder; existing sets are not rendered again')
     parser.add_argument('--kinds', default=','.join(KINDS))
     parser.add_argument('--seeds', default='1')
     parser.add_argument('--more', type=int, default=0)

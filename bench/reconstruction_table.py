@@ -1,32 +1,41 @@
 #!/usr/bin/env python3
-"""Reconstruction programs side by side, from the same photographs, masks and cameras: time, memory, silhouettes, held-out views.
+"""Compares reconstruction programs on the same photographs, masks and cameras.
 
-    reconstruction_table.py measure --set NAME=FOLDER ... [--views 34|all ...] [--peer FILE.json ...] [--ours-only] [--runs 1]
-                                    [--masks both|neither] [--max-size 1000] [--json FILE] [--work DIR] [--reuse FILE.json]
-                                    [--ours-option STAGE.OPTION=VALUE ...] [--resume] [--bin DIR] [--tools DIR] [--colmap colmap]
-    reconstruction_table.py show FILE.json ...       the same tables from what --json wrote
+Measures time, memory, silhouettes and held-out views.
+
+    reconstruction_table.py measure --set NAME=FOLDER ... [--views 34|all ...] [--peer FILE.json ...]
+                                    [--ours-only] [--runs 1] [--masks both|neither] [--max-size 1000]
+                                    [--json FILE] [--work DIR] [--reuse FILE.json]
+                                    [--ours-option STAGE.OPTION=VALUE ...] [--resume] [--bin DIR]
+                                    [--tools DIR] [--colmap colmap]
+    reconstruction_table.py show FILE.json ...       prints the tables of files written with --json
     reconstruction_table.py prepare --set ...        only makes the inputs, in --work
 
-FOLDER holds `images` (what capture wrote: photographs, masks/, capture.json) and `model` (COLMAP's, all cameras). --views takes that many
-views, spread evenly over the names; every sixth of them (the third, the ninth, ...) is held out of everything that programs are given.
-Every program gets: the remaining cameras and sparse points, their photographs and, with --masks both, their masks. It is scored by
-`score_views` on the original photographs: silhouettes in all the chosen views, PSNR and SSIM in the held-out ones.
+FOLDER contains `images` (capture's output: photographs, masks/, capture.json) and `model` (COLMAP's, all
+cameras). --views takes that many views, spread evenly over the names. Every sixth of them (the third, the
+ninth, ...) is held out: no program gets it. Every program gets the remaining cameras, sparse points and
+photographs and, with --masks both, the masks. `score_views` scores the results on the original photographs:
+silhouettes in all chosen views, PSNR and SSIM in the held-out ones.
 
-Ours: the stages dense, mesh, cleanup, unwrap, bake, with the options' defaults but --max-size for dense and what --ours-option says.
-A stage gets every input that it has and that is known by then. A peer is a file
+Ours: the stages dense, mesh, refine, cleanup, unwrap and bake, with default options except --max-size for dense
+and refine, and those of --ours-option. A stage gets every input that it has and that exists by then. A peer is
+a file
 
     {"mask_suffix": ".mask.png",
      "steps": {"dense": ["program", "--in", "{model}", "--size", "{max_size}", "--out", "{work}/cloud.ply"], ...},
-     "prepare": ["import"],                                   steps that are shown but do not count, may be absent
-     "masked": {"dense": ["--masks", "{masks}"]},             words added to a step when there are masks
+     "prepare": ["import"],                        optional: steps that are shown but do not count
+     "masked": {"dense": ["--masks", "{masks}"]},  arguments added to a step if there are masks
      "results": {"Peer": {"steps": ["dense", ...], "mesh": "{work}/mesh.obj", "texture": "{work}/page.png"}, ...}}
 
-with {work} an empty folder, and, undistorted by COLMAP: {images} {model} and {masks} (STEM + mask_suffix); {max_size} as given. Programs
-run in {work}. Each step runs once a run however many results use it. `texture` may be absent where the mesh names its own.
+{work} is an empty folder. {images}, {model} and {masks} (STEM + mask_suffix) are undistorted by COLMAP.
+{max_size} is the given size. Programs run in {work}. Each step runs once per run, even if several results use
+it. `texture` may be absent if the mesh names its texture.
 
-Processor time is user + system of the program and of the children that it waited for; memory is the largest resident size of any of
-its processes; programs use all cores. With --runs the figures of a program are medians. --reuse takes peers from an earlier --json
-where set, views, masks and size are the same; --resume goes on where a peer's run in --work stopped. Needs nothing beyond Python; `colmap` deletes views from models and undistorts.
+Processor time is user + system time of the program and of the children that it waited for. Memory is the
+largest resident size of any of its processes. Programs use all cores. With --runs, a program's figures are
+medians. --reuse takes peers from an earlier --json if set, views, masks and size are the same. --resume
+continues a peer's stopped run in --work. Needs only Python, and `colmap`, which deletes views from models and
+undistorts.
 """
 import argparse
 import json
@@ -41,13 +50,13 @@ import tempfile
 import time
 
 HOLD_OUT_EVERY, HOLD_OUT_FROM = 6, 2
-ENVIRONMENT = {'OMP_WAIT_POLICY': 'passive'}  # waiting threads of OpenMP are no work
+ENVIRONMENT = {'OMP_WAIT_POLICY': 'passive'}  # waiting OpenMP threads must not count as work
 PORTS = {'dense': 'cloud', 'mesh': 'surface', 'refine': 'refined', 'cleanup': 'clean', 'unwrap': 'unwrapped', 'bake': 'texture'}
 FILES = {'cloud': 'cloud.ply', 'surface': 'surface.ply', 'refined': 'refined.ply', 'clean': 'clean.ply', 'unwrapped': 'unwrapped.obj', 'texture': 'texture.png'}
 
 
 class Failure(Exception):
-    """A program failed; the message says which and where its log is."""
+    """A program failed. The message has its name and the path of its log."""
 
 
 def run_quietly(command, log):
@@ -57,7 +66,7 @@ def run_quietly(command, log):
 
 
 def timed(command, folder, log):
-    """Runs a program; its processor seconds, wall seconds and peak memory."""
+    """Runs a program. @return its processor seconds, wall seconds and peak memory"""
     start = time.monotonic()
     with open(log, 'wb') as out:
         process = subprocess.Popen([str(word) for word in command], cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -70,7 +79,7 @@ def timed(command, folder, log):
 
 
 class Inputs:
-    """One set of photographs, cut to the chosen views, as programs and the scorer want it."""
+    """One set of photographs, reduced to the chosen views, in the form for programs and the scorer."""
 
     def __init__(self, name, folder, views, masked, args, work):
         self.name, self.folder, self.masked, self.args = name, pathlib.Path(folder).resolve(), masked, args
@@ -91,7 +100,7 @@ class Inputs:
         return {'set': self.name, 'views': len(self.chosen), 'held_out': len(self.held_out), 'masked': self.masked, 'max_size': self.args.max_size}
 
     def placed(self):
-        """Names of the photographs that the model places, sorted."""
+        """Names of the photographs in the model, sorted."""
         text = self.work / 'text'
         text.mkdir(exist_ok=True)
         run_quietly([self.args.colmap, 'model_converter', '--input_path', self.folder / 'model', '--output_path', text, '--output_type', 'TXT'],
@@ -101,7 +110,7 @@ class Inputs:
         return sorted(line.split(maxsplit=9)[9] for line in lines[::2])
 
     def without(self, which, placed, kept):
-        """The model with these views only."""
+        """The model with only these views."""
         out = self.work / which
         if not (out / 'images.bin').exists():
             out.mkdir(exist_ok=True)
@@ -116,7 +125,7 @@ class Inputs:
         out.mkdir(exist_ok=True)
         for image in self.capture['images']:
             image['mask'] = ''
-            # A copy: names in capture.json may not lead out of the folder, links neither.
+            # A copy, since neither names in capture.json nor links may lead out of the folder.
             copy = out / image['name']
             if not copy.exists():
                 shutil.copy(self.folder / 'images' / image['name'], copy)
@@ -124,7 +133,7 @@ class Inputs:
         return out
 
     def undistorted(self, mask_suffix):
-        """Folder with images/, sparse/ and, where masks are given, masks/."""
+        """The folder with images/, sparse/ and, if masks are given, masks/."""
         out = self.work / 'undistorted'
         if not (out / 'sparse/images.bin').exists():
             run_quietly([self.args.colmap, 'image_undistorter', '--image_path', self.folder / 'images', '--input_path', self.model, '--output_path', out],
@@ -151,7 +160,7 @@ def evenly(names, count):
 
 
 def row_of(inputs, program, steps, counted, mesh, texture, work):
-    """What the table tells of one result of one run."""
+    """The table's row for one result of one run."""
     return {**inputs.key(), 'program': program, 'steps': steps, 'cpu_s': sum(steps[step]['cpu_s'] for step in counted),
             'peak_mib': max(steps[step]['peak_mib'] for step in counted), 'counted': counted, 'bytes': os.path.getsize(mesh),
             **inputs.score(mesh, texture, work)}
@@ -163,7 +172,7 @@ def run_ours(inputs, args, work):
     for stage, port in PORTS.items():
         program = f'{args.bin}/keypose-{stage}'
         if stage == 'refine' and not os.path.exists(program):
-            continue  # older builds, to compare with, have none
+            continue  # older builds, used for comparison, have no refine
         known = json.loads(subprocess.run([program, '--describe'], check=True, capture_output=True).stdout)
         have['mesh'] = have.get('unwrapped')
         have[port] = work / FILES[port]
@@ -178,7 +187,7 @@ def run_ours(inputs, args, work):
             if name.split('.')[0] == stage:
                 command += [f'--{name.split(".")[1]}', value]
         steps[stage] = timed(command, work, work / f'{stage}.log')
-        have['surface'] = have.get('refined', have.get('surface'))  # what follows takes the refined surface
+        have['surface'] = have.get('refined', have.get('surface'))  # later stages use the refined surface
     return [row_of(inputs, args.ours_name, steps, list(steps), have['unwrapped'], have['texture'], work)]
 
 
@@ -245,7 +254,7 @@ def add(rows, new, args):
 
 
 def medians(group):
-    """One row of the medians of the runs of a program."""
+    """One row with the medians of a program's runs."""
     merged = dict(group[0])
     for key, value in merged.items():
         if isinstance(value, float):
@@ -294,13 +303,13 @@ def parse():
         mode.add_argument('--max-size', type=int, default=1000)
         mode.add_argument('--peer', action='append', default=[], metavar='FILE.json')
         mode.add_argument('--ours-only', action='store_true')
-        mode.add_argument('--ours-name', default='keypose', help='as the table calls it; empty runs only peers')
+        mode.add_argument('--ours-name', default='keypose', help='name in the table; empty: run only peers')
         mode.add_argument('--ours-option', action='append', default=[], metavar='STAGE.OPTION=VALUE')
         mode.add_argument('--runs', type=int, default=1)
         mode.add_argument('--reuse', action='append', default=[], metavar='FILE.json')
         mode.add_argument('--resume', action='store_true')
         mode.add_argument('--bin', default=here)
-        mode.add_argument('--tools', default=here, help='where score_views and undistort_masks are')
+        mode.add_argument('--tools', default=here, help='folder of score_views and undistort_masks')
         mode.add_argument('--colmap', default='colmap')
         mode.add_argument('--json')
         mode.add_argument('--work')

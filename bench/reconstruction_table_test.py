@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""reconstruction_table.py on programs whose results are known: the true surface, a part of it, and programs that fail.
+"""Tests reconstruction_table.py with programs whose results are known: the true surface, a part of it, and programs that fail.
 
     reconstruction_table_test.py BIN_DIR
 """

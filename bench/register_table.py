@@ -1,25 +1,31 @@
 #!/usr/bin/env python3
-"""Registration programs side by side: error against the truth, flips, processor time; Markdown rows on stdout.
+"""Compares registration programs: error against the truth, flips, processor time. Prints Markdown rows.
 
     register_table.py pairs    --data PAIRS --scorer SCORER [--landmarks 12,0] [--only NAME ...]
-    register_table.py tentacle --scorer SCORER [--angles 60,90,120,180,270] [--landmarks 13,7,0] [--seeds 0-9] [--noise 0.001] [--holes 6]
-    register_table.py show     FILE.json ...         the same tables from what --json wrote
+    register_table.py tentacle --scorer SCORER [--angles 60,90,120,180,270] [--landmarks 13,7,0]
+                               [--seeds 0-9] [--noise 0.001] [--holes 6]
+    register_table.py show     FILE.json ...         prints the tables of files written with --json
 
-Seeds 0 to 9 are for choosing parameters, 10 to 39 for reporting. The first two take
-    --bin DIR              our programs                       --methods auto,nricp   of keypose-register; may be empty
-    --peer NAME=TEMPLATE   another program's command line     --runs N               of each; the time is their median
-    --timeout S  --json FILE  --work DIR (kept; without it a temporary folder)
+Seeds 0 to 9 are for choosing parameters, 10 to 39 for reporting. Options of the first two commands:
+    --bin DIR              our programs
+    --methods auto,nricp   methods of keypose-register; may be empty
+    --peer NAME=TEMPLATE   another program's command line
+    --runs N               runs of each program; the time is their median
+    --timeout S  --json FILE  --work DIR (kept; default: a temporary folder)
 
-A template holds {source} {target} {landmarks} {out}: meshes as given, landmarks as lines `source_vertex target_vertex`, and where to write.
-{source_obj} {target_obj} {out_obj} are the same in OBJ. A template with {landmarks} runs only where there are some; others run everywhere.
-Every program gets one thread. Processor time is user + system of the program and of the children that it waited for, start to end.
+A template contains {source} {target} {landmarks} {out}: the meshes, the landmarks as lines
+`source_vertex target_vertex`, and the output file. {source_obj} {target_obj} {out_obj} are the same in OBJ. A
+template with {landmarks} runs only on pairs with landmarks; others run on all pairs. Every program gets one
+thread. Processor time is user + system time of the program and of the children that it waited for.
 
-SCORER is called as `SCORER SOURCE REGISTERED TARGET [PAIRS_OF_VERTICES]` and prints JSON with err_mean, err_p95, err_max, surface_mean,
-hausdorff, flipped, degenerate, finite, and flipped_true where PAIRS_OF_VERTICES names every source vertex: faces that oppose the same face at its
-true place (`flipped` asks the nearest face of the target, which in a crease may be the other wall's). meshes.py beside it reads meshes. On synthetic pairs the error is the distance to the exact place
-of each vertex, over the same diagonal. `itself` is what the scorer says of the true positions: faces that the truth flips by that measure.
-A run fails when it gives no mesh, a mean above 1 % of the diagonal, a number that is not finite, or more flips than the truth itself.
-Needs python3-numpy and python3-scipy.
+SCORER is called as `SCORER SOURCE REGISTERED TARGET [PAIRS_OF_VERTICES]` and prints JSON with err_mean, err_p95,
+err_max, surface_mean, hausdorff, flipped, degenerate and finite; meshes.py beside it reads meshes. If
+PAIRS_OF_VERTICES has every source vertex, the JSON also has flipped_true: the number of faces that oppose the
+same face at its true position. (`flipped` compares with the nearest face of the target, which in a crease may
+belong to the other wall.) On synthetic pairs the error is the distance to the exact position of each vertex,
+divided by the same diagonal. `itself` is the scorer's count of `flipped` in the true positions. A run fails if it
+gives no mesh, a mean error above 1 % of the diagonal, a number that is not finite, or more flips than the truth
+itself. Needs python3-numpy and python3-scipy.
 """
 import argparse
 import json
@@ -39,18 +45,18 @@ ONE_THREAD = {'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1', 'MKL_NUM_THRE
 
 
 class Pair:
-    """One problem: where its files lie and how it is judged."""
+    """One registration problem: its files, and how results are judged."""
 
     def __init__(self, name, source, target, vertex_pairs=None, picks=(), landmarks=0, truth=None, gt=None, keys=None):
         self.name, self.source, self.target = name, pathlib.Path(source), pathlib.Path(target)
         self.vertex_pairs = vertex_pairs  # file of lines `source_vertex target_vertex`, or None
-        self.picks = list(picks)          # what keypose-register reads
+        self.picks = list(picks)          # input of keypose-register
         self.landmarks = landmarks
-        self.truth = truth                # mesh of the exact places, or None
+        self.truth = truth                # mesh with the exact positions, or None
         self.gt = gt                      # file for the scorer, or None
-        self.keys = keys or {}            # what the row is about
-        self.known = None                 # (source, truth) meshes of the faces whose corners have a known place, or None
-        self.itself = None                # flips that the truth has by the scorer's measure
+        self.keys = keys or {}            # the row's key values
+        self.known = None                 # (source, truth): meshes of the faces with known positions, or None
+        self.itself = None                # flips of the truth by the scorer's measure
 
 
 class Judge:
@@ -68,7 +74,7 @@ class Judge:
         return json.loads(done.stdout)
 
     def itself(self, pair):
-        """Flips of the true places; where some vertices have none, of the faces between those that do."""
+        """Flips of the true positions; only faces whose corners all have one."""
         if pair.itself is None and pair.known:
             pair.itself = self.score(pair.known[0], pair.known[1], pair.target).get('flipped')
         return pair.itself
@@ -111,7 +117,7 @@ def write_obj(path, points, faces):
 
 
 def timed(command, timeout, log):
-    """(exit status, processor seconds); a status of None is a run that was stopped."""
+    """(exit status, processor seconds); the status is None if the run was stopped."""
     with open(log, 'wb') as out:
         process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, env={**os.environ, **ONE_THREAD})
     stopped = threading.Event()
@@ -124,7 +130,7 @@ def timed(command, timeout, log):
 
 
 class Program:
-    """A named command line made for each pair."""
+    """A named command line, filled in for each pair."""
 
     def __init__(self, name, template=None, register=None, method=None):
         self.name, self.template, self.register, self.method = name, template, register, method
@@ -166,7 +172,10 @@ def as_obj(path, copy, meshes):
 
 
 def real_pairs(args, judge, work):
-    """Pairs of a folder with source.obj, target.obj, landmarks.txt and maybe gt.txt; without that the landmarks are the truth."""
+    """Pairs of a folder with source.obj, target.obj, landmarks.txt and optionally gt.txt.
+
+    Without gt.txt the landmarks are the truth.
+    """
     for folder in sorted(pathlib.Path(args.data).iterdir()):
         if not (folder / 'source.obj').exists() or (args.only and folder.name not in args.only):
             continue
@@ -183,7 +192,10 @@ def real_pairs(args, judge, work):
 
 
 def known_faces(folder, gt, work, meshes):
-    """Files of the source and of its true places with only the faces whose corners have one, or None; and whether that is all of them."""
+    """Files of the source and of its true positions, with only the faces whose corners have one, or None.
+
+    Also returns whether these are all faces.
+    """
     points, faces = meshes.read(str(folder / 'source.obj'))
     target, _ = meshes.read(str(folder / 'target.obj'))
     rows = np.loadtxt(gt, dtype=int)[:, :2]

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""register_table.py on programs whose results are known: the truth itself, the source as it was, and programs that fail.
+"""Tests register_table.py with programs whose results are known.
+
+They return the truth or the unchanged source, or they fail.
 
     register_table_test.py BIN_DIR
 """

@@ -1,13 +1,13 @@
-// Registration side by side: the template, what it should become, and what programs made of it. The
-// pictures of docs/.
+// Registrations side by side: the template, the target, and the results of programs. Makes pictures
+// of docs/.
 //
 //   registration_views OUT.jpg WIDTH AZIMUTH ELEVATION SOURCE TARGET MESH... [-- SOURCE TARGET
 //   MESH...]
 //
-// One row for each group, all of equal length. SOURCE and every MESH of its faces carry one
-// checker, painted on SOURCE in its own space; faces that MESH turned inside out, judged by the
-// nearest face of TARGET as the report's `flipped` is, are red. TARGET is plain. All but SOURCE
-// share TARGET's view. Degrees.
+// One row per group; all rows have the same length. SOURCE and every MESH, which has SOURCE's
+// faces, carry one checker pattern, painted in SOURCE's space. Flipped faces of MESH are red; they
+// are judged by the nearest face of TARGET, as in the report's `flipped`. TARGET is plain. All but
+// SOURCE share TARGET's view. AZIMUTH and ELEVATION are in degrees.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,8 +34,8 @@ PointsX3 FaceCenters(const Mesh& mesh) {
   return centers;
 }
 
-// Hue runs along the longest side of the box, so that what came from where shows; squares in space
-// tell stretch.
+// The hue changes along the longest side of the box and shows the correspondence; the squares show
+// stretch.
 ColorsX3 Checker(const Mesh& source) {
   const PointsX3 centers = FaceCenters(source);
   const Eigen::RowVector3d low = source.points.colwise().minCoeff(),
@@ -79,7 +79,7 @@ struct Direction {
   }
 };
 
-// @param paths  source, target, registered ones
+// @param paths  source, target, registered meshes
 std::vector<Image8> Row(const Direction& direction, const std::vector<std::string>& paths) {
   if (paths.size() < 3) throw UsageError("registration_views: a row needs SOURCE TARGET MESH...");
   const Mesh source = ReadMesh(paths[0]), target = ReadMesh(paths[1]);

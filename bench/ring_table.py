@@ -1,15 +1,18 @@
 #!/usr/bin/env python3
-"""The whole pipeline on synthetic turntable photographs, beside the truth: points in pixel footprints, completeness, cameras, finger-prints,
-the visual hull, and each step's share of the time.
+"""Compares the whole pipeline on synthetic turntable photographs with the truth.
 
-    ring_table.py run [--bin DIR] [--work DIR] [--textures rich,weak] [--views 36] [--width 1440] [--set STEP.OPTION=VALUE ...] [--json FILE]
+Measures points in pixel footprints, completeness, cameras, finger-prints, the visual hull, and each step's share
+of the time.
+
+    ring_table.py run [--bin DIR] [--work DIR] [--textures rich,weak] [--views 36] [--width 1440]
+                      [--set STEP.OPTION=VALUE ...] [--json FILE]
     ring_table.py show FILE.json ...
 
-The clay character of `keypose synth photos` in its rest pose: two rings, 1440 x 1080 pixels, finger-prints 0.15 mm high and 3 mm apart that
-move the surface, and exact cameras, masks and surface beside the photographs. The photographs go through `keypose run --until bake` with the
-options' defaults; then `keypose synth score` compares. --work keeps what was made: photographs that are there are not
-rendered again, the project is made anew.
-Times are wall clock of the machine as it was; run it alone. Needs nothing beyond Python.
+Uses the clay character of `keypose synth photos` in its rest pose: two rings, 1440 x 1080 pixels, finger-prints
+0.15 mm high and 3 mm apart that move the surface, with exact cameras, masks and surface beside the photographs.
+The photographs go through `keypose run --until bake` with default options; then `keypose synth score` compares.
+--work keeps the files: existing photographs are not rendered again, but the project is made anew. Times are wall
+clock; run it alone on the machine. Needs only Python.
 """
 import argparse
 import json
@@ -42,7 +45,7 @@ def newest_record(project):
 
 
 def run_pipeline(bin_dir, world, project, settings):
-    """The run's record: seconds in all and of each step."""
+    """The run's record: seconds in total and per step."""
     shutil.rmtree(project, ignore_errors=True)  # nothing from the cache
     call([bin_dir / 'keypose', 'init', project, '--pose', f'rest={world / "photos/rest"}'])
     words = [bin_dir / 'keypose', 'run', '-C', project, '--until', 'bake']
@@ -78,7 +81,7 @@ def percent(value, digits=1):
 
 
 def score_rows(s):
-    """What is measured of one texture, by the words of its row."""
+    """The measurements of one texture, by the label of their row."""
     cameras, surface, hull = s['cameras'], s['surface_refined'], s['hull']
     points = s['points'].get('sure', s['points']['all'])
     rows = {

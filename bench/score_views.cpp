@@ -1,18 +1,17 @@
-// How well a coloured mesh repeats photographs with known cameras: silhouettes against masks,
-// colours of the render against pixels.
+// How well a coloured mesh reproduces photographs with known cameras: compares silhouettes with
+// masks, and the render's colours with pixels.
 //
-//   score_views --mesh MESH [--texture PNG] --model COLMAP_MODEL --photographs FOLDER [--masks
-//   FOLDER] [--held-out NAMES] [--json FILE]
-//               [--colors auto|all|none] [--samples 2] [--picture OUT.png] [--picture-views NAMES]
-//               [--picture-width 480]
+//   score_views --mesh MESH [--texture PNG] --model COLMAP_MODEL --photographs FOLDER
+//   [--masks FOLDER] [--held-out NAMES] [--json FILE] [--colors auto|all|none] [--samples 2]
+//   [--picture OUT.png] [--picture-views NAMES] [--picture-width 480]
 //
-// MESH: OBJ whose MTL names one or several textures, any mesh with UVs and --texture, or a PLY with
-// colours at its vertices; in the model's frame. Masks: MASKS/NAME.png for photograph NAME, object
-// where >= 128; without --masks FOLDER/masks. NAMES: a,b,c or a file of names. Silhouettes are
-// compared in all views; colours in the held-out ones, in all where none are named. What is
-// measured how: view_score.h. The picture has a row for each of --picture-views (without: of the
-// held-out ones, or of four views): photograph, render, silhouettes (grey both, red only the mask,
-// blue only the mesh).
+// MESH: an OBJ whose MTL names one or several textures, any mesh with UVs and --texture, or a PLY
+// with vertex colours; in the model's frame. Masks: MASKS/NAME.png for photograph NAME, object
+// where >= 128; default: FOLDER/masks. NAMES: a,b,c or a file of names. Silhouettes are compared in
+// all views; colours in the held-out views, or in all views if none are held out. See view_score.h
+// for the measures. The picture has one row per view of --picture-views (default: the held-out
+// views, or four views): photograph, render, silhouettes (grey: both, red: only the mask, blue:
+// only the mesh).
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -74,7 +73,7 @@ void RequireViews(const Scene& scene, const std::vector<std::string>& names) {
                        std::to_string(scene.views.size()) + " photographs");
 }
 
-/// Reads what belongs to views, and scores them.
+/// Reads the files of views, and scores them.
 class Scorer {
  public:
   explicit Scorer(const Arguments& arguments)
@@ -179,7 +178,7 @@ json ToJson(const ViewScore& score) {
 constexpr const char* kFigures[] = {"iou",  "precision",      "recall",      "psnr_db",
                                     "ssim", "gained_psnr_db", "gained_ssim", "filled_psnr_db"};
 
-/// Mean of each figure over the rows that have it.
+/// Mean of each measure over the rows that have it.
 json Means(const json& rows, bool only_held_out) {
   json means = {{"views", 0}};
   for (const char* figure : kFigures) {
@@ -229,7 +228,7 @@ void Run(const Arguments& arguments) {
 
 int Main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("How well a coloured mesh repeats photographs with known cameras");
+  CLI::App app("How well a coloured mesh reproduces photographs with known cameras");
   app.add_option("--mesh", arguments.mesh)->required();
   app.add_option("--texture", arguments.texture);
   app.add_option("--model", arguments.model)->required();
@@ -237,7 +236,8 @@ int Main(int argc, char** argv) {
   app.add_option("--masks", arguments.masks);
   app.add_option("--held-out", arguments.held_out, "a,b,c or a file of names");
   app.add_option("--colors", arguments.colors)->check(CLI::IsMember({"auto", "all", "none"}));
-  app.add_option("--samples", arguments.samples, "rays a pixel and axis")->check(CLI::Range(1, 8));
+  app.add_option("--samples", arguments.samples, "rays per pixel and axis")
+      ->check(CLI::Range(1, 8));
   app.add_option("--json", arguments.json_file);
   app.add_option("--picture", arguments.picture);
   app.add_option("--picture-views", arguments.picture_views);

@@ -16,11 +16,12 @@ namespace {
 std::ifstream Open(const fs::path& path) {
   std::ifstream file(path);
   if (!file)
-    throw DiskError(path.string() + " cannot be opened; it is named by the mesh: put it beside it");
+    throw DiskError(path.string() +
+                    " cannot be opened; the mesh refers to it: put it beside the mesh");
   return file;
 }
 
-/// The rest of a line without blanks at its ends: names may hold blanks.
+/// The rest of a line, trimmed: names may contain blanks.
 std::string Rest(std::istream& line) {
   std::string rest;
   std::getline(line >> std::ws, rest);
@@ -28,7 +29,7 @@ std::string Rest(std::istream& line) {
   return rest;
 }
 
-/// Texture file of each material that has one.
+/// The texture file of each material that has one.
 std::map<std::string, fs::path> ReadMaterials(const fs::path& path) {
   std::map<std::string, fs::path> textures;
   std::ifstream file = Open(path);
@@ -49,7 +50,8 @@ int CountWords(std::istream& line) {
   return count;
 }
 
-/// Reads the lines of an OBJ that core's reader passes over. Polygons are fanned as it does.
+/// Reads the lines of an OBJ that core's reader ignores. Splits polygons into fans, like that
+/// reader.
 void ReadPages(const fs::path& path, TexturedMesh& result) {
   std::map<std::string, fs::path> textures;
   std::map<std::string, int> page_of_material;

@@ -1,11 +1,11 @@
-// Masks for programs that want pinhole cameras: the same pixels that `colmap image_undistorter`
-// takes from the photographs.
+// Masks for programs that need pinhole cameras, for the same pixels as the photographs of `colmap
+// image_undistorter`.
 //
 //   undistort_masks MODEL UNDISTORTED_MODEL MASKS OUT [SUFFIX]
 //
-// MASKS/NAME.png for each view NAME of both models; writes OUT/STEM SUFFIX, STEM being NAME without
-// its extension; SUFFIX is .png when not given. 255 where the mask, interpolated, is at least one
-// half, else 0; 0 beyond the photograph.
+// Reads MASKS/NAME.png for each view NAME that both models have. Writes OUT/STEM SUFFIX; STEM is
+// NAME without its extension, SUFFIX is .png by default. 255 where the interpolated mask is at
+// least one half, else 0; 0 outside the photograph.
 #include <cmath>
 #include <cstdio>
 #include <filesystem>

@@ -47,7 +47,7 @@ double MaskedPsnr(const Image8& a, const Image8& b, const Image8& mask, long pix
   return Psnr(sum, 3.0 * static_cast<double>(pixels));
 }
 
-/// The mask without the pixels that the mesh does not fill.
+/// The mask, without the pixels that the mesh does not fill.
 Image8 Filled(const Image8& mask, const ColorRender& render) {
   Image8 filled = mask;
   for (std::size_t i = 0; i < filled.data.size(); ++i)

@@ -14,14 +14,14 @@ namespace keypose::bench {
 namespace {
 namespace fs = std::filesystem;
 
-/// 80 x 60 pixels, 100 pixels a unit at z = 1, at the origin.
+/// 80 x 60 pixels, 100 pixels per unit at z = 1, camera at the origin.
 View TestView() {
   View view;
   view.camera = {.width = 80, .height = 60, .fx = 100, .fy = 100, .cx = 40, .cy = 30};
   return view;
 }
 
-/// Two triangles at z = 1 over the pixels [x0,x1) x [y0,y1) of TestView, with `color` at all
+/// Two triangles at z = 1 that cover the pixels [x0,x1) x [y0,y1) of TestView, with `color` at all
 /// corners.
 TexturedMesh Quad(double x0, double y0, double x1, double y1, int color) {
   TexturedMesh quad;
@@ -63,7 +63,7 @@ Image8 Noise(int width, int height, unsigned seed) {
   return image;
 }
 
-/// The definition written out: one window at a time.
+/// A literal implementation of the definition, one window at a time.
 double LiteralSsim(const Image8& a, const Image8& b, const Image8& mask) {
   const auto luma = [](const std::uint8_t* p) {
     return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
@@ -96,7 +96,7 @@ double LiteralSsim(const Image8& a, const Image8& b, const Image8& mask) {
 }
 
 TEST(Silhouette, CountsPixelsOfAKnownOverlap) {
-  // 20 x 30 pixels against 20 x 30 that lie 5 to the right: 15 x 30 in common.
+  // 20 x 30 pixels against 20 x 30 pixels shifted by 5 to the right: 15 x 30 in common.
   const TexturedMesh quad = Quad(15, 10, 35, 40, 0);
   const Image8 covered =
       CoveredPixels(quad, RayScene(quad.mesh.points, quad.mesh.faces), TestView());
@@ -120,12 +120,13 @@ TEST(Silhouette, EmptyMaskAndMesh) {
 TEST(Silhouette, FollowsTheLensDistortion) {
   View view = TestView();
   view.camera.k1 = -0.4;
-  // Over the right half of the picture and beyond: its left edge is the middle column, which
+  // Covers the right half of the picture and more. Its left edge is the middle column, which
   // distortion does not move.
   const TexturedMesh quad = Quad(40, -10, 100, 70, 0), edge = Quad(70, -10, 100, 70, 0);
   const Image8 half = CoveredPixels(quad, RayScene(quad.mesh.points, quad.mesh.faces), view);
   EXPECT_EQ(CompareSilhouettes(MaskOf(40, 0, 80, 60), half).Iou(), 1);
-  // An edge at 0.3 of the focal length falls at 40 + 30 (1 - 0.4 * 0.09) = 68.9 in the middle row.
+  // In the middle row, an edge at 0.3 of the focal length is imaged at 40 + 30 (1 - 0.4 * 0.09)
+  // = 68.9.
   const Image8 right = CoveredPixels(edge, RayScene(edge.mesh.points, edge.mesh.faces), view);
   EXPECT_EQ(*right.at(68, 29), 0);
   EXPECT_EQ(*right.at(69, 29), 255);
@@ -146,13 +147,13 @@ TEST(CompareColors, KnownDifferenceAndItsGain) {
   EXPECT_NEAR(score.psnr_db, 20 * std::log10(255.0 / 10), 1e-9);
   EXPECT_NEAR(score.gain[1], 1.1, 1e-6);
   EXPECT_EQ(score.gained_psnr_db, 99);
-  // Without variance only the term of the means is left.
+  // Without variance, only the term of the means remains.
   EXPECT_NEAR(score.ssim, (2 * 100. * 110 + 6.5025) / (100. * 100 + 110. * 110 + 6.5025), 1e-9);
 }
 
 TEST(CompareColors, WhatTheMeshLeavesOpenCountsAsBackground) {
   const Image8 mask = MaskOf(10, 10, 50, 40);
-  // Half of the mask shows 30 (the photograph's background) instead of 90, and is no part of the
+  // Half of the mask shows 30 (the photograph's background) instead of 90, and does not affect the
   // gain.
   const ColorScore score = Score(Quad(10, 10, 30, 40, 45), PhotographOf(mask, 90, 30), mask);
   EXPECT_NEAR(score.psnr_db, 10 * std::log10(255. * 255 / (0.5 * 45 * 45 + 0.5 * 60 * 60)), 1e-9);

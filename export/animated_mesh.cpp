@@ -12,8 +12,8 @@ namespace {
 void RequireSameConnectivity(const Mesh& first, const Mesh& frame, const std::string& first_name,
                              const std::string& name) {
   const std::string advice =
-      "; all frames of an animation share one connectivity: interpolate between meshes that "
-      "`register` wrote";
+      "; all frames of an animation must have the same connectivity: interpolate between meshes "
+      "that `register` wrote";
   if (frame.vertex_count() != first.vertex_count() || frame.face_count() != first.face_count()) {
     throw InputError("export: " + name + " has " + std::to_string(frame.vertex_count()) +
                      " vertices and " + std::to_string(frame.face_count()) + " faces, but " +
@@ -32,8 +32,8 @@ struct SplitVertex {
   int index;
 };
 
-// Corners of one vertex with equal texture coordinates share a split vertex, whatever their rows in
-// `uvs` are.
+// Corners of one vertex with equal texture coordinates share a split vertex, even if their rows in
+// `uvs` differ.
 void Split(const Mesh& mesh, AnimatedMesh& out) {
   std::vector<std::vector<SplitVertex>> copies(mesh.vertex_count());
   std::vector<Eigen::Vector2d> uvs;
@@ -61,7 +61,7 @@ void Split(const Mesh& mesh, AnimatedMesh& out) {
   for (std::size_t i = 0; i < uvs.size(); ++i) out.uvs.row(i) = uvs[i];
 }
 
-// Renderers and the glTF rules want unit normals even where a fan has no area.
+// Renderers and glTF require unit normals, even if the faces around a vertex have no area.
 PointsX3 UnitNormals(const Mesh& frame, const FacesX3& faces) {
   PointsX3 normals = VertexNormals(frame.points, faces);
   for (Eigen::Index v = 0; v < normals.rows(); ++v) {

@@ -1,4 +1,4 @@
-// keypose-export: frames become a GLB, and sequences of OBJ and PLY files.
+// keypose-export: writes frames as a GLB, a film, and sequences of OBJ and PLY files.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -39,30 +39,31 @@ struct ExportOptions {
   bool ply = true;
 
   void Describe(keypose::OptionVisitor& visit) {
-    visit("fps", playback.fps, {"frames a second", "1/s", 0.1, 1000, {}});
+    visit("fps", playback.fps, {"frames per second", "1/s", 0.1, 1000, {}});
     visit("hold", playback.hold,
-          {"extra frames for which the first and the last frame stay", "frames", 0, 10000, {}});
+          {"extra frames for which the first and the last frame are held", "frames", 0, 10000, {}});
     visit("loop", playback.loop,
           {"pingpong plays forwards and then back", "", -INFINITY, INFINITY, {"none", "pingpong"}});
     visit("up", up,
-          {"axis that points up in the frames; the GLB's own is y",
+          {"axis that points up in the frames; in the GLB it is y",
            "",
            -INFINITY,
            INFINITY,
            {"z", "y"}});
     visit("poses", poses,
-          {"names of the keys' poses in order, parted by commas, one for each of `textures`", ""});
+          {"names of the keys' poses in order, separated by commas, one per texture in `textures`",
+           ""});
     visit("pose_textures", pose_textures,
-          {.help = "how the GLB carries the textures beyond the first, between which a viewer that "
-                   "knows how blends; none: leaves them out",
+          {.help = "format of the GLB's textures after the first, for viewers that can blend "
+                   "textures; none: leave them out",
            .unit = "",
            .choices = {"jpeg", "png", "none"}});
     visit("video", video, {"also write a film of the animation, character.mp4", ""});
     visit("video_width", video_width, {"of the film; even", "px", 64, 7680, {}});
     visit("video_height", video_height, {"of the film; even", "px", 64, 4320, {}});
     visit("video_azimuth", video_azimuth,
-          {"of the film's camera, counter-clockwise seen from above, 0 from -y; -1: where most of "
-           "the motion is seen from the front half",
+          {"azimuth of the film's camera, counter-clockwise seen from above, 0: from -y; -1: the "
+           "direction in the front half that shows most motion",
            "deg",
            -1,
            360,
@@ -86,7 +87,7 @@ struct Frames {
 Frames ReadFrames(const fs::path& folder, keypose::Progress* progress) {
   if (!fs::is_directory(folder))
     throw InputError("export: " + folder.string() +
-                     " is not a folder of frames; pass what `interpolate` wrote");
+                     " is not a folder of frames; pass the folder that `interpolate` wrote");
   std::map<long, fs::path> numbered;
   const std::regex pattern("frame_([0-9]{1,9})\\.ply");
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -117,12 +118,13 @@ Frames ReadFrames(const fs::path& folder, keypose::Progress* progress) {
   return frames;
 }
 
-// PNG and JPEG go in as they are; other kinds become PNG, as glTF knows only these two.
+// PNG and JPEG files are embedded unchanged; other formats become PNG, since glTF allows only these
+// two.
 EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
   EncodedImage out;
   out.name = path.stem().string();
   const std::string format = keypose::ReadImageInfo(path).format;
-  const keypose::Image8 pixels = keypose::ReadImage(path);  // proves that the file is whole
+  const keypose::Image8 pixels = keypose::ReadImage(path);  // checks that the file is complete
   if (format == "png" || format == "jpeg") {
     out.mime_type = "image/" + format;
     out.bytes = keypose::ReadFile(path);
@@ -135,12 +137,12 @@ EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
   return out;
 }
 
-/// The keys' textures, each content once.
+/// The keys' textures, without duplicates.
 struct PoseTextures {
   std::vector<EncodedImage> images;
-  std::vector<std::string> poses;       // whose each image is
-  std::vector<keypose::Image8> pixels;  // of each image
-  std::vector<int> of_key;              // of each given texture, its image
+  std::vector<std::string> poses;       // the pose of each image
+  std::vector<keypose::Image8> pixels;  // pixels of each image
+  std::vector<int> of_key;              // index of the image, per given texture
 };
 
 std::vector<std::string> SplitNames(const std::string& list) {
@@ -172,7 +174,7 @@ PoseTextures ReadTextures(keypose::StageContext& stage, const std::string& pose_
   return textures;
 }
 
-/// JPEG in place of the image's own kind.
+/// The image converted to JPEG.
 EncodedImage AsJpeg(const EncodedImage& image, const fs::path& scratch) {
   if (image.mime_type == "image/jpeg") return image;
   const fs::path from = scratch / "pose.png", to = scratch / "pose.jpg";
@@ -181,8 +183,8 @@ EncodedImage AsJpeg(const EncodedImage& image, const fs::path& scratch) {
   return {keypose::ReadFile(to), "image/jpeg", image.name};
 }
 
-// Textures of several poses may have the same file name: the number keeps them apart. @return names
-// in the folder
+// Textures of several poses may have the same file name, so a number is added. @return names in the
+// folder
 std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures,
                                        const fs::path& folder) {
   std::vector<std::string> names;
@@ -195,11 +197,11 @@ std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures
   return names;
 }
 
-/// What `interpolate` says of its frames; lists are empty when it says nothing.
+/// What `interpolate` wrote about its frames; lists are empty if it wrote nothing.
 struct Told {
   nlohmann::json frames = nlohmann::json::array();
-  std::vector<char> stands;  // one a frame; empty from versions that did not say
-  std::vector<double> t;     // one a frame
+  std::vector<char> stands;  // one per frame; empty from older versions of `interpolate`
+  std::vector<double> t;     // one per frame
   bool loop = false;
   std::size_t keys = 0;
 };
@@ -243,14 +245,14 @@ void WriteSequence(const Frames& frames, const fs::path& folder, const std::stri
   }
 }
 
-/// When each texture shows; empty when there is but one, or when the textures are not those of the
-/// keys.
+/// The times and weights of the textures; empty if there is only one, or if they are not the
+/// textures of the keys.
 std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTextures& textures,
                                  const Told& told, const Clip& clip,
                                  const keypose::exporting::PlaybackOptions& playback) {
   if (textures.images.size() < 2) return {};
   if (told.t.empty() || told.keys != textures.of_key.size()) {
-    stage.Warn("the animation shows the first texture only: there are " +
+    stage.Warn("the animation shows only the first texture: there are " +
                std::to_string(textures.of_key.size()) + " textures, and " +
                (told.t.empty()
                     ? "the frames have no distortion.json with a `t` for each"
@@ -276,7 +278,7 @@ GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMomen
   return glb;
 }
 
-/// The animation from one side, as a film.
+/// Writes the animation as a film from one direction.
 void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTextures& textures,
                const Told& told, const Clip& clip, bool blends, const ExportOptions& options,
                keypose::Progress* progress) {
@@ -293,7 +295,7 @@ void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTex
     scene.blend.push_back(keypose::exporting::TextureWeights(told.t[i], textures.of_key, count));
   const auto moments = PlaybackMoments(clip, options.playback);
   std::vector<int> order = keypose::exporting::FilmFrames(moments, options.playback.fps);
-  // Played again and again, the last picture is the first one of the next round.
+  // When the film is looped, its last picture is the first picture of the next round.
   if ((clip.loop || options.playback.loop == "pingpong") && order.size() > 1) order.pop_back();
   const FilmOptions film{options.video_width, options.video_height, options.video_azimuth,
                          options.up == "z"};
@@ -305,8 +307,7 @@ void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTex
   stage.Report("film_frames", static_cast<std::int64_t>(order.size()));
 }
 
-// The moments at which the animation shows each frame and each texture, and what `interpolate`
-// measured of it.
+// The times at which each frame and each texture is shown, and the measurements of `interpolate`.
 nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const Told& told,
                        const Clip& clip, const std::vector<std::string>& texture_names,
                        const PoseTextures& textures, const std::vector<TextureMoment>& blend) {

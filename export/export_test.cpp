@@ -14,7 +14,7 @@
 namespace keypose::exporting {
 namespace {
 
-// A unit box whose every face has its own patch of the texture: eight corners become 24 or more
+// A unit box. Each face has its own patch of the texture, so the eight corners become 24 or more
 // split vertices.
 Mesh UnwrappedBox() {
   Mesh box = MakeBox(1, 2, 3);
@@ -95,7 +95,7 @@ Glb Written(const std::vector<Mesh>& frames, const EncodedImage& texture = kText
 TEST(MakeAnimatedMesh, EveryCornerKeepsItsPositionAndTextureCoordinate) {
   const auto frames = StretchingBox(2);
   const AnimatedMesh mesh = MakeAnimatedMesh(frames, Names(2));
-  EXPECT_EQ(mesh.uvs.rows(), 36);  // all corners of this layout differ
+  EXPECT_EQ(mesh.uvs.rows(), 36);  // all corners differ in this layout
   for (int f = 0; f < frames[0].face_count(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const int split = mesh.faces(f, k);
@@ -232,7 +232,7 @@ TEST(MakeGlb, EachMomentShowsExactlyItsFrame) {
   const Glb glb = Written(StretchingBox(3), kTexture, options);
   const auto& sampler = glb.json["animations"][0]["samplers"][0];
   const Eigen::MatrixXf times = glb.Read(sampler["input"]), flat = glb.Read(sampler["output"]);
-  // 0 0' 1 2 2' 1 0 with two held frames at both ends
+  // 0 0' 1 2 2' 1 0, with two held frames at both ends
   const std::vector<double> expected_times{0, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8};
   const std::vector<int> expected_frames{0, 0, 1, 2, 2, 1, 0};
   ASSERT_EQ(times.rows(), 7);
@@ -271,7 +271,7 @@ TEST(MakeGlb, SameBytesForAnyThreadCount) {
   EXPECT_EQ(one, four);
 }
 
-// What a player shows: the weights of the targets at a time, by the rules of glTF 2.0, appendix C.
+// The target weights that a player uses at a time, by glTF 2.0, appendix C.
 std::vector<double> WeightsAt(const Glb& glb, double seconds) {
   const auto& sampler = glb.json["animations"][0]["samplers"][0];
   const Eigen::MatrixXf times = glb.Read(sampler["input"]), flat = glb.Read(sampler["output"]);
@@ -287,14 +287,14 @@ std::vector<double> WeightsAt(const Glb& glb, double seconds) {
   return weights;
 }
 
-/// Frames of a box by their height: equal numbers are equal pictures.
+/// Frames of a box with these heights; equal heights give equal pictures.
 AnimatedMesh Boxes(const std::vector<int>& heights) {
   std::vector<Mesh> frames(heights.size(), UnwrappedBox());
   for (std::size_t i = 0; i < heights.size(); ++i) frames[i].points.col(2) *= 1 + 0.25 * heights[i];
   return MakeAnimatedMesh(frames, Names(frames.size()));
 }
 
-// The frame's height at any time, as the weights of the targets make it.
+// The height at any time, from the weights of the targets.
 double HeightAt(const Glb& glb, const std::vector<double>& height_of_target, double seconds) {
   const std::vector<double> weights = WeightsAt(glb, seconds);
   double height = 0;
@@ -303,7 +303,7 @@ double HeightAt(const Glb& glb, const std::vector<double>& height_of_target, dou
 }
 
 TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
-  // Twos from key 0 over five frames to key 5, which repeats the first picture: 0 0 2 2 4 0.
+  // On twos from key 0 over five frames to key 5, which repeats the first picture: 0 0 2 2 4 0.
   const AnimatedMesh mesh = Boxes({0, 0, 2, 2, 4, 0});
   const Clip clip = MakeClip(mesh.points, {1, 1, 1, 1, 1, 0}, false);
   GlbOptions options;
@@ -322,8 +322,8 @@ TEST(MakeGlb, OnTwosEveryPictureStandsUntilTheNext) {
 }
 
 TEST(MakeGlb, GlidesAndStepsInOneClipPlayAsEach) {
-  // A hold of the first picture, a glide to 3, then two pictures on twos, and a glide from the last
-  // of them.
+  // A hold of the first picture, a blend to 3, two pictures on twos, and a blend from the last of
+  // them.
   const AnimatedMesh mesh = Boxes({0, 0, 0, 1, 2, 3, 3, 5, 5, 6, 7});
   const std::vector<char> stands{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0};
   const Clip clip = MakeClip(mesh.points, stands, false);

@@ -16,7 +16,7 @@ Eigen::Vector3d Up(const FilmOptions& options) {
   return options.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
 }
 
-/// The camera takes in all frames.
+/// A camera whose picture contains all frames.
 View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOptions& options) {
   Eigen::Index rows = 0;
   for (const Mesh& frame : frames) rows += frame.points.rows();
@@ -29,7 +29,8 @@ View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOpt
   return FitView(all, azimuth_deg, kElevationDeg, options.width, options.height, Up(options));
 }
 
-/// Ways across the picture from frame to frame, of what faces the camera.
+/// Sum of the motion across the picture from frame to frame, over vertices that face the camera,
+/// weighted by how much they face it.
 double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& normals,
                   const Eigen::Matrix3d& camera_from_world) {
   std::vector<double> seen(frames.size(), 0);
@@ -72,7 +73,7 @@ Image8 RenderFrame(const FilmScene& scene, int frame, const View& view) {
   mesh.uv_faces = scene.frames[0].uv_faces;
   RenderOptions look;
   look.samples = 2;
-  look.shading = 0.35;  // the photographs' own light is in the texture
+  look.shading = 0.35;  // the texture already contains the photographs' light
   const bool textured = mesh.has_uvs() && !scene.textures.empty();
   const bool blends = textured && !scene.blend.empty() && SameSize(scene.textures);
   Image8 texture;
@@ -90,8 +91,8 @@ std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
   std::vector<int> frames;
   for (std::size_t i = 0; i < moments.size(); ++i) {
     const auto tick = [&](const Moment& moment) { return std::llround(moment.seconds * fps); };
-    // The last picture shows for one frame as every other; a moment that only says how long it
-    // stands adds none.
+    // The last picture is shown for one frame, like all others. A moment that only ends its hold
+    // adds no frame.
     const bool end_of_last = i > 0 && i + 1 == moments.size() && moments[i - 1].stands &&
                              moments[i - 1].frame == moments[i].frame;
     const long count = i + 1 < moments.size() ? tick(moments[i + 1]) - tick(moments[i])
@@ -107,8 +108,8 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
   ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t i) {
     normals[i] = VertexNormals(frames[i].points, frames[0].faces);
   });
-  // A character is first photographed from its face, which sfm turns to -y: the film is taken from
-  // that half.
+  // The first photograph usually shows the character's face, which sfm turns to -y. The film is
+  // taken from that half.
   constexpr int kStep = 15, kWidest = 75;
   double best = 20, most = 0;
   for (int turn = -kWidest; turn <= kWidest; turn += kStep) {

@@ -1,4 +1,4 @@
-// The animation as pictures, one a frame of the film.
+// The animation as pictures, one per frame of the film.
 #pragma once
 
 #include <functional>
@@ -13,29 +13,28 @@ namespace keypose::exporting {
 
 struct FilmOptions {
   int width = 960, height = 720;  ///< px
-  double azimuth_deg = -1;  ///< of the camera, counter-clockwise seen from above, 0 from -y; below
-                            ///< 0: see AzimuthOfMotion
+  /// of the camera, counter-clockwise seen from above, 0: from -y; below 0: see AzimuthOfMotion
+  double azimuth_deg = -1;
   bool z_up = true;
 };
 
-/// What a film shows of the frames.
+/// The frames and textures of a film.
 struct FilmScene {
-  const std::vector<Mesh>& frames;      ///< of one connectivity; the first one's UVs hold for all
+  const std::vector<Mesh>& frames;      ///< of one connectivity; all use the UVs of the first
   const std::vector<Image8>& textures;  ///< in the layout of the first frame; may be empty
-  /// of each frame a weight for each texture; empty: the first texture throughout
+  /// per frame, a weight per texture; empty: always the first texture
   std::vector<std::vector<double>> blend;
 };
 
-/// Frames by number in the order in which a film of `fps` shows them, each for one picture: held
-/// ones repeat.
+/// Indices of the frames that a film at `fps` shows, one per picture; held frames repeat.
 std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps);
 
-/// The azimuth from which most motion is seen: way across the picture of what faces the camera,
-/// over all frames. Of 11 within 75 degrees of -y; 20 when nothing moves.
+/// The azimuth [degrees] that shows most motion: the image motion of vertices that face the camera,
+/// over all frames. One of 11 azimuths within 75 degrees of -y; 20 if nothing moves.
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options);
 
-/// Renders what each of `order` shows and hands it on; equal frames in a row are rendered once.
-/// Same bits for any thread count.
+/// Renders the frames of `order` and passes on each picture. Equal consecutive frames are rendered
+/// once. Same bits for any thread count.
 void RenderFilm(const FilmScene& scene, const std::vector<int>& order, const FilmOptions& options,
                 const std::function<void(const Image8&)>& take, Progress* progress);
 

@@ -1,4 +1,4 @@
-// Films as another program reads them back.
+// Films, as read by another program.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -62,8 +62,8 @@ TEST_F(Film, AnotherProgramReadsEveryPictureInOrderWithItsColour) {
   for (std::size_t i = 0; i < colors.size(); ++i) {
     ASSERT_TRUE(film.read(picture)) << i;
     ASSERT_EQ(picture.cols, 96);
-    // OpenCV 4.6 reads every film by the colours of BT.601, whatever the film says: greens and reds
-    // differ by up to some 20 steps.
+    // OpenCV 4.6 decodes every film as BT.601, even if its header says BT.709: greens and reds
+    // differ by up to about 20 levels.
     const cv::Vec3b bgr = picture.at<cv::Vec3b>(32, 48);
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(bgr[2 - c], colors[i][c], 30) << "picture " << i << " channel " << c;
@@ -82,7 +82,7 @@ TEST_F(Film, FileThatCannotBeWrittenThrowsDiskError) {
   EXPECT_THROW(Mp4Writer(folder_ / "no such folder" / "film.mp4", 96, 64, 12), DiskError);
 }
 
-/// A box whose upper end moves along x from frame to frame.
+/// A box whose top moves along x from frame to frame.
 std::vector<Mesh> SwayingBox(int count) {
   std::vector<Mesh> frames(count, MakeBox(1, 1, 2));
   for (int i = 0; i < count; ++i)
@@ -118,12 +118,12 @@ TEST(FilmFrames, HeldPicturesRepeatAndTheLastShowsForOneFrame) {
 
 TEST(AzimuthOfMotion, LooksAcrossTheMotion) {
   const double azimuth = AzimuthOfMotion(SwayingBox(3), {});
-  const double from_y =
-      std::abs(std::cos(azimuth * M_PI / 180));  // 1: along y, so that x lies across the picture
+  const double from_y = std::abs(
+      std::cos(azimuth * M_PI / 180));  // 1: looks along y, so that x is horizontal in the picture
   EXPECT_GT(from_y, 0.85) << azimuth;
 }
 
-// What moves on the far side is not a reason to show the back.
+// Motion on the far side is no reason to show the back.
 TEST(AzimuthOfMotion, StaysOnTheFirstPhotographsSide) {
   for (const double at : {-1.0, 1.0}) {
     std::vector<Mesh> frames = SwayingBox(3);

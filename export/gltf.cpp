@@ -35,7 +35,7 @@ class GlbBuilder {
     primitive.attributes["NORMAL"] = AddAttribute(base_normals, TINYGLTF_TYPE_VEC3, false);
     if (mesh_.uvs.rows() > 0) {
       FloatRows uvs = mesh_.uvs.cast<float>();
-      uvs.col(1) = 1.0f - uvs.col(1).array();  // glTF's v grows downwards
+      uvs.col(1) = 1.0f - uvs.col(1).array();  // v points downwards in glTF
       primitive.attributes["TEXCOORD_0"] = AddAttribute(uvs, TINYGLTF_TYPE_VEC2, false);
     }
     primitive.indices = AddIndices();
@@ -106,8 +106,8 @@ class GlbBuilder {
     if (static_cast<double>(model_.buffers[0].data.size()) > kLargestGlb - (1 << 20)) {
       throw InputError("export: " + std::to_string(targets_.size() + 1) + " pictures of " +
                        std::to_string(mesh_.source_vertex.size()) +
-                       " vertices need more than the 4 GiB that a GLB can hold; take fewer "
-                       "in-betweens, or use the OBJ or PLY sequence");
+                       " vertices need more than the 4 GiB that a GLB can hold; use fewer "
+                       "in-betweens, or the OBJ or PLY sequence");
     }
     tinygltf::TinyGLTF writer;
     std::ostringstream stream;
@@ -136,7 +136,7 @@ class GlbBuilder {
     }
   }
 
-  /// `extras`: viewers that do not know them show the base colour.
+  /// Stored in `extras`: viewers that do not know them show the base colour.
   static tinygltf::Value BlendExtras(const GlbTextures& textures) {
     tinygltf::Value::Array indices, poses, moments;
     for (std::size_t i = 0; i < textures.images.size(); ++i) {
@@ -155,8 +155,8 @@ class GlbBuilder {
     return tinygltf::Value(tinygltf::Value::Object{{"keypose", tinygltf::Value(blend)}});
   }
 
-  /// At a keyframe the weight of its picture's target is 1, all others are 0; the first picture is
-  /// the mesh itself.
+  /// At a keyframe, the weight of its picture's target is 1 and all others are 0. The first picture
+  /// is the mesh itself.
   void AddSamples(const std::vector<Keyframe>& keyframes, tinygltf::AnimationSampler& sampler) {
     const auto count = static_cast<Eigen::Index>(targets_.size());
     FloatRows times(keyframes.size(), 1),
@@ -172,7 +172,7 @@ class GlbBuilder {
     sampler.output = AddScalars(weights, false);
   }
 
-  // The only place where the world's axes change.
+  // The only place that converts the axes.
   FloatRows InGltf(const PointsX3& rows) const {
     FloatRows out = rows.cast<float>();
     if (!options_.z_up) return out;
@@ -184,7 +184,7 @@ class GlbBuilder {
   int AddView(const void* data, std::size_t size, int target) {
     auto& bytes = model_.buffers[0].data;
     bytes.resize((bytes.size() + 3) / 4 *
-                 4);  // accessors start at multiples of their component's size
+                 4);  // accessors must start at multiples of their component's size
     tinygltf::BufferView view;
     view.buffer = 0;
     view.byteOffset = bytes.size();
@@ -232,7 +232,7 @@ class GlbBuilder {
   const AnimatedMesh& mesh_;
   const Clip& clip_;
   const GlbOptions& options_;
-  std::vector<int> targets_;  ///< pictures but the first, rising
+  std::vector<int> targets_;  ///< all pictures but the first, ascending
   tinygltf::Model model_;
 };
 
@@ -243,8 +243,8 @@ std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip,
                     const GlbOptions& options) {
   if (!textures.images.empty() && mesh.uvs.rows() == 0) {
     throw InputError("export: the texture " + textures.images[0].name +
-                     " cannot be used, as the first frame has no texture coordinates; unwrap the "
-                     "template before it is registered");
+                     " cannot be used, since the first frame has no texture coordinates; unwrap "
+                     "the template before it is registered");
   }
   GlbBuilder builder(mesh, clip, options);
   builder.AddMesh(frame_names);

@@ -10,41 +10,42 @@
 
 namespace keypose::exporting {
 
-/// A compressed image as its file holds it.
+/// The content of a compressed image file.
 struct EncodedImage {
   std::string bytes;      ///< empty: no texture
   std::string mime_type;  ///< "image/png" or "image/jpeg"
   std::string name;
 };
 
-/// The textures of the poses, all in the mesh's one layout.
+/// The textures of the poses, all in the layout of the mesh.
 struct GlbTextures {
   /// the first is the base colour, which every viewer shows; empty: no texture
   std::vector<EncodedImage> images;
-  std::vector<std::string> poses;  ///< whose texture each image is
-  /// what a viewer blends that knows how; empty: the base colour throughout
+  std::vector<std::string> poses;  ///< the pose of each image
+  /// for viewers that can blend textures; empty: always the base colour
   std::vector<TextureMoment> moments;
 };
 
 struct GlbOptions {
   PlaybackOptions playback;
-  bool z_up = true;  ///< the frames' up is +z, as in Keypose's world; glTF's is +y: (x, y, z) ->
-                     ///< (x, z, -y). False: +y already
+  /// true: up is +z in the frames, as in Keypose's world, and is converted to glTF's +y: (x, y, z)
+  /// -> (x, z, -y); false: up is already +y
+  bool z_up = true;
   std::string name = "character";
 };
 
-/// The bytes of a GLB file: one mesh (the first frame), one morph target with positions and normals
-/// for each other picture, named after the first frame that shows it (`frame_0001` and on), the
-/// textures, and an animation of the targets' weights: linear where pictures blend, with a second
-/// keyframe right before each step; a sampler of kind STEP where all are steps. One picture gives a
-/// mesh without targets and animation. Several textures are named in the material's
-/// `extras.keypose` (docs/file-formats.md).
+/// The bytes of a GLB file. It has one mesh (the first frame), the textures, and one morph target
+/// with positions and normals per further picture, named after the first frame that shows it
+/// (`frame_0001`, ...). An animation sets the targets' weights. It is linear where pictures blend,
+/// with a second keyframe right before each step; if all changes are steps, the sampler is STEP. A
+/// single picture gives a mesh without targets and animation. Several textures are listed in the
+/// material's `extras.keypose` (docs/file-formats.md).
 ///
-/// @param frame_names  one a frame
-/// @param clip         of the mesh's frames
+/// @param frame_names  one per frame
+/// @param clip         the clip of the mesh's frames
 /// @throws InputError  a texture for a mesh without texture coordinates, or more than the 4 GiB
-/// that a GLB can hold The size is about 24 bytes a vertex and picture.
-/// Source: glTF 2.0 specification, Khronos 2021.
+/// that a GLB can hold. The size is about 24 bytes per vertex and picture. Source: glTF 2.0
+/// specification, Khronos 2021.
 std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip,
                     const std::vector<std::string>& frame_names, const GlbTextures& textures,
                     const GlbOptions& options);

@@ -12,7 +12,8 @@ extern "C" {
 namespace keypose::exporting {
 namespace {
 
-/// x264's scale of quality; lower is better. Clay has fine grain, and films are short.
+/// x264's quality scale; lower is better. A high quality, since clay has fine grain and films are
+/// short.
 constexpr const char* kQuality = "18";
 
 std::string TextOf(int code) {
@@ -78,7 +79,7 @@ struct Mp4Writer::State {
 
   void OpenFile() {
     Written(avformat_alloc_output_context2(&file, nullptr, "mp4", path.c_str()));
-    file->flags |= AVFMT_FLAG_BITEXACT;  // neither time nor version in the header
+    file->flags |= AVFMT_FLAG_BITEXACT;  // no time and no version in the header
     stream = avformat_new_stream(file, nullptr);
     Encoded(avcodec_parameters_from_context(stream->codecpar, encoder.get()));
     stream->time_base = encoder->time_base;
@@ -101,13 +102,13 @@ struct Mp4Writer::State {
     scaler = sws_getContext(
         encoder->width, encoder->height, AV_PIX_FMT_RGB24, encoder->width, encoder->height,
         encoder->pix_fmt, SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
-    if (!scaler) throw ToolError("export: libswscale does not turn RGB into 4:2:0 for " + path);
+    if (!scaler) throw ToolError("export: libswscale cannot convert RGB to 4:2:0 for " + path);
     const int* rgb = sws_getCoefficients(SWS_CS_DEFAULT);
     sws_setColorspaceDetails(scaler, rgb, 1, sws_getCoefficients(SWS_CS_ITU709), 0, 0, 1 << 16,
                              1 << 16);
   }
 
-  /// @param picture  nullptr: no more come
+  /// @param picture  nullptr: no more pictures
   void Send(const AVFrame* picture) {
     Encoded(avcodec_send_frame(encoder.get(), picture));
     for (;;) {

@@ -16,7 +16,7 @@ bool SameBits(const PointsX3& a, const PointsX3& b) {
 
 std::vector<int> FirstWithSamePoints(const std::vector<PointsX3>& points) {
   std::vector<int> first;
-  std::map<double, std::vector<int>> by_sum;  // only what has the same sum can be the same
+  std::map<double, std::vector<int>> by_sum;  // only frames with the same sum can be equal
   for (int i = 0; i < std::ssize(points); ++i) {
     std::vector<int>& rivals = by_sum[points[i].sum()];
     const auto same = std::find_if(rivals.begin(), rivals.end(),
@@ -27,7 +27,7 @@ std::vector<int> FirstWithSamePoints(const std::vector<PointsX3>& points) {
   return first;
 }
 
-/// Pictures that show for several frames in a row stand to their end.
+/// Pictures that repeat for several consecutive frames are held to their end.
 std::vector<char> RepeatedStand(const std::vector<int>& picture) {
   std::vector<char> stands(picture.size(), 0);
   for (std::size_t i = 1; i < picture.size(); ++i)
@@ -39,7 +39,8 @@ bool Changes(const std::vector<Moment>& moments, std::size_t i, const Clip& clip
   return clip.picture[moments[i].frame] != clip.picture[moments[i + 1].frame];
 }
 
-/// So far before a step that a sampler in single precision sees two times.
+/// Time from a held picture's second keyframe to the step [s]: a thousandth of a frame, or more if
+/// single precision needs it.
 double GapBefore(double seconds, double fps) {
   const auto time = static_cast<float>(seconds);
   const double grain = time - std::nextafter(time, -std::numeric_limits<float>::infinity());
@@ -67,8 +68,7 @@ std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& opt
   const int last = clip.frame_count() - 1;
   for (int i = 0; i <= last; ++i)
     show(i, i == 0 || i == last ? options.hold : 0, i < last && clip.stands[i]);
-  // The last moment back at the first frame is the first moment of the next round, so it is not
-  // held again.
+  // On the way back, the last moment is the first of the next round, so it is not held again.
   if (options.loop == "pingpong") {
     if (last > 0) moments.back().stands = clip.stands[last - 1];
     for (int i = last - 1; i >= 0; --i) show(i, 0, i > 0 && clip.stands[i - 1]);
@@ -88,7 +88,7 @@ std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const 
     const double next = moments[i + 1].seconds;
     keyframes.push_back({next - GapBefore(next, fps), moments[i].frame});
   }
-  // In the midst of a picture that stands nothing has to be said.
+  // No keyframe is needed in the middle of a held picture.
   std::vector<Keyframe> needed;
   for (std::size_t i = 0; i < keyframes.size(); ++i) {
     const auto picture = [&](std::size_t k) { return clip.picture[keyframes[k].frame]; };

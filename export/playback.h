@@ -1,4 +1,4 @@
-// When each frame of the animation is shown, and whether the next one follows by a glide or a step.
+// When each frame of the animation is shown, and whether players blend or step to the next one.
 #pragma once
 
 #include <string>
@@ -9,50 +9,48 @@
 namespace keypose::exporting {
 
 struct PlaybackOptions {
-  double fps = 24;            ///< frames a second
-  int hold = 0;               ///< extra frames that the first and the last frame stay
+  double fps = 24;            ///< frames per second
+  int hold = 0;               ///< extra frames for which the first and last frame are held
   std::string loop = "none";  ///< "none", or "pingpong": forwards, then back to the first frame
 };
 
-/// What the frames are to a player.
+/// The frames as a player needs them.
 struct Clip {
-  std::vector<int> picture;  ///< of each frame: the first frame with the same positions
-  std::vector<char> stands;  ///< of each frame: 1: its picture stands until the next frame comes;
-                             ///< 0: players blend
-  bool loop = false;         ///< the last frame is the first one again
+  std::vector<int> picture;  ///< per frame: the first frame with the same positions
+  /// per frame: 1: its picture is held until the next frame; 0: players blend
+  std::vector<char> stands;
+  bool loop = false;  ///< the last frame equals the first
   int frame_count() const { return static_cast<int>(picture.size()); }
 };
 
-/// @param stands  of each frame, as `interpolate` plans it; empty when that is not known: then
-/// pictures that show for two frames or more
-///                stand to their end
-/// Same positions means the same bits.
+/// @param stands  per frame, as planned by `interpolate`; empty if unknown: then pictures that
+/// repeat for two frames or more are held to their end. Same positions means the same bits.
 Clip MakeClip(const std::vector<PointsX3>& points, std::vector<char> stands, bool loop);
 
-/// One moment of the animation at which exactly one frame shows.
+/// One moment of the animation at which exactly one frame is shown.
 struct Moment {
   double seconds = 0;
   int frame = 0;
-  bool stands = false;  ///< until the next moment, which then comes as a step; else the two blend
+  bool stands = false;  ///< held until the next moment, which is then a step; else the two blend
 };
 
-/// Moments in order of time, from 0 s. Held frames have two moments: their begin and end. A last
-/// picture that comes as a step stands for a frame, unless the animation goes round.
+/// Moments in order of time, from 0 s. Held frames have two moments: begin and end. If the last
+/// picture follows a step, it is held for one frame, unless the animation loops.
 std::vector<Moment> PlaybackMoments(const Clip& clip, const PlaybackOptions& options);
 
-/// A frame at a time, for a sampler.
+/// A frame and its time, for a sampler.
 struct Keyframe {
   double seconds = 0;
   int frame = 0;
 };
-/// The same as keyframes between which all is linear: what stands gets a second one a thousandth of
-/// a frame before the step (more where single precision cannot tell the two apart). Times rise
-/// strictly, also in single precision.
+/// The moments as keyframes with linear interpolation. A held picture gets a second keyframe a
+/// thousandth of a frame before the step (more if single precision cannot distinguish the two
+/// times). Times strictly increase, also in single precision.
 std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const Clip& clip,
                                       double fps);
 
-/// The keyframes at which a picture changes, and the last, when every change is a step: nothing
-/// lies between pictures then. Empty where one blends into another.
+/// If every change is a step: the keyframes at which the picture changes, and the last one. Empty
+/// if any pictures blend.
 std::vector<Keyframe> StepKeyframes(const std::vector<Moment>& moments, const Clip& clip);
 
 }  // namespace keypose::exporting

@@ -7,7 +7,7 @@
 namespace keypose::exporting {
 namespace {
 
-/// Of weights; finer than a step of an 8 bit colour can show.
+/// Tolerance of weights; smaller than one level of an 8 bit colour.
 constexpr double kSameWeight = 1e-6;
 
 bool OnTheLine(const TextureMoment& a, const TextureMoment& b, const TextureMoment& c) {

@@ -1,4 +1,4 @@
-// How much each pose's texture shows at each time of the animation.
+// The weight of each pose's texture at each time of the animation.
 #pragma once
 
 #include <vector>
@@ -7,22 +7,23 @@
 
 namespace keypose::exporting {
 
-/// Weights at a time; between two of them all is linear.
+/// The weights at a time; linear in between.
 struct TextureMoment {
   double seconds = 0;
-  std::vector<double> weights;  ///< one a texture; they sum to 1
+  std::vector<double> weights;  ///< one per texture; they sum to 1
 };
 
 /// @param t            key number plus share of the way to the next
-/// @param key_textures of each key on the timeline: which texture is its own, below `count`
-/// @return one weight a texture
+/// @param key_textures per key of the timeline: the index of its texture, below `count`
+/// @return one weight per texture
 std::vector<double> TextureWeights(double t, const std::vector<int>& key_textures, int count);
 
-/// From key to key the weights go over as the shape does; where pictures stand, so do weights.
+/// Between keys the weights change in step with the shape; while a picture is held, so are its
+/// weights.
 ///
-/// @param keyframes  as LinearKeyframes gives them
-/// @param frame_t    of each frame
-/// @return the moments that are needed: what lies on the line between its neighbours is left out
+/// @param keyframes  as returned by LinearKeyframes
+/// @param frame_t    t of each frame, as in TextureWeights
+/// @return the moments, without those that lie on the line between their neighbours
 std::vector<TextureMoment> TextureMoments(const std::vector<Keyframe>& keyframes,
                                           const std::vector<double>& frame_t,
                                           const std::vector<int>& key_textures, int count);

@@ -23,13 +23,13 @@ fs::path ArtifactStore::FolderOf(const std::string& fingerprint) const {
 
 namespace {
 
-constexpr int kSchema = 2;  // 1 had sizes alone, and not of the report
+constexpr int kSchema = 2;  // schema 1 had only sizes, and none for the report
 constexpr const char* kReport = "report.json";
 
-/// What a manifest says of one file of its artifact.
+/// A manifest's entry for one file of the artifact.
 struct KeptFile {
   std::string hash;
-  json stamp;  ///< as StampOf; null: not known
+  json stamp;  ///< as StampOf; null: unknown
 };
 
 std::map<std::string, std::string> FilesOf(const std::map<std::string, ArtifactOutput>& outputs) {
@@ -62,7 +62,7 @@ std::map<std::string, ArtifactOutput> OutputsOf(const json& manifest) {
     if (output.content.hash != entry.at("sha256").get<std::string>())
       throw InputError("manifest.json contradicts itself");
     if (!IsOneName(output.file))
-      throw InputError("manifest.json names '" + output.file + "', which is no name of a file");
+      throw InputError("manifest.json names '" + output.file + "', which is not a file name");
     for (const auto& [name, hash] : output.content.files)
       if (!StaysBelow(name))
         throw InputError("manifest.json names '" + name + "', which is outside of its folder");
@@ -118,8 +118,8 @@ std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Read
   try {
     json manifest = json::parse(disk_.Read(file));
     artifact.recipe = RecipeFromJson(manifest.at("recipe"));
-    // Else two folders that were swapped, or a manifest from elsewhere, would give one step's
-    // result to another.
+    // Without this check, two swapped folders or a foreign manifest would give one step's result to
+    // another step.
     if (manifest.at("fingerprint") != fingerprint || artifact.recipe.Fingerprint() != fingerprint)
       return damaged("manifest.json belongs to another artifact");
     artifact.outputs = OutputsOf(manifest);
@@ -148,7 +148,8 @@ std::optional<Artifact> ArtifactStore::Look(const std::string& fingerprint, Read
   return artifact;
 }
 
-/// A copied project's files have other times; read once, they are believed from then on.
+/// The files of a copied project have other times. They are read once; then their new stamps are
+/// remembered.
 void ArtifactStore::Remember(const fs::path& file, json manifest, json files) const {
   manifest["schema"] = kSchema;
   manifest["files"] = std::move(files);
@@ -156,7 +157,8 @@ void ArtifactStore::Remember(const fs::path& file, json manifest, json files) co
   try {
     disk_.Write(file, manifest.dump(1));
   } catch (const DiskError&) {
-    // Only a memory: on a full or read-only disk the files are read again next time.
+    // Not an error: if this cannot be saved (full or read-only disk), the files are read again next
+    // time.
   }
 }
 
@@ -199,7 +201,8 @@ Artifact ArtifactStore::Commit(const fs::path& made, const StageInfo& info, cons
                          {"files", FilesJson(files)}, {"seconds", seconds},
                          {"peak_bytes", peak_bytes}};
   disk_.Write(made / "manifest.json", manifest.dump(1));
-  // On the device before it gets its name: after a power cut an artifact is whole or absent.
+  // The data must reach the device before the rename: after a power cut an artifact is complete or
+  // absent.
   disk_.Sync(made);
   artifact.folder = FolderOf(artifact.fingerprint);
   if (disk_.LeadsOutside(artifact.folder, state_folder_ / "cache"))
@@ -214,7 +217,8 @@ std::vector<std::string> ArtifactStore::All() const {
   std::vector<std::string> all;
   for (const std::string& head : disk_.Children(cache)) {
     for (const std::string& tail : disk_.Children(cache / head)) {
-      // What a received project links to is none of its cache, and not to be removed.
+      // Links in a project from elsewhere may lead out of the cache; what they lead to must not be
+      // removed.
       if (!disk_.LeadsOutside(cache / head / tail, cache)) all.push_back(head + tail);
     }
   }
@@ -230,7 +234,8 @@ std::uint64_t ArtifactStore::SizeOf(const std::string& fingerprint) const {
 }
 
 void ArtifactStore::Remove(const std::string& fingerprint) {
-  // Out of the cache in one step first: a half-removed folder must not look like an artifact.
+  // First moved out of the cache in one step: a partly removed folder must not look like an
+  // artifact.
   const fs::path doomed = state_folder_ / "tmp" / ("gc-" + fingerprint);
   disk_.Move(FolderOf(fingerprint), doomed);
   disk_.Remove(doomed);

@@ -1,5 +1,4 @@
-// The cache: one folder per artifact, named by its fingerprint, that is there as a whole or not at
-// all.
+// The cache: one folder per artifact, named by its fingerprint. An artifact is complete or absent.
 #pragma once
 
 #include <cstdint>
@@ -40,26 +39,27 @@ class ArtifactStore {
   /// @param state_folder  the project's .keypose
   ArtifactStore(Disk& disk, std::filesystem::path state_folder);
 
-  /// The artifact when it is there and every file is as it was made; else nothing. A file whose
-  /// size, times and inode are as they were is believed; another one is read and hashed, and
-  /// believed from then on if its hash is right.
-  /// @param damage  gets what is wrong with an artifact that is there, for a person
+  /// The artifact if it is in the cache and all its files are unchanged; else nothing. A file with
+  /// the same size, times and inode counts as unchanged. Any other file is read and hashed; if its
+  /// hash is right, its new size, times and inode are remembered.
+  /// @param damage  receives a message for the user if an artifact is there but damaged
   std::optional<Artifact> Find(const std::string& fingerprint, std::string* damage = nullptr) const;
 
-  /// The same, but every file is read: what an ageing disk does shows in no size and no time.
-  /// @return what is wrong, for a person; empty: nothing
+  /// Like Find, but reads every file: a failing disk changes content without changing size or
+  /// times.
+  /// @return a message for the user that says what is wrong; empty if nothing is
   std::string Verify(const std::string& fingerprint) const;
 
-  /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place; an
-  /// artifact of the same fingerprint is replaced.
+  /// Hashes the outputs in `made`, writes the manifest there, and renames the folder into place.
+  /// Replaces an artifact of the same fingerprint.
   /// @throws ToolError  a required output was not written @throws DiskError
   Artifact Commit(const std::filesystem::path& made, const StageInfo& info, const Recipe& recipe,
                   double seconds, std::int64_t peak_bytes);
 
   std::filesystem::path FolderOf(const std::string& fingerprint) const;
-  /// Fingerprints of all folders in the cache, whole or not.
+  /// Fingerprints of all folders in the cache, complete or not.
   std::vector<std::string> All() const;
-  /// @return bytes of the artifact's files
+  /// @return total size of the artifact's files [bytes]
   std::uint64_t SizeOf(const std::string& fingerprint) const;
   void Remove(const std::string& fingerprint);
 

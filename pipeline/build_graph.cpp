@@ -40,7 +40,7 @@ void CheckPose(const PipelineFile& file, const Setting& pose, const std::string&
                                  Suggestion(pose.text, PoseNames(file))));
 }
 
-/// Template first, then as the timeline has them, then as the file has them.
+/// Template first, then in the order of the timeline, then in the order of the file.
 std::vector<std::string> PoseOrder(const PipelineFile& file, const std::string& template_pose) {
   std::vector<std::string> order;
   std::set<std::string> seen;
@@ -138,7 +138,7 @@ class GraphBuilder {
         folders.back().folder = folders.back().folder.parent_path();
     }
     if (SharedPhotographs(folders).empty()) return;
-    // The line to blame is the first pose that shares with one before it.
+    // The message names the line of the first pose that shares photographs with an earlier one.
     std::vector<PhotoFolder> before;
     for (std::size_t i = 0; i < folders.size(); ++i) {
       before.push_back(folders[i]);
@@ -198,7 +198,7 @@ class GraphBuilder {
     }
   }
 
-  /// What a word that begins with $ stands for in an option's place.
+  /// The value of a word that begins with $ where an option's value is expected.
   std::string OptionText(const std::string& text) const {
     if (text == "$fps") return fmt::format("{}", file_.fps);
     return text == "$keys" ? fmt::format("{}", fmt::join(graph_.keys, ",")) : text;
@@ -238,7 +238,7 @@ class GraphBuilder {
     }
   }
 
-  /// A path below out/ with the names of poses filled in.
+  /// A path below out/ with its pose placeholders replaced.
   std::string WithNames(std::string path, const Step& step) const {
     for (const auto& [word, value] : {std::pair<std::string, std::string>{"{pose}", step.pose},
                                       {"{template}", graph_.template_pose}}) {
@@ -290,7 +290,7 @@ class GraphBuilder {
     for (const Step& step : graph_.steps) {
       for (const NamedResult& result : step.results) all.emplace_back(&step, &result);
     }
-    // In the order of paths, what lies inside a folder comes right after it.
+    // Sorted by path, the contents of a folder come right after it.
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& a, const auto& b) { return a.second->path < b.second->path; });
     for (std::size_t i = 1; i < all.size(); ++i) {
@@ -309,7 +309,7 @@ class GraphBuilder {
       graph_.Find(over.pose.empty() ? over.step : over.step + "/" + over.pose);
   }
 
-  /// Depth first, so that every step comes after what it needs and a cycle is met on the way.
+  /// Depth first: every step comes after the steps that it needs, and cycles are found.
   void SortByNeeds() {
     std::vector<int> order, path, state(graph_.steps.size(), 0);
     const std::function<void(int)> visit = [&](int i) {

@@ -1,5 +1,5 @@
-// Builds the graph: the pipeline file's rules fanned out over poses, with every input, option and
-// result checked.
+// Builds the graph: applies the rules of the pipeline file to all poses and checks every input,
+// option and result.
 #pragma once
 
 #include <filesystem>
@@ -20,18 +20,17 @@ struct Override {
 /// @throws UsageError  not of that form
 Override ParseOverride(const std::string& text);
 
-/// Where things are.
+/// Folders that the graph refers to.
 struct Places {
-  std::filesystem::path project;       ///< its root folder
-  std::filesystem::path stage_folder;  ///< has the programs keypose-STAGE
+  std::filesystem::path project;       ///< the project's root folder
+  std::filesystem::path stage_folder;  ///< contains the programs keypose-STAGE
 };
 
-/// Checks and builds all. Asks the stages of all enabled steps to describe themselves.
+/// Builds and checks the graph. Runs the stages of all enabled steps with --describe.
 ///
-/// @throws UsageError  a step, pose, port, option or reference that does not exist, a wrong type, a
-/// cycle, two steps that write one
-///                     result; with file:line
-/// @throws ToolError   a stage cannot be asked
+/// @throws UsageError  a step, pose, port, option or reference does not exist, a type is wrong, the
+/// steps form a cycle, or two steps write the same result; with file:line
+/// @throws ToolError   a stage cannot be described
 Graph BuildGraph(const PipelineFile& file, const std::vector<Override>& overrides,
                  const Places& places, const Disk& disk, StageCatalog& catalog);
 

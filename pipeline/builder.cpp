@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a shell would say of an exit code, as one of ours.
+/// Maps a process's exit code, in the shell's convention, to an ExitCode.
 ExitCode CodeOf(int raw) {
   switch (raw) {
     case 1:
@@ -77,7 +77,7 @@ fs::path Builder::FailedFolder(int step) const {
 RunResult Builder::Run(RunRecord record) {
   record_ = std::move(record);
   record_.begin = clock_.Now();
-  // Whatever an earlier run left behind: the project is locked, so nobody else is at work here.
+  // Leftovers of an earlier run. The project is locked, so no other process uses them.
   workshop_.disk.Remove(workshop_.state() / "tmp");
   observer_.Begin(MakeForecast());
   try {
@@ -90,21 +90,21 @@ RunResult Builder::Run(RunRecord record) {
   } catch (const Error& error) {
     processes_.StopAll();
     workshop_.disk.Remove(workshop_.state() / "tmp");
-    // On a full disk the records cannot be written either; the step's own fault says more.
+    // On a full disk the records cannot be written either; the step's own failure explains more.
     if (result_.code == ExitCode::kOk) throw;
   }
   return result_;
 }
 
-/// An interrupted run tells nothing but that.
+/// An interrupted run shows no warnings, verdicts or results.
 void Builder::EndRun() {
   if (result_.code != ExitCode::kInterrupted)
     record_.ending = EndingOf(plan_, workshop_.disk, results_.out());
   observer_.End(record_.ending);
 }
 
-/// From the step's own last run, else from that of the same step on another pose, else from what
-/// the pipeline file says of its cost.
+/// From the step's own last run, else from the last run of the same rule on another pose, else from
+/// the step's `cost` in the pipeline file.
 Forecast Builder::MakeForecast() const {
   const auto& steps = plan_.graph().steps;
   const auto may_run = [&](int i) {
@@ -164,7 +164,8 @@ void Builder::ReportCached() {
   }
 }
 
-/// The artifact of a step is there: names its results and remembers what it was made from.
+/// Called when a step's artifact is in the cache: publishes its named results and records its
+/// recipe.
 void Builder::Adopt(int step, bool made, double seconds, std::int64_t peak_bytes) {
   reported_[step] = true;
   const Step& what = plan_.graph().steps[step];
@@ -195,7 +196,7 @@ void Builder::AddToRecord(int step, const std::string& status, double seconds,
 
 std::int64_t Builder::MemoryOf(int step) const {
   const StepPlan& plan = plan_[step];
-  // What it took last time, and some room, is better than what it says of itself.
+  // The peak of the last run plus a margin is a better estimate than the stage's own figure.
   if (plan.last && plan.last->peak_bytes > 0)
     return plan.last->peak_bytes + plan.last->peak_bytes / 4;
   return plan_.graph().steps[step].info->memory_bytes;
@@ -208,15 +209,14 @@ bool Builder::MayStart(int step, std::int64_t memory) const {
   for (const auto& [id, running] : running_) {
     threads += running.threads;
     used += running.memory_bytes;
-    // Two steps that would make the same artifact: the second finds it in the cache when the first
-    // is done.
+    // When two steps make the same artifact, the second waits and then finds it in the cache.
     if (plan_[running.step].fingerprint == plan_[step].fingerprint) return false;
   }
   return threads < limits_.cores &&
          (limits_.memory_bytes <= 0 || used + memory <= limits_.memory_bytes);
 }
 
-/// A fair share of the free cores; a step that can use fewer leaves the rest to others.
+/// An equal share of the free cores; cores that a step cannot use go to the others.
 int Builder::ThreadsFor(int step, int ready) const {
   int free = limits_.cores;
   for (const auto& [id, running] : running_) free -= running.threads;
@@ -236,7 +236,7 @@ void Builder::StartReady() {
     bool found_in_cache = false;
     int waiting = static_cast<int>(ready.size());
     for (const int step : ready) {
-      // Another step of this run may have made the same artifact meanwhile.
+      // Another step of this run may have made the same artifact in the meantime.
       if (auto artifact =
               plan_[step].forced ? std::nullopt : workshop_.store.Find(plan_[step].fingerprint)) {
         plan_.SetDone(step, std::move(*artifact), false);
@@ -315,10 +315,11 @@ void Builder::Handle(const ProcessEvent& event) {
   }
   running_.erase(it);
   if (processes_.interrupted())
-    return;  // it ended because we are being stopped, or just before: either way it is not kept
+    return;  // it ended because the run is being stopped, or just before; in both cases it is not
+             // kept
   try {
-    // Also of a step that failed: a photograph that was half written would be the cause, and is
-    // whole by now.
+    // Checked for failed steps too: the cause may be a photograph that was still being written and
+    // is complete now.
     if (WasSpoilt(running)) return;
     if (event.exit_code != 0) return Fail(running, event.exit_code, "");
     Succeed(running, event.peak_bytes);
@@ -327,8 +328,8 @@ void Builder::Handle(const ProcessEvent& event) {
   }
 }
 
-/// Whether the step may have read what its fingerprint does not say. Then nothing of it is kept,
-/// and what it read is hashed anew.
+/// Whether an input may have changed while the step ran, so that its fingerprint is wrong. If so,
+/// the step's results are dropped and its inputs are hashed again.
 bool Builder::WasSpoilt(const Running& running) {
   const std::string changed = watch_.Changed(running.step, running.before);
   if (changed.empty()) return false;
@@ -336,8 +337,8 @@ bool Builder::WasSpoilt(const Running& running) {
   workshop_.disk.Remove(WorkFolder(running.step));
   AddToRecord(running.step, "spoilt", clock_.Now() - running.begin, 0);
   observer_.Finished(id, "spoilt", clock_.Now() - running.begin);
-  observer_.Note(fmt::format(
-      "warning: while {} ran, {}; nothing of it was kept, and it is made anew", id, changed));
+  observer_.Note(fmt::format("warning: while {} ran, {}; nothing of it was kept, and it runs again",
+                             id, changed));
   result_.again = true;
   return true;
 }
@@ -375,7 +376,7 @@ void Builder::Fail(const Running& running, int raw_code, const std::string& mess
     record.when = clock_.Now();
     workshop_.records.SetLast(what.id, record);
   } catch (const Error& error) {
-    // on a full disk, say; the first fault is the one that counts
+    // for example on a full disk; only the first failure is reported as such
     said += fmt::format("\n(and its log could not be kept: {})", error.what());
   }
   AddToRecord(running.step, "failed", clock_.Now() - running.begin, 0);
@@ -395,8 +396,7 @@ std::string Builder::FailureMessage(int step, ExitCode code, int raw_code,
       message += " (killed: perhaps the machine ran out of memory; try a smaller -j)";
   } else if (raw_code == 127) {
     message += ": the program could not be started";
-  } else if (code == ExitCode::kDisk &&
-             said.empty()) {  // on a full disk there is no room for its log either
+  } else if (code == ExitCode::kDisk && said.empty()) {  // on a full disk the log is empty too
     message +=
         ": a file could not be read or written, and no log could be kept; is there free space on "
         "the disk?";
@@ -405,7 +405,7 @@ std::string Builder::FailureMessage(int step, ExitCode code, int raw_code,
   const fs::path log = FailedFolder(step) / "log.txt";
   if (workshop_.disk.Stat(log))
     message += fmt::format("\nits whole log: {} (or `keypose log {}`)", log.string(), id);
-  message += "\nwhen that is mended, `keypose run` goes on from here; what was made before is kept";
+  message += "\nwhen that is fixed, `keypose run` continues from here; earlier results are kept";
   return message;
 }
 
@@ -418,7 +418,7 @@ void Builder::Interrupt() {
   }
   running_.clear();
   result_.code = ExitCode::kInterrupted;
-  result_.message = "interrupted; what was made before is kept, `keypose run` goes on from here";
+  result_.message = "interrupted; earlier results are kept, and `keypose run` continues from here";
 }
 
 void Builder::SaveRecord() {

@@ -1,5 +1,5 @@
-// Runs what a plan wants, side by side within cores and memory, and keeps cache, records and out/
-// true at every moment.
+// Runs the steps that a plan needs, in parallel within limits on cores and memory. Keeps the cache,
+// the records and out/ consistent at all times.
 #pragma once
 
 #include <map>
@@ -19,15 +19,15 @@ namespace keypose::pipeline {
 
 struct Limits {
   int cores = 1;                  ///< all running steps together
-  std::int64_t memory_bytes = 0;  ///< all running steps together; 0: not limited
+  std::int64_t memory_bytes = 0;  ///< all running steps together; 0: no limit
 };
 
 struct RunResult {
   ExitCode code = ExitCode::kOk;
   int made = 0, cached = 0;
-  bool again = false;   ///< something that a step read was changed meanwhile: nothing of it was
-                        ///< kept, and a new plan is needed
-  std::string message;  ///< of a failure: which step, what it said, where its log is, what to do
+  bool again = false;   ///< an input of a step changed while it ran: its results were dropped and a
+                        ///< new plan is needed
+  std::string message;  ///< of a failure: the step, its message, the path of its log, what to do
 };
 
 class Builder {
@@ -36,10 +36,9 @@ class Builder {
   Builder(Plan& plan, Workshop& workshop, ProcessRunner& processes, const Clock& clock,
           ResultsFolder& results, RunObserver& observer, const Limits& limits);
 
-  /// Runs until nothing is left, a step failed (running ones are finished first), or the user
-  /// interrupted.
-  /// @param record  its name, command and host are given; the rest is filled in and saved after
-  /// every step
+  /// Runs until nothing is left, a step fails (running steps finish first), or the user interrupts.
+  /// @param record  its name, command and host are set; the rest is filled in, and the record is
+  /// saved after every step
   /// @throws DiskError  the state folder cannot be written
   RunResult Run(RunRecord record);
 
@@ -49,7 +48,7 @@ class Builder {
     int threads = 1;
     std::int64_t memory_bytes = 0;
     double begin = 0;
-    Stamps before = {};  ///< of what it reads
+    Stamps before = {};  ///< of the step's inputs and programs
   };
 
   void Loop();

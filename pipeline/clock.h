@@ -1,4 +1,4 @@
-// What the runner asks of time.
+// The runner's interface to the clock.
 #pragma once
 
 namespace keypose::pipeline {

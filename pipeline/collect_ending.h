@@ -1,4 +1,4 @@
-// Gathers what a person must know from the reports of a run's steps.
+// Collects the warnings, verdicts and results of a run from its steps' reports.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@
 
 namespace keypose::pipeline {
 
-/// From what the steps' inputs warn of, and the reports beside the artifacts of all wanted steps
-/// that are made, by this run or an earlier one; and of what they `show`, that which exists. A
-/// report that is no JSON, or has no such fields, tells nothing.
+/// Collects the warnings about the steps' inputs, the reports of all wanted steps whose artifacts
+/// are in the cache (made by this run or an earlier one), and those results listed under `show`
+/// that exist. A report that is not JSON, or lacks these fields, is ignored.
 /// @param out  the project's out/
 Ending EndingOf(const Plan& plan, const Disk& disk, const std::filesystem::path& out);
 

@@ -1,5 +1,5 @@
-// The commands of `keypose`. Each prints to standard output and returns an exit code, or throws one
-// of core/errors.h.
+// The commands of `keypose`. Each prints to standard output and returns an exit code, or throws an
+// error of core/errors.h.
 #pragma once
 
 #include <map>
@@ -35,16 +35,16 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step,
 ExitCode LogCommand(const std::string& folder, const std::string& step);
 ExitCode GraphCommand(const std::string& folder, bool dot);
 ExitCode GcCommand(const std::string& folder, bool dry_run, int keep_runs);
-/// Reads and hashes everything in the cache and in out/. Damaged artifacts leave the cache, so that
-/// the next run makes them anew.
-/// @return kDisk  something was damaged
+/// Reads and hashes everything in the cache and in out/. Removes damaged artifacts from the cache;
+/// the next run makes them again.
+/// @return kDisk if something was damaged
 ExitCode VerifyCommand(const std::string& folder);
 ExitCode UnlockCommand(const std::string& folder, bool force);
 ExitCode ReportCommand(const std::string& folder);
 ExitCode DoctorCommand();
 ExitCode VersionCommand();
 
-/// What `explain` says of one step.
+/// The text that `explain` prints for one step.
 std::string Explanation(const Plan& plan, int step);
 
 }  // namespace keypose::pipeline

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Whether a file's last change lies further back than the slowest clock tick of a file system.
+/// Whether a file's last change is longer ago than the coarsest time step of a file system.
 bool SettledAt(const FileStat& stat) {
   constexpr std::int64_t kTickNs = 100'000'000;
   const auto now = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -53,7 +53,7 @@ std::string ContentHasher::OfFile(const std::filesystem::path& path) {
   return Read(path, key);
 }
 
-/// Hashes until the file is the same before and after.
+/// Hashes until the file's stamp is the same before and after.
 std::string ContentHasher::Read(const std::filesystem::path& path, const std::string& key) {
   constexpr int kTries = 5;
   for (int i = 0; i < kTries; ++i) {
@@ -63,8 +63,8 @@ std::string ContentHasher::Read(const std::filesystem::path& path, const std::st
     ++files_read_;
     const std::string hash = disk_.ContentHash(path);
     if (disk_.Stat(path) != before) continue;
-    // A file that was written a moment ago may be written again without a new time: clocks of file
-    // systems tick slowly.
+    // File systems have coarse clocks: a file that was written a moment ago may change again
+    // without a new time.
     if (SettledAt(*before)) {
       entries_[key] = {*before, hash};
       changed_ = true;
@@ -80,7 +80,7 @@ void ContentHasher::Load() {
   loaded_ = true;
   if (!disk_.Stat(memory_file_)) return;
   const json memory = json::parse(disk_.Read(memory_file_), nullptr, false);
-  if (!memory.is_object()) return;  // only a memory: without it, files are read again
+  if (!memory.is_object()) return;  // without stored hashes, files are read again
   for (const auto& [name, entry] : memory.items()) {
     if (!entry.is_array() || entry.size() != 5 || !entry[4].is_string()) continue;
     if (!std::all_of(entry.begin(), entry.begin() + 4,
@@ -102,7 +102,8 @@ void ContentHasher::Save() {
   try {
     disk_.Write(memory_file_, memory.dump(0, ' ', false, json::error_handler_t::replace));
   } catch (const DiskError&) {
-    // Only a memory: on a full or read-only disk the files are read again next time.
+    // Not an error: if this cannot be saved (full or read-only disk), the files are read again next
+    // time.
   }
 }
 

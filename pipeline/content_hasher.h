@@ -1,5 +1,5 @@
-// Content hashes of the project's own files, remembered by size, time and inode so that unchanged
-// files are not read again.
+// Content hashes of the project's own files. They are remembered with size, times and inode, so
+// that unchanged files are not read again.
 #pragma once
 
 #include <filesystem>
@@ -12,24 +12,25 @@
 
 namespace keypose::pipeline {
 
-/// Whether a file below a folder of the project counts as its content: not what file managers write
-/// (names that start with '.', Thumbs.db, desktop.ini).
+/// Whether a file below a project folder counts as its content. Files that file managers write
+/// (names that start with '.', Thumbs.db, desktop.ini) do not.
 bool CountsAsContent(const std::string& name);
 
 class ContentHasher {
  public:
-  /// @param memory_file  where hashes are remembered
-  /// @param root         remembered paths are relative to it, so that a moved project keeps them
+  /// @param memory_file  file in which hashes are stored
+  /// @param root         stored paths are relative to it, so that they stay valid when the project
+  /// is moved
   ContentHasher(Disk& disk, std::filesystem::path memory_file, std::filesystem::path root);
 
-  /// Of a file, or of all files below a folder; names that start with '.', and Thumbs.db and
-  /// desktop.ini, do not count, since file managers write them. @pre path exists
+  /// Content of a file, or of all files below a folder for which CountsAsContent holds. @pre path
+  /// exists
   Content Of(const std::filesystem::path& path);
   /// Hash of one file.
   std::string OfFile(const std::filesystem::path& path);
-  /// @param cancelled  asked before each file that must be read; true makes that throw Cancelled
+  /// @param cancelled  called before each file is read; if it returns true, Cancelled is thrown
   void SetCancel(std::function<bool()> cancelled) { cancelled_ = std::move(cancelled); }
-  /// Writes what was learnt, if anything and if the disk lets it.
+  /// Writes new hashes, if there are any; write errors are ignored.
   void Save();
   int files_read() const { return files_read_; }
 

@@ -21,7 +21,7 @@ std::string FinishedText(const std::string& step, const std::string& status, dou
   return fmt::format("{} {} after {}", step, status, DurationText(seconds));
 }
 
-/// What all displays keep track of.
+/// State and texts that all displays share.
 class Display : public RunObserver {
  public:
   explicit Display(const Clock& clock) : clock_(clock) {}
@@ -40,7 +40,7 @@ class Display : public RunObserver {
   }
 
  protected:
-  /// Never falls, though what is left may turn out to be more.
+  /// Never decreases, even if the estimate of the remaining time grows.
   double Fraction() { return fraction_ = std::max(fraction_, estimate_.Fraction(clock_.Now())); }
   /// Rounded down: 100 only when all is done.
   int Percent() { return static_cast<int>(100 * Fraction()); }
@@ -52,10 +52,10 @@ class Display : public RunObserver {
     if (failed_) text += fmt::format(", {} failed", failed_);
     return text;
   }
-  /// All that a person shall read when a run ends.
+  /// The text at the end of a run: warnings, verdicts and results.
   std::string Closing(const Ending& ending) const {
     const std::size_t columns = TerminalColumns();
-    // An interrupted run that had nothing to show yet says only that it was interrupted.
+    // An interrupted run with nothing to show prints only that it was interrupted.
     std::string text =
         estimate_.total() > 0 && up_to_date_ + made_ + failed_ == 0 ? "" : Summary() + "\n";
     for (const std::string& part :
@@ -133,7 +133,7 @@ class Bars final : public Display {
     Say(Cleared() + line + "\n");
     Draw();
   }
-  /// What takes the bars off the screen.
+  /// The control sequence that clears the bars from the screen.
   std::string Cleared() {
     const std::string text = drawn_ > 0 ? fmt::format("\x1b[{}A\x1b[J", drawn_) : "";
     drawn_ = 0;
@@ -145,7 +145,7 @@ class Bars final : public Display {
     return "[" + std::string(static_cast<std::size_t>(full), '#') +
            std::string(static_cast<std::size_t>(kWidth - full), '.') + "]";
   }
-  /// As one write, so that the bars do not flicker.
+  /// One write for all, so that the bars do not flicker.
   void Draw() {
     std::string text = Cleared();
     const std::size_t columns = TerminalColumns() > 0 ? TerminalColumns() : 80;

@@ -1,4 +1,4 @@
-// `keypose doctor` and `keypose --version`: what this machine and this build have.
+// `keypose doctor` and `keypose --version`: the programs and libraries of this machine and build.
 #include <CGAL/version.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ std::string ColmapText(ProcessRunner& processes) {
   return FirstLine(answer.output);
 }
 
-/// The BLAS that the stages' linear algebra loads, found as their loader finds it.
+/// The BLAS library that the stages load, found by the same rules as their loader.
 std::string BlasText() {
   void* library = dlopen("libopenblas.so.0", RTLD_NOW | RTLD_LOCAL);
   if (!library) return "OpenBLAS is missing (Debian: apt-get install libopenblas0-pthread)";

@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-/// `head`, then the text beside it, its further lines below its first.
+/// `head` followed by the text, with continuation lines indented to the width of `head`.
 std::string Hanging(const std::string& head, const std::string& text, std::size_t columns) {
   constexpr std::size_t kNarrowest = 24;
   const std::size_t indent = WidthOf(head);
@@ -91,7 +91,7 @@ std::string ResultsText(const Ending& ending) {
   std::size_t label = 0;
   for (const RunFound& result : ending.results) label = std::max(label, WidthOf(result.label));
   std::string text = "results\n";
-  // Never broken: a path is there to be copied.
+  // Not wrapped, so that paths can be copied.
   for (const RunFound& result : ending.results)
     text += "  " + PaddedTo(result.label, label) + "  " + result.path.string() + "\n";
   return text;

@@ -1,4 +1,4 @@
-// What a person must know when a run ends: warnings, verdicts, and where the results are.
+// What is shown at the end of a run: warnings, verdicts, and the paths of the results.
 #pragma once
 
 #include <filesystem>
@@ -8,22 +8,22 @@
 
 namespace keypose::pipeline {
 
-/// What one stage warned of, on all steps that said the same.
+/// One warning of a stage, with all steps that gave it.
 struct RunWarning {
   std::vector<std::string> steps;  ///< ids, in the graph's order
-  std::vector<std::string> poses;  ///< of these steps; none where a step is not of one pose
+  std::vector<std::string> poses;  ///< of these steps; empty if one is not of a single pose
   std::string text;
 };
 
 struct RunVerdict {
   std::string about, grade, why;  ///< grade: "good", "look" or "wrong"
-  std::string step;               ///< that judged
+  std::string step;               ///< the step that gave the verdict
 };
 
 struct RunFound {
   std::string label;           ///< "the animation"
   std::filesystem::path path;  ///< absolute
-  std::string step;            ///< that made it
+  std::string step;            ///< the step that made it
 };
 
 struct Ending {
@@ -33,8 +33,8 @@ struct Ending {
   bool empty() const { return warnings.empty() && verdicts.empty() && results.empty(); }
 };
 
-/// As lines for a person, grouped by pose.
-/// @param columns  of the terminal; 0: lines are not broken
+/// Lines for the user, grouped by pose.
+/// @param columns  width of the terminal; 0: lines are not wrapped
 std::string WarningsText(const Ending& ending, std::size_t columns);
 std::string VerdictsText(const Ending& ending, std::size_t columns);
 std::string ResultsText(const Ending& ending);

@@ -1,5 +1,5 @@
-// What a run tells at its end, and what it foretells at its start; with disk, clock and processes
-// in memory.
+// What a run shows at its end, and its forecast at the start; with disk, clock and processes in
+// memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 using Names = std::vector<std::string>;
 
-/// Makes a stage of the fake house say so in its report.
+/// Makes a stage of the fake house write these fields to its report.
 void Say(FakeHouse* house, const std::string& stage, const nlohmann::json& report) {
   auto& run = house->processes.stages["/bin/keypose-" + stage].run;
   run = [good = run, report](const FakeCall& call, MemoryDisk& d) {

@@ -1,4 +1,4 @@
-// What is wrong with a pipeline.yaml or a command line, each with its place and what to do.
+// Errors in a pipeline.yaml or on a command line: each message gives the place and what to do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST(Faults, AliasesThatNeverEndOrGrowAreRefused) {
         "poses: {rest: photos/rest}\ntimeline: &t\n  - {pose: rest, more: *t}\n"}) {
     house.WriteProject(yaml);
     EXPECT_THAT(MessageOf<UsageError>([&] { house.Look(); }),
-                HasSubstr("does an alias (`*name`) hold itself?"));
+                HasSubstr("does an alias (`*name`) contain itself?"));
   }
   std::string growing =
       "poses: {rest: photos/rest}\noptions:\n  a0: &a0 [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]\n";

@@ -1,4 +1,4 @@
-// The graph of steps: what runs on what, with every input, option and result resolved.
+// The graph of steps, with every input, option and result resolved.
 #pragma once
 
 #include <filesystem>
@@ -17,13 +17,13 @@ struct Flow {
     kOutput,    ///< of another step
     kSource,    ///< a file or folder of the project
     kTimeline,  ///< a file made from the timeline
-    kRun        ///< a folder that tells of all other steps
+    kRun        ///< a folder that describes all other steps
   };
   Kind kind = Kind::kSource;
   int step = -1;               ///< kOutput: index into Graph::steps
   std::string port;            ///< kOutput
-  std::filesystem::path path;  ///< kSource: as the file has it, relative to the project
-  std::string origin;          ///< for people: "photos/bent", "sfm/bent.model", "the timeline"
+  std::filesystem::path path;  ///< kSource: as written in the file, relative to the project
+  std::string origin;          ///< for messages: "photos/bent", "sfm/bent.model", "the timeline"
   bool photographs = false;    ///< kSource: the photographs of a pose
   Where where;
 };
@@ -34,17 +34,17 @@ struct PortFlows {
   std::vector<Flow> flows;  ///< at least one
 };
 
-/// A file or folder of the cache that gets a name below out/.
+/// A file or folder of the cache that is published under a name below out/.
 struct NamedResult {
   std::string port, inside;    ///< `inside`: one file of a folder port, or empty
   std::filesystem::path path;  ///< relative to out/
   Where where;
 };
 
-/// What a run's end tells of: a file or folder among the step's results.
+/// A file or folder among the step's results that is shown at the end of a run.
 struct ShownResult {
   std::filesystem::path path;  ///< relative to out/
-  std::string label;           ///< for people: "the animation"
+  std::string label;           ///< for the user: "the animation"
 };
 
 struct Step {
@@ -53,33 +53,33 @@ struct Step {
   std::string pose;         ///< empty for steps of the animation and the project
   std::string source_pose;  ///< of a pair: the template
   std::filesystem::path program;
-  const StageInfo* info = nullptr;  ///< the catalog's: a project of a thousand poses has thirteen
-                                    ///< thousand steps, and a dozen stages
+  const StageInfo* info = nullptr;  ///< owned by the catalog; shared, since a project of 1,000
+                                    ///< poses has 13,000 steps but a dozen stages
   std::vector<PortFlows> inputs;    ///< in the stage's order of ports
   std::map<std::string, std::string> options;  ///< all of them, canonical
   std::vector<NamedResult> results;
   std::vector<ShownResult> shown;
   std::optional<Cost> cost;
-  /// of its inputs: what a person should know before it runs, with the cure
+  /// warnings about its inputs, each with what to do
   std::vector<std::string> warnings;
-  std::vector<int> needs;  ///< indices of the steps it takes from, ascending
+  std::vector<int> needs;  ///< indices of the steps whose outputs it reads, ascending
   Where where;
 };
 
 struct Graph {
-  std::string name;         ///< the file's, else the folder's
-  bool name_given = false;  ///< by the file; a folder's name decides over no result
+  std::string name;         ///< from the file, else the folder's name
+  bool name_given = false;  ///< a name from the folder must not affect any result
   std::string template_pose;
   /// template first, then in the order of the timeline, then of the file
   std::vector<std::string> poses;
-  /// poses as the timeline has them, repeats included; `poses` without a timeline
+  /// poses in the order of the timeline, with repeats; `poses` without a timeline
   std::vector<std::string> keys;
-  std::string timeline_json;  ///< what $timeline holds; empty when the timeline says no more than
-                              ///< the order of poses
-  std::vector<Step> steps;    ///< each after all that it needs
+  std::string timeline_json;  ///< the content of $timeline; empty if the timeline only gives the
+                              ///< order of poses
+  std::vector<Step> steps;    ///< each after all steps that it needs
 
-  /// Steps that a person means by STEP or STEP/POSE, ascending.
-  /// @throws UsageError  none, with the nearest
+  /// Steps that match STEP or STEP/POSE, ascending.
+  /// @throws UsageError  no step matches; names the nearest
   std::vector<int> Find(const std::string& text) const;
 };
 

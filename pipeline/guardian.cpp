@@ -21,7 +21,7 @@
 namespace keypose::pipeline {
 namespace {
 
-// Descriptors in the guardian, after everything else was closed.
+// The guardian's descriptors, after all others were closed.
 constexpr int kProgress = 3, kResult = 4, kControl = 5, kKeep = 6;
 
 struct Prepared {
@@ -37,8 +37,8 @@ std::vector<char*> Pointers(const std::vector<std::string>& texts) {
   return pointers;
 }
 
-/// Keeps only the descriptors that the guardian needs: an inherited end of another guardian's
-/// control pipe would keep that one from noticing the runner's death.
+/// Keeps only the descriptors that the guardian needs. An inherited end of another guardian's
+/// control pipe would prevent that guardian from noticing that the runner died.
 void ArrangeDescriptors(const Prepared& prepared) {
   const std::array<int, 5> high = {
       fcntl(prepared.log, F_DUPFD, 100), fcntl(prepared.progress, F_DUPFD, 100),
@@ -87,7 +87,7 @@ int ParentOf(const char* pid_text) {
   return parent;
 }
 
-/// Kills the group (0: none) and all orphans that came to the guardian, until none is left.
+/// Kills the group (0: none) and all orphans that the guardian adopted, until none is left.
 void KillAll(int group) {
   for (int round = 0; round < 2000; ++round) {
     if (group > 0) kill(-group, SIGKILL);
@@ -107,7 +107,7 @@ void KillAll(int group) {
   }
 }
 
-/// Takes leave of ended children.
+/// Reaps ended children.
 /// @return whether the stage was among them
 bool Reap(int stage, int* status) {
   bool ended = false;
@@ -123,7 +123,7 @@ bool Reap(int stage, int* status) {
 }
 
 /// Passes on requests until the stage ends.
-/// @return false when it had to be killed because the runner is gone
+/// @return false if it was killed because the runner died
 bool Watch(int stage, int children_fd, int* status) {
   for (;;) {
     pollfd fds[2] = {{kControl, POLLIN, 0}, {children_fd, POLLIN, 0}};
@@ -168,9 +168,9 @@ bool Watch(int stage, int children_fd, int* status) {
   _exit(0);
 }
 
-/// A guardian of the guardian: were there one alone, whoever kills it together with the runner
-/// would leave what the stage started. Its name is another than the runner's, so that `killall
-/// keypose` leaves it to do its work.
+/// The guardian's guardian. With only one guardian, killing it together with the runner would leave
+/// the stage's processes running. Its process name differs from the runner's, so that `killall
+/// keypose` does not kill it.
 [[noreturn]] void BecomeOuter(const Prepared& prepared) {
   setpgid(0, 0);
   ArrangeDescriptors(prepared);

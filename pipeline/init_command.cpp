@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 struct NewPose {
   std::string name;
   fs::path photos;
-  /// to copy: photographs, and masks beside them; relative to `photos`
+  /// files to copy: photographs, and masks beside them; relative to `photos`
   std::vector<fs::path> files;
-  std::vector<fs::path> ignored;  ///< what is no photograph
+  std::vector<fs::path> ignored;  ///< files that are no photographs
 };
 
 NewPose ParsePose(const std::string& text) {
@@ -45,8 +45,8 @@ bool IsMask(const fs::path& file) {
   return file.has_parent_path() && file.parent_path().filename() == "masks";
 }
 
-/// What to copy and what not.
-/// @throws InputError  there is no photograph; with what is there instead, and the cure
+/// Decides which files to copy.
+/// @throws InputError  there is no photograph; says what is there instead, and what to do
 void Sort(const RealDisk& disk, NewPose* pose) {
   bool any = false;
   for (const fs::path file : disk.FilesBelow(pose->photos)) {
@@ -77,7 +77,7 @@ void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
     throw UsageError("--pose: " + fault);
 }
 
-/// The folder's name without what would need escapes in YAML.
+/// The folder's name without characters that YAML would need to escape.
 std::string SafeName(const fs::path& folder) {
   std::string name =
       folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
@@ -88,8 +88,8 @@ std::string SafeName(const fs::path& folder) {
 std::string PipelineText(const std::string& name, const std::vector<NewPose>& poses,
                          const std::string& template_pose) {
   std::string text =
-      "# What this project is made of. All that is not said here is as in the default pipeline; "
-      "see docs/pipeline.md.\n";
+      "# The poses and settings of this project. What is not set here is as in the default "
+      "pipeline; see docs/pipeline.md.\n";
   text += fmt::format("name: \"{}\"\nposes:\n", name);
   for (const NewPose& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose.name);
   text += fmt::format("template: {}\n", template_pose);
@@ -138,9 +138,9 @@ ExitCode InitCommand(const InitOptions& options) {
       fmt::print("  not copied, because these are no photographs that can be read: {}\n",
                  KindsOf(pose.ignored));
   }
-  // Last, so that a folder with a pipeline.yaml is a whole project.
+  // Written last, so that a folder with a pipeline.yaml is a complete project.
   disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
-  fmt::print("the photographs that you named stay as they are\nnext: keypose run -C {}\n",
+  fmt::print("your original photographs were not changed\nnext: keypose run -C {}\n",
              ShellWord(options.folder));
   return ExitCode::kOk;
 }

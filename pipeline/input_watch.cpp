@@ -9,12 +9,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is not there has no stamp.
+/// A missing file gets no stamp.
 void Add(const Disk& disk, const fs::path& path, Stamps* stamps) {
   if (const auto stat = disk.Stat(path)) (*stamps)[path.generic_string()] = *stat;
 }
 
-/// A folder's own time tells of files that came and went.
+/// The folder's own time changes when files are added or removed.
 void AddAllBelow(const Disk& disk, const fs::path& path, Stamps* stamps) {
   Add(disk, path, stamps);
   const auto stat = disk.Stat(path);
@@ -30,7 +30,7 @@ void AddAllBelow(const Disk& disk, const fs::path& path, Stamps* stamps) {
   for (const fs::path& folder : folders) Add(disk, path / folder, stamps);
 }
 
-/// The first place where two differ.
+/// The first path at which the two differ.
 std::string Difference(const Stamps& before, const Stamps& now) {
   for (const auto& [name, stat] : before) {
     const auto it = now.find(name);

@@ -1,4 +1,4 @@
-// Whether what a step reads stayed as it was while the step ran.
+// Detects whether a step's inputs changed while the step ran.
 #pragma once
 
 #include <map>
@@ -8,8 +8,8 @@
 
 namespace keypose::pipeline {
 
-/// The sizes, times and inodes of all that a step reads from outside of the cache, and of the
-/// programs that it runs: what is changed and changed back has other times.
+/// The sizes, times and inodes of all files that a step reads from outside the cache, and of the
+/// programs that it runs. A file that was changed and changed back has other times.
 using Stamps = std::map<std::string, FileStat>;
 
 class InputWatch {
@@ -19,11 +19,11 @@ class InputWatch {
 
   Stamps Look(int step) const;
 
-  /// What the step may have read that its fingerprint does not say, for a person; empty: nothing.
-  /// It looks at files of the project and at the stage's programs, against `before` and against
-  /// what the plan hashed, and at the artifacts that the step reads, which another program may have
-  /// damaged.
-  /// @param before  of the same step, from before it ran
+  /// A message for the user about inputs that changed since they were hashed for the fingerprint;
+  /// empty if none did. Compares the project's files and the stage's programs with `before` and
+  /// with what the plan hashed. Also checks the artifacts that the step reads, since another
+  /// program may have damaged them.
+  /// @param before  stamps of the same step, taken before it ran
   std::string Changed(int step, const Stamps& before) const;
 
  private:

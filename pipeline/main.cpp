@@ -1,5 +1,4 @@
-// The program `keypose`: its own commands, and `keypose STAGE ...`, which becomes the program
-// keypose-STAGE.
+// The program `keypose`: its own commands, and `keypose STAGE ...`, which executes keypose-STAGE.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -37,8 +36,7 @@ bool IsCommand(const std::string& word) {
   return std::find(kCommands.begin(), kCommands.end(), word) != kCommands.end();
 }
 
-/// `keypose report` shows the project's report; with the stage's flags it is the stage of that
-/// name.
+/// `keypose report` shows the project's report; with the stage's flags it runs the stage `report`.
 bool MeansStage(int argc, char** argv) {
   if (argc < 2 || argv[1][0] == '-') return false;
   const std::string word = argv[1];
@@ -65,7 +63,7 @@ bool MeansStage(int argc, char** argv) {
   throw ToolError(fmt::format("cannot start {}: {}", program.string(), std::strerror(errno)));
 }
 
-/// For `keypose run puppet`.
+/// A hint for commands such as `keypose run puppet`.
 std::string FolderHint(int argc, char** argv) {
   std::error_code ignored;
   for (int i = 2; i < argc; ++i) {
@@ -75,7 +73,7 @@ std::string FolderHint(int argc, char** argv) {
   return "";
 }
 
-/// All commands with their flags; `chosen` becomes what was asked for.
+/// All commands with their flags. `chosen` is set to the one that was given.
 class CommandLine {
  public:
   CommandLine(int argc, char** argv)
@@ -84,10 +82,11 @@ class CommandLine {
     for (int i = 0; i < argc; ++i)
       run_.command_line += (i ? " " : "") + std::string(i ? argv[i] : "keypose");
     app_.require_subcommand(0, 1);
-    app_.add_flag("--version", version_, "versions of keypose and of what it works with");
+    app_.add_flag("--version", version_,
+                  "versions of keypose and of the programs and libraries it uses");
     std::string stages;
     for (const std::string& stage : StageNames()) stages += " " + stage;
-    app_.footer("Stages, also to be used alone (keypose STAGE --help):" + stages);
+    app_.footer("Stages, which can also be run alone (keypose STAGE --help):" + stages);
     AddInit();
     AddRun();
     AddLookers();
@@ -123,12 +122,14 @@ class CommandLine {
   }
   CLI::App* InProject(CLI::App* command) {
     command->add_option("-C,--folder", run_.folder,
-                        "the project's folder; else the current one or the nearest above");
+                        "the project's folder; default: the current folder or the nearest parent "
+                        "with a pipeline.yaml");
     return command;
   }
   void TakesSet(CLI::App* command) {
     command
-        ->add_option("--set", run_.set, "STEP.OPTION=V or STEP/POSE.OPTION=V, for this time only")
+        ->add_option("--set", run_.set,
+                     "STEP.OPTION=V or STEP/POSE.OPTION=V, for this command only")
         ->allow_extra_args(false);
   }
 
@@ -139,23 +140,24 @@ class CommandLine {
         ->allow_extra_args(false)
         ->required();
     init->add_option("--template", init_.template_pose,
-                     "the pose whose mesh and UVs all others take; the first unless said");
+                     "the pose whose mesh and UVs all others take; default: the first");
   }
 
   void AddRun() {
-    CLI::App* run =
-        InProject(Command("run", "make what is not up to date", [this] { return RunChecked(); }));
+    CLI::App* run = InProject(
+        Command("run", "make everything that is not up to date", [this] { return RunChecked(); }));
     Selection& selection = run_.selection;
-    run->add_option("--from", selection.from,
-                    "only this step and what follows; what lies before is taken as last made")
+    run->add_option(
+           "--from", selection.from,
+           "only this step and the steps that follow; earlier results are used as last made")
         ->allow_extra_args(false);
-    run->add_option("--until", selection.until, "only this step and what it needs")
+    run->add_option("--until", selection.until, "only this step and the steps that it needs")
         ->allow_extra_args(false);
     run->add_option("--only", selection.only, "only this step")->allow_extra_args(false);
     run->add_option("--force", selection.force, "run this step even if it is up to date")
         ->allow_extra_args(false);
-    run->add_flag("--dry-run", run_.dry_run, "say what would run, and why");
-    run->add_option("-j,--jobs", run_.cores, "cores for all steps together; all unless said")
+    run->add_flag("--dry-run", run_.dry_run, "show what would run, and why");
+    run->add_option("-j,--jobs", run_.cores, "cores for all steps together; default: all")
         ->check(CLI::Range(1, 4096));
     run->add_option("--progress", run_.progress, "bars, lines or jsonl")
         ->check(CLI::IsMember({"bars", "lines", "jsonl"}));
@@ -173,33 +175,33 @@ class CommandLine {
   }
 
   void AddLookers() {
-    TakesSet(InProject(Command("status", "what is up to date, and what is not",
+    TakesSet(InProject(Command("status", "show which steps are up to date",
                                [this] { return StatusCommand(run_.folder, run_.set); })));
-    CLI::App* explain = InProject(Command("explain", "why a step would run, or last ran", [this] {
-      return ExplainCommand(run_.folder, step_, run_.set);
-    }));
+    CLI::App* explain =
+        InProject(Command("explain", "show why a step would run, or last ran",
+                          [this] { return ExplainCommand(run_.folder, step_, run_.set); }));
     TakesSet(explain);
-    CLI::App* log = InProject(
-        Command("log", "what a step last said", [this] { return LogCommand(run_.folder, step_); }));
+    CLI::App* log = InProject(Command("log", "show the last log of a step",
+                                      [this] { return LogCommand(run_.folder, step_); }));
     for (CLI::App* command : {explain, log})
       command->add_option("STEP", step_, "STEP or STEP/POSE")->required();
-    CLI::App* graph = InProject(Command("graph", "the steps and what flows between them",
+    CLI::App* graph = InProject(Command("graph", "show the steps and the data between them",
                                         [this] { return GraphCommand(run_.folder, dot_); }));
     graph->add_flag("--dot", dot_, "for Graphviz");
-    CLI::App* gc = InProject(Command("gc", "remove results that nothing refers to", [this] {
+    CLI::App* gc = InProject(Command("gc", "remove cached results that nothing refers to", [this] {
       return GcCommand(run_.folder, run_.dry_run, keep_runs_);
     }));
     gc->add_flag("--dry-run", run_.dry_run, "only say how much");
-    gc->add_option("--keep-runs", keep_runs_, "results of this many last runs stay")
+    gc->add_option("--keep-runs", keep_runs_, "keep the results of this many last runs")
         ->check(CLI::Range(0, 100000))
         ->capture_default_str();
-    InProject(Command("verify", "read the whole cache and out/, and drop what the disk has damaged",
+    InProject(Command("verify", "read the whole cache and out/, and remove what is damaged",
                       [this] { return VerifyCommand(run_.folder); }));
     CLI::App* unlock =
-        InProject(Command("unlock", "say who holds the project's lock, and clear a stale one",
+        InProject(Command("unlock", "show who holds the project's lock, and clear a stale one",
                           [this] { return UnlockCommand(run_.folder, force_); }));
-    unlock->add_flag("--force", force_, "take it away from a machine that is gone");
-    InProject(Command("report", "where the project's report is",
+    unlock->add_flag("--force", force_, "also remove the lock of a machine that no longer exists");
+    InProject(Command("report", "show where the project's report is",
                       [this] { return ReportCommand(run_.folder); }));
     Command("doctor", "check programs and libraries", [] { return DoctorCommand(); });
   }
@@ -224,7 +226,7 @@ class CommandLine {
 void Complain(const std::string& line) { std::fputs(("keypose: " + line + "\n").c_str(), stderr); }
 
 int Bug(const std::exception& error) {
-  Complain(fmt::format("a bug: {}\nplease report it with the command that you gave", error.what()));
+  Complain(fmt::format("a bug: {}\nplease report it, with your command", error.what()));
   return static_cast<int>(ExitCode::kBug);
 }
 
@@ -238,7 +240,7 @@ int Main(int argc, char** argv) {
         fmt::format("{}{}", error.code() == ExitCode::kInterrupted ? "" : "error: ", error.what()));
     return static_cast<int>(error.code());
   } catch (const std::system_error& error) {
-    // Whoever read our output has seen enough, as `head` has.
+    // The reader of our output closed the pipe, as `head` does.
     if (error.code() == std::errc::broken_pipe) return static_cast<int>(ExitCode::kOk);
     return Bug(error);
   } catch (const std::exception& error) {

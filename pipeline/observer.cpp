@@ -9,9 +9,9 @@
 namespace keypose::pipeline {
 namespace {
 
-/// A stage at work is never shown as done: its results still have to be written and hashed.
+/// A running stage is never shown as done: its results still have to be written and hashed.
 constexpr double kAlmost = 0.99;
-/// Progress from which a step's own pace counts.
+/// Progress above which a step's own pace is used.
 constexpr double kUnderWay = 0.02;
 
 }  // namespace
@@ -27,8 +27,8 @@ void Estimate::Begin(const Forecast& forecast) {
     sum += expected.seconds;
     ++known;
   }
-  // A step of which nothing is known counts as an average one: better than no time for all the
-  // others.
+  // A step of unknown duration is assumed to take the mean: better than no estimate for the whole
+  // run.
   for (auto& [step, item] : steps_) {
     if (item.expected.seconds >= 0 || known == 0) continue;
     item.expected.seconds = sum / known;
@@ -77,9 +77,9 @@ bool Estimate::AllKnown() const {
   });
 }
 
-/// How much longer than guessed the finished steps took; cautious while these were short.
+/// Ratio of real to guessed time over the finished steps; close to 1 while these were short.
 double Estimate::Pace() const {
-  constexpr double kDoubt = 5;  // [s] that count as guessed rightly
+  constexpr double kDoubt = 5;  // [s] added to both real and guessed time
   return std::clamp((took_ + kDoubt) / (guessed_ + kDoubt), 0.1, 20.0);
 }
 
@@ -88,7 +88,7 @@ double Estimate::Duration(const Item& item, double now, double pace) const {
                                                                : item.expected.seconds * pace;
   if (item.begin < 0 || item.finished) return guess;
   const double elapsed = now - item.begin;
-  // The further a step is, the more its own pace counts.
+  // The weight of a step's own pace grows with its progress.
   const double own = item.fraction > kUnderWay ? elapsed / item.fraction : guess;
   const double before = guess >= 0 ? guess : own;
   return std::max(elapsed, (1 - item.fraction) * before + item.fraction * own);
@@ -115,7 +115,7 @@ double Estimate::Fraction(double now) const {
   return all > 0 ? std::clamp(done / all, 0.0, kAlmost) : 0;
 }
 
-/// Seconds of the unfinished steps that must run one after the other.
+/// Seconds of the longest chain of unfinished steps that depend on each other.
 double Estimate::LongestChain(double now, double pace) const {
   std::map<std::string, double> chains;
   const std::function<double(const std::string&)> chain = [&](const std::string& step) -> double {

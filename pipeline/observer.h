@@ -1,4 +1,4 @@
-// Who is told of a run while it happens, and how long the rest will take.
+// The interface that receives a run's events, and the estimate of the time left.
 #pragma once
 
 #include <map>
@@ -13,10 +13,10 @@ namespace keypose::pipeline {
 /// What is known of a step before it runs.
 struct Expected {
   double seconds = -1;  ///< negative: unknown
-  /// by an earlier run; else from the step's `cost`, and known to within a factor only
+  /// measured by an earlier run; else a rough guess from the step's `cost`
   bool measured = true;
-  int threads = 1;                      ///< that it will probably run on
-  std::vector<std::string> needs = {};  ///< steps of this run that come before
+  int threads = 1;                      ///< expected number of threads
+  std::vector<std::string> needs = {};  ///< steps of this run that must finish first
 };
 
 /// All steps that may run.
@@ -40,25 +40,24 @@ class RunObserver {
   virtual void End(const Ending&) {}
 };
 
-/// Percent done and time left, from earlier durations, from what steps cost, and from the steps'
-/// own progress. Steps that were only guessed are scaled by how far off the guesses of finished
-/// ones were.
+/// Percent done and time left, from earlier durations, the steps' `cost`, and their own progress.
+/// Guessed durations are scaled by the ratio of real to guessed time over the finished steps.
 class Estimate {
  public:
   void Begin(const Forecast& forecast);
   void Started(const std::string& step, double now, int threads);
   void Progressed(const std::string& step, double fraction);
-  /// @param seconds  it took; 0 when it was in the cache
+  /// @param seconds  its duration; 0 if it was in the cache
   void Finished(const std::string& step, double seconds);
 
-  /// Of the whole run, in [0,1], and 1 only when all is finished: of its seconds when all steps are
-  /// known, else of its steps.
+  /// Fraction of the whole run, in [0,1]; 1 only when all steps have finished. Measured in seconds
+  /// if all durations are known, else in steps.
   double Fraction(double now) const;
-  /// Nothing while of no step is anything known.
+  /// Nothing while no step's duration is known.
   std::optional<double> SecondsLeft(double now) const;
   int total() const { return static_cast<int>(steps_.size()); }
   int finished() const;
-  /// Of a step that is at work: below 1.
+  /// Fraction of a running step: below 1.
   double FractionOf(const std::string& step) const;
 
  private:

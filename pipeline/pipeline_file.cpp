@@ -19,7 +19,7 @@
 namespace keypose::pipeline {
 namespace {
 
-/// Walks the YAML tree; every complaint carries file:line and the path of keys.
+/// Reads the YAML tree. Every error message has file:line and the path of keys.
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
@@ -51,7 +51,7 @@ class Reader {
     return {node.Scalar(), At(node)};
   }
 
-  /// A path; what `~` in it stands for is settled later, but complaints have their place here.
+  /// A path. `~` is replaced later, but errors in it are reported here, with file:line.
   Setting PathText(const YAML::Node& node, const std::string& what) const {
     Setting setting = Text(node, what);
     try {
@@ -138,14 +138,14 @@ class Reader {
     return fps;
   }
 
-  /// The name of a pose in one spelling of its letters, as all names of poses are compared.
+  /// The name of a pose in normal form (NFC), in which all pose names are compared.
   Setting PoseName(const YAML::Node& node, const std::string& what) const {
     Setting setting = Text(node, what);
     setting.text = Composed(setting.text);
     return setting;
   }
 
-  /// Pose and time; the rest is for those who read the timeline, and checked by CheckTimeline.
+  /// Pose and time. The other fields are for readers of the timeline; CheckTimeline checks them.
   TimelineKey Key(const YAML::Node& node) const {
     if (node.IsScalar()) return {PoseName(node, "timeline"), std::nullopt};
     TimelineKey key;
@@ -163,7 +163,7 @@ class Reader {
     return key;
   }
 
-  /// The list of keys of a timeline in either form.
+  /// The list of keys of a timeline in either of its two forms.
   YAML::Node KeyList(const YAML::Node& node) const {
     if (!node.IsMap()) return node;
     YAML::Node keys;
@@ -194,7 +194,7 @@ class Reader {
     return keys;
   }
 
-  /// Everything that a timeline can say is checked before anything runs.
+  /// The whole timeline is checked before any step runs.
   std::string CheckedTimeline(const YAML::Node& node, double fps) const {
     std::string text = TimelineJson(node, fps);
     if (text.empty()) return text;
@@ -359,7 +359,7 @@ class Reader {
 void OverlayStep(const StepRule& over, StepRule* step) {
   step->enabled = over.enabled;
   step->where = over.where;
-  // Naming a program replaces the stage, and the other way round.
+  // A program replaces the stage, and a stage replaces the program.
   if (over.stage || over.program) {
     step->stage = over.stage;
     step->program = over.program;
@@ -388,19 +388,17 @@ const PoseRule* PipelineFile::FindPose(const std::string& pose) const {
 
 namespace {
 
-/// Aliases can hold themselves, and a few lines of them stand for more values than fit in any
-/// memory; who walks the tree must know that it ends.
-/// @param left  values that may still come
+/// Aliases can contain themselves, and a few lines of them can stand for more values than fit in
+/// memory. This check makes sure that a walk through the tree ends.
+/// @param left  number of values still allowed
 void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, std::size_t* left) {
   constexpr int kMostLevels = 50;
   if (level > kMostLevels)
-    reader.Fail(node, fmt::format("lists and maps lie in each other more than {} levels deep; does "
-                                  "an alias (`*name`) hold itself?",
+    reader.Fail(node, fmt::format("lists and maps are nested more than {} levels deep; does an "
+                                  "alias (`*name`) contain itself?",
                                   kMostLevels));
   if ((*left)-- == 0)
-    reader.Fail(node,
-                "aliases (`*name`) repeat so much that the file stands for millions of values; "
-                "write less of it");
+    reader.Fail(node, "aliases (`*name`) expand the file to millions of values; use fewer of them");
   if (node.IsSequence())
     for (const YAML::Node& item : node) RequireThatItEnds(reader, item, level + 1, left);
   if (node.IsMap())
@@ -414,7 +412,7 @@ void RequireThatItEnds(const Reader& reader, const YAML::Node& node, int level, 
 
 namespace {
 
-/// UTF-16, which YAML knows by its first two bytes, is read too.
+/// UTF-16, which YAML recognises by its first two bytes, is accepted too.
 void RequireUtf8(const std::string& text, const std::string& file) {
   if (IsUtf8(text) || text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return;
   std::size_t line = 1, begin = 0;
@@ -426,8 +424,8 @@ void RequireUtf8(const std::string& text, const std::string& file) {
       fmt::format("{}:{}: a letter here is not UTF-8 text; save the file as UTF-8", file, line));
 }
 
-/// What follows a `---` would be passed over. Such a line begins a document wherever it stands, in
-/// quotes too. (The library's own reader of all documents never ends on some texts.)
+/// Everything after a `---` would be ignored without a message. Such a line begins a document
+/// anywhere, even in quotes. (The library's reader of all documents never ends on some texts.)
 void RequireOneDocument(const std::string& text, const std::string& file) {
   std::istringstream lines(text);
   bool content = false;

@@ -1,5 +1,5 @@
-// pipeline.yaml: poses, template, timeline, options, steps; read with line numbers, checked, and
-// laid over the default pipeline.
+// pipeline.yaml: poses, template, timeline, options, steps. It is read with line numbers, checked,
+// and merged over the default pipeline.
 #pragma once
 
 #include <map>
@@ -17,7 +17,7 @@ struct Where {
   std::string Text() const { return file + ":" + std::to_string(line); }
 };
 
-/// One scalar of the file, as text; its type is checked by whoever knows it.
+/// One scalar of the file, as text. Its type is checked where it is used.
 struct Setting {
   std::string text;
   Where where;
@@ -40,24 +40,24 @@ enum class FanOut {
   kProject     ///< one
 };
 
-/// What goes into an input port: references, in order. The template may have others than the rest.
-/// A step that is not of one pose takes such a split rule once for each key on the timeline.
+/// The references for an input port, in order. The template may have other references than the
+/// other poses (a split rule). A step that is not of a single pose applies a split rule once per
+/// key of the timeline.
 struct InputRule {
   bool split = false;  ///< written as {template: ..., others: ...}
   std::vector<Setting> for_template, for_others;
   Where where;
 };
 
-/// What a step takes on a machine like that on which the figures were measured, by the photographs
-/// that it goes back to. Only for the time left on a first run: later ones go by the seconds of
-/// earlier ones.
+/// The time of a step on the machine where the figures were measured, depending on the photographs
+/// that it derives from. Used only for the time left on a first run; later runs use measured
+/// seconds.
 struct Cost {
-  double fixed = 0, photograph = 0,
-         /// [s] of one core: at all; for each photograph; for each megapixel of them
-      megapixel = 0;
+  /// [s] on one core: constant; per photograph; per megapixel of the photographs
+  double fixed = 0, photograph = 0, megapixel = 0;
 };
 
-/// A result that a person wants to know of when a run ends.
+/// A result that is shown at the end of a run.
 struct ShownSetting {
   Setting path;  ///< below out/
   std::string label;
@@ -68,7 +68,7 @@ struct StepRule {
   Where where;
   bool enabled = true;
   std::optional<Setting> stage;  ///< program keypose-STAGE
-  /// an executable of the user's own; a path relative to the project
+  /// an executable of the user, relative to the project
   std::optional<Setting> program;
   std::optional<FanOut> fan_out;
   std::map<std::string, InputRule> inputs;
@@ -87,7 +87,7 @@ struct PoseRule {
 
 struct TimelineKey {
   Setting pose;
-  std::optional<double> at_s;  ///< [s]; all keys have one, or none
+  std::optional<double> at_s;  ///< [s]; set for all keys or for none
 };
 
 struct PipelineFile {
@@ -96,8 +96,8 @@ struct PipelineFile {
   std::optional<Setting> name, template_pose;
   double fps = 24;  ///< frames per second of the animation
   std::vector<TimelineKey> timeline;
-  std::string timeline_json;  ///< all that it says, checked; empty when that is no more than the
-                              ///< order of poses
+  /// the whole timeline, checked; empty if it only gives the order of poses
+  std::string timeline_json;
   StepOptionSettings options;
 
   const StepRule* FindStep(const std::string& step) const;
@@ -109,13 +109,13 @@ struct PipelineFile {
   mutable std::size_t indexed_ = 0;
 };
 
-/// @param file  how messages name it
-/// @throws UsageError  not YAML, an unknown key (with the nearest known one), a key twice, a wrong
-/// type; with file:line
+/// @param file  the name of the file in messages
+/// @throws UsageError  not YAML, an unknown key (names the nearest known one), a duplicate key, a
+/// wrong type; with file:line
 PipelineFile ParsePipelineFile(const std::string& text, const std::string& file);
 
-/// `project` over `defaults`: its steps add to, change or switch off steps of the same name; all
-/// else is the project's.
+/// Merges `project` over `defaults`: its steps add to, change or disable steps of the same name.
+/// Everything else is taken from `project`.
 PipelineFile Overlay(const PipelineFile& defaults, const PipelineFile& project);
 
 }  // namespace keypose::pipeline

@@ -22,7 +22,7 @@ std::vector<bool> Marked(const Graph& graph, const std::vector<std::string>& sel
   return marked;
 }
 
-/// The marked steps and all that follow from them.
+/// The marked steps and all that depend on them.
 std::vector<bool> WithFollowers(const Graph& graph, std::vector<bool> marked) {
   for (std::size_t i = 0; i < graph.steps.size(); ++i) {
     for (const int need : graph.steps[i].needs) marked[i] = marked[i] || marked[need];
@@ -30,7 +30,7 @@ std::vector<bool> WithFollowers(const Graph& graph, std::vector<bool> marked) {
   return marked;
 }
 
-/// The marked steps and all that they need.
+/// The marked steps and all steps that they need.
 std::vector<bool> WithNeeds(const Graph& graph, std::vector<bool> marked) {
   for (std::size_t i = graph.steps.size(); i-- > 0;) {
     if (!marked[i]) continue;
@@ -119,7 +119,7 @@ void Plan::Resolve(int i) {
   if (!step.wanted) {
     for (const PortFlows& port : graph_.steps[i].inputs) {
       for (const Flow& flow : port.flows) {
-        // A source that is gone does not matter to a step that shall not run.
+        // A missing source does not matter for a step that is not to run.
         if (flow.kind == Flow::Kind::kSource && !workshop_.disk.Stat(SourceOf(flow))) {
           if (!TakeLastMade(i)) step.state = State::kMissing;
           return;
@@ -198,7 +198,7 @@ Content Plan::ContentOf(const Flow& flow, int i) const {
 
 std::vector<std::string> Plan::ReasonsOf(const StepPlan& step) const {
   std::vector<std::string> reasons;
-  if (step.forced) reasons.push_back("--force asks for it");
+  if (step.forced) reasons.push_back("--force was given");
   if (!step.last) {
     reasons.push_back("it has never run");
     return reasons;
@@ -224,9 +224,8 @@ void Plan::CheckMissing() const {
       if (steps_[need].state != State::kMissing) continue;
       const Step& step = graph_.steps[need];
       throw UsageError(
-          fmt::format("{} needs {}, which was not asked for and has not been made yet; run "
-                      "`keypose run --until {}` first, or leave out "
-                      "--from and --only",
+          fmt::format("{} needs {}, which was not selected and has not been made yet; run `keypose "
+                      "run --until {}` first, or leave out --from and --only",
                       graph_.steps[i].id, step.id, step.rule));
     }
   }
@@ -286,7 +285,7 @@ std::string Plan::RunJson(int i) const {
                      {"outputs", outputs},
                      {"inputs", inputs}});
   }
-  // The timeline as $timeline has it, or the order of poses when the file says no more.
+  // The content of $timeline, or the order of poses if the file gives no more.
   json timeline = graph_.timeline_json.empty() ? json{{"schema", 1}, {"keys", json::array()}}
                                                : json::parse(graph_.timeline_json);
   if (graph_.timeline_json.empty()) {

@@ -1,4 +1,4 @@
-// What is wanted, what is there, and what would run, with the reason for each. Runs nothing.
+// Which steps are wanted, which are done, and which would run, with the reasons. Runs nothing.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,11 @@
 
 namespace keypose::pipeline {
 
-/// Which steps a run is about, as STEP or STEP/POSE; all empty: all steps, none forced.
+/// The steps of a run, as STEP or STEP/POSE. All empty: all steps, none forced.
 struct Selection {
-  std::vector<std::string> from;   ///< these and all that follows from them; what lies before is
-                                   ///< taken as it was last made
-  std::vector<std::string> until;  ///< these and all that they need
+  /// these and all that depend on them; earlier steps keep their last results
+  std::vector<std::string> from;
+  std::vector<std::string> until;  ///< these and all steps that they need
   std::vector<std::string> only;   ///< just these
   std::vector<std::string> force;  ///< run even if they are up to date
 };
@@ -25,21 +25,21 @@ struct Selection {
 struct StepPlan {
   enum class State {
     kWaiting,  ///< for a step that it needs
-    kReady,    ///< must run, and can
+    kReady,    ///< must run, and can run now
     kDone,     ///< its artifact is in the cache
     kMissing   ///< not wanted, and never made
   };
   State state = State::kWaiting;
   bool wanted = true, forced = false;
   bool made = false;                 ///< by this run
-  Recipe recipe;                     ///< from kReady on
-  std::string fingerprint;           ///< from kReady on
+  Recipe recipe;                     ///< set from kReady on
+  std::string fingerprint;           ///< set from kReady on
   std::optional<Artifact> artifact;  ///< kDone
-  std::vector<std::string> reasons;  ///< kReady: why it must run, in plain words
+  std::vector<std::string> reasons;  ///< kReady: why it must run, as text
   std::optional<StepRecord> last;
 };
 
-/// The project's parts that plan and builder share.
+/// The parts of a project that plan and builder share.
 struct Workshop {
   Disk& disk;
   ContentHasher& hasher;
@@ -51,9 +51,9 @@ struct Workshop {
 
 class Plan {
  public:
-  /// Looks at every step. Keeps references to both.
-  /// @throws UsageError  the selection names no step
-  /// @throws InputError  a file or folder of the project that a wanted step reads is missing; with
+  /// Determines the state of every step. Keeps references to `graph` and `workshop`.
+  /// @throws UsageError  the selection matches no step
+  /// @throws InputError  a wanted step reads a file or folder of the project that is missing; with
   /// file:line
   Plan(const Graph& graph, Workshop& workshop, const Selection& selection);
 
@@ -63,14 +63,14 @@ class Plan {
 
   /// Steps that can run now, in order.
   std::vector<int> Ready() const;
-  /// The step's artifact is there now; looks again at what waits for it.
+  /// Sets the step's artifact and updates the steps that wait for it.
   void SetDone(int i, Artifact artifact, bool made);
-  /// Why a waiting step cannot be judged yet: the ids of unfinished steps that it needs.
+  /// The ids of the unfinished steps that a waiting step needs.
   std::vector<std::string> WaitsFor(int i) const;
-  /// What $run is for step `i`: see docs/pipeline.md.
+  /// The content of $run for step `i`; see docs/pipeline.md.
   std::string RunJson(int i) const;
-  /// Where the flows of a port come from, absolute. @pre all needed steps are done; kTimeline and
-  /// kRun give nothing
+  /// The absolute path that a flow comes from; empty for kTimeline and kRun. @pre all needed steps
+  /// are done
   std::filesystem::path SourceOf(const Flow& flow) const;
 
  private:

@@ -1,5 +1,5 @@
-// What the runner asks of processes: start a stage, hear of its progress and end, stop all, ask a
-// program a question.
+// The runner's interface to processes: start a stage, receive its progress and end, stop all, run a
+// short program and read its output.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct ProcessEvent {
   int id = 0;
   double fraction = 0;  ///< kProgress: of the whole stage, in [0,1]
   std::string what;     ///< kProgress: a few words
-  int exit_code = 0;    ///< kFinished: 128 + signal when a signal ended it
+  int exit_code = 0;    ///< kFinished: 128 + signal if a signal ended it
   std::int64_t peak_bytes = 0;
 };
 
@@ -38,17 +38,16 @@ class ProcessRunner {
   virtual ~ProcessRunner() = default;
   /// @return an id for the events @throws DiskError  the log cannot be written
   virtual int Start(const Command& command) = 0;
-  /// What happened; waits up to `seconds` for the first event, and returns early when interrupted.
+  /// The events so far. Waits up to `seconds` for the first one; returns early when interrupted.
   virtual std::vector<ProcessEvent> Wait(double seconds) = 0;
-  /// Whether the user asked to stop.
+  /// Whether the user interrupted the run.
   virtual bool interrupted() const = 0;
-  /// Asks all started programs to stop, kills those that do not within a few seconds, and returns
+  /// Terminates all started programs, kills those that do not end within a few seconds, and returns
   /// when none is left.
   virtual void StopAll() = 0;
-  /// Runs short programs side by side; 127 stands for one that cannot be started, 124 for one that
-  /// took over a minute.
+  /// Runs short programs in parallel. Exit code 127: could not be started; 124: took over a minute.
   virtual std::vector<Answer> Ask(const std::vector<std::vector<std::string>>& commands) = 0;
-  /// Where an external tool is: the value of KEYPOSE_<NAME> or the first on PATH.
+  /// The path of an external tool: the value of KEYPOSE_<NAME> or the first on PATH.
   virtual std::optional<std::filesystem::path> FindTool(const std::string& name) const = 0;
 };
 

@@ -1,4 +1,4 @@
-// Commands that look at a project and change nothing but its housekeeping.
+// Commands that show or clean up a project's state and run no step.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -34,7 +34,7 @@ std::string SizeText(std::uint64_t bytes) {
   return fmt::format("{} kB", (bytes + 999) / 1000);
 }
 
-/// A few of many names.
+/// The first few of many names.
 std::string Some(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown + 1) return fmt::format("{}", fmt::join(names, ", "));
@@ -50,7 +50,7 @@ std::string StatusText(const Plan& plan, int i) {
       return fmt::format("up to date   ({})", DurationText(step.artifact->seconds));
     case StepPlan::State::kReady:
       if (failed && step.last->failed_fingerprint == step.fingerprint)
-        return fmt::format("failed       exit code {}; `keypose log` tells more",
+        return fmt::format("failed       exit code {}; `keypose log` shows more",
                            step.last->exit_code);
       return fmt::format("{:<12} {}", step.last ? "would run" : "never ran",
                          step.last ? fmt::format("{}", fmt::join(step.reasons, "; ")) : "");
@@ -83,7 +83,7 @@ ExitCode StatusCommand(const std::string& folder, const std::vector<std::string>
   const Ending ending = EndingOf(plan, session.disk(), session.out());
   if (!ending.verdicts.empty()) fmt::print("\n{}", VerdictsText(ending, TerminalColumns()));
   if (!ending.warnings.empty())
-    fmt::print("\n{} of the steps that are up to date; `keypose run` ends with them\n",
+    fmt::print("\n{} of the steps that are up to date; `keypose run` shows them at its end\n",
                WarningCount(ending));
   return ExitCode::kOk;
 }
@@ -109,7 +109,7 @@ std::string Explanation(const Plan& plan, int i) {
                       TimeText(step.last->when), Bullets(reasons));
     }
   } else {
-    text = fmt::format("{} waits for {}; whether it runs depends on what comes out there\n", id,
+    text = fmt::format("{} waits for {}; whether it runs depends on their results\n", id,
                        fmt::join(plan.WaitsFor(i), ", "));
   }
   return text;
@@ -123,7 +123,7 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step,
   std::vector<int> shown;
   for (int i : session.graph().Find(step)) {
     fmt::print("{}", Explanation(plan, i));
-    // What waits tells nothing by itself: go up to the steps at which the change begins.
+    // A waiting step gives no reason of its own: go up to the steps where the change begins.
     std::vector<int> above = {i};
     std::set<int> seen;
     while (!above.empty()) {
@@ -157,10 +157,12 @@ ExitCode LogCommand(const std::string& folder, const std::string& step) {
     } else {
       constexpr std::uintmax_t kShown = 4'000'000;
       const bool cut = fs::file_size(log) > kShown;
-      fmt::print("--- {} {} at {}: {}\n{}{}", id, last->failed ? "failed" : "was made",
-                 TimeText(last->when), log.string(),
-                 cut ? fmt::format("... (its last {}; the file has all)\n", SizeText(kShown)) : "",
-                 session.disk().ReadEnd(log, kShown));
+      fmt::print(
+          "--- {} {} at {}: {}\n{}{}", id, last->failed ? "failed" : "was made",
+          TimeText(last->when), log.string(),
+          cut ? fmt::format("... (its last {}; the whole log is in the file)\n", SizeText(kShown))
+              : "",
+          session.disk().ReadEnd(log, kShown));
     }
   }
   return ExitCode::kOk;
@@ -243,7 +245,7 @@ ExitCode VerifyCommand(const std::string& folder) {
   results.Save();
   if (damaged > 0)
     fmt::print(
-        "the damaged artifacts were removed from the cache; `keypose run` makes them anew\n");
+        "the damaged artifacts were removed from the cache; `keypose run` makes them again\n");
   fmt::print("{} artifacts, {}: {}\n", all.size(), SizeText(bytes),
              damaged > 0 ? fmt::format("{} damaged", damaged) : "all are as they were made");
   return damaged > 0 || !notes.empty() ? ExitCode::kDisk : ExitCode::kOk;

@@ -26,7 +26,7 @@ struct Holder {
   bool known() const { return pid > 0; }
   std::string Text() const {
     return known() ? fmt::format("process {} on {}, since {} ({})", pid, host, since, what)
-                   : "a process that has not said its name yet";
+                   : "a process that has not written its name yet";
   }
 };
 
@@ -45,7 +45,7 @@ Holder ReadHolder(int fd) {
     return {value.at("pid").get<int>(), value.at("host").get<std::string>(),
             value.at("since").get<std::string>(), value.at("what").get<std::string>()};
   } catch (const nlohmann::json::exception&) {
-    return {};  // nothing written yet, or damaged: flock alone says whether it is held
+    return {};  // nothing written yet, or damaged: only flock shows whether it is held
   }
 }
 
@@ -59,7 +59,7 @@ int OpenLock(const fs::path& file) {
   return fd;
 }
 
-/// Whether the open file is still the one of that name (an `unlock --force` takes the name away).
+/// Whether the open file still has that name (`unlock --force` removes the name).
 bool StillNamed(int fd, const fs::path& file) {
   struct stat opened, named;
   return fstat(fd, &opened) == 0 && stat(file.c_str(), &named) == 0 &&
@@ -70,8 +70,8 @@ bool StillNamed(int fd, const fs::path& file) {
 
 ProjectLock::ProjectLock(const fs::path& state_folder, const std::string& what)
     : file_(state_folder / "lock") {
-  constexpr int kTries = 100;  // 5 s in all, and only while the holder is already dead: its last
-                               // children are being stopped
+  constexpr int kTries = 100;  // 5 s in all; used only if the holder is dead and its last children
+                               // are still being stopped
   std::error_code error;
   fs::create_directories(state_folder, error);
   if (error)
@@ -120,8 +120,9 @@ std::string Unlock(const fs::path& state_folder, bool force) {
   if (flock(fd, LOCK_EX | LOCK_NB) == 0) {
     (void)!ftruncate(fd, 0);
     close(fd);
-    return holder.known() ? fmt::format("{} left its mark but is gone; cleared", holder.Text())
-                          : "the project is not locked";
+    return holder.known()
+               ? fmt::format("{} has ended without clearing its lock; cleared", holder.Text())
+               : "the project is not locked";
   }
   close(fd);
   if (!force) {
@@ -129,11 +130,12 @@ std::string Unlock(const fs::path& state_folder, bool force) {
     throw LockedError(fmt::format(
         "the project is in use by {}; {}", holder.Text(),
         here ? fmt::format("stop it with `kill {}`", holder.pid)
-             : "if that machine is gone for good, `keypose unlock --force` takes the lock away"));
+             : "if that machine no longer exists, `keypose unlock --force` removes the lock"));
   }
   fs::remove(file);
-  return fmt::format("taken away from {}; if that is still at work, stop it before the next run",
-                     holder.Text());
+  return fmt::format(
+      "removed the lock of {}; if that process still runs, stop it before the next run",
+      holder.Text());
 }
 
 }  // namespace keypose::pipeline

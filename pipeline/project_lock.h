@@ -6,13 +6,13 @@
 
 namespace keypose::pipeline {
 
-/// Held while it lives; the operating system lets go of it when the process and all that it started
-/// are gone, however they end.
+/// The lock is held while this object lives. The operating system releases it when the process and
+/// all that it started have ended, in whatever way.
 class ProjectLock {
  public:
-  /// @param state_folder  the project's .keypose; made when missing
+  /// @param state_folder  the project's .keypose; created if missing
   /// @param what          the command, for the message to others
-  /// @throws LockedError  another process has it: names its pid, host and since when
+  /// @throws LockedError  another process holds it; names its pid, host and start time
   /// @throws DiskError    the lock file cannot be written
   ProjectLock(const std::filesystem::path& state_folder, const std::string& what);
   ~ProjectLock();
@@ -25,10 +25,10 @@ class ProjectLock {
   int fd_ = -1;
 };
 
-/// `keypose unlock`: says who holds the lock, or clears what a dead process left.
-/// @param force  take the lock away although it is held (from a machine that is gone, on a shared
-/// file system)
-/// @return lines for a person @throws LockedError  it is held, and may not be taken away
+/// `keypose unlock`: reports who holds the lock, or clears the lock of a dead process.
+/// @param force  remove the lock although it is held (by a machine that no longer exists, on a
+/// shared file system)
+/// @return lines for the user @throws LockedError  it is held and `force` is false
 std::string Unlock(const std::filesystem::path& state_folder, bool force);
 
 }  // namespace keypose::pipeline

@@ -44,7 +44,7 @@ fs::path OnDisk(const Disk& disk, const fs::path& root, const fs::path& path) {
 }
 
 std::string SharedPhotographs(const std::vector<PhotoFolder>& folders) {
-  // In the order of paths, what lies inside a folder comes right after it.
+  // Sorted by path, the contents of a folder come right after it.
   std::vector<std::size_t> order(folders.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {

@@ -1,4 +1,4 @@
-// Paths as a person writes them in pipeline.yaml and on the command line.
+// Paths as users write them in pipeline.yaml and on the command line.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@
 
 namespace keypose::pipeline {
 
-/// `~` and `~/...` with the home folder in its place.
+/// Replaces the `~` of `~` and `~/...` by the home folder.
 /// @throws UsageError  `~name`, or HOME is not set
 std::string WithHome(const std::string& path);
 
-/// Where the path that a person wrote lies on disk. A name whose umlauts are spelled otherwise
-/// there (macOS takes letters apart, and archives carry that to other systems) is found too. What
-/// does not exist comes back as written.
+/// The path on disk for a path that the user wrote. Also finds names whose umlauts are encoded
+/// differently on disk (macOS decomposes letters, and archives carry that to other systems). A path
+/// that does not exist is returned as written.
 /// @param root  folder that a relative path starts from
-/// @return relative to root if `path` is
+/// @return relative to `root` if `path` is relative
 std::filesystem::path OnDisk(const Disk& disk, const std::filesystem::path& root,
                              const std::filesystem::path& path);
 
@@ -26,8 +26,8 @@ struct PhotoFolder {
   std::string pose;
   std::filesystem::path folder;  ///< absolute, normal
 };
-/// Why these folders cannot belong to poses of their own: two poses have the same one, or one lies
-/// inside another's. Empty: they can.
+/// Why these folders cannot belong to different poses: two poses have the same folder, or one
+/// folder lies inside another. Empty if they can.
 std::string SharedPhotographs(const std::vector<PhotoFolder>& folders);
 
 }  // namespace keypose::pipeline

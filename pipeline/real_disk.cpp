@@ -40,7 +40,7 @@ class Fd {
   Fd(const Fd&) = delete;
   Fd& operator=(const Fd&) = delete;
   int get() const { return fd_; }
-  /// Closing reports what the file system could not write.
+  /// Closing may report write errors.
   int Close() {
     const int fd = fd_;
     fd_ = -1;
@@ -63,7 +63,7 @@ void WriteAll(int fd, const char* data, std::size_t size, const fs::path& path) 
 
 template <class Consume>
 void ReadAll(const fs::path& path, const Consume& consume) {
-  // Not blocking: opening a pipe would wait for somebody who writes to it.
+  // Non-blocking: opening a pipe would wait for a writer.
   Fd fd(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (fd.get() < 0) FailOnDisk("read", path, errno);
   struct stat info;
@@ -80,7 +80,7 @@ void ReadAll(const fs::path& path, const Consume& consume) {
   }
 }
 
-/// Fills an open file from another, sharing its blocks where the file system can (btrfs, XFS).
+/// Copies one open file to another, sharing blocks where the file system can (btrfs, XFS).
 void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to_path) {
   if (ioctl(to, FICLONE, from) == 0) return;
   std::vector<char> buffer(1 << 18);
@@ -93,8 +93,8 @@ void CopyContent(int from, int to, const fs::path& from_path, const fs::path& to
   }
 }
 
-/// Links to folders are followed, each folder once, and none above where it began: these would go
-/// on for ever. Pipes and devices are left out, as by all who read photographs.
+/// Links to folders are followed, each folder once. Links to a parent folder are not followed: that
+/// would never end. Pipes and devices are left out, as in all readers of photographs.
 void AddFilesBelow(const fs::path& folder, const std::string& prefix,
                    std::set<std::pair<dev_t, ino_t>>* seen, std::vector<std::string>* names) {
   struct stat info;
@@ -109,11 +109,11 @@ void AddFilesBelow(const fs::path& folder, const std::string& prefix,
        it.increment(error))
     children.push_back(it->path().filename().string());
   if (error) FailOnDisk("list", folder, error.value());
-  // In order, so that of two links to one folder it is always the same one that counts.
+  // Sorted, so that of two links to one folder always the same one is followed.
   std::sort(children.begin(), children.end());
   for (const std::string& name : children) {
     const fs::path path = folder / name;
-    // A link to nowhere is listed: who reads it says so.
+    // A broken link is listed; reading it gives the error message.
     if (stat(path.c_str(), &info) != 0 || S_ISREG(info.st_mode))
       names->push_back(prefix + name);
     else if (S_ISDIR(info.st_mode))
@@ -198,9 +198,9 @@ std::string RealDisk::ContentHash(const Path& path) const {
   return hash.Hex();
 }
 
-/// Fills a temporary file and renames it over the target. The staging folder may be cleared by a
-/// run that starts meanwhile, and may lie on another file system than the target; then the file is
-/// made beside the target.
+/// Fills a temporary file and renames it to the target. Another run may clear the staging folder in
+/// the meantime, or the folder may lie on another file system than the target; then the temporary
+/// file is created beside the target.
 template <class Fill>
 void RealDisk::Place(const Path& target, const Fill& fill) const {
   static std::atomic<int> counter = 0;
@@ -232,8 +232,8 @@ void RealDisk::Place(const Path& target, const Fill& fill) const {
 void RealDisk::Write(const Path& path, std::string_view text) {
   Place(path, [&](int fd) {
     WriteAll(fd, text.data(), text.size(), path);
-    // Before it gets its name: after a power cut some file systems have the new name and none of
-    // the new content.
+    // Synced before the rename: after a power cut, some file systems would have the new name
+    // without the new content.
     if (fdatasync(fd) != 0 && errno != EINVAL && errno != ENOSYS) FailOnDisk("write", path, errno);
   });
 }
@@ -249,7 +249,7 @@ void RealDisk::Move(const Path& from, const Path& to) {
   if (rename(from.c_str(), to.c_str()) == 0) return;
   if (errno != ENOTEMPTY && errno != EEXIST && errno != EISDIR && errno != ENOTDIR)
     FailOnDisk("move into place", to, errno);
-  // A folder in the way: swap the two in one step, so that at no moment there is none.
+  // The target is a folder: swap the two in one step, so that the target exists at all times.
   if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0)
     return Remove(from);
   Remove(to);

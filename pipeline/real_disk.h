@@ -7,9 +7,8 @@ namespace keypose::pipeline {
 
 class RealDisk final : public Disk {
  public:
-  /// @param staging  folder where files are written before they are renamed into place, so that a
-  /// killed run leaves no half-written
-  ///                 file beside others; empty: each beside its target
+  /// @param staging  folder in which files are written before they are renamed into place, so that
+  /// a killed run leaves no partial file among others; empty: the target's own folder
   explicit RealDisk(Path staging = {}) : staging_(std::move(staging)) {}
 
   std::optional<FileStat> Stat(const Path& path) const override;

@@ -30,7 +30,8 @@ double SecondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// The runner's environment with `added` in front; a name that is added twice keeps the last.
+/// The runner's environment with `added` in front. For a name that is added twice, the last value
+/// is used.
 std::vector<std::string> EnvironmentWith(std::vector<std::string> added) {
   const auto name_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
   std::vector<std::string> result = added;
@@ -43,7 +44,7 @@ std::vector<std::string> EnvironmentWith(std::vector<std::string> added) {
   return result;
 }
 
-/// A short program that is being asked something.
+/// A short program whose output is being read.
 struct Asked {
   int pid = -1;
   int fds[2] = {-1, -1};  ///< its standard output and error
@@ -75,7 +76,7 @@ Asked StartAsked(const std::vector<std::string>& command) {
   return asked;
 }
 
-/// Reads what is there.
+/// Reads all available data.
 /// @return whether the other end is still open
 bool Drain(int fd, std::string* text) {
   char buffer[65536];
@@ -95,10 +96,10 @@ RealProcessRunner::RealProcessRunner(bool catch_signals) {
   ::signal(SIGPIPE, SIG_IGN);
   if (!catch_signals) return;
   struct sigaction action {};
-  action.sa_handler = OnInterrupt;  // no SA_RESTART: a wait shall end at once
+  action.sa_handler = OnInterrupt;  // no SA_RESTART: a wait must end at once
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction inherited {};
-    // nohup, and a shell's `&`: who starts us so wants us to go on.
+    // Ignored signals stay ignored: nohup and a shell's `&` set them so that the program goes on.
     if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
   }
@@ -125,8 +126,7 @@ void RealProcessRunner::ReadProgress(int id, Child& child, std::vector<ProcessEv
   for (std::size_t end; (end = child.partial_line.find('\n')) != std::string::npos;
        child.partial_line.erase(0, end + 1)) {
     const auto line = nlohmann::json::parse(child.partial_line.substr(0, end), nullptr, false);
-    if (!line.is_object())
-      continue;  // a stage may say what it likes; only what we understand counts
+    if (!line.is_object()) continue;  // lines that are not progress are ignored
     ProcessEvent event;
     event.kind = ProcessEvent::Kind::kProgress;
     event.id = id;
@@ -228,7 +228,7 @@ std::vector<ProcessRunner::Answer> RealProcessRunner::Ask(
       if (Drain(fds[n].fd, &text) && text.size() <= kMostSaid) continue;
       if (text.size() > kMostSaid) {
         answers[i].error =
-            fmt::format("it says more than {} MB and does not come to an end", kMostSaid >> 20);
+            fmt::format("its output exceeds {} MB and does not come to an end", kMostSaid >> 20);
         kill(asked[i].pid, SIGKILL);
       }
       close(fds[n].fd);

@@ -1,5 +1,5 @@
-// Linux processes. Each stage runs below a small guardian process that stops everything the stage
-// started, also when the runner is killed.
+// Linux processes. Each stage runs below a small guardian process, which stops everything that the
+// stage started, even if the runner is killed.
 #pragma once
 
 #include <map>
@@ -11,13 +11,13 @@ namespace keypose::pipeline {
 
 class RealProcessRunner final : public ProcessRunner {
  public:
-  /// @param catch_signals  take over SIGINT, SIGTERM and SIGHUP of the whole process; else they end
-  /// it at once
+  /// @param catch_signals  handle SIGINT, SIGTERM and SIGHUP of the whole process; otherwise they
+  /// end it at once
   explicit RealProcessRunner(bool catch_signals = false);
   ~RealProcessRunner() override;
 
-  /// Every process started from now on keeps this descriptor open until all it started is gone: the
-  /// project's lock.
+  /// Every process started from now on keeps this descriptor (the project's lock) open until all
+  /// its children have ended.
   void KeepOpen(int fd) { keep_open_ = fd; }
 
   int Start(const Command& command) override;

@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Length first, so that no two lists of fields give the same text.
+/// The length goes first, so that different lists of fields never give the same text.
 void AddField(std::string* text, const std::string& field) {
   *text += fmt::format("{}:{}\n", field.size(), field);
 }

@@ -1,5 +1,5 @@
-// All that decides what a step makes: its fingerprint, and the differences between two such in
-// plain words.
+// Everything that determines a step's result, its fingerprint, and the differences between two
+// recipes as text.
 #pragma once
 
 #include <map>
@@ -16,12 +16,13 @@ struct Content {
   std::map<std::string, std::string> files;  ///< of a folder: relative name -> hash
   bool operator==(const Content&) const = default;
 };
-/// @return content whose hash is taken over `files`
+/// @return content with a hash over `files`
 Content FolderContent(std::map<std::string, std::string> files);
 
 struct RecipeInput {
   std::string port;
-  std::string origin;  ///< for people, not part of the fingerprint: "photos/bent", "sfm/bent.model"
+  /// for messages, not part of the fingerprint: "photos/bent", "sfm/bent.model"
+  std::string origin;
   Content content;
 };
 
@@ -36,11 +37,11 @@ struct Recipe {
 };
 
 nlohmann::json ToJson(const Recipe& recipe);
-/// @throws nlohmann::json::exception  not written by ToJson
+/// @throws nlohmann::json::exception  `json` was not written by ToJson
 Recipe RecipeFromJson(const nlohmann::json& json);
 
-/// One sentence for each thing that differs, e.g. "option depth: 9 -> 10",
-/// "photos/bent/IMG_0007.jpg changed". Empty: same fingerprint.
+/// One line per difference, e.g. "option depth: 9 -> 10", "photos/bent/IMG_0007.jpg changed".
+/// Empty: same fingerprint.
 std::vector<std::string> Differences(const Recipe& before, const Recipe& now);
 
 }  // namespace keypose::pipeline

@@ -15,7 +15,7 @@ Records::Records(Disk& disk, std::filesystem::path state_folder)
 
 namespace {
 
-/// Folders are named by it.
+/// Whether the text can be a fingerprint, and so safely name a folder.
 bool IsFingerprint(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }

@@ -1,4 +1,4 @@
-// What happened: the last record of every step, and one record per run.
+// The history: the last record of every step, and one record per run.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace keypose::pipeline {
 
 /// How a step last ended.
 struct StepRecord {
-  std::string fingerprint;  ///< of the last success, empty when there was none
+  std::string fingerprint;  ///< of the last success; empty if there was none
   Recipe recipe;            ///< of the last success
   double seconds = 0;       ///< of the last success
   std::int64_t peak_bytes = 0;
-  double when = 0;                   ///< seconds since 1970 of the last end
+  double when = 0;                   ///< time of the last end [s since 1970]
   std::vector<std::string> reasons;  ///< why it last ran
-  bool found = false;                ///< instead of running, it was found in the cache then
+  bool found = false;                ///< it was found in the cache and did not run
   bool failed = false;               ///< the last try failed
   int exit_code = 0;                 ///< of that failure
   std::string failed_fingerprint;
@@ -53,11 +53,10 @@ class Records {
   std::optional<StepRecord> Last(const std::string& step_id) const;
   void SetLast(const std::string& step_id, const StepRecord& record);
   void Save(const RunRecord& run);
-  /// Fingerprints that the newest `runs` run records mention, and those of all steps' last
-  /// successes.
+  /// Fingerprints in the newest `runs` run records, and those of every step's last success.
   std::set<std::string> Mentioned(int runs) const;
   /// Removes all but the newest `runs` run records.
-  /// @return how many
+  /// @return number of removed records
   int DropOldRuns(int runs);
 
  private:

@@ -178,7 +178,7 @@ std::vector<Flow> References::Landmarks(const Setting& reference, const Step& st
   std::vector<Flow> flows;
   for (const std::string& name : poses) {
     const std::optional<Setting> file = LandmarkFile(name);
-    // A file that nobody named may be missing: then there are no landmarks for this pair yet.
+    // A file that the project does not name may be missing: then this pair has no landmarks yet.
     if (!file) return {};
     flows.push_back(Source(*file));
   }
@@ -191,8 +191,8 @@ std::vector<std::string> References::PosesOfPair(const Step& step) const {
   return poses;
 }
 
-/// The file that the project names, else landmarks/POSE.json or what MeshLab writes, when one of
-/// them is there.
+/// The file that the project names, else landmarks/POSE.json or MeshLab's landmarks/POSE.pp if one
+/// exists.
 std::optional<Setting> References::LandmarkFile(const std::string& pose_name) const {
   const PoseRule* pose = file_.FindPose(pose_name);
   if (pose->landmarks) return pose->landmarks;
@@ -203,7 +203,7 @@ std::optional<Setting> References::LandmarkFile(const std::string& pose_name) co
   return std::nullopt;
 }
 
-/// A file that was put there and does nothing.
+/// Warnings about landmark files that are not used.
 std::vector<std::string> References::LandmarkWarnings(const Step& step) const {
   std::vector<std::string> warnings;
   const std::vector<std::string> poses = PosesOfPair(step);

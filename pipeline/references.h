@@ -1,5 +1,5 @@
-// Resolves what pipeline.yaml writes at an input port: `sfm.model`, `register.registered@others`,
-// `$photos`, `./a/path`.
+// Resolves the references at input ports in pipeline.yaml: `sfm.model`,
+// `register.registered@others`, `$photos`, `./a/path`.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@
 
 namespace keypose::pipeline {
 
-/// The folder of a pose's photographs, as its file has it.
+/// The folder of a pose's photographs, as written in pipeline.yaml.
 std::string PhotographsOf(const PoseRule& pose);
 
 class References {
  public:
-  /// @param graph  has all step instances, not connected yet; kept by reference
+  /// @param graph  has all step instances, not yet connected; kept by reference
   References(const PipelineFile& file, const Graph& graph, std::filesystem::path project,
              const Disk& disk);
 
-  /// Fills inputs and needs of `step`, the instance `index` of `rule`.
-  /// @throws UsageError  a port, step, output or word that does not exist, a file where a folder is
-  /// needed, a required port left empty
+  /// Fills `inputs` and `needs` of `step`, the instance `index` of `rule`.
+  /// @throws UsageError  a port, step, output or $word does not exist, a file is given where a
+  /// folder is needed, or a required port is empty
   void Connect(const StepRule& rule, int index, Step* step) const;
 
  private:

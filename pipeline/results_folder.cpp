@@ -19,7 +19,7 @@ struct Wanted {
   std::string hash;
 };
 
-/// Files below out/ that a step shall have there.
+/// Files that a step must have below out/.
 std::map<std::string, Wanted> WantedFiles(const Step& step, const Artifact& artifact) {
   std::map<std::string, Wanted> wanted;
   for (const NamedResult& result : step.results) {
@@ -53,7 +53,8 @@ void ResultsFolder::Load() {
   const json memory = json::parse(disk_.Read(memory_file_), nullptr, false);
   if (!memory.is_object()) return;
   for (const auto& [name, value] : memory.items()) {
-    // A received project's memory may name what it likes; what is not below out/ is none of ours.
+    // The stored list of a project from elsewhere may name any path; paths outside out/ are
+    // ignored.
     if (!StaysBelow(name) || disk_.LeadsOutside(out_ / name, out_)) continue;
     try {
       Entry& entry = entries_[name];
@@ -64,7 +65,7 @@ void ResultsFolder::Load() {
           false, value.at("size").get<std::uint64_t>(), value.at("mtime_ns").get<std::int64_t>(),
           value.at("inode").get<std::uint64_t>(), value.value("ctime_ns", std::int64_t{0})};
     } catch (const json::exception&) {
-      entries_.erase(name);  // damaged: the file is looked at anew
+      entries_.erase(name);  // damaged entry: the file is checked again
     }
   }
 }
@@ -132,8 +133,8 @@ std::vector<std::string> ResultsFolder::Publish(const Step& step, const Artifact
     entry.step = step.id;
     entry.next = wanted.at(name).hash;
   }
-  // Said before it is done: a run that is killed in between must not take its own copy for a file
-  // that a person changed.
+  // Saved before the copy: after a run is killed in between, its copy must not look like a file
+  // that the user changed.
   changed_ = true;
   Save();
   for (const std::string& name : missing) Place(name, wanted.at(name).from, &notes);

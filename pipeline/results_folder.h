@@ -1,4 +1,4 @@
-// out/: copies of chosen results under names for people.
+// out/: copies of chosen results under readable names.
 #pragma once
 
 #include <filesystem>
@@ -11,24 +11,24 @@
 
 namespace keypose::pipeline {
 
-/// Keeps out/ equal to what the steps made. Files there are copies (sharing blocks where the file
-/// system can): editing one never reaches the cache. A file that a person changed is kept beside
+/// Keeps out/ equal to the steps' results. Its files are copies (sharing blocks where the file
+/// system can), so editing one never changes the cache. A file that the user changed is kept beside
 /// the restored one as NAME.mine.
 class ResultsFolder {
  public:
   /// @param out          the project's out/
-  /// @param memory_file  remembers which files were put there
+  /// @param memory_file  stores which files were put there
   ResultsFolder(Disk& disk, std::filesystem::path out, std::filesystem::path memory_file);
 
-  /// Brings the step's named results up to date, and removes those that it no longer has.
-  /// @return lines for a person
+  /// Updates the step's named results, and removes those that it no longer has.
+  /// @return lines for the user
   std::vector<std::string> Publish(const Step& step, const Artifact& artifact);
   /// Removes results of steps that the graph no longer has.
-  /// @return lines for a person
+  /// @return lines for the user
   std::vector<std::string> DropStepsOutside(const Graph& graph);
-  /// Reads all results: those that have changed and show it in no time or size are looked at anew
-  /// by the next run.
-  /// @return lines for a person
+  /// Reads all results. Files that changed without a new size or time are checked again by the next
+  /// run.
+  /// @return lines for the user
   std::vector<std::string> Verify();
   void Save();
   const std::filesystem::path& out() const { return out_; }
@@ -36,8 +36,8 @@ class ResultsFolder {
  private:
   struct Entry {
     std::string step;
-    std::string hash;  ///< of what was put there; empty: nothing yet
-    std::string next;  ///< of what is being put there: a killed run may have done so already
+    std::string hash;  ///< of the file that was put there; empty: none yet
+    std::string next;  ///< of the file that is being put there; a killed run may have finished that
     FileStat stat;
   };
   std::map<std::string, Entry> entries_;  ///< by path relative to out/

@@ -1,4 +1,4 @@
-// Failures, damage and changes in mid-run, with disk, clock and processes in memory.
+// Failures, damage and changes during a run, with disk, clock and processes in memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -148,7 +148,7 @@ TEST(Rules, NamesThatLeadOutOfTheProjectAreNotFollowed) {
   FakeHouse house;
   house.Run();
   house.disk.Write("/home/ann/taxes.txt", "of 2025");
-  // A received project's memory of its results.
+  // The stored list of results of a project from elsewhere.
   auto memory = nlohmann::json::parse(house.disk.Read(house.project / ".keypose/out.json"));
   memory["../../taxes.txt"] = memory["rest/mesh.txt"];
   memory["../../taxes.txt"]["step"] = "gone/rest";

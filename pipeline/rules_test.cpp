@@ -69,7 +69,7 @@ TEST(Rules, ChangedPhotographOfOnePoseRunsThatPoseOnly) {
 TEST(Rules, EqualOutputCutsOffWhatFollows) {
   FakeHouse house;
   house.Run();
-  // Another picture whose first letters, all that `solve` looks at, are the same.
+  // Another picture with the same first letters, which are all that `solve` depends on.
   house.disk.Write(house.project / "photos/bent/IMG_1.jpg", "b picture with a difference");
   EXPECT_EQ(house.Run().ran, (Names{"shoot/bent", "solve/bent", "tell"}));
 }
@@ -162,7 +162,7 @@ TEST(Rules, ToolVersionChangeRunsItsStage) {
   describe["tools"] = nlohmann::json::array({{{"name", "colmap"}, {"version", "COLMAP 3.9"}}});
   EXPECT_EQ(house.Look().Reasons("solve/rest"),
             "version of the tool colmap: COLMAP 3.8 -> COLMAP 3.9\n");
-  // The models come out equal, so nothing else runs than the report, which shows versions.
+  // The models are the same, so only the report runs again, since it shows versions.
   EXPECT_EQ(house.Run().ran, (Names{"solve/bent", "solve/rest", "tell"}));
 }
 
@@ -194,7 +194,7 @@ TEST(Rules, OnlyRunsJustThatAndNeedsWhatLiesBefore) {
   FakeHouse house;
   const Selection only{.from = {}, .until = {}, .only = {"shape/rest"}, .force = {}};
   EXPECT_THAT(MessageOf<UsageError>([&] { house.Run(only); }),
-              HasSubstr("shape/rest needs solve/rest, which was not asked for"));
+              HasSubstr("shape/rest needs solve/rest, which was not selected"));
   house.Run({.from = {}, .until = {"solve"}, .only = {}, .force = {}});
   EXPECT_EQ(house.Run(only).ran, (Names{"shape/rest"}));
 }

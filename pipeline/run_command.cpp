@@ -48,7 +48,7 @@ void PrintPlan(const Plan& plan) {
     if (plan[i].state == StepPlan::State::kReady) {
       fmt::print("would run {}: {}\n", id, fmt::join(plan[i].reasons, "; "));
     } else {
-      fmt::print("would look at {} again after {}\n", id, fmt::join(plan.WaitsFor(i), ", "));
+      fmt::print("would check {} again after {}\n", id, fmt::join(plan.WaitsFor(i), ", "));
     }
   }
   if (count == 0) fmt::print("all is up to date\n");
@@ -70,7 +70,7 @@ std::string OwnHostName() {
   return name;
 }
 
-/// Plans and runs. What changes while it runs ends it with `again`.
+/// Plans and runs. If an input changes during the run, it ends with `again`.
 RunResult RunOnce(const std::filesystem::path& project, const std::vector<Override>& overrides,
                   const RunOptions& options, ProjectLock* lock) {
   Session session(project, overrides, true);

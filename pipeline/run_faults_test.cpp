@@ -1,4 +1,4 @@
-// What is killed, taken away, damaged or full while the program `keypose` runs, with real
+// Kills, missing files, damage and full disks while the program `keypose` runs, with real
 // processes, files and signals.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -23,9 +23,9 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
   const double whole = SecondsSince(start);
   std::mt19937 random(1);
   int killed_at_work = 0;
-  // On a slow day some come too late: more are tried then.
+  // On a slow machine some kills come too late; then more are tried.
   for (int i = 0; i < 20 || (killed_at_work < 10 && i < 100); ++i) {
-    // Work for the run to be killed in: every second time the pictures change.
+    // Every second time the pictures change, so that the run has work to do when it is killed.
     if (i % 2 == 0) WriteFile(root_ / "hero/photos/rest/IMG_2.jpg", "retake " + std::to_string(i));
     const pid_t pid = Start({"run", "-C", (root_ / "hero").string()}, slow);
     SleepSeconds(std::uniform_real_distribution<double>(0, whole)(random));
@@ -43,7 +43,7 @@ TEST_F(RunTest, KilledAtTwentyRandomMomentsGivesTheSameBitsAndNoLitter) {
   EXPECT_FALSE(fs::exists(root_ / "hero/.keypose/writing"));
   for (const auto& [name, text] : Snapshot(root_ / "hero"))
     EXPECT_EQ(name.find(".tmp"), std::string::npos) << name;
-  // Every artifact in the cache is whole: its files are as its manifest says.
+  // Every artifact in the cache is complete: its files match its manifest.
   for (const auto& entry : fs::recursive_directory_iterator(root_ / "hero/.keypose/cache")) {
     if (entry.path().filename() != "manifest.json") continue;
     const auto manifest = nlohmann::json::parse(ReadFile(entry.path()));
@@ -90,7 +90,7 @@ TEST_F(RunTest, KillingAllProcessesOfItsNameLeavesNothing) {
                           {{"TEXT_STAGE_DELAY_MS", "2000"}, {"TEXT_STAGE_SPAWN", "1"}});
   ASSERT_TRUE(WaitForStage());
   SleepSeconds(0.2);
-  // What `killall -9 keypose` does, for this test's processes alone.
+  // Like `killall -9 keypose`, but only for this test's processes.
   for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream name_file(entry.path() / "comm");
     std::string name;
@@ -161,7 +161,7 @@ TEST_F(RunTest, VerifyFindsWhatTheDiskDamagedWithoutATrace) {
     std::string text = ReadFile(entry.path());
     text[0] ^= 1;
     WriteFile(entry.path(), text);
-    // The stamp in the manifest is made to fit, as if no time had changed.
+    // The stamp in the manifest is adjusted, as if no time had changed.
     struct stat info;
     ASSERT_EQ(stat(entry.path().c_str(), &info), 0);
     const fs::path file = entry.path().parent_path() / "manifest.json";

@@ -1,4 +1,4 @@
-// What the program `keypose` does, with real processes and files.
+// The program `keypose`, with real processes and files.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -231,7 +231,8 @@ TEST_F(RunTest, InitLeavesOutAndNamesWhatIsNoPhotograph) {
 }
 
 TEST_F(RunTest, PosesAreNamedInAnyLanguageAndSpelling) {
-  // "mähen", its umlaut as one letter and as macOS writes it: a, then two dots.
+  // "mähen", with its umlaut as one letter and as in macOS file names: an a and a combining
+  // diaeresis.
   const std::string composed = "m\u00e4hen", apart = "ma\u0308hen";
   fs::rename(root_ / "hero/photos/bent", root_ / "hero/photos" / apart);
   const Ended init =
@@ -241,7 +242,7 @@ TEST_F(RunTest, PosesAreNamedInAnyLanguageAndSpelling) {
   ASSERT_EQ(init.code, 0) << init.text;
   const std::string project = (root_ / "new").string();
   fs::rename(root_ / "new/photos" / composed,
-             root_ / "new/photos" / apart);  // as a Mac's archive would bring it
+             root_ / "new/photos" / apart);  // as unpacked from a Mac's archive
   const Ended run = Keypose({"run", "-C", project, "--set", "join/" + apart + ".exit_code=0"});
   ASSERT_EQ(run.code, 0) << run.text;
   EXPECT_THAT(ReadFile(root_ / "new/out" / composed / "text.txt"), HasSubstr("BENT PICTURE"));

@@ -26,8 +26,8 @@ fs::path DefaultPipelineFile() {
 
 namespace {
 
-/// A received project must not have its caches and locks written, or its temporary files emptied,
-/// elsewhere.
+/// A project from elsewhere must not make keypose write caches and locks, or delete temporary
+/// files, outside of it.
 void RequireOwnState(const fs::path& project) {
   const fs::path state = project / ".keypose";
   for (const char* name : {"", "cache", "failed", "runs", "steps", "tmp", "writing"}) {
@@ -46,8 +46,7 @@ fs::path FindProject(const std::string& folder) {
   const fs::path start =
       fs::absolute(folder.empty() ? fs::path(".") : fs::path(folder)).lexically_normal();
   for (fs::path candidate = start;; candidate = candidate.parent_path()) {
-    // "a/b/" has an empty file name at its end, which would make the loop look at the same folder
-    // twice.
+    // "a/b/" ends with an empty file name, and the loop would check the same folder twice.
     if (!candidate.has_filename() && candidate != candidate.root_path()) continue;
     if (fs::is_regular_file(candidate / "pipeline.yaml")) {
       RequireOwnState(candidate);

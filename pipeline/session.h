@@ -1,4 +1,5 @@
-// A project opened for a command: its files, graph, cache and records, on the real machine.
+// A project opened for a command: its files, graph, cache and records, with the real disk and
+// processes.
 #pragma once
 
 #include <filesystem>
@@ -17,23 +18,24 @@
 
 namespace keypose::pipeline {
 
-/// Folder of the running program.
+/// The running program's folder.
 std::filesystem::path ProgramFolder();
 /// The default pipeline that was installed with the program.
 /// @throws DiskError  it is missing
 std::filesystem::path DefaultPipelineFile();
 
-/// The project's root: `folder`, or when that is empty the current folder or the nearest one above
-/// with a pipeline.yaml.
+/// The project's root: `folder`; if that is empty, the current folder or its nearest parent that
+/// has a pipeline.yaml.
 /// @throws UsageError  there is none
-/// @throws DiskError  its pipeline.yaml is no file, or a link leads its .keypose folder out of it
+/// @throws DiskError  its pipeline.yaml is not a file, or its .keypose is a link that leads out of
+/// the project
 std::filesystem::path FindProject(const std::string& folder);
 
 class Session {
  public:
-  /// Reads pipeline.yaml over the default pipeline and builds the graph.
+  /// Reads pipeline.yaml, merges it over the default pipeline, and builds the graph.
   /// @throws as ParsePipelineFile and BuildGraph
-  /// @param catch_signals  for commands that run steps: see RealProcessRunner
+  /// @param catch_signals  true for commands that run steps; see RealProcessRunner
   Session(const std::filesystem::path& project, const std::vector<Override>& overrides,
           bool catch_signals = false);
 

@@ -20,7 +20,7 @@ StageCatalog::StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem
 
 namespace {
 
-/// By path. A tool that is not installed has its name in place of a path.
+/// By path. A tool that is not installed has its name instead of a path.
 json StampsOf(const std::map<std::string, std::optional<FileStat>>& programs) {
   json stamps = json::object();
   for (const auto& [path, stat] : programs) stamps[path] = stat ? StampOf(*stat) : json();
@@ -57,7 +57,7 @@ bool StageCatalog::Recall(const std::string& program, const CatalogMemory& memor
   } catch (const json::exception&) {
     return false;
   } catch (const ToolError&) {
-    return false;  // damaged: the program is asked again
+    return false;  // damaged: the program is run again
   }
 }
 
@@ -90,16 +90,17 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
     StageInfo& info = stages_[unknown[i]] = ParseStageInfo(answers[i].output, unknown[i]);
     info.programs = ProgramsOf(unknown[i], ToolsOf(info));
     if (info.programs.at(unknown[i]) != before[i])
-      throw ToolError(unknown[i] +
-                      " was replaced while it was asked what it does; run again when its "
-                      "installation has ended");
+      throw ToolError(
+          unknown[i] +
+          " was replaced while its --describe ran; run again when its installation has ended");
     memory.entries[unknown[i]] = {{"stamps", StampsOf(info.programs)},
                                   {"describe", answers[i].output}};
   }
   try {
     if (!memory_file_.empty()) disk_.Write(memory_file_, memory.entries.dump(0));
   } catch (const DiskError&) {
-    // Only a memory: on a full or read-only disk the programs are asked again next time.
+    // Not an error: if this cannot be saved (full or read-only disk), the programs are run again
+    // next time.
   }
 }
 

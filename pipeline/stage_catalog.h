@@ -1,5 +1,5 @@
-// The stage programs that a pipeline names, and what each says of itself; answers are remembered
-// while program and tools stay the same.
+// The stage programs of a pipeline and their descriptions. Descriptions are remembered while the
+// program and its tools stay the same.
 #pragma once
 
 #include <filesystem>
@@ -15,13 +15,13 @@ namespace keypose::pipeline {
 
 class StageCatalog {
  public:
-  /// @param memory_file  where answers are remembered; empty: nowhere
+  /// @param memory_file  file in which descriptions are stored; empty: none
   StageCatalog(Disk& disk, ProcessRunner& processes, std::filesystem::path memory_file);
 
-  /// Learns about all these programs, those that are not remembered side by side.
-  /// @throws ToolError  one cannot be run, or its answer is not the contract's
+  /// Loads the descriptions of these programs. Programs without a stored one are run in parallel.
+  /// @throws ToolError  a program cannot be run, or its output does not follow the stage contract
   void Load(const std::vector<std::filesystem::path>& programs);
-  /// @pre Load was called with it
+  /// @pre Load was called with `program`
   const StageInfo& Get(const std::filesystem::path& program) const;
   int asked() const { return asked_; }  ///< programs that had to be run
 

@@ -35,12 +35,12 @@ PortInfo ParsePort(const json& value, bool output) {
     throw std::runtime_error(fmt::format("port '{}' has kind '{}'", port.name, port.kind));
   if (output && port.kind == "path")
     throw std::runtime_error(
-        fmt::format("the output '{}' has kind 'path'; say file or folder", port.name));
+        fmt::format("the output '{}' has kind 'path'; use file or folder", port.name));
   if (output && port.file.empty()) port.file = port.name;
   if (output && (!IsOneName(port.file) || port.file == "manifest.json" ||
                  port.file == "report.json" || port.file == "log.txt"))
     throw std::runtime_error(fmt::format(
-        "the file '{}' of an output is no plain name, or one that the cache uses itself",
+        "the file '{}' of an output is not a plain name, or is a name that the cache itself uses",
         port.file));
   return port;
 }

@@ -1,4 +1,4 @@
-// What a stage program says of itself with --describe, and the checking of options against it.
+// A stage program's description from --describe, and the check of options against it.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace keypose::pipeline {
 enum class PortKind { kFile, kFolder, kEither };
 
 struct PortInfo {
-  std::string name, kind;  ///< kind is "file", "folder", or of an input "path": either
-  std::string file;        ///< outputs: the name that the runner gives it
+  std::string name, kind;  ///< kind is "file", "folder", or for inputs "path" (either)
+  std::string file;        ///< outputs: the file name that the runner passes
   bool optional = false, repeatable = false;
   PortKind Kind() const {
     return kind == "folder" ? PortKind::kFolder
@@ -36,11 +36,11 @@ struct StageInfo {
   std::string stage, version, summary;
   std::vector<PortInfo> inputs, outputs;
   std::vector<OptionInfo> options;
-  std::map<std::string, std::string> tools;  ///< external programs and the versions they report
-  /// The stage's own program and its tools as they were when they were asked; those that are
-  /// missing have no stat. Not part of --describe.
+  std::map<std::string, std::string> tools;  ///< external program -> the version it reports
+  /// The stage's program and its tools when --describe ran; missing ones have no stat. Not part of
+  /// --describe.
   std::map<std::string, std::optional<FileStat>> programs;
-  int cores = 0;  ///< 0: all there are
+  int cores = 0;  ///< 0: all
   std::int64_t memory_bytes = 0;
 
   const PortInfo* FindInput(const std::string& name) const;
@@ -48,16 +48,16 @@ struct StageInfo {
   const OptionInfo* FindOption(const std::string& name) const;
 };
 
-/// @param text     JSON as `PROGRAM --describe` prints it
+/// @param text     the JSON that `PROGRAM --describe` prints
 /// @param program  named in messages
-/// @throws ToolError  not the JSON of the stage contract; says which field
+/// @throws ToolError  not the JSON of the stage contract; names the field
 StageInfo ParseStageInfo(const std::string& text, const std::string& program);
 
-/// The one text that stands for a value: 0.50, .5 and 5e-1 are all "0.5"; yes and on are "true".
-/// @throws UsageError  wrong type, out of range, not among the choices; says what is allowed
+/// The canonical text of a value: 0.50, .5 and 5e-1 all give "0.5"; yes and on give "true".
+/// @throws UsageError  wrong type, out of range, or not among the choices; says what is allowed
 std::string CanonicalOption(const OptionInfo& option, const std::string& text);
 
-/// The option, or @throws UsageError naming the nearest one that the stage has.
+/// The option of that name. @throws UsageError  there is none; names the nearest one
 const OptionInfo& OptionOf(const StageInfo& info, const std::string& name);
 
 /// "; did you mean 'x'? (known: x, y, z)"

@@ -1,4 +1,5 @@
-// How the state files remember that a file is as it was: size, times and inode.
+// A file's stamp in the state files: size, times and inode. An unchanged stamp means an unchanged
+// file.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// The terminal that standard output may be.
+// Standard output and its terminal.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@ bool OnTerminal();
 /// Columns of the terminal; 0 when standard output is a file or a pipe.
 std::size_t TerminalColumns();
 
-/// Writes to standard output at once. What is at its other end may be gone (`keypose run | head`):
-/// a run goes on without it.
+/// Writes to standard output without buffering. Ignores a closed pipe (`keypose run | head`), so
+/// that the run goes on.
 void Say(std::string_view text);
 
 }  // namespace keypose::pipeline

@@ -12,7 +12,7 @@ namespace {
 
 struct Letter {
   std::size_t begin = 0, size = 0;  ///< bytes
-  utf8proc_int32_t code = 0xfffd;   ///< the replacement character where the bytes are not UTF-8
+  utf8proc_int32_t code = 0xfffd;   ///< the replacement character if the bytes are not UTF-8
   bool valid = false;
   std::size_t width = 1;  ///< columns
 };

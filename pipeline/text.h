@@ -9,25 +9,24 @@ namespace keypose::pipeline {
 
 bool IsUtf8(const std::string& text);
 
-/// The same letters in one spelling (NFC): an 'a' followed by two dots, as macOS writes an umlaut
-/// in file names, becomes the umlaut. Text that is not UTF-8 comes back as it is.
+/// The text in Unicode normal form NFC: an 'a' followed by a combining diaeresis, as in macOS file
+/// names, becomes the umlaut. Text that is not UTF-8 is returned unchanged.
 std::string Composed(const std::string& text);
 
-/// Whether folders, steps and flags can be named so: letters and digits of any script, '-' and '_';
-/// no '-' at the start.
+/// Whether the text is a valid name of a folder, step or flag: letters and digits of any script,
+/// '-' and '_'; no '-' at the start.
 bool IsName(const std::string& text);
-/// What IsName allows, for messages.
+/// The rule of IsName, for messages.
 inline const char* const kNameRule = "letters, digits, '-' and '_' only";
 
 /// Columns that the text takes on a terminal.
 std::size_t WidthOf(const std::string& text);
-/// As much of the text as fits into so many columns; no letter is cut in two.
+/// The longest prefix of whole letters that fits into `columns`.
 std::string CutTo(const std::string& text, std::size_t columns);
-/// Lines of at most so many columns, broken at spaces; a longer word has a line of its own. 0: one
-/// line.
+/// Lines of at most `columns`, broken at spaces. A longer word gets its own line. 0: one line.
 std::vector<std::string> Wrapped(const std::string& text, std::size_t columns);
 
-/// The text as one word of a shell's command line.
+/// The text quoted as one word for a shell.
 std::string ShellWord(const std::string& text);
 
 }  // namespace keypose::pipeline

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What an unquoted YAML word means: a number, true, false, or itself.
+/// The value of an unquoted YAML word: a number, true, false, or the text itself.
 Json ScalarJson(const YAML::Node& node) {
   const std::string& text = node.Scalar();
   if (node.Tag() == "!") return text;  // quoted
@@ -38,7 +38,7 @@ Json ToJson(const YAML::Node& node) {
     Json map = Json::object();
     for (const auto& pair : node) {
       const std::string key = pair.first.Scalar();
-      // Names stay words even when they look like numbers.
+      // Names stay text even if they look like numbers.
       const bool name =
           (key == "pose" || key == "name" || key == "region") && pair.second.IsScalar();
       map[key] = name ? Json(pair.second.Scalar()) : ToJson(pair.second);

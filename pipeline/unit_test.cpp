@@ -1,4 +1,4 @@
-// The runner's parts one by one: option values, stage descriptions, hashes, differences, estimates,
+// Tests of the runner's parts: option values, stage descriptions, hashes, differences, estimates,
 // the real disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -166,7 +166,8 @@ TEST(Estimate, CountsEarlierDurationsAndOwnPace) {
   EXPECT_NEAR(estimate.Fraction(10), 0.25, 1e-9);
   estimate.Started("b", 10, 1);
   estimate.Progressed("b", 0.5);
-  // Half done after 30 s: at its own pace it takes 60 s, after the record 30 s; the mean of both.
+  // Half done after 30 s: 60 s by its own pace, 30 s by the record; the estimate is the mean of
+  // both.
   EXPECT_NEAR(*estimate.SecondsLeft(40), 22.5, 1e-9);
 }
 
@@ -325,7 +326,7 @@ TEST_F(RealDiskTest, FaultsAreDiskErrorsWithPathAndReason) {
 TEST(ResultsFolder, OwnCopyOfAKilledRunIsNotTakenForAnEdit) {
   MemoryDisk disk;
   disk.Write("/p/.keypose/cache/m.txt", "new");
-  disk.Write("/p/out/m.txt", "new");  // placed, but the run was killed before it could say so
+  disk.Write("/p/out/m.txt", "new");  // placed, but the run was killed before it could record that
   disk.Write("/p/.keypose/out.json", R"({"m.txt":{"step":"s","sha256":"","next":")" +
                                          Sha256Of("new") +
                                          R"(","size":0,"mtime_ns":0,"inode":0}})");

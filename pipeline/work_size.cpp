@@ -27,7 +27,7 @@ struct JpegErrors {
 }
 void SayNothing(j_common_ptr) {}
 
-/// 0 when it is no JPEG.
+/// 0 if it is not a JPEG.
 double JpegMegapixels(const std::string& content) {
   jpeg_decompress_struct info;
   JpegErrors errors;
@@ -49,7 +49,7 @@ double JpegMegapixels(const std::string& content) {
 
 double MegapixelsOf(const std::string& name, const std::string& content) {
   if (const double exact = JpegMegapixels(content); exact > 0) return exact;
-  // Megabytes that cameras and phones take for a megapixel.
+  // Typical megabytes per megapixel of cameras and phones.
   std::string extension = fs::path(name).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -78,7 +78,7 @@ WorkSize::Photographs WorkSize::In(const fs::path& folder) {
     if (!first.empty())
       found.megapixels = found.count * MegapixelsOf(first, disk_.Read(project_ / folder / first));
   } catch (const DiskError&) {
-    // Only a guess: the stage that reads it says what is wrong with the file.
+    // Ignored here: the stage that reads the file reports the error.
   }
   return known_[folder] = found;
 }

@@ -1,5 +1,4 @@
-// How much there is to do: the photographs that a step goes back to, and what it may therefore take
-// when it has never run.
+// Estimates the time of a step that has never run, from the photographs that it derives from.
 #pragma once
 
 #include "pipeline/disk.h"
@@ -7,19 +6,19 @@
 
 namespace keypose::pipeline {
 
-/// Width times height, read from a JPEG's header; for other kinds, and files that are damaged, from
-/// the size of the file.
+/// Width times height from a JPEG's header; for other formats and damaged files, an estimate from
+/// the file's size.
 /// @return [megapixels]
 double MegapixelsOf(const std::string& name, const std::string& content);
 
-/// Guesses from `cost` in the pipeline file. Looks at one photograph of each folder; the others are
-/// taken to be as large.
+/// Estimates from `cost` in the pipeline file. Reads one photograph per folder and assumes the
+/// others are as large.
 class WorkSize {
  public:
   /// Keeps references.
-  /// @param project  its root folder
+  /// @param project  the project's root folder
   WorkSize(const Graph& graph, const Disk& disk, std::filesystem::path project);
-  /// @return [s] of one core; negative where the step states no cost
+  /// @return [s] on one core; negative if the step has no cost
   double CoreSeconds(int step);
 
  private:

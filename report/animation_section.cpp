@@ -1,4 +1,4 @@
-// The interpolation's section: film strip, curves, the paper's tables and its Figure 6.
+// The animation section: film strip, curves, the paper's tables and its Figure 6.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -9,8 +9,8 @@
 namespace keypose::report {
 namespace {
 
-const char* const kOurs = "#2563ab";    // blue, as ARAP is in the paper's figure
-const char* const kLinear = "#c2362b";  // red, as linear is
+const char* const kOurs = "#2563ab";    // blue, like ARAP in the paper's figure
+const char* const kLinear = "#c2362b";  // red, like linear in the paper's figure
 const char* const kPath = "#6b7280";    // grey
 
 std::string Signed(double value) {
@@ -48,7 +48,7 @@ std::string PaperTable(const Contents& contents, const char* caption, const std:
   return "<h3>" + std::string(caption) + "</h3>" + table.Html();
 }
 
-/// One quantity over time: of straight lines, of the method, and the path that it should keep.
+/// One quantity over time: for straight lines, for the method, and its target path.
 std::string Curve(const AnimationPart& animation, const std::string& method, const char* title,
                   double FrameDistortion::*linear, double FrameDistortion::*ours,
                   double FrameDistortion::*path) {
@@ -79,7 +79,7 @@ double Spread(const std::vector<double>& a, const std::vector<double>& b) {
   for (const auto* values : {&a, &b})
     for (const double v : *values)
       sum += std::min(v * v, 1.0) / static_cast<double>(values->size());
-  // Three deviations of the mixture, on a round value.
+  // Three standard deviations of the two samples together, rounded up to a round value.
   const double wanted = 3 * std::sqrt(sum / 2);
   for (const double round : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5})
     if (wanted <= round) return round;
@@ -101,11 +101,9 @@ std::string FigureSix(const AnimationPart& animation, const std::string& method)
                      animation.faces_t) +
          "<div class=two>" + chart(f.linear_area, f.area, "area of each face") +
          chart(f.linear_volume, f.volume, "volume of each face\u2019s tetrahedron") +
-         "</div><p class=lead>Shares of all faces; the first and last bars hold everything beyond. "
-         "The volume of a face is that of the "
-         "tetrahedron it "
-         "makes with the mesh\u2019s centroid; faces with less than a thousandth of the mean are "
-         "left out.</p>";
+         "</div><p class=lead>Shares of all faces; the first and last bars include all values "
+         "beyond them. The volume of a face is that of the tetrahedron of the face and the "
+         "mesh\u2019s centroid; faces with less than a thousandth of the mean are left out.</p>";
 }
 
 std::string MethodOf(const StepRecord* step) {
@@ -122,12 +120,11 @@ std::string MethodOf(const StepRecord* step) {
 std::string AnimationSection(const Contents& contents, const Encoder& encode) {
   const StepRecord* step = contents.run.Find("interpolate");
   if (contents.run.poses.size() < 2)
-    return "<section id=animation><h2>Animation</h2><p class=lead>The project has one pose, so "
-           "that it ends in a textured mesh; an "
-           "animation needs two.</p></section>\n";
+    return "<section id=animation><h2>Animation</h2><p class=lead>The project has only one pose, "
+           "so its result is a textured mesh; an animation needs two poses.</p></section>\n";
   if (!contents.animation) {
     return "<section id=animation><h2>Animation</h2><p class=lead>There are no frames" +
-           std::string(step ? "; see what is said of " + Escape(step->id) + " above."
+           std::string(step ? "; see the entry of " + Escape(step->id) + " above."
                             : ": interpolate has not run.") +
            "</p>" + (step ? EverythingMeasured(*step) : "") + "</section>\n";
   }
@@ -146,11 +143,9 @@ std::string AnimationSection(const Contents& contents, const Encoder& encode) {
       method, VolumeRow(animation.frames), &PaperRow::volume);
   html +=
       "<p class=lead>Means and standard deviations (\u03c3) over the in-betweens, relative to the "
-      "first key, as the paper defines them; "
-      "between keys of unlike "
-      "size no interpolation can reach zero. The paper\u2019s characters are other meshes: its "
-      "rows show the order of size, they are no "
-      "target.</p>";
+      "first key, as defined in the paper. Between keys of different size no interpolation can "
+      "reach zero. The paper\u2019s characters are other meshes: its rows show the order of "
+      "magnitude and are not a target.</p>";
   html += FigureSix(animation, method) + "</details>\n";
   if (step) html += EverythingMeasured(*step);
   if (const StepRecord* exported = contents.run.Find("export"))

@@ -10,7 +10,7 @@ namespace keypose::report {
 namespace {
 
 constexpr double kHeight = 270, kLeft = 66, kRight = 14, kTop = 50, kBottom = 40;
-constexpr double kNarrow = 540, kWide = 1100;  // half of the page, and all of it
+constexpr double kNarrow = 540, kWide = 1100;  // half of the page's width, and all of it
 
 /// Axis with round ticks that covers [low, high].
 struct Axis {
@@ -148,7 +148,7 @@ std::string DotChart(const std::vector<ChartMark>& marks, const ChartLabels& lab
   if (marks.empty()) return "";
   const auto [low, high] = std::minmax_element(
       marks.begin(), marks.end(), [](const ChartMark& a, const ChartMark& b) { return a.y < b.y; });
-  // Room above for the names.
+  // Space above for the names.
   const double reach = std::max(high->y - low->y, 20.0);
   Frame frame{Axis(0, 360, 12), Axis(low->y - 0.1 * reach, high->y + 0.6 * reach, 6), kWide};
   frame.x.step = 30;

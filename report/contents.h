@@ -1,5 +1,4 @@
-// All that the page and report.json are made from, as values: the run's record, pictures,
-// distances, distortions.
+// The data for the page and report.json: the run's record, pictures, distances, distortions.
 #pragma once
 
 #include <functional>
@@ -25,20 +24,20 @@ struct Picture {
 struct CameraPlace {
   std::string name;
   double azimuth_deg = 0, height_deg = 0;  ///< around the figure, and above its middle
-  double outline_off = 0;                  ///< of its view, see ViewEvidence
+  double outline_off = 0;                  ///< outline_off of its view, see ViewEvidence
 };
 
 struct PosePart {
   std::string name;
-  std::vector<Picture> sides;      ///< textured, from all round; clay when there is no texture
+  std::vector<Picture> sides;      ///< textured, from all sides; clay if there is no texture
   std::vector<Picture> shape;      ///< the closed mesh alone, with its edges
   std::optional<Picture> cloud;    ///< the dense points
   std::optional<Picture> masks;    ///< contact sheet
-  std::optional<Picture> cameras;  ///< where they were placed, as sfm drew it
+  std::optional<Picture> cameras;  ///< their positions, as drawn by sfm
   std::vector<CameraPlace> places;
   std::optional<Picture> texture;
-  PoseEvidence evidence;  ///< the textured mesh against the photographs; no views when there was
-                          ///< nothing to compare
+  /// the textured mesh compared with the photographs; no views if there is nothing to compare
+  PoseEvidence evidence;
   std::vector<Picture> worst;  ///< photograph beside render, of the worst views
   int faces = 0, vertices = 0;
 };
@@ -46,13 +45,13 @@ struct PosePart {
 /// The template registered onto another pose.
 struct PairPart {
   const StepRecord* step = nullptr;
-  double diagonal = 0;  ///< of the target; distances below are over it
+  double diagonal = 0;  ///< of the target; the distances below are divided by it
   OneWayDistance to_target, from_target;
   double scale_top = 0;                     ///< the colour scale's upper end, over the diagonal
   std::vector<Picture> registered, target;  ///< coloured by distance
   /// where one more landmark would help, marked on the template and on the pose
   std::vector<Picture> advice;
-  /// the checker carried over from the template, as register drew it
+  /// the template's checker pattern on both meshes, as drawn by register
   std::vector<Picture> carried;
 };
 
@@ -67,9 +66,9 @@ struct AnimationPart {
 
 /// The player of the animation, or of the template alone.
 struct PlayerPart {
-  std::string json;  ///< what report/player/data.js unpacks; empty when it would be too large
+  std::string json;  ///< the data for report/player/data.js; empty if it would be too large
   int pictures = 1, keys = 1;
-  int stored = 1, distinct = 1;  ///< frames that it holds, of all that differ
+  int stored = 1, distinct = 1;  ///< frames stored, and distinct frames in all
   bool textured = false;
   std::optional<Picture> poster;
 };
@@ -80,43 +79,43 @@ struct Contents {
   std::vector<PairPart> pairs;
   std::optional<AnimationPart> animation;
   std::optional<PlayerPart> player;
-  std::vector<std::string> troubles;  ///< what could not be shown, and why
+  std::vector<std::string> troubles;  ///< what cannot be shown, and why
 };
 
 enum class Grade { kGood, kLook, kWrong, kNote };
 /// "good", "look", "wrong", "note".
 const char* WordOf(Grade grade);
 
-/// One thing that was judged.
+/// One judgement of a step's result.
 struct Finding {
   Grade grade;
-  std::string pose;   ///< empty: of the animation, or of the whole project
+  std::string pose;   ///< empty: the animation or the whole project
   std::string where;  ///< step
   std::string text;   ///< HTML
-  std::string cure;   ///< what to do, plain text; empty where nothing is to be done
+  std::string cure;   ///< what to do, as plain text; empty if nothing
 };
-/// All that is judged, worst first. The limits are in limits.h.
+/// All findings, worst first. The limits are in limits.h.
 std::vector<Finding> FindAll(const Contents& contents);
 
 /// Whether a pose (or "animation") is good enough.
 struct Verdict {
   std::string about;
   Grade grade;
-  std::string why;   ///< HTML: what decided
-  std::string cure;  ///< of what decided; empty when good
+  std::string why;   ///< HTML: the findings that decided
+  std::string cure;  ///< what to do about them; empty if good
 };
-/// One a pose in the project's order, as bad as the worst finding on it; then one for the animation
-/// where it is not good.
+/// One verdict per pose in the project's order, with the grade of its worst finding; then one for
+/// the animation if it is not good.
 std::vector<Verdict> Judge(const Contents& contents, const std::vector<Finding>& findings);
-/// Without its HTML.
+/// The text without HTML.
 std::string Plain(const std::string& html);
 
-/// Turns a picture into a data URI.
+/// Encodes a picture as a data URI.
 using Encoder = std::function<std::string(const Image8&)>;
 
-/// index.html. Missing parts are said to be missing.
+/// The text of index.html. Says which parts are missing.
 std::string BuildPage(const Contents& contents, const Encoder& encode);
-/// report.json.
+/// The text of report.json.
 std::string BuildJson(const Contents& contents);
 
 }  // namespace keypose::report

@@ -27,7 +27,7 @@ double OrElse(const json& frame, const char* name, double otherwise) {
              : otherwise;
 }
 
-/// Mean and deviation of the in-betweens.
+/// Mean and standard deviation over the in-betweens.
 void MeanAndDeviation(const std::vector<double>& values, double& mean, double& deviation) {
   if (values.empty()) return;
   for (const double v : values) mean += v / static_cast<double>(values.size());
@@ -68,7 +68,7 @@ FaceMeasures Measure(const PointsX3& points, const FacesX3& faces) {
   return m;
 }
 
-/// (now - before) / |before| of the faces whose measure is not nearly nothing.
+/// (now - before) / |before|, without faces whose measure is almost zero.
 std::vector<double> Relative(const Eigen::VectorXd& now, const Eigen::VectorXd& before) {
   const double least = 1e-3 * before.cwiseAbs().mean();
   std::vector<double> result;
@@ -107,7 +107,7 @@ std::vector<FrameDistortion> ParseDistortion(const std::string& text) {
                      "; interpolate again");
   }
   if (frames.empty())
-    throw InputError("report: distortion.json holds no frames; interpolate again");
+    throw InputError("report: distortion.json has no frames; run `interpolate` again");
   frames.front().key = frames.back().key = true;
   if (std::abs(frames.front().area - 1) < 1e-6)
     for (FrameDistortion& f : frames)

@@ -9,7 +9,8 @@ namespace keypose::report {
 
 std::string Escape(const std::string& text);
 
-/// A number for a person: about four digits, thousands grouped, powers of ten only where they help.
+/// A number for reading: about four digits, thousands grouped, powers of ten for very large or
+/// small values.
 std::string Pretty(double value);
 /// "12.3 s", "4 min 05 s", "1 h 02 min"; "0.12 s" below a second.
 std::string PrettySeconds(double seconds);
@@ -19,7 +20,7 @@ std::string Percent(double share);  ///< "12.3 %"
 
 std::string Base64(const std::string& bytes);
 
-/// A table; cells are HTML already. Cells that begin like a number are set to the right.
+/// A table. Cells are HTML. Cells that begin like a number are right-aligned.
 class Table {
  public:
   explicit Table(std::vector<std::string> header, std::string css_class = "")
@@ -52,12 +53,12 @@ struct Series {
 };
 struct ChartLabels {
   std::string title, x, y;
-  bool percent = false;  ///< y is a share, written as per cent
+  bool percent = false;  ///< y is a share, shown in per cent
 };
-/// Lines with axes, ticks, legend; a dot at each point.
+/// A line chart with axes, ticks and legend, and a dot at each point.
 std::string LineChart(const std::vector<Series>& series, const ChartLabels& labels);
 
-/// Overlaid bars of shares over equal bins of [low, high].
+/// Shares over equal bins of [low, high], drawn as overlaid bars.
 struct HistogramSeries {
   std::string name, color;
   std::vector<double> shares;
@@ -69,14 +70,14 @@ struct ChartMark {
   std::string name, color;
   double x, y;
 };
-/// Named dots; names are written aslant so that close ones stay apart.
+/// Dots with slanted names, so that the names of close dots do not overlap.
 std::string DotChart(const std::vector<ChartMark>& marks, const ChartLabels& labels);
 
 /// A horizontal colour scale from 0 to `highest`; `stops` are CSS colours.
 std::string ColorScale(const std::vector<std::string>& stops, const std::string& lowest,
                        const std::string& highest);
 
-/// The whole page: head with styles, then `body`.
+/// The whole page: a head with styles, then `body`.
 std::string Page(const std::string& title, const std::string& body);
 
 }  // namespace keypose::report

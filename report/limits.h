@@ -1,28 +1,29 @@
-// Where good ends and wrong begins: every limit of the verdicts, with what ideal sets and ruins
-// give. docs/stages/report.md has the table.
+// All limits of the verdicts: where *good* ends and where *wrong* begins. docs/stages/report.md has
+// a table with measurements of good and of spoilt sets.
 #pragma once
 
 namespace keypose::report {
 
-// Outlines: mean distance of the mesh's from the first mask's, over the figure's size in the
-// picture; the middle one of all views.
+// Outlines: mean distance between the outlines of the mesh and the first mask, divided by the
+// figure's size in the picture; median over the views.
 constexpr double kOutlineGood = 0.0025, kOutlineWrong = 0.010;
-// Of a single view: beyond this it is named.
+// For a single view: above this limit the view is named.
 constexpr double kViewOutlineLook = 0.008;
-// Details: correlation of render and photograph; the middle one of all views.
+// Details: correlation of render and photograph; median over the views.
 constexpr double kStructureGood = 0.6, kStructureWrong = 0.2;
 constexpr double kViewStructureLook = 0.3;
 // Share of the outline across which the photograph changes its colour.
 constexpr double kEdgesGood = 0.5;
 
-// Of the stages' own measurements.
+// Limits on the stages' own measurements.
 constexpr double kSharpnessLook = 0.40;    // capture: photographs in focus have 0.52 to 0.75
 constexpr double kPlacedGood = 0.9;        // sfm: share of the photographs
 constexpr double kReprojectionGood = 1.0;  // sfm [px]
-constexpr double kEvidenceLook = 0.08;     // refine: share of the surface that photographs tell
-constexpr double kClosedFarLook = 0.02;    // cleanup: of the diagonal
-constexpr double kUnseenLook = 0.25;       // bake: share of the texels
-constexpr double kFlipsLook = 0.0003;  // register: of the triangles; flat soles have 3 of 20,000
+constexpr double kEvidenceLook =
+    0.08;  // refine: share of the surface that the photographs determine
+constexpr double kClosedFarLook = 0.02;  // cleanup: of the diagonal
+constexpr double kUnseenLook = 0.25;     // bake: share of the texels
+constexpr double kFlipsLook = 0.0003;    // register: of the triangles; flat soles have 3 of 20,000
 // register: of the triangles; a hand pressed on a hip has 0.002
 constexpr double kFlipsWrong = 0.005;
 constexpr double kRegisteredGood = 0.004,

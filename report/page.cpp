@@ -1,4 +1,4 @@
-// The page as a whole, and report.json.
+// The whole page, and report.json.
 #include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -70,7 +70,7 @@ std::string GradeChip(Grade grade) {
   return "<span class=\"chip " + word + "\">" + word + "</span>";
 }
 
-/// Verdicts first: a card a pose with its picture, what decided, and the cure.
+/// The verdicts: one card per pose with its picture, the deciding findings, and what to do.
 std::string Cards(const Contents& contents, const std::vector<Verdict>& verdicts,
                   const Encoder& encode) {
   std::string html = "<div class=cards>";
@@ -110,7 +110,7 @@ std::string Summary(const Contents& contents, const std::vector<Verdict>& verdic
   html += FindingList(findings, open);
   const std::string rest = FindingList(findings, [&](Grade g) { return !open(g); });
   if (!rest.empty())
-    html += "<details><summary>What was found good, and notes</summary>" + rest + "</details>";
+    html += "<details><summary>Good findings, and notes</summary>" + rest + "</details>";
   return html + "</section>\n";
 }
 
@@ -193,10 +193,9 @@ std::string BuildPage(const Contents& contents, const Encoder& encode) {
   for (const PairPart& pair : contents.pairs) body += PairSection(pair, encode);
   body += AnimationSection(contents, encode) + StepsSection(contents);
   body +=
-      "<footer>All lengths are shares of the bounding-box diagonal unless a unit is named. "
-      "Everything on this page, and every measurement "
-      "it leaves out, is in "
-      "<code>report.json</code> beside it.</footer></div>" +
+      "<footer>All lengths are shares of the bounding-box diagonal unless a unit is given. "
+      "<code>report.json</code>, beside this page, has everything on it and all other "
+      "measurements.</footer></div>" +
       PlayerProgram(contents);
   return Page(contents.run.project + " \u2013 Keypose report", body);
 }

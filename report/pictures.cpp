@@ -39,7 +39,7 @@ void DrawRing(Image8& image, const Eigen::Vector2d& center, double radius) {
     }
 }
 
-/// Of views from all round, the one that looks most straight at the vertex and sees it.
+/// The view from all round that sees the vertex and faces it most directly.
 View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const SidesOptions& size) {
   const Eigen::Vector3d place = mesh.points.row(vertex),
                         normal = VertexNormals(mesh.points, mesh.faces).row(vertex);
@@ -51,7 +51,7 @@ View FacingView(const Mesh& mesh, const RayScene& scene, int vertex, const Sides
       const View view = FitView(mesh.points, 22.5 * k, elevation, size.width, size.height, size.up);
       const Eigen::Vector3d to_eye = view.Center() - place;
       const bool hidden = scene.Occluded(place + 1e-3 * diagonal * normal, to_eye, 0, 1);
-      // An unusual height is harder to read than a slanting look.
+      // An unusual camera height is harder to read than an oblique view.
       const double score =
           normal.dot(to_eye.normalized()) - (hidden ? 1 : 0) - 0.002 * std::abs(elevation - 10);
       if (score > best_score) best_score = score, best = view;
@@ -75,7 +75,7 @@ std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture,
                                    const SidesOptions& options) {
   RenderOptions look;
   look.texture = mesh.has_uvs() ? texture : nullptr;
-  // The photographs hold the lamps' light already; a little shading shows the shape.
+  // The colours already contain the lamps' light; a little shading shows the shape.
   if (look.texture || mesh.colors.rows() > 0) look.shading = 0.35;
   return Sides(mesh, look, options);
 }

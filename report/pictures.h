@@ -17,31 +17,32 @@ struct SidesOptions {
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 };
 
-/// From all round; with a texture where there are one and UVs, else the mesh's colours.
+/// Views from all round, with the texture if there are a texture and UVs, else with the mesh's
+/// colours.
 std::vector<Picture> TexturedSides(const Mesh& mesh, const Image8* texture,
                                    const SidesOptions& options);
-/// Clay grey, edges drawn.
+/// Views in clay grey with edges.
 std::vector<Picture> ShapeSides(const Mesh& mesh, const SidesOptions& options);
-/// Coloured by a value at each vertex, 0 to `highest`.
+/// Views coloured by a value per vertex, from 0 to `highest`.
 std::vector<Picture> HeatSides(const Mesh& mesh, const Eigen::VectorXd& values, double highest,
                                const SidesOptions& options);
-/// The colours of HeatSides as CSS, from 0 to the highest.
+/// The colours of HeatSides in CSS, from 0 to `highest`.
 std::vector<std::string> HeatStops();
 
-/// All frames by one camera that holds them all. Frames share `mesh`'s faces and UVs.
+/// All frames, seen by one camera that shows them all. The frames share the faces and UVs of
+/// `mesh`.
 std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
                           const std::vector<std::string>& captions, const Image8* texture,
                           const SidesOptions& options);
 
-/// The mesh in clay with a ring around a vertex, seen from the side from which the vertex shows
-/// best.
-/// @param size  of the figure's picture; the ring's size goes with it
+/// The mesh in clay with a ring around a vertex, from the side that shows the vertex best.
+/// @param size  of the figure's picture; the ring scales with it
 Image8 MarkedVertex(const Mesh& mesh, int vertex, const SidesOptions& size);
 
-/// Points as squares of a few pixels, nearest in front.
+/// The points as squares of a few pixels, the nearest in front.
 Picture CloudPicture(const PointCloud& cloud, const SidesOptions& options);
 
-/// A photograph `width` wide: what the mask leaves out is darkened, its outline drawn.
+/// A photograph with everything outside the mask darkened and the mask's outline drawn.
 Image8 MaskTile(const Image8& small_photograph, const Image8& small_mask);
 
 }  // namespace keypose::report

@@ -22,7 +22,7 @@ std::string Packed(const std::vector<std::uint32_t>& values) {
   return Base64(bytes);
 }
 
-/// Vertices as they are drawn: one for each pair of mesh vertex and texture coordinate.
+/// The drawn vertices: one per pair of mesh vertex and texture coordinate.
 struct DrawnVertices {
   std::vector<std::uint32_t> source, uv, faces;
 };

@@ -1,5 +1,5 @@
-// What the page's player shows, made compact: quantised positions of some frames, one layout of
-// faces and UVs, textures as JPEG.
+// Compact data for the page's player: quantised positions of some frames, one layout of faces and
+// UVs, textures as JPEG.
 #pragma once
 
 #include <cstddef>
@@ -12,46 +12,47 @@
 
 namespace keypose::report {
 
-/// One picture of the animation: between two stored frames, and how much of each texture.
+/// One picture of the animation: its place between two stored frames, and the weight of each
+/// texture.
 struct PlayerMoment {
   int a = 0, b = 0;
   double share = 0;             ///< of the way from a to b
-  std::vector<double> weights;  ///< one a texture
+  std::vector<double> weights;  ///< one per texture
 };
 
 struct PlayerData {
   Mesh mesh;                     ///< faces and UVs; its positions are not used
-  std::vector<PointsX3> frames;  ///< those that are stored
+  std::vector<PointsX3> frames;  ///< the stored frames
   std::vector<PlayerMoment> moments;
   std::vector<int> keys;         ///< stored frames that are keys
-  std::vector<Image8> textures;  ///< one a pose
+  std::vector<Image8> textures;  ///< one per pose
   double fps = 24;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 };
 
-/// Which frames to store when no more than `most` may be: all keys, and the others evenly.
+/// The frames to store if at most `most` are allowed: all keys, and others evenly spaced.
 /// Ascending.
-/// @param repeats  for each frame the earlier one that it shows again, or itself
+/// @param repeats  for each frame the earlier frame that it repeats, or itself
 /// @param keys     for each frame whether it is a key
 std::vector<int> FramesToStore(const std::vector<int>& repeats, const std::vector<char>& keys,
                                std::size_t most);
 
-/// For each frame the two stored ones around it.
+/// For each frame the two stored frames around it.
 /// @param stored  ascending, not empty
 std::vector<PlayerMoment> MomentsOf(const std::vector<int>& repeats,
                                     const std::vector<int>& stored);
 
-/// Share of each pose's texture at `t`, the key's number plus the share of the way to the next.
+/// Weight of each pose's texture at `t`: the key's number plus the share of the way to the next.
 /// @param pose_of_key  index of the pose of each key
 std::vector<double> TextureWeights(double t, const std::vector<int>& pose_of_key,
                                    std::size_t poses);
 
 /// The JSON that report/player/data.js unpacks.
-/// @param encode  a picture as data URI
+/// @param encode  encodes a picture as a data URI
 std::string PlayerJson(const PlayerData& data,
                        const std::function<std::string(const Image8&)>& encode);
 
-/// The player's program, bundled.
+/// The bundled script of the player.
 const char* PlayerScript();
 
 }  // namespace keypose::report

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The page stays below 8 MB: the program has half a megabyte, other pictures one or two, and base64
+// Keeps the page below 8 MB: the script has half a megabyte, other pictures one or two, and base64
 // adds a third.
 constexpr std::size_t kPositionBytes = 2'200'000, kMeshBytes = 3'600'000;
 constexpr int kTextureSide = 1024, kManyTextures = 4;
@@ -46,7 +46,7 @@ double FpsOf(const RunRecord& run, const std::vector<FrameDistortion>& frames) {
   return seconds > 0 ? static_cast<double>(frames.size() - 1) / seconds : 24;
 }
 
-/// What the textures become for the page.
+/// The textures at the size for the page.
 std::vector<Image8> Shrunken(std::vector<Image8> textures) {
   const int most =
       static_cast<int>(textures.size()) > kManyTextures ? kTextureSide / 2 : kTextureSide;
@@ -60,7 +60,8 @@ std::vector<Image8> Shrunken(std::vector<Image8> textures) {
 }
 
 std::size_t MeshBytes(const Mesh& mesh) {
-  // Seams add a tenth of the vertices or so; indices have four bytes from 65,536 drawn vertices on.
+  // Seams add about a tenth of the vertices. From 65,536 drawn vertices on, indices have four
+  // bytes.
   const auto drawn = static_cast<std::size_t>(std::max(mesh.uvs.rows(), mesh.points.rows()));
   const std::size_t index = drawn > 65535 ? 4 : 2;
   return 3 * index * static_cast<std::size_t>(mesh.face_count()) + (index + 4) * drawn;
@@ -106,7 +107,7 @@ PlayerPart OfAnimation(const Contents& contents, const fs::path& folder, const E
   for (std::size_t k = 0; k < stored.size(); ++k) {
     data.frames.push_back(read(stored[k]).points);
     if (data.frames.back().rows() != data.mesh.points.rows())
-      throw InputError("frames have unlike vertex counts");
+      throw InputError("frames have different vertex counts");
     if (keys[stored[k]]) data.keys.push_back(static_cast<int>(k));
   }
   data.moments = MomentsOf(repeats, stored);

@@ -1,4 +1,5 @@
-// Reads what the page's player shows: the animation's frames and textures, or the template's mesh.
+// Reads the data for the page's player: the animation's frames and textures, or the template's
+// mesh.
 #pragma once
 
 #include <optional>
@@ -9,13 +10,13 @@
 
 namespace keypose::report {
 
-/// Textures of the poses in the layout of `mesh`, which takes its UVs from the template where it
-/// has none; empty when one is missing.
+/// Textures of the poses in the layout of `mesh`. If `mesh` has no UVs, they are taken from the
+/// template. Empty if a texture is missing.
 std::vector<Image8> TexturesOf(const RunRecord& run, const std::vector<std::string>& poses,
                                Mesh& mesh);
 
-/// The animation, else the template in its pose; nothing when there is neither.
-/// @throws InputError, DiskError  as the readers of meshes and pictures
+/// The animation, else the template in its pose; nothing if there is neither.
+/// @throws InputError, DiskError  as thrown by the readers of meshes and pictures
 std::optional<PlayerPart> GatherPlayer(const Contents& contents, const Encoder& encode,
                                        const SidesOptions& sides);
 

@@ -1,4 +1,4 @@
-// The player's place in the page: poster, controls, data, program.
+// The player's section of the page: poster, controls, data, script.
 #include "report/html.h"
 #include "report/player_data.h"
 #include "report/sections.h"

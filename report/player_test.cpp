@@ -1,4 +1,4 @@
-// The player's data, and the page in a headless Chromium where there is one.
+// The player's data, and the page in a headless Chromium if there is one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -148,7 +148,7 @@ TEST(BuildPage, ThePlayersProgramLeavesRoomForPictures) {
   EXPECT_EQ(std::string(PlayerScript()).find("</script"), std::string::npos);
 }
 
-/// The page's document after a moment in a headless browser; empty when there is no Chromium.
+/// The page's document after a moment in a headless browser; empty if there is no Chromium.
 std::string Browsed(const std::string& page, const std::string& more) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("keypose_player_" + std::to_string(::getpid()));

@@ -1,4 +1,4 @@
-// keypose-report: the record of a run into a page to look at and a file to parse.
+// keypose-report: makes an HTML page and a JSON file from the record of a run.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,12 +43,11 @@ struct ReportOptions {
     visit("mask_tiles", mask_tiles,
           {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
     visit("color_scale_top", color_scale_top,
-          {"distance, as a share of the diagonal, of the colour scale's end; 0 chooses the 99 % "
+          {"distance at the end of the colour scale, as a share of the diagonal; 0: the 99 % "
            "quantile",
            "", 0, 1});
     visit("compared_px", compared_px,
-          {"longer side to which photographs are shrunk before mesh and photograph are compared",
-           "px", 64, 8192});
+          {"longer side of the photographs when they are compared with the mesh", "px", 64, 8192});
     visit("up", up, {"axis that points upwards in the pictures", "", 0, 0, {"x", "y", "z"}});
   }
 };
@@ -58,14 +57,14 @@ StageSpec Spec() {
   spec.name = "report";
   spec.version = "8";
   spec.summary =
-      "Makes a self-contained page, and a file to parse, of what a run made and measured.";
+      "Makes a self-contained HTML page and a JSON file of the results and measurements of a run.";
   spec.inputs = {{"run", "folder", "folder with run.json, the record of a run", ""}};
   spec.outputs = {{"report", "folder", "index.html and report.json", "report"}};
   spec.memory_gib = 2;
   return spec;
 }
 
-/// Around the figure's middle; the azimuth as in the pictures from all round.
+/// Relative to the figure's middle, with the azimuth as in the pictures from all round.
 CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen::Vector3d& up,
                     double outline_off) {
   const Eigen::Vector3d away = view.Center() - middle;
@@ -76,8 +75,8 @@ CameraPlace PlaceOf(const View& view, const Eigen::Vector3d& middle, const Eigen
   return {view.name, turn < 0 ? turn + 360 : turn, height, outline_off};
 }
 
-/// Reads what the record names, part by part; what fails becomes a line on the page instead of
-/// ending the report.
+/// Reads the files that the record names, part by part. A failure becomes a line on the page and
+/// does not end the report.
 class Gatherer {
  public:
   Gatherer(const ReportOptions& options, Encoder encode, Progress* progress)
@@ -177,8 +176,7 @@ class Gatherer {
                            Resized(texture, side, side)};
   }
 
-  /// The textured mesh against the photographs and the masks that were first made of them, camera
-  /// by camera.
+  /// Compares the textured mesh with each photograph and its first mask.
   void Compare(const StepRecord& bake, const StepRecord& capture, PosePart& pose) const {
     const Mesh mesh = ReadMesh(bake.Input("mesh"));
     RequireUsable(mesh, bake.Input("mesh").string());
@@ -209,14 +207,15 @@ class Gatherer {
     for (const int k : pose.evidence.worst) {
       const ViewEvidence& view = pose.evidence.views[k];
       pose.worst.push_back(
-          {fmt::format("{}: outlines {:.2f} % of the figure\u2019s size apart, details alike to "
-                       "{:.2f} of 1",
+          {fmt::format("{}: outlines {:.2f} % of the figure\u2019s size apart, correlation of "
+                       "details {:.2f}",
                        view.name, 100 * view.outline_off, view.structure),
            SideBySide(mesh, scene, &texture, shot(static_cast<std::size_t>(k), kPairSide))});
     }
   }
 
-  /// Where one more landmark would help, on the template and where that place lies now in the pose.
+  /// Marks where one more landmark would help: on the template, and at its present place in the
+  /// pose.
   std::vector<Picture> MarkAdvice(const StepRecord& step, const Mesh& registered) const {
     const auto list = step.lists.find("landmark_advice");
     if (list == step.lists.end() || step.Input("source").empty()) return {};
@@ -230,8 +229,9 @@ class Gatherer {
       const Image8 both[2] = {MarkedVertex(source, vertex, sides_),
                               MarkedVertex(registered, vertex, sides_)};
       pictures.push_back(
-          {fmt::format("{}. On the template (left), and where it lies now in the pose (right): {}",
-                       pictures.size() + 1, place.value("reason", "")),
+          {fmt::format(
+               "{}. On the template (left), and at its present place in the pose (right): {}",
+               pictures.size() + 1, place.value("reason", "")),
            TileImages({both[0], both[1]}, 2, 6)});
     }
     return pictures;
@@ -254,7 +254,7 @@ class Gatherer {
     const std::string some = shown < total
                                  ? fmt::format("{} of {} photographs, evenly picked", shown, total)
                                  : fmt::format("All {} photographs", total);
-    return {some + "; what the mask leaves out is dark, its edge is drawn in orange.",
+    return {some + "; everything outside the mask is dark, the mask\u2019s edge is orange.",
             TileImages(tiles, 7, 4)};
   }
 
@@ -312,7 +312,7 @@ class Gatherer {
               : static_cast<int>(std::lround(static_cast<double>(i) * (count - 1) / (strip - 1)));
       shown.push_back(frame(index).points);
       if (shown.back().rows() != mesh.points.rows())
-        throw InputError("frames have unlike vertex counts");
+        throw InputError("frames have different vertex counts");
       captions.push_back(fmt::format("at {:.2f} s{}", part.frames[index].time_s,
                                      part.frames[index].key ? ", key" : ""));
     }
@@ -323,14 +323,14 @@ class Gatherer {
     contents.animation = std::move(part);
   }
 
-  /// Per-face distortion half-way between the first two keys.
+  /// Per-face distortion halfway between the first two keys.
   template <class FrameReader>
   static void DescribeFaces(AnimationPart& part, const Mesh& first, const FrameReader& frame) {
     int next = 1;
     while (next < std::ssize(part.frames) && !part.frames[next].key) ++next;
     if (next < 2 || next >= std::ssize(part.frames)) return;
     const double t0 = part.frames[0].t, t1 = part.frames[next].t;
-    int middle = 1;  // by the way, not by time: a key may be held, or eased out of
+    int middle = 1;  // by the share of the way, not by time: a key may be held or eased out of
     while (middle < next - 1 && part.frames[middle].t < t0 + 0.5 * (t1 - t0)) ++middle;
     part.faces_t = part.frames[middle].t;
     const double share =
@@ -350,14 +350,14 @@ class Gatherer {
   SidesOptions sides_;
 };
 
-/// JPEG for photographs and renderings: a page of a few megabytes.
+/// JPEG for photographs and renderings keeps the page at a few megabytes.
 std::string EncodeJpeg(const fs::path& scratch, const Image8& image) {
   const fs::path file = scratch / "picture.jpg";
   WriteImage(file, image, 86);
   return "data:image/jpeg;base64," + Base64(ReadFile(file));
 }
 
-/// Outputs that have vanished since are as good as never made.
+/// Outputs that no longer exist are treated as never made.
 void ForgetMissing(RunRecord& run) {
   for (StepRecord& step : run.steps)
     for (auto it = step.outputs.begin(); it != step.outputs.end();) {
@@ -371,7 +371,7 @@ void ForgetMissing(RunRecord& run) {
     }
 }
 
-/// What decided, and the cure, for the console.
+/// The deciding findings and what to do, for the console.
 std::string Sentence(const Verdict& verdict) {
   return Plain(verdict.why) +
          (verdict.cure.empty() ? "" : " What to do: " + Plain(verdict.cure) + ".");

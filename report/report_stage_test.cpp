@@ -1,5 +1,5 @@
-// keypose-report on a small run made here: an ellipsoid photographed from all round, with a stray
-// photograph among them.
+// keypose-report on a small run made here: photographs of an ellipsoid from all round, and one
+// stray photograph.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -86,8 +86,8 @@ TEST(ParseRun, WhatIsNoRecordIsAnInputError) {
 TEST(DistanceTo, ShiftedCopyLiesItsShiftApart) {
   Mesh inner = Tetrahedron(), outer = Tetrahedron();
   outer.points.rowwise() += Eigen::RowVector3d(0, 0, 0.25);
-  // From the shifted copy: the top corner is 0.25 above the other's top corner, the base 0.25 above
-  // the other's base but closer to its sides.
+  // Measured from the shifted copy: its top corner is 0.25 above the other's top corner; its base
+  // is 0.25 above the other's base, but closer to the other's sides.
   const OneWayDistance way = DistanceTo(outer, inner, 20000);
   EXPECT_NEAR(way.max, 0.25, 1e-12);
   EXPECT_NEAR(way.at_vertex[3], 0.25, 1e-12);
@@ -108,7 +108,7 @@ TEST(ParseDistortion, RatiosAndRelativeValuesGiveTheSameTables) {
   for (const std::string& text : {ratios, relative}) {
     const std::vector<FrameDistortion> frames = ParseDistortion(text);
     const DistortionRow area = AreaRow(frames), volume = VolumeRow(frames);
-    EXPECT_EQ(area.frames, 2);  // the keys do not count
+    EXPECT_EQ(area.frames, 2);  // without the keys
     EXPECT_NEAR(area.mean, 0.02, 1e-12);
     EXPECT_NEAR(area.deviation, 0.01, 1e-12);
     EXPECT_NEAR(area.linear_mean, -0.15, 1e-12);
@@ -214,7 +214,7 @@ TEST(BuildPage, IsSelfContainedAndSaysWhatIsMissing) {
 TEST(BuildPage, OnePoseEndsInAMeshAndThePageSaysSo) {
   Contents contents = Minimal();
   contents.run.poses = {"rest"};
-  EXPECT_THAT(BuildPage(contents, NoPictures), HasSubstr("The project has one pose"));
+  EXPECT_THAT(BuildPage(contents, NoPictures), HasSubstr("The project has only one pose"));
 }
 
 TEST(BuildPage, ShowsThePapersTablesBesideOurs) {

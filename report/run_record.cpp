@@ -110,7 +110,7 @@ RunRecord ParseRun(const std::string& text, const fs::path& folder, const FileRe
   try {
     const json record = json::parse(text);
     if (record.value("schema", 0) != 1)
-      throw InputError("report: run.json has another schema than 1; run the pipeline again");
+      throw InputError("report: the schema of run.json is not 1; run the pipeline again");
     RunRecord run;
     const json project = record.at("project");
     run.project = TextOf(project, "name");
@@ -122,7 +122,7 @@ RunRecord ParseRun(const std::string& text, const fs::path& folder, const FileRe
     return run;
   } catch (const json::exception& error) {
     throw InputError("report: run.json is not the record of a run: " + std::string(error.what()) +
-                     "; pass the one that the runner wrote");
+                     "; pass the file that the runner wrote");
   }
 }
 

@@ -1,4 +1,4 @@
-// The record of a run: what each step made, from what, and what it measured.
+// The record of a run: the inputs, outputs and measurements of each step.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,12 @@ struct StepRecord {
   std::map<std::string, std::string> options;            ///< as used, as JSON text
   std::map<std::string, std::filesystem::path> outputs;  ///< by port
   std::map<std::string, std::vector<std::filesystem::path>> inputs;
-  std::vector<std::string> warnings;  ///< sentences that the stage wants a person to know
-  std::string trouble;                ///< why its report could not be read; empty when all is well
+  std::vector<std::string> warnings;  ///< the stage's warnings to the user
+  std::string trouble;                ///< why its report could not be read; empty if it could
 
   std::optional<double> Number(const std::string& name) const;
   std::filesystem::path Output(
-      const std::string& port) const;  ///< empty when the step has no such output
+      const std::string& port) const;  ///< empty if the step has no such output
   std::filesystem::path Input(const std::string& port) const;  ///< first path of the port
   bool done() const { return status == "done"; }
 };
@@ -38,26 +38,26 @@ struct StepRecord {
 struct RunRecord {
   std::string project, template_pose;
   std::vector<std::string> poses;
-  std::string timeline;  ///< JSON text, empty when there is none
+  std::string timeline;  ///< JSON text; empty if there is none
   std::vector<StepRecord> steps;
 
   /// The step of a stage on a pose, or null. An empty pose finds steps of the whole project or
   /// animation.
   const StepRecord* Find(const std::string& stage, const std::string& pose = "") const;
-  /// The finished texture of a pose: with what other poses gave it, else as it was baked; empty
-  /// when there is none.
+  /// The final texture of a pose: completed from other poses, else as baked; empty if there is
+  /// none.
   std::filesystem::path TextureOf(const std::string& pose) const;
   std::vector<const StepRecord*> All(const std::string& stage) const;
 };
 
-/// Gives a file's text, or throws.
+/// Returns a file's text, or throws.
 using FileReader = std::function<std::string(const std::filesystem::path&)>;
 
-/// The record from the text of run.json, and the report of every step that it names by `read`.
+/// The record from the text of run.json. `read` reads the report of every step in it.
 ///
-/// A step's missing or malformed report is told in StepRecord::trouble, since a report on a broken
-/// run is what one needs then.
-/// @param folder  that relative paths are relative to
+/// A missing or malformed report of a step is noted in StepRecord::trouble: a broken run needs a
+/// report most.
+/// @param folder  base of relative paths
 /// @throws InputError  not the record of a run
 RunRecord ParseRun(const std::string& text, const std::filesystem::path& folder,
                    const FileReader& read);

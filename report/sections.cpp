@@ -15,7 +15,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-/// Value of a measurement for a person, by the unit in its name.
+/// A measurement's value as text, with the unit from its name.
 std::string Value(const StepRecord& step, const std::string& name) {
   if (const auto flag = step.flags.find(name); flag != step.flags.end())
     return flag->second ? "yes" : "no";
@@ -57,7 +57,7 @@ std::string MissingStages(const Contents& contents, const PosePart& pose) {
   return missing.empty() ? "" : "<p class=lead>Not made for this pose: " + missing + ".</p>";
 }
 
-/// A fact of a pose: the stage that measured it, what people call it, and its key in the report.
+/// A fact about a pose: the stage that measured it, its label, and its key in the report.
 struct Fact {
   const char *stage, *label, *key;
 };
@@ -77,17 +77,17 @@ constexpr Fact kPoseFacts[] = {
     {"dense", "dense CPU time", "cpu_seconds"},
     {"dense", "dense completeness", "completeness_mean"},
     {"mesh", "Poisson faces", "faces"},
-    {"refine", "photographs moved the surface by (pixels, 95 %)", "moved_95_footprints"},
-    {"refine", "outlines miss the masks by (px)", "outline_gap_px"},
-    {"refine", "surface where photographs tell the place (share)", "evidence"},
-    {"refine", "its brightness misses the photographs by (share)", "shading_error_after"},
+    {"refine", "shift of the surface by the photographs (pixels, 95 %)", "moved_95_footprints"},
+    {"refine", "distance of outlines and masks (px)", "outline_gap_px"},
+    {"refine", "surface determined by photographs (share)", "evidence"},
+    {"refine", "difference of its brightness to the photographs (share)", "shading_error_after"},
     {"cleanup", "faces", "faces"},
     {"cleanup", "closed 2-manifold", "closed"},
     {"cleanup", "holes filled", "holes_filled"},
     {"cleanup", "self-intersections", "self_intersections"},
     {"cleanup", "genus", "genus"},
     {"cleanup", "repair strategy", "rung"},
-    {"cleanup", "99 % of it from the scan within", "distance_from_input_p99_over_diag"},
+    {"cleanup", "distance to the scan, 99 %", "distance_from_input_p99_over_diag"},
     {"unwrap", "UV charts", "charts"},
     {"unwrap", "L2 stretch", "stretch_l2"},
     {"unwrap", "L2 stretch", "l2_stretch"},
@@ -98,7 +98,7 @@ constexpr Fact kPoseFacts[] = {
     {"bake", "views a texel", "mean_views_per_texel"},
     {"bake", "PSNR to photographs (dB)", "psnr_gain_db"},
     {"bake", "PSNR to photographs left out (dB)", "held_out_psnr_db"},
-    {"bake", "... after one gain a channel (dB)", "held_out_psnr_gain_db"},
+    {"bake", "... after one gain per channel (dB)", "held_out_psnr_gain_db"},
     {"bake", "SSIM to photographs left out", "held_out_ssim"},
 };
 
@@ -116,7 +116,7 @@ Pairs PoseFacts(const RunRecord& run, const std::string& pose) {
   return facts;
 }
 
-/// Where the photographs were taken, by name; orange where the outline does not fit.
+/// The positions of the photographs, with names; orange if the outline does not fit.
 std::string CameraChart(const PosePart& pose) {
   if (pose.places.empty()) return pose.cameras ? "<h3>Cameras</h3>" : "";
   std::vector<ChartMark> marks;
@@ -129,13 +129,13 @@ std::string CameraChart(const PosePart& pose) {
          Figure(DotChart(marks, {"Where the photographs were taken: height above the figure\u2019s "
                                  "middle [\u00b0]",
                                  "angle around the figure [\u00b0]", "", false}),
-                "One dot a photograph, with its name; orange where the mesh\u2019s outline does "
-                "not fit it.");
+                "One dot per photograph, with its name; orange if the mesh\u2019s outline does not "
+                "fit it.");
 }
 
 std::string ViewTable(const PoseEvidence& evidence) {
   Table table({"photograph", "overlap with the mask (IoU)",
-               "outlines apart, of the figure\u2019s size", "details repeated (of 1)",
+               "distance of outlines, of the figure\u2019s size", "correlation of details",
                "outline with a change of colour"});
   for (const ViewEvidence& v : evidence.views)
     table.Add({Escape(v.name), fmt::format("{:.3f}", v.iou), Percent(v.outline_off),
@@ -195,7 +195,7 @@ std::string EverythingMeasured(const StepRecord& step) {
                      ": everything measured</summary>" + Facts(facts);
   for (const auto& [name, text] : step.lists) {
     const std::string shown =
-        text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (whole in report.json)" : text;
+        text.size() > 6000 ? text.substr(0, 6000) + " \u2026 (complete in report.json)" : text;
     html += "<details><summary>" + Words(name) +
             "</summary><code style=\"display:block;white-space:pre-wrap;overflow-wrap:anywhere\">" +
             Escape(shown) + "</code></details>";
@@ -222,7 +222,7 @@ std::string StepsSection(const Contents& contents) {
   return "<section id=steps><h2>Steps</h2><p class=lead>" +
          Pretty(static_cast<double>(contents.run.steps.size())) + " steps, " +
          PrettySeconds(total) +
-         " of work in all. A reused step shows the time of the run that made it.</p>" +
+         " of work in all. A cached step shows the time of the run that made it.</p>" +
          table.Html() + "</section>\n";
 }
 
@@ -231,16 +231,15 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   std::string html =
       "<section id=\"pose-" + Escape(pose.name) + "\"><h2>Pose \u2018" + Escape(pose.name) +
       "\u2019</h2><p class=lead>" +
-      (is_template ? "The template: the other poses take its connectivity and texture layout."
+      (is_template ? "The template: the other poses use its connectivity and texture layout."
                    : "Its texture is baked on the registered template.") +
       "</p>" + MissingStages(contents, pose);
   if (!pose.sides.empty()) html += "<h3>Textured, from all round</h3>" + Shots(pose.sides, encode);
   if (!pose.worst.empty())
     html += "<h3>Photograph and render from the same camera: the worst of " +
             Pretty(static_cast<double>(pose.evidence.views.size())) +
-            "</h3><p class=lead>Left the photograph, right the textured mesh; the orange line is "
-            "the outline of the photograph\u2019s "
-            "first mask in both.</p>" +
+            "</h3><p class=lead>Left: the photograph. Right: the textured mesh. The orange line in "
+            "both is the outline of the photograph\u2019s first mask.</p>" +
             WidePictures(pose.worst, encode) + ViewTable(pose.evidence);
   std::vector<Picture> made;
   if (pose.cloud) made.push_back({"Dense points: " + pose.cloud->caption, pose.cloud->image});
@@ -254,7 +253,7 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
   if (pose.masks)
     html += "<h3>Masks</h3>" + Figure(Image(encode(pose.masks->image), "masks over photographs"),
                                       Escape(pose.masks->caption));
-  html += "<details><summary>The numbers that matter</summary>" +
+  html += "<details><summary>The most important numbers</summary>" +
           Facts(PoseFacts(contents.run, pose.name)) + "</details>";
   for (const StepRecord& step : contents.run.steps)
     if (step.pose == pose.name && step.stage != "register") html += EverythingMeasured(step);
@@ -263,7 +262,7 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
 
 namespace {
 
-/// How registration began, and why so.
+/// The starts of the registration, and the chosen one.
 std::string StartsTable(const StepRecord& step) {
   const auto list = step.lists.find("starts");
   if (list == step.lists.end()) return {};

@@ -1,5 +1,4 @@
-// The sections of the page, one function each; they return HTML, empty when there is nothing to
-// show.
+// The sections of the page, one function each. They return HTML; empty if there is nothing to show.
 #pragma once
 
 #include <string>
@@ -13,15 +12,15 @@ std::string PoseSection(const Contents& contents, const PosePart& pose, const En
 std::string PairSection(const PairPart& pair, const Encoder& encode);
 std::string AnimationSection(const Contents& contents, const Encoder& encode);
 
-/// Poster and controls of the player; empty without one.
+/// Poster and controls of the player; empty if there is no player.
 std::string PlayerSection(const Contents& contents, const Encoder& encode);
-/// Its data and program, for the page's end.
+/// The player's data and script, for the end of the page.
 std::string PlayerProgram(const Contents& contents);
 
-/// All measurements of a step, folded away.
+/// All measurements of a step, collapsed.
 std::string EverythingMeasured(const StepRecord& step);
 std::string Shots(const std::vector<Picture>& pictures, const Encoder& encode);
-/// Pictures that need room, two or three a row.
+/// Large pictures, two or three per row.
 std::string WidePictures(const std::vector<Picture>& pictures, const Encoder& encode);
 /// "reprojection_error_px" -> "reprojection error (px)".
 std::string Words(const std::string& name);

@@ -1,19 +1,20 @@
-// How far two surfaces lie apart, both ways, as numbers and as a value at each vertex for a
-// coloured picture.
+// The distance between two surfaces, one way at a time, as statistics and as a value per vertex for
+// a coloured picture.
 #pragma once
 
 #include "core/mesh.h"
 
 namespace keypose::report {
 
-/// From the points of one surface to the closest point of another.
+/// Distances from the points of one surface to the closest points of another.
 struct OneWayDistance {
   Eigen::VectorXd at_vertex;          ///< V
   double mean = 0, rms = 0, p99 = 0;  ///< over points spread uniformly by area
-  double max = 0;  ///< over those and all vertices: the one-sided Hausdorff distance, from below
+  /// over those and all vertices: a lower bound of the one-sided Hausdorff distance
+  double max = 0;
 };
-/// @param samples  points spread over `from`; their number bounds how much of a maximum inside a
-/// face can be missed
+/// @param samples  number of points spread over `from`; more points miss less of a maximum inside a
+/// face
 OneWayDistance DistanceTo(const Mesh& from, const Mesh& to, int samples = 50000);
 
 }  // namespace keypose::report

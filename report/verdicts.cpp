@@ -26,7 +26,7 @@ std::string Joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Names of a measurement that is a list of names, or of objects with a name.
+/// The names in a measurement that is a list of names or of objects with a name.
 std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
   std::vector<std::string> names;
   const auto listed = s.lists.find(list);
@@ -38,8 +38,8 @@ std::vector<std::string> NamesOf(const StepRecord& s, const char* list) {
   return names;
 }
 
-/// With a capital at its start and a full stop at its end, as other findings have them; file names
-/// stay as they are.
+/// With a capital at its start and a full stop at its end, like other findings. File names are not
+/// changed.
 std::string AsSentence(std::string text) {
   const bool word = text.size() > 1 && std::islower(static_cast<unsigned char>(text[0])) &&
                     text.substr(0, text.find(' ')).find('.') == std::string::npos;
@@ -48,7 +48,7 @@ std::string AsSentence(std::string text) {
   return text;
 }
 
-/// Collects findings on one step after another.
+/// Collects the findings on all steps.
 class Findings {
  public:
   explicit Findings(std::vector<Finding>& out) : out_(out) {}
@@ -90,20 +90,20 @@ class Findings {
     CamerasFrom(s);
   }
 
-  /// What placed the cameras, where features alone did not.
+  /// The method that estimated the cameras if features alone did not.
   void CamerasFrom(const StepRecord& s) {
     static const std::map<std::string, const char*> kMethods = {
         {"ring", "a model of the turntable, since features alone left photographs out."},
         {"silhouettes", "the outlines alone, since features were too few."},
         {"plate", "the printed calibration board."},
-        {"poses", "the poses that were given."}};
+        {"poses", "the camera poses that were given."}};
     const auto method = s.texts.find("method");
     const auto known = method == s.texts.end() ? kMethods.end() : kMethods.find(method->second);
     if (known == kMethods.end()) return;
     const bool outlines = known->first == "silhouettes";
     Add(outlines ? Grade::kLook : Grade::kNote, s, "Cameras come from " + Bold(known->second),
-        outlines ? "compare photographs and renders below; a newspaper or calibration board under "
-                   "the figure gives features"
+        outlines ? "compare photographs and renders below; a newspaper or a calibration board "
+                   "under the figure adds features"
                  : "");
   }
 
@@ -112,7 +112,7 @@ class Findings {
     if (const auto names = NamesOf(s, "distrusted"); !names.empty())
       Add(Grade::kLook, s,
           "The other photographs contradict " + Bold(Joined(names)) +
-              "; they had no say in the shape.",
+              "; they were not used for the shape.",
           "look at them: another object, a moved figure or a hand; take them out of the folder or "
           "shoot them again");
     else if (const auto disagreeing = NamesOf(s, "views_disagreeing"); !disagreeing.empty())
@@ -128,15 +128,15 @@ class Findings {
   void Refine(const StepRecord& s) {
     if (const auto evidence = s.Number("evidence"))
       Add(*evidence < kEvidenceLook ? Grade::kLook : Grade::kNote, s,
-          "Photographs or outlines tell the place of " + Bold(Percent(*evidence)) +
+          "Photographs or outlines determine " + Bold(Percent(*evidence)) +
               " of the surface; the rest follows its surroundings.",
           *evidence < kEvidenceLook ? "press small marks or speckles into plain clay, or shoot "
                                       "more and closer photographs"
                                     : "");
     if (const auto light = s.Number("shading_error_after"))
       Add(Grade::kNote, s,
-          "Shape and lamps explain the brightness of the photographs to " + Bold(Percent(*light)) +
-              ".");
+          "Shape and lamps explain the brightness of the photographs to within " +
+              Bold(Percent(*light)) + ".");
   }
 
   void Cleanup(const StepRecord& s, const StepRecord* refine) {
@@ -145,14 +145,13 @@ class Findings {
       Add(*closed > 0 ? Grade::kGood : Grade::kWrong, s,
           *closed > 0 ? "The mesh is a " + Bold("closed, oriented 2-manifold") + "."
                       : "The mesh is " + Bold("not closed") + ".",
-          *closed > 0 ? ""
-                      : "keypose log cleanup says where; more photographs of that side close it");
+          *closed > 0 ? "" : "keypose log cleanup shows where; add photographs of that side");
     if (crossings && *crossings > 0)
       Add(Grade::kWrong, s, Bold(Pretty(*crossings)) + " faces still intersect others.",
-          "try more faces, e.g. --set cleanup.faces=40000, or shoot what lies between the parts "
+          "try more faces, e.g. --set cleanup.faces=40000, or photograph the gap between the parts "
           "that touch");
-    // Soles that were cut flat at the ground lie at most as far from the scan's caps as these
-    // reached below it.
+    // The distance of soles cut flat at the ground from the scan's caps is at most the depth of the
+    // caps below the ground.
     const double soles = s.Number("cut_below_ground_over_diag").value_or(0);
     if (const auto far = s.Number("distance_to_input_p99_over_diag");
         far && *far > std::max(kClosedFarLook, soles))
@@ -181,11 +180,11 @@ class Findings {
   }
 
   void Bake(const StepRecord& s, const StepRecord* complete) {
-    // What other poses' photographs show is not guessed.
+    // Texels that are filled from other poses' photographs are not guessed.
     if (const auto unseen = (complete ? *complete : s).Number("unseen_fraction"))
       Add(*unseen < kUnseenLook ? Grade::kNote : Grade::kLook, s,
           Bold(Percent(*unseen)) + " of the texture was in no photograph" +
-              (complete ? " of any pose" : "") + " and is filled in from around.",
+              (complete ? " of any pose" : "") + " and is filled in from its surroundings.",
           *unseen < kUnseenLook
               ? ""
               : "shoot a second ring from lower or higher, and between the limbs");
@@ -222,7 +221,7 @@ class Findings {
           *rms < kRegisteredGood ? "" : more);
     if (landmark && *landmark > kLandmarkLook)
       Add(Grade::kLook, s,
-          "A landmark is missed by " + Bold(Percent(*landmark)) + " of the diagonal.",
+          "The distance to a landmark is " + Bold(Percent(*landmark)) + " of the diagonal.",
           "check its pick; the residuals below name it");
     if (const auto high = s.Number("stretch_high"), low = s.Number("stretch_low");
         high && low && *low > 0)
@@ -230,10 +229,10 @@ class Findings {
         Add(Grade::kLook, s,
             "Parts of the template are stretched to " + Bold(Pretty(*high)) + " or pressed to " +
                 Bold(Pretty(*low)) + " of their length.",
-            more + "; where clay was added or taken away, that is right");
+            more + "; this is correct where clay was added or removed");
   }
 
-  /// What the report saw itself: the textured mesh against the photographs.
+  /// The report's own measurements: the textured mesh compared with the photographs.
   void Evidence(const PosePart& pose) {
     const PoseEvidence& e = pose.evidence;
     if (e.views.empty()) return;
@@ -243,8 +242,7 @@ class Findings {
       Put({Grade::kLook, pose.name, "compared",
            "Along " + Bold(Percent(1 - e.edges)) +
                " of the mesh\u2019s outline the photographs show no change of colour: masks may "
-               "cut into the figure, or clay and backdrop "
-               "are alike.",
+               "cut into the figure, or clay and backdrop have similar colours.",
            "put the figure before a backdrop of another colour, or give masks of your own as "
            "masks/POSE"});
   }
@@ -256,7 +254,7 @@ class Findings {
          : good ? Grade::kGood
                 : Grade::kLook,
          pose, "compared",
-         "In the middle one of " + count + " photographs the mesh\u2019s outline is " +
+         "In the median of " + count + " photographs the mesh\u2019s outline is " +
              Bold(Percent(e.outline_off)) +
              " of the figure\u2019s size from that of the photograph.",
          good ? ""
@@ -318,7 +316,8 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (!step.trouble.empty())
     findings.Put(
         {Grade::kLook, step.pose, where, Escape(step.trouble) + ".", "keypose run makes it again"});
-  // What capture foresees is decided by what came of it; the other stages warn of their results.
+  // Capture's warnings are predictions, which later results replace; other stages' warnings are
+  // about their results.
   for (const std::string& warning : step.warnings)
     findings.Put({step.stage == "capture" ? Grade::kNote : Grade::kLook, step.pose, where,
                   AsSentence(Escape(warning)), ""});
@@ -332,14 +331,15 @@ void FindOnStep(const StepRecord& step, const RunRecord& run, std::vector<Findin
   if (step.stage == "register") findings.Register(step);
 }
 
-/// A verdict names so many findings; the list below it has the rest.
+/// Maximum number of findings in a verdict; the list below it has all.
 constexpr int kFindingsInVerdict = 3;
 
 int Badness(Grade grade) {
   return grade == Grade::kWrong ? 0 : grade == Grade::kLook ? 1 : grade == Grade::kGood ? 2 : 3;
 }
 
-/// What decided: all that is as bad as the worst; of a good pose, what the photographs say.
+/// The verdict from the findings with the worst grade; for a good pose, from the comparison with
+/// the photographs.
 Verdict VerdictOn(const std::string& about, const std::string& pose,
                   const std::vector<Finding>& findings) {
   Verdict verdict{about, Grade::kNote, "", ""};

@@ -1,4 +1,4 @@
-// The verdicts against what real runs measured: ideal sets, and sets that were spoilt on purpose.
+// The verdicts on measurements of real runs: ideal sets, and sets that were spoilt on purpose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ ViewEvidence View(const std::string& name, double outline_off, double structure,
   return view;
 }
 
-/// A finished pose with the measurements of the demo's.
+/// A finished pose with the measurements of the demo.
 Contents Ideal(double outline_off = 0.00045, double structure = 0.91, double edges = 1) {
   Contents contents;
   contents.run.poses = {"rest"};
@@ -89,7 +89,7 @@ TEST(Judge, IdealSetsAreGoodWithNothingToLookAt) {
   EXPECT_EQ(verdict.grade, Grade::kGood);
   EXPECT_EQ(verdict.cure, "");
   EXPECT_THAT(verdict.why,
-              HasSubstr("0.91"));  // what the photographs say, not how well a solver converged
+              HasSubstr("0.91"));  // from the photographs, not from a solver's convergence
   for (const Finding& f : FindAll(contents))
     EXPECT_TRUE(f.grade == Grade::kGood || f.grade == Grade::kNote) << f.text;
 }
@@ -101,7 +101,7 @@ TEST(Judge, OutlinesThatMissThePhotographsAreWrongWhateverTheStagesSay) {
   EXPECT_THAT(verdict.cure, HasSubstr("20 degrees"));
 }
 
-// Middle outline and details of sets of known truth: what docs/stages/report.md lists under
+// Median outline and details of sets with known truth, as listed in docs/stages/report.md under
 // "Measured".
 TEST(Judge, AgreesWithTheTruthOnRecordedSets) {
   for (const auto& [outline_off, structure, grade] :

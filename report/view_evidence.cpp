@@ -29,7 +29,7 @@ Image8 Covered(const Mesh& mesh, const RayScene& scene, const View& view) {
   return covered;
 }
 
-/// Separable Gaussian of `values` where `weight` is not 0; what is not valid does not enter.
+/// Separable Gaussian of `values`, normalised by `weight`. Pixels of weight 0 have no effect.
 Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int height,
                      double sigma) {
   const int radius = static_cast<int>(std::ceil(3 * sigma));
@@ -60,7 +60,7 @@ Plane SmoothedWithin(const Plane& values, const Plane& weight, int width, int he
   return smooth;
 }
 
-/// Details of one to a few pixels: noise is smoothed away, light and exposure are taken off.
+/// Details of one to a few pixels: a band-pass removes noise, light and exposure.
 Plane Details(const Image8& rgb, const Plane& weight) {
   Plane luma(weight.size());
   for (std::size_t i = 0; i < luma.size(); ++i)
@@ -71,7 +71,8 @@ Plane Details(const Image8& rgb, const Plane& weight) {
   return luma;
 }
 
-/// Correlation of the details where mask and mesh agree, two pixels from their rims.
+/// Correlation of the details where mask and mesh overlap, at least two pixels inside their
+/// borders.
 double Structure(const Image8& photograph, const Image8& render, const Image8& mask,
                  const Image8& covered) {
   Plane weight(mask.data.size(), 0.0F);
@@ -125,13 +126,13 @@ void CompareOutlines(const Image8& mask, const Image8& covered, ViewEvidence& ou
     }
   if (both == 0 || rim == 0) return;
   out.iou = static_cast<double>(both) / static_cast<double>(either);
-  // The area between two outlines, over their length, is their mean distance.
+  // The mean distance of two outlines is the area between them divided by their length.
   const double length = 0.5 * static_cast<double>(rim),
                between = static_cast<double>(either - both);
   out.outline_off = std::min(1.0, between / length / BoxOf(mask).Diagonal());
 }
 
-/// Colour at a place, a little smoothed.
+/// The slightly smoothed colour at a point.
 std::array<double, 3> ColorAround(const Image8& image, double px, double py) {
   std::array<double, 3> sum{};
   for (int dy = -1; dy <= 1; ++dy)
@@ -143,7 +144,7 @@ std::array<double, 3> ColorAround(const Image8& image, double px, double py) {
   return sum;
 }
 
-/// Share of the mesh's outline across which the photograph changes colour, away from the picture's
+/// Share of the mesh's outline across which the photograph changes colour. Ignores the picture's
 /// border.
 double EdgesUnderOutline(const Image8& photograph, const Image8& covered) {
   constexpr double kReach = 3.5, kLevels = 10;
@@ -152,7 +153,7 @@ double EdgesUnderOutline(const Image8& photograph, const Image8& covered) {
   for (int y = kAway; y < covered.height - kAway; ++y)
     for (int x = kAway; x < covered.width - kAway; ++x) {
       if (!OnRim(covered, x, y)) continue;
-      double nx = 0, ny = 0;  // towards the outside
+      double nx = 0, ny = 0;  // outward
       for (int dy = -3; dy <= 3; ++dy)
         for (int dx = -3; dx <= 3; ++dx)
           if (!InMask(covered, x + dx, y + dy)) nx += dx, ny += dy;

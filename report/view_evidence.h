@@ -1,5 +1,5 @@
-// A textured mesh against one photograph: what the report says of a pose by itself, whatever the
-// stages said.
+// Compares a textured mesh with one photograph: the report's own judgement of a pose, independent
+// of the stages' measurements.
 #pragma once
 
 #include <string>
@@ -19,32 +19,33 @@ struct Shot {
   Image8 mask;        ///< 1 channel, object where >= 128
 };
 
-/// How well the mesh repeats one photograph. Nothing here depends on the figure's size in the
-/// picture, on light, or on exposure.
+/// How well the mesh reproduces one photograph. No value depends on the figure's size in the
+/// picture, on light or on exposure.
 struct ViewEvidence {
   std::string name;
-  double iou = 0;          ///< of the mesh's pixels and the mask's
-  double outline_off = 1;  ///< mean distance of the two outlines, over the diagonal of the mask's
-                           ///< bounding box; 1: nothing in common
-  double structure = 0;    ///< correlation of the render's details with the photograph's, -1 to 1
+  double iou = 0;  ///< intersection over union of the mesh's and the mask's pixels
+  /// mean distance of the two outlines / diagonal of the mask's bounding box; 1: no overlap
+  double outline_off = 1;
+  double structure = 0;  ///< correlation of the render's details with the photograph's, -1 to 1
   /// share of the mesh's outline across which the photograph changes its colour, 0 to 1
   double edges = 0;
-  /// One number to find the worst view by: 1 where outline or details are as bad as is still taken.
+  /// One number to rank the views: 1 if outline or details are just acceptable, more if they are
+  /// worse.
   double Misfit() const;
 };
 
-/// The part of the shot that shows the mesh or the mask, with a margin.
+/// The part of the shot with the mesh or the mask, and a margin.
 Shot Cropped(const Shot& shot, const PointsX3& points);
 
-/// @param texture  of a mesh with UVs; null takes the mesh's colours @pre photograph, mask and
-/// camera of one size
+/// @param texture  for a mesh with UVs; null: the mesh's colours. @pre photograph, mask and camera
+/// have one size
 ViewEvidence CompareView(const Mesh& mesh, const RayScene& scene, const Image8* texture,
                          const Shot& shot);
 
-/// Photograph (left) and render from the same camera (right), the mask's outline drawn in both.
+/// Photograph (left) and render from the same camera (right), with the mask's outline in both.
 Image8 SideBySide(const Mesh& mesh, const RayScene& scene, const Image8* texture, const Shot& shot);
 
-/// The middle one of all views, by each measure; what single bad photographs cannot move.
+/// The median over the views of each measure, which single bad photographs do not affect.
 struct PoseEvidence {
   std::vector<ViewEvidence> views;  ///< by name
   double outline_off = 1, structure = 0, edges = 0;

@@ -1,5 +1,4 @@
-// A ball with painted stripes, photographed by its own renders: what evidence says of true and of
-// wrong meshes.
+// Renders of a striped ball serve as photographs: the evidence on correct and on wrong meshes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +27,7 @@ Mesh Figure(double width = 1) {
   return mesh;
 }
 
-/// What a camera at this angle sees of the figure, and its exact mask.
+/// The figure's picture from a camera at this angle, and its exact mask.
 Shot Photograph(const Mesh& mesh, double azimuth_deg, double light = 1) {
   Shot shot;
   shot.view = FitView(mesh.points, azimuth_deg, 15, 320, 280);
@@ -56,21 +55,21 @@ TEST(CompareView, TheTrueMeshFitsInAnyLight) {
     const ViewEvidence e = Compared(mesh, Photograph(mesh, 30, light));
     EXPECT_EQ(e.iou, 1);
     EXPECT_EQ(e.outline_off, 0);
-    EXPECT_GT(e.structure, 0.97);  // the photograph has 3 x 3 rays a pixel, the render 2 x 2
+    EXPECT_GT(e.structure, 0.97);  // the photograph has 3 x 3 rays per pixel, the render 2 x 2
     EXPECT_GT(e.edges, 0.95);
   }
 }
 
 TEST(CompareView, OutlineDistanceIsThatOfTheSurfaceOverTheFiguresSize) {
   const Mesh mesh = Figure(), wide = Figure(1.05);
-  const Shot shot = Photograph(mesh, 0);  // along y: the width is seen
+  const Shot shot = Photograph(mesh, 0);  // looks along y and sees the width
   // The half-axis of 0.6 grows by 0.03; along the outline of an ellipse of half-axes a, b the area
   // between the two is pi b da.
   const double a = 0.6, da = 0.03, b = 1, h = std::pow((a - b) / (a + b), 2);
   const double length = M_PI * (a + b) * (1 + 3 * h / (10 + std::sqrt(4 - 3 * h)));
   const double expected = M_PI * b * da / length / std::hypot(2 * a, 2 * b);
-  // A rim counts pixels, fewer than the length of a slanting line; perspective and the camera's
-  // height take a few per cent.
+  // The rim is a count of pixels, which is less than the length of a slanted line; perspective and
+  // the camera's height cost a few per cent.
   EXPECT_NEAR(Compared(wide, shot).outline_off, expected, 0.35 * expected);
 }
 

@@ -12,7 +12,8 @@ BoardPicture MakeBoardPicture(const BoardOptions& options) {
   constexpr int kPixelsPerSquare = 80;
   if (options.squares_x < 3 || options.squares_y < 3 ||
       options.squares_x * options.squares_y / 2 > 100)
-    throw UsageError("synth: a plate has 3 x 3 squares or more, and at most 100 markers");
+    throw UsageError(
+        "synth: a calibration board needs at least 3 x 3 squares, and at most 100 markers");
   if (!(options.marker_m > 0 && options.marker_m < options.square_m))
     throw UsageError("synth: the board's markers must be smaller than its squares");
   const cv::Ptr<cv::aruco::Dictionary> dictionary =
@@ -36,7 +37,7 @@ BoardPicture MakeBoardPicture(const BoardOptions& options) {
   board.height_m = board_height + 2 * board.border_m;
   board.corners.resize(static_cast<Eigen::Index>(layout->chessboardCorners.size()), 3);
   for (Eigen::Index i = 0; i < board.corners.rows(); ++i) {
-    // OpenCV counts the board's y downwards in its drawing.
+    // In OpenCV's drawing, the board's y points downwards.
     const cv::Point3f& p = layout->chessboardCorners[i];
     board.corners.row(i) << p.x - board_width / 2, board_height / 2 - p.y, 0;
   }

@@ -1,4 +1,4 @@
-// The ChArUco calibration board that may lie under the character.
+// The ChArUco calibration board under the character.
 #pragma once
 
 #include "core/calibration_board.h"
@@ -7,7 +7,7 @@
 
 namespace keypose::synth {
 
-/// The calibration board under the character.
+/// Size and layout of the calibration board.
 struct BoardOptions {
   bool charuco = false;
   int squares_x = BoardLayout{}.columns,
@@ -21,11 +21,12 @@ struct BoardOptions {
 struct BoardPicture {
   Image8 picture;  ///< grey, first row at +y; covers width_m x height_m
   double width_m = 0, height_m = 0;
-  double border_m = 0;  ///< white card round the board
+  double border_m = 0;  ///< white margin around the board
   PointsX3 corners;     ///< inner chessboard corners in OpenCV's order of ids, in world [m], z = 0
 };
 
-/// @throws UsageError  marker not smaller than the square, or more markers than the dictionary has
+/// @throws UsageError  a marker is not smaller than its square, or the dictionary has too few
+/// markers
 BoardPicture MakeBoardPicture(const BoardOptions& options);
 
 }  // namespace keypose::synth

@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kBaseFillet = 0.0015;  // [m] round edge of the flat base
+constexpr double kBaseFillet = 0.0015;  // [m] radius of the rounded edge of the flat base
 
 double LumpDistance(const Lump& lump, const Vector3d& x) {
   const Vector3d axis = lump.b - lump.a;
@@ -32,9 +32,9 @@ double Ramp(double x, double from, double to) {
 
 constexpr double kTwoPi = 6.283185307179586;
 
-// Bands of sine ridges in patches; a slow warp makes them whorl.
+// Sine ridges in patches. A low-frequency warp bends them into whorls.
 struct Ridges {
-  double patch = 0, phase = 0;       // share of the full height; angle along the sine [rad]
+  double patch = 0, phase = 0;       // share of the full height; phase of the sine [rad]
   Vector3d phase_gradient{0, 0, 0};  // [rad / m]
 };
 
@@ -46,7 +46,7 @@ Ridges RidgesAt(const Clay& clay, const Vector3d& x) {
   Vector3d warp_gradient;
   const double warp = kWarp * GradientNoise(x / kWarpSize, clay.seed * 31 + 9, &warp_gradient);
   const Vector3d direction(0.62, -0.35, 0.70);
-  // Wider ridges whorl in proportion: their turns would cross otherwise.
+  // The warp scales with the ridge spacing; otherwise the bends of wider ridges would cross.
   const double share = 0.0012 / clay.ridge_spacing;
   ridges.phase = kTwoPi * (x.dot(direction) / clay.ridge_spacing + share * warp);
   ridges.phase_gradient =
@@ -64,8 +64,8 @@ double Clay::Distance(const Vector3d& x) const {
     distance = std::isinf(distance) ? d : SmoothMin(distance, d, lump.blend);
   }
   if (std::abs(distance) < 0.01) {
-    // The marks fade out towards 10 mm, so that the field stays continuous, and near crisp lumps,
-    // which are pressed in last.
+    // The marks fade out towards a distance of 10 mm, so that the field is continuous, and near
+    // crisp lumps, which are pressed in last.
     const double fade =
         Ramp(crisp_distance, 0, 0.003) * (1 - Ramp(std::abs(distance), 0.005, 0.01));
     if (fade > 0) distance += fade * dent_depth * FractalNoise(x / dent_size, 2, 0.5, seed);
@@ -108,7 +108,7 @@ Vector3d Clay::Paint(const Vector3d& x, int lump) const {
           (x - spot.center).norm() - spot.radius * (1 + 0.25 * std::min(1.0, grain) * hue);
       if (edge < 0.0004) color += (spot.color - color) * (1 - Ramp(edge, -0.0004, 0.0004));
     }
-  // Kneaded clay: streaks of two shades, a fine grain, and specks of dust in it.
+  // Kneaded clay: streaks of two shades, fine grain, and specks of dust.
   const double shade =
       0.16 * noise(0.014, 1) + 0.24 * coarse + 0.34 * fine + 0.26 * noise(0.0011, 4);
   const double speck = noise(0.0017, 6);

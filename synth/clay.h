@@ -16,43 +16,43 @@ struct Lump {
   double ra = 0.01, rb = 0.01;
   double blend = 0.005;  ///< [m] width of the fillet to the clay below it
   Eigen::Vector3d color = Eigen::Vector3d(0.7, 0.3, 0.2);  ///< linear RGB in [0,1]
-  bool crisp = false;  ///< eyes and buttons: no dents, hardly any grain
+  bool crisp = false;  ///< for eyes and buttons: no dents, almost no grain
 };
 
-/// Spots of another colour painted on one lump's clay.
+/// A painted spot on one lump.
 struct Spot {
   Eigen::Vector3d center;  ///< [m] rest pose
   double radius;           ///< [m]
   Eigen::Vector3d color;   ///< linear RGB
 };
 
-/// A solid {x : Distance(x) < 0} and its paint, in the rest pose. z up, standing on the plane z =
-/// 0, facing -y. Metres.
+/// A solid {x : Distance(x) < 0} and its paint, in the rest pose. z is up; it stands on the plane z
+/// = 0 and faces -y. Metres.
 struct Clay {
   std::vector<Lump> lumps;
   std::vector<Spot> spots;
-  double dent_depth = 0.0005;  ///< [m] of the thumb marks
-  double dent_size = 0.011;    ///< [m] wavelength of the thumb marks
-  double grain = 1;            ///< contrast of the fine paint grain; 1 is rich, about 0.12 is weak
-  double grain_size = 1;       ///< scale of all grain wavelengths
+  double dent_depth = 0.0005;     ///< [m] of the thumb marks
+  double dent_size = 0.011;       ///< [m] wavelength of the thumb marks
+  double grain = 1;               ///< contrast of the fine paint grain; 1: rich, about 0.12: weak
+  double grain_size = 1;          ///< scale of all grain wavelengths
   double ridge_height = 0.00004;  ///< [m] of finger-print ridges
   double ridge_spacing = 0.0012;  ///< [m] from crest to crest
   bool flat_base = true;          ///< cut at z = 0
   std::uint32_t seed = 1;
 
-  /// About the signed distance [m], negative inside; changes by at most 1.3 m per metre.
+  /// Approximate signed distance [m], negative inside. Lipschitz constant at most 1.3.
   double Distance(const Eigen::Vector3d& x) const;
   Eigen::Vector3d Gradient(const Eigen::Vector3d& x) const;
-  /// Index of the lump whose clay lies at a point of the surface.
+  /// Index of the lump that a point of the surface belongs to.
   int LumpAt(const Eigen::Vector3d& x) const;
   /// Linear RGB of the paint at a point of the surface that belongs to `lump`.
   Eigen::Vector3d Paint(const Eigen::Vector3d& x, int lump) const;
-  /// Height of the finger-prints above the solid's surface [m]. Distance() knows nothing of them:
-  /// the world moves its vertices, or only tilts their shading.
+  /// Height of the finger-prints above the solid's surface [m]. Distance() does not include them:
+  /// the world moves its vertices by them, or only tilts their shading normals.
   double RidgeHeight(const Eigen::Vector3d& x, int lump) const;
-  /// Gradient of the ridges' height at a point, dimensionless; tilts the shading normal.
+  /// Gradient of the ridges' height at a point, dimensionless. It tilts the shading normal.
   Eigen::Vector3d RidgeSlope(const Eigen::Vector3d& x, int lump) const;
-  /// Box that holds the solid, with a margin.
+  /// Bounding box of the solid, with a margin.
   void Bounds(Eigen::Vector3d* low, Eigen::Vector3d* high) const;
 };
 

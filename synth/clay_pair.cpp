@@ -17,7 +17,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Streams of random numbers of their own, so that more noise does not move the holes.
+// Separate streams of random numbers, so that more noise does not move the holes.
 enum Stream : std::uint64_t {
   kSourceGrid = 101,
   kTargetGrid = 202,
@@ -31,7 +31,7 @@ std::uint64_t SeedOf(const ClayPairOptions& options, Stream stream) {
   return Hash(options.shape.seed * 1000 + stream);
 }
 
-// The target as a whole, turned about the middle of the posed solid, and scaled.
+// Rotation of the whole target about the middle of the posed solid, and its scale.
 struct Placement {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   double scale = 1;
@@ -68,8 +68,8 @@ std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
   return around;
 }
 
-// Removes faces round `center`, nearest vertices first, until they have the wanted area. Only what
-// is connected goes: the other side of a thin limb stays.
+// Removes faces around `center`, nearest vertices first, until they have the wanted area. Only
+// connected faces are removed: the other side of a thin limb stays.
 void Punch(const Mesh& mesh, const Eigen::VectorXd& areas,
            const std::vector<std::vector<int>>& around, int center, double area,
            std::vector<char>* removed) {
@@ -116,8 +116,8 @@ bool IsFar(const PointsX3& points, const Eigen::RowVector3d& from, double distan
          (points.rowwise() - from).rowwise().squaredNorm().minCoeff() >= distance * distance;
 }
 
-// Holes keep away from `keep` by half a radius more than their own, and do not touch each other, as
-// long as there is room.
+// Holes are at least 1.5 of their radii away from `keep`, and do not touch each other, if there is
+// space.
 Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3& keep) {
   if (options.holes == 0) return mesh;
   const Eigen::VectorXd areas = FaceAreas(mesh.points, mesh.faces);
@@ -141,7 +141,7 @@ Mesh WithHoles(const Mesh& mesh, const ClayPairOptions& options, const PointsX3&
   return WithoutFaces(mesh, removed);
 }
 
-// The vertex nearest to each place that no earlier place took.
+// For each place the nearest vertex that no earlier place has taken.
 std::vector<int> VerticesOf(const std::vector<Place>& places, const PointsX3& points) {
   std::vector<int> vertices;
   for (const Place& place : places) {
@@ -201,8 +201,8 @@ PointsX3 PositionsOf(const std::vector<Place>& places) {
   return positions;
 }
 
-// Spacing of the dense mesh under a tessellation: half of the wanted edges, so that its chords do
-// not show.
+// The dense mesh under a tessellation. Its spacing is half the wanted edge length, so that its
+// chords have no visible effect.
 PosedSurface SurfaceFor(const LimbedShape& shape, const Pose& pose, int vertices) {
   constexpr double kTypicalArea = 0.03;  // [m^2] of the shapes
   return PosedSurface(shape.clay, pose,
@@ -245,7 +245,7 @@ ClayPair MakeClayPair(const ClayPairOptions& options) {
   target.mesh.points = placement(target.mesh.points);
   pair.diagonal = BoundingDiagonal(target.mesh.points);
   AddNoise(options.noise * pair.diagonal, SeedOf(options, kVertexNoise), &target.mesh.points);
-  // The same holes whether few or many of the usual landmarks are given.
+  // The holes are the same for few or many of the usual landmarks.
   LimbedShapeOptions usual = options.shape;
   usual.places = std::max(13, usual.places);
   pair.target = WithHoles(target.mesh, options,

@@ -1,5 +1,5 @@
-// Pairs for registration: the answer is exact, the two meshes have nothing in common but the solid,
-// and damage is as asked.
+// Pairs for registration: the solution is exact, the two meshes share only the solid, and the
+// damage is as requested.
 #include "synth/clay_pair.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(ClayPair, MeshesAreClosedEvenAndOfTheAskedSize) {
       EXPECT_EQ(report.euler, 2);
       EXPECT_NEAR(mesh->vertex_count(), 1200, 0.05 * 1200);
       EXPECT_GT(SmallestAngleDeg(*mesh),
-                18);  // 25 to 31 is usual; registration weighs by cotangents
+                18);  // 25 to 31 is usual; matters since registration uses cotangent weights
     }
   }
 }
@@ -89,8 +89,8 @@ TEST(ClayPair, MeshesAreClosedEvenAndOfTheAskedSize) {
 TEST(ClayPair, TruthOfTheTentacleIsAnArcOfTheAskedAngle) {
   const ClayPairOptions options = Options(270);
   const ClayPair pair = MakeClayPair(options);
-  // By hand: the axis runs from z = 6 mm to 200 mm and becomes three quarters of a circle; a point
-  // keeps its distance to the axis.
+  // Computed by hand: the axis runs from z = 6 mm to 200 mm and becomes three quarters of a circle;
+  // a point keeps its distance to the axis.
   const double begin = 0.006, end = 0.2, radius = (end - begin) / (1.5 * kPi);
   const Vector3d side = Vector3d::UnitZ().unitOrthogonal(),
                  center = radius * side + begin * Vector3d::UnitZ();
@@ -130,14 +130,14 @@ TEST(ClayPair, TargetVerticesLieOnThePosedSolidExactly) {
 }
 
 TEST(ClayPair, TessellationsShareNoVertices) {
-  // unbent: the lattices alone make the difference
+  // no bend: only the lattices differ
   const ClayPair pair = MakeClayPair(Options(0, 1));
   const KdTree tree(pair.target.points);
   const double near = 0.05 * MeanEdge(pair.target);
   int coincide = 0;
   for (Eigen::Index i = 0; i < pair.truth.rows(); ++i)
     coincide += std::sqrt(tree.Nearest(Vector3d(pair.truth.row(i))).squared_distance) < near;
-  // Points thrown at random would do so in 0.9 % of the cases.
+  // For random points this would happen in 0.9 % of the cases.
   EXPECT_LT(coincide, 0.03 * static_cast<double>(pair.truth.rows()));
 }
 
@@ -166,7 +166,7 @@ TEST(LimbedShape, PosesAreOneToOneForAllSeedsAndAngles) {
 }
 
 TEST(LimbedShape, NothingOfTheSolidLiesWhereALimbsHoldFades) {
-  // Else the bend would tear softly through it: the truth would be smooth, but no bend.
+  // Otherwise the bend would shear the part: the truth would be smooth, but not a bend.
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     LimbedShapeOptions options;
     options.seed = seed;
@@ -224,7 +224,7 @@ TEST(ClayPair, HolesAreAsManyAndAsLargeAsAskedAndSpareTheLandmarks) {
     EXPECT_EQ(EulerNumber(holed.target), 2 - count);
     EXPECT_EQ(CheckClosed(holed.target).components, 1);
     const double area = SurfaceArea(whole.target.points, whole.target.faces);
-    // Each goes over by less than the faces of one vertex.
+    // Each hole is too large by less than the faces around one vertex.
     EXPECT_NEAR(1 - SurfaceArea(holed.target.points, holed.target.faces) / area, share,
                 0.2 * share);
     for (std::size_t i = 0; i < holed.picks.size(); ++i)
@@ -253,8 +253,8 @@ TEST(ClayPair, PicksAreTheTruePlacesWithinTheirNoise) {
       square += (PositionOf(pick.target, pair.target) - truth).squaredNorm() /
                 (pair.diagonal * pair.diagonal) / 20;
     }
-    // Two of three axes remain when a point snaps back to the surface; without noise, only the
-    // chords' height.
+    // Snapping to the surface removes the error along one of three axes; without noise only the
+    // height of the chords remains.
     EXPECT_NEAR(std::sqrt(square), std::sqrt(2.0) * noise,
                 noise == 0 ? 0.002 : 0.35 * std::sqrt(2.0) * noise);
   }
@@ -379,7 +379,7 @@ TEST(PairCommand, FilesComeBackAsTheyWereMade) {
   ASSERT_EQ(picks.size(), 13u);
   EXPECT_LT((PositionOf(picks[4].target, target) - PositionOf(pair.picks[4].target, target)).norm(),
             1e-12);
-  // Vertices alone are half an edge off at most.
+  // Snapping to a vertex costs at most half an edge.
   for (const LandmarkPair& pick : ReadLandmarkPairs({folder / "landmarks.txt"}, source, target)) {
     int corner = 0;
     pick.source.barycentric.maxCoeff(&corner);

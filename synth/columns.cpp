@@ -41,7 +41,7 @@ class Builder {
   }
   void Name(const char* name, const Vector3d& place) { figure_.places.emplace_back(name, place); }
 
-  /// A slab of clay without holes: two rings of lumps round its middle.
+  /// A slab of clay without holes: two rings of lumps around its middle.
   void Slab(double height, double radius, double thickness, const Vector3d& color) {
     constexpr int kLinks = 10;
     Add({-0.008, 0, height}, thickness, {0.009, 0.002, height}, thickness, color, 0.008);
@@ -123,7 +123,7 @@ class Builder {
     Deformation raise =
         LimbBend(shoulder, hand - shoulder, Vector3d::UnitZ(), 0.014, 0.034, 45, hand, 0.014);
     raise.spine = {shoulder + 0.5 * (hand - shoulder), hand, hand + Vector3d(0.003, -0.004, 0.013)};
-    // The columns lean, as they would when the torso is pushed to one side.
+    // The columns lean as if the torso were pushed to one side.
     const Deformation lean =
         LimbBend({0, 0, 0.02}, Vector3d::UnitZ(), -Vector3d::UnitX(), 0, 0.060, 12);
     figure_.poses = {{"rest", {}},
@@ -133,7 +133,7 @@ class Builder {
   }
 
   Random random_;
-  double spread_;  // 0: the plain proportions
+  double spread_;  // 0: standard proportions
   Character figure_;
 };
 

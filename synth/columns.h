@@ -1,4 +1,4 @@
-// A figure that one sees through: a torso on columns.
+// A figure with windows: a torso on columns.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@
 
 namespace keypose::synth {
 
-/// A solid in its rest pose, named places on it, and the poses that it takes.
+/// A solid in its rest pose, named places on it, and its poses.
 struct Character {
   Clay clay;
   std::vector<std::pair<std::string, Eigen::Vector3d>> places;
   std::vector<Pose> poses;
 };
 
-/// A slab, four columns on it, and a torso with a head and one arm on top of them: lopsided, of
-/// genus 3. Seed 1 has the plain proportions, others vary them. Poses: rest, bent, twist, squash.
+/// A slab with four columns, and on them a torso with a head and one arm: asymmetric, genus 3. Seed
+/// 1 has standard proportions; other seeds vary them. Poses: rest, bent, twist, squash.
 Character SculptColumns(std::uint64_t seed);
 
 }  // namespace keypose::synth

@@ -32,7 +32,7 @@ ExifToWrite ExifOf(const ImageInfo& info, int orientation) {
   return exif;
 }
 
-// Blurs and darkens in sRGB values: a spoilt photograph need not be physical.
+// Blurs and darkens sRGB values: the damage need not be physically correct.
 Image8 Blurred(const Image8& image, double sigma, double gain) {
   ImageF linear(image.width, image.height, 3);
   for (std::size_t i = 0; i < image.data.size(); ++i)
@@ -40,7 +40,7 @@ Image8 Blurred(const Image8& image, double sigma, double gain) {
   return Develop(std::move(linear), {sigma, 0, 1, 5});
 }
 
-// A quarter turn to the left, which EXIF orientation 6 (turn right to view) undoes.
+// Rotates by 90 degrees to the left; EXIF orientation 6 (rotate right to view) undoes this.
 Image8 TurnedLeft(const Image8& image) {
   Image8 turned(image.height, image.width, image.channels);
   for (int y = 0; y < image.height; ++y)

@@ -1,4 +1,4 @@
-// Spoils folders of photographs the way that real ones are spoilt, for tests of bad input.
+// Damages folders of photographs in realistic ways, for tests of bad input.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,23 @@ namespace keypose::synth {
 enum class DamageKind {
   kTruncate,    ///< the file's second half is lost
   kEmpty,       ///< no bytes
-  kNoImage,     ///< a text under an image's name
+  kNoImage,     ///< a text file with an image's name
   kBlur,        ///< out of focus, 6 px
-  kDark,        ///< nothing but the sensor's black
-  kDrop,        ///< the file is gone
-  kRotate,      ///< stored on its side, with the EXIF orientation that stands it up again
-  kUpsideDown,  ///< turned by 180 degrees, and no EXIF orientation that tells
+  kDark,        ///< only the sensor's black level
+  kDrop,        ///< the file is missing
+  kRotate,      ///< stored rotated by 90 degrees, with the EXIF orientation that corrects it
+  kUpsideDown,  ///< rotated by 180 degrees, without an EXIF orientation
   kResize,      ///< 80 % of the size
   kStripExif,   ///< no camera, no focal length
 };
 
-/// @throws UsageError  unknown word; lists those there are
+/// @throws UsageError  unknown word; lists the known ones
 DamageKind DamageKindNamed(const std::string& word);
 
-/// Copies a folder of photographs and spoils some of the copies.
+/// Copies a folder of photographs and damages some of the copies.
 ///
-/// @param names  file names to spoil; empty: all
-/// @throws InputError  a name that is not in the folder @throws DiskError
+/// @param names  names of the files to damage; empty: all
+/// @throws InputError  a name is not in the folder @throws DiskError
 void DamagePhotos(const std::filesystem::path& from, const std::filesystem::path& to,
                   DamageKind kind, const std::vector<std::string>& names);
 

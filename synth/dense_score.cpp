@@ -27,7 +27,7 @@ double Quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-/// Points on the true surface and whether enough cameras see them.
+/// Points on the true surface, and whether enough cameras see them.
 struct Places {
   PointsX3 points;
   std::vector<char> seen;
@@ -107,7 +107,7 @@ PointsScore ScorePoints(const Mesh& truth, const std::vector<View>& views, const
 
 DetailScore ScoreDetail(const Mesh& truth, const PointsX3& smooth, const Mesh& mesh) {
   if (smooth.rows() != truth.points.rows())
-    throw InputError("synth: the smooth surface has another vertex count than the true one");
+    throw InputError("synth: the smooth surface and the true one have different vertex counts");
   const PointsX3 normals = VertexNormals(smooth, truth.faces);
   const Eigen::VectorXd heights =
       ((truth.points - smooth).array() * normals.array()).rowwise().sum();

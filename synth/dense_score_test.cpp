@@ -25,7 +25,7 @@ Mesh Ball(double radius, double spacing = 0.004) {
                     Vector3d::Constant(-1.2 * radius), Vector3d::Constant(1.2 * radius), spacing);
 }
 
-// Cameras on a sphere about the origin, half a metre away.
+// Cameras on a sphere of 0.5 m around the origin.
 std::vector<View> Around(int count, double elevation_deg, int size = 200) {
   std::vector<View> views;
   for (int k = 0; k < count; ++k) {
@@ -48,7 +48,7 @@ TEST(ScorePoints, KnowsShiftsInFootprintsAndWhatIsMissing) {
   const std::vector<View> views = Around(12, 0);
   const double footprint = PixelFootprint(views, views[0].Center() * ((0.5 - 0.3) / 0.5));
   EXPECT_NEAR(footprint, 0.3 / 600, 1e-9);
-  // Every point one and a half footprints outside, on the upper half only.
+  // All points lie 1.5 footprints outside the surface, only on the upper half.
   PointsX3 points = SampleSurface(ball.points, ball.faces, 30000, 5).points;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -69,7 +69,7 @@ TEST(ScorePoints, KnowsShiftsInFootprintsAndWhatIsMissing) {
 
 TEST(ScorePoints, UnseenSurfaceDoesNotCountAgainstTheSeen) {
   const Mesh ball = Ball(kRadius);
-  const std::vector<View> views = Around(12, 60);  // these see nothing of the lower cap
+  const std::vector<View> views = Around(12, 60);  // these do not see the lower cap
   const SurfaceSamples samples = SampleSurface(ball.points, ball.faces, 30000, 5);
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < samples.points.rows(); ++i)
@@ -111,7 +111,7 @@ TEST(MakeWorld, PrintsThatMoveNeedAFineSurface) {
 }
 
 TEST(HullOfMasks, BallFromARingHasTheSagittaOfItsPolygon) {
-  // Twelve cameras in the plane of the equator: there the hull of a ball is a regular polygon about
+  // Twelve cameras in the equatorial plane: there the hull of a ball is a regular polygon around
   // the circle.
   const std::vector<View> views = Around(12, 0, 600);
   std::vector<Image8> masks;
@@ -133,9 +133,10 @@ TEST(HullOfMasks, BallFromARingHasTheSagittaOfItsPolygon) {
     const double r = hull.points.row(i).head<2>().norm();
     nearest = std::min(nearest, r), farthest = std::max(farthest, r);
   }
-  // 24 tangent planes, the outermost corners where tangents of neighbouring views meet: r / cos of
-  // half their angle, 7.5 degrees when the cameras were at infinity; at half a metre the tangents
-  // of opposite views differ by twice asin(r / d), so that corners alternate.
+  // There are 24 tangent planes. The outermost corners are intersections of tangents of
+  // neighbouring views, at r / cos(half their angle). For cameras at infinity this half angle
+  // is 7.5 degrees. At half a metre the tangents of opposite views differ by 2 asin(r / d), so the
+  // corners alternate.
   EXPECT_NEAR(nearest, kRadius, 0.0003);
   EXPECT_GT(farthest, kRadius / std::cos(7.5 * M_PI / 180) - 0.0002);
   EXPECT_LT(farthest, kRadius / std::cos(15 * M_PI / 180) + 0.0003);
@@ -168,7 +169,7 @@ TEST(LayDown, IsARigidTurnOntoTheBack) {
     EXPECT_LT(
         (lying.table_from_character * Vector3d(standing.row(i)) - Vector3d(points.row(i))).norm(),
         1e-12);
-  // The soles, which stood on the table, look forwards now.
+  // The soles, which were on the table, now face forwards.
   Eigen::Index sole;
   standing.col(2).minCoeff(&sole);
   EXPECT_LT(points(sole, 1), points.col(1).minCoeff() + 0.002);

@@ -1,4 +1,4 @@
-// What keypose-synth writes: photographs with EXIF, their truth, spoilt copies, exit codes.
+// The output of keypose-synth: photographs with EXIF, their truth, damaged copies, exit codes.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Six small photographs of each of two poses, rendered once for all tests of this file.
+// Six small photographs per pose of two poses, rendered once for all tests of this file.
 class SynthFiles : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

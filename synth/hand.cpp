@@ -23,7 +23,7 @@ struct HandLimb {
   Vector2d a, b;
   double ra, rb;
 
-  /// How far its surface stands out of the image's plane [px]; 0 beside it.
+  /// Height of its surface above the image plane [px]; 0 outside.
   double Height(const Vector2d& p) const {
     const Vector2d along = b - a;
     const double t = std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0),
@@ -35,8 +35,8 @@ struct HandLimb {
 
 Vector2d Turned(const Vector2d& v, double angle) { return Eigen::Rotation2Dd(angle) * v; }
 
-/// Where the fingers point to: a place on the figure, `share` of its width in from the side that
-/// the hand comes from.
+/// The target of the fingers: a point of the figure, `share` of its width from the side that the
+/// hand comes from.
 Vector2d Goal(const Image8& mask, bool from_left, double height, double share) {
   int x0 = mask.width, x1 = -1, y0 = mask.height, y1 = -1;
   for (int y = 0; y < mask.height; ++y)
@@ -70,7 +70,7 @@ std::vector<HandLimb> LimbsOf(const Vector2d& goal, const Vector2d& reach, doubl
   return limbs;
 }
 
-/// Skin at a place, or no alpha beside the hand.
+/// Skin colour at a point; alpha is 0 outside the hand.
 Eigen::Vector4d SkinAt(const std::vector<HandLimb>& limbs, const Vector2d& p, double unit,
                        std::uint32_t seed) {
   const auto height = [&](const Vector2d& at) {

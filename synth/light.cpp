@@ -14,21 +14,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// lamp azimuths that are computed; others are mixed, which also softens the lamp
+// number of computed lamp azimuths; others are interpolated, which also softens the light
 constexpr int kTurns = 24;
 constexpr int kSkyRays = 32;
-constexpr double kSkyReach = 0.09;  // [m] farther clay no longer darkens
-constexpr double kOffset = 0.0004;  // [m] rays leave this far from the surface
+constexpr double kSkyReach = 0.09;  // [m] clay farther away casts no sky shadow
+constexpr double kOffset = 0.0004;  // [m] offset of ray origins from the surface
 constexpr double kSkyFar = 1.0;     // [m]
 constexpr int kGrid = 128;
-constexpr double kTableBounce = 0.45;  // brightness of the table, seen from below the horizon
+constexpr double kTableBounce = 0.45;  // brightness of the table for directions below the horizon
 
 Vector3d Towards(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
           std::sin(elevation)};
 }
 
-// Directions about +z, cosine weighted, evenly spread (a Fibonacci spiral).
+// Cosine-weighted directions around +z, evenly spread (a Fibonacci spiral).
 std::array<Vector3d, kSkyRays> SkyDirections() {
   std::array<Vector3d, kSkyRays> directions;
   for (int i = 0; i < kSkyRays; ++i) {
@@ -132,7 +132,7 @@ double TableLight::At(const std::vector<float>& grid, double x, double y) const 
   const float* g = grid.data() + iy * kGrid + ix;
   const double value =
       (1 - fy) * ((1 - fx) * g[0] + fx * g[1]) + fy * ((1 - fx) * g[kGrid] + fx * g[kGrid + 1]);
-  // Faded towards the rim, where long shadows leave the grid.
+  // Fades towards the grid's border, where long shadows leave the grid.
   const double rim = std::max(std::abs(x), std::abs(y)) / half_width_;
   return value + (1 - value) * std::clamp((rim - 0.85) / 0.15, 0.0, 1.0);
 }

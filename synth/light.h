@@ -1,5 +1,5 @@
-// Soft light on a character: an area lamp that stands still while the turntable turns, and the sky
-// of the room.
+// Soft light on a character: an area lamp that is fixed while the turntable turns, and ambient
+// light of the room.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,21 +11,21 @@
 
 namespace keypose::synth {
 
-/// Unit direction from the character to the lamp when the lamp stands at an azimuth about z and an
-/// elevation above the table.
+/// Unit direction from the character to a lamp at an azimuth about z and an elevation above the
+/// table.
 Eigen::Vector3d LampDirection(double azimuth_rad, double elevation_rad);
 
-/// How much of the lamp and of the room each vertex sees, computed once for all turns of the table.
-/// Same bits for any thread count.
+/// The visible share of the lamp and of the room per vertex, computed once for all turns of the
+/// table. Same bits for any thread count.
 class LightField {
  public:
   /// @param normals  V x 3 unit
   /// @param elevation_rad  of the lamp
   LightField(const Mesh& surface, const PointsX3& normals, const RayScene& scene,
              double elevation_rad);
-  /// Share of the lamp that each vertex sees, V in [0,1].
+  /// Visible share of the lamp per vertex, V in [0,1].
   std::vector<float> Lamp(double azimuth_rad) const;
-  /// Share of the room that each vertex sees, V in [0,1].
+  /// Visible share of the room per vertex, V in [0,1].
   const std::vector<float>& sky() const { return sky_; }
 
  private:
@@ -34,13 +34,13 @@ class LightField {
   std::vector<float> sky_;
 };
 
-/// Light that reaches the table (z = 0), on a square grid about the axis.
+/// Light on the table (z = 0), on a square grid around the axis.
 class TableLight {
  public:
-  /// Contact darkness, the same for all turns.
+  /// Contact shadow (ambient occlusion), the same for all turns.
   /// @param half_width  of the grid [m]
   TableLight(const RayScene& scene, double half_width);
-  /// Share of the lamp over the grid for one turn.
+  /// Visible share of the lamp on the grid, for one turn.
   std::vector<float> Lamp(double azimuth_rad, double elevation_rad) const;
   /// Bilinear value of a grid at a point of the table; 1 outside.
   double At(const std::vector<float>& grid, double x, double y) const;

@@ -16,10 +16,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGoldenAngle = 2.399963229728653;  // successive places round a limb never line up
+constexpr double kGoldenAngle = 2.399963229728653;  // successive places around a limb never align
 constexpr int kAttempts = 60;
 
-// Where a ray from inside leaves the solid for good.
+// The last point at which a ray from inside leaves the solid.
 Vector3d Exit(const Clay& clay, const Vector3d& from, const Vector3d& direction) {
   const Vector3d unit = direction.normalized();
   double outside = 0.3, inside = 0;
@@ -40,9 +40,9 @@ struct Limb {
   std::string name;
   Vector3d root, axis;
   double length, radius, tip_radius;
-  double begin;      // [m] along the axis: where it may bend
-  bool alone;        // nothing of the rest lies beyond `begin`
-  double share = 1;  // of the asked bend
+  double begin;      // [m] along the axis: start of the part that may bend
+  bool alone;        // no other part lies beyond `begin`
+  double share = 1;  // of the requested bend
   double azimuth = 0;
 
   Vector3d At(double s) const { return root + s * axis; }
@@ -55,7 +55,7 @@ struct Limb {
 struct Sketch {
   Clay clay;
   std::vector<Limb> limbs;
-  std::vector<Place> body;  // places that belong to no limb
+  std::vector<Place> body;  // places on no limb
 };
 
 void AddLimb(Sketch* sketch, const Limb& limb, double blend) {
@@ -76,7 +76,7 @@ void AddBall(Clay* clay, const Vector3d& a, double ra, const Vector3d& b, double
   clay->lumps.push_back(lump);
 }
 
-// Varies by up to +-share of the value, by nothing for seed 0.
+// Varies a value by up to +-share of it; seed 0 varies nothing.
 class Variation {
  public:
   explicit Variation(std::uint64_t seed) : random_(Hash(seed) + 5), spread_(seed == 0 ? 0 : 1) {}
@@ -107,7 +107,7 @@ Sketch SketchTentacle(std::uint64_t seed) {
             1,
             azimuth};
   const Vector3d side = limb.Across(azimuth), across = limb.axis.cross(side);
-  // The bulb stands back from the side that the tip comes round on at 270 degrees.
+  // The bulb is shifted away from the side where the tip arrives at 270 degrees.
   const double girth = vary(0.032, 0.035, 0.037), back = vary(0.012, 0.014, 0.018);
   const Vector3d center = -back * side - std::sqrt(girth * girth - back * back) * limb.axis;
   const Vector3d lean =
@@ -116,7 +116,7 @@ Sketch SketchTentacle(std::uint64_t seed) {
   AddBall(&sketch.clay, center, girth, center + girth * vary(0.3, 0.5, 0.8) * lean,
           girth * vary(0.6, 0.8, 0.9), 0.01);
   AddLimb(&sketch, limb, 0.01);
-  // Eyes and a toe: without them a bulb would fit in any turn round the tentacle.
+  // Eyes and a toe: without them the bulb would fit at any rotation about the tentacle.
   const auto towards = [&](double turn, double rise) {
     return (std::cos(turn) * side + std::sin(turn) * across + rise * limb.axis).normalized();
   };
@@ -176,7 +176,7 @@ Sketch SketchCharacter(std::uint64_t seed) {
   return sketch;
 }
 
-// Tips, then the body, then round and along the limbs in turn.
+// Tips, then the body, then alternately around and along the limbs.
 std::vector<Place> PlacesOf(const Sketch& sketch, int count) {
   std::vector<Place> places;
   for (const Limb& limb : sketch.limbs)
@@ -222,7 +222,7 @@ Pose PoseOf(const std::vector<Limb>& limbs, const LimbedShapeOptions& options) {
   return pose;
 }
 
-// Whether material that was more than four radii apart stays apart.
+// Whether parts that were more than four radii apart stay apart.
 bool StaysApart(const PointsX3& rest, const PointsX3& posed) {
   constexpr double kFar = 0.05, kApart = 0.008;
   for (Eigen::Index i = 0; i < rest.rows(); ++i)

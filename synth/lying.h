@@ -1,4 +1,4 @@
-// The character laid on its back, so that the camera sees its underside: the second half of a flip
+// The character lying on its back, so that the camera sees its underside: the second half of a flip
 // capture.
 #pragma once
 
@@ -9,12 +9,12 @@
 namespace keypose::synth {
 
 struct Lying {
-  Pose pose;                    ///< the standing pose with one rigid turn after it
-  Rigid3 table_from_character;  ///< that turn: from the standing character's frame to the table
-                                ///< that it lies on
+  Pose pose;  ///< the standing pose, followed by a rigid rotation
+  /// that rotation: from the standing character's frame to the frame of the table
+  Rigid3 table_from_character;
 };
 
-/// Back on the table (z = 0), head towards +y, centred on the axis.
+/// Lays the character with its back on the table (z = 0), head towards +y, centred on the axis.
 /// @param standing  the surface's points in the standing pose
 Lying LayDown(const Pose& standing_pose, const PointsX3& standing);
 

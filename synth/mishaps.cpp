@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kRadPerDeg = 3.141592653589793 / 180;
 
-/// `count` of 0 to n - 1, evenly apart, the first of them `phase` of a gap from the start; those
-/// taken already give way to the next.
+/// `count` evenly spaced numbers from 0 to n - 1; the first is `phase` of a gap from the start. A
+/// taken number is replaced by the next free one.
 std::vector<int> SpreadOut(int count, int n, double phase, const std::vector<int>& taken) {
   std::vector<char> used(static_cast<std::size_t>(n), 0);
   for (const int i : taken) used[i] = 1;
@@ -28,9 +28,8 @@ std::vector<int> SpreadOut(int count, int n, double phase, const std::vector<int
   return chosen;
 }
 
-/// The number that `text` begins with; what follows it stays in `text`.
-/// @return false when there is
-/// none
+/// Parses the number at the beginning of `text` and removes it from `text`.
+/// @return false if there is none
 bool TakeNumber(std::string_view& text, double* value) {
   const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), *value);
   if (fault != std::errc() || !std::isfinite(*value)) return false;
@@ -72,7 +71,7 @@ void ReadMove(const std::string& text, Mishaps* mishaps) {
   const auto refuse = [&] {
     return UsageError(
         "synth: '" + text +
-        "' says nothing of a move; write SHARE:MOVE, such as 0.5:5mm,7deg, 0.5:5mm or 0.5:bent");
+        "' does not give a move; write SHARE:MOVE, such as 0.5:5mm,7deg, 0.5:5mm or 0.5:bent");
   };
   std::string_view rest = text;
   if (!TakeNumber(rest, &mishaps->moved_from) || rest.empty() || rest.front() != ':')

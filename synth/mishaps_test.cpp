@@ -1,5 +1,5 @@
-// What `keypose synth photos` does when something goes wrong at the set: only what it says, only
-// where it says.
+// `keypose synth photos` with mishaps: each changes only what it should, in the right photographs
+// only.
 #include "synth/mishaps.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ PhotosCommand Command(const std::string& name) {
 
 std::string Name(int i) { return "IMG_000" + std::to_string(i + 1) + ".jpg"; }
 
-/// Photographs with mishaps beside the same ones without.
+/// Photographs with mishaps, and the same photographs without.
 class MishapsAtTheSet : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -121,7 +121,7 @@ TEST_F(MishapsAtTheSet, MovedFigureIsSeenWhereItsTrueCamerasSayAndPhotographsBef
       both += seen && masked, either += seen || masked;
     }
     EXPECT_GT(both, 0.97 * either)
-        << Name(i);  // half of a pixel covered and its centre covered differ at the edge
+        << Name(i);  // "half of the pixel covered" and "centre covered" differ at the edge
   }
   EXPECT_NEAR(World().at("moved").at("deg").get<double>(), 15, 1e-9);
   EXPECT_EQ(World().at("moved").at("photographs").size(), 4u);
@@ -144,7 +144,7 @@ TEST_F(MishapsAtTheSet, FallenLampShadesAnewAndMovesNothing) {
     EXPECT_EQ(SameBytes(i), i < kViews / 2);
     EXPECT_EQ(Mask(clean_, i).data, Mask(spoilt_, i).data);
     if (i < kViews / 2) continue;
-    // The lamp lay down to the right: there the figure is lit now, on the left it no longer is.
+    // The lamp fell to the right: now the figure is lit on the right and no longer on the left.
     const Image8 before = Photograph(clean_, i), after = Photograph(spoilt_, i),
                  mask = Mask(clean_, i);
     double left[2] = {0, 0}, right[2] = {0, 0};

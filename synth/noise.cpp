@@ -16,8 +16,8 @@ std::uint32_t LatticeHash(int x, int y, int z, std::uint32_t seed) {
   return h ^ h >> 16;
 }
 
-// The twelve edge directions of a cube, four of them twice: no preferred axis, and only additions
-// to apply.
+// The twelve edge directions of a cube, four of them twice: no preferred axis, and dot products
+// need only additions.
 constexpr signed char kEdges[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1}};

@@ -13,16 +13,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Directions that no lattice plane and no upright wall is parallel to.
+// Directions that are parallel to no lattice plane and no vertical wall.
 const std::array<Vector3d, 3> kDirections = {Vector3d(0.36, 0.48, 0.80).normalized(),
                                              Vector3d(-0.71, 0.23, 0.66).normalized(),
                                              Vector3d(0.19, -0.87, 0.45).normalized()};
 
-/// How often the surface wraps a point, by the walls that a ray crosses on its way out.
+/// Winding number of the surface around a point, from the walls that a ray crosses.
 int Winding(const RayScene& scene, const PointsX3& normals, const Vector3d& x,
             const Vector3d& direction) {
-  constexpr double kStep = 2e-7;  // [m] beyond a wall: more than single precision's rounding at
-                                  // this size, less than any gap
+  constexpr double kStep = 2e-7;  // [m] beyond a wall: more than the rounding of single precision
+                                  // at this size, less than any gap
   int winding = 0;
   double from = 0;
   for (int walls = 0; walls < 1000; ++walls) {
@@ -35,13 +35,13 @@ int Winding(const RayScene& scene, const PointsX3& normals, const Vector3d& x,
 }
 
 bool Inside(const RayScene& scene, const PointsX3& normals, const Vector3d& x) {
-  // A ray that grazes an edge may count it twice or not at all: two that agree are right.
+  // A ray that grazes an edge may count it twice or not at all; if two rays agree, they are right.
   const bool first = Winding(scene, normals, x, kDirections[0]) > 0,
              second = Winding(scene, normals, x, kDirections[1]) > 0;
   return first == second ? first : Winding(scene, normals, x, kDirections[2]) > 0;
 }
 
-/// Negative inside; the sign comes from rays, as the surface may cross itself.
+/// Negative inside. The sign comes from rays, since the surface may intersect itself.
 class SignedDistance {
  public:
   explicit SignedDistance(const Mesh& mesh)
@@ -68,9 +68,8 @@ Mesh Offset(const Mesh& mesh, double by, double spacing) {
 }  // namespace
 
 Mesh OuterSurface(const Mesh& posed, double spacing) {
-  // Where two walls meet at a flat angle, the lattice would leave pinholes between them, and clay
-  // that is pressed together leaves none. Grown and shrunk again (a morphological closing), the
-  // solid has none.
+  // Where two walls meet at a small angle, the lattice would leave pinholes, which pressed clay
+  // does not have. Growing and shrinking the solid (morphological closing) closes them.
   constexpr double kCrevice = 0.001;  // [m] radius of the ball that cannot enter
   const double crevice = std::max(spacing / 2, kCrevice);
   return Offset(Offset(posed, crevice, spacing), -crevice, spacing);

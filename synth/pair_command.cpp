@@ -48,7 +48,7 @@ int CornerOf(const Mesh& mesh, const Landmark& landmark) {
   return mesh.faces(landmark.face, corner);
 }
 
-// A target vertex is given once: where two picks share their nearest corner, the later one is left
+// A target vertex appears only once: if two picks share their nearest corner, the later one is left
 // out.
 std::string VertexPairs(const ClayPair& pair) {
   std::set<int> used;
@@ -80,7 +80,7 @@ std::string RunPair(const PairCommand& command) {
   if (error)
     throw DiskError("synth: cannot create the folder " + command.output.string() + ": " +
                     error.message());
-  // Picks of an earlier run must not lie beside a pair that has none.
+  // Picks of an earlier run must not remain beside a pair without picks.
   for (const char* name : {"source_landmarks.json", "target_landmarks.json", "landmarks.txt"})
     std::filesystem::remove(command.output / name, error);
   Mesh truth = pair.source;

@@ -28,8 +28,8 @@ constexpr double kTableHalfWidth = 0.24;  // [m]
 const Vector3d kLampColor(1.02, 1.0, 0.95), kRoomColor(0.97, 1.0, 1.05);
 constexpr double kGlossPower = 22;
 
-/// Points with z = 1 in the camera's frame at the pixels' corners; inside a pixel the distortion is
-/// bilinear to 1e-6 px.
+/// Points with z = 1 in the camera's frame, at the pixels' corners. Inside a pixel, bilinear
+/// interpolation of the distortion is exact to 1e-6 px.
 class RayTable {
  public:
   explicit RayTable(const Camera& camera)
@@ -41,7 +41,7 @@ class RayTable {
     };
     ParallelFor(camera.height + 1, row, 16);
   }
-  /// @param sx, sy  inside the pixel, in [0,1]
+  /// @param sx, sy  place inside the pixel, in [0,1]
   Vector3d At(int x, int y, double sx, double sy) const {
     const Vector2d* c = corners_.data() + static_cast<std::size_t>(y) * stride_ + x;
     const Vector2d p = (1 - sy) * ((1 - sx) * c[0] + sx * c[1]) +
@@ -74,7 +74,7 @@ Window WindowOf(const View& view, const PointsX3& points) {
           inside(high[0] + 3, view.camera.width), inside(high[1] + 3, view.camera.height)};
 }
 
-/// Where the lamp stands, seen from the camera.
+/// Position of the lamp relative to the camera.
 struct LampStand {
   double aside_rad, elevation_rad;
 };
@@ -97,7 +97,7 @@ struct Photographer::Impl {
         surface(TruthSurface(world, pose)),
         scene(surface.points, surface.faces),
         normals(VertexNormals(pose(world.smooth.rows() ? world.smooth : world.rest.points),
-                              surface.faces)),  // the prints' own tilt is added point by point
+                              surface.faces)),  // the tilt of the prints is added at each point
         views(stands ? *stands : PlaceCameras(surface.points, options)),
         rays(views.front().view.camera),
         backdrop(Backdrop(options)),
@@ -127,14 +127,14 @@ struct Photographer::Impl {
   LightField light;
   std::optional<LightField> fallen_light;  // after the lamp fell
   TableLight table;
-  std::vector<int> lumps;  // of each vertex
+  std::vector<int> lumps;  // per vertex
   std::optional<BoardPicture> board;
-  std::vector<int> hands;  // photographs with a hand in them
+  std::vector<int> hands;  // photographs with a hand
 };
 
 namespace {
 
-/// One photograph in the making: everything of a view that its pixels share.
+/// The data of one photograph that all its pixels share.
 class Exposure {
  public:
   template <class Impl>
@@ -168,7 +168,7 @@ class Exposure {
     }
   }
 
-  /// Light of one pixel; `covered` receives the share of it that is character.
+  /// Light of one pixel; `covered` receives the share of the pixel that the character covers.
   Vector3d Pixel(int x, int y, double* covered) const {
     const int n = options_.supersampling;
     Vector3d sum = Vector3d::Zero();
@@ -216,7 +216,8 @@ class Exposure {
     return world_.clay.Paint(rest, lump).cwiseProduct(light) + gloss * kLampColor;
   }
 
-  /// Carries a slope on the rest triangle to the posed one: equal rise along equal material edges.
+  /// Transfers a slope from the rest triangle to the posed one: the rise along corresponding edges
+  /// is equal.
   Vector3d PosedSlope(const Vector3d& slope, int a, int b, int c) const {
     if (slope.isZero(0)) return slope;
     const auto edges = [&](const PointsX3& p) {
@@ -252,7 +253,7 @@ class Exposure {
     return share * color;
   }
 
-  /// A lamp that lies low lights the set less.
+  /// A low lamp gives the set less light.
   double BackdropLight() const {
     const double now = options_.ambient + options_.lamp * lamp_direction_[2];
     return now / (options_.ambient + options_.lamp * upright_height_);
@@ -294,7 +295,7 @@ class Exposure {
   const std::vector<int>& lumps_;
   const BoardPicture* board_;
   Vector3d lamp_direction_;
-  double upright_height_;  // of a unit vector to the lamp while it stands
+  double upright_height_;  // height (z) of the unit vector to the standing lamp
   Rigid3 table_from_world_;
   Rigid3 world_from_camera_;
   Eigen::Matrix3d turn_;

@@ -15,15 +15,15 @@ namespace keypose::synth {
 struct SyntheticView {
   View view;     ///< exact camera, in the world's frame (fixed to the character)
   Image8 image;  ///< sRGB photograph
-  Image8 mask;   ///< 255 where at least half of the pixel is character
+  Image8 mask;   ///< 255 where the character covers at least half of the pixel
 };
 
-/// Takes photographs one by one. Construction prepares light and rays; Take is const and safe from
-/// many threads.
+/// Takes photographs one by one. The constructor prepares light and rays; Take is const and
+/// thread-safe.
 class Photographer {
  public:
-  /// @param rig  stands where that photographer stands, instead of where the figure fills the
-  /// picture; null: on its own
+  /// @param rig  a photographer whose camera positions are used; null: positions so that the figure
+  /// fills the picture
   /// @throws UsageError  bad options
   Photographer(const World& world, const Pose& pose, const PhotographerOptions& options,
                const Photographer* rig = nullptr);
@@ -31,13 +31,13 @@ class Photographer {
   Photographer(Photographer&&) noexcept;
 
   int view_count() const;
-  /// Named IMG_0001.jpg and so on, ring after ring.
+  /// Named IMG_0001.jpg, IMG_0002.jpg, ..., ring after ring.
   const View& ViewAt(int i) const;
   /// The i-th photograph; a pure function of world, pose, options and i: same bits for any thread
   /// count.
   SyntheticView Take(int i) const;
-  /// The clean plate: the empty set, as seen by every view (the background is static in the
-  /// camera's frame).
+  /// The clean plate: the set without the figure, the same for every view (the background is static
+  /// in the camera's frame).
   Image8 CleanPlate() const;
   const Mesh& surface() const;
 
@@ -51,8 +51,8 @@ std::vector<SyntheticView> Photograph(const World& world, const Pose& pose,
                                       const PhotographerOptions& options,
                                       Progress* progress = nullptr);
 
-/// The exact cameras, with `points` truth surface vertices as sparse points, each seen by the views
-/// that really see it (for tests of dense, texture).
+/// The exact cameras, with `points` vertices of the true surface as sparse points, each with the
+/// views that really see it (for tests of dense and texture).
 Scene TruthScene(const World& world, const Pose& pose,
                  const std::vector<SyntheticView>& photographs, int points = 3000);
 

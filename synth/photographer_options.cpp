@@ -12,7 +12,7 @@ std::vector<std::string> PhotographerOptions::Problems() const {
   for (const double e : elevations_deg)
     require(e > -10 && e < 85, "elevations_deg must be in (-10, 85)");
   require(views >= static_cast<int>(elevations_deg.size()) && views <= 2000,
-          "views must be at least one a ring and at most 2000");
+          "views must be at least one per ring and at most 2000");
   require(width >= 32 && height >= 32 && width <= 10000 && height <= 10000,
           "width and height must be in [32, 10000] px");
   require(focal_35mm >= 15 && focal_35mm <= 400, "focal_35mm must be in [15, 400] mm");

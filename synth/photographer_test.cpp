@@ -56,10 +56,11 @@ TEST(Photographer, PaintAppearsWhereTheCameraProjectsIt) {
   PhotographerOptions options = Small(1);
   options.elevations_deg = {20};
   options.width = 480, options.height = 360;
-  options.k1 = -0.25, options.k2 = 0.1, options.p1 = 0.002;  // strong, so that a wrong model shows
+  options.k1 = -0.25, options.k2 = 0.1,
+  options.p1 = 0.002;  // strong, so that a wrong model is noticed
   options.noise = options.gloss = options.vignetting = 0;
   options.supersampling = 4;
-  // Off the axis, where distortion counts, and turned to the camera, so that the spot's outline is
+  // Off the axis, where distortion matters, and facing the camera, so that the spot's outline is
   // centred on it.
   const Vector3d ball(0.05, 0, 0.06);
   World world = SpottedBall(ball, ball + Vector3d(0, -0.05, 0));
@@ -80,13 +81,13 @@ TEST(Photographer, PaintAppearsWhereTheCameraProjectsIt) {
   ASSERT_GT(count, 100);
   const Vector2d offset = sum / count - photograph.view.Project(spot);
   EXPECT_LT(offset.norm(), 0.12)
-      << offset.transpose();  // some 400 pixels of spot, seen by whole pixels
+      << offset.transpose();  // the spot has about 400 pixels, counted whole
   Camera pinhole = photograph.view.camera;
   pinhole.k1 = pinhole.k2 = pinhole.p1 = pinhole.p2 = 0;
   EXPECT_GT(
       (pinhole.Project(photograph.view.camera_from_world * spot) - photograph.view.Project(spot))
           .norm(),
-      0.3);  // the test would notice
+      0.3);  // a wrong distortion would be noticed
 }
 
 TEST(Photographer, MaskIsTheSilhouette) {
@@ -102,7 +103,7 @@ TEST(Photographer, MaskIsTheSilhouette) {
       different += (photograph.mask.data[p] > 0) != (raster.face.data[p] >= 0);
     }
     EXPECT_GT(mask_pixels, 3000);
-    // Half of a pixel covered and its centre covered differ at the edge only: some 600 edge pixels
+    // "Half of the pixel covered" and "centre covered" differ only at the edge: about 600 pixels
     // here.
     EXPECT_LT(different, 0.02 * mask_pixels) << "view " << i;
   }
@@ -145,7 +146,7 @@ TEST(Photographer, BackgroundIsStaticAndEqualsTheCleanPlate) {
     int compared = 0;
     for (int y = 0; y < options.height; ++y)
       for (int x = 0; x < options.width; ++x) {
-        bool clear = true;  // pixels next to the silhouette are mixtures
+        bool clear = true;  // pixels at the silhouette are mixed
         for (int dy = -1; dy <= 1; ++dy)
           for (int dx = -1; dx <= 1; ++dx)
             clear &= *photograph.mask.at(std::clamp(x + dx, 0, options.width - 1),
@@ -171,7 +172,7 @@ TEST(Photographer, ShadowFallsAwayFromTheLamp) {
     for (int x = 0; x < options.width; ++x)
       if (!*photograph.mask.at(x, y))
         (x < options.width / 2 ? left : right) += empty.at(x, y)[1] - photograph.image.at(x, y)[1];
-  EXPECT_GT(right, 2 * std::max(left, 1.0));  // the lamp stands to the left of the camera
+  EXPECT_GT(right, 2 * std::max(left, 1.0));  // the lamp is to the left of the camera
 }
 
 TEST(Photographer, NoiseAndVignettingAreAsAsked) {
@@ -186,7 +187,7 @@ TEST(Photographer, NoiseAndVignettingAreAsAsked) {
     const double v = noisy.data[3 * i + 1];
     sum += v, squares += v * v;
   }
-  // Linear 0.495 has sigma sqrt(1.2e-4 * 0.495 + 4e-6) = 0.0080; sRGB's slope there is 0.439 *
+  // Linear 0.495 has sigma sqrt(1.2e-4 * 0.495 + 4e-6) = 0.0080; the slope of sRGB there is 0.439 *
   // 0.495^(-0.583) = 0.661; plus rounding.
   const double expected = std::sqrt(std::pow(255 * 0.661 * 0.0080, 2) + 1.0 / 12);
   EXPECT_NEAR(std::sqrt(squares / count - std::pow(sum / count, 2)), expected, 0.1 * expected);
@@ -223,8 +224,8 @@ TEST(Photographer, OpenCvFindsTheBoardsCornersWhereTheTruthSays) {
   ASSERT_GE(ids.size(), 10u);
   cv::aruco::interpolateCornersCharuco(markers, ids, grey, cv_board, corners, corner_ids);
   ASSERT_GE(corners.size(), 12u);
-  // OpenCV 4.6 gives these corners half a pixel off its own convention, so its refinement has the
-  // last word: pixel centres are whole there.
+  // OpenCV 4.6 returns these corners half a pixel off its own convention, so they are refined
+  // again: its pixel centres are at whole numbers.
   cv::cornerSubPix(grey, corners, {4, 4}, {-1, -1},
                    cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-5));
   std::vector<double> errors;
@@ -263,8 +264,9 @@ TEST(TruthScene, PointsProjectIntoTheMasksOfTheViewsThatSeeThem) {
           *photographs[v].mask.at(static_cast<int>(pixel[0]), static_cast<int>(pixel[1])) == 255;
       ++total;
     }
-  EXPECT_GT(inside,
-            0.99 * total);  // a point on the rim may lie in a pixel that is less than half covered
+  EXPECT_GT(
+      inside,
+      0.99 * total);  // a point at the silhouette may lie in a pixel that is less than half covered
 }
 
 }  // namespace

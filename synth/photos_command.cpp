@@ -32,8 +32,7 @@ struct PoseFolders {
   std::filesystem::path photos, truth;
 };
 
-/// What stands on the table for each photograph: the character as it should, or what a mishap puts
-/// there.
+/// The figure on the table for each photograph: the character, or another figure after a mishap.
 struct Cast {
   /// another character; the character in another pose; null without that mishap
   std::unique_ptr<Photographer> other, bumped;
@@ -63,15 +62,14 @@ Cast CastOf(const Photographer& photographer, const World& world, const PhotosCo
   return cast;
 }
 
-/// Takes and writes one set of photographs.
-/// @return the views that show the character, without
-/// pixels
+/// Renders and writes one set of photographs.
+/// @return the views that show the character, without images
 std::vector<SyntheticView> TakeAll(const Photographer& photographer, const Cast& cast,
                                    const PhotosCommand& command, const std::string& prefix,
                                    const PoseFolders& folders, Progress* progress) {
   const ExifToWrite exif = ExifOf(command.photographer);
   std::vector<SyntheticView> views(photographer.view_count());
-  // One photograph a thread: encoding JPEG uses one core only.
+  // One photograph per thread, since JPEG encoding uses only one core.
   const auto take = [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     const Photographer& taker = *cast.of_view[i];
@@ -96,7 +94,7 @@ std::vector<SyntheticView> TakeLying(const World& world, const Pose& pose, const
   const Lying lying = LayDown(pose, standing);
   PhotographerOptions options = command.photographer;
   options.seed += 1;
-  options.mishaps = {};  // they happen to the figure that stands
+  options.mishaps = {};  // mishaps only affect the standing figure
   const Photographer photographer(world, lying.pose, options);
   const Cast alone{nullptr, nullptr,
                    std::vector<const Photographer*>(

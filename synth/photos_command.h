@@ -17,13 +17,14 @@ struct PhotosCommand {
   WorldOptions world;
   PhotographerOptions photographer;
   bool clean_plate = false;  ///< also write background/POSE.jpg
-  bool flip = false;  ///< as many photographs again of the character on its back, LYING_0001.jpg
-                      ///< and so on, with cameras in the same frame
+  /// also the same number of photographs of the character on its back, LYING_0001.jpg, ..., with
+  /// cameras in the same frame
+  bool flip = false;
   int jpeg_quality = 94;
 };
 
 /// Writes photos/POSE/*.jpg, truth/POSE/ and, if asked, background/POSE.jpg below `output`.
-/// @return photographs written
+/// @return number of photographs written
 int RunPhotos(const PhotosCommand& command, Progress* progress);
 
 }  // namespace keypose::synth

@@ -1,4 +1,4 @@
-// Simulates the artist who clicks named points on a reconstructed mesh.
+// Simulates an artist who clicks named points on a reconstructed mesh.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@ namespace keypose::synth {
 
 struct Picks {
   std::vector<Landmark> landmarks;        ///< on the mesh
-  std::vector<std::string> out_of_reach;  ///< named points that the mesh lacks
+  std::vector<std::string> out_of_reach;  ///< names of points that the mesh lacks
 };
 
 /// The points of the mesh closest to the true landmarks.
 ///
-/// @param truth            surface whose vertices the landmarks name
-/// @param truth_from_mesh  e.g. of ScoreCameras
+/// @param truth            the surface whose vertices the landmarks refer to
+/// @param truth_from_mesh  e.g. from ScoreCameras
 /// @param reach            landmarks farther from the mesh than this share of its diagonal are left
 /// out
 Picks PickLandmarks(const Mesh& truth, const std::vector<TruthLandmark>& landmarks,

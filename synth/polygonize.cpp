@@ -17,8 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-// Body-centred lattice in integer coordinates: cube corners have all coordinates even, cube centres
-// all odd.
+// Body-centred lattice in integer coordinates: all even at cube corners, all odd at cube centres.
 struct Lattice {
   Vector3d low;
   double half;     // half of a cube's edge
@@ -32,13 +31,13 @@ struct Lattice {
 
 constexpr int kBlock = 4;  // cubes along a block's edge
 
-// Blocks of cubes that the surface may cross, by the field's value at their centre.
+// Blocks of cubes that the surface may cross, judged by the field's value at their centre.
 std::vector<Vector3i> NearBlocks(const std::function<double(const Vector3d&)>& f,
                                  const Lattice& lattice, double lipschitz) {
   const Vector3i count = (lattice.cubes.array() + kBlock - 1) / kBlock;
   const std::int64_t total = static_cast<std::int64_t>(count[0]) * count[1] * count[2];
   std::vector<char> near(total, 0);
-  // Tetrahedra reach half a cube over the block's sides.
+  // Tetrahedra extend half a cube beyond the block's sides.
   const double reach = lipschitz * std::sqrt(3.0) * lattice.half * (kBlock + 1);
   const auto block_at = [&](std::int64_t i) {
     return Vector3i(static_cast<int>(i % count[0]), static_cast<int>(i / count[0] % count[1]),
@@ -57,15 +56,16 @@ std::vector<Vector3i> NearBlocks(const std::function<double(const Vector3d&)>& f
   return blocks;
 }
 
-// One cut of a lattice edge by the surface: its two end points, the inner first, and where it lies.
+// A cut of a lattice edge by the surface: the edge's end points, the inner first, and the cut's
+// position.
 struct Cut {
   Vector3i inside, outside;
   double f_inside, f_outside;
 };
 
-// Faces of a block as corners of cuts.
+// The faces of a block; their corners are cuts.
 struct Piece {
-  std::vector<Cut> cuts;  // three consecutive ones are a face
+  std::vector<Cut> cuts;  // three consecutive cuts form a face
 };
 
 class BlockMarcher {
@@ -77,8 +77,8 @@ class BlockMarcher {
         first_(2 * kBlock * block - Vector3i::Ones()),
         values_(kSide * kSide * kSide, std::numeric_limits<double>::quiet_NaN()) {}
 
-  // Four tetrahedra round every edge between neighbouring centres; this block owns the edges that
-  // leave its own centres upwards.
+  // Four tetrahedra around every edge between neighbouring centres. A block owns the edges from its
+  // own centres in positive directions.
   Piece March(const Vector3i& block) {
     for (int z = 0; z < kBlock; ++z)
       for (int y = 0; y < kBlock; ++y)
@@ -130,7 +130,8 @@ class BlockMarcher {
       return inversions % 2 == 1;
     };
     if (in_count == 1) {
-      // Seen from outside, the corners around a lone inner vertex turn like the opposite face does.
+      // Seen from outside, the cuts around a single inner vertex have the orientation of the
+      // opposite face.
       Face(cut(in[0], out[0]), cut(in[0], out[1]), cut(in[0], out[2]),
            odd(in[0], out[0], out[1], out[2]));
     } else if (out_count == 1) {
@@ -169,7 +170,8 @@ struct PairHash {
 Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Lattice& lattice,
                     const Cut& cut) {
   const Vector3d a = lattice.At(cut.inside), b = lattice.At(cut.outside);
-  // Regula falsi that halves a stuck end (Illinois): the field bends where lumps meet.
+  // Regula falsi with the Illinois rule (halves the value of a stuck end), since the field is
+  // curved where lumps meet.
   double low = 0, high = 1, f_low = cut.f_inside, f_high = cut.f_outside, t = 0.5;
   int stuck = 0;
   for (int i = 0; i < 20; ++i) {
@@ -186,7 +188,8 @@ Vector3d PointOfCut(const std::function<double(const Vector3d&)>& f, const Latti
       stuck = 1;
     }
   }
-  t = std::clamp(t, 0.02, 0.98);  // no two cuts at one lattice point: every face keeps an area
+  t = std::clamp(t, 0.02,
+                 0.98);  // keeps cuts away from lattice points, so that every face has an area
   return a + t * (b - a);
 }
 

@@ -51,7 +51,8 @@ TEST(Polygonize, VolumeAndAreaConvergeQuadraticallyToTheSphere) {
   }
   EXPECT_LT(volume_error[1], 0.004);
   EXPECT_LT(area_error[1], 0.004);
-  // A chord's error goes with the square of its length: about 4 times less for half the spacing.
+  // A chord's error is proportional to the square of its length: half the spacing gives about a
+  // quarter.
   EXPECT_NEAR(volume_error[0] / volume_error[1], 4, 1);
 }
 

@@ -28,10 +28,10 @@ double DistanceTo(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3
 }
 
 // Barr's bend along `axis`: constant curvature from begin to end, straight on both sides.
-// Coordinates: s along the axis, y away from the hinge's side; the third is untouched.
+// Coordinates: s along the axis, y along `side`; the third does not change.
 Eigen::Vector3d Bend(const Deformation& d, const Eigen::Vector3d& x, double angle) {
   if (angle == 0) return x;
-  const Eigen::Vector3d side = d.hinge.cross(d.axis);  // the limb turns towards this
+  const Eigen::Vector3d side = d.hinge.cross(d.axis);  // the limb bends towards this
   const Eigen::Vector3d local = x - d.origin;
   const double s = local.dot(d.axis), y = local.dot(side);
   if (s <= d.begin) return x;
@@ -39,7 +39,7 @@ Eigen::Vector3d Bend(const Deformation& d, const Eigen::Vector3d& x, double angl
   const double turned = curvature * std::min(s - d.begin, length);
   const double beyond = std::max(0.0, s - d.end);
   const double c = std::cos(turned), sn = std::sin(turned);
-  // sin(a)/k and (1-cos(a))/k are the arc's end point; the series keeps small curvatures exact.
+  // sin(a)/k and (1-cos(a))/k are the arc's end point; the series is exact for small curvatures.
   const double arc = std::min(s - d.begin, length);
   const double along = std::abs(turned) < 1e-6 ? arc : sn / curvature,
                across = std::abs(turned) < 1e-6 ? arc * turned / 2 : (1 - c) / curvature;
@@ -145,7 +145,7 @@ Eigen::Vector3d Pose::Inverse(const Eigen::Vector3d& posed, const Eigen::Vector3
   double error = ((*this)(rest)-posed).norm();
   for (int round = 0; round < 60 && error > 1e-12; ++round) {
     const Eigen::Vector3d step = Jacobian(rest).partialPivLu().solve(posed - (*this)(rest));
-    // Halve until it helps: far guesses overshoot where a limb bends.
+    // Halve the step until the error falls: distant guesses overshoot where a limb bends.
     double share = 1, next = 0;
     for (; share > 1e-4; share /= 2) {
       next = ((*this)(Eigen::Vector3d(rest + share * step)) - posed).norm();

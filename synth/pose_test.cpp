@@ -39,7 +39,7 @@ TEST(Deformation, BendWrapsTheAxisRoundAQuarterCircle) {
   const double radius = 0.2 / (kPi / 2);
   const auto at = [&](double s) { return bend.Apply({0, 0, s}, {0, 0, s}); };
   EXPECT_LT((at(0.05) - Vector3d(0, 0, 0.05)).norm(), 1e-15);
-  // hinge x axis is the side that the limb turns to: -y.
+  // The limb bends towards hinge x axis: -y.
   EXPECT_LT((at(0.3) - Vector3d(0, -radius, 0.1 + radius)).norm(), 1e-15);
   EXPECT_LT((at(0.5) - Vector3d(0, -radius - 0.2, 0.1 + radius)).norm(), 1e-15);
   EXPECT_NEAR((at(0.2 + 1e-6) - at(0.2 - 1e-6)).norm(), 2e-6,
@@ -50,7 +50,7 @@ TEST(Deformation, BendChangesVolumeByOneMinusCurvatureTimesOffset) {
   Pose pose{"bent", {QuarterBend()}};
   const double curvature = (kPi / 2) / 0.2;
   for (const double y : {-0.03, 0.0, 0.05}) {
-    const double offset = -y;  // towards the side that the limb turns to
+    const double offset = -y;  // towards the side to which the limb bends
     EXPECT_NEAR(pose.Jacobian({0.02, y, 0.2}).determinant(), 1 - curvature * offset, 1e-7) << y;
   }
 }

@@ -119,7 +119,7 @@ CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b
   if (template_a.points.rows() != registered_b.rows())
     throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
                      " vertices, but the template has " + std::to_string(template_a.points.rows()) +
-                     "; score it against the template that it was registered from");
+                     "; compare it with the template that it was registered from");
   const RayScene scene(truth_a.points, truth_a.faces);
   const std::vector<RayScene::Foot> feet = Feet(scene, template_a.points);
   const double diagonal = BoundingDiagonal(truth_b.points);

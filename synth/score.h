@@ -1,4 +1,4 @@
-// How far a reconstruction is from the truth: cameras, surface, correspondence.
+// Errors of a reconstruction: cameras, surface, correspondence.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 namespace keypose::synth {
 
 struct CameraScore {
-  Similarity3 truth_from_model;  ///< fitted to the centres of the cameras that both have
-  int placed = 0, total = 0;     ///< true cameras that the model has, and all
+  Similarity3 truth_from_model;  ///< fitted to the centres of the cameras that both scenes have
+  int placed = 0, total = 0;     ///< number of true cameras in the model, and in total
   double mean_m = 0, max_m = 0;  ///< distance of the centres after the fit
   double mean_over_distance = 0,
          max_over_distance = 0;  ///< divided by the mean distance of the true cameras from `center`
@@ -35,22 +35,22 @@ struct SurfaceScore {
 /// Same bits for any thread count.
 SurfaceScore ScoreSurface(const Mesh& truth, const Mesh& mesh);
 
-/// Improves a similarity so that the mesh lies closer to the true surface (iterated closest points,
-/// farthest tenth left out).
+/// Refines a similarity so that the mesh lies closer to the true surface (iterative closest points,
+/// without the farthest tenth).
 Similarity3 RefineAlignment(const Mesh& truth, const Mesh& mesh, const Similarity3& truth_from_mesh,
                             int rounds = 40);
 
-/// A registered template against exact correspondence.
+/// Errors of a registered template against exact correspondence.
 struct CorrespondenceScore {
-  double mean = 0, p95 = 0, max = 0;  ///< distance between where a vertex is and where its material
-                                      ///< point is, over the diagonal of truth_b
+  /// distance of a vertex from the true position of its material point / diagonal of truth_b
+  double mean = 0, p95 = 0, max = 0;
 };
 
-/// @param template_a    template mesh in the frame of truth_a; its vertices name material points by
-/// their closest point on truth_a
-/// @param registered_b  the template's vertices moved onto pose B, in the frame of truth_b
-/// @throws InputError  the registered mesh has another vertex count than the template, or the
-/// truths differ in theirs
+/// @param template_a    template mesh in the frame of truth_a; the material point of a vertex is
+/// its closest point on truth_a
+/// @param registered_b  the template registered onto pose B, in the frame of truth_b
+/// @throws InputError  the vertex counts of registered mesh and template differ, or those of the
+/// truths
 CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b,
                                         const Mesh& template_a, const PointsX3& registered_b);
 

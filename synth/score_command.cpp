@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// One pose of a reconstruction beside its truth.
+// One pose of a reconstruction and its truth.
 struct Subject {
   Truth truth;
   CameraScore cameras;
@@ -110,7 +110,8 @@ Json PointsJson(const Mesh& truth, const std::vector<View>& views, const PointsX
           {"completeness_seen", s.completeness_seen}};
 }
 
-/// The whole cloud, and the points that stereo found: the others are the hull's, of low confidence.
+/// Scores of the whole cloud, and of the points from stereo; the other points come from the hull
+/// and have low confidence.
 Json CloudJson(const Subject& subject, const std::filesystem::path& path) {
   constexpr float kSure = 0.3f;
   const PointCloud cloud = ReadPointCloud(path);
@@ -194,7 +195,7 @@ std::string RunHull(const HullCommand& command) {
     masks.push_back(ReadImage(command.truth / "masks" / (view.name + ".png"), 1));
   const Eigen::Vector3d low = truth.surface.points.colwise().minCoeff(),
                         high = truth.surface.points.colwise().maxCoeff();
-  // Beyond the character the hull can only reach as far as between two views.
+  // The hull extends beyond the character only between two views, so this margin is sufficient.
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(0.15 * (high - low).norm());
   const Mesh hull =
       HullOfMasks(truth.cameras.views, masks, low - margin, high + margin, command.spacing_m);

@@ -1,4 +1,4 @@
-// `keypose synth pick` and `keypose synth score`: a reconstruction, compared with its truth.
+// `keypose synth pick` and `keypose synth score`: compare a reconstruction with its truth.
 #pragma once
 
 #include <filesystem>
@@ -16,16 +16,16 @@ struct PickCommand {
 std::string RunPick(const PickCommand& command);
 
 struct ScoreCommand {
-  std::filesystem::path truth, model, mesh;  ///< one pose
-  /// in the model's and in the truth's frame; empty: not scored
+  std::filesystem::path truth, model, mesh;  ///< of one pose
+  /// in the model's frame; in the truth's frame; empty: not scored
   std::filesystem::path cloud, hull;
   /// correspondence; empty: not scored
   std::filesystem::path template_truth, template_model, template_mesh, registered;
   std::filesystem::path texture{},
       template_texture{};  ///< of the registered template and of the template; empty: not scored
 };
-/// @return JSON: cameras, surface (after the cameras' alignment), surface_refined (after ICP),
-/// closed, detail where prints move the surface, points (of the cloud), hull (against the visual
+/// @return JSON: cameras, surface (after alignment by the cameras), surface_refined (after ICP),
+/// closed, detail (if prints move the surface), points (of the cloud), hull (against the visual
 /// hull), correspondence, correspondence_refined, texels (one layout in both poses)
 std::string RunScore(const ScoreCommand& command);
 
@@ -33,8 +33,8 @@ struct HullCommand {
   std::filesystem::path truth, output;
   double spacing_m = 0.001;
 };
-/// Writes the visual hull of the true masks seen by the true cameras, in the truth's frame. @return
-/// a line for the console
+/// Writes the visual hull of the true masks and cameras, in the truth's frame. @return a line for
+/// the console
 std::string RunHull(const HullCommand& command);
 
 }  // namespace keypose::synth

@@ -42,7 +42,7 @@ Scene RingScene() {
   return scene;
 }
 
-// The scene as another program would give it: in a frame of its own.
+// The scene as from another program, in a different frame.
 Scene Moved(const Scene& scene, const Similarity3& new_from_old) {
   Scene moved = scene;
   for (View& view : moved.views) {
@@ -75,7 +75,7 @@ TEST(ScoreCameras, MeasuresAMisplacedCamera) {
   view.camera_from_world.translation += view.camera_from_world.rotation * Vector3d(0, 0, 0.010);
   const CameraScore score = ScoreCameras(truth, model, {0, 0, 0.1});
   EXPECT_NEAR(score.max_m, 0.010,
-              0.004);  // the fit shares a tenth or so of the error among the others
+              0.004);  // the fit distributes about a tenth of the error over the others
   EXPECT_LT(score.mean_m, 0.004);
 }
 
@@ -95,7 +95,7 @@ TEST(ScoreSurface, ConcentricBallsAreTheDifferenceOfTheirRadiiApart) {
   const SurfaceScore score = ScoreSurface(outer, inner);
   const double diagonal = BoundingDiagonal(outer.points);
   EXPECT_NEAR(score.mean_to_truth, 0.03 / diagonal,
-              0.0002);  // faces are chords, a little inside both balls
+              0.0002);  // faces are chords, slightly inside both balls
   EXPECT_NEAR(score.mean_from_truth, 0.03 / diagonal, 0.0002);
   EXPECT_NEAR(score.max_from_truth, 0.03 / diagonal, 0.0002);
 }
@@ -134,8 +134,8 @@ TEST(ScoreCorrespondence, IsZeroForTheTruthAndTheShiftForAShift) {
 }
 
 TEST(ScoreCorrespondence, SlidingAlongTheSurfaceIsAnError) {
-  // A vertex that lies exactly on the surface, but at another material point: surface distance
-  // misses it, correspondence must not.
+  // A vertex lies exactly on the surface, but at another material point. Surface distance does not
+  // notice this; correspondence must.
   const Mesh rest = TruthSurface(Creature(), Creature().PoseNamed("rest"));
   PointsX3 slid = rest.points;
   for (Eigen::Index f = 0; f < rest.faces.rows(); ++f)

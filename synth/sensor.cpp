@@ -53,8 +53,8 @@ const std::vector<std::uint8_t>& SrgbTable() {
   return table;
 }
 
-// About normal: the sum of four uniform numbers out of one hash. Tails end at 3.5 sigma, as a
-// sensor's do.
+// Approximately normal: the sum of four uniform numbers from one hash. The tails end at 3.5 sigma,
+// like a sensor's.
 float NoiseAt(std::uint64_t key) {
   const std::uint64_t h = Hash(key);
   const double sum =
@@ -81,7 +81,7 @@ Image8 Develop(ImageF linear, const SensorOptions& options) {
       const std::uint64_t pixel = static_cast<std::uint64_t>(y) * linear.width + x;
       for (int c = 0; c < 3; ++c) {
         const float light = std::max(0.0f, in[c] * gain);
-        // Shot noise grows with the light, read noise does not.
+        // Shot noise grows with the light; read noise does not.
         const float sigma = static_cast<float>(options.noise) * std::sqrt(1.2e-4f * light + 4e-6f);
         const float value =
             light + sigma * (options.noise > 0 ? NoiseAt(stream + 3 * pixel + c) : 0.0f);

@@ -9,9 +9,9 @@ namespace keypose::synth {
 
 struct SensorOptions {
   double blur_px = 0.5;     ///< standard deviation; 0: none
-  double vignetting = 0.1;  ///< light lost in the corners, in [0,1)
+  double vignetting = 0.1;  ///< share of light lost in the corners, in [0,1)
   double noise = 1;         ///< 1: an ordinary camera at ISO 200
-  std::uint64_t seed = 1;   ///< of the noise; another for every photograph
+  std::uint64_t seed = 1;   ///< of the noise; different for every photograph
 };
 
 /// Develops linear RGB (1 = white) into an 8-bit sRGB photograph.

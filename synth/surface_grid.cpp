@@ -27,7 +27,7 @@ Mesh PolygonizeClay(const Clay& clay, double spacing) {
                     spacing);
 }
 
-// One edge with its two faces and the corners opposite to it.
+// An edge with its two faces and the corners opposite to it.
 struct Edge {
   int a, b, face[2], opposite[2];
 };
@@ -64,8 +64,8 @@ Vector3d Normal(const PointsX3& p, int a, int b, int c) {
   return u.cross(v).normalized();
 }
 
-// Whether the quad's other diagonal gives rounder triangles and no crease. In the face of a the
-// edge runs a -> b.
+// Whether the quad's other diagonal gives better-shaped triangles and no crease. In the face of a,
+// the edge runs a -> b.
 bool ShouldFlip(const PointsX3& p, const Edge& e) {
   constexpr double kFlat = 0.8;
   const int c = e.opposite[0], d = e.opposite[1];
@@ -75,7 +75,8 @@ bool ShouldFlip(const PointsX3& p, const Edge& e) {
   return first.dot(before.normalized()) > kFlat && second.dot(before.normalized()) > kFlat;
 }
 
-// One round of flips on faces that share no edge with another flip of the round. @return flips
+// One round of flips of edges that share no face with another flip of the round. @return number of
+// flips
 int FlipRound(Mesh* mesh) {
   std::unordered_map<std::uint64_t, int> index;
   const std::vector<Edge> edges = EdgesOf(mesh->faces, &index);
@@ -98,8 +99,7 @@ int FlipRound(Mesh* mesh) {
   return flips;
 }
 
-// Each vertex to the mean of its neighbours' centroids, weighted by area, and back onto the
-// surface.
+// Moves each vertex to the area-weighted mean of its faces' centroids, and back onto the surface.
 void RelaxRound(Mesh* mesh, const PosedSurface& surface) {
   PointsX3 sum = PointsX3::Zero(mesh->points.rows(), 3);
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh->points.rows());
@@ -119,7 +119,7 @@ void RelaxRound(Mesh* mesh, const PosedSurface& surface) {
   ParallelFor(mesh->points.rows(), move, 64);
 }
 
-// Joins the ends of edges far shorter than the mean, where the result stays a manifold.
+// Collapses very short edges if the result stays a manifold.
 void CollapseRound(Mesh* mesh, double shorter_than) {
   std::unordered_map<std::uint64_t, int> index;
   const std::vector<Edge> edges = EdgesOf(mesh->faces, &index);
@@ -167,7 +167,7 @@ double MeanEdge(const Mesh& mesh) {
   return sum / static_cast<double>(edges.size());
 }
 
-// Marching leaves slivers wherever the lattice grazes the surface.
+// Marching leaves slivers where lattice points are close to the surface.
 void Even(Mesh* mesh, const PosedSurface& surface) {
   for (int round = 0; round < 3; ++round) CollapseRound(mesh, 0.5 * MeanEdge(*mesh));
   for (int round = 0; round < 12; ++round) {
@@ -178,7 +178,7 @@ void Even(Mesh* mesh, const PosedSurface& surface) {
   }
 }
 
-// A lattice of its own for each seed: any turn, any shift.
+// Each seed gives a lattice with a random rotation and shift.
 Mesh EvenMesh(const PosedSurface& surface, double spacing, std::uint64_t seed) {
   Random random(Hash(seed) + 77);
   const Eigen::Matrix3d turn =
@@ -218,7 +218,7 @@ Vector3d PosedSurface::MaterialAt(const Vector3d& posed) const {
   Vector3d x = Vector3d::Zero();
   for (int k = 0; k < 3; ++k)
     x += foot.barycentric[k] * rest_.points.row(rest_.faces(foot.face, k)).transpose();
-  for (int round = 0; round < 6; ++round) {  // the dense mesh's chords lie a little inside
+  for (int round = 0; round < 6; ++round) {  // the chords of the dense mesh lie slightly inside
     const double value = clay_.Distance(x);
     if (std::abs(value) < 1e-12) break;
     const Vector3d gradient = clay_.Gradient(x);
@@ -229,10 +229,10 @@ Vector3d PosedSurface::MaterialAt(const Vector3d& posed) const {
 
 Tessellation Tessellate(const PosedSurface& surface, int vertices, std::uint64_t seed) {
   if (vertices < 50)
-    throw InputError("synth: a mesh of a clay solid needs at least 50 vertices; ask for more");
+    throw InputError("synth: a mesh of a clay solid needs at least 50 vertices; use more");
   double spacing = std::sqrt(5 * surface.area() / vertices);
   Mesh mesh = EvenMesh(surface, spacing, seed);
-  // The share of vertices that a lattice keeps depends on the shape: measure it and correct.
+  // The vertex count for a spacing depends on the shape: measure it and correct the spacing.
   for (int round = 0;
        round < 2 && std::abs(mesh.points.rows() / static_cast<double>(vertices) - 1) > 0.02;
        ++round) {

@@ -1,5 +1,5 @@
-// Evenly sized triangle meshes of a clay solid in a pose, each with its own vertices: what two
-// scans of one thing look like.
+// Triangle meshes of even size of a clay solid in a pose, each with different vertices, like two
+// scans of one object.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,19 @@
 
 namespace keypose::synth {
 
-/// The surface of a solid in a pose, dense enough to measure distances to; every point of it knows
-/// its material point.
+/// The surface of a solid in a pose, dense enough for distance measurements. Gives the material
+/// point of every surface point.
 class PosedSurface {
  public:
-  /// @param spacing  of the dense mesh [m]; a quarter of the wanted meshes' edge is fine
-  /// @throws InputError  no solid, or smaller than the spacing
+  /// @param spacing  of the dense mesh [m]; a quarter of the final meshes' edge length is
+  /// sufficient
+  /// @throws InputError  no solid, or it is smaller than the spacing
   PosedSurface(const Clay& clay, const Pose& pose, double spacing);
 
   /// Signed distance [m] to the dense mesh, negative inside.
   double Distance(const Eigen::Vector3d& posed) const;
-  /// The material point of the rest pose, exactly on the solid, whose place is closest to `posed`,
-  /// to the dense mesh's accuracy.
+  /// The material point (rest pose, exactly on the solid) whose posed position is closest to
+  /// `posed`, to the accuracy of the dense mesh.
   Eigen::Vector3d MaterialAt(const Eigen::Vector3d& posed) const;
   /// Closest point of the dense mesh.
   Eigen::Vector3d Closest(const Eigen::Vector3d& posed) const {
@@ -47,16 +48,16 @@ class PosedSurface {
 
 /// A mesh of the posed surface and the material point of each vertex.
 struct Tessellation {
-  Mesh mesh;          ///< points exactly where the pose takes `material`
+  Mesh mesh;          ///< its points are exactly `material` mapped by the pose
   PointsX3 material;  ///< in the rest pose, exactly on the solid
 };
 
-/// A closed mesh of about `vertices` vertices, evenly sized, whose lattice is turned and shifted by
-/// `seed`.
+/// A closed mesh of about `vertices` vertices with even spacing. `seed` rotates and shifts its
+/// lattice.
 ///
-/// @throws InputError  fewer than 50 vertices, or so few that the lattice misses the solid
-/// Same bits for any thread count. Triangles are evened by edge flips (Delaunay) and by moving
-/// vertices to the middle of their neighbours.
+/// @throws InputError  fewer than 50 vertices, or so few that the lattice misses the solid. Same
+/// bits for any thread count. Delaunay edge flips and moving vertices to the middle of their
+/// neighbours even out the triangles.
 Tessellation Tessellate(const PosedSurface& surface, int vertices, std::uint64_t seed);
 
 }  // namespace keypose::synth

@@ -1,5 +1,5 @@
-// keypose-synth: worlds with known truth. Photographs, pairs for registration, simulated picks,
-// scores, and damage for tests.
+// keypose-synth: synthetic worlds with known truth: photographs, pairs for registration, simulated
+// picks, scores, and damaged photographs for tests.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -28,7 +28,7 @@ class ConsoleProgress final : public Progress {
 void AddMishaps(CLI::App& photos, Mishaps& m) {
   photos.add_option("--stray", m.strays, "photographs that show another character instead")
       ->capture_default_str();
-  photos.add_option("--stray-seed", m.stray_seed, "that character; 0: the next one")
+  photos.add_option("--stray-seed", m.stray_seed, "seed of that character; 0: the next seed")
       ->capture_default_str();
   photos.add_option("--hand", m.hands, "photographs with a hand that covers part of the figure")
       ->capture_default_str();
@@ -58,33 +58,37 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
       ->capture_default_str();
   photos->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
   photos->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
-  photos->add_flag(
-      "--prints-move", c.world.prints_move,
-      "finger-prints move the surface, which needs a fine --spacing; else they only shade");
+  photos->add_flag("--prints-move", c.world.prints_move,
+                   "finger-prints move the surface, which needs a fine --spacing; otherwise they "
+                   "only affect shading");
   photos->add_option("--print-height", c.world.print_height_m, "of finger-prints [m]")
       ->capture_default_str();
   photos
-      ->add_option("--print-spacing", c.world.print_spacing_m, "of the ridges of finger-prints [m]")
+      ->add_option("--print-spacing", c.world.print_spacing_m,
+                   "height of the ridges of finger-prints [m]")
       ->capture_default_str();
-  photos->add_option("--spacing", c.world.spacing_m, "of the true surface's vertices, about [m]")
+  photos
+      ->add_option("--spacing", c.world.spacing_m,
+                   "approximate spacing of the true surface's vertices [m]")
       ->capture_default_str();
-  photos->add_option("--views", c.photographer.views, "photographs a pose, over all rings")
+  photos->add_option("--views", c.photographer.views, "photographs per pose, over all rings")
       ->capture_default_str();
-  photos->add_option("--elevations", c.photographer.elevations_deg, "one ring each [deg]")
+  photos->add_option("--elevations", c.photographer.elevations_deg, "one ring per elevation [deg]")
       ->delimiter(',')
       ->capture_default_str();
   photos->add_option("--width", c.photographer.width, "[px]")->capture_default_str();
   photos
       ->add_option("--height", c.photographer.height,
-                   "[px]; 3/4 of the width when only that is given")
+                   "[px]; default: 3/4 of the width if only that is given")
       ->capture_default_str();
   photos->add_option("--focal", c.photographer.focal_35mm, "35 mm equivalent [mm]")
       ->capture_default_str();
-  photos->add_option("--noise", c.photographer.noise, "sensor noise, 1 is ordinary")
+  photos->add_option("--noise", c.photographer.noise, "sensor noise; 1: an ordinary camera")
       ->capture_default_str();
   photos->add_option("--blur", c.photographer.blur_px, "standard deviation of the lens blur [px]")
       ->capture_default_str();
-  photos->add_option("--vignetting", c.photographer.vignetting, "light lost in the corners")
+  photos
+      ->add_option("--vignetting", c.photographer.vignetting, "share of light lost in the corners")
       ->capture_default_str();
   photos->add_option("--backdrop", c.photographer.background, "studio | plain")
       ->capture_default_str();
@@ -92,13 +96,14 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
       ->add_option("--table-shadow", c.photographer.table_shadow,
                    "darkness of the shadow on the table, 0 to 1")
       ->capture_default_str();
-  photos->add_flag("!--no-shadows", c.photographer.shadows, "light that nothing blocks");
+  photos->add_flag("!--no-shadows", c.photographer.shadows, "light that casts no shadow");
   photos->add_flag("--charuco", c.photographer.board.charuco,
-                   "a ChArUco plate under the character");
-  photos->add_flag("--flip", c.flip, "as many photographs again of the character on its back");
+                   "a ChArUco calibration board under the character");
+  photos->add_flag("--flip", c.flip,
+                   "also the same number of photographs of the character on its back");
   photos->add_flag("--background-plate", c.clean_plate, "also photograph the empty set");
   AddMishaps(*photos, c.photographer.mishaps);
-  photos->add_option("--photographer-seed", c.photographer.seed, "of jitter and noise")
+  photos->add_option("--photographer-seed", c.photographer.seed, "seed of jitter and noise")
       ->capture_default_str();
   photos->callback([photos, &c] {
     if (photos->count("--width") && !photos->count("--height"))
@@ -110,40 +115,41 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
 
 void AddPair(CLI::App& app, PairCommand& c) {
   CLI::App* pair = app.add_subcommand(
-      "pair", "two scans of a clay thing that bends far, and the exact place of every vertex");
+      "pair", "two scans of a strongly bent clay figure, and the exact position of every vertex");
   pair->add_option("DIR,--output", c.output, "folder to write into")->required();
   pair->add_option("--shape", c.pair.shape.shape, "tentacle | character")->capture_default_str();
   pair->add_option("--seed", c.pair.shape.seed,
-                   "0 is the plain tentacle; others vary proportions and planes")
+                   "0: the standard tentacle; others vary proportions and bending planes")
       ->capture_default_str();
-  pair->add_option("--bend", c.pair.shape.bend_deg, "of the limbs [deg], 0 to 280")
+  pair->add_option("--bend", c.pair.shape.bend_deg, "bend of the limbs [deg], 0 to 280")
       ->capture_default_str();
-  pair->add_option("--twist", c.pair.shape.twist_deg, "of the limbs round their own axes [deg]")
+  pair->add_option("--twist", c.pair.shape.twist_deg,
+                   "twist of the limbs about their own axes [deg]")
       ->capture_default_str();
   pair->add_option("--squash", c.pair.shape.squash,
-                   "height of the target times this, widths by its inverse root")
+                   "factor on the height of the target; widths are divided by its square root")
       ->capture_default_str();
   pair->add_option("--landmarks", c.pair.shape.places,
-                   "picks; tips and body first, then along the limbs")
+                   "number of picks; tips and body first, then along the limbs")
       ->capture_default_str();
-  pair->add_option("--vertices", c.pair.vertices, "of the source, about")->capture_default_str();
-  pair->add_option("--ratio", c.pair.ratio, "target faces for one source face")
+  pair->add_option("--vertices", c.pair.vertices, "approximate number in the source")
       ->capture_default_str();
+  pair->add_option("--ratio", c.pair.ratio, "target faces per source face")->capture_default_str();
   pair->add_option("--noise", c.pair.noise,
-                   "of target vertices, a standard deviation for each axis over the diagonal")
+                   "noise of the target vertices: standard deviation per axis / diagonal")
       ->capture_default_str();
   pair->add_option("--landmark-noise", c.pair.landmark_noise,
-                   "of the picks on the target; below 0: four times --noise")
+                   "noise of the picks on the target; below 0: four times --noise")
       ->capture_default_str();
-  pair->add_option("--holes", c.pair.holes, "in the target, none on a landmark")
+  pair->add_option("--holes", c.pair.holes, "number of holes in the target, none on a landmark")
       ->capture_default_str();
   pair->add_option("--hole-area", c.pair.hole_area,
-                   "share of the target's area that the holes take in all")
+                   "share of the target's area of all holes together")
       ->capture_default_str();
   pair->add_option("--turn", c.pair.turn_deg,
-                   "of the whole target about an axis of the seed's [deg]")
+                   "rotation of the whole target about a random axis [deg]")
       ->capture_default_str();
-  pair->add_option("--scale", c.pair.scale, "of the whole target")->capture_default_str();
+  pair->add_option("--scale", c.pair.scale, "scale of the whole target")->capture_default_str();
   pair->callback([&c] { std::printf("%s\n", RunPair(c).c_str()); });
 }
 
@@ -181,7 +187,7 @@ void AddScore(CLI::App& app, ScoreFlags& flags) {
        {score->add_option("--template-truth", c.template_truth, "truth/POSE of the template"),
         score->add_option("--template-model", c.template_model, "the template's COLMAP model"),
         score->add_option("--template-mesh", c.template_mesh,
-                          "the template, as registration took it")}) {
+                          "the template, as the input of registration")}) {
     registered->needs(option);
     option->needs(registered);
   }
@@ -214,15 +220,15 @@ struct DamageFlags {
 
 void AddDamage(CLI::App& app, DamageFlags& c) {
   CLI::App* damage =
-      app.add_subcommand("damage", "copy a folder of photographs and spoil some of the copies");
+      app.add_subcommand("damage", "copy a folder of photographs and damage some of the copies");
   damage->add_option("--photos", c.photos, "folder to copy")->required();
-  damage->add_option("--output", c.output, "folder of the copies")->required();
+  damage->add_option("--output", c.output, "folder for the copies")->required();
   damage
       ->add_option(
           "--kind", c.kind,
           "truncate, empty, no-image, blur, dark, drop, rotate, upside-down, resize, strip-exif")
       ->required();
-  damage->add_option("--names", c.names, "file names to spoil; all when none is given")
+  damage->add_option("--names", c.names, "names of the files to damage; default: all")
       ->delimiter(',');
   damage->callback([&c] { DamagePhotos(c.photos, c.output, DamageKindNamed(c.kind), c.names); });
 }

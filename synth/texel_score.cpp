@@ -16,10 +16,10 @@
 namespace keypose::synth {
 namespace {
 
-constexpr int kAcross = 512;  // texels of a row that are looked at
+constexpr int kAcross = 512;  // number of sampled texels per row
 constexpr double kEqualDb = 99;
 
-// A texel and where it lies on the template.
+// A texel and its place on the template.
 struct Texel {
   int x, y, face;
   Eigen::Vector3d barycentric;
@@ -34,17 +34,18 @@ void Check(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a,
   if (template_a.points.rows() != registered_b.rows())
     throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
                      " vertices, but the template has " + std::to_string(template_a.points.rows()) +
-                     "; score it against the template that it was registered from");
+                     "; compare it with the template that it was registered from");
   if (!template_a.has_uvs())
     throw InputError(
         "synth: the template has no texture coordinates; pass the mesh that unwrap wrote");
   if (a.width != b.width || a.height != b.height || a.channels != 3 || b.channels != 3 || a.empty())
     throw InputError(
-        "synth: the textures differ in size or have not three channels; bake both poses with the "
-        "same options");
+        "synth: the textures differ in size or do not have three channels; bake both poses with "
+        "the same options");
 }
 
-// Centres inside of the faces' parts of the layout; where parts meet the first face has the texel.
+// Texels whose centres lie in a face's part of the layout. On a shared border, the first face gets
+// the texel.
 std::vector<Texel> CoveredTexels(const Mesh& mesh, int width, int height) {
   const int step = std::max(1, width / kAcross);
   std::vector<char> taken(static_cast<std::size_t>(width) * height, 0);
@@ -86,7 +87,7 @@ Eigen::Vector3d Place(const PointsX3& points, const FacesX3& faces, int f,
   return place;
 }
 
-// Straight distances on the rest clay between what each texel shows in both poses.
+// Straight distances in the rest pose between the spots that each texel shows in the two poses.
 std::vector<double> ClayDistances(const Mesh& truth_a, const Mesh& truth_b, const Mesh& mesh,
                                   const PointsX3& registered_b, const std::vector<Texel>& texels) {
   const RayScene scene_a(truth_a.points, truth_a.faces), scene_b(truth_b.points, truth_b.faces);
@@ -122,8 +123,7 @@ void CompareColors(const Image8& a, const Image8& b, const std::vector<Texel>& t
       aa += p * p, ab += p * q, bb += q * q;
     }
     squares += aa - 2 * ab + bb;
-    squares_gain +=
-        bb > 0 ? aa - ab * ab / bb : aa;  // of a against the gain times b that is nearest to it
+    squares_gain += bb > 0 ? aa - ab * ab / bb : aa;  // of a against b times the best-fitting gain
   }
   const double count = 3.0 * static_cast<double>(texels.size());
   score.mean_difference = difference / count;

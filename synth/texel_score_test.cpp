@@ -11,7 +11,7 @@
 namespace keypose::synth {
 namespace {
 
-// A flat square of side 1, n x n cells, laid out over the whole texture.
+// A flat square of side 1 with n x n cells that fills the whole texture.
 Mesh Sheet(int n) {
   Mesh mesh;
   mesh.points.resize((n + 1) * (n + 1), 3);
@@ -61,7 +61,7 @@ TEST(ScoreTexels, ExactRegistrationShowsTheSameSpots) {
 
 TEST(ScoreTexels, ASlideAlongTheClayIsMeasuredOnTheClay) {
   World world;
-  world.registered.col(2).array() *= 0.9;  // texels at height h show the clay of height 0.9 h
+  world.registered.col(2).array() *= 0.9;  // texels at height h show the clay at height 0.9 h
   const TexelScore score = world.Score();
   EXPECT_NEAR(score.mean, 0.05 / std::sqrt(2.0), 1e-9);
   EXPECT_NEAR(score.max, 0.1 * (1 - 0.5 / 40) / std::sqrt(2.0), 1e-9);
@@ -72,7 +72,7 @@ TEST(ScoreTexels, ColoursOfTheSameTexelAreCompared) {
   world.texture_b = Image8(40, 40, 3, 80);
   EXPECT_NEAR(world.Score().mean_difference, 20, 1e-12);
   EXPECT_NEAR(world.Score().psnr_db, 20 * std::log10(255.0 / 20), 1e-9);
-  EXPECT_EQ(world.Score().psnr_gain_db, 99);  // the light's, not the clay's
+  EXPECT_EQ(world.Score().psnr_gain_db, 99);  // the difference is light, not clay
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 20; ++x) world.texture_b.at(x, y)[1] = 120;
   EXPECT_LT(world.Score().psnr_gain_db, 40);

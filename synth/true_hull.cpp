@@ -21,7 +21,8 @@ class Outline {
         inside.at<std::uint8_t>(y, x) = *mask.at(x, y) > 127 ? 255 : 0;
     cv::distanceTransform(inside, to_background, cv::DIST_L2, cv::DIST_MASK_PRECISE);
     cv::distanceTransform(255 - inside, to_character, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    // Each transform is one at the first pixel of its side; the outline runs between the pixels.
+    // Each distance transform is 1 at the first pixel of its side; the outline runs between the
+    // pixels.
     distance_.create(mask.height, mask.width, CV_32F);
     for (int y = 0; y < mask.height; ++y)
       for (int x = 0; x < mask.width; ++x) {
@@ -29,7 +30,8 @@ class Outline {
         distance_.at<float>(y, x) = out > 0 ? out - 0.5f : 0.5f - in;
       }
   }
-  /// Bilinear between pixel centres; beyond the image the border's value and the way to it.
+  /// Bilinear between pixel centres. Outside the image: the border's value plus the distance to the
+  /// border.
   double At(const Eigen::Vector2d& pixel) const {
     const double x = std::clamp(pixel[0] - 0.5, 0.0, distance_.cols - 1.0),
                  y = std::clamp(pixel[1] - 0.5, 0.0, distance_.rows - 1.0);
@@ -53,14 +55,14 @@ class Outline {
 Mesh HullOfMasks(const std::vector<View>& views, const std::vector<Image8>& masks,
                  const Eigen::Vector3d& low, const Eigen::Vector3d& high, double spacing) {
   if (views.empty() || views.size() != masks.size())
-    throw InputError("synth: a hull needs one mask a view; there are " +
+    throw InputError("synth: a hull needs one mask per view; there are " +
                      std::to_string(views.size()) + " views and " + std::to_string(masks.size()) +
                      " masks");
   std::vector<Outline> outlines;
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (masks[i].width != views[i].camera.width || masks[i].height != views[i].camera.height ||
         masks[i].width < 2 || masks[i].height < 2)
-      throw InputError("synth: the mask of " + views[i].name + " is not of its camera's size");
+      throw InputError("synth: the mask of " + views[i].name + " does not have its camera's size");
     outlines.emplace_back(masks[i]);
   }
   const auto distance = [&](const Eigen::Vector3d& x) {

@@ -1,5 +1,5 @@
-// The visual hull of exact silhouettes: the best that masks alone can give, to measure stereo
-// against.
+// The visual hull of exact silhouettes: the best result from masks alone, for comparison with
+// stereo.
 #pragma once
 
 #include <vector>
@@ -10,14 +10,13 @@
 
 namespace keypose::synth {
 
-/// The set of points whose pixels lie in every mask, as a closed mesh.
+/// The set of points that project into every mask, as a closed mesh.
 ///
-/// @param masks      one a view, of its camera's size; > 127 is character
-/// @param low, high  box round the character [m]
+/// @param masks      one per view, of its camera's size; > 127: character
+/// @param low, high  box around the character [m]
 /// @param spacing    of the polygonisation [m]
-/// @throws InputError  as many masks as views are needed, of their size; nothing in common
-/// Same bits for any thread count.
-/// Source: Laurentini, TPAMI 1994.
+/// @throws InputError  number or sizes of masks and views differ, or the masks have no common
+/// point. Same bits for any thread count. Source: Laurentini, TPAMI 1994.
 Mesh HullOfMasks(const std::vector<View>& views, const std::vector<Image8>& masks,
                  const Eigen::Vector3d& low, const Eigen::Vector3d& high, double spacing);
 

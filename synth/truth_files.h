@@ -1,12 +1,14 @@
-// The exact truth of synthetic photographs, as files beside them.
+// The exact truth of synthetic photographs, in files beside them.
 //
-//     truth/POSE/cameras/        COLMAP's binary model: exact cameras in the character's frame [m],
-//     points on the true surface truth/POSE/masks/NAME.png  255 = character truth/POSE/surface.ply
-//     vertex i is the same material point in every pose truth/POSE/outer.ply       of a pose with
-//     parts pressed into each other: what one sees of its solid, without walls inside
-//     truth/POSE/smooth.ply      its vertices without finger-prints, where these move the surface
-//     truth/POSE/landmarks.json  named vertices of surface.ply
-//     truth/POSE/world.json      what was rendered
+// - truth/POSE/cameras/: COLMAP's binary model: exact cameras in the character's frame [m], points
+//   on the true surface
+// - truth/POSE/masks/NAME.png: 255 = character
+// - truth/POSE/surface.ply: vertex i is the same material point in every pose
+// - truth/POSE/outer.ply: the visible surface of the solid, without walls inside; only for a pose
+//   with parts pressed into each other
+// - truth/POSE/smooth.ply: only if finger-prints move the surface: its vertices without them
+// - truth/POSE/landmarks.json: named vertices of surface.ply
+// - truth/POSE/world.json: what was rendered
 #pragma once
 
 #include <filesystem>
@@ -23,17 +25,18 @@ namespace keypose::synth {
 /// The truth of one pose.
 struct Truth {
   Scene cameras;  ///< views sorted by name
-  Mesh surface;   ///< material: vertex i is one point in every pose; crosses itself where parts are
-                  ///< pressed together
-  Mesh outer;     ///< what is seen of it; the same unless parts are pressed together
-  PointsX3 smooth;  ///< vertices of the surface without its finger-prints
+  /// vertex i is the same material point in every pose; intersects itself where parts are pressed
+  /// together
+  Mesh surface;
+  Mesh outer;       ///< its visible surface; equal to `surface` unless parts are pressed together
+  PointsX3 smooth;  ///< vertices of `surface` without finger-prints
   std::vector<TruthLandmark> landmarks;
 };
 
 /// @throws InputError  a file missing or malformed @throws DiskError
 Truth ReadTruth(const std::filesystem::path& folder);
 
-/// Everything but the masks.
+/// Writes everything except the masks.
 /// @throws DiskError
 void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const World& world,
                 const Pose& pose, const WorldOptions& world_options,

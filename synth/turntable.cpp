@@ -29,8 +29,8 @@ Camera MakeCamera(const PhotographerOptions& options) {
   return camera;
 }
 
-/// Largest share of the image's half height or half width that the points reach in a ring of
-/// cameras.
+/// Largest image coordinate of the points in a ring of cameras, as a share of the image's half
+/// height or half width.
 double Reach(const PointsX3& points, const Camera& camera, double elevation, const Vector3d& target,
              double distance) {
   constexpr int kAround = 24;
@@ -49,7 +49,7 @@ double Reach(const PointsX3& points, const Camera& camera, double elevation, con
   return reach;
 }
 
-/// Where the ring's cameras stand so that the points fill the wanted share of the image.
+/// Camera distance of a ring at which the points fill the wanted share of the image.
 double FitDistance(const PointsX3& points, const Camera& camera, double elevation,
                    const Vector3d& target, double fill) {
   const double radius = (points.rowwise() - target.transpose()).rowwise().norm().maxCoeff();
@@ -59,8 +59,8 @@ double FitDistance(const PointsX3& points, const Camera& camera, double elevatio
   return distance;
 }
 
-/// Cameras of a figure that was moved on the table, in the figure's own frame, in which they seem
-/// to have moved.
+/// Cameras of a figure that was moved on the table, in the figure's frame, where the cameras have
+/// moved instead.
 void Move(std::vector<RingView>& views, const Mishaps& mishaps) {
   const Rigid3 table_from_world{
       Eigen::Quaterniond(Eigen::AngleAxisd(mishaps.moved_rad, Vector3d::UnitZ())),
@@ -85,8 +85,8 @@ std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOpt
     const int count = options.views / rings + (ring < options.views % rings ? 1 : 0);
     const double elevation = options.elevations_deg[ring] * kPi / 180;
     const double distance = FitDistance(points, camera, elevation, target, options.fill);
-    // The tripod is moved between rings: another aim, a slight tilt. Rings start half a step apart,
-    // so that views interleave.
+    // The tripod is moved between rings: the aim changes, with a slight tilt. Rings start half a
+    // step apart, so that views interleave.
     const Vector3d aim =
         target + options.aim_jitter * distance * Vector3d(0, 0, random.Uniform(-1, 1));
     const double roll = 2 * options.aim_jitter * random.Uniform(-1, 1),
@@ -126,8 +126,8 @@ ImageF Backdrop(const PhotographerOptions& options) {
       const double u = (x + 0.5) / options.height, v = (y + 0.5) / options.height;
       Vector3d color(0.50, 0.495, 0.49);
       if (studio) {
-        // A sweep of paper: wall above, table below, an out-of-focus stain pattern, and the grain
-        // of the paper.
+        // A paper sweep: wall above, table below, an out-of-focus pattern of stains, and paper
+        // grain.
         const double table = smooth((v - 0.42) / 0.30);
         color = (1 - table) * Vector3d(0.36, 0.37, 0.40) + table * Vector3d(0.55, 0.53, 0.51);
         const double stains = FractalNoise({3.1 * u, 3.1 * v, 0.5}, 3, 0.5, 77),

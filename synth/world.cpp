@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 constexpr double kFistRadius = 0.0140, kThumbRadius = 0.0050;  // [m] of the right hand
 const Vector3d kThumb(0.010, -0.010, 0.0090);                  // [m] from the middle of the fist
 
-/// Linear light from the 0..255 sRGB value that a painter would name.
+/// Linear light from an sRGB colour, 0..255.
 Vector3d Srgb(int r, int g, int b) {
   return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)};
 }
@@ -44,7 +44,7 @@ const Palette kPalettes[] = {
      Srgb(84, 150, 130), Srgb(244, 230, 200), Srgb(104, 74, 140), Srgb(222, 110, 98)},
 };
 
-// Builds the creature part by part and remembers the named places.
+// Builds the creature part by part and records the named places.
 class Sculptor {
  public:
   explicit Sculptor(std::uint64_t seed) : random_(seed), spread_(seed == 1 ? 0 : 1) {
@@ -93,11 +93,11 @@ class Sculptor {
   void Spots();
 
   Random random_;
-  double spread_;  // 0: the demo's own proportions
+  double spread_;  // 0: the proportions of the demo
   Palette palette_;
   Clay clay_;
   std::vector<std::pair<std::string, Vector3d>> places_;
-  Clay trunk_, thighs_;  // what the hand rests on, and what it keeps clear of
+  Clay trunk_, thighs_;  // the hand rests on the trunk and keeps clear of the thighs
   Vector3d shoulder_, arm_axis_, elbow_, forearm_axis_, right_shoulder_, fist_;
 };
 
@@ -163,7 +163,7 @@ void Sculptor::Head() {
   Ball(right_eye + (right - 0.0030) * look, 0.0046, Srgb(28, 26, 32), 0.0005, true);
   Name("left_eye", left_eye + (left + 0.0018) * look);
   Name("right_eye", right_eye + (right + 0.0016) * look);
-  // One brow, raised; a smile that goes up on one side.
+  // One raised brow; a smile that rises on one side.
   Add(left_eye + Vector3d(-0.008, 0.002, 0.0125), 0.0034, left_eye + Vector3d(0.009, 0.004, 0.0150),
       0.0028, palette_.spot, 0.002);
   Add(muzzle + Vector3d(-0.010, -0.0085, -0.0075), 0.0022,
@@ -239,8 +239,8 @@ void Sculptor::Spots() {
          palette_.spot});
 }
 
-// The upper arm turns about itself, which lets the forearm hang; then the forearm bends in until
-// the fist is pressed into the hip.
+// The upper arm rotates about its axis, so that the forearm hangs; then the forearm bends inwards
+// until the fist is pressed into the hip.
 Pose Sculptor::HipPose(double turn_degrees, double bend_degrees) const {
   Deformation turn;
   turn.kind = Deformation::Kind::kTwist;
@@ -268,8 +268,8 @@ Pose Sculptor::HandOnHip() const {
   };
   Pose best;
   double least = std::numeric_limits<double>::infinity();
-  // Fist and thumb are to sink in alike, so that no pinhole stays between them, and the hand keeps
-  // clear of the thigh.
+  // Fist and thumb must sink in equally, so that no pinhole remains between them, and the hand must
+  // stay clear of the thigh.
   for (double turn = 90; turn > 30; turn -= 2) {
     double low = 0, high = 80;
     for (int round = 0; round < 40; ++round) {
@@ -318,7 +318,8 @@ Character SculptCreature(std::uint64_t seed) {
   return {sculptor.clay(), sculptor.places(), sculptor.Poses()};
 }
 
-// The vertex nearest to each named place; places that fell on one vertex keep the first name.
+// The vertex nearest to each named place. If several places share a vertex, only the first name is
+// kept.
 std::vector<TruthLandmark> FindLandmarks(
     const Mesh& rest, const std::vector<std::pair<std::string, Vector3d>>& places) {
   const KdTree tree(rest.points);
@@ -338,7 +339,7 @@ void RequireValid(const WorldOptions& options) {
   if (!(options.print_height_m >= 0 && options.print_spacing_m > 0 &&
         options.print_height_m < 0.2 * options.print_spacing_m))
     throw InputError("synth: prints need a spacing above 0 and a height below a fifth of it");
-  // Vertices are about half of spacing_m apart; fewer than six on a ridge would cut its crest.
+  // Vertices are about spacing_m / 2 apart; fewer than six per ridge would cut off its crest.
   if (options.prints_move && options.spacing_m > options.print_spacing_m / 3)
     throw InputError(
         "synth: prints that move the surface need spacing_m of at most a third of their own "

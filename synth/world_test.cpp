@@ -38,7 +38,7 @@ TEST(MakeWorld, EveryCharacterIsOneClosedBodyStandingOnTheTable) {
 }
 
 TEST(MakeWorld, SurfaceHasTheSolidsVolume) {
-  // Independent of the mesher: count points of a fine grid inside the solid.
+  // Independent of the mesher: counts points of a fine grid inside the solid.
   const World world = MakeWorld(Coarse(1));
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
@@ -54,8 +54,8 @@ TEST(MakeWorld, SurfaceHasTheSolidsVolume) {
 }
 
 TEST(MakeWorld, CharacterHasNoMirrorTwin) {
-  // The mirrored character must differ from itself by far more than reconstruction errors, or left
-  // and right could be mistaken.
+  // The character and its mirror image must differ by far more than reconstruction errors;
+  // otherwise left and right could be confused.
   const World world = MakeWorld(Coarse(1));
   double worst = 0;
   for (Eigen::Index i = 0; i < world.rest.points.rows(); i += 5) {
@@ -125,7 +125,7 @@ TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
     EXPECT_TRUE(CheckClosed(seen).closed()) << "seed " << seed;
     EXPECT_EQ(CheckClosed(seen).components, 1) << "seed " << seed;
     EXPECT_EQ(Genus(seen), 1) << "seed " << seed;
-    // A lattice as coarse as this one has pinholes beside the eyes; the map of a pose adds none.
+    // A lattice this coarse leaves pinholes beside the eyes; the map of a pose adds none.
     EXPECT_EQ(Genus(TruthSurface(world, hip)), Genus(world.rest)) << "seed " << seed;
     EXPECT_EQ(Genus(SeenSurface(world, world.PoseNamed("wave"))), Genus(world.rest))
         << "seed " << seed;
@@ -133,8 +133,8 @@ TEST(MakeWorld, HandOnHipClosesAHandleThatTheMaterialSurfaceLacks) {
 }
 
 TEST(MakeWorld, HandOnHipLeavesAWindowThatAPhotographShows) {
-  // A line of sight from the front through the arm's loop: nothing there in the hip pose, and the
-  // arm on three sides of it.
+  // A line of sight from the front through the arm's loop: free in the hip pose, with the arm on
+  // three sides of it.
   const World world = MakeWorld(Coarse(1));
   const Mesh seen = SeenSurface(world, world.PoseNamed("hip"));
   const RayScene scene(seen.points, seen.faces);

@@ -1,5 +1,5 @@
-// What goes wrong for people, through the real programs: each fault has its exit code and a message
-// that says what, where, and what to do.
+// Typical user errors, with the real programs: each fault has its exit code and a message that says
+// what is wrong, where, and what to do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -42,7 +42,7 @@ bool Empty(const fs::path& folder) { return !fs::exists(folder) || fs::is_empty(
 
 class BadInput : public ::testing::Test {
  protected:
-  // One set of good photographs for all tests; each spoils a copy.
+  // One set of good photographs for all tests; each test damages a copy.
   static void SetUpTestSuite() {
     world_ = std::make_unique<TestFolder>();
     const RunResult made =
@@ -62,8 +62,8 @@ class BadInput : public ::testing::Test {
     return RunProgram(arguments, here(), environment);
   }
 
-  /// Runs, and expects the exit code, words of the message, its one-line form, and that no output
-  /// was left.
+  /// Runs a command and expects the exit code, words in the message, a one-line message, and no
+  /// output.
   void ExpectFault(const std::vector<std::string>& arguments, int exit_code,
                    const std::vector<std::string>& words, const std::string& output = "",
                    const std::vector<std::string>& environment = {}) const {
@@ -102,7 +102,7 @@ class BadInput : public ::testing::Test {
     return here() / name;
   }
 
-  /// A project whose only step is a script; no photographs are looked at.
+  /// A project whose only step is a script. The photographs are not read.
   fs::path ScriptProject(const std::string& script, const std::string& more_yaml = "") const {
     const fs::path project = here() / "project";
     fs::create_directories(project / "photos");
@@ -175,7 +175,7 @@ TEST_F(BadInput, MasksAllBlack) {
 
 TEST_F(BadInput, PhotographsThatDoNotJoin) {
   if (!HasProgram("colmap")) GTEST_SKIP() << "colmap is missing: run ./dev setup";
-  // Each photograph shows other blobs: there is nothing that two of them share.
+  // Each photograph shows different blobs: no two have anything in common.
   std::uint32_t state = 1;
   const auto random = [&] { return (state = state * 1664525u + 1013904223u) >> 8; };
   fs::create_directories(here() / "shots");

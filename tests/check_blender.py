@@ -1,16 +1,18 @@
-"""Imports a GLB into Blender and checks what an animator would find there.
+"""Imports a GLB into Blender and checks what an animator finds there.
 
-    blender -b --factory-startup --python-exit-code 1 --python tests/check_blender.py -- FILE.glb SHAPE_KEYS [VERTICES] [TEXTURE_WIDTH] [STEPS]
+    blender -b --factory-startup --python-exit-code 1 --python tests/check_blender.py -- FILE.glb SHAPE_KEYS
+            [VERTICES] [TEXTURE_WIDTH] [STEPS]
 
-SHAPE_KEYS counts the morph targets, without the basis. TEXTURE_WIDTH 0 means that there must be no texture.
-STEPS has a character for each frame at 24 a second: 1 where the picture stands until the next frame, 0 where it need not.
+SHAPE_KEYS is the number of morph targets, without the basis. TEXTURE_WIDTH 0 means that there must be no texture.
+STEPS has one character per frame at 24 frames per second: 1 if the picture must be held until the next frame,
+else 0.
 """
 import sys
 
 import bpy
 import numpy
 
-# Debian 12 pairs Blender 3.4 with numpy 1.24, which dropped the alias that this Blender's glTF importer uses for every file.
+# Debian 12 has Blender 3.4 and numpy 1.24. This numpy lacks an alias that the glTF importer uses for every file.
 if "bool" not in vars(numpy):
     numpy.bool = bool
 

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Photographs of a clay character in two poses, taken through the whole pipeline, and compared with the truth.
+"""Runs the whole pipeline on photographs of a clay character in two poses, and compares with the truth.
 
-Renders into demo/ (see --out), makes a project of the photographs, reconstructs both poses, clicks landmarks as an artist would,
-runs the rest, and prints a table. Exit code 0 when every goal is reached, 6 when one is not, else that of the step that failed.
+Renders photographs into demo/ (see --out), makes a project of them, reconstructs both poses, sets landmarks like
+an artist, runs the remaining steps, and prints a table. Exit code: 0 if every goal is reached, 6 if one is
+missed, else that of the failed step.
 """
 import argparse
 import glob
@@ -23,13 +24,13 @@ MINUTES_GOAL = 10
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", default="build/release/bin", help="folder of the programs")
-    parser.add_argument("--out", default="demo", help="folder to work in; what a demo left there is removed")
-    parser.add_argument("--views", type=int, default=32, help="photographs a pose, over two rings")
-    parser.add_argument("--width", type=int, default=1024, help="of the photographs [px]; the height is 3/4 of it")
+    parser.add_argument("--out", default="demo", help="working folder; files of an earlier demo are removed")
+    parser.add_argument("--views", type=int, default=32, help="photographs per pose, over two rings")
+    parser.add_argument("--width", type=int, default=1024, help="width of the photographs [px]; the height is 3/4 of it")
     parser.add_argument("--seed", type=int, default=1, help="character")
     parser.add_argument("--texture", default="rich", choices=["rich", "weak"], help="grain of the paint")
-    parser.add_argument("--keep", action="store_true", help="go on with the photographs and results that are there")
-    parser.add_argument("--set", action="append", default=[], help="STEP.OPTION=VALUE, handed to `keypose run`")
+    parser.add_argument("--keep", action="store_true", help="keep and use existing photographs and results")
+    parser.add_argument("--set", action="append", default=[], help="STEP.OPTION=VALUE, passed to `keypose run`")
     return parser.parse_args()
 
 
@@ -44,7 +45,7 @@ class Demo:
         return os.path.join(os.path.abspath(self.args.bin), name)
 
     def run(self, command, quiet=False):
-        """Runs a program; a failure ends the demo with its exit code and says which command it was."""
+        """Runs a program. If it fails, prints the command and ends the demo with its exit code."""
         print("\n$ " + " ".join([os.path.basename(command[0])] + command[1:]), flush=True)
         result = subprocess.run(command, stdout=subprocess.PIPE if quiet else None, text=True)
         if result.returncode != 0:
@@ -116,14 +117,14 @@ figure {{ margin: 1em 0 2em }} .half img {{ max-width: 24%; margin-right: 0.5% }
 {figures}</html>
 """
 
-# What there is to see, in the order in which it is made; {pose} is filled in.
+# The pictures, in the order in which they are made.
 LOOK_AT = [("masks.jpg", "the photographs with their masks"), ("cameras.png", "where each photograph was taken from"),
-           ("masks_agreed.jpg", "the masks after all views had their say"), ("cloud.png", "the points that photographs agree on"),
+           ("masks_agreed.jpg", "the masks after comparing all views"), ("cloud.png", "the points that photographs agree on"),
            ("registered.png", "the template on the pose")]
 
 
 class LookPage(threading.Thread):
-    """Keeps a page up to date with the pictures that are there, and says on the console when a new one is."""
+    """Keeps a page up to date with the existing pictures, and prints a line for each new one."""
 
     def __init__(self, demo):
         super().__init__(daemon=True)
@@ -158,7 +159,7 @@ class LookPage(threading.Thread):
     def run(self):
         while not self.end.wait(1):
             if self.pictures() != self.shown:
-                self.write("New pictures come in by themselves, newest of each pose first.")
+                self.write("New pictures appear automatically, the newest of each pose first.")
 
     def finish(self, state):
         self.end.set()
@@ -199,7 +200,7 @@ def print_scores(scores):
             t = score["texels"]
             line("what a texel shows in both poses: apart on the clay, mean", percent(t["mean"]), f"{t['mean'] / t['texel']:.1f} texels")
             line("  95th percentile / max", f"{percent(t['p95'])} / {percent(t['max'])}")
-            line("  its two colours: PSNR / after one gain a channel", f"{t['psnr_db']:.1f} / {t['psnr_gain_db']:.1f} dB")
+            line("  its two colours: PSNR / after one gain per channel", f"{t['psnr_db']:.1f} / {t['psnr_gain_db']:.1f} dB")
             closed = score["registered_closed"]["closed"]
             line("registered template closed", "yes" if closed else "no", "goal yes", closed)
     return missed
@@ -211,9 +212,9 @@ def main():
     render_seconds = demo.photograph()
     start = time.monotonic()
     look = LookPage(demo)
-    look.write("The photographs are there; masks come first, in a few seconds.")
+    look.write("The photographs are ready; masks come first, in a few seconds.")
     look.start()
-    print(f"\nOpen {os.path.relpath(look.path)} in a browser: photographs, masks, cameras and points show there as soon as they exist.", flush=True)
+    print(f"\nOpen {os.path.relpath(look.path)} in a browser: it shows photographs, masks, cameras and points as soon as they exist.", flush=True)
     demo.pipeline("--until", "cleanup")
     demo.pipeline("--until", "unwrap")
     pick_seconds = demo.click_landmarks()

@@ -1,4 +1,4 @@
-// The exported file as others see it: the Khronos validator and Blender.
+// The exported file in other programs: the Khronos validator and Blender.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr int kFrames = 6;
 
-// A tube with texture coordinates that bends over the frames.
+// A tube with texture coordinates that bends from frame to frame.
 Mesh UnwrappedTube() {
   Mesh mesh = MakeCylinder(1, 4, 24, 12);
   mesh.uv_faces = mesh.faces;
@@ -77,7 +77,7 @@ class ExportedGlbOnTwos : public ExportedGlb {
  protected:
   void SetUp() override {
     ExportedGlb::SetUp();
-    // 0 0 2 2 4 0: on twos from one key to the next, which is the first picture again.
+    // 0 0 2 2 4 0: on twos from one key to the next, which shows the first picture again.
     for (const auto& [frame, as] : {std::pair(1, 0), std::pair(3, 2), std::pair(5, 0)})
       fs::copy_file(frames_ / ("frame_000" + std::to_string(as) + ".ply"),
                     frames_ / ("frame_000" + std::to_string(frame) + ".ply"),
@@ -174,7 +174,7 @@ TEST_F(ExportedGlbOnTwos, TexturesThatAreNotOfTheKeysAreSaidAndTheFirstShows) {
   fs::remove(frames_ / "distortion.json");
   const RunResult exported = Export(BothTextures());
   EXPECT_EQ(exported.exit_code, 0) << exported.output;
-  EXPECT_NE(exported.output.find("shows the first texture only"), std::string::npos)
+  EXPECT_NE(exported.output.find("shows only the first texture"), std::string::npos)
       << exported.output;
 }
 
@@ -198,7 +198,7 @@ TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {
     for (const std::string kind : {"ply", "obj"}) {
       const Mesh written = ReadMesh(animation_ / kind / (name + "." + kind));
       EXPECT_TRUE(written.faces == frame.faces) << kind << " " << name;
-      // 17 digits of OBJ are read back by tinyobjloader, whose parser is off by some last bits.
+      // tinyobjloader parses the 17 digits of the OBJ with errors in the last bits.
       ASSERT_EQ(written.vertex_count(), frame.vertex_count());
       EXPECT_LE((written.points - frame.points).cwiseAbs().maxCoeff(), kind == "ply" ? 0 : 1e-14)
           << kind << " " << name;

@@ -1,6 +1,6 @@
-// Folders of photographs as people hand them over: shuffled, with some missing, turned, copied
-// twice, with wrong EXIF, half a file. Each either gives the cameras that a clean folder gives, or
-// says which photographs are at fault.
+// Realistic folders of photographs: shuffled, with missing, rotated, duplicate or truncated files,
+// or with wrong EXIF. Each either gives the same cameras as a clean folder, or a message that names
+// the faulty photographs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,11 +28,12 @@ std::string NameOf(int view) {
   return name;
 }
 
-/// How far a model's cameras are from the true ones.
+/// Errors of a model's cameras.
 struct CameraErrors {
   int placed = 0;
-  double mean = 0, largest = 0;  // of the cameras' mean distance from the turntable's middle
-  double focal = 0;              // relative
+  double mean = 0,
+         largest = 0;  // relative to the cameras' mean distance from the turntable's middle
+  double focal = 0;    // relative
 };
 
 class ImageFolders : public ::testing::Test {
@@ -57,7 +58,7 @@ class ImageFolders : public ::testing::Test {
 
   fs::path photos() const { return folder_.path() / "photos"; }
   void Drop(int view) { fs::remove(photos() / NameOf(view)), truth_name_.erase(NameOf(view)); }
-  /// Names that say nothing about the order on the turntable.
+  /// Gives the files names that are independent of the order on the turntable.
   void Shuffle(unsigned seed) {
     std::vector<std::string> names;
     for (const auto& [name, truth] : truth_name_) names.push_back(name);
@@ -80,7 +81,7 @@ class ImageFolders : public ::testing::Test {
     ASSERT_EQ(made.exit_code, kOk) << made.output;
     fs::remove_all(clean);
   }
-  /// All photographs say that another lens was on the camera.
+  /// Sets another focal length in the EXIF of all photographs.
   void ClaimFocal35(double focal_35mm) {
     ExifToWrite exif;
     exif.focal_35mm = focal_35mm, exif.focal_mm = focal_35mm / 1.5;
@@ -119,7 +120,7 @@ class ImageFolders : public ::testing::Test {
             found.views[0].camera.fx / truth.views[0].camera.fx - 1};
   }
 
-  /// Capture and sfm both succeed, and all photographs are where they were taken.
+  /// Expects that capture and sfm succeed, and that all cameras are in their true places.
   void ExpectRight(double most_mean = 0.006) {
     const RunResult captured = Capture();
     ASSERT_EQ(captured.exit_code, kOk) << captured.output;
@@ -130,7 +131,7 @@ class ImageFolders : public ::testing::Test {
     EXPECT_LT(errors.mean, most_mean);
     EXPECT_LT(errors.largest, 4 * most_mean);
   }
-  /// Capture says what is wrong, and leaves nothing.
+  /// Expects that capture fails with these words, and leaves no output.
   void ExpectRefused(const std::vector<std::string>& words) {
     const RunResult captured = Capture();
     EXPECT_EQ(captured.exit_code, kInput) << captured.output;
@@ -139,7 +140,7 @@ class ImageFolders : public ::testing::Test {
   }
 
   TestFolder folder_;
-  std::map<std::string, std::string> truth_name_;  // of each photograph in the folder
+  std::map<std::string, std::string> truth_name_;  // per photograph in the folder
   static inline std::unique_ptr<TestFolder> world_;
 };
 
@@ -151,7 +152,7 @@ TEST_F(ImageFolders, ShuffledNamesTurnedPhotographsAndFiveMissingViewsGiveTheSam
 }
 
 TEST_F(ImageFolders, WrongFocalLengthInExifIsFoundOut) {
-  ClaimFocal35(85);  // the truth is 60
+  ClaimFocal35(85);  // the true value is 60
   ExpectRight();
   EXPECT_NEAR(Errors().focal, 0, 0.03);
 }
@@ -181,8 +182,8 @@ TEST_F(ImageFolders, PhotographsOfAnotherSizeAreNamed) {
   ExpectRefused({NameOf(10)});
 }
 
-// Random mixtures of harmless and harmful faults: harmful ones are refused by name, all others give
-// the right ring.
+// Random mixtures of harmless and harmful faults: harmful ones are refused with the file's name;
+// all others give the correct ring.
 TEST_F(ImageFolders, RandomHarmfulMixturesAreRefusedByName) {
   std::mt19937 random(11);
   const std::vector<std::string> kinds = {"truncate", "empty", "no-image", "resize"};

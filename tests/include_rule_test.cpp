@@ -23,7 +23,7 @@ std::map<std::string, std::string> OurTexts() {
 TEST(IncludeRules, NoFileOfTheProjectBreaksOne) {
   const Rooms rooms = OurRooms();
   const auto texts = OurTexts();
-  // A walk that finds nothing would pass: every room must be among the files.
+  // A search that finds no files would pass, so every room must be among the files.
   std::set<std::string> seen;
   for (const auto& [file, text] : texts) seen.insert(file.substr(0, file.find('/')));
   for (const std::string room :
@@ -83,11 +83,13 @@ TEST(IncludeRules, SubRoomsIncludeWhatTheyLink) {
   ExpectBreach("register/auto/auto_fit.cpp", "#include \"register/nricp/nricp.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"register/auto/auto_fit.h\"", true);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"deform/arap/arap_fit.h\"", false);
-  // Not linked itself, only by what it links: a test may, the algorithm says so first.
+  // Not linked directly, only by a linked room: a test may include it; an algorithm must link it
+  // first.
   ExpectBreach("register/auto/auto_fit.cpp", "#include \"deform/arap/arap_fit.h\"", true);
   ExpectBreach("register/auto/auto_fit_test.cpp", "#include \"deform/arap/arap_fit.h\"", false);
   ExpectBreach("register/nricp/nricp_test.cpp", "#include \"register/auto/auto_fit.h\"", true);
-  // A room's programs use all of it; what lies beside them in a target of its own does not.
+  // A room's programs may include all of the room. Other files in the room's root folder, in a
+  // target of their own, may not.
   ExpectBreach("register/register_stage.cpp", "#include \"register/auto/auto_fit.h\"", false);
   ExpectBreach("interpolate/sequence.cpp", "#include \"interpolate/turns/turns.h\"", true);
   ExpectBreach("register/nricp/nricp_test.cpp", "#include \"register/testing/scenes.h\"", false);
@@ -139,7 +141,7 @@ TEST(UnitRules, HeaderAndSourceCountAsOne) {
                   .empty());
   EXPECT_TRUE(
       UnitCycles({{"a_impl.h", "#include \"a.h\""}, {"a.cpp", "#include \"a_impl.h\""}}).empty());
-  // No two headers include each other, and yet neither unit can be understood without the other.
+  // No two headers include each other, but neither unit can be understood without the other.
   const auto circle =
       UnitCycles({{"a.h", "#include \"b.h\""}, {"b.cpp", "#include \"a.h\""}, {"b.h", ""}});
   ASSERT_EQ(circle.size(), 2u);

@@ -41,8 +41,8 @@ bool IsTest(const std::string& file) {
   return std::regex_match(file, pattern);
 }
 
-// A program: a file at a room's root that has the program's main, or that only programs there
-// share.
+// A program: a file in a room's root folder that has the program's main, or that only the programs
+// there share.
 bool IsProgram(const std::string& file) {
   static const std::regex pattern(".*(_stage|/main)\\.cpp");
   return std::regex_match(file, pattern);
@@ -54,7 +54,7 @@ const std::string* TargetOf(const Rooms& rooms, const std::string& folder) {
   return nullptr;
 }
 
-// A room's root folder without a target of its own holds its programs and what they share.
+// A room's root folder without its own target contains its programs and the files that they share.
 bool MayTouchFiles(const Rooms& rooms, const std::string& file) {
   static const std::regex adapter(".*_colmap\\.(cpp|h)");
   if (IsProgram(file) || IsTest(file) || std::regex_match(file, adapter)) return true;
@@ -62,7 +62,7 @@ bool MayTouchFiles(const Rooms& rooms, const std::string& file) {
   return !target || rooms.at(*target).touches_files;
 }
 
-// All targets that a room's links lead to.
+// All targets that a room links, directly or indirectly.
 std::set<std::string> Below(const Rooms& rooms, const std::string& target) {
   std::set<std::string> below;
   const std::function<void(const std::string&)> visit = [&](const std::string& name) {
@@ -75,7 +75,7 @@ std::set<std::string> Below(const Rooms& rooms, const std::string& target) {
   return below;
 }
 
-// Between folders of stage and library rooms: what is linked may be included.
+// Between folders of stage and library rooms: linked targets may be included.
 std::string ArrowReason(const Rooms& rooms, const std::string& file, const std::string& included) {
   const std::string from = FolderOf(file), to = FolderOf(included);
   if (to == from || to.ends_with("/testing")) return "";
@@ -113,7 +113,8 @@ std::string ProjectReason(const Rooms& rooms, const std::string& file,
     return from + " may not include " + to;
   }
   if (IsTest(file) && from.starts_with("core") && to.starts_with("core")) return "";
-  // files.h knows no format: whole files in and out, which the stage's own report needs too.
+  // files.h depends on no format: it reads and writes whole files, which the stage's report needs
+  // too.
   if (from == "core/stage" && included == "core/io/files.h") return "";
   if (to == "core" && from != "core") return "";
   if (to == "core/io" && (from == "synth" || from == "pipeline")) return "";
@@ -133,7 +134,7 @@ std::string SystemReason(const std::string& file, const std::string& included) {
 
 struct Include {
   int line = 0;
-  bool ours = false;  // in quotes
+  bool ours = false;  // an include in quotes
   std::string path;
 };
 
@@ -159,7 +160,7 @@ std::string UnitOf(const std::string& path) {
 
 using Arrows = std::map<std::string, std::set<std::string>>;
 
-// Every node that reaches itself, with the way round in words.
+// Every node that reaches itself, with the cycle as text.
 std::vector<Breach> Circles(const Arrows& arrows, const std::string& verb) {
   std::vector<Breach> breaches;
   for (const auto& [start, unused] : arrows) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs a build under a fresh prefix and uses it from there, as README tells it.
+# Installs a build under a fresh prefix and uses it from there, as described in README.md.
 # usage: install_test.sh BUILD_DIR
 set -euo pipefail
 build=$1
@@ -12,12 +12,12 @@ cmake --install "$build" --prefix "$folder/prefix" >/dev/null
 export PATH="$folder/prefix/bin:$PATH"
 [ "$(command -v keypose)" = "$folder/prefix/bin/keypose" ] || fail "keypose is not in PREFIX/bin"
 keypose --version >/dev/null || fail "the installed keypose does not start"
-# A stage of its own and the default pipeline are found beside the program, wherever that is.
+# The stages and the default pipeline are found beside the program, wherever it is.
 keypose cleanup --help | grep -q -- --faces || fail "keypose finds no stage programs under the prefix"
 keypose graph -C /nonexistent 2>/dev/null && fail "a project that is not there must be an error"
 mkdir -p "$folder/photos" "$folder/project"
 printf 'poses: {rest: %s}\n' "$folder/photos" > "$folder/project/pipeline.yaml"
 keypose graph -C "$folder/project" | grep -q 'dense/rest' || fail "the default pipeline is not found under the prefix"
-# Nothing for tests comes along.
+# No test programs are installed.
 ! ls "$folder/prefix/bin" | grep -q _test || fail "a test program was installed"
 echo "1 passed, 0 failed"

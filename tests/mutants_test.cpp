@@ -1,6 +1,6 @@
 // Files that once broke a reader or a solver (../shared/data/mutants), through the programs that
-// read them: each ends in a documented exit code, in bounded time and memory, and where it fails,
-// the message names the file.
+// read them: each program ends with a documented exit code, in bounded time and memory; if it
+// fails, the message names the file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr double kSeconds = 60;
-// of address space; the libraries alone map a fifth of it
+// limit of address space [kB]; the libraries alone map a fifth of it
 constexpr const char* kKilobytes = "4000000";
 
 fs::path Data() {
@@ -72,7 +72,7 @@ class Mutants : public ::testing::Test {
     return files;
   }
 
-  /// @param name  of the file that a message must have
+  /// @param name  name of the file that a message must contain
   void Expect(const std::vector<std::string>& arguments, const std::string& name,
               const std::set<int>& codes) {
     std::vector<std::string> command{

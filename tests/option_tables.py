@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the table of all options into each stage's page, from what the stage says of itself (`keypose STAGE --describe`).
+"""Writes the table of all options into each stage's page, from `keypose STAGE --describe`.
 
     option_tables.py --bin build/release/bin [--write]
 
-Each page docs/stages/STAGE.md ends its options with a table between two marks. Without --write the pages are compared, and exit code 1 says which one is
-out of date. Needs nothing beyond Python.
+Each page docs/stages/STAGE.md has a table between two marks at the end of its options. Without --write the pages
+are compared; if any is out of date, the exit code is 1 and the message names it. Needs only Python.
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ def number(value):
 
 
 def values_of(option):
-    """What the option may be, in words."""
+    """The allowed values of an option, as text."""
     if option['choices']:
         return ', '.join(f'`{choice}`' for choice in option['choices'])
     if option['type'] == 'bool':
@@ -46,7 +46,7 @@ def default_of(option):
 
 def table(described):
     rows = ['| option | default | may be | what it does |', '|---|---|---|---|']
-    # Those that people set come first.
+    # Commonly used options come first.
     for option in sorted(described['options'], key=lambda option: not option['common']):
         help_text = option['help'].replace('|', '\\|')
         rows.append(f"| `{option['name']}` | {default_of(option)} | {values_of(option)} | {help_text} |")
@@ -54,7 +54,7 @@ def table(described):
 
 
 def page_with(text, stage, described):
-    """@return the page with its table renewed, or with a new section at its end"""
+    """@return the page with an updated table, or with a new section at its end"""
     begin = BEGIN.format(stage=stage)
     section = begin + '\n' + table(described) + '\n' + END
     if begin not in text:

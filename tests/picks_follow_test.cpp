@@ -1,5 +1,5 @@
-// Picks, painted stiffness and regions follow the clay when its mesh is made anew, or are refused
-// by name: by the commands that users type.
+// Picks, painted stiffness and regions are carried over when the mesh is made anew, or are refused
+// by name. Tested with the commands that users type.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -25,8 +25,8 @@ using ::testing::Not;
 
 constexpr int kOk = 0, kUsage = 2, kInput = 3;
 
-/// A character, and the same made anew: other vertices, turned and scaled. `wrong` is another
-/// thing.
+/// A character, and a new mesh of it with other vertices, rotated and scaled. `wrong` is another
+/// figure.
 class PicksFollow : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -71,9 +71,9 @@ TEST_F(PicksFollow, RegisterTakesThePicksToTheSameClay) {
                "--landmarks", picks_now_, "--registered", "out.ply", "--report", "r.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("8 picks were carried over"), HasSubstr("turned by")));
-  // Source and target are one mesh: a pick that was carried to its true place has nowhere to go.
+  // Source and target are the same mesh, so a correctly carried pick has no residual.
   EXPECT_LT(Read("r.json")["measurements"]["landmark_max_over_diag"].get<double>(), 0.01);
-  // The numbers alone, as they are taken without a carrying over, lie elsewhere.
+  // Without carrying over, the same face numbers give other places.
   const auto then = ReadLandmarks(picks_before_, before), truth = ReadLandmarks(picks_now_, now);
   double by_number = 0;
   for (std::size_t i = 0; i < then.size(); ++i) {
@@ -127,7 +127,7 @@ TEST_F(PicksFollow, OlderFilesAreBoundByACommand) {
   EXPECT_THAT(
       Read("r.json")["warnings"].dump(),
       AllOf(HasSubstr("old picks.json does not say on which source"), HasSubstr("landmarks bind")));
-  // In place, and the path has a space.
+  // Bound in place; the path has a space.
   ASSERT_EQ(Keypose({"landmarks", "bind", "--mesh", before_, "--picks", "old picks.json", "--bound",
                      "old picks.json"})
                 .exit_code,
@@ -145,7 +145,7 @@ TEST_F(PicksFollow, SwappedNumbersThatNothingBindsAreRefused) {
   const Mesh before = ReadMesh(before_);
   nlohmann::json old = nlohmann::json::parse(ReadFile(picks_before_));
   old["mesh"] = {{"vertices", before.vertex_count()}, {"faces", before.face_count()}};
-  // Faces as the numbering of another mesh would have them.
+  // Face numbers as on another mesh.
   for (auto& pick : old["landmarks"])
     pick["face"] = (pick["face"].get<int>() * 7 + 1300) % before.face_count();
   WriteFile(here() / "old.json", old.dump());
@@ -168,7 +168,7 @@ TEST_F(PicksFollow, PaintedStiffnessStaysOnItsPart) {
       {"landmarks", "bind", "--mesh", now_, "--stiffness", "painted.ply", "--bound", "s.json"});
   ASSERT_EQ(run.exit_code, kOk) << run.output;
   EXPECT_THAT(run.output, HasSubstr("the stiffness was carried over"));
-  const KdTree tree(truth.points);  // vertices of the painted mesh, where they truly are now
+  const KdTree tree(truth.points);  // vertices of the painted mesh, at their true new places
   const auto lines = Read("s.json")["stiffness"];
   int wrong = 0;
   for (int v = 0; v < now.vertex_count(); ++v) {
@@ -176,7 +176,7 @@ TEST_F(PicksFollow, PaintedStiffnessStaysOnItsPart) {
     const double factor = std::stod(line.substr(line.rfind(' ')));
     wrong += (factor > 1) != (painted.colors(tree.Nearest(now.points.row(v)).index, 0) > 0);
   }
-  EXPECT_LT(wrong, 0.02 * now.vertex_count());  // those on the border
+  EXPECT_LT(wrong, 0.02 * now.vertex_count());  // at the border of the painted part
   WriteMesh(here() / "painted.ply", ReadMesh(World("wrong/source.ply")));
   EXPECT_EQ(Keypose({"register", "--source", now_, "--target", now_, "--stiffness", "painted.ply",
                      "--registered", "o.ply"})

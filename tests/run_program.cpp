@@ -74,7 +74,7 @@ Program::Program(const std::vector<std::string>& command, const fs::path& folder
     execve(arguments[0], arguments.data(), variables.data());
     _exit(127);
   }
-  setpgid(pid_, pid_);  // here too, whoever comes first
+  setpgid(pid_, pid_);  // in parent and child, whichever runs first
   close(ends[1]);
   pipe_ = ends[0];
 }
@@ -112,8 +112,8 @@ bool Program::running() {
   if (waitpid(pid_, &status, WNOHANG) != pid_) return true;
   ended_ = true;
   result_.exit_code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-  // What it left in the pipe; grandchildren may hold the other end open, so look no longer than
-  // something comes.
+  // Reads the rest of the pipe. Grandchildren may keep the other end open, so stop when no data
+  // comes.
   for (std::size_t before = ~std::size_t{0}; pipe_ >= 0 && before != result_.output.size();) {
     before = result_.output.size();
     Read(20);

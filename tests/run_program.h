@@ -10,7 +10,7 @@
 namespace keypose::tests {
 
 struct RunResult {
-  /// 128 + the signal when one ended it; -1 when it ran past the limit and was killed
+  /// 128 + signal if a signal ended it; -1 if it exceeded the limit and was killed
   int exit_code = -1;
   std::string output;  ///< standard output and error together
 };
@@ -18,8 +18,8 @@ struct RunResult {
 /// A child process in its own process group.
 class Program {
  public:
-  /// @param command      program and arguments; a first word without '/' is one of this build's,
-  /// else of PATH
+  /// @param command      program and arguments; a first word without '/' is searched in this build,
+  /// then in PATH
   /// @param environment  "NAME=value" entries that replace or extend this process's
   Program(const std::vector<std::string>& command, const std::filesystem::path& folder,
           const std::vector<std::string>& environment = {});
@@ -27,10 +27,10 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  /// To the whole group, as a terminal does on Ctrl-C.
+  /// Sends the signal to the whole group, like a terminal on Ctrl-C.
   void SendSignal(int signal) const;
   /// Waits until the output so far contains `text`.
-  /// @return false when it ended, or after `seconds`
+  /// @return false if the program ended, or after `seconds`
   bool WaitForOutput(const std::string& text, double seconds);
   bool running();
   RunResult Wait(double seconds = 300);
@@ -47,7 +47,7 @@ class Program {
 RunResult RunProgram(const std::vector<std::string>& command, const std::filesystem::path& folder,
                      const std::vector<std::string>& environment = {}, double seconds = 300);
 
-/// A folder of this test alone, empty at the start, deleted at the end.
+/// A private folder of the test, empty at the start, deleted at the end.
 class TestFolder {
  public:
   TestFolder();

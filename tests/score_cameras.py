@@ -1,8 +1,11 @@
 #!/usr/bin/python3
-"""score_cameras.py MODEL REFERENCE  ->  one JSON line: how far the camera centres of two COLMAP models are apart.
+"""Prints the distances between the camera centres of two COLMAP models, as one JSON line.
 
-Folders with images.bin or images.txt. A similarity fitted to the centres (Umeyama) takes MODEL into REFERENCE's frame; errors are fractions of
-REFERENCE's mean distance from its cameras to the point that they look at best. Needs python3-numpy.
+    score_cameras.py MODEL REFERENCE
+
+The arguments are folders with images.bin or images.txt. A similarity fitted to the centres (Umeyama) transforms
+MODEL into REFERENCE's frame. Errors are fractions of REFERENCE's mean distance from its cameras to the point
+nearest to their optical axes. Needs python3-numpy.
 """
 import json
 import os
@@ -55,7 +58,7 @@ def looked_at(entries):
 
 
 def similarity(a, b):
-    """Rows of `a` mapped onto rows of `b` with least squares."""
+    """The least-squares similarity from rows of `a` to rows of `b`."""
     ma, mb = a.mean(0), b.mean(0)
     u, s, vt = np.linalg.svd((b - mb).T @ (a - ma) / len(a))
     d = np.diag([1, 1, np.sign(np.linalg.det(u @ vt))])

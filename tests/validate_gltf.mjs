@@ -1,5 +1,4 @@
-// Runs the Khronos glTF validator on files and fails when one has an error.
-//     node tests/validate_gltf.mjs FILE.glb ...
+// Runs the Khronos glTF validator on files; fails if one has an error. node tests/validate_gltf.mjs FILE.glb ...
 import { readFile } from 'node:fs/promises';
 import { basename } from 'node:path';
 import { createRequire } from 'node:module';

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Wrong projects, one fault each: what `keypose` answers has the right exit code and the words that a person needs.
+"""Faulty projects, one fault each: `keypose` must give the right exit code and the necessary words.
 
     wrong_projects.py --bin build/release/bin [--only TEXT] [--show] [--jobs 2]
 
-A project of two poses is made from rendered photographs, once; each case copies it, spoils one thing, and gives one command. What must hold in each:
+Makes a project of two poses from rendered photographs, once. Each case copies it, introduces one fault, and runs
+one command. Checks in each case:
 
-    - the exit code, and each of the case's words in what the command prints,
-    - `error: `, but no "bug", and nothing that a library says when it gives up,
-    - no result below out/, the photographs' bytes as before, no temporary file in .keypose/tmp.
+    - the exit code, and that the output contains each of the case's words,
+    - `error: ` in the output, but no "bug", and no message of a library that aborts,
+    - no result below out/, unchanged photographs, no temporary file in .keypose/tmp.
 
-Cases of options are made from what the stages say of themselves (`keypose STAGE --describe`). Exit code 1 if any case fails. Needs nothing beyond Python.
+Cases of options are made from `keypose STAGE --describe`. Exit code 1 if any case fails. Needs only Python.
 """
 import argparse
 import concurrent.futures
@@ -36,14 +37,14 @@ class Case:
     code: int
     words: tuple
     command: tuple = STATUS
-    yaml: typing.Optional[str] = None  # in place of the project's pipeline.yaml
+    yaml: typing.Optional[str] = None  # replaces the project's pipeline.yaml
     spoil: typing.Optional[typing.Callable] = None  # gets the project's folder
     outside: bool = False  # the command gets no -C
     environment: dict = dataclasses.field(default_factory=dict)
 
 
 def file_cases():
-    """Faults of pipeline.yaml as a whole, its poses, template and steps; each word list starts with the line."""
+    """Faults in pipeline.yaml as a whole, its poses, template and steps; each word list starts with the line."""
     def case(name, line, words, yaml, code=USAGE):
         return Case(f'file: {name}', code, ((f'pipeline.yaml:{line}',) if line else ()) + words, yaml=yaml)
     step = lambda text: POSES + 'steps:\n' + text  # noqa: E731
@@ -187,7 +188,7 @@ def timeline_cases():
 
 
 def option_cases(stages):
-    """From each stage of the default pipeline: an unknown option, and for each kind of option what it must not be."""
+    """Per stage of the default pipeline: an unknown option, and an invalid value for each kind of option."""
     cases = []
     for stage, described in stages.items():
         kinds = {}
@@ -276,7 +277,7 @@ def photographs(folder, pose='rest'):
 
 
 def photo_cases():
-    """Faults of photographs and what lies beside them, found by `run --until capture` at the latest."""
+    """Faults in photographs and the files beside them, found by `run --until capture` at the latest."""
     def case(name, words, spoil, code=INPUT, yaml=None, command=CAPTURE):
         return Case(f'photographs: {name}', code, words, command=command, spoil=spoil, yaml=yaml)
 
@@ -353,7 +354,7 @@ def photo_cases():
 
 
 def state_cases():
-    """What lies beside the photographs: locks, links, landmarks' folders."""
+    """Faults outside the photographs: locks, links, landmark folders."""
     def case(name, code, words, spoil, command=STATUS, yaml=None):
         return Case(f'state: {name}', code, words, command=command, spoil=spoil, yaml=yaml)
 
@@ -430,7 +431,7 @@ class Bench:
             shutil.copytree(world / 'photos' / pose, self.project / 'photos' / pose)
         write(self.project / 'photos/notes.txt', b'shot on Monday')
         write(self.project / 'pipeline.yaml', POSES.encode())
-        # What the stages say of themselves is remembered here; each copy would ask them again, which takes a second.
+        # Stores the output of --describe here; otherwise each copy would run the stages again, which takes a second.
         subprocess.run([self.keypose, 'status', '-C', self.project], stdout=subprocess.DEVNULL, check=True)
 
     def stages(self):
@@ -445,7 +446,7 @@ class Bench:
             case.spoil(folder)
 
     def run(self, number, case):
-        """@return what is wrong with the answer (nothing: empty), and the answer"""
+        """@return the faults of the output (empty: none), and the output"""
         folder = self.work / f'case_{number}'
         self.prepare(case, folder)
         before = prints_of(folder)
@@ -470,7 +471,7 @@ class Bench:
 
 
 def prints_of(folder):
-    """The files of the project that are a person's: name, hash."""
+    """The user's files in the project: name -> hash."""
     found = {}
     for path in folder.rglob('*'):
         name = str(path.relative_to(folder))

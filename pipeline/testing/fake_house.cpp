@@ -46,7 +46,7 @@ std::string ReadAll(const MemoryDisk& disk, const std::filesystem::path& path) {
   return text;
 }
 
-/// Its output tells of options and inputs, so that any difference in them shows.
+/// Its output contains the options and inputs, so that any difference in them is visible.
 int Concatenate(const FakeCall& call, MemoryDisk& disk, const std::string& output,
                 const std::vector<std::string>& ports) {
   std::string text = call.Flag("tone") + call.Flag("depth");
@@ -240,7 +240,7 @@ std::string FakeHouse::View::Reasons(const std::string& id) const {
 void FakeHouse::MoveProject(const std::filesystem::path& to) {
   disk.Move(project, to);
   project = to;
-  // What `cp -r` to another machine does to times.
+  // `cp -r` to another machine changes all times.
   for (const std::string& name : disk.FilesBelow(project)) disk.Touch(project / name);
 }
 

@@ -1,5 +1,4 @@
-// A whole project in memory: two poses, six stages that are functions on text, and a run with one
-// call.
+// A whole project in memory: two poses and six stages that are functions on text. One call runs it.
 #pragma once
 
 #include <memory>
@@ -14,14 +13,14 @@
 namespace keypose::pipeline {
 
 using Names = std::vector<std::string>;
-/// The steps of its project, sorted.
+/// The steps of the project, sorted.
 inline const Names kAllSteps = {"blend",      "match/bent", "shape/bent",
                                 "shape/rest", "shoot/bent", "shoot/rest",
                                 "solve/bent", "solve/rest", "tell"};
 
 /// The default pipeline of the fake house: shoot (folder) -> solve -> shape -> match (pair) ->
-/// blend (animation) -> tell (project). `solve` depends on the number of photographs and on their
-/// first letters only, so that other changes are cut off there.
+/// blend (animation) -> tell (project). `solve` depends only on the number of photographs and their
+/// first letters, so other changes do not propagate past it.
 extern const char* const kFakePipeline;
 
 class FakeHouse {
@@ -38,7 +37,7 @@ class FakeHouse {
   };
   Outcome Run(const Selection& selection = {}, const std::vector<std::string>& set = {},
               int cores = 4);
-  /// The plan as `status` sees it.
+  /// The plan that `status` would show.
   struct View {
     std::unique_ptr<Graph> graph;
     std::unique_ptr<Plan> plan;
@@ -48,7 +47,7 @@ class FakeHouse {
   };
   View Look(const Selection& selection = {}, const std::vector<std::string>& set = {});
 
-  /// Moves the project folder; `project` follows.
+  /// Moves the project folder and updates `project`.
   void MoveProject(const std::filesystem::path& to);
   void WriteProject(const std::string& yaml) { disk.Write(project / "pipeline.yaml", yaml); }
   std::string Out(const std::string& name) const { return disk.Read(project / "out" / name); }

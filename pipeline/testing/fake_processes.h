@@ -1,4 +1,4 @@
-// Stage programs that are functions, on a memory disk and a clock that jumps to the next end of a
+// Stage programs as functions, with a memory disk and a clock that jumps to the next end of a
 // process.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace keypose::pipeline {
 
-/// One call of a stage, its command line taken apart.
+/// One call of a stage, with its command line parsed.
 struct FakeCall {
   std::string program;
   std::map<std::string, std::vector<std::string>> flags;
@@ -45,10 +45,10 @@ class FakeProcesses final : public ProcessRunner {
 
   std::map<std::string, FakeStage> stages;             ///< by program path
   std::map<std::string, std::filesystem::path> tools;  ///< where external tools are
-  std::vector<FakeCall> calls;                         ///< all that was started, in order
+  std::vector<FakeCall> calls;                         ///< all started processes, in order
   int most_at_once = 0;
   int asked = 0;
-  int interrupt_after = -1;  ///< the user interrupts when this many processes have ended
+  int interrupt_after = -1;  ///< simulates an interrupt after this many processes have ended
 
  private:
   struct Process {

@@ -1,4 +1,4 @@
-// The program `keypose` as an installation of its own, with a project of two poses; its stages are
+// A separate installation of the program `keypose`, with a project of two poses. Its stages are
 // small text programs.
 #pragma once
 
@@ -36,7 +36,7 @@ inline void SleepSeconds(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// All files below a folder with their content; times and the run records do not count.
+/// All files below a folder with their content. Ignores times and the run records.
 inline std::map<std::string, std::string> Snapshot(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -46,7 +46,7 @@ inline std::map<std::string, std::string> Snapshot(const fs::path& folder) {
   return files;
 }
 
-/// What a run says that has nothing to do.
+/// The output of a run that has nothing to do.
 inline std::string AllUpToDate(const fs::path& project) {
   return "5 steps up to date\n\nresults\n  all texts  " + (project / "out/all").string() + "\n";
 }
@@ -69,7 +69,7 @@ class RunTest : public ::testing::Test {
     fs::remove_all(root_);
   }
 
-  /// keypose and its test stages as an installation of their own.
+  /// Installs keypose and its test stages below `root`.
   static void Install(const fs::path& root) {
     fs::create_directories(root / "bin");
     fs::create_directories(root / "share/keypose");
@@ -143,7 +143,7 @@ class RunTest : public ::testing::Test {
     for (int i = 0; i < 100 && StagesAlive() > 0; ++i) SleepSeconds(0.02);
     return StagesAlive() == 0;
   }
-  /// Until a step is at work (a program that only describes itself does not count).
+  /// Waits until a step runs (a program that runs with --describe does not count).
   bool WaitForStage() const {
     const auto at_work = [&] {
       return fs::exists(root_ / "hero/.keypose/tmp/gather.rest/made/log.txt");

@@ -26,13 +26,13 @@ class MemoryDisk final : public Disk {
   void Remove(const Path& path) override;
   void Sync(const Path&) override {}
 
-  /// A new time for a file, same content.
+  /// Gives a file a new time with the same content.
   void Touch(const Path& path);
-  /// What an ageing disk does: another bit, and no word of it.
+  /// Simulates bit rot: flips a bit and leaves size and times unchanged.
   void Rot(const Path& path);
-  /// Every write from now on fails as on a full disk.
+  /// If true, every write from now on fails as on a full disk.
   void SetFull(bool full) { full_ = full; }
-  int hashed() const { return hashed_; }  ///< files that were read for their hash
+  int hashed() const { return hashed_; }  ///< number of files read for hashing
 
  private:
   struct File {

@@ -7,7 +7,7 @@
 
 namespace keypose::pipeline {
 
-/// Fails the test when `call` throws nothing of that type.
+/// Fails the test if `call` throws nothing of that type.
 template <class ErrorType, class Call>
 std::string MessageOf(const Call& call) {
   try {

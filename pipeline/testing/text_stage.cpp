@@ -1,12 +1,15 @@
-// Three small stages for the tests of the runner with real processes; which one it is, its own name
-// says:
-//   keypose-gather  photos (folder) -> images (folder): every file in capitals
-//   keypose-join    images (folder) -> text (file): all files one after the other
-//   keypose-merge   texts (files)   -> all (folder): one file for each
-// Each writes its output in small pieces. Environment: TEXT_STAGE_DELAY_MS is slept for each piece;
-// TEXT_STAGE_SPAWN starts a long-lived child in a session of its own, as a careless external tool
-// would; TEXT_STAGE_WARNING is what gather warns of; TEXT_STAGE_GRADE is what merge judges `rest`
-// to be; TEXT_STAGE_LOG_LINES are so many more lines of log.
+// Three small stages for the tests of the runner with real processes. The program's name selects
+// the stage:
+// - keypose-gather: photos (folder) -> images (folder): every file in capitals
+// - keypose-join: images (folder) -> text (file): all files one after the other
+// - keypose-merge: texts (files) -> all (folder): one file per text
+//
+// Each writes its output in small pieces. Environment variables:
+// - TEXT_STAGE_DELAY_MS: pause before each piece
+// - TEXT_STAGE_SPAWN: start a long-lived child in its own session, like a careless external tool
+// - TEXT_STAGE_WARNING: a warning that gather reports
+// - TEXT_STAGE_GRADE: the grade that merge gives `rest`
+// - TEXT_STAGE_LOG_LINES: number of additional log lines
 #include <unistd.h>
 
 #include <algorithm>

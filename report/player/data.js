@@ -1,4 +1,4 @@
-// What the page hands to the player, unpacked: binary parts are base64 in JSON.
+// Unpacks the page's data for the player: JSON with binary parts in base64.
 
 function bytesOf(base64) {
   const text = atob(base64);

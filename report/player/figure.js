@@ -1,4 +1,5 @@
-// The figure: its surface with the poses' textures blended, its edges, and its keys as pale skins.
+// The figure: its surface with the blended textures of the poses, its edges, and its keys as pale
+// onion skins.
 import {
   BackSide, BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, DynamicDrawUsage, Group, LinearFilter,
   LinearMipmapLinearFilter, Mesh, MeshBasicMaterial, ShaderMaterial, SRGBColorSpace, Texture,
@@ -13,7 +14,8 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 
-// The textures hold the lamps' light already; a little shading shows the shape. Without a texture two lamps beside the camera do.
+// The textures already contain the lamps' light; a little shading shows the shape. Without a
+// texture, two lamps beside the camera light the figure.
 const fragmentShader = `
 uniform sampler2D first, second;
 uniform float share, textured;

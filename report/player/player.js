@@ -1,11 +1,11 @@
-// The animation turns and plays in the page: orbit, play, scrub, speed, texture, edges, onion skin.
+// The animation player in the page: orbit, play, scrub, speed, texture, edges, onion skin.
 import { PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { unpack } from './data.js';
 import { Figure } from './figure.js';
 
 const kSecondsATurn = 24;
-const kRest = 0.7;  // seconds that first and last picture stand, where the animation is no loop
+const kRest = 0.7;  // seconds that the first and last picture are held if the animation is not a loop
 
 function startRenderer() {
   try {
@@ -13,7 +13,7 @@ function startRenderer() {
     renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     return renderer;
   } catch {
-    return null;  // no WebGL: the poster stays
+    return null;  // no WebGL: keep the poster
   }
 }
 
@@ -124,14 +124,14 @@ class Player {
   }
 
   tick(now) {
-    // A frame's time may lie before the moment at which its callback was asked for.
+    // A frame's time may be earlier than the time at which its callback was requested.
     const seconds = Math.min(0.1, Math.max(0, (now - this.last) / 1000));
     this.last = now;
     if (!this.visible) return;
     if (this.playing) {
       const count = this.data.moments.length;
       this.clock = (this.clock + seconds * this.speed) % (count / this.data.fps + 2 * this.rest);
-      // Pictures stand as long as they will in the film: none is made up between two.
+      // Each picture is held as long as in the film, without interpolation between two.
       const next = Math.min(count - 1, Math.max(0, Math.floor((this.clock - this.rest) * this.data.fps + 1e-6)));
       if (next !== this.moment) this.show(next);
     }

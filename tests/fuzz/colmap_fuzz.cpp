@@ -1,5 +1,5 @@
-// A COLMAP model, text or binary: cameras, images and points end to end, apart by a line that says
-// so.
+// A COLMAP model, text or binary: cameras, images and points one after the other, with a separator
+// line in between.
 #include "core/io/colmap_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 

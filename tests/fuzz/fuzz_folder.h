@@ -1,5 +1,4 @@
-// Shared by the fuzz programs: what a reader is given is a file, and only its documented errors may
-// come out.
+// Shared by the fuzz programs. A reader gets a file and may throw only its documented errors.
 #pragma once
 
 #include <unistd.h>
@@ -15,7 +14,7 @@
 
 namespace keypose::fuzz {
 
-/// A folder in memory, of this process alone.
+/// A folder in memory, private to this process.
 inline const std::filesystem::path& Folder() {
   static const std::filesystem::path folder = [] {
     const std::filesystem::path made = "/dev/shm/keypose_fuzz_" + std::to_string(::getpid());
@@ -34,7 +33,7 @@ inline std::string_view Bytes(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Runs a reader; an exception that is no keypose::Error ends the program, and libFuzzer keeps the
+/// Runs a reader. An exception other than keypose::Error ends the program, and libFuzzer keeps the
 /// input.
 template <class Read>
 int Expect(const Read& read) {
@@ -45,8 +44,8 @@ int Expect(const Read& read) {
   return 0;
 }
 
-/// Whether a file was bound to another mesh than the one with this hash. To carry it over is no
-/// reading, and takes half a minute under the sanitizers.
+/// Whether a file was bound to another mesh than the one with this hash. Carrying it over is not
+/// part of reading, and takes half a minute under the sanitizers.
 inline bool IsOfAnotherMesh(std::string_view text, const std::string& hash) {
   return text.find("sha256") != std::string_view::npos && text.find(hash) == std::string_view::npos;
 }

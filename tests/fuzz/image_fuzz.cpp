@@ -1,10 +1,10 @@
-// Photographs of all kinds, by content.
+// Photographs of all formats, recognised by content.
 #include "core/io/image_io.h"
 #include "tests/fuzz/fuzz_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace keypose;
-  constexpr std::int64_t kManyPixels = 1 << 22;  // more would be slow, not wrong
+  constexpr std::int64_t kManyPixels = 1 << 22;  // larger images would be slow, not wrong
   return fuzz::Expect([&] {
     const auto path = fuzz::Put("image", fuzz::Bytes(data, size));
     const ImageInfo info = ReadImageInfo(path);

@@ -1,4 +1,4 @@
-// Meshes of all kinds, by content.
+// Meshes of all formats, recognised by content.
 #include "core/geometry.h"
 #include "core/io/mesh_io.h"
 #include "tests/fuzz/fuzz_folder.h"

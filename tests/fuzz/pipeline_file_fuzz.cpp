@@ -1,4 +1,4 @@
-// A project's pipeline.yaml, its timeline included.
+// A project's pipeline.yaml, including its timeline.
 #include "pipeline/pipeline_file.h"
 #include "tests/fuzz/fuzz_folder.h"
 

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# run.sh build | run.sh TARGET SECONDS: makes the fuzz programs, or lets one look for inputs that break its reader.
-# What it finds stays in build/fuzz/found, named by TARGET; give such a file to build/fuzz/bin/fuzz_TARGET to see it again.
+# run.sh build: builds the fuzz programs.
+# run.sh TARGET SECONDS: runs one of them, which searches for inputs that break its reader. Findings are kept in
+# build/fuzz/found, with TARGET in their names. To reproduce one, pass it to build/fuzz/bin/fuzz_TARGET.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 bin=build/fuzz/bin
-# The image library leaks the text of an error, HEIC's encoder some of its memory; the readers own nothing by hand.
+# The image library leaks the text of an error, and the HEIC encoder leaks memory. The readers own no raw memory.
 export ASAN_OPTIONS=detect_leaks=0
 trap 'rm -rf "/dev/shm/keypose_fuzz_${!:-none}"' EXIT
 

@@ -1,5 +1,5 @@
-// Writes one folder of small valid files for each fuzz program: what Keypose's own writers make,
-// and what people write by hand.
+// Writes one folder of small valid files per fuzz program: files from Keypose's own writers, and
+// files as written by hand.
 #include <iostream>
 
 #include "core/geometry.h"
@@ -61,7 +61,7 @@ void Meshes() {
 }
 
 void Images() {
-  Image8 image(64, 16, 3);  // the library's own HEIC writer reads beyond rows of fewer pixels
+  Image8 image(64, 16, 3);  // the library's HEIC writer reads out of bounds for narrower rows
   for (std::size_t k = 0; k < image.data.size(); ++k)
     image.data[k] = static_cast<std::uint8_t>(7 * k);
   const ExifToWrite exif{35, 52, "Maker", "Box 1", 6};

@@ -1,5 +1,5 @@
-// What the runner keeps below .keypose, and what programs say of themselves; the first letter
-// chooses which.
+// The runner's files below .keypose, and the output of --describe; the first letter selects the
+// kind.
 #include <nlohmann/json.hpp>
 
 #include "pipeline/artifact_store.h"
@@ -15,7 +15,7 @@ namespace {
 using namespace keypose;
 using namespace keypose::pipeline;
 
-/// A manifest gets the fingerprint that its recipe has, which no fuzzer guesses.
+/// Gives a manifest the fingerprint of its recipe, which a fuzzer cannot guess.
 void LookAtManifest(MemoryDisk& disk, const std::string& text) {
   nlohmann::json manifest = nlohmann::json::parse(text, nullptr, false);
   std::string fingerprint(64, '0');

@@ -1,4 +1,4 @@
-// Stiffness as text and as JSON that is bound to its mesh.
+// Stiffness as text, and as JSON bound to its mesh.
 #include "core/io/stiffness_io.h"
 #include "core/mesh_binding.h"
 #include "core/testing_shapes.h"
@@ -9,6 +9,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const Mesh mesh = MakeIcosphere(1);
   const std::string text(fuzz::Bytes(data, size));
   if (fuzz::IsOfAnotherMesh(text, GeometryHash(mesh))) return 0;
-  if (text.starts_with("ply")) return 0;  // painted meshes are the mesh reader's
+  if (text.starts_with("ply")) return 0;  // painted meshes are read by the mesh reader
   return fuzz::Expect([&] { StiffnessOn(mesh, text, {}, "stiffness", nullptr); });
 }
