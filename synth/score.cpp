@@ -9,6 +9,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 
@@ -116,10 +117,9 @@ CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b
   if (truth_a.points.rows() != truth_b.points.rows() || truth_a.faces != truth_b.faces)
     throw InputError(
         "synth: the true surfaces are not two poses of one world; render them together");
-  if (template_a.points.rows() != registered_b.rows())
-    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
-                     " vertices, but the template has " + std::to_string(template_a.points.rows()) +
-                     "; score it against the template that it was registered from");
+  RequireOnePerVertex(registered_b.rows(), template_a.points.rows(),
+                      "synth: the registered mesh has", "vertices", "the template",
+                      "; score it against the template that it was registered from");
   const RayScene scene(truth_a.points, truth_a.faces);
   const std::vector<RayScene::Foot> feet = Feet(scene, template_a.points);
   const double diagonal = BoundingDiagonal(truth_b.points);
