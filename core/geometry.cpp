@@ -7,6 +7,8 @@
 #include <random>
 #include <unordered_map>
 
+#include "core/union_find.h"
+
 namespace keypose {
 namespace {
 
@@ -60,20 +62,15 @@ int CountOf(const std::unordered_map<std::uint64_t, int>& counts, int a, int b) 
 }
 
 int CountComponents(int vertex_count, const FacesX3& faces) {
-  std::vector<int> parent(static_cast<std::size_t>(vertex_count));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind parts(vertex_count);
   std::vector<char> used(static_cast<std::size_t>(vertex_count), 0);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     for (int k = 0; k < 3; ++k) used[faces(f, k)] = 1;
-    parent[find(faces(f, 0))] = find(faces(f, 1));
-    parent[find(faces(f, 1))] = find(faces(f, 2));
+    parts.Join(faces(f, 0), faces(f, 1));
+    parts.Join(faces(f, 1), faces(f, 2));
   }
   int components = 0;
-  for (int v = 0; v < vertex_count; ++v) components += used[v] && find(v) == v;
+  for (int v = 0; v < vertex_count; ++v) components += used[v] && parts.Find(v) == v;
   return components;
 }
 

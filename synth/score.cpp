@@ -12,6 +12,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/surface_distance.h"
 
 namespace keypose::synth {
 namespace {
@@ -38,12 +39,9 @@ Spread SpreadOf(std::vector<double> values) {
 }
 
 Spread SurfaceDistances(const Mesh& from, const Mesh& to, double unit) {
-  const SurfaceSamples samples = SampleSurface(from.points, from.faces, kSamples, 1);
   const RayScene scene(to.points, to.faces);
-  std::vector<double> distances;
-  for (const RayScene::Foot& foot : Feet(scene, samples.points))
-    distances.push_back(std::sqrt(foot.squared_distance) / unit);
-  return SpreadOf(std::move(distances));
+  const Eigen::VectorXd distances = SampledDistances(from, scene, kSamples, 1) / unit;
+  return SpreadOf({distances.begin(), distances.end()});
 }
 
 }  // namespace
