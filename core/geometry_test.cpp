@@ -4,8 +4,6 @@
 
 #include <numbers>
 
-#include "core/errors.h"
-#include "core/mesh_checks.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {

@@ -1,7 +1,6 @@
 #include "synth/score.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 #include <unordered_map>

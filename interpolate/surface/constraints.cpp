@@ -1,7 +1,6 @@
 #include "interpolate/surface/constraints.h"
 
 #include <algorithm>
-#include <cmath>
 #include <queue>
 
 #include "core/errors.h"

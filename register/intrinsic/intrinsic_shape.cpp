@@ -47,7 +47,7 @@ std::vector<char> InLargestPiece(const Mesh& mesh) {
   for (int f = 0; f < mesh.face_count(); ++f) area[pieces.Find(f)] += face_areas[f];
   Eigen::Index largest = 0;
   if (!(area.maxCoeff(&largest) > 0)) throw InputError("register: the surface has no area");
-  std::vector<char> in(parent.size());
+  std::vector<char> in(static_cast<std::size_t>(mesh.face_count()));
   for (int f = 0; f < mesh.face_count(); ++f) in[f] = pieces.Find(f) == largest;
   return in;
 }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/mesh_checks.h"
