@@ -95,7 +95,7 @@ void RequireStiffness(const Eigen::VectorXd& stiffness, Eigen::Index source_vert
   for (Eigen::Index i = 0; i < stiffness.size(); ++i)
     if (!(stiffness[i] > 0) || !std::isfinite(stiffness[i]))
       throw InputError(what + ": the stiffness of vertex " + std::to_string(i) +
-                       " must be a positive number");
+                       " must be a number above 0; paint it again");
 }
 
 }  // namespace keypose
