@@ -12,6 +12,7 @@
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 
 namespace {

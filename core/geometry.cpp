@@ -1,17 +1,13 @@
 #include "core/geometry.h"
 
 #include <Eigen/Geometry>
-
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <string>
 #include <unordered_map>
 
-#include "core/errors.h"
-#include "core/limits.h"
+#include "core/union_find.h"
 
 namespace keypose {
 namespace {
@@ -66,20 +62,15 @@ int CountOf(const std::unordered_map<std::uint64_t, int>& counts, int a, int b) 
 }
 
 int CountComponents(int vertex_count, const FacesX3& faces) {
-  std::vector<int> parent(static_cast<std::size_t>(vertex_count));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind parts(vertex_count);
   std::vector<char> used(static_cast<std::size_t>(vertex_count), 0);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     for (int k = 0; k < 3; ++k) used[faces(f, k)] = 1;
-    parent[find(faces(f, 0))] = find(faces(f, 1));
-    parent[find(faces(f, 1))] = find(faces(f, 2));
+    parts.Join(faces(f, 0), faces(f, 1));
+    parts.Join(faces(f, 1), faces(f, 2));
   }
   int components = 0;
-  for (int v = 0; v < vertex_count; ++v) components += used[v] && find(v) == v;
+  for (int v = 0; v < vertex_count; ++v) components += used[v] && parts.Find(v) == v;
   return components;
 }
 
@@ -205,31 +196,6 @@ ClosedReport CheckClosed(const Mesh& mesh) {
       mesh.vertex_count() - report.unused_vertices - mesh.face_count() * 3 / 2 + mesh.face_count();
   report.volume = SignedVolume(mesh.points, mesh.faces);
   return report;
-}
-
-void RequireUsable(const Mesh& mesh, const std::string& what) {
-  if (mesh.vertex_count() == 0)
-    throw InputError(what + ": the mesh has no vertices; check that the file is the one you meant");
-  if (mesh.face_count() == 0)
-    throw InputError(what +
-                     ": the mesh has no faces; a point cloud must go through 'keypose mesh' first");
-  for (Eigen::Index v = 0; v < mesh.points.rows(); ++v) {
-    if (!mesh.points.row(v).allFinite())
-      throw InputError(what + ": vertex " + std::to_string(v) +
-                       " is not finite (NaN or infinity); remove that vertex and its faces, or run "
-                       "the step that wrote the file again");
-    if (mesh.points.row(v).cwiseAbs().maxCoeff() > kMostCoordinate)
-      throw InputError(what + ": vertex " + std::to_string(v) +
-                       " lies more than 1e12 from the origin, where single precision has no room "
-                       "for its squares; remove that vertex and "
-                       "its faces, or bring the mesh nearer");
-  }
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      if (mesh.faces(f, k) < 0 || mesh.faces(f, k) >= mesh.vertex_count())
-        throw InputError(what + ": face " + std::to_string(f) + " names vertex " +
-                         std::to_string(mesh.faces(f, k)) + ", but there are " +
-                         std::to_string(mesh.vertex_count()) + "; the file is damaged");
 }
 
 SurfaceSamples SampleSurface(const PointsX3& points, const FacesX3& faces, int count,

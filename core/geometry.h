@@ -43,11 +43,6 @@ struct ClosedReport {
 };
 ClosedReport CheckClosed(const Mesh& mesh);
 
-/// Throws what makes a mesh unusable by any algorithm.
-/// @throws InputError  no vertices, no faces, an index out of range, or a vertex not finite or
-/// beyond limits.h; names `what`, the place
-void RequireUsable(const Mesh& mesh, const std::string& what);
-
 /// `count` points uniform by area on the surface, with the face that each lies on. Deterministic
 /// for a seed.
 struct SurfaceSamples {

@@ -4,7 +4,6 @@
 
 #include <numbers>
 
-#include "core/errors.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -67,20 +66,6 @@ TEST(BoundaryVertices, AreThoseRoundTheHole) {
   const auto boundary = BoundaryVertices(open.vertex_count(), open.faces);
   EXPECT_EQ(std::count(boundary.begin(), boundary.end(), 1), 3);
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(boundary[removed(k)]);
-}
-
-TEST(RequireUsable, NamesTheFault) {
-  Mesh nan = MakeIcosphere(1);
-  nan.points(7, 1) = NAN;
-  try {
-    RequireUsable(nan, "register: source");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("vertex 7"), std::string::npos);
-    EXPECT_EQ(std::string(error.what()).find("cleanup"), std::string::npos)
-        << "which refuses such files itself";
-  }
-  EXPECT_THROW(RequireUsable(Mesh{}, "source"), InputError);
 }
 
 TEST(SampleSurface, IsUniformByArea) {

@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
+
+#include "core/union_find.h"
 
 namespace keypose {
 
 std::vector<std::vector<int>> JoinedImages(int images, const std::vector<ImageTie>& ties) {
-  std::vector<int> parent(static_cast<std::size_t>(images));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i];
-    return i;
-  };
-  for (const ImageTie& tie : ties) {
-    const int a = root(tie.first), b = root(tie.second);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-  std::vector<std::vector<int>> members(parent.size());
-  for (int i = 0; i < images; ++i) members[root(i)].push_back(i);
+  UnionFind joined(images);
+  for (const ImageTie& tie : ties) joined.Join(tie.first, tie.second);
+  std::vector<std::vector<int>> members(static_cast<std::size_t>(images));
+  for (int i = 0; i < images; ++i) members[joined.Find(i)].push_back(i);
   std::erase_if(members, [](const std::vector<int>& group) { return group.empty(); });
   std::stable_sort(members.begin(), members.end(),
                    [](const auto& a, const auto& b) { return a.size() > b.size(); });

@@ -37,10 +37,14 @@ TEST(MinCut, EqualsTheBestOfAllCuts) {
     };
     std::int64_t least = cost(0);
     for (unsigned s = 1; s < 1u << kNodes; ++s) least = std::min(least, cost(s));
+    unsigned in_all = ~0u;  // nodes that are with the source in every least cut
+    for (unsigned s = 0; s < 1u << kNodes; ++s)
+      if (cost(s) == least) in_all &= s;
     EXPECT_EQ(cut.Solve(), least);
     unsigned chosen = 0;
     for (int i = 0; i < kNodes; ++i) chosen |= static_cast<unsigned>(cut.WithSource(i)) << i;
     EXPECT_EQ(cost(chosen), least);
+    EXPECT_EQ(chosen, in_all);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/sha256.h"
 
 namespace keypose {

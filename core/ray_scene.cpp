@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/mesh_checks.h"
 
 namespace keypose {
 namespace {
@@ -150,8 +151,7 @@ struct RayScene::Impl {
 
 RayScene::RayScene(const PointsX3& points, const FacesX3& faces) {
   if (faces.rows() == 0) throw InputError("ray casting: the mesh has no faces");
-  if (faces.minCoeff() < 0 || faces.maxCoeff() >= points.rows())
-    throw InputError("ray casting: a face names a vertex that does not exist");
+  RequireIndices(points.rows(), faces, "ray casting");
   impl_ = std::make_unique<Impl>(points, faces);
 }
 RayScene::~RayScene() = default;

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
 #include "core/io/timeline.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
 #include "interpolate/sequence.h"

@@ -7,6 +7,7 @@
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/key_source.h"
 #include "interpolate/surface/paper_arap.h"

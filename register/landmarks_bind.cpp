@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/regions_io.h"
 #include "core/io/stiffness_io.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 
 namespace keypose::registration {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "core/render.h"
 #include "core/stage/stage.h"
 #include "register/intrinsic/suggest.h"

@@ -12,6 +12,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
 #include "core/io/stiffness_io.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "register/auto/auto_registration.h"
 #include "register/auto/topology.h"
@@ -379,20 +380,13 @@ Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
   return mesh;
 }
 
-void RequireArea(const Mesh& mesh, const std::filesystem::path& file) {
-  if (SurfaceArea(mesh.points, mesh.faces) > 0) return;
-  throw InputError(file.string() +
-                   ": the mesh has no area: the corners of each face lie on a line, as those of "
-                   "face 0 do; is it flattened?");
-}
-
 void Run(StageContext& stage, const RegisterOptions& options) {
   const Mesh source = ReadMesh(stage.Input("source"));
   const Mesh target = ReadMesh(stage.Input("target"));
   RequireUsable(source, stage.Input("source").string());
   RequireUsable(target, stage.Input("target").string());
-  RequireArea(source, stage.Input("source"));
-  RequireArea(target, stage.Input("target"));
+  RequireArea(source, stage.Input("source").string());
+  RequireArea(target, stage.Input("target").string());
   bool unbound = false;
   CheckedLandmarks landmarks = LoadLandmarks(stage, source, target, &unbound);
   const Mesh whole = WithoutSeams(source, landmarks.goals);

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "report/player_data.h"
 
 namespace keypose::report {

@@ -12,6 +12,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/render.h"
 #include "core/stage/stage.h"

@@ -10,6 +10,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/surface_distance.h"
 
 namespace keypose::synth {
 namespace {
@@ -54,15 +55,8 @@ Places PlacesOn(const Mesh& truth, const std::vector<View>& views) {
 }
 
 std::vector<double> Distances(const Mesh& to, const PointsX3& from) {
-  const RayScene scene(to.points, to.faces);
-  std::vector<double> distances(from.rows());
-  ParallelFor(
-      from.rows(),
-      [&](std::int64_t i) {
-        distances[i] = std::sqrt(scene.ClosestPoint(from.row(i)).squared_distance);
-      },
-      64);
-  return distances;
+  const Eigen::VectorXd distances = DistancesTo(RayScene(to.points, to.faces), from);
+  return {distances.begin(), distances.end()};
 }
 
 }  // namespace

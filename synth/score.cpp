@@ -1,7 +1,6 @@
 #include "synth/score.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <string>
 #include <unordered_map>
@@ -9,8 +8,10 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/surface_distance.h"
 
 namespace keypose::synth {
 namespace {
@@ -37,12 +38,9 @@ Spread SpreadOf(std::vector<double> values) {
 }
 
 Spread SurfaceDistances(const Mesh& from, const Mesh& to, double unit) {
-  const SurfaceSamples samples = SampleSurface(from.points, from.faces, kSamples, 1);
   const RayScene scene(to.points, to.faces);
-  std::vector<double> distances;
-  for (const RayScene::Foot& foot : Feet(scene, samples.points))
-    distances.push_back(std::sqrt(foot.squared_distance) / unit);
-  return SpreadOf(std::move(distances));
+  const Eigen::VectorXd distances = SampledDistances(from, scene, kSamples, 1) / unit;
+  return SpreadOf({distances.begin(), distances.end()});
 }
 
 }  // namespace
@@ -116,10 +114,9 @@ CorrespondenceScore ScoreCorrespondence(const Mesh& truth_a, const Mesh& truth_b
   if (truth_a.points.rows() != truth_b.points.rows() || truth_a.faces != truth_b.faces)
     throw InputError(
         "synth: the true surfaces are not two poses of one world; render them together");
-  if (template_a.points.rows() != registered_b.rows())
-    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
-                     " vertices, but the template has " + std::to_string(template_a.points.rows()) +
-                     "; compare it with the template that it was registered from");
+  RequireOnePerVertex(registered_b.rows(), template_a.points.rows(),
+                      "synth: the registered mesh has", "vertices", "the template",
+                      "; compare it with the template that it was registered from");
   const RayScene scene(truth_a.points, truth_a.faces);
   const std::vector<RayScene::Foot> feet = Feet(scene, template_a.points);
   const double diagonal = BoundingDiagonal(truth_b.points);

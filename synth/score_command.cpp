@@ -9,6 +9,7 @@
 #include "core/io/image_io.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "synth/dense_score.h"
 #include "synth/outer_surface.h"
 #include "synth/pick.h"

@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 
@@ -31,10 +32,9 @@ void Check(const Mesh& truth_a, const Mesh& truth_b, const Mesh& template_a,
       truth_a.faces.rows() != truth_b.faces.rows() || truth_a.faces != truth_b.faces)
     throw InputError(
         "synth: the true surfaces are not two poses of one world; render them together");
-  if (template_a.points.rows() != registered_b.rows())
-    throw InputError("synth: the registered mesh has " + std::to_string(registered_b.rows()) +
-                     " vertices, but the template has " + std::to_string(template_a.points.rows()) +
-                     "; compare it with the template that it was registered from");
+  RequireOnePerVertex(registered_b.rows(), template_a.points.rows(),
+                      "synth: the registered mesh has", "vertices", "the template",
+                      "; compare it with the template that it was registered from");
   if (!template_a.has_uvs())
     throw InputError(
         "synth: the template has no texture coordinates; pass the mesh that unwrap wrote");

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "texture/bake/bake.h"
 

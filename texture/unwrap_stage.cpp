@@ -1,6 +1,6 @@
 // keypose-unwrap: texture coordinates for a closed mesh.
-#include "core/geometry.h"
 #include "core/io/mesh_io.h"
+#include "core/mesh_checks.h"
 #include "core/stage/stage.h"
 #include "texture/unwrap/unwrap.h"
 

@@ -8,14 +8,10 @@
 
 #include "core/geometry.h"
 #include "core/ray_scene.h"
+#include "core/union_find.h"
 
 namespace keypose::cleanup {
 namespace {
-
-int Root(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 // The pieces with an unkept face or vertex within `gap` of the kept ones. Two scenes for all pieces
 // together: each scene costs an Embree device, and broken meshes come in thousands of pieces.
@@ -54,18 +50,17 @@ int CountDropped(const std::vector<char>& keep) {
 }  // namespace
 
 Pieces FindPieces(const Mesh& mesh) {
-  std::vector<int> parent(mesh.vertex_count());
-  std::iota(parent.begin(), parent.end(), 0);
+  UnionFind joined(mesh.vertex_count());
   for (int f = 0; f < mesh.face_count(); ++f) {
-    parent[Root(parent, mesh.faces(f, 0))] = Root(parent, mesh.faces(f, 1));
-    parent[Root(parent, mesh.faces(f, 1))] = Root(parent, mesh.faces(f, 2));
+    joined.Join(mesh.faces(f, 0), mesh.faces(f, 1));
+    joined.Join(mesh.faces(f, 1), mesh.faces(f, 2));
   }
   Pieces pieces;
   pieces.of_face.resize(mesh.face_count());
   std::vector<int> id(mesh.vertex_count(), -1);
   const Eigen::Vector3d origin = mesh.points.colwise().mean();
   for (int f = 0; f < mesh.face_count(); ++f) {
-    int& piece = id[Root(parent, mesh.faces(f, 0))];
+    int& piece = id[joined.Find(mesh.faces(f, 0))];
     if (piece < 0) {
       piece = static_cast<int>(pieces.list.size());
       pieces.list.emplace_back();

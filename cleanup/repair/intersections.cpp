@@ -1,29 +1,15 @@
 #include "cleanup/repair/intersections.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
-
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "cleanup/editing/adapt.h"
-#include "cleanup/editing/cgal_convert.h"
 #include "cleanup/repair/components.h"
 #include "cleanup/repair/holes.h"
 #include "cleanup/repair/soup.h"
 #include "core/geometry.h"
+#include "core/self_intersections.h"
 
 namespace keypose::cleanup {
-namespace {
-
-namespace PMP = CGAL::Polygon_mesh_processing;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Face = RepairMesh::Face_index;
-
-}  // namespace
 
 Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings) {
   std::vector<char> gone(mesh.face_count(), 0), near(mesh.vertex_count(), 0);
@@ -46,22 +32,13 @@ Mesh Without(const Mesh& mesh, const std::vector<int>& faces, int rings) {
 }
 
 bool SelfIntersects(const Mesh& mesh) {
-  return PMP::does_self_intersect<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh));
+  return HasSelfIntersections(mesh.points, mesh.faces, TouchingFaces::kCounted);
 }
 
 std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
-  std::vector<std::pair<Face, Face>> pairs;
-  PMP::self_intersections<CGAL::Sequential_tag>(ToSurfaceMesh<RepairMesh>(mesh),
-                                                std::back_inserter(pairs));
-  std::vector<int> faces;
-  for (const auto& [a, b] : pairs) {
-    faces.push_back(static_cast<int>(a.idx()));
-    faces.push_back(static_cast<int>(b.idx()));
-  }
-  std::sort(faces.begin(), faces.end());
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-  if (pair_count) *pair_count = static_cast<int>(pairs.size());
-  return faces;
+  SelfIntersections found = FindSelfIntersections(mesh.points, mesh.faces, TouchingFaces::kCounted);
+  if (pair_count) *pair_count = static_cast<int>(found.pairs);
+  return std::move(found.faces);
 }
 
 // CGAL's own remove_self_intersections loops for ever, or crashes, on some of the meshes of the

@@ -7,12 +7,11 @@
 
 namespace keypose::cleanup {
 
-/// Whether any two faces meet elsewhere than in a shared corner or edge.
-/// @param mesh an oriented
-/// 2-manifold
+/// Whether any two faces meet elsewhere than in a shared corner or edge, or a face has no area.
+/// @param mesh  an oriented 2-manifold
 bool SelfIntersects(const Mesh& mesh);
 
-/// Faces that take part in an intersection, ascending.
+/// Faces that take part in such an intersection, ascending.
 std::vector<int> IntersectingFaces(const Mesh& mesh, int* pairs = nullptr);
 
 /// The mesh without these faces and `rings` rings of faces around them; vertices stay, used or not.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/geometry.h"
+#include "core/union_find.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -113,19 +114,10 @@ std::vector<std::vector<int>> Graph::Loops(int root) const {
   std::sort(rest.begin(), rest.end(), std::greater<>());
   // The faces are joined over the longest loops first; what cannot be joined any more are the
   // shortest loops of the handles.
-  std::vector<int> parent(mesh_.face_count());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind joined(mesh_.face_count());
   std::vector<std::vector<int>> loops;
   for (const auto& [length, i] : rest) {
-    const int a = find(links_[i].faces[0]), b = find(links_[i].faces[1]);
-    if (a != b) {
-      parent[a] = b;
-      continue;
-    }
+    if (joined.Join(links_[i].faces[0], links_[i].faces[1])) continue;
     std::vector<int> left = PathToRoot(links_[i].a, link), right = PathToRoot(links_[i].b, link);
     int shared = -1;
     while (!left.empty() && !right.empty() && left.back() == right.back()) {

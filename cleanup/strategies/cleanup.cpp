@@ -15,6 +15,7 @@
 #include "cleanup/support/support_plane.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 
 namespace keypose::cleanup {
 namespace {

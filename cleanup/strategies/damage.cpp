@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <iterator>
 #include <optional>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/surface_distance.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -34,30 +34,34 @@ std::vector<Corners> SortedFaces(const Mesh& mesh) {
   return faces;
 }
 
+// The points that are further than `reach` from the damage.
+PointsX3 Away(const PointsX3& points, const RayScene& damage, double reach) {
+  std::vector<char> damaged(points.rows());
+  const auto look = [&](std::int64_t i) {
+    damaged[i] = damage.ClosestPoint(points.row(i).transpose(), reach).face >= 0;
+  };
+  ParallelFor(points.rows(), look, 256);
+  PointsX3 away(std::count(damaged.begin(), damaged.end(), 0), 3);
+  for (Eigen::Index i = 0, kept = 0; i < points.rows(); ++i)
+    if (!damaged[i]) away.row(kept++) = points.row(i);
+  return away;
+}
+
 // Distances of the samples of `from` to `to`; none for those near the damage.
 SurfaceDistance DistanceAway(const Mesh& from, const Mesh& to,
                              const std::optional<RayScene>& damage, double reach, double* share) {
   const SurfaceSamples samples =
       SampleSurface(from.points, from.faces, kDamageSamples, kDamageSeed);
-  const RayScene scene(to.points, to.faces);
-  std::vector<double> distances(samples.points.rows());
-  ParallelFor(
-      samples.points.rows(),
-      [&](std::int64_t i) {
-        const Eigen::Vector3d x = samples.points.row(i).transpose();
-        const bool damaged = damage && damage->ClosestPoint(x, reach).face >= 0;
-        distances[i] = damaged ? -1 : std::sqrt(scene.ClosestPoint(x).squared_distance);
-      },
-      256);
+  const PointsX3 away = damage ? Away(samples.points, *damage, reach) : samples.points;
+  Eigen::VectorXd distances = DistancesTo(RayScene(to.points, to.faces), away);
   std::sort(distances.begin(), distances.end());
-  distances.erase(distances.begin(), std::lower_bound(distances.begin(), distances.end(), 0.0));
   *share = static_cast<double>(distances.size()) / static_cast<double>(samples.points.rows());
   SurfaceDistance out;
-  if (distances.empty()) return out;
+  if (distances.size() == 0) return out;
   for (const double d : distances) out.mean += d;
   out.mean /= static_cast<double>(distances.size());
   out.p99 = distances[distances.size() * 99 / 100];
-  out.max = distances.back();
+  out.max = distances[distances.size() - 1];
   return out;
 }
 

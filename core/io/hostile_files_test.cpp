@@ -22,6 +22,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/poses_io.h"
 #include "core/io/timeline.h"
+#include "core/mesh_checks.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "deform/poisson/poisson_impl.h"
 
 namespace keypose {
@@ -18,19 +19,12 @@ namespace {
 constexpr double kSliverTriangle = 1e-6;  // as in FaceMapsOf
 
 std::vector<int> LowestVertexOfPart(Eigen::Index vertex_count, const FacesX3& faces) {
-  std::vector<int> parent(vertex_count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind joined(vertex_count);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 1; k < 3; ++k) {
-      const int a = find(faces(f, 0)), b = find(faces(f, k));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  for (int i = 0; i < static_cast<int>(vertex_count); ++i) parent[i] = find(i);
-  return parent;
+    for (int k = 1; k < 3; ++k) joined.Join(faces(f, 0), faces(f, k));
+  std::vector<int> lowest(vertex_count);
+  for (int i = 0; i < static_cast<int>(vertex_count); ++i) lowest[i] = joined.Find(i);
+  return lowest;
 }
 
 /// Half cotangents of a triangle's corners, and its area; false where it has none.

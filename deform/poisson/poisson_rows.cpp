@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/errors.h"
+#include "core/mesh_checks.h"
 #include "deform/poisson/poisson_impl.h"
 
 namespace keypose {
@@ -16,20 +17,14 @@ constexpr int kColumns = 48;
 constexpr int kMaxFloorPasses = 40;
 
 ConstraintRow Checked(const ConstraintRow& row, Eigen::Index vertex_count) {
+  const std::string what = "interpolate: constraint '" + row.name + "'";
   std::map<int, double> merged;
   for (const auto& [vertex, weight] : row.terms) {
-    if (vertex < 0 || vertex >= vertex_count)
-      throw InputError("interpolate: constraint '" + row.name + "' names vertex " +
-                       std::to_string(vertex) + ", but the keys have " +
-                       std::to_string(vertex_count) + " vertices");
-    if (!std::isfinite(weight))
-      throw InputError("interpolate: constraint '" + row.name +
-                       "' has a weight that is not finite");
+    RequireVertex(vertex, vertex_count, what, "the keys have", "");
+    if (!std::isfinite(weight)) throw InputError(what + " has a weight that is not finite");
     merged[vertex] += weight;
   }
-  if (!(row.compliance >= 0) || !std::isfinite(row.compliance))
-    throw InputError("interpolate: constraint '" + row.name +
-                     "' has a compliance that is negative or not finite");
+  RequireNotNegative(row.compliance, what + " has a compliance that");
   ConstraintRow checked{{}, row.compliance, row.name};
   for (const auto& term : merged)
     if (term.second != 0) checked.terms.push_back(term);
@@ -340,10 +335,8 @@ std::vector<int> PoissonSystem::LiftToFloor(PointsX3& points, const Floor& floor
     candidates.resize(s.n);
     std::iota(candidates.begin(), candidates.end(), 0);
   }
-  for (int i : candidates)
-    if (i < 0 || i >= s.n)
-      throw InputError("interpolate: the floor names vertex " + std::to_string(i) +
-                       ", which is not there");
+  for (const int i : candidates)
+    RequireVertex(i, s.n, "interpolate: the floor", "the keys have", "");
   std::vector<char> is_free(s.part_count, 0);
   for (std::size_t r = s.coupled; r < s.rows.size(); ++r) is_free[-1 - s.sources[r]] = 1;
   Eigen::VectorXd lift = Eigen::VectorXd::Zero(s.part_count);

@@ -1,9 +1,9 @@
 #include "deform/solvers/sparse_pattern.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/geometry.h"
+#include "core/union_find.h"
 
 namespace keypose {
 
@@ -68,20 +68,12 @@ SparsePattern MakeSparsePattern(int vertex_count, const FacesX3& faces,
 
 std::vector<int> Components(int vertex_count, const std::vector<std::pair<int, int>>& edges,
                             int& count) {
-  std::vector<int> parent(vertex_count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const auto& [i, j] : edges) {
-    const int a = find(i), b = find(j);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
-  }
+  UnionFind joined(vertex_count);
+  for (const auto& [i, j] : edges) joined.Join(i, j);
   count = 0;
   std::vector<int> component(vertex_count, -1);
   for (int i = 0; i < vertex_count; ++i) {
-    const int root = find(i);
+    const int root = joined.Find(i);
     component[i] =
         root == i
             ? count++

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/errors.h"
-#include "core/geometry.h"
+#include "core/mesh_checks.h"
 
 namespace keypose::interpolation {
 

@@ -1,26 +1,20 @@
 #include "interpolate/surface/constraints.h"
 
 #include <algorithm>
-#include <cmath>
 #include <queue>
 
 #include "core/errors.h"
+#include "core/mesh_checks.h"
 
 namespace keypose::interpolation {
 
 std::vector<ConstraintRow> RowsOf(const Constraints& constraints, int vertex_count) {
   std::vector<ConstraintRow> rows;
   for (const PatchConstraint& patch : constraints.patches) {
-    if (patch.vertices.empty())
-      throw InputError("interpolate: constraint '" + patch.name + "' has no vertices");
-    if (!(patch.softness >= 0) || !std::isfinite(patch.softness))
-      throw InputError("interpolate: constraint '" + patch.name +
-                       "' has a softness that is negative or not finite");
-    for (int i : patch.vertices)
-      if (i < 0 || i >= vertex_count)
-        throw InputError("interpolate: constraint '" + patch.name + "' names vertex " +
-                         std::to_string(i) + ", but the keys have " + std::to_string(vertex_count) +
-                         " vertices");
+    const std::string what = "interpolate: constraint '" + patch.name + "'";
+    if (patch.vertices.empty()) throw InputError(what + " has no vertices");
+    RequireNotNegative(patch.softness, what + " has a softness that");
+    for (const int i : patch.vertices) RequireVertex(i, vertex_count, what, "the keys have", "");
     if (patch.hold == PatchConstraint::Hold::kEveryVertex) {
       for (int i : patch.vertices)
         rows.push_back({{{i, 1.0}}, patch.softness, patch.name + ", vertex " + std::to_string(i)});

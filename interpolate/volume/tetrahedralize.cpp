@@ -5,13 +5,13 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <sstream>
 #include <string>
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/union_find.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/volume/run_tetgen.h"
 
@@ -28,23 +28,17 @@ std::string Remedy() {
 
 /// Connected part of each vertex, numbered by lowest vertex; -1 for vertices without a face.
 std::vector<int> PartsOf(Eigen::Index vertex_count, const FacesX3& faces, int& part_count) {
-  std::vector<int> parent(vertex_count), part(vertex_count, -1);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind joined(vertex_count);
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 1; k < 3; ++k) {
-      const int a = find(faces(f, 0)), b = find(faces(f, k));
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    for (int k = 1; k < 3; ++k) joined.Join(faces(f, 0), faces(f, k));
   part_count = 0;
+  std::vector<int> part(vertex_count, -1);
   std::vector<int> number(vertex_count, -1);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) number[find(faces(f, 0))] = 0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) number[joined.Find(faces(f, 0))] = 0;
   for (Eigen::Index i = 0; i < vertex_count; ++i)
     if (number[i] == 0) number[i] = part_count++;
-  for (Eigen::Index i = 0; i < vertex_count; ++i) part[i] = number[find(static_cast<int>(i))];
+  for (Eigen::Index i = 0; i < vertex_count; ++i)
+    part[i] = number[joined.Find(static_cast<int>(i))];
   return part;
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/union_find.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -33,27 +33,9 @@ std::vector<char> VerticesWithData(const Mesh& surface, const FilteredPoints& po
   return has_data;
 }
 
-// Union-find over vertices. The smallest index identifies a part, so that the result does not
-// depend on the order of joining.
-class Parts {
- public:
-  explicit Parts(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int Find(int a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  void Join(int a, int b) {
-    a = Find(a), b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
-
 // For each face with chosen != 0 the index of its connected part; -1 for the others.
 std::vector<int> PartOfFaces(const Mesh& mesh, const std::vector<char>& chosen) {
-  Parts parts(mesh.vertex_count());
+  UnionFind parts(mesh.vertex_count());
   for (int f = 0; f < mesh.face_count(); ++f) {
     if (!chosen[f]) continue;
     parts.Join(mesh.faces(f, 0), mesh.faces(f, 1));

@@ -5,6 +5,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/outlines.h"

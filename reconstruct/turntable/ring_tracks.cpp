@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+
+#include "core/union_find.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -19,32 +20,22 @@ class Union {
       first_.push_back(count_);
       count_ += f.count();
     }
-    parent_.resize(static_cast<std::size_t>(count_));
-    std::iota(parent_.begin(), parent_.end(), 0);
+    joined_ = UnionFind(count_);
   }
   int Id(int image, std::uint32_t feature) const {
     return first_[image] + static_cast<int>(feature);
   }
-  int Root(int id) {
-    while (parent_[id] != id) {
-      int& up = parent_[id];
-      up = parent_[up];
-      id = up;
-    }
-    return id;
-  }
-  void Join(int a, int b) {
-    a = Root(a), b = Root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
+  int Root(int id) { return joined_.Find(id); }
+  void Join(int a, int b) { joined_.Join(a, b); }
   Track::Element Element(int id) const {
     const auto image = std::upper_bound(first_.begin(), first_.end(), id) - first_.begin() - 1;
     return {static_cast<int>(image), static_cast<std::uint32_t>(id - first_[image])};
   }
 
  private:
-  std::vector<int> first_, parent_;
+  std::vector<int> first_;
   int count_ = 0;
+  UnionFind joined_{0};
 };
 
 struct Ray {

@@ -4,6 +4,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "register/auto/auto_registration.h"
 #include "register/auto/welding.h"
 #include "register/parts/parts.h"
@@ -46,26 +47,10 @@ void CheckInput(const Mesh& source, const Mesh& target, const std::vector<Landma
   RequireUsable(target, "register: target");
   if (source.vertex_count() < 4)
     throw InputError("register: the source has fewer than 4 vertices; a template needs a surface");
-  for (const auto& [mesh, name] : {std::pair(&source, "source"), std::pair(&target, "target")})
-    if (!(SurfaceArea(mesh->points, mesh->faces) > 0))
-      throw InputError(
-          "register: the " + std::string(name) +
-          " has no area: the corners of each face lie on a line, as those of face 0 do");
-  if (stiffness.size() != 0 && stiffness.size() != source.vertex_count())
-    throw InputError("register: stiffness has " + std::to_string(stiffness.size()) +
-                     " values, but the source has " + std::to_string(source.vertex_count()) +
-                     " vertices");
-  if (!(stiffness.array() > 0).all() || !stiffness.allFinite())
-    throw InputError("register: stiffness must be a number above 0 at every vertex");
-  for (const LandmarkGoal& l : landmarks) {
-    for (int v : l.source.vertices)
-      if (v < 0 || v >= source.vertex_count())
-        throw InputError("register: landmark '" + l.name + "' is on vertex " + std::to_string(v) +
-                         ", but the source has " + std::to_string(source.vertex_count()) +
-                         " vertices; pick it again on this source");
-    if (!l.target.allFinite() || !l.source.weights.allFinite())
-      throw InputError("register: landmark '" + l.name + "' is not finite; pick it again");
-  }
+  RequireArea(source, "register: source");
+  RequireArea(target, "register: target");
+  RequireStiffness(stiffness, source.vertex_count(), "register");
+  RequireUsable(landmarks, source.vertex_count(), "register");
 }
 
 /// Small separate pieces take the motion of what they sit on, then their own landmarks or

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/union_find.h"
 #include "deform/levels/hierarchy.h"
 
 namespace keypose::registration {
@@ -30,18 +30,9 @@ constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spr
 /// that touch in one vertex, as at the ragged rims of holes, would each bring an eigenfunction of
 /// their own.
 std::vector<char> InLargestPiece(const Mesh& mesh) {
-  std::vector<int> parent(static_cast<std::size_t>(mesh.face_count()));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int f) {
-    while (parent[f] != f) {
-      auto& up = parent[f];
-      up = parent[up];
-      f = up;
-    }
-    return f;
-  };
+  UnionFind pieces(mesh.face_count());
   std::vector<std::array<int, 3>> sides;
-  sides.reserve(3 * parent.size());
+  sides.reserve(3 * static_cast<std::size_t>(mesh.face_count()));
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
@@ -49,17 +40,15 @@ std::vector<char> InLargestPiece(const Mesh& mesh) {
     }
   std::sort(sides.begin(), sides.end());
   for (std::size_t i = 1; i < sides.size(); ++i)
-    if (sides[i][0] == sides[i - 1][0] && sides[i][1] == sides[i - 1][1]) {
-      const int a = root(sides[i][2]), b = root(sides[i - 1][2]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    if (sides[i][0] == sides[i - 1][0] && sides[i][1] == sides[i - 1][1])
+      pieces.Join(sides[i][2], sides[i - 1][2]);
   const Eigen::VectorXd face_areas = FaceAreas(mesh.points, mesh.faces);
   Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.face_count());
-  for (int f = 0; f < mesh.face_count(); ++f) area[root(f)] += face_areas[f];
+  for (int f = 0; f < mesh.face_count(); ++f) area[pieces.Find(f)] += face_areas[f];
   Eigen::Index largest = 0;
   if (!(area.maxCoeff(&largest) > 0)) throw InputError("register: the surface has no area");
-  std::vector<char> in(parent.size());
-  for (int f = 0; f < mesh.face_count(); ++f) in[f] = root(f) == largest;
+  std::vector<char> in(static_cast<std::size_t>(mesh.face_count()));
+  for (int f = 0; f < mesh.face_count(); ++f) in[f] = pieces.Find(f) == largest;
   return in;
 }
 

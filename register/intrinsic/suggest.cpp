@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/errors.h"
-#include "core/geometry.h"
 #include "core/kd_tree.h"
+#include "core/mesh_checks.h"
 #include "register/intrinsic/dense_map.h"
 #include "register/intrinsic/intrinsic_shape.h"
 #include "register/intrinsic/map_candidates.h"

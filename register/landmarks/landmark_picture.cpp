@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/kd_tree.h"
+#include "core/mesh_checks.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 

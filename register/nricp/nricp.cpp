@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "register/nricp/correspondence.h"
 
 namespace keypose::registration {
@@ -32,21 +33,9 @@ void CheckInputs(const Mesh& source, const Mesh& target, const std::vector<Landm
                  const Eigen::VectorXd& stiffness) {
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
-  if (!(BoundingDiagonal(target.points) > 0))
-    throw InputError("register: all vertices of the target coincide; pass a mesh with some extent");
-  for (const LandmarkGoal& l : landmarks) {
-    if (l.source.vertices.minCoeff() < 0 || l.source.vertices.maxCoeff() >= source.vertex_count())
-      throw InputError("register: landmark '" + l.name + "' is on vertex " +
-                       std::to_string(l.source.vertices.maxCoeff()) + ", but the source has " +
-                       std::to_string(source.vertex_count()) +
-                       " vertices; pick it again on this source");
-    if (!l.target.allFinite() || !l.source.weights.allFinite())
-      throw InputError("register: landmark '" + l.name + "' is not finite; pick it again");
-  }
-  for (Eigen::Index i = 0; i < stiffness.size(); ++i)
-    if (!(stiffness[i] > 0) || !std::isfinite(stiffness[i]))
-      throw InputError("register: the stiffness of vertex " + std::to_string(i) +
-                       " must be a positive number");
+  RequireExtent(target, "register: target");
+  RequireUsable(landmarks, source.vertex_count(), "register");
+  RequireStiffness(stiffness, source.vertex_count(), "register");
 }
 
 /// Mean of the target at the origin and its diagonal 2: alpha, beta and gamma mean nothing in other

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/mesh_checks.h"
 #include "deform/solvers/cholmod_factor.h"
 #include "deform/solvers/sparse_pattern.h"
 
@@ -61,10 +62,7 @@ struct NricpSystem::Impl {
 NricpSystem::NricpSystem(const PointsX3& points, const FacesX3& faces,
                          const std::vector<SurfacePoint>& landmarks,
                          const Eigen::VectorXd& stiffness) {
-  if (stiffness.size() != 0 && stiffness.size() != points.rows())
-    throw InputError("register: the stiffness map has " + std::to_string(stiffness.size()) +
-                     " values, but the source has " + std::to_string(points.rows()) +
-                     " vertices; paint it on the source mesh");
+  RequireStiffness(stiffness, points.rows(), "register");
   impl_ = std::make_unique<Impl>(points, faces, landmarks);
   impl_->edge_weight.setOnes(static_cast<Eigen::Index>(impl_->pattern.edges.size()));
   if (stiffness.size() == 0) return;

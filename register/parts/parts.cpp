@@ -15,7 +15,9 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/kd_tree.h"
+#include "core/mesh_checks.h"
 #include "core/ray_scene.h"
+#include "core/union_find.h"
 
 namespace keypose::registration {
 
@@ -53,31 +55,21 @@ struct MeshParts {
   std::vector<double> diagonal;
 
   explicit MeshParts(const Mesh& mesh) : of_vertex(mesh.vertex_count(), -1) {
-    std::vector<int> root(mesh.vertex_count());
-    std::iota(root.begin(), root.end(), 0);
-    const auto find = [&](int v) {
-      while (root[v] != v) v = root[v] = root[root[v]];
-      return v;
-    };
-    const auto join = [&](int a, int b) {
-      a = find(a);
-      b = find(b);
-      root[std::max(a, b)] = std::min(a, b);
-    };
+    UnionFind joined(mesh.vertex_count());
     std::vector<char> used(mesh.vertex_count(), 0);
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-      join(mesh.faces(f, 0), mesh.faces(f, 1));
-      join(mesh.faces(f, 0), mesh.faces(f, 2));
+      joined.Join(mesh.faces(f, 0), mesh.faces(f, 1));
+      joined.Join(mesh.faces(f, 0), mesh.faces(f, 2));
       for (int k = 0; k < 3; ++k) used[mesh.faces(f, k)] = 1;
     }
     int pieces = 0;
-    for (int v = 0; v < mesh.vertex_count(); ++v) pieces += used[v] && find(v) == v;
-    if (pieces > 1) JoinSeams(mesh, join);
+    for (int v = 0; v < mesh.vertex_count(); ++v) pieces += used[v] && joined.Find(v) == v;
+    if (pieces > 1) JoinSeams(mesh, joined);
     std::vector<Eigen::AlignedBox3d> boxes;
     std::vector<int> id(mesh.vertex_count(), -1);
     for (int v = 0; v < mesh.vertex_count(); ++v) {
       if (!used[v]) continue;
-      const int r = find(v);
+      const int r = joined.Find(v);
       if (id[r] < 0) {
         id[r] = static_cast<int>(boxes.size());
         boxes.emplace_back();
@@ -89,8 +81,7 @@ struct MeshParts {
   }
 
  private:
-  template <class Join>
-  static void JoinSeams(const Mesh& mesh, const Join& join) {
+  static void JoinSeams(const Mesh& mesh, UnionFind& joined) {
     // A seam repeats both ends of its edges. One repeated point alone is but two parts that touch.
     const std::vector<int> place = Places(mesh.points);
     std::vector<std::array<int, 3>> edges;
@@ -102,7 +93,7 @@ struct MeshParts {
     std::sort(edges.begin(), edges.end());
     for (std::size_t i = 1; i < edges.size(); ++i)
       if (edges[i][0] == edges[i - 1][0] && edges[i][1] == edges[i - 1][1])
-        join(edges[i][2], edges[i - 1][2]);
+        joined.Join(edges[i][2], edges[i - 1][2]);
   }
 };
 

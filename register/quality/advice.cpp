@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "deform/levels/step_queue.h"
 #include "register/quality/closest_points.h"

@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/render.h"

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.h"
 #include "core/geometry.h"
 #include "core/kd_tree.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/self_intersections.h"
 #include "register/quality/closest_points.h"
 #include "register/quality/flipped_faces.h"
-#include "register/quality/self_intersections.h"
 
 namespace keypose::registration {
 
@@ -111,9 +111,8 @@ double WeightedQuantile(const std::vector<std::pair<double, double>>& sorted, do
 }
 
 void RequireSamePoints(const Mesh& source, const PointsX3& registered) {
-  if (registered.rows() != source.points.rows())
-    throw InputError("register: the registered mesh has " + std::to_string(registered.rows()) +
-                     " vertices, but the source has " + std::to_string(source.points.rows()));
+  RequireOnePerVertex(registered.rows(), source.points.rows(), "register: the registered mesh has",
+                      "vertices", "the source", "");
 }
 
 }  // namespace
@@ -193,9 +192,11 @@ RegistrationQuality MeasureRegistration(const Mesh& source, const PointsX3& regi
   const Eigen::VectorXd before = FaceAreas(source.points, source.faces),
                         after = FaceAreas(registered, source.faces);
   q.degenerate = static_cast<int>((after.array() < 0.01 * before.array()).count());
-  q.self_intersections = FindSelfIntersections(registered, source.faces).pairs;
+  q.self_intersections =
+      FindSelfIntersections(registered, source.faces, TouchingFaces::kLeftOut).pairs;
   q.self_intersections_gained =
-      q.self_intersections - FindSelfIntersections(source.points, source.faces).pairs;
+      q.self_intersections -
+      FindSelfIntersections(source.points, source.faces, TouchingFaces::kLeftOut).pairs;
   q.stretch = MeasureStretch(source, registered);
   return q;
 }

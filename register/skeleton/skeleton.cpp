@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/skeleton_motion.h"
 #include "register/skeleton/skeleton_tree.h"

@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "texture/bake/atlas.h"
 #include "texture/bake/bake_view.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <queue>
 #include <string>
 #include <tuple>
@@ -10,16 +9,12 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/union_find.h"
 
 namespace keypose::texture {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-int Root(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 struct Flood {
   std::vector<int> label;    // F, -1: not reached
@@ -120,8 +115,7 @@ int Loops(const Surface& s, const Chart& chart, const std::vector<int>& local,
 // Corners that chart faces share over an edge become one local vertex.
 void NumberCorners(const Surface& s, const std::vector<int>& local, Chart& chart) {
   const int count = static_cast<int>(chart.faces.size());
-  std::vector<int> parent(3 * count);
-  std::iota(parent.begin(), parent.end(), 0);
+  UnionFind joined(3 * count);
   for (int i = 0; i < count; ++i) {
     const int f = chart.faces[i];
     for (int k = 0; k < 3; ++k) {
@@ -130,7 +124,7 @@ void NumberCorners(const Surface& s, const std::vector<int>& local, Chart& chart
       for (const int corner : {k, (k + 1) % 3}) {
         for (int m = 0; m < 3; ++m)
           if (s.faces(chart.faces[j], m) == s.faces(f, corner))
-            parent[Root(parent, 3 * i + corner)] = Root(parent, 3 * j + m);
+            joined.Join(3 * i + corner, 3 * j + m);
       }
     }
   }
@@ -138,7 +132,7 @@ void NumberCorners(const Surface& s, const std::vector<int>& local, Chart& chart
   chart.corners.resize(count, 3);
   for (int i = 0; i < count; ++i) {
     for (int k = 0; k < 3; ++k) {
-      int& v = id[Root(parent, 3 * i + k)];
+      int& v = id[joined.Find(3 * i + k)];
       if (v < 0) {
         v = static_cast<int>(chart.vertices.size());
         chart.vertices.push_back(s.faces(chart.faces[i], k));

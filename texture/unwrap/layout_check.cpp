@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/union_find.h"
 #include "texture/charts/parametrise.h"
 
 namespace keypose::texture {
@@ -49,24 +49,18 @@ struct Atlas {
   std::vector<std::vector<int>> rims;  // per chart: UV vertices along the boundary
 };
 
-int RootOf(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 void NumberCharts(const Mesh& mesh, Atlas& atlas) {
-  std::vector<int> parent(mesh.uvs.rows());
-  std::iota(parent.begin(), parent.end(), 0);
+  UnionFind joined(mesh.uvs.rows());
   for (int f = 0; f < mesh.face_count(); ++f) {
-    parent[RootOf(parent, mesh.uv_faces(f, 0))] = RootOf(parent, mesh.uv_faces(f, 1));
-    parent[RootOf(parent, mesh.uv_faces(f, 1))] = RootOf(parent, mesh.uv_faces(f, 2));
+    joined.Join(mesh.uv_faces(f, 0), mesh.uv_faces(f, 1));
+    joined.Join(mesh.uv_faces(f, 1), mesh.uv_faces(f, 2));
   }
   std::map<int, int> id;
   atlas.chart.assign(mesh.uvs.rows(), -1);
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int v = mesh.uv_faces(f, k);
-      atlas.chart[v] = id.emplace(RootOf(parent, v), static_cast<int>(id.size())).first->second;
+      atlas.chart[v] = id.emplace(joined.Find(v), static_cast<int>(id.size())).first->second;
     }
   atlas.charts = static_cast<int>(id.size());
 }

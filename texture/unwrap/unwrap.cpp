@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/mesh_checks.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/packing/elastic_packing.h"
 #include "texture/packing/packing.h"
