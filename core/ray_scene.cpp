@@ -54,16 +54,20 @@ RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d
   return foot(va / sum, vb / sum, vc / sum);
 }
 
+/// One thread builds all trees, so that a tree, and with it the face of a tie, never depends on
+/// timing. The device lives as long as the process: releasing the last one lets TBB start a worker,
+/// which was seen to take part in the next build.
+RTCDevice Device() {
+  static const RTCDevice device = rtcNewDevice("threads=1");
+  return device;
+}
+
 }  // namespace
 
 struct RayScene::Impl {
-  Impl(const PointsX3& p, const FacesX3& f)
-      : points(p), faces(f), device(rtcNewDevice("threads=1")) {
-    // One thread builds the tree, so that it, and with it the face of a tie, never depends on
-    // timing.
-    scene = rtcNewScene(device);
+  Impl(const PointsX3& p, const FacesX3& f) : points(p), faces(f), scene(rtcNewScene(Device())) {
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(Device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertex = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                 3 * sizeof(float), static_cast<std::size_t>(points.rows())));
@@ -81,10 +85,7 @@ struct RayScene::Impl {
     rtcCommitScene(scene);
     magnitude = points.rows() ? points.cwiseAbs().maxCoeff() : 0;
   }
-  ~Impl() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~Impl() { rtcReleaseScene(scene); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -144,7 +145,6 @@ struct RayScene::Impl {
 
   PointsX3 points;
   FacesX3 faces;
-  RTCDevice device;
   RTCScene scene;
   double magnitude = 0;
 };

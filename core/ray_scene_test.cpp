@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <random>
@@ -82,6 +84,22 @@ TEST(RayScene, LeavesTheLoopsOfTheProcessTheirThreads) {
     });
   SetThreadCount(0);
   EXPECT_GE(threads.size(), 2u);
+}
+
+int ThreadsOfThisProcess() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return static_cast<int>(std::distance(begin(tasks), end(tasks)));
+}
+
+/// A second thread could take part in building a tree, and so decide which face of a tie is hit.
+TEST(RayScene, StartsNoThreadHoweverManyAreMadeAndGone) {
+  const Mesh sphere = MakeIcosphere(6);
+  const int before = ThreadsOfThisProcess();
+  for (int round = 0; round < 5; ++round) {
+    const RayScene scene(sphere.points, sphere.faces);
+    EXPECT_GE(scene.Cast({3, 0, 0}, {-1, 0, 0}).face, 0);
+  }
+  EXPECT_EQ(ThreadsOfThisProcess(), before);
 }
 
 TEST(RayScene, EmptyMeshThrowsInputError) {
