@@ -54,9 +54,9 @@ RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d
   return foot(va / sum, vb / sum, vc / sum);
 }
 
-/// One thread builds all trees, so that a tree, and with it the face of a tie, never depends on
+/// One thread builds all trees, so that a tree, and with it the face of a tie, cannot depend on
 /// timing. The device lives as long as the process: releasing the last one lets TBB start a worker,
-/// which was seen to take part in the next build.
+/// which could take part in the next build.
 RTCDevice Device() {
   static const RTCDevice device = rtcNewDevice("threads=1");
   return device;

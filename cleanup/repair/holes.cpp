@@ -1,9 +1,20 @@
 #include "cleanup/repair/holes.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include "core/ordered_memory.h"
+
+// CGAL walks the cells of a triangulation by their addresses, and of two triangles that fill a rim
+// equally well it takes the one that it meets first.
+#undef CGAL_ALLOCATOR
+#define CGAL_ALLOCATOR(T) keypose::OrderedAllocator<T>
+#include <CGAL/Compact_container.h>
+#undef CGAL_ALLOCATOR
+#define CGAL_ALLOCATOR(T) std::allocator<T>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/Triangulation_data_structure_3.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -11,6 +22,7 @@
 #include <iterator>
 #include <set>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,9 +39,18 @@ using Halfedge = RepairMesh::Halfedge_index;
 using Face = RepairMesh::Face_index;
 using Vertex = RepairMesh::Vertex_index;
 
+using Cells = CGAL::Triangulation_data_structure_3<>::Cell_range;
+static_assert(std::is_same_v<Cells::allocator_type, OrderedAllocator<Cells::value_type>>,
+              "CGAL/Compact_container.h must be included with the allocator above");
+
 constexpr double kFlatRim = 1e-5;  // of the rim's extent
+// A quarter of the lowest side of the rim's box: nothing at all for a rim that is level.
+constexpr double kAsCgalSets = -1;
 // rim vertices up to which the O(n^3) search is affordable (about a second)
 constexpr std::size_t kCubicLimit = 400;
+
+// many times what a triangulation of the rim takes; only what is used becomes real
+constexpr std::size_t kLeastBytes = 1 << 20, kBytesAVertex = 16 << 10;
 
 struct Rim {
   std::size_t vertices = 0;
@@ -125,10 +146,12 @@ void FillByFan(RepairMesh& mesh, Halfedge border, const Eigen::Vector3d& center)
 bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large) {
   std::vector<Face> faces;
   std::vector<Vertex> vertices;
+  const OrderedMemory memory(kLeastBytes + kBytesAVertex * rim.vertices);
   const bool no_cubic = rim.vertices > kCubicLimit;
   PMP::triangulate_hole(
       mesh, border, std::back_inserter(faces),
       CGAL::parameters::use_2d_constrained_delaunay_triangulation(large && rim.apart)
+          .threshold_distance(rim.flat ? kFlatRim * rim.extent : kAsCgalSets)
           .do_not_use_cubic_algorithm(no_cubic));
   if (faces.empty()) return false;
   if (rim.vertices <= 4) return true;

@@ -17,73 +17,17 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <exception>
-#include <map>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 
-namespace keypose::registration {
-namespace {
+#include "core/ordered_memory.h"
 
-/// Memory whose addresses rise in the order of allocation. CGAL's contraction keeps edges in sets
-/// ordered by address, so that from the ordinary heap its result would change from call to call.
-class Arena {
- public:
-  explicit Arena(std::size_t bytes)
-      : size_(bytes), block_(static_cast<std::byte*>(std::malloc(bytes))) {
-    current = this;
-  }
-  ~Arena() {
-    current = nullptr;
-    std::free(block_);
-  }
-  Arena(const Arena&) = delete;
-  Arena& operator=(const Arena&) = delete;
-
-  void* Take(std::size_t bytes) {
-    bytes = (bytes + 15) / 16 * 16;
-    std::vector<void*>& spare = spare_[bytes];
-    if (!spare.empty()) {
-      void* p = spare.back();
-      spare.pop_back();
-      return p;
-    }
-    if (!block_ || used_ + bytes > size_) throw std::bad_alloc();
-    void* p = block_ + used_;
-    used_ += bytes;
-    return p;
-  }
-  void Give(void* p, std::size_t bytes) { spare_[(bytes + 15) / 16 * 16].push_back(p); }
-
-  static thread_local Arena* current;
-
- private:
-  std::size_t size_, used_ = 0;
-  std::byte* block_;
-  std::map<std::size_t, std::vector<void*>> spare_;
-};
-thread_local Arena* Arena::current = nullptr;
-
-template <class T>
-struct ArenaAllocator {
-  using value_type = T;
-  ArenaAllocator() = default;
-  template <class U>
-  ArenaAllocator(const ArenaAllocator<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(Arena::current->Take(n * sizeof(T))); }
-  void deallocate(T* p, std::size_t n) { Arena::current->Give(p, n * sizeof(T)); }
-  bool operator==(const ArenaAllocator&) const { return true; }
-};
-
-}  // namespace
-}  // namespace keypose::registration
-
+// CGAL's contraction keeps edges in sets ordered by address.
 #undef CGAL_ALLOCATOR
-#define CGAL_ALLOCATOR(T) keypose::registration::ArenaAllocator<T>
+#define CGAL_ALLOCATOR(T) keypose::OrderedAllocator<T>
 #include <CGAL/Polyhedron_3.h>
 #undef CGAL_ALLOCATOR
 #define CGAL_ALLOCATOR(T) std::allocator<T>
@@ -96,9 +40,8 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-constexpr std::size_t kArenaBytes = 16 << 20,
-                      // many times what it takes; only what is used becomes real
-    kArenaBytesAFace = 8 << 10;
+// many times what it takes; only what is used becomes real
+constexpr std::size_t kLeastBytes = 16 << 20, kBytesAFace = 8 << 10;
 
 /// CGAL asks whether a point is inside by a ray, and casts others as long as the last one only
 /// touched an edge. All do for a point that lies on an edge itself, as it may where vertices lie on
@@ -129,7 +72,7 @@ constexpr std::size_t kMostGrowth = 4;  // of the vertices while they contract
 template <class T>
 constexpr bool kOrdered = false;
 template <class Traits, class Items, template <class, class, class> class Hds>
-constexpr bool kOrdered<CGAL::Polyhedron_3<Traits, Items, Hds, ArenaAllocator<int>>> = true;
+constexpr bool kOrdered<CGAL::Polyhedron_3<Traits, Items, Hds, OrderedAllocator<int>>> = true;
 
 Eigen::RowVector3d ToEigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -273,7 +216,7 @@ CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces,
   if (!result.fault.empty()) return result;
   using Flow = CGAL::Mean_curvature_flow_skeletonization<Surface, PatientKernel>;
   static_assert(kOrdered<CGAL::Polyhedron_3<PatientKernel>>);
-  const Arena arena(kArenaBytes + kArenaBytesAFace * surface.number_of_faces());
+  const OrderedMemory memory(kLeastBytes + kBytesAFace * surface.number_of_faces());
   Flow::Skeleton skeleton;
   try {
     Flow flow(surface);
