@@ -16,6 +16,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -66,7 +67,7 @@ int Run(const std::vector<std::string>& arguments) {
   const bool photographs = std::filesystem::is_directory(rest.front());
   const std::vector<Image8> tiles = photographs ? BesidePhotographs(mesh, options, width, rest)
                                                 : FromAllRound(mesh, options, width, rest);
-  WriteImage(arguments[0], TileImages(tiles, photographs ? 2 : static_cast<int>(tiles.size())), 88);
+  WriteImage(arguments[0], TileImages(tiles, photographs ? 2 : SizeOf(tiles)), 88);
   return 0;
 }
 

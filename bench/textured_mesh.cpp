@@ -8,6 +8,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose::bench {
 namespace fs = std::filesystem;
@@ -66,8 +67,7 @@ void ReadPages(const fs::path& path, TexturedMesh& result) {
     if (word == "mtllib") textures.merge(ReadMaterials(path.parent_path() / Rest(line)));
     if (word == "usemtl") {
       material = Rest(line);
-      const auto [entry, is_new] =
-          page_of_material.emplace(material, static_cast<int>(result.pages.size()));
+      const auto [entry, is_new] = page_of_material.emplace(material, SizeOf(result.pages));
       if (is_new && textures.count(material) == 0)
         throw InputError(path.string() + " line " + std::to_string(number) +
                          ": no texture (map_Kd) is known for material '" + material + "'");
@@ -85,7 +85,7 @@ void CheckPages(const fs::path& path, const TexturedMesh& result) {
   if (!result.mesh.has_uvs())
     throw InputError(path.string() +
                      " has a texture, but no texture coordinates; pass the unwrapped mesh");
-  if (static_cast<int>(result.page_of_face.size()) != result.mesh.face_count())
+  if (SizeOf(result.page_of_face) != result.mesh.face_count())
     throw InputError(path.string() + ": materials are given for " +
                      std::to_string(result.page_of_face.size()) + " triangles of " +
                      std::to_string(result.mesh.face_count()));

@@ -22,7 +22,7 @@ struct CaptureOptions {
   int mask_px = 512;            ///< longer side at which masks are segmented
   int mask_rounds = 4;
   double mask_smoothness = 12;
-  double plate_difference = 6;
+  double clean_plate_difference = 6;
   bool board = true;  ///< look for the calibration board
   int board_columns = BoardLayout{}.columns, board_rows = BoardLayout{}.rows;
   double board_square_mm = 1000 * BoardLayout{}.square_m;
@@ -38,7 +38,7 @@ struct CaptureOptions {
     masking.working_px = mask_px;
     masking.rounds = mask_rounds;
     masking.smoothness = mask_smoothness;
-    masking.clean_plate_difference = plate_difference;
+    masking.clean_plate_difference = clean_plate_difference;
     return masking;
   }
 
@@ -49,20 +49,9 @@ struct CaptureOptions {
     visit("min_images", min_images, {"fewer photographs than this are an error", "", 2, 10000, {}});
     visit("min_sharpness", min_sharpness,
           {"a photograph less crisp than this counts as blurred; 0 accepts all", "", 0, 1, {}});
-    visit("sharpness_px", sharpness_px,
-          {"longer side at which sharpness is measured", "px", 64, 100000, {}});
-    visit("min_mask", min_mask,
-          {"a mask that covers less of the image than this counts as black", "", 0, 1, {}});
     visit("max_bad_share", max_bad_share,
           {"largest share of blurred or black photographs in a set", "", 0, 1, {}});
-    visit("jpeg_quality", jpeg_quality,
-          {"JPEG quality where pixels had to be turned or resized", "", 50, 100, {}});
-    visit("mask_px", mask_px, {"longer side at which masks are segmented", "px", 64, 4096, {}});
-    visit("mask_rounds", mask_rounds,
-          {"rounds of segmentation, each learning from the one before", "", 1, 10, {}});
-    visit("mask_smoothness", mask_smoothness,
-          {"cost of a mask border through a surface of one colour", "log odds", 0, 200, {}});
-    visit("plate_difference", plate_difference,
+    visit("clean_plate_difference", clean_plate_difference,
           {"colour difference to the clean plate at which object and set are equally likely",
            "CIE Lab",
            1,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -193,7 +194,29 @@ TEST_F(CaptureProgram, CleanPlateBesideThePhotographsIsUsed) {
   WriteImage(photos / "background.png", MakeTestWall(180, 120, TestWall::kDark));
   ASSERT_EQ(Run().code, 0);
   EXPECT_EQ(ReadImageSet(images).images.size(), 8U);
-  EXPECT_THAT(Report(), HasSubstr("\"background_plate\": true"));
+  EXPECT_THAT(Report(), HasSubstr("\"clean_plate\": true"));
+}
+
+// The figure differs from the wall by a quarter of what it usually does.
+TEST_F(CaptureProgram, CleanPlateDifferenceDecidesWhatCountsAsTheSet) {
+  const Image8 wall = MakeTestWall(180, 120, TestWall::kDark);
+  for (int i = 0; i < 8; ++i) {
+    Image8 image = MakeTestPhoto(i, 180, 120, TestWall::kDark).image;
+    for (std::size_t k = 0; k < image.data.size(); ++k)
+      image.data[k] = static_cast<std::uint8_t>((image.data[k] + 3 * wall.data[k]) / 4);
+    WriteImage(photos / ("p" + std::to_string(10 + i) + ".png"), image);
+  }
+  WriteImage(photos / "background.png", wall);
+  const auto covered = [&](const std::string& difference) {
+    if (Run("--overwrite --clean_plate_difference " + difference).code != 0) return 0.0;
+    double pixels = 0;
+    for (int i = 0; i < 8; ++i) {
+      const Image8 mask = ReadImage(images / ("masks/p" + std::to_string(10 + i) + ".png.png"), 1);
+      pixels += static_cast<double>(std::count(mask.data.begin(), mask.data.end(), 255));
+    }
+    return pixels;
+  };
+  EXPECT_LT(covered("50"), covered("6"));
 }
 
 TEST_F(CaptureProgram, ShrinksToMaxSize) {
@@ -308,6 +331,25 @@ TEST_F(CaptureProgram, BlurredSetIsAnInputErrorThatNamesThem) {
   EXPECT_FALSE(fs::exists(images));
 }
 
+TEST_F(CaptureProgram, BlurredSetIsAcceptedWhereTheLimitsAllowIt) {
+  for (int i = 0; i < 8; ++i) {
+    const TestPhoto photo = MakeTestPhoto(i, 360, 240, TestWall::kDark);
+    WriteImage(photos / ("p" + std::to_string(i) + ".jpg"),
+               i < 4 ? photo.image : Blurred(photo.image, 4));
+  }
+  EXPECT_EQ(Run("--min_sharpness 0").code, 0);
+  EXPECT_EQ(Run("--overwrite --max_bad_share 0.5").code, 0);
+  EXPECT_THAT(Report(), HasSubstr("blurred"));
+  EXPECT_EQ(Run("--overwrite --max_bad_share 0.4").code, 3);
+}
+
+TEST_F(CaptureProgram, SmallSetIsAnInputErrorWhereMoreAreAskedFor) {
+  WritePhotos(8);
+  EXPECT_EQ(Run("--min_images 9").code, 3);
+  EXPECT_FALSE(fs::exists(images));
+  EXPECT_EQ(Run("--min_images 8").code, 0);
+}
+
 TEST_F(CaptureProgram, BlackMasksAreAnInputError) {
   WritePhotos(8);
   fs::create_directories(photos / "masks");
@@ -327,6 +369,15 @@ TEST_F(CaptureProgram, MaskOfAnotherSizeIsAnInputError) {
   EXPECT_THAT(outcome.output, HasSubstr("is 90 x 60, but p12.jpg is 180 x 120"));
 }
 
+TEST_F(CaptureProgram, SecondMaskOfAPhotographIsNamedWithTheOneThatIsUsed) {
+  WritePhotos(8);
+  fs::create_directories(photos / "masks");
+  for (const char* name : {"p12.png", "p12_mask.png"})
+    WriteImage(photos / "masks" / name, MakeTestPhoto(2, 180, 120, TestWall::kDark).truth);
+  ASSERT_EQ(Run().code, 0);
+  EXPECT_THAT(Report(), HasSubstr("p12_mask.png (for p12.jpg p12.png is used)"));
+}
+
 TEST_F(CaptureProgram, UnknownOptionIsAUsageError) {
   WritePhotos(8);
   EXPECT_EQ(Run("--min_sharpnes 0").code, 2);
@@ -340,6 +391,21 @@ TEST_F(CaptureProgram, PrintsTheBoardAlone) {
   EXPECT_EQ(ReadFile(pdf).substr(0, 5), "%PDF-");
   EXPECT_EQ(WEXITSTATUS(std::system((program + " --board_square_mm 60 > /dev/null 2>&1").c_str())),
             2);
+}
+
+TEST_F(CaptureProgram, PrintsABoardOfTheAskedSizeAndPaper) {
+  const auto board = [&](const std::string& options) {
+    const fs::path pdf = root / "board.pdf";
+    const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-capture --print-board " +
+                                pdf.string() + " " + options + " > /dev/null 2>&1";
+    EXPECT_EQ(std::system(command.c_str()), 0) << options;
+    return ReadFile(pdf);
+  };
+  const std::string plain = board("");
+  EXPECT_NE(board("--board_columns 9"), plain);
+  EXPECT_NE(board("--board_rows 6"), plain);
+  EXPECT_THAT(plain, HasSubstr("841.8"));  // height of A4 in points
+  EXPECT_THAT(board("--board_page letter"), HasSubstr("792"));
 }
 
 TEST_F(CaptureProgram, SubfoldersAreGroupsWithPrefixedNames) {

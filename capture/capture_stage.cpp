@@ -20,6 +20,7 @@
 #include "core/io/photograph_files.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 
 namespace {
@@ -74,7 +75,7 @@ Image8 Load(const Import& import, std::size_t i, const fs::path& file, int chann
 void ForEach(const Import& import, Progress* progress, const std::string& what,
              const std::function<void(std::size_t)>& body) {
   std::vector<std::string> faults(import.files.size());
-  ParallelFor(static_cast<std::int64_t>(import.files.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(import.files), [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     try {
       body(static_cast<std::size_t>(i));
@@ -114,11 +115,25 @@ void FitIntoMemory(StageContext& stage, const Import& import) {
 /// Reports user masks with other names, so that none is ignored silently.
 void RequireMasksOfPhotographs(StageContext& stage, const Import& import) {
   if (import.masks.empty()) return;
-  std::vector<std::string> strangers;
-  for (const fs::path& file : ImagesIn(import.masks))
-    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) ==
+  std::vector<std::string> strangers, doubles;
+  for (const fs::path& file : ImagesIn(import.masks)) {
+    if (std::find(import.user_masks.begin(), import.user_masks.end(), file) !=
         import.user_masks.end())
+      continue;
+    const auto photograph =
+        std::find_if(import.photographs.begin(), import.photographs.end(),
+                     [&](const Photograph& p) { return IsMaskOf(file, p.name); });
+    if (photograph == import.photographs.end())
       strangers.push_back(file.filename().string());
+    else
+      doubles.push_back(
+          file.filename().string() + " (for " + photograph->name + " " +
+          import.user_masks[photograph - import.photographs.begin()].filename().string() +
+          " is used)");
+  }
+  if (!doubles.empty())
+    stage.Warn("second masks of a photograph were left out: " + JoinNames(doubles) +
+               "; keep one mask for each photograph");
   const bool any = std::any_of(import.user_masks.begin(), import.user_masks.end(),
                                [](const fs::path& mask) { return !mask.empty(); });
   const std::string example = import.photographs[0].name + ".png";
@@ -343,18 +358,18 @@ void JudgeSpacing(StageContext& stage, std::vector<Written>& all, std::size_t gr
   std::vector<Preview> previews;
   for (Written& written : all) previews.push_back(std::move(written.preview));
   constexpr int kStrong = 40;  // of the at most 400 features of a preview
-  const auto images = static_cast<int>(all.size());
+  const auto images = SizeOf(all);
   const std::vector<ImageTie> ties = SharedPlaces(previews, stage.progress());
   const auto joined = JoinedImages(images, ties);
-  stage.Report("spacing_ties", static_cast<int>(ties.size()));
-  stage.Report("spacing_groups", static_cast<int>(joined.size()));
+  stage.Report("spacing_ties", SizeOf(ties));
+  stage.Report("spacing_groups", SizeOf(joined));
   if (!FallsApart(images, ties, kStrong)) return;
   std::vector<std::string> names;
   for (const int i : joined[0]) names.push_back(all[i].image.name);
   stage.Warn("neighbouring photographs share hardly any places: the " + std::to_string(images) +
              " photographs fall into " + std::to_string(joined.size()) + " groups, such as " +
              JoinNames(names) + ", as if the table was turned by about " +
-             std::to_string(360 / static_cast<int>(joined.size())) +
+             std::to_string(360 / SizeOf(joined)) +
              " degrees at a time; turn it by 15 degrees at most, or sfm may find no cameras");
 }
 
@@ -365,7 +380,7 @@ int BoardViews(const Import& import) {
 
 void ReportBoard(StageContext& stage, const Import& import) {
   const int views = BoardViews(import);
-  stage.Report("plate_views", views);
+  stage.Report("board_views", views);
   if (views == 0) return;
   double corners = 0;
   nlohmann::json without = nlohmann::json::array();
@@ -373,7 +388,7 @@ void ReportBoard(StageContext& stage, const Import& import) {
     corners += static_cast<double>(import.board_corners[i].size());
     if (import.board_corners[i].empty()) without.push_back(import.photographs[i].name);
   }
-  stage.Report("plate_mean_corners", corners / views);
+  stage.Report("board_mean_corners", corners / views);
   stage.ReportJson("plate_not_seen", without.dump());
 }
 
@@ -390,7 +405,7 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
                     {"exposure", w.quality.exposure},
                     {"mask_fraction", w.image.mask_fraction}});
   }
-  stage.Report("images", static_cast<int>(all.size()));
+  stage.Report("images", SizeOf(all));
   stage.Report("width", all.front().image.width);
   stage.Report("height", all.front().image.height);
   stage.Report("camera_model", import.photographs.front().camera_model);
@@ -402,8 +417,8 @@ void ReportSet(StageContext& stage, const Import& import, const std::vector<Writ
   stage.Report("user_masks",
                static_cast<int>(std::count_if(import.user_masks.begin(), import.user_masks.end(),
                                               [](const auto& m) { return !m.empty(); })));
-  stage.Report("background_plate", std::any_of(import.backgrounds.begin(), import.backgrounds.end(),
-                                               [](const fs::path& file) { return !file.empty(); }));
+  stage.Report("clean_plate", std::any_of(import.backgrounds.begin(), import.backgrounds.end(),
+                                          [](const fs::path& file) { return !file.empty(); }));
   if (import.groups.size() > 1) {
     nlohmann::json groups;
     for (const PhotographGroup& group : import.groups) groups[group.name] = group.files.size();
@@ -454,7 +469,7 @@ void PrintBoard(const fs::path& file, const CaptureOptions& options) {
 
 const StageSpec kSpec = {
     .name = "capture",
-    .version = "4",
+    .version = "5",
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",

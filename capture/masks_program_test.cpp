@@ -40,13 +40,13 @@ class MasksProgram : public testing::Test {
   }
   void TearDown() override { fs::remove_all(root); }
 
-  int Run() const {
+  int Run(const std::string& options = "") const {
     fs::create_directories(root / "model");
     WriteColmapModel(root / "model", Scene{ring.views, {}});
     const std::string command = std::string(KEYPOSE_BIN_DIR) + "/keypose-masks --images " +
                                 set.folder.string() + " --model " + (root / "model").string() +
-                                " --masked " + (root / "masked").string() + " --report " +
-                                (root / "report.json").string() + " > " +
+                                " --masked " + (root / "masked").string() + " " + options +
+                                " --report " + (root / "report.json").string() + " > " +
                                 (root / "log.txt").string() + " 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   }
@@ -66,6 +66,19 @@ TEST_F(MasksProgram, WritesAnImagesFolderAndLeavesTheUsersMasks) {
   EXPECT_EQ(ReadImage(masked.MaskPath(kRingViews - 1), 1).data, ring.masks[kRingViews - 1].data);
   EXPECT_EQ(ReadFile(masked.ImagePath(3)), ReadFile(set.ImagePath(3)));
   EXPECT_THAT(ReadFile(root / "report.json"), testing::HasSubstr("\"agreement_before\""));
+}
+
+TEST_F(MasksProgram, SizeAndSmoothnessOfTheSegmentationChangeTheMasks) {
+  const auto masks = [&](const std::string& options) {
+    EXPECT_EQ(Run("--overwrite " + options), 0) << ReadFile(root / "log.txt");
+    std::string all;
+    for (int i = 0; i < kRingViews; ++i)
+      if (i != 4) all += ReadFile(ReadImageSet(root / "masked").MaskPath(i));
+    return all;
+  };
+  const std::string plain = masks("");
+  EXPECT_NE(masks("--mask_px 64"), plain);
+  EXPECT_NE(masks("--mask_smoothness 0"), plain);
 }
 
 TEST_F(MasksProgram, PhotographOfSomethingElseIsNamedAndNotTrusted) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "capture/agreement/space_masks.h"
@@ -47,7 +48,7 @@ PosedImages Load(const ImageSet& set, const Scene& scene, const MasksOptions& op
   posed.images.resize(posed.views.size());
   posed.masks.resize(posed.views.size());
   posed.boards.resize(posed.views.size());
-  ParallelFor(static_cast<std::int64_t>(posed.views.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(posed.views), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     const auto at = static_cast<int>(posed.index[i]);
     const Image8 image = ReadImage(set.ImagePath(at), 3), mask = ReadImage(set.MaskPath(at), 1);
@@ -206,7 +207,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
     backdrop_of[posed.index[i]] = &refined.backdrops[i];
   std::vector<Image8> cells(set.images.size());
   ReportProgress(stage.progress(), 0.7, "writing images and masks");
-  ParallelFor(static_cast<std::int64_t>(cells.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(cells), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     cells[i] = WriteOne(set, i, mask_of[i], backdrop_of[i], folder, set.images[i]);
   });
@@ -217,7 +218,7 @@ void Run(StageContext& stage, const MasksOptions& options) {
 
 const StageSpec kSpec = {
     .name = "masks",
-    .version = "12",
+    .version = "13",
     .summary =
         "Segments the photographs again, with masks that are consistent between all "
         "views.",

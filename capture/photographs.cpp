@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <set>
 
 #include "capture/photographs.h"
@@ -172,7 +173,7 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
   const bool in_subfolders = groups.size() > 1 && groups[0].folder != groups[1].folder;
   std::vector<Photograph> photographs(files.size());
   std::vector<std::string> faults(files.size()), reasons(files.size());
-  ParallelFor(static_cast<std::int64_t>(files.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(files), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     const auto& [group, file] = files[i];
     try {
@@ -196,12 +197,15 @@ std::vector<Photograph> InspectPhotographs(const std::vector<PhotographGroup>& g
   return photographs;
 }
 
-fs::path FindMask(const fs::path& folder, const std::string& photograph_name) {
+bool IsMaskOf(const fs::path& file, const std::string& photograph_name) {
   const std::string stem = fs::path(photograph_name).stem().string();
-  for (const fs::path& file : ImagesIn(folder)) {
-    const std::string mask = file.stem().string();
-    if (mask == stem || mask == photograph_name || mask == stem + "_mask") return file;
-  }
+  const std::string mask = file.stem().string();
+  return mask == stem || mask == photograph_name || mask == stem + "_mask";
+}
+
+fs::path FindMask(const fs::path& folder, const std::string& photograph_name) {
+  for (const fs::path& file : ImagesIn(folder))
+    if (IsMaskOf(file, photograph_name)) return file;
   return {};
 }
 

@@ -1,5 +1,5 @@
-// Every file of the collection of broken meshes comes out closed, or is refused with a reason; and
-// the same in any unit.
+// Every file of the collection of broken meshes gives a closed mesh or is refused with a reason,
+// whatever its unit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,8 +35,8 @@ std::vector<fs::path> BadMeshes() {
   return files;
 }
 
-// Its local repair crosses itself once it is rounded in the file's own unit; a wrap is right. What
-// the tries before counted is not told.
+// The result of local repair intersects itself after rounding in the file's own unit, so a wrap is
+// correct. Counts of the failed strategies are not reported.
 TEST(BadMeshes, ATryThatCrossesItselfGivesWayToTheNextAndCountsForNothing) {
   const fs::path file = Data() / "mutants" / "nc.obj";
   if (!fs::exists(file)) GTEST_SKIP() << "no " << file << "; set KEYPOSE_DATA to the data folder";
@@ -67,7 +67,7 @@ TEST(BadMeshes, EachComesOutClosedOrIsRefused) {
   EXPECT_EQ(refused, std::set<std::string>{"tm_empty.obj"});
 }
 
-// What comes of a file in another unit; nothing when it is refused.
+// The result for a file in another unit; nothing when it is refused.
 std::optional<Mesh> CleanedAt(const Mesh& surface, double scale, const CleanupOptions& options) {
   Mesh scaled = surface;
   scaled.points *= scale;

@@ -1,4 +1,4 @@
-// keypose-cleanup: a surface of any quality to a closed, oriented 2-manifold.
+// keypose-cleanup: turns a surface of any quality into a closed, oriented 2-manifold.
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -13,6 +13,7 @@
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 
 namespace {
@@ -39,24 +40,23 @@ keypose::Sight SightOf(StageContext& stage) {
 
 void WarnOfCutHandles(StageContext& stage, const CleanupOptions& options,
                       const CleanupResult& result) {
-  constexpr double kSmall = 0.0314;  // of the diagonal: the loop of a tunnel that is 1 % of it
-                                     // wide; smaller ones are noise
+  constexpr double kSmall = 0.0314;  // of the diagonal: the loop around a tunnel that is 1 % of the
+                                     // diagonal wide; shorter loops are noise
   if (options.genus != -2 || stage.Has("images") || result.handles_cut == 0 ||
       result.largest_handle_cut_over_diag < kSmall)
     return;
   stage.Warn("cleanup cut " + std::to_string(result.handles_cut) + " of " +
              std::to_string(result.genus_before) +
-             " handles, as no photographs say whether one sees through them; if the figure has "
-             "such a window (a hand on the hip), keep it "
-             "with --genus " +
+             " handles, because without photographs it is not known whether one can see through "
+             "them; if the figure has such a window (a hand on the hip), keep it with --genus " +
              std::to_string(result.genus_before) + ", or give --images and --model");
 }
 
 void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
                          const keypose::Mesh& mesh) {
-  constexpr std::size_t kEnough = 3;  // one or two are mistaken masks
+  constexpr std::size_t kEnough = 3;  // one or two may be wrong masks
   const std::vector<int> closed = keypose::ViewsWithClosedWindow(mesh, sight.lines);
-  stage.Report("views_with_closed_window", static_cast<int>(closed.size()));
+  stage.Report("views_with_closed_window", keypose::SizeOf(closed));
   if (closed.size() < kEnough) return;
   std::string names;
   for (std::size_t i = 0; i < std::min(closed.size(), kEnough); ++i)
@@ -65,11 +65,11 @@ void WarnOfClosedWindows(StageContext& stage, const keypose::Sight& sight,
       std::to_string(closed.size()) +
       " photographs show background inside of the figure's outline where the mesh is closed (" +
       names +
-      "); if the figure has a window there, photograph it from more sides or nearer; if not, mend "
-      "these masks");
+      "); if the figure has a window there, photograph it from more sides or nearer; if not, "
+      "correct these masks");
 }
 
-/// The ground, where the figure stands on it.
+/// The height of the ground, if the figure stands on it.
 std::optional<double> Ground(StageContext& stage, const CleanupOptions& options,
                              const keypose::Mesh& surface, const keypose::Sight& sight) {
   if (!stage.Has("images") || options.ground != "auto") return std::nullopt;
@@ -102,19 +102,20 @@ void Run(StageContext& stage, const CleanupOptions& options) {
   if (stage.Has("images")) WarnOfClosedWindows(stage, sight, result.mesh);
   WarnOfCutHandles(stage, options, result);
   if (options.genus >= 0 && result.genus > options.genus)
-    stage.Warn("the mesh has " + std::to_string(result.genus) + " handles instead of " +
-               std::to_string(options.genus) +
-               ": no cut without crossing was found for the others; try another number of --faces");
+    stage.Warn(
+        "the mesh has " + std::to_string(result.genus) + " handles instead of " +
+        std::to_string(options.genus) +
+        ": the others could not be cut without self-intersections; try another number of --faces");
   stage.Report("input_faces", surface.face_count());
   stage.Report("faces", result.mesh.face_count());
   stage.Report("vertices", result.mesh.vertex_count());
   stage.Report("closed", true);
-  stage.Report("rung", result.strategy);
+  stage.Report("strategy", result.strategy);
   stage.Report("holes_filled", result.holes_filled);
   stage.Report("largest_hole_over_diag", result.largest_hole_over_diag);
   stage.Report("components", result.components);
   stage.Report("components_removed", result.components_removed);
-  stage.Report("stands_removed", result.stands_removed);
+  stage.Report("supports_removed", result.supports_removed);
   stage.Report("cut_below_ground_over_diag", result.cut_below_ground_over_diag);
   stage.Report("merged_vertices", result.merged_vertices);
   stage.Report("self_intersections_before", result.self_intersections_before);
@@ -159,7 +160,7 @@ const StageSpec kSpec = {
     .tools = {},
     .cores = 1,
     .memory_gib = 2,
-    .common = {"faces", "genus", "stand", "keep_components"}};
+    .common = {"faces", "genus", "support", "keep_components"}};
 
 }  // namespace
 

@@ -38,7 +38,7 @@ Mesh WithFaces(Mesh mesh, Keep keep) {
   return mesh;
 }
 
-/// Without the faces whose centre lies below z.
+/// The mesh without the faces whose centre lies below z.
 Mesh Above(const Mesh& mesh, double z) {
   return WithFaces(mesh, [&](int f) {
     return (mesh.points(mesh.faces(f, 0), 2) + mesh.points(mesh.faces(f, 1), 2) +
@@ -232,6 +232,14 @@ TEST(MakeClosedManifold, CrossingSpheresBecomeOneSurface) {
   EXPECT_NEAR(result.volume, 2 * kSphereVolume - lens, 0.03 * kSphereVolume);
 }
 
+TEST(MakeClosedManifold, AWiderWrapFillsTheGrooveFurther) {
+  const Mesh pair = Together(MakeIcosphere(3), Moved(MakeIcosphere(3), {1.1, 0, 0}));
+  CleanupOptions narrow = Faces(3000), wide = Faces(3000);
+  narrow.wrap_alpha = 0.01;
+  wide.wrap_alpha = 0.15;
+  EXPECT_LT(MakeClosedManifold(pair, narrow).volume, MakeClosedManifold(pair, wide).volume);
+}
+
 TEST(MakeClosedManifold, SpikePushedThroughTheOtherSideIsMended) {
   Mesh sphere = MakeIcosphere(4);
   int top = 0;
@@ -387,7 +395,7 @@ TEST(MakeClosedManifold, WhatCannotBeClosedSaysWhereAndWhy) {
   EXPECT_NE(message(doubled).find("face 0 with its vertices " + corner + " and " + corner),
             std::string::npos)
       << message(doubled);
-  // its third axis in another unit; the wrap took a minute for its like
+  // its third axis has another unit; the wrap took a minute for such a mesh
   Mesh needle = MakeIcosphere(3);
   needle.points.col(2) *= 1e7;
   EXPECT_NE(message(needle).find("on a line"), std::string::npos) << message(needle);

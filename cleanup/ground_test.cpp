@@ -1,5 +1,5 @@
-// Soles that no photograph shows: cut flat where the figure stands, and left alone where it does
-// not.
+// Soles that no photograph shows are cut flat if the figure stands on the ground, and stay
+// unchanged if not.
 #include "cleanup/support/ground.h"
 
 #include <gtest/gtest.h>
@@ -26,9 +26,10 @@ namespace fs = std::filesystem;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kCap = 0.06;  // about 0.4 tan(12 degrees) less what smoothing takes
+constexpr double kCap = 0.06;  // about 0.4 tan(12 degrees), minus the effect of smoothing
 
-/// A pawn that stands at z = 0, and one to whose foot of radius 0.4 a cap of the hull hangs on.
+/// A pawn that stands at z = 0, without or with a cap of the visual hull below its foot of radius
+/// 0.4.
 /// @param below  further rows of the profile
 Mesh Pawn(const std::vector<Vector2d>& below) {
   std::vector<Vector2d> profile;
@@ -44,7 +45,7 @@ Mesh TruePawn() { return Pawn({{0.2, 0}}); }
 Mesh WithCap() {
   return Pawn({{0.3, -0.25 * kCap}, {0.2, -0.5 * kCap}, {0.1, -0.75 * kCap}, {0.03, -kCap}});
 }
-/// A thin rod goes on below, of which the lower photographs show a third.
+/// The pawn with a thin rod below. The lower photographs show a third of the rod.
 Mesh WithRod() { return Pawn({{0.2, 0}, {0.06, 0}, {0.05, -0.1}, {0.05, -0.24}}); }
 
 MaskShot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg) {
@@ -68,17 +69,18 @@ TEST(StandsOnGround, FigureOnItsFeetDoesAndWhatIsSeenBelowOrFarAwayDoesNot) {
   EXPECT_TRUE(StandsOnGround(WithCap(), shot.views, shot.masks).stands);
   EXPECT_TRUE(StandsOnGround(TruePawn(), shot.views, shot.masks).stands);
 
-  // In a rig: the outlines end above z = 0.
+  // The figure is held by a rig: the outlines end above z = 0.
   Mesh up = WithCap(), up_truth = TruePawn();
   up.points.col(2).array() += 0.08, up_truth.points.col(2).array() += 0.08;
   const MaskShot rig = Photograph(up_truth, {12, 40});
   EXPECT_FALSE(StandsOnGround(up, rig.views, rig.masks).stands);
 
-  // Something that photographs show goes on below: a rod, thinner than what tells the ground.
+  // Photographs show a rod below the ground, which is too thin to affect the ground's estimated
+  // height.
   const MaskShot rod = Photograph(WithRod(), {12, 40});
   EXPECT_FALSE(StandsOnGround(WithRod(), rod.views, rod.masks).stands);
 
-  // Also shot from below, as when it lay on its back.
+  // Also photographed from below, as when it lies on its back.
   const MaskShot lying = Photograph(TruePawn(), {12, 40, -30});
   EXPECT_FALSE(StandsOnGround(WithCap(), lying.views, lying.masks).stands);
 

@@ -1,5 +1,5 @@
-// The guarantee: whatever is done to a mesh, it comes out closed, oriented and free of crossings,
-// or is refused with the reason.
+// The guarantee: any damaged mesh becomes closed, oriented and free of self-intersections, or is
+// refused with the reason.
 #include <gtest/gtest.h>
 
 #include <cmath>

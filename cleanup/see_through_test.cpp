@@ -1,4 +1,4 @@
-// Windows in a slab: which of them the photographs see through decides which handles stay.
+// Windows in a slab: the handles through which photographs see stay.
 #include "cleanup/repair/see_through.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
@@ -20,6 +21,7 @@
 #include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::cleanup {
@@ -53,7 +55,7 @@ Mesh Slab(const std::vector<Window>& windows) {
   std::vector<Eigen::RowVector3d> points;
   std::vector<Eigen::RowVector3i> faces;
   const auto corner = [&](const Eigen::Vector3i& p) {
-    const auto [it, is_new] = ids.try_emplace({p[0], p[1], p[2]}, static_cast<int>(points.size()));
+    const auto [it, is_new] = ids.try_emplace({p[0], p[1], p[2]}, SizeOf(points));
     if (is_new) points.push_back(p.cast<double>().transpose());
     return it->second;
   };
@@ -72,8 +74,8 @@ Mesh Slab(const std::vector<Window>& windows) {
         faces.push_back(side ? Eigen::RowVector3i(a, c, d) : Eigen::RowVector3i(a, d, c));
       }
   Mesh mesh;
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.points.resize(std::ssize(points), 3);
+  mesh.faces.resize(std::ssize(faces), 3);
   for (std::size_t i = 0; i < points.size(); ++i) mesh.points.row(i) = points[i];
   for (std::size_t i = 0; i < faces.size(); ++i) mesh.faces.row(i) = faces[i];
   return mesh;
@@ -124,7 +126,7 @@ TEST(HandlesSeenThrough, HolesOfMasksOverASolidSurfaceAreNoHandles) {
 }
 
 TEST(WithoutHandles, KeepsTheNarrowWindowThatIsSeenAndFillsTheBroadOne) {
-  // By length alone it is the other way round.
+  // By loop length alone, the result would be the opposite.
   const Mesh both = Slab({kNarrow, kBroad});
   const Mesh by_length = WithoutHandles(both, 1).mesh;
   EXPECT_FALSE(Open(by_length, kNarrow) && !Open(by_length, kBroad));

@@ -55,7 +55,7 @@ TEST(FindSupport, FiguresWithoutAStandHaveNone) {
 TEST(MakeClosedManifold, PlateIsCutOffWithAFlatCap) {
   const Mesh mesh = PoleOnDisc(0.6);
   const CleanupResult result = MakeClosedManifold(mesh, Faces(3000));
-  EXPECT_EQ(result.stands_removed, 1);
+  EXPECT_EQ(result.supports_removed, 1);
   EXPECT_TRUE(CheckClosed(result.mesh).closed());
   EXPECT_FALSE(SelfIntersects(result.mesh));
   const double cut = 0.03 + 0.005 * BoundingDiagonal(mesh.points);
@@ -68,7 +68,7 @@ TEST(MakeClosedManifold, PlateIsCutOffWithAFlatCap) {
 
 TEST(MakeClosedManifold, PlateStaysWhenAsked) {
   CleanupOptions options = Faces(3000);
-  options.stand = "keep";
+  options.support = "keep";
   const Mesh mesh = PoleOnDisc(0.6);
   const CleanupResult result = MakeClosedManifold(mesh, options);
   EXPECT_EQ(result.strategy, "as-is");
@@ -76,8 +76,8 @@ TEST(MakeClosedManifold, PlateStaysWhenAsked) {
 }
 
 TEST(MakeClosedManifold, ClothUnderAFigureGoes) {
-  // An open, wavy sheet below the feet of a figure that do not quite touch it: one object to the
-  // search for pieces.
+  // An open, wavy sheet just below the feet of a figure. The search for pieces treats both as one
+  // object.
   const Mesh figure = MakeFigure(5, 3);
   const double bottom = figure.points.col(2).minCoeff();
   const int n = 40;
@@ -95,7 +95,7 @@ TEST(MakeClosedManifold, ClothUnderAFigureGoes) {
       cloth.faces.row(f++) << c - n - 1, c, c - n;
     }
   const CleanupResult result = MakeClosedManifold(Together(figure, cloth), Faces(4000));
-  EXPECT_EQ(result.stands_removed, 1);
+  EXPECT_EQ(result.supports_removed, 1);
   EXPECT_EQ(result.components, 1);
   EXPECT_NEAR(result.volume, SignedVolume(figure.points, figure.faces),
               0.05 * SignedVolume(figure.points, figure.faces));

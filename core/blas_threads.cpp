@@ -7,11 +7,11 @@ extern "C" void openblas_set_num_threads(int threads);
 namespace keypose {
 
 void UseOneBlasThread() {
-  // Once and no more: to set the number again would bring the threads back.
+  // Only once: setting the number again would start the threads again.
   static const bool once = [] {
     openblas_set_num_threads(1);
-    // What OpenBLAS itself calls before a fork. Looked up at run time, since its headers do not
-    // declare it.
+    // OpenBLAS itself calls this function before a fork. Its headers do not declare it, so it is
+    // looked up at run time.
     using Shutdown = int (*)();
     if (const auto shutdown =
             reinterpret_cast<Shutdown>(dlsym(RTLD_DEFAULT, "blas_thread_shutdown_")))

@@ -1,11 +1,12 @@
-// How many threads dense linear algebra takes.
+// The number of threads that dense linear algebra uses.
 #pragma once
 
 namespace keypose {
 
-/// OpenBLAS stays on the calling thread from now on: sums in its kernels must not depend on how
-/// many threads share them. A program that links this does so before main: OpenBLAS starts its
-/// threads when it is loaded, and they spin for some 30 ms before they sleep.
+/// From this call on, OpenBLAS uses the calling thread only, so that sums in its kernels do not
+/// depend on the number of threads. A program that links this file calls it before main, because
+/// OpenBLAS starts its threads when it is loaded, and they use processor time for about 30 ms
+/// before they sleep.
 void UseOneBlasThread();
 
 }  // namespace keypose

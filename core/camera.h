@@ -32,30 +32,30 @@ struct Similarity3 {
 };
 PointsX3 Transformed(const Similarity3& b_from_a, const PointsX3& points_in_a);
 
-/// The similarity (or rigid motion) that maps rows of `a` onto rows of `b` with least weighted
-/// squares; det > 0 always.
+/// The similarity (or rigid motion) that maps the rows of `a` to the rows of `b` with the least
+/// weighted sum of squared errors. It never mirrors (det > 0).
 ///
 /// @param a, b     P x 3, P >= 3
-/// @param weights  P, or empty for all one
-/// @throws InputError  fewer than 3 pairs, or all points of `a` coincide
+/// @param weights  P; empty: all 1
+/// @throws InputError  fewer than 3 pairs, all weights are zero, or all points of `a` coincide
 /// Source: Umeyama, TPAMI 1991.
 Similarity3 FitSimilarity(const PointsX3& a, const PointsX3& b, const Eigen::VectorXd& weights = {},
                           bool with_scale = true);
 
-/// Intrinsics in pixels; pixel centres lie at .5 (COLMAP's convention). Distortion as in OpenCV and
-/// COLMAP's OPENCV model.
+/// Intrinsics in pixels. Pixel centres lie at .5 (COLMAP's convention). The distortion is that of
+/// OpenCV and of COLMAP's OPENCV model.
 struct Camera {
   int width = 0, height = 0;
   double fx = 0, fy = 0, cx = 0, cy = 0;
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0;
 
   bool distorted() const { return k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0; }
-  /// Pixel of a point in the camera's frame (z forward, y down); not meaningful for z <= 0.
+  /// The pixel of a point in the camera's frame (z forward, y down). Not meaningful for z <= 0.
   Eigen::Vector2d Project(const Eigen::Vector3d& x_in_camera) const;
-  /// Point with z = 1 in the camera's frame that projects to `pixel`; inverts the distortion by
+  /// The point with z = 1 in the camera's frame that projects to `pixel`. Inverts the distortion by
   /// fixed-point iteration.
   Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel) const;
-  /// The same camera for an image scaled by `factor` in both directions, distortion unchanged.
+  /// The same camera for an image scaled by `factor` in both directions. The distortion stays.
   Camera Scaled(double factor) const;
   Eigen::Matrix3d K() const;
 };
@@ -77,13 +77,13 @@ struct SparsePoint {
   std::vector<int> views;  ///< indices into Scene::views, ascending, unique
 };
 
-/// What structure from motion gives.
+/// The result of structure from motion.
 struct Scene {
   std::vector<View> views;  ///< sorted by name
   std::vector<SparsePoint> points;
 };
 
-/// The scene in another frame. Point errors and tracks stay.
+/// The scene in another frame. Reprojection errors and tracks stay.
 Scene Transformed(const Similarity3& b_from_a, const Scene& scene_in_a);
 
 }  // namespace keypose

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -16,23 +17,24 @@ namespace keypose {
 
 namespace {
 
-// Distances are over the diagonal of the mesh now.
-constexpr double kFar = 0.03;          // a sample so far off costs all it can
-constexpr double kAgrees = 0.012;      // a sample so near lies on the surface
-constexpr double kSameFrame = 0.0015;  // median distance at which no other frame is looked for
+// Distances are relative to the diagonal of the new mesh.
+constexpr double kFar = 0.03;          // distance from which on a sample has the full cost
+constexpr double kAgrees = 0.012;      // samples this near count as on the surface
+constexpr double kSameFrame = 0.0015;  // median distance below which no other frame is searched for
 constexpr double kSure = 0.006, kNear = 0.02;
 constexpr double kFacesAlike = 0.7, kFacesAway = 0.25;  // cosines: 45 and 75 degrees
 constexpr double kOtherColor = 35, kWrongColor = 90;    // of 255
-constexpr double kScaleSlack = 0.15;  // the spread of the samples tells the scale to a few percent
+constexpr double kScaleSlack =
+    0.15;  // of the scale: the spread of the samples gives it to a few percent
 constexpr double kTie = 1.25,
-                 kTieFloor = 0.004;  // costs that are the same for all that can be told
+                 kTieFloor = 0.004;  // costs this close cannot be distinguished
 constexpr double kOtherTurn =
-    20 * std::numbers::pi / 180;  // turns further apart are different answers
+    20 * std::numbers::pi / 180;  // rotations further apart are different results
 constexpr int kTurnsUpright = 36, kTurnsAny = 120, kCoarseSamples = 80, kRefined = 8;
 
 double AngleOf(const Eigen::Matrix3d& turn) { return Eigen::AngleAxisd(turn).angle(); }
 
-/// Turns spread evenly over all: super-Fibonacci spirals (Alexa, CVPR 2022).
+/// Rotations that cover all rotations evenly: super-Fibonacci spirals (Alexa, CVPR 2022).
 Eigen::Matrix3d SpreadTurn(int index, int count) {
   const double phi = std::numbers::sqrt2, psi = 1.533751168755204288118041;
   const double s = index + 0.5, t = s / count, d = 2 * std::numbers::pi * s;
@@ -112,7 +114,7 @@ struct Carrier::Impl {
     return (gain.cwiseProduct(then) - here).norm() / std::sqrt(3.0);
   }
 
-  /// Mean over samples of what distance, normal and colour cost, each at most about one.
+  /// Mean cost of the samples: distance (at most 1), normal and colour (at most 0.5 each).
   double Cost(const Similarity3& frame, Eigen::Index stride) const {
     double cost = 0;
     int count = 0;
@@ -125,8 +127,8 @@ struct Carrier::Impl {
     return cost / std::max(1, count);
   }
 
-  /// One Gauss-Newton step of a small similarity about the moved samples' centre. Weights:
-  /// Geman-McClure's of width `reach`.
+  /// One Gauss-Newton step: a small similarity about the centre of the moved samples. Geman-McClure
+  /// weights of width `reach`.
   Similarity3 Step(const Similarity3& frame, Eigen::Index stride, double reach) const {
     using Vector7 = Eigen::Matrix<double, 7, 1>;
     const Eigen::Vector3d center = frame * Eigen::Vector3d(before.points.colwise().mean());
@@ -188,7 +190,7 @@ struct Carrier::Impl {
     const std::vector<Candidate> found = Search();
     const Candidate& best = found.front();
     Measure(best.frame);
-    // Among answers that cannot be told apart the frame as it was is the likeliest.
+    // Among results of about the same cost, the one nearest to the old frame is the most likely.
     const Candidate* nearest = &best;
     bool tied = false;
     for (const Candidate& other : found) {
@@ -220,7 +222,7 @@ struct Carrier::Impl {
       frame.translation = to.center - scale * (frame.rotation * from.center);
     }
     const Eigen::Index stride = std::max<Eigen::Index>(1, before.points.rows() / kCoarseSamples);
-    ParallelFor(static_cast<std::int64_t>(candidates.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(candidates), [&](std::int64_t i) {
       Candidate& candidate = candidates[i];
       candidate.frame = Refined(candidate.frame, stride, 8, 0.1, 0.02);
       candidate.cost = PlausibleCost(candidate.frame, stride, scale);
@@ -236,7 +238,7 @@ struct Carrier::Impl {
           });
       if (is_new && finalists.size() < kRefined) finalists.push_back(candidate);
     }
-    ParallelFor(static_cast<std::int64_t>(finalists.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(finalists), [&](std::int64_t i) {
       Candidate& candidate = finalists[i];
       candidate.frame = Refined(candidate.frame, 1, 24, 0.02, 0.004);
       candidate.cost = PlausibleCost(candidate.frame, 1, scale);
@@ -245,7 +247,8 @@ struct Carrier::Impl {
     return finalists;
   }
 
-  /// A sample that shrank into a corner lies on the surface too.
+  /// The cost, and a penalty for implausible scales: samples that have shrunk to a small spot also
+  /// lie on the surface.
   double PlausibleCost(const Similarity3& frame, Eigen::Index stride, double scale) const {
     return Cost(frame, stride) + (std::abs(std::log(frame.scale / scale)) > kScaleSlack ? 10 : 0);
   }
@@ -267,8 +270,8 @@ struct Carrier::Impl {
       distances.push_back(foot.distance);
       agree += foot.distance < kAgrees && foot.facing > 0.5;
     }
-    // The sample is sparse: a point of the mesh is covered where the plane of the nearest sample
-    // passes it.
+    // The samples are sparse: a point of the mesh counts as covered when a sample near it faces the
+    // same way.
     const KdTree tree(Transformed(frame, before.points));
     const double sparse = 2.5 * std::sqrt(SurfaceArea(now.points, now.faces) /
                                           static_cast<double>(before.points.rows()));
@@ -312,8 +315,8 @@ Eigen::Vector3d Carrier::BackFrom(const Eigen::Vector3d& now_point) const {
 
 namespace {
 
-/// The nearest vertex around `point` whose surface faces along `normal`, as a corner of a face; -1
-/// when there is none.
+/// The nearest vertex within `radius` of `point` whose normal is close to `normal`, as a face and
+/// its corner; -1 when there is none.
 std::pair<int, int> FacingCorner(const Mesh& mesh, const SurfacePlaces& look,
                                  const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
                                  double radius) {
@@ -334,8 +337,8 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   if (!s.change.found()) {
     carried.why =
         s.change.ambiguous
-            ? "the thing looks the same from several sides, and nothing tells which is meant"
-            : fmt::format("the mesh is of another shape: {:.0f} % of both agree at best",
+            ? "the object looks the same from several sides, so its alignment is ambiguous"
+            : fmt::format("the mesh has another shape: at best {:.0f} % of the two surfaces agree",
                           100 * s.change.agreeing);
     return carried;
   }
@@ -346,7 +349,7 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   carried.barycentric = foot.barycentric;
   SurfacePlace here = s.look.At(carried.face, carried.barycentric);
   if (here.normal.dot(normal) < kFacesAway) {
-    // The nearest surface is the other side of something thin.
+    // The nearest surface is the other side of a thin part.
     const auto [face, corner] = FacingCorner(s.now, s.look, goal, normal, kNear * s.diagonal);
     if (face >= 0) {
       carried.face = face;
@@ -361,15 +364,15 @@ CarriedPlace Carrier::Carry(const SurfacePlace& before) const {
   if (carried.off > kNear)
     carried.why = fmt::format("the surface is {:.1f} % of the diagonal away", 100 * carried.off);
   else if (facing < kFacesAway)
-    carried.why = "the surface faces another way there";
+    carried.why = "the surface there faces another way";
   else if (color > kWrongColor)
-    carried.why = "the clay has another colour there";
+    carried.why = "the surface there has another colour";
   if (!carried.why.empty()) return carried;
   carried.grade = CarriedPlace::Grade::kSure;
   if (carried.off > kSure)
     carried.why = fmt::format("{:.1f} % of the diagonal from where it was", 100 * carried.off);
   else if (facing < kFacesAlike)
-    carried.why = "the surface leans another way";
+    carried.why = "the surface has another slope";
   else if (color > kOtherColor)
     carried.why = "the colour differs";
   if (!carried.why.empty()) carried.grade = CarriedPlace::Grade::kDoubtful;

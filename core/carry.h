@@ -1,4 +1,4 @@
-// Finds places that were picked on one mesh again on another mesh of the same thing in the same
+// Transfers places that were picked on one mesh to another mesh of the same object in the same
 // pose.
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace keypose {
 
-/// How the frame of the mesh before goes over into that of the mesh now.
+/// The transformation from the frame of the old mesh ("before") to that of the new mesh ("now").
 struct FrameChange {
   Similarity3 now_from_before;
-  bool same_frame = false;  ///< the meshes lie in each other as they are
-  double agreeing = 0;  ///< share of the one surface that lies on the other and faces the same way;
-                        ///< the lower of both directions
-  double misfit = 0;    ///< median distance of the sample from the mesh now, over its diagonal
-  /// the thing looks the same from several sides, and nothing tells which is meant
+  bool same_frame = false;  ///< the meshes coincide without any transformation
+  double agreeing = 0;  ///< share of one surface that lies on the other and faces the same way; the
+                        ///< smaller of the two directions
+  double misfit = 0;    ///< median distance of the samples from the new mesh, over its diagonal
+  /// the object looks the same from several sides, and the right alignment cannot be determined
   bool ambiguous = false;
   bool found() const { return agreeing >= kLeastAgreeing && !ambiguous; }
   std::string Words() const;  ///< "in the same frame", "turned by 12 degrees, 1.021 times as large"
@@ -25,28 +25,31 @@ struct FrameChange {
   static constexpr double kLeastAgreeing = 0.6;
 };
 
-/// A place found again.
+/// A place on the new mesh.
 struct CarriedPlace {
   enum class Grade {
     kSure,
     kDoubtful,  ///< a person should look
-    kLost       ///< there is no such place
+    kLost       ///< the new mesh has no such place
   };
   Grade grade = Grade::kLost;
   int face = -1;
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
-  double off = 0;   ///< from where the place should be to the surface, over the diagonal
-  std::string why;  ///< empty when sure: "the surface is 4.3 % of the diagonal away"
+  double off = 0;  ///< distance from the expected place to the surface, over the diagonal
+  /// the reason, such as "the surface is 4.3 % of the diagonal away"; empty when sure
+  std::string why;
 };
 
-/// Carries places from a mesh that is known by its binding to a mesh that is at hand, which must
-/// outlive this.
+/// Transfers places from an old mesh, of which only the binding is known, to a new mesh. The new
+/// mesh must outlive this object.
 ///
-/// The frame as it is comes first. Else the sample is laid onto the mesh by similarity ICP (point
-/// to plane, robust) from 156 turns; the one with the least distance, difference of normals and,
-/// where both have them, of colours wins. Colours are compared up to the brightness of the whole.
+/// The unchanged frame is tried first. If it does not fit, robust point-to-plane ICP with a
+/// similarity aligns the binding's samples with the mesh, from 156 initial rotations. The result
+/// with the lowest cost wins: the cost adds up distances, differences of normals and, where both
+/// meshes have colours, differences of colours. One gain for each colour channel is removed before
+/// colours are compared.
 /// @throws InputError  an unusable mesh
-/// Cost: 1 s of processor time where the frame changed, else 10 ms.
+/// Cost: 1 s of processor time when the frame has changed, else 10 ms.
 /// Same bits for any thread count.
 class Carrier {
  public:
@@ -54,7 +57,7 @@ class Carrier {
   ~Carrier();
   const FrameChange& change() const;
   CarriedPlace Carry(const SurfacePlace& before) const;
-  /// @param now_point  a point in the frame now
+  /// @param now_point  a point in the new frame
   Eigen::Vector3d BackFrom(const Eigen::Vector3d& now_point) const;
 
  private:

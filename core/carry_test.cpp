@@ -1,20 +1,23 @@
-// Picks that are found again on a mesh that was made anew.
+// Picks that are transferred to a rebuilt mesh.
 #include "core/carry.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "core/errors.h"
 #include "core/geometry.h"
+#include "core/io/binding_io.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
 namespace {
 
-/// A lump without symmetry: a ball whose radius, and colour, vary with direction. `levels` and
-/// `turn` give other vertices of the same clay.
+/// A shape without symmetry: a ball whose radius and colour vary with direction. `levels` and
+/// `turn` change the vertices but not the shape.
 Mesh Lump(int levels, double turn_rad, bool arm_down = false) {
   Mesh mesh = MakeIcosphere(levels);
   const Eigen::Matrix3d turn =
@@ -46,7 +49,7 @@ Similarity3 Moved() {
   return move;
 }
 
-/// A place every `stride` faces.
+/// A place on every `stride`-th face.
 std::vector<SurfacePlace> Places(const Mesh& mesh, int stride) {
   const SurfacePlaces places(mesh);
   std::vector<SurfacePlace> list;
@@ -61,7 +64,7 @@ Eigen::Vector3d PointOf(const CarriedPlace& carried, const Mesh& mesh) {
   return point;
 }
 
-/// Largest distance of carried places from where they belong, over the diagonal.
+/// Largest distance of transferred places from their true positions, over the diagonal.
 double WorstError(const Mesh& before, const Mesh& now, const Similarity3& now_from_before) {
   const Carrier carrier(BindTo(before), now);
   double worst = 0;
@@ -91,7 +94,8 @@ TEST(GeometryHash, IsOfPositionsAndFacesAlone) {
 TEST(Carrier, FollowsToOtherVerticesInTheSameFrame) {
   const Mesh before = Lump(4, 0), now = Lump(4, 0.5);
   EXPECT_TRUE(Carrier(BindTo(before), now).change().same_frame);
-  EXPECT_LT(WorstError(before, now, {}), 0.002);  // half a facet's sag
+  EXPECT_LT(WorstError(before, now, {}),
+            0.002);  // half the distance of a face from the true surface
 }
 
 TEST(Carrier, FollowsThroughATurnAndAnotherScale) {
@@ -159,6 +163,13 @@ TEST(Carrier, SameBitsForAnyThreadCount) {
   const Eigen::Matrix3d four = Carrier(BindTo(before), now).change().now_from_before.rotation;
   SetThreadCount(0);
   EXPECT_EQ(one, four);
+}
+
+TEST(BindingFrom, PointsFarOutsideOfTheMeshAreAnInputError) {
+  nlohmann::json binding = BindingJson<nlohmann::json>(BindTo(MakeIcosphere(2)));
+  EXPECT_NO_THROW(BindingFrom(binding, "picks.json"));
+  binding["shape"][0] = "237772 0 0 0 0 1";
+  EXPECT_THROW(BindingFrom(binding, "picks.json"), InputError);
 }
 
 }  // namespace

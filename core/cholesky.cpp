@@ -17,9 +17,10 @@ namespace keypose {
 
 namespace {
 
-/// While it lives, OpenMP regions met by this thread stay on it. CHOLMOD opens four threads in
-/// every supernode, whatever the environment says, and they spin while they wait: on a busy machine
-/// that costs several times the factorisation.
+/// While this object exists, OpenMP regions of this thread run on this thread alone. CHOLMOD starts
+/// four threads in every supernode, even if the environment sets another number, and they use
+/// processor time while they wait. On a busy machine this costs several times as much as the
+/// factorisation.
 class OneOpenMpThread {
  public:
   OneOpenMpThread() {
@@ -34,7 +35,7 @@ class OneOpenMpThread {
  private:
   using SetLevels = void (*)(int);
   using GetLevels = int (*)();
-  // Found at run time: only the CHOLMOD that was built with OpenMP brings the library.
+  // Found at run time: the library is only loaded when CHOLMOD was built with OpenMP.
   static SetLevels Set() {
     static const auto set =
         reinterpret_cast<SetLevels>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
@@ -70,9 +71,8 @@ struct SparseCholesky::Impl {
 namespace {
 
 constexpr Eigen::Index kNarrow = 8, kWide = 48;  // columns solved together
-constexpr double kSwitchForSolves = 70;          // flops per nonzero; CHOLMOD's own is 40
 
-/// What one thread needs to solve: CHOLMOD's state is not to be shared.
+/// The CHOLMOD state for a solve. Threads must not share it.
 struct SolveSpace {
   SolveSpace() { cholmod_start(&common), common.print = 0; }
   ~SolveSpace() {
@@ -145,7 +145,7 @@ void SparseCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
   if (impl_->common.status == CHOLMOD_NOT_POSDEF || impl_->factor->minor < impl_->factor->n)
     throw SolverError("sparse Cholesky: the system is not positive definite (at unknown " +
                       std::to_string(impl_->factor->minor) +
-                      "); a part of the mesh is held by nothing");
+                      "); a part of the mesh has no constraint");
   if (impl_->common.status < 0)
     throw SolverError("sparse Cholesky: out of memory or too large, status " +
                       std::to_string(impl_->common.status));
@@ -169,7 +169,7 @@ Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& b) const {
 void SparseCholesky::SolveInPlace(Eigen::MatrixXd& b) const {
   if (!impl_->factor) throw SolverError("sparse Cholesky: solve before factor");
   // Blocks do not depend on the number of threads, so neither do the sums in the dense kernels.
-  // Wide blocks are cheaper a column, and an even number of them keeps two cores busy.
+  // Wide blocks cost less per column, and an even number of them keeps two cores busy.
   const Eigen::Index blocks =
       b.cols() <= kNarrow ? 1 : 2 * ((b.cols() + 2 * kWide - 1) / (2 * kWide));
   const Eigen::Index width = (b.cols() + blocks - 1) / std::max<Eigen::Index>(1, blocks);
@@ -188,8 +188,6 @@ void SparseCholesky::SolveInPlace(Eigen::MatrixXd& b) const {
   for (char f : failed)
     if (f) throw SolverError("sparse Cholesky: the solution is not finite");
 }
-
-void SparseCholesky::PreferSolves() { impl_->common.supernodal_switch = kSwitchForSolves; }
 
 SparseCholesky SparseCholesky::SameAnalysis() const {
   SparseCholesky copy;

@@ -9,7 +9,7 @@
 namespace keypose {
 namespace {
 
-/// A chain of springs, grounded by `ground` at its first node.
+/// The matrix of a chain of springs, with `ground` added at its first node.
 Eigen::SparseMatrix<double> Chain(int n, double ground) {
   std::vector<Eigen::Triplet<double>> entries{{0, 0, ground}};
   for (int i = 0; i + 1 < n; ++i) {

@@ -1,4 +1,4 @@
-// A picture of a point cloud, for reports and for whoever waits for the surface.
+// Pictures of a point cloud, for reports and as a preview before the surface is ready.
 #pragma once
 
 #include "core/camera.h"
@@ -7,12 +7,12 @@
 
 namespace keypose {
 
-/// Each point as a square of two pixels, the nearest in front, on near white; grey where the cloud
-/// has no colours.
+/// Draws each point as a square of 2 x 2 pixels, the nearest in front, on a nearly white
+/// background. Points are grey when the cloud has no colours.
 /// Same bits for any thread count.
 ///
-/// @param view  its camera says the picture's size; FitView of render.h makes one that holds all
-/// points
+/// @param view  its camera gives the size of the picture; FitView of render.h makes a view that
+/// shows all points
 /// @return RGB
 Image8 RenderCloud(const PointCloud& cloud, const View& view);
 

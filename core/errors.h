@@ -1,4 +1,4 @@
-// One exception type for each kind of fault, and the exit code that it becomes.
+// One exception type for each kind of fault, and the program's exit code for it.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 namespace keypose {
 
-/// Exit codes of every program, as other programs rely on them.
+/// Exit codes of all programs. Other programs rely on them.
 enum class ExitCode {
   kOk = 0,
   kBug = 1,

@@ -1,4 +1,5 @@
-// Names that come out of files: a file from elsewhere must not name what lies elsewhere.
+// Checks of names that are read from files: a file from an unknown source must not lead outside of
+// its folder.
 #pragma once
 
 #include <filesystem>
@@ -6,16 +7,16 @@
 
 namespace keypose {
 
-/// Whether a text names one file or folder: not empty, no '/' and no NUL in it, neither "." nor
-/// "..".
+/// Whether a text is the name of one file or folder: not empty, without '/' and NUL, and neither
+/// "." nor "..".
 bool IsOneName(std::string_view name);
 
-/// Whether a relative path with '/' stays below the folder that it starts from, links aside: each
-/// part as above.
+/// Whether a relative path stays below the folder that it starts from: each part between '/' must
+/// pass IsOneName. Links are not followed.
 bool StaysBelow(std::string_view path);
 
-/// Whether a path is a folder's or lies below it, by names alone. @pre both normal, and links
-/// resolved where these count
+/// Whether `inner` is `outer` or lies below it. Compares names only.
+/// @pre both paths are normal; links are resolved where they matter
 bool IsWithin(const std::filesystem::path& inner, const std::filesystem::path& outer);
 
 }  // namespace keypose

@@ -23,8 +23,8 @@ std::uint64_t DirectedKey(int a, int b) {
          static_cast<std::uint32_t>(b);
 }
 
-/// The sides of all faces, by their lower vertex: other[offset[a] .. offset[a + 1]) are the higher
-/// ones, sorted, one for each face.
+/// The edges of all faces, grouped by their lower vertex: other[offset[a] .. offset[a + 1]) are the
+/// higher vertices, sorted, one entry for each face.
 struct Sides {
   std::vector<int> offset, other;
 };
@@ -47,7 +47,7 @@ Sides SidesOf(int vertex_count, const FacesX3& faces) {
   return sides;
 }
 
-/// How often each directed edge occurs.
+/// The number of occurrences of each directed edge.
 std::unordered_map<std::uint64_t, int> DirectedEdgeCounts(const FacesX3& faces) {
   std::unordered_map<std::uint64_t, int> counts;
   counts.reserve(static_cast<std::size_t>(faces.rows()) * 4);
@@ -121,7 +121,7 @@ double SurfaceArea(const PointsX3& points, const FacesX3& faces) {
 
 double SignedVolume(const PointsX3& points, const FacesX3& faces) {
   if (points.rows() == 0) return 0;
-  // About the centroid: a mesh far from the origin would lose its volume to cancellation.
+  // Relative to the centroid: far from the origin, cancellation would make the volume inaccurate.
   const Eigen::Vector3d center = points.colwise().mean();
   double volume = 0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -13,20 +15,22 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kMostViews = 48;
-constexpr double kShareAgainst = 1.0 / 16;  // of the views, whose masks may miss a part of the hull
-constexpr double kDown = 0.05;              // slope of a line of sight that looks down
-constexpr int kRimPixels = 300;             // of a view, about
-constexpr int kSteps = 160;                 // along the part of a line of sight near the ground
+constexpr double kShareAgainst =
+    1.0 / 16;                    // of the views: this many masks may lack a part of the figure
+constexpr double kDown = 0.05;   // slope from which on a ray looks down
+constexpr int kRimPixels = 300;  // used of each view, approximately
+constexpr int kSteps = 160;      // along the part of a ray near the ground
 constexpr int kHalvings = 6;
-// of the box's height: the ground is sought that far above and below its lower side
+// of the box's height: the ground is searched this far above and below its lower side
 constexpr double kReach = 0.3;
-constexpr double kCrowd = 0.0075;    // of the box's height: what lies so close together ...
-constexpr double kCrowdShare = 0.1;  // ... and is that much of a view's rim is no error of masks
+constexpr double kCrowd = 0.0075;  // of the box's height: entry points this close together ...
+constexpr double kCrowdShare =
+    0.1;  // ... that are this share of a view's are not caused by mask errors
 constexpr std::size_t kCrowdPixels = 4;
 constexpr std::size_t kFewestViews = 3;
-// slopes that differ by so much tell how round the edge of the sole is
+// slopes must differ by this much to show how round the sole's edge is
 constexpr double kOtherRing = 0.15;
-// of the box's height: half of what rounded feet have, as sharp edges have none
+// of the box's height: half of the value of round feet, because sharp edges have 0
 constexpr double kUsualRise = 0.01;
 
 struct Outline {
@@ -34,10 +38,10 @@ struct Outline {
   const Image8* mask;
 };
 
-/// Where one line of sight, or one view, first meets the figure.
+/// Where one ray, or the rays of one view, first meet the figure.
 struct Met {
   double height;
-  double slope;  // of the line of sight, downwards
+  double slope;  // of the ray, downwards
 };
 
 double Median(std::vector<double> values) {
@@ -58,7 +62,7 @@ std::vector<Outline> Outlines(const std::vector<View>& views, const std::vector<
   return some;
 }
 
-/// Whether a view's mask is silent (outside of the photograph) or has the figure there.
+/// Whether a view allows the figure at x: it projects into the mask or outside of the photograph.
 bool Allows(const Outline& outline, const Vector3d& x) {
   const Vector3d in_camera = outline.view.camera_from_world * x;
   if (!(in_camera.z() > 0)) return true;
@@ -69,7 +73,7 @@ bool Allows(const Outline& outline, const Vector3d& x) {
   return *outline.mask->at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) > 127;
 }
 
-/// @param own  the outline on whose rim the point lies, which is not asked
+/// @param own  the outline that the point's ray comes from; its mask is not tested
 bool InHull(const std::vector<Outline>& outlines, const Outline& own, const Vector3d& x) {
   int left = static_cast<int>(kShareAgainst * static_cast<double>(outlines.size()));
   for (const Outline& outline : outlines)
@@ -77,7 +81,7 @@ bool InHull(const std::vector<Outline>& outlines, const Outline& own, const Vect
   return true;
 }
 
-/// The last pixels of the figure, going down.
+/// The figure's pixels that have background directly below them.
 std::vector<Vector2d> LowerRim(const Outline& outline, const Vector3d& middle) {
   const View& view = outline.view;
   const double far = (view.Center() - middle).norm();
@@ -96,8 +100,8 @@ std::vector<Vector2d> LowerRim(const Outline& outline, const Vector3d& middle) {
   return few;
 }
 
-/// Where the line of sight first meets the hull between two heights; nothing when it looks up,
-/// meets nothing or met it higher up.
+/// Where the ray first enters the visual hull between two heights. Nothing when it looks up, misses
+/// the hull, or is inside of it at the upper height already.
 std::optional<Met> FirstMet(const std::vector<Outline>& outlines, const Outline& own,
                             const Vector2d& pixel, double from, double to) {
   const Vector3d origin = own.view.Center();
@@ -117,12 +121,12 @@ std::optional<Met> FirstMet(const std::vector<Outline>& outlines, const Outline&
     const double middle = (outside + inside) / 2;
     (InHull(outlines, own, at(middle)) ? inside : outside) = middle;
   }
-  // The outline runs half a pixel below the middle of its last pixel.
+  // The outline is half a pixel below the centre of the last pixel.
   const double pixel_size = (own.view.camera_from_world * at(inside)).z() / own.view.camera.fy;
   return Met{inside - 0.5 * pixel_size * std::sqrt(1 + slope * slope), slope};
 }
 
-/// The lowest height at which lines of sight crowd.
+/// The lowest height at which enough entry points lie within `width`.
 std::optional<Met> LowestCrowd(std::vector<Met> met, double width) {
   std::sort(met.begin(), met.end(), [](const Met& a, const Met& b) { return a.height < b.height; });
   const std::size_t enough = std::max(
@@ -132,10 +136,10 @@ std::optional<Met> LowestCrowd(std::vector<Met> met, double width) {
   return std::nullopt;
 }
 
-/// By how much views see the ground higher for each unit of slope. A sole with a round edge is seen
-/// from above where the edge is as steep as the line of sight: higher from higher cameras. Median
-/// of all pairs (Theil 1950, Sen 1968).
-/// @param usual  where all views have one slope, and do not tell
+/// By how much the seen height rises per unit of slope. The visible end of a sole with a round edge
+/// is where the edge is as steep as the ray: higher for higher cameras. Median over all pairs
+/// (Theil 1950, Sen 1968).
+/// @param usual  result when all views have about the same slope
 double RiseOf(const std::vector<Met>& views, double usual) {
   std::vector<double> rises;
   for (std::size_t i = 0; i < views.size(); ++i)
@@ -155,7 +159,7 @@ std::optional<GroundContact> FindGroundContact(const std::vector<View>& views,
   const std::vector<Outline> outlines = Outlines(views, masks);
   const double tall = high.z() - low.z();
   std::vector<std::optional<Met>> of_view(outlines.size());
-  ParallelFor(static_cast<std::int64_t>(outlines.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(outlines), [&](std::int64_t v) {
     const Outline& outline = outlines[v];
     std::vector<Met> rim;
     for (const Vector2d& pixel : LowerRim(outline, (low + high) / 2))
@@ -173,7 +177,7 @@ std::optional<GroundContact> FindGroundContact(const std::vector<View>& views,
   for (const Met& met : lowest) heights.push_back(met.height - rise * met.slope);
   GroundContact contact;
   contact.height = Median(heights);
-  contact.views = static_cast<int>(heights.size());
+  contact.views = SizeOf(heights);
   for (double& height : heights) height = std::abs(height - contact.height);
   contact.spread = Median(heights);
   return contact;

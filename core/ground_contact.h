@@ -1,4 +1,4 @@
-// How high the ground is on which a figure stands, told by its outlines.
+// Estimates the height of the ground that a figure stands on, from the figure's masks.
 #pragma once
 
 #include <optional>
@@ -9,26 +9,27 @@
 
 namespace keypose {
 
-/// Where the figure ends below, by its photographs.
+/// The lower end of the figure in its photographs.
 struct GroundContact {
   double height = 0;  ///< of the ground, along the world's z
-  double spread = 0;  ///< median deviation of the single views' heights from it
-  int views = 0;      ///< that tell of it
+  double spread = 0;  ///< median absolute deviation of the views' heights from `height`
+  int views = 0;      ///< number of views that gave a height
 };
 
-/// Each photograph from above shows, at the lower rim of the outline, where the soles end. The
-/// rim's lines of sight first meet the hull of all masks there; the lowest height at which they
-/// crowd is the view's. A sole with a round edge is seen to end the higher, the steeper the view: a
-/// line through the views' heights over their slopes (medians of pairs) tells where level views
-/// would see its end. Below it the hull goes on by about radius x tan(elevation), where no
-/// photograph looks.
+/// The lower border of a mask shows where the soles end, if the camera looks down. Each ray through
+/// this border enters the visual hull of all masks at some height. The view's height is the lowest
+/// height at which many of these entry points lie close together. A sole with a round edge seems to
+/// end higher in steeper views. So a line is fitted to the views' heights over the slopes of their
+/// rays (median over pairs of views), and is evaluated for a horizontal view. The visual hull
+/// reaches below the ground by about radius x tan(elevation), because no photograph looks there.
 ///
 /// @param views  cameras in a world whose z is up
-/// @param masks  one a view, 1 channel, above 127 where the figure is; empty for a view without
-/// say; of any size of the view's shape
-/// @param low, high  box of the figure, roughly (a tenth of its height is enough)
-/// @return nothing when fewer than 3 views look down at the figure and show its lower rim
-/// Cost: about views^2; views beyond 48 are thinned evenly.
+/// @param masks  one for each view: 1 channel, above 127 where the figure is, of any size with the
+/// view's aspect ratio; empty: the view is ignored
+/// @param low, high  approximate bounding box of the figure (an error of a tenth of its height is
+/// allowed)
+/// @return nothing when fewer than 3 views look down at the figure and show its lower border
+/// Cost: quadratic in the number of views, of which at most 48 are used, evenly selected.
 /// Same bits for any thread count.
 std::optional<GroundContact> FindGroundContact(const std::vector<View>& views,
                                                const std::vector<Image8>& masks,

@@ -7,6 +7,7 @@
 #include "core/io/testing_shots.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -21,8 +22,8 @@ MaskShot Photograph(const Mesh& mesh, const std::vector<double>& elevations_deg)
   return MasksFromRings(mesh, middle, elevations_deg, 12, 400);
 }
 
-/// A drum of radius 0.4 and height 1.2 that stands at 0.3: below it the hull of views at 12 degrees
-/// goes on for 0.085.
+/// A cylinder of radius 0.4 and height 1.2 that stands at 0.3. The visual hull of views at 12
+/// degrees continues below it for 0.085.
 Mesh Drum() {
   Mesh drum = MakeCylinder(0.4, 1.2, 48, 8);
   drum.points.col(2).array() += 0.3 - drum.points.col(2).minCoeff();
@@ -30,7 +31,7 @@ Mesh Drum() {
 }
 
 const Vector3d kLow(-0.4, -0.4, 0.36),
-    kHigh(0.4, 0.4, 1.5);  // roughly: the low side is off by 0.06
+    kHigh(0.4, 0.4, 1.5);  // approximate: the low side has an error of 0.06
 
 TEST(FindGroundContact, OutlinesTellWhereADrumStandsToAHundredthOfItsHeight) {
   for (const std::vector<double>& rings : {std::vector<double>{25}, {12, 40}}) {
@@ -39,12 +40,12 @@ TEST(FindGroundContact, OutlinesTellWhereADrumStandsToAHundredthOfItsHeight) {
     ASSERT_TRUE(contact);
     EXPECT_NEAR(contact->height, 0.3, 0.012) << rings.size() << " rings";
     EXPECT_LT(contact->spread, 0.005);
-    EXPECT_EQ(contact->views, static_cast<int>(shot.views.size()));
+    EXPECT_EQ(contact->views, SizeOf(shot.views));
   }
 }
 
 TEST(FindGroundContact, ARoundSoleIsFoundBelowWhatAnyCameraSees) {
-  // The lower edge of the drum becomes a slope of 45 degrees and 0.04: the upper ring sees its
+  // The lower edge of the cylinder gets a chamfer of 45 degrees and 0.04. The upper ring sees its
   // outer end, at 0.34.
   Mesh drum = Drum();
   for (Eigen::Index v = 0; v < drum.points.rows(); ++v)
@@ -55,7 +56,7 @@ TEST(FindGroundContact, ARoundSoleIsFoundBelowWhatAnyCameraSees) {
   const MaskShot shot = Photograph(drum, {12, 50});
   const auto contact = FindGroundContact(shot.views, shot.masks, kLow, kHigh);
   ASSERT_TRUE(contact);
-  EXPECT_NEAR(contact->height, 0.3, 0.02);  // half of the slope: what is not seen is guessed
+  EXPECT_NEAR(contact->height, 0.3, 0.02);  // half of the chamfer: the unseen part is extrapolated
 }
 
 TEST(FindGroundContact, TwoMasksWithoutAFootAndAnEmptyOneDoNotMoveIt) {

@@ -21,7 +21,7 @@ std::array<double, 2 * kRadius + 1> Window() {
   return window;
 }
 
-/// Separable weighted sums; beyond the border there is nothing.
+/// Separable weighted sums. Pixels beyond the border count as 0.
 Plane Blurred(const Plane& plane, int width, int height) {
   const auto window = Window();
   Plane rows(plane.size()), result(plane.size());
@@ -43,7 +43,7 @@ Plane Blurred(const Plane& plane, int width, int height) {
   return result;
 }
 
-/// The part of an image that holds its valid pixels; x1, y1 are one beyond the last.
+/// The bounding box of the valid pixels; x1, y1 are one beyond the last.
 struct Box {
   int x0, y0, x1, y1;
   bool empty() const { return x1 <= x0; }
@@ -60,7 +60,7 @@ Box ValidBox(const std::vector<char>& valid, int width, int height) {
   return box;
 }
 
-/// Sums that the index needs, each weighted by window and validity: 1, a, b, aa, bb, ab.
+/// The sums for the index, weighted by window and validity: 1, a, b, aa, bb, ab.
 std::array<Plane, 6> WindowSums(const ImageT<double>& a, const ImageT<double>& b,
                                 const std::vector<char>& valid, const Box& box) {
   const int width = box.x1 - box.x0, height = box.y1 - box.y0;

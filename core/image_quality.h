@@ -1,4 +1,4 @@
-// How alike two images are.
+// Measures of the similarity of two images.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,17 @@ double Luma(const T* rgb) {
          0.114 * static_cast<double>(rgb[2]);
 }
 
-/// 10 log10(255^2 / mean square), at most 99 (no difference at all); 0 where nothing was counted.
+/// Peak signal-to-noise ratio [dB]: 10 log10(255^2 / mean square), at most 99 (no difference); 0
+/// when `count` is 0.
 double Psnr(double sum_of_squares, double count);
 
 /// Mean structural similarity over the valid pixels of two images of one channel (0..255): Gaussian
-/// window 11 x 11 of standard deviation 1.5, K1 = 0.01, K2 = 0.03, L = 255. A window counts its
-/// valid pixels only, weights scaled to sum 1, so nothing else enters; where all are valid this is
-/// the usual index, with windows cut at the border.
+/// window 11 x 11 of standard deviation 1.5, K1 = 0.01, K2 = 0.03, L = 255. A window uses its valid
+/// pixels only, and their weights are scaled to the sum 1. Where all pixels are valid this is the
+/// usual index, with windows cut off at the border.
 /// Source: Wang, Bovik, Sheikh, Simoncelli, IEEE TIP 13(4), 2004.
-/// @param valid  one a pixel @pre both images of one size
+/// @param valid  one entry for each pixel
+/// @pre both images have the same size
 /// @return 1 where no pixel is valid.
 /// Same bits for any thread count.
 double Ssim(const ImageT<double>& a, const ImageT<double>& b, const std::vector<char>& valid);

@@ -1,11 +1,11 @@
-// Turns of whole pictures.
+// Rotation of whole pictures.
 #pragma once
 
 #include "core/image.h"
 
 namespace keypose {
 
-/// The picture turned by 180 degrees; any number of channels.
+/// The picture rotated by 180 degrees. Any number of channels.
 Image8 TurnedOver(const Image8& image);
 
 }  // namespace keypose

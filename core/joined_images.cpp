@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose {
@@ -23,8 +24,7 @@ bool FallsApart(int images, const std::vector<ImageTie>& ties, int strong_matche
   constexpr std::size_t kRing = 8;
   if (images < kFewest) return false;
   const auto groups = JoinedImages(images, ties);
-  if (groups.size() < 4 || groups[0].size() >= kRing ||
-      3 * static_cast<int>(groups[0].size()) > images)
+  if (groups.size() < 4 || groups[0].size() >= kRing || 3 * SizeOf(groups[0]) > images)
     return false;
   std::vector<char> strong(static_cast<std::size_t>(images), 0);
   for (const ImageTie& tie : ties)

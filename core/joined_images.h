@@ -1,5 +1,5 @@
-// Which photographs of a set matches join, and whether the set falls into pieces that nothing can
-// put together.
+// Groups of photographs that are connected by matches, and whether a set falls into groups that
+// cannot be joined.
 #pragma once
 
 #include <vector>
@@ -12,17 +12,17 @@ struct ImageTie {
   int matches = 0;  ///< that fit one rigid scene
 };
 
-/// Images that ties join, directly or through others; the largest group first, each in the images'
-/// order.
+/// The groups of images that ties connect, directly or through other images. The largest group
+/// comes first; images are in ascending order within a group.
 std::vector<std::vector<int>> JoinedImages(int images, const std::vector<ImageTie>& ties);
 
-/// Whether photographs were shot so far apart that they cannot be joined. Most of them match
-/// another one very well, so texture and focus are good enough, and yet they fall into four groups
-/// or more, each of fewer than eight photographs and of a third of the set at most: some sides shot
-/// many times, and nothing between them. Rings that do not touch each other are larger and stay
-/// together; a figure that shows few features has few strong ties. Sets of fewer than twenty
-/// photographs are not judged: to try them costs little.
-/// @param strong_matches  from here on a tie is a strong one
+/// Whether the photographs were taken from viewpoints too far apart to be joined: some sides were
+/// photographed many times, and nothing between them. That is so when at least 70 % of them have a
+/// strong tie to another one, so texture and focus are good enough, but there are four groups or
+/// more, each of fewer than eight photographs and at most a third of the set. Two other cases
+/// differ from this: separate rings form larger groups, and figures with few features have few
+/// strong ties. Sets of fewer than twenty photographs give false, because trying them costs little.
+/// @param strong_matches  the number of matches from which a tie is strong
 bool FallsApart(int images, const std::vector<ImageTie>& ties, int strong_matches);
 
 }  // namespace keypose

@@ -59,7 +59,7 @@ std::vector<KdTree::Neighbor> KdTree::Within(const Eigen::Vector3d& point, doubl
   std::vector<std::pair<std::size_t, double>> found;
   impl_->tree.radiusSearch(point.data(), radius * radius, found,
                            nanoflann::SearchParams(32, 0, false));
-  // Equal distances are ordered by index, so that the order never depends on the tree.
+  // Neighbours at equal distances are ordered by index, so the order does not depend on the tree.
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
     return std::tie(a.second, a.first) < std::tie(b.second, b.first);
   });

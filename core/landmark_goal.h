@@ -1,4 +1,5 @@
-// What a landmark asks of a mesh that is bent: a place of its surface goes to a place in space.
+// A landmark as a goal of a mesh deformation: a point of the surface should move to a given
+// position.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +9,7 @@
 
 namespace keypose {
 
-/// A point of a mesh as a mix of one to three vertices; unused corners have weight 0.
+/// A point of a mesh as a weighted mean of one to three vertices. Unused corners have weight 0.
 struct SurfacePoint {
   Eigen::Vector3i vertices = Eigen::Vector3i::Zero();
   Eigen::Vector3d weights{1, 0, 0};
@@ -20,8 +21,8 @@ Eigen::Vector3d PositionOf(const SurfacePoint& point, const PointsX3& points);
 /// One pair of points that belong together.
 struct LandmarkGoal {
   std::string name;
-  SurfacePoint source;                               ///< on the mesh that is bent
-  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< where it belongs, in the target's frame
+  SurfacePoint source;                               ///< on the mesh that is deformed
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< its goal, in the target's frame
 };
 
 }  // namespace keypose

@@ -1,10 +1,10 @@
-// Bounds on what is read, so that nothing larger reaches an algorithm.
+// Limits on values that are read from files.
 #pragma once
 
 namespace keypose {
 
-/// Magnitude of a coordinate, in any unit: the ray caster works in single precision, which has no
-/// room for much larger numbers' squares and triple products.
+/// Largest magnitude of a coordinate, in any unit. The ray caster works in single precision, where
+/// the squares and triple products of much larger numbers overflow.
 inline constexpr double kMostCoordinate = 1e12;
 
 }  // namespace keypose

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/size_of.h"
+
 namespace keypose {
 
 namespace {
@@ -16,7 +18,7 @@ using Graph =
                                        boost::no_property, std::uint32_t, std::uint32_t>;
 using Edge = boost::graph_traits<Graph>::edge_descriptor;
 
-/// Values that are looked up by the number of a node or an edge.
+/// Values that are accessed by the index of a node or an edge.
 template <class Value, class Index>
 auto MapOf(std::vector<Value>& values, const Index& index) {
   return boost::make_iterator_property_map(values.begin(), index);
@@ -38,17 +40,17 @@ void MinCut::AddEdge(int a, int b, std::int64_t forward, std::int64_t backward) 
 }
 
 std::int64_t MinCut::Solve() {
-  const int nodes = static_cast<int>(from_source_.size()), source = nodes, sink = nodes + 1;
+  const int nodes = SizeOf(from_source_), source = nodes, sink = nodes + 1;
   std::int64_t flow = 0;
   for (int node = 0; node < nodes; ++node) {
-    // What passes straight through a node needs no search.
+    // Flow straight from source to sink through one node needs no search.
     const std::int64_t through = std::min(from_source_[node], to_sink_[node]);
     flow += through;
     if (from_source_[node] > through) AddEdge(source, node, from_source_[node] - through, 0);
     if (to_sink_[node] > through) AddEdge(node, sink, to_sink_[node] - through, 0);
   }
 
-  std::vector<std::uint32_t> place(arcs_.size());  // of each arc, when they are sorted by `from`
+  std::vector<std::uint32_t> place(arcs_.size());  // of each arc in the order by `from`
   std::vector<std::uint32_t> next(nodes + 3, 0);
   for (const Arc& arc : arcs_) ++next[arc.from + 1];
   std::partial_sum(next.begin(), next.end(), next.begin());

@@ -37,7 +37,7 @@ TEST(MinCut, EqualsTheBestOfAllCuts) {
     };
     std::int64_t least = cost(0);
     for (unsigned s = 1; s < 1u << kNodes; ++s) least = std::min(least, cost(s));
-    unsigned in_all = ~0u;  // nodes that are with the source in every least cut
+    unsigned in_all = ~0u;  // nodes on the source's side in every minimum cut
     for (unsigned s = 0; s < 1u << kNodes; ++s)
       if (cost(s) == least) in_all &= s;
     EXPECT_EQ(cut.Solve(), least);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::int64_t kUnknown = std::numeric_limits<std::int64_t>::max();
 
-/// The number behind `key` in a file of lines "key number"; kUnknown where there is none. An empty
-/// key: the file's first word.
+/// The number after `key` in a file with lines "key number"; kUnknown when there is none. With an
+/// empty key, the first word of the file.
 std::int64_t NumberIn(const std::string& file, const std::string& key) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -34,7 +34,7 @@ std::int64_t FreeOfSystem() {
   return kib == kUnknown ? kUnknown : 1024 * kib;
 }
 
-/// Of the control group (version 2) that this process is in.
+/// Free memory of this process's control group (version 2).
 std::int64_t FreeOfGroup() {
   std::ifstream in("/proc/self/cgroup");
   for (std::string line; std::getline(in, line);) {

@@ -1,4 +1,4 @@
-// What a step may take of the machine's memory, asked before it is taken.
+// Checks for free memory before a large allocation.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +6,12 @@
 
 namespace keypose {
 
-/// Bytes that this process may still take: the least of what the system has free, what its control
-/// group allows and its own limit (ulimit -v). What cannot be asked does not count.
+/// Bytes that this process can still allocate: the smallest of the system's free memory, the limit
+/// of its control group and its own limit (ulimit -v). Values that cannot be read are ignored.
 std::int64_t FreeMemory();
 
-/// @param what  what needs it, for the message: the file's name and its size
-/// @throws DiskError  `bytes` are more than FreeMemory()
+/// @param what  what needs the memory, for the message: the file's name and its size
+/// @throws DiskError  `bytes` is more than FreeMemory()
 void RequireMemory(std::int64_t bytes, const std::string& what);
 
 }  // namespace keypose

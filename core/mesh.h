@@ -1,4 +1,4 @@
-// Triangle meshes and point clouds as plain arrays: the values that flow between rooms.
+// Triangle meshes and point clouds as plain arrays. Rooms exchange them.
 #pragma once
 
 #include <Eigen/Core>

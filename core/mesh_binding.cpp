@@ -40,7 +40,7 @@ Eigen::Vector3d BarycentricOf(const Mesh& mesh, int face, const Eigen::Vector3d&
 }  // namespace
 
 std::string GeometryHash(const Mesh& mesh) {
-  // An OBJ loses the last bits of a double; adding zero makes -0 the same as 0.
+  // Single precision, because an OBJ loses the last bits of a double. Adding zero turns -0 into 0.
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> points =
       mesh.points.cast<float>().array() + 0.0f;
   Sha256 hash;
@@ -71,7 +71,7 @@ SurfacePlace SurfacePlaces::At(int face, const Eigen::Vector3d& barycentric) con
     normal += barycentric[k] * normals_.row(v).transpose();
     if (colored) color += barycentric[k] * mesh_.colors.row(v).cast<double>().transpose();
   }
-  // The other side of a thin ear is near, but not around.
+  // The other side of a thin part is near, but does not belong to the surrounding surface.
   const Eigen::Vector3d here = normal;
   double weight = 1;
   for (const KdTree::Neighbor& near : vertices_.Within(place.position, around_)) {

@@ -18,9 +18,9 @@ void RequireUsable(const Mesh& mesh, const std::string& what) {
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     if (mesh.points.row(v).cwiseAbs().maxCoeff() > kMostCoordinate)
       throw InputError(what + ": vertex " + std::to_string(v) +
-                       " lies more than 1e12 from the origin, where single precision has no room "
-                       "for its squares; remove that vertex and "
-                       "its faces, or bring the mesh nearer");
+                       " lies more than 1e12 from the origin, where squares overflow in single "
+                       "precision; remove that vertex and "
+                       "its faces, or move the mesh to the origin");
   RequireIndices(mesh.points.rows(), mesh.faces, what);
 }
 

@@ -1,5 +1,5 @@
-// Options of a stage: plain structs whose fields name themselves once, for flags, YAML keys, --help
-// and --describe.
+// Options of a stage: plain structs that name each of their fields once. Flags, YAML keys, --help
+// and --describe are derived from that.
 #pragma once
 
 #include <limits>
@@ -8,7 +8,7 @@
 
 namespace keypose {
 
-/// What a person and a validator need to know of one option.
+/// Description of one option, for people and for checks.
 struct OptionDoc {
   std::string help = {};                                  ///< one sentence
   std::string unit = {};                                  ///< "px", "deg", "" for a pure number
@@ -17,13 +17,15 @@ struct OptionDoc {
   std::vector<std::string> choices = {};                  ///< for strings; empty means any text
 };
 
-/// Walks over the fields of an options struct:
+/// Visits the fields of an options struct:
 ///
 ///     struct MeshOptions {
 ///       int depth = 9;  ///< octree depth
-///       void Describe(OptionVisitor& visit) { visit("depth", depth, {"octree depth", "levels", 4,
-///       13}); } std::vector<std::string> Problems() const;   // faults beyond ranges and choices;
-///       may be left out
+///       void Describe(OptionVisitor& visit) {
+///         visit("depth", depth, {"octree depth", "levels", 4, 13});
+///       }
+///       /// Faults beyond ranges and choices. The function may be left out.
+///       std::vector<std::string> Problems() const;
 ///     };
 class OptionVisitor {
  public:

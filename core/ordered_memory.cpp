@@ -10,7 +10,9 @@ constexpr std::size_t kAlignment = 16;
 
 thread_local OrderedMemory* current = nullptr;
 
-std::size_t Rounded(std::size_t bytes) { return (bytes + kAlignment - 1) / kAlignment * kAlignment; }
+std::size_t Rounded(std::size_t bytes) {
+  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// Memory whose addresses rise in the order of allocation, for containers whose order is that of
-// their addresses.
+// Memory with addresses that rise in the order of allocation, for containers that are ordered by
+// address.
 #pragma once
 
 #include <cstddef>
@@ -8,19 +8,20 @@
 
 namespace keypose {
 
-/// Some of CGAL's containers are walked, or compared, by address: with memory from the ordinary
-/// heap the result of an algorithm then depends on what the program allocated before. While an
-/// OrderedMemory lives, OrderedAllocator in the same thread takes from it. Only the newest one of a
-/// thread may be in use; what was taken from it must be gone before it is.
+/// Some of CGAL's containers are traversed or compared by address. With memory from the ordinary
+/// heap, the result of an algorithm then depends on what the program allocated before. While an
+/// OrderedMemory exists, OrderedAllocator takes memory from it in the same thread. Only the newest
+/// OrderedMemory of a thread may be used. All memory must be given back before its OrderedMemory is
+/// destroyed.
 class OrderedMemory {
  public:
-  /// @param bytes  what may be taken at one time; only what is used becomes real
+  /// @param bytes  capacity; the system only provides the pages that are used
   explicit OrderedMemory(std::size_t bytes);
   ~OrderedMemory();
   OrderedMemory(const OrderedMemory&) = delete;
   OrderedMemory& operator=(const OrderedMemory&) = delete;
 
-  /// @throws std::bad_alloc  when all is taken, or no OrderedMemory lives in this thread
+  /// @throws std::bad_alloc  when the capacity is used up, or this thread has no OrderedMemory
   static void* Take(std::size_t bytes);
   static void Give(void* p, std::size_t bytes);
 
@@ -31,7 +32,7 @@ class OrderedMemory {
   OrderedMemory* outer_;
 };
 
-/// For the standard's and CGAL's containers.
+/// An allocator for containers of the standard library and of CGAL.
 template <class T>
 struct OrderedAllocator {
   using value_type = T;

@@ -9,11 +9,13 @@
 #include <thread>
 #include <vector>
 
+#include "core/size_of.h"
+
 namespace keypose {
 namespace {
 
 std::atomic<int> g_override{0};
-// A loop within a loop runs on the thread that meets it.
+// A nested loop runs on the thread that calls it.
 thread_local bool t_inside_loop = false;
 
 int DefaultThreads() {
@@ -24,8 +26,8 @@ int DefaultThreads() {
   return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-/// Threads that sleep between loops. Not TBB: Embree shares TBB's one pool of workers and its
-/// limits, and was seen to leave our loops a single thread for the rest of the process.
+/// A pool of threads that sleep between loops. TBB is not used: Embree shares TBB's single pool and
+/// its limits, and in tests left our loops a single thread for the rest of the process.
 class Pool {
  public:
   ~Pool() {
@@ -37,14 +39,13 @@ class Pool {
     for (std::thread& thread : threads_) thread.join();
   }
 
-  /// Calls run_block(b) for b in [0, blocks) on `participants` threads, this one among them.
+  /// Calls run_block(b) for b in [0, blocks) on `participants` threads, including the calling one.
   void Run(std::int64_t blocks, int participants,
            const std::function<void(std::int64_t)>& run_block) {
     const std::lock_guard one_loop(loop_mutex_);
     {
       const std::lock_guard lock(mutex_);
-      while (static_cast<int>(threads_.size()) < participants - 1)
-        threads_.emplace_back([this] { Work(); });
+      while (SizeOf(threads_) < participants - 1) threads_.emplace_back([this] { Work(); });
       run_block_ = &run_block;
       blocks_ = blocks;
       next_ = 0;
@@ -116,8 +117,8 @@ void SetThreadCount(int threads) { g_override = threads; }
 void ParallelBlocks(std::int64_t count, std::int64_t grain,
                     const std::function<void(std::int64_t, std::int64_t)>& body) {
   if (count <= 0) return;
-  // Blocks are cut here and depend on nothing but count and grain, so that per-block sums have the
-  // same extent for any thread count.
+  // Blocks depend on count and grain only, so that sums per block are the same for any thread
+  // count.
   const std::int64_t blocks = (count + grain - 1) / grain;
   const auto run_block = [&](std::int64_t b) { body(b * grain, std::min(count, (b + 1) * grain)); };
   const int participants = static_cast<int>(std::min<std::int64_t>(ThreadCount(), blocks));

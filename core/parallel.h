@@ -1,5 +1,5 @@
-// Loops over all cores. Bodies write to their own index only, so results never depend on the thread
-// count.
+// Loops over all cores. A body must only write to its own index; then results do not depend on the
+// thread count.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace keypose {
 
-/// Threads that ParallelFor uses: KEYPOSE_THREADS when set, else the machine's.
+/// Number of threads that ParallelFor uses: KEYPOSE_THREADS when set, else the machine's number.
 int ThreadCount();
 /// Overrides it for this process; 0 restores the default. For tests and benchmarks.
 void SetThreadCount(int threads);

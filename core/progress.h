@@ -1,4 +1,4 @@
-// How an algorithm tells how far it is, and learns that it should stop.
+// How an algorithm reports its progress and learns that it should stop.
 #pragma once
 
 #include <string_view>
@@ -18,14 +18,15 @@ class Progress {
   virtual bool cancelled() const { return false; }
 };
 
-/// Reports and @throws Cancelled when the user asked to stop. Null is fine.
+/// Reports progress; does nothing when `progress` is null.
+/// @throws Cancelled  the user asked to stop
 inline void ReportProgress(Progress* progress, double fraction, std::string_view what) {
   if (!progress) return;
   if (progress->cancelled()) throw Cancelled();
   progress->Update(fraction, what);
 }
 
-/// Maps [0,1] of a part of the work into [begin,end] of the whole.
+/// Maps the progress [0,1] of a part of the work to [begin,end] of the whole.
 class SubProgress final : public Progress {
  public:
   SubProgress(Progress* whole, double begin, double end)

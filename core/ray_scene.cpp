@@ -50,13 +50,13 @@ RayScene::Foot ClosestOnTriangle(const Eigen::Vector3d& p, const Eigen::Vector3d
     return foot(0, 1 - w, w);
   }
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return foot(1, 0, 0);  // no area: its corner is as good as any
+  if (!(sum > 0)) return foot(1, 0, 0);  // no area: take corner a
   return foot(va / sum, vb / sum, vc / sum);
 }
 
-/// One thread builds all trees, so that a tree, and with it the face of a tie, cannot depend on
-/// timing. The device lives as long as the process: releasing the last one lets TBB start a worker,
-/// which could take part in the next build.
+/// One thread builds all trees, so that a tree, and the face that is chosen in a tie, do not depend
+/// on timing. The device exists as long as the process: after the last device is released, TBB may
+/// start a worker thread, which could take part in the next build.
 RTCDevice Device() {
   static const RTCDevice device = rtcNewDevice("threads=1");
   return device;
@@ -108,8 +108,8 @@ struct RayScene::Impl {
       return false;
     foot.face = face;
     query.best = foot;
-    // The tree holds floats: keep a margin of their rounding, so that no face that is closer in
-    // double precision is cut off.
+    // The tree holds floats. A margin for their rounding ensures that no face that is closer in
+    // double precision is missed.
     const auto radius = static_cast<float>(std::sqrt(foot.squared_distance) * (1 + 1e-6) +
                                            4e-7 * query.scene->magnitude);
     if (radius < args->query->radius) {
@@ -119,8 +119,8 @@ struct RayScene::Impl {
     return false;
   }
 
-  /// Embree stops the program at rays that are not finite, or so long that their squares are not;
-  /// such rays hit nothing.
+  /// Embree stops the program at rays that are not finite or whose squares overflow. Such rays hit
+  /// nothing.
   static bool CanBeCast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                         double near) {
     constexpr double kMost = 1e18;

@@ -1,4 +1,5 @@
-// Rays and closest points against a triangle mesh (a bounding volume hierarchy by Embree).
+// Ray intersections with a triangle mesh, and closest points on it (with Embree's bounding volume
+// hierarchy).
 #pragma once
 
 #include <limits>
@@ -8,12 +9,13 @@
 
 namespace keypose {
 
-/// An immutable triangle mesh, ready for queries. All queries are const and safe from many threads.
+/// An immutable triangle mesh, ready for queries. All queries are const and may run in many threads
+/// at once.
 class RayScene {
  public:
   struct Hit {
     int face = -1;        ///< -1: nothing hit
-    double distance = 0;  ///< along the unit or non-unit `direction` that was given, in its units
+    double distance = 0;  ///< along the given `direction`, as a multiple of its length
     double u = 0, v = 0;  ///< hit = (1-u-v) p0 + u p1 + v p2
   };
   struct Foot {
@@ -29,14 +31,15 @@ class RayScene {
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
-  /// First hit in [near, far] along the ray. Single precision: expect 1e-6 of the scene's size.
-  /// Rays not finite, or beyond 1e18, hit none.
+  /// The first hit in [near, far] along the ray. Works in single precision: expect errors of 1e-6
+  /// of the scene's size. A ray hits nothing when a coordinate is not finite or beyond 1e18.
   Hit Cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near = 0,
            double far = std::numeric_limits<double>::infinity()) const;
   /// Whether anything lies in [near, far] along the ray.
   bool Occluded(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double near,
                 double far) const;
-  /// Exact closest point on the surface, in double precision; ties go to the lowest face.
+  /// The exact closest point on the surface, in double precision. Of several, that on the face with
+  /// the lowest index.
   Foot ClosestPoint(const Eigen::Vector3d& point,
                     double radius = std::numeric_limits<double>::infinity()) const;
 

@@ -25,7 +25,7 @@ TEST(RayScene, CastHitsTheSphereWhereItMust) {
   const RayScene scene(sphere.points, sphere.faces);
   const auto hit = scene.Cast({3, 0.01, 0.02}, {-1, 0, 0});
   ASSERT_GE(hit.face, 0);
-  EXPECT_NEAR(hit.distance, 2, 5e-3);  // sagitta of the facets
+  EXPECT_NEAR(hit.distance, 2, 5e-3);  // distance of the faces from the sphere
   EXPECT_LT(scene.Cast({3, 0, 2}, {-1, 0, 0}).face, 0);
   EXPECT_TRUE(scene.Occluded({3, 0, 0}, {-1, 0, 0}, 0, 10));
   EXPECT_FALSE(scene.Occluded({3, 0, 0}, {-1, 0, 0}, 0, 1.5));
@@ -91,7 +91,7 @@ int ThreadsOfThisProcess() {
   return static_cast<int>(std::distance(begin(tasks), end(tasks)));
 }
 
-/// A second thread could take part in building a tree, and so decide which face of a tie is hit.
+/// A second thread could take part in building a tree, and so change which face is hit in a tie.
 TEST(RayScene, StartsNoThreadHoweverManyAreMadeAndGone) {
   const Mesh sphere = MakeIcosphere(6);
   const int before = ThreadsOfThisProcess();
@@ -116,7 +116,7 @@ TEST(KdTree, FindsWhatBruteForceFinds) {
     EXPECT_EQ(tree.Nearest(p).index, best);
     EXPECT_EQ(tree.Nearest(p, 5).front().index, best);
     const auto within = tree.Within(p, 0.5);
-    EXPECT_EQ(static_cast<Eigen::Index>(within.size()),
+    EXPECT_EQ(std::ssize(within),
               ((points.rowwise() - p.transpose()).rowwise().norm().array() < 0.5).count());
   }
 }

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/srgb.h"
 
 namespace keypose {
@@ -38,7 +39,7 @@ std::uint8_t ToByte(double linear) {
   return static_cast<std::uint8_t>(std::lround(255 * SrgbFromLinear(std::clamp(linear, 0.0, 1.0))));
 }
 
-/// Everything a ray needs, worked out once a picture.
+/// Everything that rays need, computed once for each picture.
 struct Shader {
   const Mesh& mesh;
   const RayScene& scene;
@@ -70,7 +71,7 @@ struct Shader {
           hit.v * vertex_normals.row(f[2]);
       n = n.squaredNorm() > 1e-12 ? n.normalized().eval() : flat;
     }
-    // Both sides are lit, so that a hole or an inverted face is still seen for what it is.
+    // Both sides are lit, so that holes and inverted faces remain visible.
     return flat.dot(direction) > 0 ? (-n).eval() : n;
   }
 
@@ -104,7 +105,7 @@ struct Shader {
     return nearest * view.camera.fx / depth;
   }
 
-  /// Linear colour that arrives along the ray through a pixel position.
+  /// Linear colour along the ray through a position in the image.
   bool Trace(const Vector2d& pixel, Vector3d& color) const {
     const Vector3d in_camera = view.camera.Unproject(pixel);
     const Vector3d direction = world_from_camera * in_camera;
@@ -143,7 +144,7 @@ Rigid3 LookAt(const Vector3d& eye, const Vector3d& target, const Vector3d& up) {
   const Vector3d forward = target - eye;
   if (!(forward.norm() > 0))
     throw InputError(
-        "render: the camera's eye lies on the point that it should look at; move one of them");
+        "render: the camera's position is the point that it should look at; move one of them");
   const Vector3d z = forward.normalized();
   Vector3d x = z.cross(up);
   if (x.norm() < 1e-9 * up.norm()) x = z.unitOrthogonal();
@@ -162,7 +163,7 @@ View FitView(const PointsX3& points, double azimuth_deg, double elevation_deg, i
   if (width < 1 || height < 1)
     throw InputError("render: a picture needs at least one pixel each way");
   const Vector3d z = up.normalized();
-  // With z up the front is -y; for another up axis any fixed horizontal direction will do.
+  // With z up, the front is -y. For another up axis, any fixed horizontal direction is used.
   Vector3d right = std::abs(z.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY();
   right = (right - right.dot(z) * z).normalized();
   const Vector3d front = right.cross(z);
@@ -199,14 +200,14 @@ PixelBox ProjectedBounds(const PointsX3& points, const View& view) {
   const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
   for (int v = 0; v < points.rows(); ++v) {
     const Vector3d x = rotation * points.row(v).transpose() + view.camera_from_world.translation;
-    // A vertex beside or behind the camera says nothing about where its faces fall; neither does
-    // strong distortion far off the axis.
+    // The projection of a vertex beside or behind the camera does not bound its faces. Neither does
+    // one with strong distortion far from the axis.
     if (x.z() <= 1e-3 * x.norm()) return all;
     const Vector2d p = c.Project(x);
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  // Lines bend under distortion, so that a face may reach a little beyond its corners.
+  // Distortion bends lines, so a face may reach a little beyond its corners.
   const double margin = 2 + (c.distorted() ? 0.02 * (high - low).norm() : 0);
   const auto clamp = [](double x, int most) {
     return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(most)));
@@ -317,7 +318,7 @@ Image8 TileImages(const std::vector<Image8>& images, int columns, int gap, Rgb8 
     cell_width = std::max(cell_width, image.width);
     cell_height = std::max(cell_height, image.height);
   }
-  const int count = static_cast<int>(images.size()), across = std::min(columns, count),
+  const int count = SizeOf(images), across = std::min(columns, count),
             rows = (count + across - 1) / across;
   Image8 sheet(across * cell_width + (across - 1) * gap, rows * cell_height + (rows - 1) * gap, 3);
   for (std::size_t i = 0; i < sheet.data.size(); ++i)

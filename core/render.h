@@ -1,4 +1,4 @@
-// Pictures of meshes by ray casting: for reports, previews and tests. Also depth and face maps of a
+// Renders meshes by ray casting, for reports, previews and tests. Also depth and face maps of a
 // view.
 #pragma once
 
@@ -13,13 +13,13 @@
 
 namespace keypose {
 
-/// The rigid motion of a camera (z forward, y down) at `eye` that looks at `target` with `up`
-/// upwards in the picture.
+/// The pose, camera from world, of a camera (z forward, y down) at `eye` that looks at `target`,
+/// with `up` pointing upwards in the picture.
 /// @throws InputError  eye and target coincide
 Rigid3 LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
               const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
 
-/// A view that holds all points with a small margin.
+/// A view that shows all points with a small margin.
 ///
 /// @param azimuth_deg    0 looks along +y (from the front, -y), 90 sees the +x side;
 /// counter-clockwise seen from above
@@ -34,52 +34,52 @@ struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   bool empty() const { return x0 >= x1 || y0 >= y1; }
 };
-/// Pixels that the mesh's faces can cover, a few more for distortion; the whole image when a vertex
-/// is beside or behind the camera.
+/// The pixels that the mesh's faces can cover, and a few more because of distortion. The whole
+/// image when a vertex is beside or behind the camera.
 PixelBox ProjectedBounds(const PointsX3& points, const View& view);
 
-/// What each pixel's centre ray meets.
+/// The first hit of each pixel's centre ray.
 struct Raster {
   ImageT<int> face;  ///< 1 channel; -1 where nothing is hit
   ImageF depth;      ///< 1 channel; z in the camera's frame, +inf where nothing is hit
 };
-/// Honours the camera's distortion. Rays are only cast within the projected bounds of the mesh.
+/// Respects the camera's distortion. Rays are only cast within the projected bounds of the mesh.
 Raster Rasterize(const Mesh& mesh, const RayScene& scene, const View& view);
 
 enum class ColorMap { kViridis, kHeat, kDiverging };
 /// @param t  clamped to [0,1]; NaN gives grey
 Eigen::Matrix<std::uint8_t, 3, 1> MapColor(double t, ColorMap map = ColorMap::kViridis);
-/// One colour a value: `lowest` becomes t = 0, `highest` t = 1.
+/// One colour for each value: `lowest` becomes t = 0, `highest` t = 1.
 ColorsX3 MapColors(const Eigen::VectorXd& values, double lowest, double highest,
                    ColorMap map = ColorMap::kViridis);
 
 struct RenderOptions {
-  const Image8* texture = nullptr;  ///< used when the mesh has UVs; wins over colours
+  const Image8* texture = nullptr;  ///< used when the mesh has UVs; replaces colours
   ColorsX3 vertex_colors;           ///< V x 3; when empty the mesh's own colours
-  ColorsX3 face_colors;             ///< F x 3; wins over vertex colours
-  bool plain = false;               ///< clay grey whatever colours there are
+  ColorsX3 face_colors;             ///< F x 3; replaces vertex colours
+  bool plain = false;               ///< clay grey; colours are ignored
   bool smooth = true;               ///< interpolated normals, else one per face
   double shading = 1;  ///< 0: colours as they are; 1: fully lit by two lamps beside the camera
   bool wireframe = false;
-  int samples = 3;  ///< rays a pixel and axis
+  int samples = 3;  ///< rays per pixel along each axis
   Eigen::Matrix<std::uint8_t, 3, 1> background = {246, 247, 249};
 };
 
-/// A picture of the mesh, of the camera's size.
+/// A picture of the mesh with the size of the camera's image.
 /// Same bits for any thread count.
 ///
-/// @param scene  built of mesh.points and mesh.faces
-/// @throws InputError  colours of another count than vertices or faces
+/// @param scene  built from mesh.points and mesh.faces
+/// @throws InputError  the number of colours is not that of the vertices or faces
 Image8 Render(const Mesh& mesh, const RayScene& scene, const View& view,
               const RenderOptions& options = {});
 Image8 Render(const Mesh& mesh, const View& view, const RenderOptions& options = {});
 
-/// Bilinear colour of a texture at (u right, v up); coordinates outside [0,1] are clamped. Channels
-/// as the texture has (1 or 3).
+/// Bilinear colour of a texture at (u right, v up). Coordinates outside [0,1] are clamped. The
+/// texture has 1 or 3 channels.
 Eigen::Vector3d SampleTexture(const Image8& texture, const Eigen::Vector2d& uv);
 
-/// Images in rows of `columns` cells, each cell of the largest image's size, on `background`. RGB;
-/// grey images become RGB.
+/// A contact sheet: images in rows of `columns` cells on `background`. All cells have the size of
+/// the largest image. RGB; grey images become RGB.
 /// @throws InputError  no images, or columns < 1
 Image8 TileImages(const std::vector<Image8>& images, int columns, int gap = 4,
                   Eigen::Matrix<std::uint8_t, 3, 1> background = {255, 255, 255});

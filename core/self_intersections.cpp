@@ -22,7 +22,7 @@ using Box =
     CGAL::Box_intersection_d::Box_with_info_d<double, 3, int,
                                               CGAL::Box_intersection_d::ID_FROM_BOX_ADDRESS>;
 
-// CGAL's own choice for meshes: below so many boxes all pairs are looked at.
+// CGAL's own choice for meshes: up to this number of boxes, all pairs are tested.
 constexpr std::ptrdiff_t kFewBoxes = 2000;
 constexpr std::int64_t kGrain = 256;
 
@@ -32,7 +32,7 @@ bool OnSegment(const Point& a, const Point& b, const Point& x) {
   return CGAL::collinear(a, b, x) && CGAL::collinear_are_ordered_along_line(a, x, b);
 }
 
-/// The two ends that are farthest along of three collinear points.
+/// The two end points of three collinear points.
 std::array<Point, 2> Ends(const Corners& p) {
   for (int k = 0; k < 3; ++k)
     if (CGAL::collinear_are_ordered_along_line(p[(k + 1) % 3], p[k], p[(k + 2) % 3]))
@@ -40,7 +40,8 @@ std::array<Point, 2> Ends(const Corners& p) {
   return {p[0], p[1]};
 }
 
-/// At least one of the two is a segment or a point, which CGAL's own test does not take.
+/// Tests two triangles of which at least one is degenerate (a segment or a point). CGAL's test does
+/// not accept these.
 bool DegenerateMeet(const Corners& a, bool a_flat, const Corners& b, bool b_flat) {
   if (!a_flat) return DegenerateMeet(b, b_flat, a, a_flat);
   const auto [a0, a1] = Ends(a);
@@ -54,12 +55,12 @@ bool DegenerateMeet(const Corners& a, bool a_flat, const Corners& b, bool b_flat
   return CGAL::do_intersect(Kernel::Segment_3(a0, a1), Kernel::Segment_3(b0, b1));
 }
 
-/// The faces of one mesh, and which two of them meet.
+/// The faces of one mesh, with tests of which pairs intersect.
 class Triangles {
  public:
   Triangles(const PointsX3& points, const FacesX3& faces, TouchingFaces touching);
-  /// Calls visit(a, b) for each two faces that can be a pair, as far as their boxes tell, and
-  /// visit(a, a) for each that is one with itself. Always in the same order.
+  /// Calls visit(a, b) for each two faces that can be a pair because their boxes intersect, and
+  /// visit(a, a) for each face that is a pair with itself. Always in the same order.
   template <class Visit>
   void Candidates(const Visit& visit) const;
   bool Meet(int a, int b) const;
@@ -129,7 +130,7 @@ Triangles::Shared Triangles::SharedCorners(int a, int b) const {
   return shared;
 }
 
-/// Two faces on one edge overlap only when they are folded flat onto each other.
+/// Two faces that share an edge overlap only when they are folded flat onto each other.
 bool Triangles::MeetBeyondEdge(int a, int b, const Shared& shared) const {
   const Corners& c = corners_[a];
   const int tip = shared.free_a;
@@ -139,7 +140,8 @@ bool Triangles::MeetBeyondEdge(int a, int b, const Shared& shared) const {
          CGAL::coplanar_orientation(from, to, c[tip], other_tip) == CGAL::POSITIVE;
 }
 
-/// Two faces at one vertex meet beyond it when the far side of one of them meets the other.
+/// Two faces that share a vertex also meet elsewhere when the opposite edge of one of them meets
+/// the other.
 bool Triangles::MeetBeyondVertex(int a, int b, const Shared& shared) const {
   const Corners &p = corners_[a], &q = corners_[b];
   const Kernel::Segment_3 p_side(p[(shared.last_a + 1) % 3], p[(shared.last_a + 2) % 3]);
@@ -182,7 +184,7 @@ SelfIntersections FindSelfIntersections(const PointsX3& points, const FacesX3& f
 }
 
 bool HasSelfIntersections(const PointsX3& points, const FacesX3& faces, TouchingFaces touching) {
-  struct Found {};  // CGAL's search of boxes ends early in no other way
+  struct Found {};  // an exception is the only way to end CGAL's box search early
   const Triangles triangles(points, faces, touching);
   try {
     triangles.Candidates([&](int a, int b) {

@@ -1,4 +1,4 @@
-// Faces of a mesh that pass through each other.
+// Finds faces of a mesh that intersect each other.
 #pragma once
 
 #include <cstdint>
@@ -9,25 +9,26 @@
 namespace keypose {
 
 struct SelfIntersections {
-  std::int64_t pairs = 0;  ///< unordered pairs of faces that meet
-  std::vector<int> faces;  ///< faces that are in some pair, ascending
+  std::int64_t pairs = 0;  ///< unordered pairs of faces that intersect
+  std::vector<int> faces;  ///< faces of these pairs, ascending
 };
 
-/// What becomes of faces that share a vertex, by index.
+/// How faces that share a vertex (by index) are treated.
 enum class TouchingFaces {
-  /// They are never a pair, even where they fold over each other: flipped faces count those. Faces
-  /// without area count as the segment or point that they are.
+  /// They are never a pair, even where they fold over each other (flipped faces are counted
+  /// elsewhere). Faces without area are treated as the segment or point that they form.
   kLeftOut,
-  /// They are a pair when they meet elsewhere than in what they share. A face without area is a
-  /// pair with itself, and with no other. (What CGAL's self_intersections counts.)
+  /// They are a pair when they meet outside of their shared vertex or edge. A face without area is
+  /// a pair with itself, and with no other face. CGAL's self_intersections counts in this way.
   kCounted,
 };
 
-/// Pairs of faces whose closed triangles have a common point; of those without a common vertex,
-/// touching counts.
+/// Finds the pairs of faces whose triangles have a common point. Faces without a common vertex are
+/// also a pair when they only touch.
 ///
-/// The answer is exact for the given coordinates.
-/// @param points  their differences neither overflow nor vanish when squared: scale them to about 1
+/// The result is exact for the given coordinates.
+/// @param points  scale them to about 1: squares of their differences must neither overflow nor
+/// underflow
 /// @throws InputError  an index out of range, or a vertex that is not finite
 /// Cost: near-linear; about 10 ms at 10,000 faces, 50 ms at 44,000.
 /// Same bits for any thread count.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <set>
@@ -42,10 +43,10 @@ Mesh Joined(const Mesh& a, const Mesh& b) {
 }
 
 struct CgalPairs {
-  bool manifold = false;  ///< which CGAL's own function needs
+  bool manifold = false;  ///< CGAL's own function needs a manifold
   std::int64_t all = 0;
-  std::int64_t apart = 0;  ///< those that share no vertex
-  std::vector<int> faces;  ///< of all
+  std::int64_t apart = 0;  ///< pairs that share no vertex
+  std::vector<int> faces;  ///< of all pairs
 };
 
 CgalPairs PairsByCgal(const Mesh& mesh) {
@@ -76,7 +77,7 @@ CgalPairs PairsByCgal(const Mesh& mesh) {
   return found;
 }
 
-/// All pairs by exact arithmetic alone.
+/// All pairs, by exact arithmetic only.
 std::int64_t PairsByBruteForce(const PointsX3& p, const FacesX3& faces) {
   std::int64_t count = 0;
   const auto triangle = [&](int f) {
@@ -94,7 +95,7 @@ std::int64_t PairsByBruteForce(const PointsX3& p, const FacesX3& faces) {
 TEST(FindSelfIntersections, ClosedConvexSurfacesHaveNone) {
   const Mesh sphere = MakeIcosphere(4);
   EXPECT_EQ(Apart(sphere.points, sphere.faces).pairs, 0);
-  // A tube's side is full of coplanar neighbours.
+  // The side of a tube has many coplanar neighbours.
   const Mesh tube = MakeCylinder(0.1, 2, 24, 60);
   const SelfIntersections found = Apart(tube.points, tube.faces);
   EXPECT_EQ(found.pairs, 0);
@@ -111,8 +112,8 @@ TEST(FindSelfIntersections, CrossingBoxesGiveThePairsOfTheirCrossingFaces) {
 }
 
 TEST(FindSelfIntersections, TouchingCounts) {
-  // Two boxes that share a side's plane: each of the two faces there meets both of the other's, and
-  // touching edges count as well.
+  // Two boxes with sides in one plane: each of the two faces there intersects both of the other
+  // box, and touching edges count as well.
   const Mesh touching = Joined(MakeBox(1, 1, 1), Shifted(MakeBox(1, 1, 1), 1, 0, 0));
   EXPECT_EQ(Apart(touching.points, touching.faces).pairs, PairsByCgal(touching).apart);
 }
@@ -132,7 +133,7 @@ TEST(FindSelfIntersections, RandomTrianglesAgreeWithExactArithmetic) {
       }
     }
     EXPECT_EQ(Apart(points, faces).pairs, PairsByBruteForce(points, faces)) << size;
-    // On a coarse lattice nearly every sign is zero, so that the exact path decides.
+    // On a coarse lattice nearly every sign is zero, so the exact arithmetic is used.
     for (Eigen::Index i = 0; i < points.size(); ++i)
       points.data()[i] = std::round(points.data()[i] * 6);
     std::vector<int> proper;
@@ -141,7 +142,7 @@ TEST(FindSelfIntersections, RandomTrianglesAgreeWithExactArithmetic) {
                                v = points.row(3 * f + 2) - points.row(3 * f);
       if (u.cross(v).norm() > 0) proper.push_back(f);
     }
-    FacesX3 kept(static_cast<Eigen::Index>(proper.size()), 3);
+    FacesX3 kept(std::ssize(proper), 3);
     for (std::size_t i = 0; i < proper.size(); ++i) kept.row(i) = faces.row(proper[i]);
     EXPECT_EQ(Apart(points, kept).pairs, PairsByBruteForce(points, kept)) << size;
   }
@@ -172,7 +173,7 @@ TEST(FindSelfIntersections, FacesAtOneVertexThatCrossCountWhenTouchingFacesDo) {
   const SelfIntersections counted = FindSelfIntersections(points, faces, TouchingFaces::kCounted);
   EXPECT_EQ(counted.pairs, 1);
   EXPECT_EQ(counted.faces, (std::vector<int>{0, 1}));
-  points.bottomRows(2).col(0).array() = -2;  // they meet in the vertex alone
+  points.bottomRows(2).col(0).array() = -2;  // they only meet in the vertex
   EXPECT_EQ(FindSelfIntersections(points, faces, TouchingFaces::kCounted).pairs, 0);
 }
 
@@ -183,7 +184,7 @@ TEST(FindSelfIntersections, FacesOnOneEdgeCountWhenFoldedFlat) {
   faces << 0, 1, 2, 1, 0, 3;
   EXPECT_TRUE(HasSelfIntersections(points, faces, TouchingFaces::kCounted));
   EXPECT_FALSE(HasSelfIntersections(points, faces, TouchingFaces::kLeftOut));
-  points(3, 2) = 1e-300;  // exactly: the least angle is no fold
+  points(3, 2) = 1e-300;  // exactly: the smallest angle is not a fold
   EXPECT_FALSE(HasSelfIntersections(points, faces, TouchingFaces::kCounted));
   points.row(3) << 0.6, -0.5, 0;
   EXPECT_FALSE(HasSelfIntersections(points, faces, TouchingFaces::kCounted));

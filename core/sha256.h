@@ -1,4 +1,4 @@
-// SHA-256, the hash of contents and fingerprints.
+// SHA-256, the hash that is used for file contents and fingerprints.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ class Sha256 {
   Sha256();
   ~Sha256();
   void Add(std::string_view bytes);
-  /// 64 hexadecimal digits of all that was added; call once.
+  /// The hash of all added bytes, as 64 hexadecimal digits. Call it once.
   std::string Hex();
 
  private:

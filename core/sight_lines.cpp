@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -14,9 +15,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// [px] steps from the rim of a mask's hole; masks are right to a pixel or two
+// [px] from the rim of a mask's hole; masks are accurate to a pixel or two
 constexpr int kMargin = 3;
-constexpr int kLinesAHole = 64;  // about
+constexpr int kLinesAHole = 64;  // approximate upper limit
 
 enum : int { kFigure = -1, kFree = -2, kOutside = -3 };  // labels of pixels; holes count from 0
 
@@ -40,7 +41,7 @@ void Flood(ImageT<int>& label, int x, int y, int from, int to,
 
 using Pixels = std::vector<std::pair<int, int>>;
 
-/// Pixels of the background that do not reach the image's border, hole by hole.
+/// The background pixels that are not connected to the image's border, hole by hole.
 std::vector<Pixels> HolesOf(const Image8& mask) {
   ImageT<int> label(mask.width, mask.height, 1, kFree);
   for (int y = 0; y < mask.height; ++y)
@@ -54,12 +55,11 @@ std::vector<Pixels> HolesOf(const Image8& mask) {
   std::vector<Pixels> holes;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (*label.at(x, y) == kFree)
-        Flood(label, x, y, kFree, static_cast<int>(holes.size()), &holes.emplace_back());
+      if (*label.at(x, y) == kFree) Flood(label, x, y, kFree, SizeOf(holes), &holes.emplace_back());
   return holes;
 }
 
-/// Those with no pixel of the figure within the margin, thinned to a few.
+/// The pixels of a hole with no pixel of the figure within the margin, reduced to a few.
 Pixels Inner(const Image8& mask, const Pixels& hole) {
   Pixels inner;
   for (const auto& [x, y] : hole) {

@@ -1,4 +1,4 @@
-// Lines of sight through the holes of masks: what the photographs see through a figure.
+// Lines of sight through the holes of masks, where photographs show background through the figure.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,26 +10,26 @@
 
 namespace keypose {
 
-/// The line of sight of a pixel that shows background inside of the figure's outline.
+/// The ray of a pixel that shows background inside of the figure's outline.
 struct SightLine {
   Eigen::Vector3d origin;     ///< the camera's centre, in the surface's frame
   Eigen::Vector3d direction;  ///< any length
   int view = 0;
-  int hole = 0;  ///< counted over all views: which hole of a mask the pixel lies in
+  int hole = 0;  ///< the hole of the mask that the pixel lies in, numbered over all views
 };
 
-/// Lines through the holes of the masks: background that the figure encloses in the picture, at
-/// least 2.5 pixels from its rim.
-/// @param masks  one a view, 1 channel, above 127 where the figure is; empty for a view without
-/// say; of any size of the view's shape
+/// Rays through the holes of the masks. A hole is background that the figure encloses in the
+/// picture. Only pixels at least 2.5 pixels from the figure are used, about 64 for each hole.
+/// @param masks  one for each view: 1 channel, above 127 where the figure is, of any size with the
+/// view's aspect ratio; empty: the view is ignored
 std::vector<SightLine> LinesThroughHoles(const std::vector<View>& views,
                                          const std::vector<Image8>& masks);
 
-/// Holes all of whose lines the surface blocks, ascending.
+/// The holes for which the surface blocks every line, ascending.
 std::vector<int> ClosedHoles(const Mesh& surface, const std::vector<SightLine>& lines);
 
-/// Views with a hole in the mask all of whose lines the surface blocks, ascending: there it closes
-/// a window that the photograph shows.
+/// The views of these holes, ascending. In them the surface closes a window that the photograph
+/// shows.
 std::vector<int> ViewsWithClosedWindow(const Mesh& surface, const std::vector<SightLine>& lines);
 
 }  // namespace keypose

@@ -1,11 +1,11 @@
-// sRGB and linear light.
+// Conversion between sRGB and linear light.
 #pragma once
 
 #include <cmath>
 
 namespace keypose {
 
-/// Both in [0, 1].
+/// Both values are in [0, 1].
 /// Source: IEC 61966-2-1.
 inline double LinearFromSrgb(double s) {
   return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);

@@ -1,4 +1,4 @@
-// How far points, or points spread over one surface, lie from another surface.
+// Distances of points, or of samples of one surface, from another surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,12 +9,12 @@
 
 namespace keypose {
 
-/// From each point to the closest point of the surface.
+/// The distance from each point to the closest point of the surface.
 /// Same bits for any thread count.
 Eigen::VectorXd DistancesTo(const RayScene& surface, const PointsX3& points);
 
-/// The same from points spread over a surface, uniformly by area (SampleSurface).
-/// @param from  with faces
+/// The same for samples of a surface, uniform by area (SampleSurface).
+/// @param from  must have faces
 Eigen::VectorXd SampledDistances(const Mesh& from, const RayScene& to, int samples,
                                  std::uint64_t seed);
 

@@ -2,9 +2,12 @@
 
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <vector>
+
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -12,9 +15,9 @@ namespace {
 Mesh FromLists(const std::vector<Eigen::Vector3d>& points,
                const std::vector<std::array<int, 3>>& faces) {
   Mesh mesh;
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  mesh.points.resize(std::ssize(points), 3);
   for (std::size_t v = 0; v < points.size(); ++v) mesh.points.row(v) = points[v];
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.faces.resize(std::ssize(faces), 3);
   for (std::size_t f = 0; f < faces.size(); ++f)
     for (int k = 0; k < 3; ++k) mesh.faces(static_cast<Eigen::Index>(f), k) = faces[f][k];
   return mesh;
@@ -35,7 +38,7 @@ Mesh MakeIcosphere(int levels) {
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<int, int>, int> middle;
     const auto split = [&](int a, int b) {
-      const auto [it, is_new] = middle.emplace(std::minmax(a, b), static_cast<int>(points.size()));
+      const auto [it, is_new] = middle.emplace(std::minmax(a, b), SizeOf(points));
       if (is_new) points.push_back((points[a] + points[b]).normalized());
       return it->second;
     };
@@ -74,7 +77,7 @@ Mesh MakeCylinder(double radius, double length, int segments, int rings) {
       const double angle = 2 * std::numbers::pi * s / segments;
       points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), length * r / rings);
     }
-  const int bottom = static_cast<int>(points.size()), top = bottom + 1;
+  const int bottom = SizeOf(points), top = bottom + 1;
   points.emplace_back(0, 0, 0);
   points.emplace_back(0, 0, length);
   const auto at = [&](int r, int s) { return r * segments + s % segments; };

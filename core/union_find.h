@@ -1,4 +1,4 @@
-// Sets that grow together, for connected parts.
+// Disjoint sets that can be joined, for connected components.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace keypose {
 
-/// Disjoint sets of 0 .. count - 1. The lowest member names a set, so that names do not depend on
-/// the order of joining.
+/// Disjoint sets of the numbers 0 .. count - 1. A set is identified by its lowest member, so the
+/// result does not depend on the order of joining.
 class UnionFind {
  public:
   explicit UnionFind(std::ptrdiff_t count) : parent_(static_cast<std::size_t>(count)) {
@@ -20,7 +20,7 @@ class UnionFind {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// @return whether they were in two sets
+  /// @return whether they were in different sets
   bool Join(int a, int b) {
     a = Find(a), b = Find(b);
     parent_[std::max(a, b)] = std::min(a, b);

@@ -1,11 +1,13 @@
 #include "export/animated_mesh.h"
 
+#include <iterator>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::exporting {
 namespace {
@@ -49,7 +51,7 @@ void Split(const Mesh& mesh, AnimatedMesh& out) {
         if (copy.uv == uv) index = copy.index;
       }
       if (index < 0) {
-        index = static_cast<int>(uvs.size());
+        index = SizeOf(uvs);
         copies[vertex].push_back({uv, index});
         uvs.push_back(uv);
         out.source_vertex.push_back(vertex);
@@ -84,7 +86,7 @@ AnimatedMesh MakeAnimatedMesh(const std::vector<Mesh>& frames,
   Split(frames[0], out);
   out.points.resize(frames.size());
   out.normals.resize(frames.size());
-  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(frames), [&](std::int64_t i) {
     out.points[i] = frames[i].points(out.source_vertex, Eigen::all);
     out.normals[i] = UnitNormals(frames[i], frames[0].faces)(out.source_vertex, Eigen::all);
   });

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -10,6 +11,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "export/film.h"
 #include "export/gltf.h"
@@ -20,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using keypose::InputError;
 using keypose::Mesh;
+using keypose::SizeOf;
 using keypose::exporting::Clip;
 using keypose::exporting::EncodedImage;
 using keypose::exporting::FilmOptions;
@@ -198,7 +201,7 @@ std::vector<std::string> WriteTextures(const std::vector<EncodedImage>& textures
 }
 
 /// What `interpolate` wrote about its frames; lists are empty if it wrote nothing.
-struct Told {
+struct FrameNotes {
   nlohmann::json frames = nlohmann::json::array();
   std::vector<char> stands;  // one per frame; empty from older versions of `interpolate`
   std::vector<double> t;     // one per frame
@@ -206,8 +209,8 @@ struct Told {
   std::size_t keys = 0;
 };
 
-Told ReadDistortion(const fs::path& folder, std::size_t frame_count) {
-  Told told;
+FrameNotes ReadDistortion(const fs::path& folder, std::size_t frame_count) {
+  FrameNotes told;
   const fs::path path = folder / "distortion.json";
   if (!fs::exists(path)) return told;
   const auto json = nlohmann::json::parse(keypose::ReadFile(path), nullptr, false);
@@ -248,7 +251,7 @@ void WriteSequence(const Frames& frames, const fs::path& folder, const std::stri
 /// The times and weights of the textures; empty if there is only one, or if they are not the
 /// textures of the keys.
 std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTextures& textures,
-                                 const Told& told, const Clip& clip,
+                                 const FrameNotes& told, const Clip& clip,
                                  const keypose::exporting::PlaybackOptions& playback) {
   if (textures.images.size() < 2) return {};
   if (told.t.empty() || told.keys != textures.of_key.size()) {
@@ -261,8 +264,7 @@ std::vector<TextureMoment> Blend(keypose::StageContext& stage, const PoseTexture
     return {};
   }
   const auto keyframes = LinearKeyframes(PlaybackMoments(clip, playback), clip, playback.fps);
-  return TextureMoments(keyframes, told.t, textures.of_key,
-                        static_cast<int>(textures.images.size()));
+  return TextureMoments(keyframes, told.t, textures.of_key, SizeOf(textures.images));
 }
 
 GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMoment> moments,
@@ -280,7 +282,7 @@ GlbTextures TexturesOfGlb(const PoseTextures& textures, std::vector<TextureMomen
 
 /// Writes the animation as a film from one direction.
 void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTextures& textures,
-               const Told& told, const Clip& clip, bool blends, const ExportOptions& options,
+               const FrameNotes& told, const Clip& clip, bool blends, const ExportOptions& options,
                keypose::Progress* progress) {
   if (!options.video || frames.meshes.size() < 2) return;
   if (!keypose::exporting::CanWriteMp4()) {
@@ -290,7 +292,7 @@ void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTex
     return;
   }
   FilmScene scene{frames.meshes, textures.pixels, {}};
-  const int count = static_cast<int>(textures.images.size());
+  const int count = SizeOf(textures.images);
   for (std::size_t i = 0; blends && i < told.t.size(); ++i)
     scene.blend.push_back(keypose::exporting::TextureWeights(told.t[i], textures.of_key, count));
   const auto moments = PlaybackMoments(clip, options.playback);
@@ -304,11 +306,11 @@ void WriteFilm(keypose::StageContext& stage, const Frames& frames, const PoseTex
   RenderFilm(
       scene, order, film, [&](const keypose::Image8& picture) { writer.Add(picture); }, progress);
   writer.Finish();
-  stage.Report("film_frames", static_cast<std::int64_t>(order.size()));
+  stage.Report("film_frames", std::ssize(order));
 }
 
 // The times at which each frame and each texture is shown, and the measurements of `interpolate`.
-nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const Told& told,
+nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const FrameNotes& told,
                        const Clip& clip, const std::vector<std::string>& texture_names,
                        const PoseTextures& textures, const std::vector<TextureMoment>& blend) {
   nlohmann::json out = {{"schema", 1},
@@ -339,7 +341,7 @@ nlohmann::json Summary(const Frames& frames, const ExportOptions& options, const
 void Run(keypose::StageContext& stage, const ExportOptions& options) {
   const fs::path folder = stage.Input("frames");
   const Frames frames = ReadFrames(folder, stage.progress());
-  const Told told = ReadDistortion(folder, frames.names.size());
+  const FrameNotes told = ReadDistortion(folder, frames.names.size());
   const PoseTextures textures = ReadTextures(stage, options.poses);
   const auto mesh = keypose::exporting::MakeAnimatedMesh(frames.meshes, frames.names);
   const Clip clip = keypose::exporting::MakeClip(mesh.points, told.stands, told.loop);
@@ -364,14 +366,14 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 
   std::int64_t pictures = 0;
   for (int i = 0; i < clip.frame_count(); ++i) pictures += clip.picture[i] == i;
-  stage.Report("frames", static_cast<std::int64_t>(frames.names.size()));
+  stage.Report("frames", std::ssize(frames.names));
   stage.Report("morph_targets", pictures - 1);
   stage.Report("vertices", frames.meshes[0].vertex_count());
-  stage.Report("split_vertices", static_cast<std::int64_t>(mesh.source_vertex.size()));
+  stage.Report("split_vertices", std::ssize(mesh.source_vertex));
   stage.Report("faces", frames.meshes[0].face_count());
-  stage.Report("textures", static_cast<std::int64_t>(textures.images.size()));
+  stage.Report("textures", std::ssize(textures.images));
   stage.Report("animation_seconds", summary["seconds"].get<double>());
-  stage.Report("glb_bytes", static_cast<std::int64_t>(bytes.size()));
+  stage.Report("glb_bytes", std::ssize(bytes));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -34,7 +35,7 @@ View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOpt
 double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& normals,
                   const Eigen::Matrix3d& camera_from_world) {
   std::vector<double> seen(frames.size(), 0);
-  ParallelFor(static_cast<std::int64_t>(frames.size()) - 1, [&](std::int64_t i) {
+  ParallelFor(std::ssize(frames) - 1, [&](std::int64_t i) {
     for (Eigen::Index v = 0; v < frames[i].points.rows(); ++v) {
       const double facing = -(camera_from_world.row(2).dot(normals[i].row(v)));
       if (facing <= 0) continue;
@@ -49,7 +50,7 @@ double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& 
 
 Image8 Blended(const std::vector<Image8>& textures, const std::vector<double>& weights) {
   Image8 blended = textures[0];
-  const auto size = static_cast<std::int64_t>(blended.data.size());
+  const auto size = std::ssize(blended.data);
   ParallelBlocks(size, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
       double sum = 0.5;
@@ -105,7 +106,7 @@ std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
 
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
   std::vector<PointsX3> normals(frames.size());
-  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(frames), [&](std::int64_t i) {
     normals[i] = VertexNormals(frames[i].points, frames[0].faces);
   });
   // The first photograph usually shows the character's face, which sfm turns to -y. The film is

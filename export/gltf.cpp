@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <sstream>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::exporting {
 namespace {
@@ -158,9 +160,9 @@ class GlbBuilder {
   /// At a keyframe, the weight of its picture's target is 1 and all others are 0. The first picture
   /// is the mesh itself.
   void AddSamples(const std::vector<Keyframe>& keyframes, tinygltf::AnimationSampler& sampler) {
-    const auto count = static_cast<Eigen::Index>(targets_.size());
+    const auto count = std::ssize(targets_);
     FloatRows times(keyframes.size(), 1),
-        weights = FloatRows::Zero(static_cast<Eigen::Index>(keyframes.size()) * count, 1);
+        weights = FloatRows::Zero(std::ssize(keyframes) * count, 1);
     for (std::size_t i = 0; i < keyframes.size(); ++i) {
       times(i, 0) = static_cast<float>(keyframes[i].seconds);
       const int picture = clip_.picture[keyframes[i].frame];
@@ -193,7 +195,7 @@ class GlbBuilder {
     bytes.resize(bytes.size() + size);
     std::memcpy(bytes.data() + view.byteOffset, data, size);
     model_.bufferViews.push_back(view);
-    return static_cast<int>(model_.bufferViews.size()) - 1;
+    return SizeOf(model_.bufferViews) - 1;
   }
 
   int AddAccessor(const FloatRows& rows, int type, int view_target, bool with_bounds) {
@@ -209,7 +211,7 @@ class GlbBuilder {
       }
     }
     model_.accessors.push_back(accessor);
-    return static_cast<int>(model_.accessors.size()) - 1;
+    return SizeOf(model_.accessors) - 1;
   }
   int AddAttribute(const FloatRows& rows, int type, bool with_bounds) {
     return AddAccessor(rows, type, TINYGLTF_TARGET_ARRAY_BUFFER, with_bounds);
@@ -226,7 +228,7 @@ class GlbBuilder {
     accessor.count = mesh_.faces.size();
     accessor.type = TINYGLTF_TYPE_SCALAR;
     model_.accessors.push_back(accessor);
-    return static_cast<int>(model_.accessors.size()) - 1;
+    return SizeOf(model_.accessors) - 1;
   }
 
   const AnimatedMesh& mesh_;

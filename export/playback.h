@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 
 namespace keypose::exporting {
 
@@ -20,7 +21,7 @@ struct Clip {
   /// per frame: 1: its picture is held until the next frame; 0: players blend
   std::vector<char> stands;
   bool loop = false;  ///< the last frame equals the first
-  int frame_count() const { return static_cast<int>(picture.size()); }
+  int frame_count() const { return SizeOf(picture); }
 };
 
 /// @param stands  per frame, as planned by `interpolate`; empty if unknown: then pictures that

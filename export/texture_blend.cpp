@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/size_of.h"
+
 namespace keypose::exporting {
 namespace {
 
@@ -22,7 +24,7 @@ bool OnTheLine(const TextureMoment& a, const TextureMoment& b, const TextureMome
 
 std::vector<double> TextureWeights(double t, const std::vector<int>& key_textures, int count) {
   std::vector<double> weights(count, 0.0);
-  const int last = static_cast<int>(key_textures.size()) - 1;
+  const int last = SizeOf(key_textures) - 1;
   const int key = std::clamp(static_cast<int>(std::floor(t)), 0, last);
   const double share = std::clamp(t - key, 0.0, 1.0);
   weights[key_textures[key]] += 1 - share;

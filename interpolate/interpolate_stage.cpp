@@ -1,6 +1,7 @@
 // keypose-interpolate: frames between keys.
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "core/io/regions_io.h"
 #include "core/io/timeline.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "interpolate/distortion.h"
 #include "interpolate/sequence.h"
@@ -107,7 +109,7 @@ struct Plan {
 
 Plan MakePlan(StageContext& stage, const InterpolateOptions& options,
               const std::vector<PointsX3>& keys, const Mesh& first) {
-  const int count = static_cast<int>(keys.size());
+  const int count = SizeOf(keys);
   if (!stage.Has("timeline")) {
     Plan plan{MakeSchedule(std::vector<int>(count - 1, options.steps)), {}};
     plan.rules = PlainRules(plan.schedule, options.volume);
@@ -200,8 +202,8 @@ void Run(StageContext& stage, const InterpolateOptions& options) {
   };
   StreamFrames(keys, plan.schedule, *source, take, stage.progress());
   const DistortionReport report = meter.Finish();
-  stage.Report("frames", static_cast<std::int64_t>(report.frames.size()));
-  stage.Report("keys", static_cast<std::int64_t>(keys.size()));
+  stage.Report("frames", std::ssize(report.frames));
+  stage.Report("keys", std::ssize(keys));
   ReportSource(stage, source->report(), options.method);
   ReportDistortion(stage, report, options.method);
   WriteFile(folder / "distortion.json",

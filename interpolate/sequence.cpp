@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "interpolate/surface/arap.h"
 #include "interpolate/surface/key_source.h"
 #include "interpolate/surface/paper_arap.h"
@@ -198,8 +199,7 @@ class VolumetricSource final : public PairSource<VolumetricInterpolator> {
 std::vector<int> NextBatch(const Schedule& schedule, int first, int most) {
   std::vector<int> batch;
   const int span = schedule.frames[first].span;
-  for (int f = first; f < std::ssize(schedule.frames) && static_cast<int>(batch.size()) < most;
-       ++f) {
+  for (int f = first; f < std::ssize(schedule.frames) && SizeOf(batch) < most; ++f) {
     const PlannedFrame& frame = schedule.frames[f];
     if (frame.span != span || (frame.key >= 0 && f > first)) break;
     if (frame.key < 0 && frame.same_as < 0) batch.push_back(f);
@@ -272,7 +272,7 @@ std::unique_ptr<FrameSource> MakeFrameSource(const std::vector<PointsX3>& keys,
 
 void StreamFrames(const std::vector<PointsX3>& keys, const Schedule& schedule, FrameSource& source,
                   const std::function<void(const FrameView&)>& take, Progress* progress) {
-  const int count = static_cast<int>(schedule.frames.size()), most = BatchSize(keys[0].rows());
+  const int count = SizeOf(schedule.frames), most = BatchSize(keys[0].rows());
   std::vector<ComputedFrame> batch;  // frames that `take` has not had yet, last first
   ComputedFrame shown;               // the frame that repeated frames copy
   for (int f = 0; f < count; ++f) {

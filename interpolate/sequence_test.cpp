@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "interpolate/distortion.h"
 #include "interpolate/surface/arap.h"
@@ -85,7 +86,7 @@ Timeline At(const std::vector<double>& seconds, double fps = 10) {
 }
 
 Schedule ScheduleOf(const Timeline& timeline) {
-  return MakeSchedule(timeline, static_cast<int>(timeline.keys.size()), 9, "timeline");
+  return MakeSchedule(timeline, SizeOf(timeline.keys), 9, "timeline");
 }
 
 Rules RulesOf(const Timeline& timeline, const Schedule& schedule, const Mesh& mesh) {

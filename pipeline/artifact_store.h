@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pipeline/disk.h"
-#include "pipeline/recipe.h"
+#include "pipeline/fingerprint.h"
 #include "pipeline/stage_info.h"
 
 namespace keypose::pipeline {

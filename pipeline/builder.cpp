@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "core/size_of.h"
 #include "pipeline/collect_ending.h"
 #include "pipeline/work_size.h"
 
@@ -234,7 +235,7 @@ void Builder::StartReady() {
     std::vector<int> ready = plan_.Ready();
     std::erase_if(ready, is_running);
     bool found_in_cache = false;
-    int waiting = static_cast<int>(ready.size());
+    int waiting = SizeOf(ready);
     for (const int step : ready) {
       // Another step of this run may have made the same artifact in the meantime.
       if (auto artifact =

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "pipeline/disk.h"
-#include "pipeline/recipe.h"
+#include "pipeline/fingerprint.h"
 
 namespace keypose::pipeline {
 

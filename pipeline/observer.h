@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/size_of.h"
 #include "pipeline/ending.h"
 
 namespace keypose::pipeline {
@@ -55,7 +56,7 @@ class Estimate {
   double Fraction(double now) const;
   /// Nothing while no step's duration is known.
   std::optional<double> SecondsLeft(double now) const;
-  int total() const { return static_cast<int>(steps_.size()); }
+  int total() const { return SizeOf(steps_); }
   int finished() const;
   /// Fraction of a running step: below 1.
   double FractionOf(const std::string& step) const;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/size_of.h"
 #include "pipeline/artifact_store.h"
 #include "pipeline/content_hasher.h"
 #include "pipeline/graph.h"
@@ -59,7 +60,7 @@ class Plan {
 
   const Graph& graph() const { return graph_; }
   const StepPlan& operator[](int i) const { return steps_[i]; }
-  int size() const { return static_cast<int>(steps_.size()); }
+  int size() const { return SizeOf(steps_); }
 
   /// Steps that can run now, in order.
   std::vector<int> Ready() const;

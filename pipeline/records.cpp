@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/size_of.h"
+
 namespace keypose::pipeline {
 
 using nlohmann::json;
@@ -98,7 +100,7 @@ std::set<std::string> Records::Mentioned(int runs) const {
   std::set<std::string> mentioned;
   std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
   std::reverse(names.begin(), names.end());
-  if (static_cast<int>(names.size()) > runs) names.resize(static_cast<std::size_t>(runs));
+  if (SizeOf(names) > runs) names.resize(static_cast<std::size_t>(runs));
   for (const std::string& name : names) {
     const json value = json::parse(disk_.Read(state_folder_ / "runs" / name), nullptr, false);
     if (!value.is_object()) continue;
@@ -118,7 +120,7 @@ std::set<std::string> Records::Mentioned(int runs) const {
 
 int Records::DropOldRuns(int runs) {
   const std::vector<std::string> names = disk_.Children(state_folder_ / "runs");
-  const int drop = std::max(0, static_cast<int>(names.size()) - runs);
+  const int drop = std::max(0, SizeOf(names) - runs);
   for (int i = 0; i < drop; ++i) disk_.Remove(state_folder_ / "runs" / names[i]);
   return drop;
 }

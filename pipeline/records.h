@@ -10,7 +10,7 @@
 
 #include "pipeline/disk.h"
 #include "pipeline/ending.h"
-#include "pipeline/recipe.h"
+#include "pipeline/fingerprint.h"
 
 namespace keypose::pipeline {
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "pipeline/stamp_json.h"
 
 namespace keypose::pipeline {
@@ -75,7 +76,7 @@ void StageCatalog::Load(const std::vector<std::filesystem::path>& programs) {
   if (unknown.empty()) return;
   std::vector<std::vector<std::string>> questions;
   for (const std::string& program : unknown) questions.push_back({program, "--describe"});
-  asked_ += static_cast<int>(unknown.size());
+  asked_ += SizeOf(unknown);
   std::vector<std::optional<FileStat>> before;
   for (const std::string& program : unknown) before.push_back(disk_.Stat(program));
   const auto answers = processes_.Ask(questions);

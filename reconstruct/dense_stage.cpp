@@ -9,6 +9,7 @@
 #include "core/io/colmap_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/png_io.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/dense.h"
@@ -71,8 +72,8 @@ void ReportMatching(StageContext& stage, const std::vector<PreparedView>& views,
   stage.Report("gap_points", result.gap_points);
   stage.Report("hull_points", static_cast<int>(result.cloud.points.rows()) - result.stereo_points -
                                   result.gap_points - result.frontier_points);
-  stage.Report("rim_points", result.frontier_points);
-  stage.Report("points_against_rims", result.contradicted_points);
+  stage.Report("frontier_points", result.frontier_points);
+  stage.Report("points_against_outlines", result.contradicted_points);
   stage.Report("ncc_evaluations", result.evaluations);
   stage.Report("ncc_per_cpu_second",
                result.matching_cpu_seconds > 0
@@ -113,7 +114,7 @@ void Run(StageContext& stage, const DenseOptions& options) {
   }
   const double cpu = CpuSeconds();
   stage.Report("points", static_cast<int>(cloud.points.rows()));
-  stage.Report("views", static_cast<int>(views.size()));
+  stage.Report("views", SizeOf(views));
   stage.Report("cpu_seconds", cpu);
   stage.Report("masked_megapixels", masked);
   stage.Report("cpu_seconds_per_masked_megapixel", cpu / std::max(masked, 1e-6));

@@ -7,6 +7,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "core/io/colmap_io.h"
@@ -41,9 +43,28 @@ class SfmProgram : public testing::Test {
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(log)};
   }
-  Outcome Sfm(const std::string& environment, const std::string& model) const {
+  Outcome Sfm(const std::string& environment, const std::string& model,
+              const std::string& options = "") const {
     return Run(environment, "keypose-sfm",
-               "--images " + (root / "images").string() + " --model " + (root / model).string());
+               "--images " + (root / "images").string() + " --model " + (root / model).string() +
+                   " " + options);
+  }
+
+  static bool CanShoot() {
+    return fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") &&
+           fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture");
+  }
+
+  /// Twenty photographs of the clay figure in one ring, as `images`.
+  bool ShootRing() const {
+    return Run("", "keypose-synth",
+               "photos --output " + root.string() +
+                   " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
+                   .code == 0 &&
+           Run("", "keypose-capture",
+               "--photos " + (root / "photos/rest").string() + " --images " +
+                   (root / "images").string())
+                   .code == 0;
   }
 
   /// Eight images of unrelated noise, with full masks.
@@ -77,26 +98,15 @@ std::string ModelBytes(const fs::path& model) {
 }
 
 PointsX3 Centers(const Scene& scene) {
-  PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
+  PointsX3 centers(std::ssize(scene.views), 3);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     centers.row(v) = scene.views[v].Center().transpose();
   return centers;
 }
 
 TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
-  if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") ||
-      !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
-    GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
-  ASSERT_EQ(Run("", "keypose-synth",
-                "photos --output " + root.string() +
-                    " --poses rest --views 20 --elevations 25 --width 640 --spacing 0.004")
-                .code,
-            0);
-  ASSERT_EQ(
-      Run("", "keypose-capture",
-          "--photos " + (root / "photos/rest").string() + " --images " + (root / "images").string())
-          .code,
-      0);
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_TRUE(ShootRing());
   const Outcome one = Sfm("KEYPOSE_THREADS=1", "one"), two = Sfm("KEYPOSE_THREADS=2", "two");
   ASSERT_EQ(one.code, 0) << one.output;
   ASSERT_EQ(two.code, 0) << two.output;
@@ -116,7 +126,31 @@ TEST_F(SfmProgram, RingOfClayComesOutTrueUprightAndTheSameForAnyThreadCount) {
   EXPECT_GT((align.rotation * Eigen::Vector3d::UnitZ()).z(), std::cos(0.5 * 3.14159265 / 180));
 }
 
-TEST_F(SfmProgram, PlateGivesCamerasInMetresOfAFigureWithoutTexture) {
+TEST_F(SfmProgram, OptionsOfFeaturesMatchesAndLimitsDoWhatTheySay) {
+  if (!CanShoot()) GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
+  ASSERT_TRUE(ShootRing());
+  const auto report = [&](const std::string& options) {
+    const Outcome outcome = Sfm("", "model",
+                                "--overwrite --method features --report " +
+                                    (root / "report.json").string() + " " + options);
+    EXPECT_EQ(outcome.code, 0) << outcome.output;
+    return nlohmann::json::parse(ReadFile(root / "report.json"))["measurements"];
+  };
+  const nlohmann::json plain = report("");
+  const double features = plain["mean_features"];
+  EXPECT_TRUE(plain.contains("guided_gain"));
+  const nlohmann::json few = report("--max_features 1000 --guided_matching false");
+  EXPECT_LE(few["mean_features"].get<double>(), 1000);
+  EXPECT_FALSE(few.contains("guided_gain"));
+  EXPECT_LT(report("--peak_threshold 0.008")["mean_features"].get<double>(), 0.9 * features);
+  EXPECT_NE(report("--affine_shape false")["mean_features"].get<double>(), features);
+  EXPECT_LT(report("--max_image_size 400")["mean_features"].get<double>(), 0.9 * features);
+  const Outcome strict = Sfm("", "strict", "--min_hull_overlap 1");
+  EXPECT_NE(strict.code, 0);
+  EXPECT_THAT(strict.output, HasSubstr("at least 1.00 is required"));
+}
+
+TEST_F(SfmProgram, BoardGivesCamerasInMetresOfAFigureWithoutTexture) {
   if (!fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-synth") ||
       !fs::exists(std::string(KEYPOSE_BIN_DIR) + "/keypose-capture"))
     GTEST_SKIP() << "keypose-synth and keypose-capture are not built here";
@@ -136,7 +170,7 @@ TEST_F(SfmProgram, PlateGivesCamerasInMetresOfAFigureWithoutTexture) {
                               "--images " + (root / "images").string() + " --model " +
                                   (root / "model").string() + " --report " + report);
   ASSERT_EQ(outcome.code, 0) << outcome.output;
-  EXPECT_THAT(ReadFile(report), HasSubstr("\"scale_source\": \"plate\""));
+  EXPECT_THAT(ReadFile(report), HasSubstr("\"scale_source\": \"board\""));
   const Scene found = ReadColmapModel(root / "model"),
               truth = ReadColmapModel(root / "truth/rest/cameras");
   ASSERT_EQ(found.views.size(), truth.views.size());

@@ -9,12 +9,14 @@
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "reconstruct/sfm/colmap_programs.h"
 #include "reconstruct/sfm/evidence_check.h"
 #include "reconstruct/sfm/final_adjustment.h"
 #include "reconstruct/sfm/ground_by_outlines.h"
 #include "reconstruct/sfm/matched_features.h"
+#include "reconstruct/sfm/posed_model.h"
 #include "reconstruct/sfm/strategies.h"
 #include "reconstruct/turntable/leveling.h"
 #include "reconstruct/turntable/ring_picture.h"
@@ -85,8 +87,8 @@ void RequireRight(StageContext& stage, const StrategyResult& found, const Camera
 
 void ReportModel(StageContext& stage, const ImageSet& set, const Scene& scene,
                  const fs::path& model) {
-  stage.Report("images_total", static_cast<int>(set.images.size()));
-  stage.Report("images_placed", static_cast<int>(scene.views.size()));
+  stage.Report("images_total", SizeOf(set.images));
+  stage.Report("images_placed", SizeOf(scene.views));
   stage.ReportJson("not_placed", NotPlaced(set, scene).dump());
   for (const auto& [name, value] : AnalyzeModel(stage, model)) {
     if (name == "mean_reprojection_error")
@@ -150,19 +152,20 @@ void Run(StageContext& stage, const SfmOptions& options) {
   if (set.images.size() < 3)
     throw InputError("sfm: " + set.folder.string() + " has " + std::to_string(set.images.size()) +
                      " photographs; at least 3 are needed");
-  options.Layouts(NamesOf(set));  // reports a wrong option before the work
+  options.Layouts(NamesOf(set));                   // reports a wrong option before the work
+  if (stage.Has("poses")) KnownViews(stage, set);  // and wrong cameras
   ReportProgress(stage.progress(), 0, "features");
-  const EvidenceJudge judge(set);
+  const EvidenceCheck check(set);
   MatchedFeatures matched;
   const StrategyResult found =
-      FindCameras({stage, set, options, judge, watch}, stage.Scratch(), matched);
+      FindCameras({stage, set, options, check, watch}, stage.Scratch(), matched);
   RequirePlaced(set, found.model.scene, options);
   stage.Report("method", found.method);
   stage.Report("scale_source", found.model.scale_source);
   found.measurements.Report(stage);
   Scene scene = RefineByPatches(stage, set, found.model, matched.focal_known, options);
   watch.Lap(stage, "patches");
-  const CameraEvidence evidence = judge.Judge(scene, matched.features, matched.verified);
+  const CameraEvidence evidence = check.Evaluate(scene, matched.features, matched.verified);
   ReportEvidence(stage, evidence);
   watch.Lap(stage, "hull_check");
   RequireRight(stage, found, evidence, options);

@@ -1,5 +1,5 @@
-// The default method on real pairs with known correspondence, where they are at hand, against the
-// figures that docs/results/registration.md states.
+// The default method on real pairs with known correspondence, compared with the numbers in
+// docs/results/registration.md. Skipped without the data.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kLandmarks = 12;
-// Results differ a little between processors, whose linear algebra rounds differently.
+// Results differ slightly between processors, because their linear algebra rounds differently.
 constexpr double kTolerance = 1.2;
 
 struct Figures {
@@ -49,7 +49,7 @@ std::vector<std::string> Cells(const std::string& row) {
   return cells;
 }
 
-/// Those of the first table that has the pair, which is the one with 12 landmarks.
+/// The numbers of the first table that has the pair; that is the one with 12 landmarks.
 Figures DocumentedFigures(const std::string& pair) {
   std::istringstream page(ReadFile(KEYPOSE_SOURCE_DIR "/docs/results/registration.md"));
   for (std::string line; std::getline(page, line);) {
@@ -64,8 +64,8 @@ Figures DocumentedFigures(const std::string& pair) {
 }
 
 struct Truth {
-  std::vector<int> vertices;  ///< of the source, those whose place is known
-  PointsX3 places;            ///< of these
+  std::vector<int> vertices;  ///< source vertices whose true position is known
+  PointsX3 places;            ///< their true positions
 };
 
 Truth ReadTruth(const fs::path& file, const Mesh& target) {
@@ -87,7 +87,7 @@ Figures Measure(const Mesh& source, const PointsX3& registered, const Mesh& targ
   const std::vector<char> opposed =
       TargetFaces(target.points, target.faces).Opposed(registered, source.faces, 0);
   measured.flipped = static_cast<int>(std::count(opposed.begin(), opposed.end(), 1));
-  // Where a corner's place is not known, the comparison below is with NaN: false.
+  // If the position of a corner is not known, the comparison below is with NaN, so it is false.
   PointsX3 places = PointsX3::Constant(source.vertex_count(), 3, std::nan(""));
   places(truth.vertices, Eigen::all) = truth.places;
   const PointsX3 normals = FaceNormals(registered, source.faces),

@@ -25,18 +25,18 @@ StageSpec BindSpec() {
   spec.name = "landmarks bind";
   spec.version = "1";
   spec.summary =
-      "Binds picks, a painted stiffness or a timeline's regions to the mesh they are of, so that "
-      "they follow when it is made anew.";
+      "Binds picks, a painted stiffness or a timeline's regions to their mesh, so that they stay "
+      "valid when the mesh is rebuilt.";
   spec.inputs = {
-      {"mesh", "file", "the mesh that it was picked, painted or counted on", "", true, false},
-      {"source", "file", "of a file of pairs: the source", "", true, false},
-      {"target", "file", "of a file of pairs: the target", "", true, false},
+      {"mesh", "file", "the mesh of the picks, the stiffness or the regions", "", true, false},
+      {"source", "file", "for pairs: the source mesh", "", true, false},
+      {"target", "file", "for pairs: the target mesh", "", true, false},
       {"picks", "file", "picks of one mesh (.json, .pp), or pairs (.json, text)", "", true, false},
       {"stiffness", "file", "a number for each vertex", "", true, false},
       {"timeline", "file",
-       "pipeline.yaml or a timeline, for its regions; --mesh is that of the first key", "", true,
+       "pipeline.yaml or a timeline, for its regions; --mesh is the first key's mesh", "", true,
        false}};
-  spec.outputs = {{"bound", "file", "what was given, bound (.json); may be the same file",
+  spec.outputs = {{"bound", "file", "the bound file (.json); may be the same as the input",
                    "bound.json", false, false, true}};
   return spec;
 }
@@ -51,8 +51,8 @@ void Require(StageContext& stage, const std::string& given, const std::string& p
   if (!stage.Has(port)) throw UsageError("landmarks bind: --" + given + " needs --" + port);
 }
 
-/// Of what was read, only what was carried over is news: that the file names no mesh is why it is
-/// bound.
+/// Passes on notes about picks that moved, but not the warning that the file names no mesh: that is
+/// the reason to bind it.
 void Tell(StageContext& stage, const CarryLog& log) {
   for (const std::string& note : log.notes) stage.Note(note);
 }
@@ -71,7 +71,7 @@ void BindPicks(StageContext& stage) {
   const Mesh mesh = Load(stage, "mesh");
   const std::vector<Landmark> picks = ReadPicks(stage.Input("picks"), mesh, &log);
   Tell(stage, log);
-  if (picks.empty()) throw InputError(stage.Input("picks").string() + " holds no landmark");
+  if (picks.empty()) throw InputError(stage.Input("picks").string() + " has no landmarks");
   WriteLandmarks(stage.Output("bound"), mesh, picks);
 }
 
@@ -92,7 +92,7 @@ Eigen::Vector3d PointOf(const YAML::Node& node) {
   return {node[0].as<double>(), node[1].as<double>(), node[2].as<double>()};
 }
 
-/// The regions of a project's pipeline.yaml or of a timeline alone; the runner checks all the rest.
+/// The regions of a project's pipeline.yaml or of a timeline. The runner checks everything else.
 std::vector<TimelineRegion> RegionsOf(const std::filesystem::path& path) {
   std::vector<TimelineRegion> regions;
   try {

@@ -1,10 +1,11 @@
-// `keypose landmarks bind`: files that hold numbers of a mesh, rewritten so that they can follow
-// when the mesh is made anew.
+// `keypose landmarks bind`: rewrites files that hold vertex or face numbers, so that they stay
+// valid when the mesh is rebuilt.
 #pragma once
 
 namespace keypose::registration {
 
-/// The program's main after the word `bind`; the exit code.
+/// Runs the command line after the word `bind`.
+/// @return the exit code
 int BindMain(int argc, char** argv);
 
 }  // namespace keypose::registration

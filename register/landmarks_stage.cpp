@@ -1,5 +1,6 @@
-// keypose-landmarks: `keypose landmarks suggest` proposes pairs of landmarks for a person to
-// confirm; `bind` ties picks to their mesh.
+// keypose-landmarks: `keypose landmarks suggest` suggests pairs of landmarks for a person to
+// confirm; `keypose landmarks bind` binds picks to their mesh.
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -27,9 +28,9 @@ struct ProgramOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("count", suggest.count,
-          {"pairs to suggest at most, beside those given", "", 1, 1000, {}});
+          {"largest number of pairs to suggest, in addition to those given", "", 1, 1000, {}});
     visit("min_confidence", suggest.min_confidence,
-          {"leave out suggestions that are less sure", "", 0, 1, {}});
+          {"leave out suggestions with a lower confidence", "", 0, 1, {}});
     visit("proxy_vertices", suggest.proxy_vertices,
           {"size of the decimated meshes that are compared", "vertices", 100, 20000, {}});
     visit("samples", suggest.samples,
@@ -37,9 +38,9 @@ struct ProgramOptions {
     visit("functions", suggest.functions,
           {"eigenfunctions that the last refinement uses", "", 20, 500, {}});
     visit("candidates", suggest.candidates,
-          {"assignments of limbs that are tried", "", 1, 10000, {}});
+          {"number of assignments of limbs to try", "", 1, 10000, {}});
     visit("accept", accept,
-          {"numbers in the picture that a person confirms, such as 1,2,5-9, or all", "", 0, 0, {}});
+          {"confirm these pairs, by their numbers in the picture: 1,2,5-9, or all", "", 0, 0, {}});
     visit("up", up,
           {.help = "axis that points up in the picture", .unit = "", .choices = {"x", "y", "z"}});
     visit("panel", panel, {"width and height of each view in the picture", "px", 64, 4096, {}});
@@ -52,17 +53,17 @@ StageSpec Spec() {
   spec.name = "landmarks suggest";
   spec.version = "3";
   spec.summary =
-      "Suggests pairs of landmarks between two poses; a person confirms them. (keypose landmarks "
-      "bind --help: ties picks to their mesh.)";
+      "Suggests pairs of landmarks between two poses; a person confirms them. (To bind picks to "
+      "their mesh: keypose landmarks bind --help.)";
   spec.inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
       {"source_texture", "file", "the source's texture, for a source with UVs", "", true, false},
       {"target_texture", "file", "the target's texture", "", true, false},
-      {"landmarks", "file", "pairs that are known already, or picks of source and target", "", true,
+      {"landmarks", "file", "pairs that are already known, or picks of source and target", "", true,
        true}};
   spec.outputs = {
-      {"suggested", "file", "known and suggested pairs (.json), to confirm and give to register",
+      {"suggested", "file", "known and suggested pairs (.json), to confirm and pass to register",
        "suggested.json", false, false},
       {"source_picks", "file", "the confirmed pairs' picks on the source (.json), for a project",
        "source.json", true, false},
@@ -90,7 +91,8 @@ LandmarkPair PairOf(const SuggestedPair& suggested, const std::string& name) {
   return pair;
 }
 
-/// Known pairs that a person stands behind; an earlier run's unconfirmed suggestions are made anew.
+/// Known pairs that a person has confirmed. Unconfirmed suggestions of an earlier run are dropped,
+/// and new ones are made.
 std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
                                         const Mesh& target) {
   std::vector<LandmarkPair> known;
@@ -108,13 +110,12 @@ std::vector<LandmarkPair> LoadConfirmed(StageContext& stage, const Mesh& source,
       ++dropped;
   }
   if (dropped > 0)
-    stage.Note(std::to_string(dropped) +
-               " pairs that nobody confirmed were left out and are suggested anew");
+    stage.Note(std::to_string(dropped) + " unconfirmed pairs were dropped; new ones are suggested");
   return known;
 }
 
-/// Marks what `accept` names as confirmed: "all", or numbers from 1 and ranges, separated by
-/// commas.
+/// Marks pairs as confirmed.
+/// @param accept  "all", or numbers from 1 and ranges, separated by commas; may be empty
 void Accept(const std::string& accept, std::vector<LandmarkPair>& pairs) {
   if (accept == "all")
     for (LandmarkPair& pair : pairs) pair.confirmed = true;
@@ -129,7 +130,7 @@ void Accept(const std::string& accept, std::vector<LandmarkPair>& pairs) {
     if (good && in >> dash) good = dash == '-' && in >> last;
     if (!good || in >> rest || first < 1 || last < first || last > pairs.size())
       throw UsageError("--accept: '" + part + "' is not a number or range from 1 to " +
-                       std::to_string(pairs.size()) + ", the numbers in the picture; or say all");
+                       std::to_string(pairs.size()) + " (the numbers in the picture), nor all");
     for (std::size_t k = first; k <= last; ++k) pairs[k - 1].confirmed = true;
   }
 }
@@ -143,7 +144,7 @@ void WritePicks(StageContext& stage, const std::string& port, const Mesh& mesh,
     if (pair.confirmed) picks.push_back(pair.*side);
   if (picks.empty())
     throw UsageError("--" + port +
-                     ": no pair is confirmed; name those that are right with --accept");
+                     ": no pair is confirmed; confirm the correct ones with --accept");
   WriteLandmarks(path, mesh, picks);
 }
 
@@ -156,7 +157,8 @@ std::string FreeName(const std::vector<LandmarkPair>& pairs, std::size_t& number
   }
 }
 
-/// A project's meshes of all poses have one name; the folder tells the pose.
+/// Folder and file name: in a project all meshes have the same file name, and the folder is the
+/// pose.
 std::string ShortName(const std::filesystem::path& path) {
   const std::filesystem::path full = std::filesystem::absolute(path).lexically_normal();
   return full.parent_path().filename().string() + "/" + full.filename().string();
@@ -180,8 +182,8 @@ void WritePicture(StageContext& stage, const ProgramOptions& options, const Mesh
 }
 
 void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion& suggestion) {
-  stage.Report("known", static_cast<std::int64_t>(known.goals.size()));
-  stage.Report("suggested", static_cast<std::int64_t>(suggestion.pairs.size()));
+  stage.Report("known", std::ssize(known.goals));
+  stage.Report("suggested", std::ssize(suggestion.pairs));
   stage.Report("distortion", suggestion.distortion);
   stage.Report("orientation_kept", suggestion.orientation);
   stage.Report("margin", suggestion.margin);
@@ -192,7 +194,7 @@ void Report(StageContext& stage, const CheckedLandmarks& known, const Suggestion
   for (const std::string& warning : known.warnings) stage.Warn(warning);
 }
 
-/// The mesh with its texture's colours at its vertices, where a texture is given.
+/// Reads a mesh. If its texture is given, the vertices get the texture's colours.
 Mesh LoadMesh(StageContext& stage, const std::string& port) {
   Mesh mesh = ReadMesh(stage.Input(port));
   RequireUsable(mesh, stage.Input(port).string());
@@ -200,7 +202,7 @@ Mesh LoadMesh(StageContext& stage, const std::string& port) {
   if (!stage.Has(texture_port)) return mesh;
   if (!mesh.has_uvs())
     throw InputError("landmarks: " + stage.Input(port).string() +
-                     " has no UVs, so its texture cannot be used; leave the texture out");
+                     " has no UVs, so its texture cannot be used; omit the texture");
   const Image8 texture = ReadImage(stage.Input(texture_port), 3);
   mesh.colors = ColorsX3::Constant(mesh.vertex_count(), 3, 128);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)

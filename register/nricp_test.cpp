@@ -49,7 +49,7 @@ TEST(RegisterNricp, TranslatingBothMeshesTranslatesTheResult) {
   };
   NricpOptions options;
   options.alpha_min = 1;
-  // conjugate gradients stop at a tolerance, so they would pass rounding on
+  // conjugate gradients stop at a tolerance, so rounding would change the result
   options.exact_solves = true;
   const PointsX3 before = RegisterNricp(source, target, goals({0, 0, 0}), {}, options).points;
   const Eigen::RowVector3d shift(3, -2, 5);
@@ -81,7 +81,7 @@ TEST(RegisterNricp, ConjugateGradientsChangeNothingThatMatters) {
   const PointsX3 a = RegisterNricp(tube, target, goals, {}, {}).points,
                  b = RegisterNricp(tube, target, goals, {}, exact).points;
   EXPECT_LT((a - b).rowwise().norm().maxCoeff() / BoundingDiagonal(target.points),
-            1e-3);  // one inner loop more or less is that large
+            1e-3);  // the effect of one inner loop more or less
 }
 
 TEST(RegisterNricp, FollowsAModestBendWithThirteenLandmarks) {
@@ -93,7 +93,7 @@ TEST(RegisterNricp, FollowsAModestBendWithThirteenLandmarks) {
   const NricpResult result = RegisterNricp(tube, target, goals, {}, {});
   const double diagonal = BoundingDiagonal(target.points);
   EXPECT_LT((result.points - truth).rowwise().norm().mean() / diagonal,
-            0.01);  // 0.0087 is what this method reaches on a bulb and tentacle
+            0.01);  // this method reaches 0.0087 on a bulb with a tentacle
   const RegistrationQuality q = MeasureRegistration(tube, result.points, target);
   EXPECT_EQ(q.flipped, 0);
   EXPECT_LT(q.surface_rms, 0.003);
@@ -132,7 +132,7 @@ TEST(RegisterNricp, StiffPartsBendLess) {
   for (int i = 0; i < tube.vertex_count(); ++i)
     if (tube.points(i, 2) < 1) stiffness[i] = 30;
   const auto bending =
-      [&](const PointsX3& p) {  // how far the lower half is from having moved by one affine map
+      [&](const PointsX3& p) {  // how far the motion of the lower half is from one affine map
         std::vector<int> low;
         for (int i = 0; i < tube.vertex_count(); ++i)
           if (tube.points(i, 2) < 0.9) low.push_back(i);

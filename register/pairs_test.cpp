@@ -1,4 +1,4 @@
-// Real meshes with known correspondence, where they are at hand.
+// Real meshes with known correspondence. Skipped without the data.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Registration at the paper's size (3,490 triangles there, 267.6 s in MATLAB), and by its default
-// method up to a million faces.
+// Registration of the paper's size (3,490 triangles, 267.6 s in MATLAB), and by the default method
+// up to a million faces.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "register/auto/auto_registration.h"
 #include "register/nricp/nricp.h"
@@ -22,7 +24,7 @@ namespace {
 using namespace keypose;
 
 void Register(benchmark::State& state, bool exact) {
-  // 42 x 42 tube: 3,528 + caps faces with a bend of 40 degrees; target meshed otherwise.
+  // 42 x 42 tube with 3,528 faces plus caps, bent by 40 degrees. The target has another mesh.
   Mesh source = MakeCylinder(0.3, 2, 42, 41), target = MakeCylinder(0.3, 2, 37, 47);
   const auto bend = [](const PointsX3& p) {
     PointsX3 b = p;
@@ -69,9 +71,9 @@ BENCHMARK_CAPTURE(Register, FactorAtEverySolve, true)
 
 constexpr double kRadius = 0.3, kLength = 2;
 
-/// A closed rod along z of about 38 side^2 faces, near to equilateral, without poles: a box cut
-/// side x side x m whose square section is mapped to a disc. `turn` turns the tessellation, not the
-/// shape.
+/// A closed rod along z with about 38 side^2 nearly equilateral faces and no poles: a box of
+/// side x side x m cells whose square cross-section is mapped to a disc. `turn` rotates the
+/// tessellation, not the shape.
 Mesh MakeRod(int side, double turn) {
   const int along = static_cast<int>(std::lround(kLength / (2 * M_PI * kRadius) * 4 * side));
   const std::array<int, 3> size = {side, side, along};
@@ -79,7 +81,7 @@ Mesh MakeRod(int side, double turn) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3i> faces;
   const auto vertex = [&](const std::array<int, 3>& at) {
-    const auto [entry, added] = index.try_emplace(at, static_cast<int>(points.size()));
+    const auto [entry, added] = index.try_emplace(at, SizeOf(points));
     if (added) {
       const double x = 2.0 * at[0] / side - 1, y = 2.0 * at[1] / side - 1;
       const Eigen::Vector3d p(kRadius * x * std::sqrt(1 - y * y / 2),
@@ -105,9 +107,9 @@ Mesh MakeRod(int side, double turn) {
           faces.emplace_back(q[0], q[2], q[3]);
         }
   Mesh mesh;
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  mesh.points.resize(std::ssize(points), 3);
   for (std::size_t k = 0; k < points.size(); ++k) mesh.points.row(k) = points[k].transpose();
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.faces.resize(std::ssize(faces), 3);
   for (std::size_t k = 0; k < faces.size(); ++k) mesh.faces.row(k) = faces[k].transpose();
   return mesh;
 }
@@ -121,7 +123,7 @@ PointsX3 BentBy(double angle, const PointsX3& p) {
   return b;
 }
 
-/// Thirteen landmarks in a spiral around the rod.
+/// Thirteen landmarks on a spiral around the rod.
 std::vector<LandmarkGoal> Spiral(const PointsX3& points, const PointsX3& truth) {
   std::vector<LandmarkGoal> goals;
   for (int l = 0; l < 13; ++l) {
@@ -138,8 +140,8 @@ std::vector<LandmarkGoal> Spiral(const PointsX3& points, const PointsX3& truth) 
   return goals;
 }
 
-/// The default method on a rod bent by 90 degrees; the target is meshed otherwise. Errors are
-/// against the known place of every vertex.
+/// The default method on a rod bent by 90 degrees. The target has another mesh. Errors are measured
+/// against the known position of every vertex.
 void RegisterAuto(benchmark::State& state) {
   const int side = std::max(
       3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(state.range(0)) / 38))));
@@ -165,7 +167,7 @@ void RegisterAuto(benchmark::State& state) {
   state.counters["flipped"] =
       static_cast<double>((normals.cwiseProduct(true_normals).rowwise().sum().array() < 0).count());
   state.counters["peak_gib"] =
-      static_cast<double>(usage.ru_maxrss) / (1 << 20);  // of the process so far: its largest row
+      static_cast<double>(usage.ru_maxrss) / (1 << 20);  // peak of the process so far
 }
 
 BENCHMARK(RegisterAuto)

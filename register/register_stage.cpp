@@ -1,4 +1,4 @@
-// keypose-register: the template bent onto a pose.
+// keypose-register: bends the template onto a pose.
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -30,15 +30,14 @@ struct RegisterOptions {
   std::string method = "auto";
   AutoOptions automatic;
   NricpOptions nricp;
-  double max_surface_rms = 1;    ///< over the diagonal; more is a quality fault
-  double max_flipped_share = 1;  ///< of faces; more is a quality fault
-  /// write the result also where parts that touch in the template cannot come apart
+  double max_surface_rms = 1;    ///< over the diagonal; a higher value throws QualityError
+  double max_flipped_share = 1;  ///< of clearly flipped faces; a higher value throws QualityError
+  /// Write the result even if parts that touch in the template should separate in the pose
   bool allow_fused = false;
 
   void Describe(OptionVisitor& visit) {
     visit("method", method,
-          {.help =
-               "auto: coarse to fine, holds where limbs turn far; nricp: the paper's non-rigid ICP",
+          {.help = "auto: coarse to fine, also for large turns; nricp: the paper's non-rigid ICP",
            .unit = "",
            .choices = {"auto", "nricp"}});
     visit("coarse_vertices", automatic.coarse_vertices,
@@ -72,49 +71,36 @@ struct RegisterOptions {
            1,
            {}});
     visit("suggest", automatic.suggest,
-          {"auto: with fewer than 4 landmarks, also start from intrinsic geometry", "", 0, 1, {}});
+          {"auto: with fewer than 4 landmarks or a poor fit, also start from intrinsic geometry",
+           "",
+           0,
+           1,
+           {}});
     visit("skeleton", automatic.skeleton,
-          {"auto: with fewer than 4 landmarks, also start from curve skeletons", "", 0, 1, {}});
-    visit("alpha_max", nricp.alpha_max,
-          {"stiffness of the first round (target scaled to diagonal 2)", "", 1e-6, 1e6, {}});
-    visit("alpha_min", nricp.alpha_min, {"stiffness of the last round", "", 1e-6, 1e6, {}});
-    visit("alpha_steps", nricp.alpha_steps, {"rounds of falling stiffness", "", 1, 1000, {}});
-    visit("beta_ratio", nricp.beta_ratio, {"landmark weight over stiffness", "", 0, 1e3, {}});
-    visit("beta_until", nricp.beta_until,
-          {"landmarks count while the stiffness is above this", "", 0, 1e6, {}});
-    visit("gamma", nricp.gamma, {"weight of translation in the stiffness term", "", 1e-6, 1e6, {}});
-    visit("epsilon", nricp.epsilon,
-          {"an inner loop ends when the maps change less than this", "", 0, 1, {}});
-    visit("max_inner", nricp.max_inner, {"solves in one round at most", "", 1, 1000, {}});
-    visit("reject_crossing", nricp.reject_crossing,
-          {"also drop correspondences that pass through the template", "", 0, 1, {}});
-    visit("exact_solves", nricp.exact_solves,
-          {"factor at every solve; about three times slower, same quality", "", 0, 1, {}});
+          {"auto: with fewer than 4 landmarks and a poor fit, also start from curve skeletons",
+           "",
+           0,
+           1,
+           {}});
     visit("max_surface_rms", max_surface_rms,
           {"fail when the surface distance is larger, over the diagonal", "", 0, 1, {}});
     visit("max_flipped_share", max_flipped_share,
           {"fail when a larger share of faces is clearly flipped", "", 0, 1, {}});
     visit("allow_fused", allow_fused,
-          {"write the result also where parts that touch in the template would have to come apart",
+          {"write the result even if parts that touch in the template should separate in the pose",
            "",
            0,
            1,
            {}});
   }
-  std::vector<std::string> Problems() const {
-    std::vector<std::string> problems = automatic.Problems();
-    if (nricp.alpha_min > nricp.alpha_max)
-      problems.push_back(
-          "alpha_min must not be larger than alpha_max: stiffness falls from round to round");
-    return problems;
-  }
+  std::vector<std::string> Problems() const { return automatic.Problems(); }
 };
 
 StageSpec Spec() {
   StageSpec spec;
   spec.name = "register";
   spec.version = "6";
-  spec.summary = "Bends the template onto a pose: same vertices, same faces, new positions.";
+  spec.summary = "Bends the template onto a pose: same vertices and faces, new positions.";
   spec.inputs = {
       {"source", "file", "template mesh", "", false, false},
       {"target", "file", "clean mesh of the pose", "", false, false},
@@ -124,11 +110,11 @@ StageSpec Spec() {
   spec.outputs = {
       {"registered", "file", "the template in the pose (.obj or .ply)", "registered.obj", false,
        false},
-      {"correspondence", "file", "for each vertex the target face and place it lies on",
+      {"correspondence", "file", "for each vertex the nearest target face and the point on it",
        "correspondence.txt", true, false},
-      {"transforms", "file", "for each vertex its 3x4 map from template to pose", "transforms.txt",
+      {"transforms", "file", "for each vertex the 3x4 map from template to pose", "transforms.txt",
        true, false},
-      {"picture", "file", "checker carried over from the template, and distances (.png)",
+      {"picture", "file", "a checker transferred from the template, and distances (.png)",
        "registered.png", true, false}};
   spec.memory_gib = 2;
   spec.common = {"method", "skeleton"};
@@ -140,7 +126,7 @@ void Tell(StageContext& stage, const CarryLog& log) {
   for (const std::string& warning : log.warnings) stage.Warn(warning);
 }
 
-/// @param unbound  whether they do not say on which mesh they were picked
+/// @param unbound  set to whether the landmarks do not name the mesh on which they were picked
 CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Mesh& target,
                                bool* unbound) {
   if (!stage.Has("landmarks")) return {};
@@ -159,12 +145,12 @@ CheckedLandmarks LoadLandmarks(StageContext& stage, const Mesh& source, const Me
     stage.Note("dropped " + std::to_string(checked.duplicates) + " landmarks that repeat others");
   if (suggested > 0)
     stage.Warn(std::to_string(suggested) +
-               " landmarks are suggestions that nobody has confirmed (keypose landmarks suggest "
-               "--accept)");
+               " landmarks are unconfirmed suggestions; confirm them with keypose landmarks "
+               "suggest --accept");
   for (const std::string& warning : checked.warnings) stage.Warn(warning);
   if (checked.coplanar)
     stage.Warn(
-        "the landmarks lie nearly in one plane, which flattens the result; add some off that "
+        "the landmarks are nearly in one plane, which flattens the result; add some outside that "
         "plane");
   return checked;
 }
@@ -198,11 +184,10 @@ void ReportRun(StageContext& stage, const NricpResult& result) {
   stage.Report("seconds_solve", result.seconds_solve);
   if (result.loose_components > 0)
     stage.Warn(std::to_string(result.loose_components) +
-               " parts of the template had too few correspondences to hold them; they stayed near "
-               "their place");
+               " parts of the template had too few correspondences; they stayed where they were");
 }
 
-/// @return the largest residual over the diagonal
+/// @return the largest residual, over the diagonal
 double ReportLandmarks(StageContext& stage, const CheckedLandmarks& landmarks,
                        const PointsX3& registered, double diagonal) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -270,9 +255,9 @@ void ReportAuto(StageContext& stage, const AutoResult& result) {
   std::string words = "start '" + chosen.name + "' chosen";
   if (result.starts.size() > 1)
     words += " of " + std::to_string(result.starts.size()) +
-             " tried: closest to the target with the least strain";
+             " tried: it has the best score from distance to the target and strain";
   stage.Note(words + (result.softened ? "; the shape had to stretch to reach the surface"
-                                      : "; rigid bending explains the pose"));
+                                      : "; bending without stretch was enough"));
 }
 
 void ReportAdvice(StageContext& stage, const Mesh& source, const PointsX3& registered,
@@ -300,7 +285,7 @@ void AppendNumbers(std::string& text, std::initializer_list<double> numbers) {
   }
 }
 
-/// One line a vertex: target face, barycentric coordinates, distance over the target's diagonal.
+/// One line per vertex: target face, barycentric coordinates, distance over the target's diagonal.
 std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces,
                                const Mesh& target) {
   const TargetSurface surface(target.points, target.faces);
@@ -318,8 +303,8 @@ std::string CorrespondenceText(const PointsX3& registered, const FacesX3& faces,
   return text;
 }
 
-/// One line a vertex: the 3x4 map [A b], row by row, that takes points near the vertex from
-/// template to pose.
+/// One line per vertex: the 3x4 map [A b], row by row, that moves points near the vertex from the
+/// template to the pose.
 std::string TransformsText(const PointsX3& before, const PointsX3& after,
                            const std::vector<Eigen::Matrix3d>& linear) {
   std::string text =
@@ -333,19 +318,20 @@ std::string TransformsText(const PointsX3& before, const PointsX3& after,
   return text;
 }
 
-/// What nobody can check is not believed against what the surfaces say: landmarks that end far from
-/// their marks *and* fold the surface. On seven real pairs they end within 1 % of the diagonal, and
-/// up to 3 % of the faces are flipped; random numbers end 4 to 14 % off, with 7 to 23 % flipped,
-/// and another numbering of a figure 7 % off with 3 %.
+/// Refuses landmarks that do not name their mesh and look like landmarks of another mesh: one ends
+/// far from its target, and many faces are flipped. On seven real pairs, correct landmarks end
+/// within 1 % of the diagonal, with up to 3 % of the faces flipped. Random vertex numbers end 4 to
+/// 14 % off, with 7 to 23 % flipped. Another numbering of the same figure ends 7 % off, with 3 %
+/// flipped.
 void RefuseWrongNumbers(double off_its_mark, int flipped, int faces) {
   if (off_its_mark < 0.02 || flipped < 0.02 * faces) return;
   throw InputError(
-      "register: the landmarks do not say on which mesh they were picked, and they contradict the "
-      "surfaces: one ends " +
+      "register: the landmarks do not name the mesh on which they were picked, and they contradict "
+      "the surfaces: one ends " +
       std::to_string(static_cast<int>(100 * off_its_mark)) +
-      " % of the diagonal from its mark, and " + std::to_string(flipped) + " of " +
+      " % of the diagonal from its target, and " + std::to_string(flipped) + " of " +
       std::to_string(faces) +
-      " faces are flipped. Pick them again; or, if they lie where they should, bind them: keypose "
+      " faces are flipped. Pick them again; or, if their places are right, bind them: keypose "
       "landmarks bind --help");
 }
 
@@ -366,12 +352,13 @@ void RefuseFused(StageContext& stage, const Mesh& source, const Mesh& target, do
   const std::string problem = FusedTemplateProblem(source, target, off_pose);
   if (problem.empty()) return;
   if (!allow)
-    throw InputError("register: " + problem + ", or write it as it is with --allow_fused true");
+    throw InputError("register: " + problem +
+                     ", or write the result anyway with --allow_fused true");
   stage.Warn(problem);
 }
 
-/// Vertices keep their numbers. Judged with its seams, a mesh would meet itself at each, and no
-/// distance along it would cross one.
+/// Closes the seams of a mesh, for measuring. Otherwise the mesh would intersect itself at seams,
+/// and distances along the surface could not cross them. Vertices keep their numbers.
 Mesh WithoutSeams(Mesh mesh, std::vector<LandmarkGoal>& landmarks) {
   const Seams seams = FindSeams(mesh);
   mesh.faces = WeldedFaces(mesh.faces, seams);

@@ -1,11 +1,11 @@
-// What real inputs have and clean ones lack, against known truth: seams, parts that must not bend,
-// targets that are not all there.
+// Defects of real inputs, with known truth: seams, parts that must not bend, incomplete targets.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <string>
@@ -14,6 +14,7 @@
 
 #include "core/camera.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "deform/arap/rigid_pieces.h"
 #include "register/auto/auto_registration.h"
@@ -32,9 +33,9 @@ constexpr int kGoalStride = 63;
 Mesh Tube() { return MakeCylinder(kRadius, kLength, 20, 40); }
 Mesh OtherTube() { return MakeCylinder(kRadius, kLength, 23, 47); }
 
-/// The mesh cut open wherever faces of different charts meet: each chart after the first gets
-/// vertices of its own, appended.
-/// @param origin  becomes for each vertex the one it was
+/// Cuts the mesh where faces of different charts meet. Each chart after the first gets its own
+/// vertices, which are appended.
+/// @param origin  receives the original vertex of each vertex
 template <class ChartOf>
 Mesh CutAtCharts(const Mesh& mesh, const ChartOf& chart_of, std::vector<int>& origin) {
   Mesh cut = mesh;
@@ -50,7 +51,7 @@ Mesh CutAtCharts(const Mesh& mesh, const ChartOf& chart_of, std::vector<int>& or
     for (int k = 0; k < 3; ++k) {
       if (first[face[k]] < 0) first[face[k]] = chart;
       if (first[face[k]] == chart) continue;
-      const auto [at, is_new] = own.try_emplace({face[k], chart}, static_cast<int>(origin.size()));
+      const auto [at, is_new] = own.try_emplace({face[k], chart}, SizeOf(origin));
       if (is_new) origin.push_back(face[k]);
       cut.faces(f, k) = at->second;
     }
@@ -59,7 +60,7 @@ Mesh CutAtCharts(const Mesh& mesh, const ChartOf& chart_of, std::vector<int>& or
   return cut;
 }
 
-/// Eight charts round a tube and along it.
+/// Eight charts around and along a tube.
 int Chart(Eigen::Index, const RowVector3d& centre) {
   return (centre.x() > 0) + 2 * (centre.y() > 0) + 4 * (centre.z() > 0.9);
 }
@@ -68,7 +69,7 @@ TEST(FindSeams, JoinsEachDoubleOfACutMeshAndNoMore) {
   for (const Mesh& mesh : {Tube(), MakeIcosphere(2), MakeBox(1, 2, 3)}) {
     EXPECT_TRUE(FindSeams(mesh).empty());
     std::vector<int> origin;
-    for (const int charts : {2, 5, 1 << 30}) {  // the last: every face alone
+    for (const int charts : {2, 5, 1 << 30}) {  // the last: each face is a chart
       const Mesh cut = CutAtCharts(
           mesh,
           [&](Eigen::Index f, const RowVector3d&) { return static_cast<int>(f * 7919 % charts); },
@@ -87,7 +88,7 @@ TEST(FindSeams, JoinsEachDoubleOfACutMeshAndNoMore) {
 
 TEST(FindSeams, LeavesWhatOnlyTouchesApart) {
   const Mesh box = MakeBox(1, 1, 1);
-  Mesh two;  // boxes that share a whole side: closed surfaces have no side of a seam
+  Mesh two;  // boxes that share a whole side: closed surfaces have no seams
   two.points.resize(16, 3);
   two.points << box.points, box.points.rowwise() + RowVector3d(1, 0, 0);
   two.faces.resize(24, 3);
@@ -99,10 +100,10 @@ TEST(FindSeams, LeavesWhatOnlyTouchesApart) {
   point.faces.resize(2, 3);
   point.faces << 0, 1, 2, 3, 4, 5;
   EXPECT_TRUE(FindSeams(point).empty());
-  Mesh back = point;  // the same triangle twice, turned the same way: neither continues the other
+  Mesh back = point;  // the same triangle twice, with the same orientation: not a continuation
   back.points.bottomRows(3) = back.points.topRows(3).eval();
   EXPECT_TRUE(FindSeams(back).empty());
-  Mesh fan = point;  // three sheets along one edge: which two belong together is not known
+  Mesh fan = point;  // three sheets along one edge: it is not known which two belong together
   fan.points.conservativeResize(9, 3);
   fan.points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1;
   fan.faces.conservativeResize(3, 3);
@@ -137,7 +138,7 @@ TEST(RegisterAuto, ACutMeshIsRegisteredAsTheWholeOne) {
   std::vector<int> origin, of_target;
   const Mesh cut = CutAtCharts(source, Chart, origin);
   ASSERT_GT(cut.vertex_count(), source.vertex_count() + 100);
-  std::vector<LandmarkGoal> goals;  // picked on doubles where there are some
+  std::vector<LandmarkGoal> goals;  // picked on doubled vertices where possible
   for (const LandmarkGoal& goal : Every(kGoalStride, truth)) {
     goals.push_back(goal);
     for (int v = 0; v < cut.vertex_count(); ++v)
@@ -158,8 +159,8 @@ TEST(RegisterAuto, ACutMeshIsRegisteredAsTheWholeOne) {
             MeasureRegistration(source, whole.points, target).self_intersections);
 }
 
-/// A tube whose part above `bend_from` is drawn out by `stretch` and bent by `angle`, and whose
-/// rest stays as it is.
+/// A tube whose part above `bend_from` is stretched by `stretch` and bent by `angle`. The rest does
+/// not change.
 PointsX3 DrawnOut(const PointsX3& points, double bend_from, double stretch, double angle) {
   PointsX3 moved = points;
   const double length = stretch * (kLength - bend_from), radius = length / angle;
@@ -172,7 +173,7 @@ PointsX3 DrawnOut(const PointsX3& points, double bend_from, double stretch, doub
   return moved;
 }
 
-/// The largest relative change of an edge between marked vertices.
+/// The largest relative change of length of an edge between marked vertices.
 double LargestChange(const FacesX3& faces, const PointsX3& before, const PointsX3& after,
                      const std::vector<char>& marked) {
   double largest = 0;
@@ -203,7 +204,7 @@ TEST(RigidPieces, AreTheConnectedRegionsPaintedRigidAndTakeTheirShape) {
   const Eigen::VectorXd held = RigidPieces::Held(stiffness);
   EXPECT_EQ(held.minCoeff(), 1);
   EXPECT_EQ(held.maxCoeff(), 5);
-  // Each piece has its own motion and has grown by a tenth; what lies between is anywhere.
+  // Each piece has its own motion and has grown by a tenth. The parts between are arbitrary.
   Similarity3 of_low, of_high;
   of_low.rotation = Eigen::AngleAxisd(0.5, Vector3d::UnitX()).toRotationMatrix();
   of_high.rotation = Eigen::AngleAxisd(2, Vector3d(1, 1, 0).normalized()).toRotationMatrix();
@@ -252,8 +253,7 @@ TEST(RegisterAuto, ARegionPaintedRigidKeepsItsEdgesWhileTheRestStretches) {
   }
 }
 
-/// Without the faces that have a corner for which `gone` holds, and the vertices that nothing uses
-/// then.
+/// Removes the faces that have a corner with `gone`, and the vertices that are then unused.
 template <class Gone>
 Mesh Without(const Mesh& mesh, const Gone& gone) {
   std::vector<int> index(mesh.vertex_count(), -1), kept;
@@ -263,20 +263,19 @@ Mesh Without(const Mesh& mesh, const Gone& gone) {
     if (gone(face[0]) || gone(face[1]) || gone(face[2])) continue;
     for (int k = 0; k < 3; ++k)
       if (index[face[k]] < 0) {
-        index[face[k]] = static_cast<int>(kept.size());
+        index[face[k]] = SizeOf(kept);
         kept.push_back(face[k]);
       }
     faces.emplace_back(index[face[0]], index[face[1]], index[face[2]]);
   }
   Mesh rest;
   rest.points = mesh.points(kept, Eigen::all);
-  rest.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  rest.faces.resize(std::ssize(faces), 3);
   for (std::size_t f = 0; f < faces.size(); ++f) rest.faces.row(f) = faces[f];
   return rest;
 }
 
-/// How much of a bent slender target is left, as a share of its length, and by how much it was
-/// bent.
+/// The remaining share of the length of a bent slender target, and the angle of its bend.
 class CutTarget : public testing::TestWithParam<std::tuple<double, double>> {};
 
 TEST_P(CutTarget, KeepsTheScaleOfTheWhole) {

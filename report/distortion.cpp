@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::report {
 namespace {
@@ -45,7 +46,7 @@ DistortionRow Row(const std::vector<FrameDistortion>& frames, double FrameDistor
     b.push_back(frame.*ours);
   }
   DistortionRow row;
-  row.frames = static_cast<int>(a.size());
+  row.frames = SizeOf(a);
   MeanAndDeviation(a, row.linear_mean, row.linear_deviation);
   MeanAndDeviation(b, row.mean, row.deviation);
   return row;

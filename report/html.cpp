@@ -6,12 +6,14 @@
 #include <cctype>
 #include <cmath>
 
+#include "core/size_of.h"
+
 namespace keypose::report {
 namespace {
 
 std::string Grouped(long long value) {
   std::string digits = std::to_string(std::llabs(value));
-  for (int i = static_cast<int>(digits.size()) - 3; i > 0; i -= 3)
+  for (int i = SizeOf(digits) - 3; i > 0; i -= 3)
     digits.insert(static_cast<std::size_t>(i), "\u202f");
   return (value < 0 ? "\u2212" : "") + digits;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/cloud_picture.h"
 #include "core/geometry.h"
@@ -108,7 +109,7 @@ std::vector<std::string> HeatStops() {
 std::vector<Picture> Film(const Mesh& mesh, const std::vector<PointsX3>& frames,
                           const std::vector<std::string>& captions, const Image8* texture,
                           const SidesOptions& options) {
-  PointsX3 all(static_cast<Eigen::Index>(frames.size()) * mesh.points.rows(), 3);
+  PointsX3 all(std::ssize(frames) * mesh.points.rows(), 3);
   for (std::size_t i = 0; i < frames.size(); ++i)
     all.middleRows(static_cast<Eigen::Index>(i) * mesh.points.rows(), mesh.points.rows()) =
         frames[i];

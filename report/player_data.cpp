@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "core/size_of.h"
 #include "report/html.h"
 
 namespace keypose::report {
@@ -72,8 +74,8 @@ std::vector<PlayerMoment> MomentsOf(const std::vector<int>& repeats,
   for (const int frame : repeats) {
     const auto after = std::lower_bound(stored.begin(), stored.end(), frame);
     PlayerMoment moment;
-    moment.b = static_cast<int>(std::min<std::ptrdiff_t>(
-        after - stored.begin(), static_cast<std::ptrdiff_t>(stored.size()) - 1));
+    moment.b =
+        static_cast<int>(std::min<std::ptrdiff_t>(after - stored.begin(), std::ssize(stored) - 1));
     const bool exact = stored[moment.b] <= frame;
     moment.a = exact ? moment.b : moment.b - 1;
     if (!exact) {
@@ -92,7 +94,7 @@ std::vector<double> TextureWeights(double t, const std::vector<int>& pose_of_key
     if (poses > 0) weights[0] = 1;
     return weights;
   }
-  const int last = static_cast<int>(pose_of_key.size()) - 1;
+  const int last = SizeOf(pose_of_key) - 1;
   const int key = std::clamp(static_cast<int>(std::floor(t + 1e-9)), 0, last),
             next = std::min(key + 1, last);
   const double share = std::clamp(t - key, 0.0, 1.0);

@@ -10,6 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "report/player_data.h"
 
 namespace keypose::report {
@@ -48,8 +49,7 @@ double FpsOf(const RunRecord& run, const std::vector<FrameDistortion>& frames) {
 
 /// The textures at the size for the page.
 std::vector<Image8> Shrunken(std::vector<Image8> textures) {
-  const int most =
-      static_cast<int>(textures.size()) > kManyTextures ? kTextureSide / 2 : kTextureSide;
+  const int most = SizeOf(textures) > kManyTextures ? kTextureSide / 2 : kTextureSide;
   for (Image8& texture : textures) {
     const double factor = static_cast<double>(most) / std::max(texture.width, texture.height);
     if (factor < 1)
@@ -74,9 +74,9 @@ std::optional<Picture> PosterOf(const Contents& contents) {
 }
 
 void Finish(PlayerData& data, PlayerPart& part, const Encoder& encode) {
-  part.pictures = static_cast<int>(data.moments.size());
-  part.keys = static_cast<int>(data.keys.size());
-  part.stored = static_cast<int>(data.frames.size());
+  part.pictures = SizeOf(data.moments);
+  part.keys = SizeOf(data.keys);
+  part.stored = SizeOf(data.frames);
   part.textured = !data.textures.empty();
   part.json = PlayerJson(data, encode);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -15,6 +16,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "report/contents.h"
 #include "report/html.h"
@@ -39,10 +41,6 @@ struct ReportOptions {
 
   void Describe(OptionVisitor& visit) {
     visit("picture_width", picture_width, {"width of a rendered picture", "px", 64, 2048});
-    visit("film_frames", film_frames,
-          {"at most this many frames in the film strip", "frames", 2, 200});
-    visit("mask_tiles", mask_tiles,
-          {"at most this many photographs on a sheet of masks", "photographs", 1, 1000});
     visit("color_scale_top", color_scale_top,
           {"distance at the end of the colour scale, as a share of the diagonal; 0: the 99 % "
            "quantile",
@@ -197,7 +195,7 @@ class Gatherer {
       return Cropped(Shrunk(whole, factor), mesh.points);
     };
     std::vector<ViewEvidence> views(placed.size());
-    ParallelFor(static_cast<std::int64_t>(placed.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(placed), [&](std::int64_t i) {
       const auto k = static_cast<std::size_t>(i);
       views[k] = CompareView(mesh, scene, &texture, shot(k, options_.compared_px));
     });
@@ -239,8 +237,7 @@ class Gatherer {
   }
 
   Picture MaskSheet(const ImageSet& set) const {
-    const int total = static_cast<int>(set.images.size()),
-              shown = std::min(total, options_.mask_tiles);
+    const int total = SizeOf(set.images), shown = std::min(total, options_.mask_tiles);
     if (total == 0) throw InputError("the image set is empty");
     std::vector<Image8> tiles(shown);
     ParallelFor(shown, [&](std::int64_t i) {
@@ -296,7 +293,7 @@ class Gatherer {
     part.frames = ParseDistortion(ReadFile(folder / "distortion.json"));
     part.keys = static_cast<int>(std::count_if(part.frames.begin(), part.frames.end(),
                                                [](const FrameDistortion& f) { return f.key; }));
-    const int count = static_cast<int>(part.frames.size());
+    const int count = SizeOf(part.frames);
     const auto frame = [&](int i) { return ReadMesh(folder / fmt::format("frame_{:04}.ply", i)); };
     Mesh mesh = frame(0);
     RequireUsable(mesh, "frame_0000.ply");
@@ -396,14 +393,14 @@ void Run(StageContext& stage, const ReportOptions& options) {
     return static_cast<int>(std::count_if(findings.begin(), findings.end(),
                                           [&](const Finding& f) { return f.grade == grade; }));
   };
-  stage.Report("poses", static_cast<int>(contents.poses.size()));
-  stage.Report("steps", static_cast<int>(contents.run.steps.size()));
+  stage.Report("poses", SizeOf(contents.poses));
+  stage.Report("steps", SizeOf(contents.run.steps));
   stage.Report("findings_good", count(Grade::kGood));
   stage.Report("findings_look", count(Grade::kLook));
   stage.Report("findings_wrong", count(Grade::kWrong));
   for (const Verdict& verdict : Judge(contents, findings))
     stage.Verdict(verdict.about, WordOf(verdict.grade), Sentence(verdict));
-  stage.Report("page_bytes", static_cast<std::int64_t>(page.size()));
+  stage.Report("page_bytes", std::ssize(page));
 }
 
 }  // namespace

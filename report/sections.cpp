@@ -86,7 +86,7 @@ constexpr Fact kPoseFacts[] = {
     {"cleanup", "holes filled", "holes_filled"},
     {"cleanup", "self-intersections", "self_intersections"},
     {"cleanup", "genus", "genus"},
-    {"cleanup", "repair strategy", "rung"},
+    {"cleanup", "repair strategy", "strategy"},
     {"cleanup", "distance to the scan, 99 %", "distance_from_input_p99_over_diag"},
     {"unwrap", "UV charts", "charts"},
     {"unwrap", "L2 stretch", "stretch_l2"},

@@ -95,7 +95,7 @@ class Findings {
     static const std::map<std::string, const char*> kMethods = {
         {"ring", "a model of the turntable, since features alone left photographs out."},
         {"silhouettes", "the outlines alone, since features were too few."},
-        {"plate", "the printed calibration board."},
+        {"board", "the printed calibration board."},
         {"poses", "the camera poses that were given."}};
     const auto method = s.texts.find("method");
     const auto known = method == s.texts.end() ? kMethods.end() : kMethods.find(method->second);

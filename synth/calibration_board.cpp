@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/aruco/charuco.hpp>
 
 #include "core/errors.h"
@@ -35,7 +36,7 @@ BoardPicture MakeBoardPicture(const BoardOptions& options) {
                board_height = options.squares_y * options.square_m;
   board.width_m = board_width + 2 * board.border_m;
   board.height_m = board_height + 2 * board.border_m;
-  board.corners.resize(static_cast<Eigen::Index>(layout->chessboardCorners.size()), 3);
+  board.corners.resize(std::ssize(layout->chessboardCorners), 3);
   for (Eigen::Index i = 0; i < board.corners.rows(); ++i) {
     // In OpenCV's drawing, the board's y points downwards.
     const cv::Point3f& p = layout->chessboardCorners[i];

@@ -3,12 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "synth/noise.h"
 #include "synth/surface_grid.h"
 
@@ -101,7 +103,7 @@ Mesh WithoutFaces(const Mesh& mesh, const std::vector<char>& removed) {
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3 && !removed[f]; ++k) {
       const int v = mesh.faces(f, k);
-      if (place[v] < 0) place[v] = static_cast<int>(kept.size()), kept.push_back(v);
+      if (place[v] < 0) place[v] = SizeOf(kept), kept.push_back(v);
       corners.push_back(place[v]);
     }
   Mesh rest;
@@ -196,7 +198,7 @@ std::vector<LandmarkPair> PicksOf(const ClayPairOptions& options, const ClayPair
 }
 
 PointsX3 PositionsOf(const std::vector<Place>& places) {
-  PointsX3 positions(static_cast<Eigen::Index>(places.size()), 3);
+  PointsX3 positions(std::ssize(places), 3);
   for (std::size_t i = 0; i < places.size(); ++i) positions.row(i) = places[i].position.transpose();
   return positions;
 }

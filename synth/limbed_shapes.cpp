@@ -8,6 +8,7 @@
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/mesh.h"
+#include "core/size_of.h"
 #include "synth/noise.h"
 #include "synth/polygonize.h"
 
@@ -182,8 +183,7 @@ std::vector<Place> PlacesOf(const Sketch& sketch, int count) {
   for (const Limb& limb : sketch.limbs)
     places.push_back({limb.name + "_tip", Exit(sketch.clay, limb.At(limb.length / 2), limb.axis)});
   places.insert(places.end(), sketch.body.begin(), sketch.body.end());
-  const int limbs = static_cast<int>(sketch.limbs.size()),
-            left = std::max(0, count - static_cast<int>(places.size()));
+  const int limbs = SizeOf(sketch.limbs), left = std::max(0, count - SizeOf(places));
   const int each = (left + limbs - 1) / limbs;
   for (int i = 0; i < left; ++i) {
     const Limb& limb = sketch.limbs[i % limbs];

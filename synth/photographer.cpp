@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "synth/calibration_board.h"
 #include "synth/hand.h"
 #include "synth/light.h"
@@ -110,10 +112,10 @@ struct Photographer::Impl {
     if (options.board.charuco) board = MakeBoardPicture(options.board);
     if (options.mishaps.lamp_falls_after < 1)
       fallen_light.emplace(surface, normals, scene, FallenLamp(options).elevation_rad);
-    hands = HandViews(options.mishaps, static_cast<int>(views.size()));
+    hands = HandViews(options.mishaps, SizeOf(views));
   }
   bool LampLies(int i) const {
-    return i >= FirstAfter(options.mishaps.lamp_falls_after, static_cast<int>(views.size()));
+    return i >= FirstAfter(options.mishaps.lamp_falls_after, SizeOf(views));
   }
 
   World world;
@@ -322,7 +324,7 @@ Photographer::Photographer(const World& world, const Pose& pose, const Photograp
 Photographer::~Photographer() = default;
 Photographer::Photographer(Photographer&&) noexcept = default;
 
-int Photographer::view_count() const { return static_cast<int>(impl_->views.size()); }
+int Photographer::view_count() const { return SizeOf(impl_->views); }
 const View& Photographer::ViewAt(int i) const { return impl_->views[i].view; }
 const Mesh& Photographer::surface() const { return impl_->surface; }
 
@@ -392,7 +394,7 @@ Scene TruthScene(const World& world, const Pose& pose,
         point.views.push_back(static_cast<int>(v));
     }
   };
-  ParallelFor(static_cast<std::int64_t>(found.size()), look, 64);
+  ParallelFor(std::ssize(found), look, 64);
   for (SparsePoint& point : found)
     if (point.views.size() >= 2) scene.points.push_back(std::move(point));
   return scene;

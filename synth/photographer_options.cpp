@@ -1,5 +1,7 @@
 #include "synth/photographer_options.h"
 
+#include "core/size_of.h"
+
 namespace keypose::synth {
 
 std::vector<std::string> PhotographerOptions::Problems() const {
@@ -11,7 +13,7 @@ std::vector<std::string> PhotographerOptions::Problems() const {
           "elevations_deg needs 1 to 20 rings");
   for (const double e : elevations_deg)
     require(e > -10 && e < 85, "elevations_deg must be in (-10, 85)");
-  require(views >= static_cast<int>(elevations_deg.size()) && views <= 2000,
+  require(views >= SizeOf(elevations_deg) && views <= 2000,
           "views must be at least one per ring and at most 2000");
   require(width >= 32 && height >= 32 && width <= 10000 && height <= 10000,
           "width and height must be in [32, 10000] px");

@@ -6,6 +6,7 @@
 #include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "synth/lying.h"
 #include "synth/truth_files.h"
 
@@ -116,7 +117,7 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
   const ExifToWrite exif = ExifOf(command.photographer);
   const Cast cast = CastOf(photographer, world, command, pose.name);
   std::vector<SyntheticView> views = TakeAll(photographer, cast, command, "IMG", folders, progress);
-  const int strays = photographer.view_count() - static_cast<int>(views.size());
+  const int strays = photographer.view_count() - SizeOf(views);
   if (command.flip)
     for (SyntheticView& view :
          TakeLying(world, pose, photographer.surface().points, command, folders, progress))
@@ -129,7 +130,7 @@ int PhotographPose(const PhotosCommand& command, const World& world, const Pose&
     WriteImage(command.output / "background" / (pose.name + ".jpg"), photographer.CleanPlate(),
                command.jpeg_quality, &exif);
   }
-  return static_cast<int>(views.size()) + strays;
+  return SizeOf(views) + strays;
 }
 
 }  // namespace

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <unordered_map>
 #include <vector>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::synth {
 namespace {
@@ -205,16 +207,16 @@ Mesh Join(const std::function<double(const Vector3d&)>& f, const Lattice& lattic
   int* corner = mesh.faces.data();
   for (const Piece& piece : pieces)
     for (const Cut& cut : piece.cuts) {
-      const auto [it, is_new] = index.try_emplace(
-          {lattice.Key(cut.inside), lattice.Key(cut.outside)}, static_cast<int>(cuts.size()));
+      const auto [it, is_new] =
+          index.try_emplace({lattice.Key(cut.inside), lattice.Key(cut.outside)}, SizeOf(cuts));
       if (is_new) cuts.push_back(&cut);
       *corner++ = it->second;
     }
-  mesh.points.resize(static_cast<Eigen::Index>(cuts.size()), 3);
+  mesh.points.resize(std::ssize(cuts), 3);
   const auto place = [&](std::int64_t i) {
     mesh.points.row(i) = PointOfCut(f, lattice, *cuts[i]).transpose();
   };
-  ParallelFor(static_cast<std::int64_t>(cuts.size()), place, 256);
+  ParallelFor(std::ssize(cuts), place, 256);
   return mesh;
 }
 
@@ -233,7 +235,7 @@ Mesh Polygonize(const std::function<double(const Vector3d&)>& f, const Vector3d&
   const std::vector<Vector3i> blocks = NearBlocks(f, lattice, lipschitz);
   std::vector<Piece> pieces(blocks.size());
   ParallelFor(
-      static_cast<std::int64_t>(blocks.size()),
+      std::ssize(blocks),
       [&](std::int64_t i) { pieces[i] = BlockMarcher(f, lattice, blocks[i]).March(blocks[i]); }, 8);
   Mesh mesh = Join(f, lattice, pieces);
   if (mesh.faces.rows() == 0)

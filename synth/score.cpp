@@ -1,6 +1,7 @@
 #include "synth/score.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <unordered_map>
@@ -11,6 +12,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "core/surface_distance.h"
 
 namespace keypose::synth {
@@ -57,7 +59,7 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
     true_centers.push_back(view.Center());
     model_centers.push_back(found->second->Center());
   }
-  const Eigen::Index count = static_cast<Eigen::Index>(true_centers.size());
+  const Eigen::Index count = std::ssize(true_centers);
   if (count < 3)
     throw InputError(
         "synth: only " + std::to_string(count) +
@@ -68,7 +70,7 @@ CameraScore ScoreCameras(const Scene& truth, const Scene& model, const Eigen::Ve
   CameraScore score;
   score.truth_from_model = FitSimilarity(a, b);
   score.placed = static_cast<int>(count);
-  score.total = static_cast<int>(truth.views.size());
+  score.total = SizeOf(truth.views);
   const Eigen::VectorXd errors = (Transformed(score.truth_from_model, a) - b).rowwise().norm();
   score.mean_m = errors.mean();
   score.max_m = errors.maxCoeff();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -158,7 +159,7 @@ TEST(PickLandmarks, ClicksLandOnTheTrueMaterialPointsOfTheModel) {
   const Picks picks = PickLandmarks(truth, Creature().landmarks, model, model_from_truth.Inverse());
   EXPECT_TRUE(picks.out_of_reach.empty());
   const PointsX3 places = LandmarkPositions(Creature(), bent);
-  ASSERT_EQ(static_cast<Eigen::Index>(picks.landmarks.size()), places.rows());
+  ASSERT_EQ(std::ssize(picks.landmarks), places.rows());
   for (std::size_t i = 0; i < picks.landmarks.size(); ++i) {
     const Vector3d expected = model_from_truth * Vector3d(places.row(i));
     EXPECT_LT((PositionOf(picks.landmarks[i], model) - expected).norm(), 1e-9)

@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "synth/noise.h"
 #include "synth/polygonize.h"
 
@@ -43,7 +44,7 @@ std::vector<Edge> EdgesOf(const FacesX3& faces, std::unordered_map<std::uint64_t
   for (int f = 0; f < static_cast<int>(faces.rows()); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = faces(f, k), b = faces(f, (k + 1) % 3), c = faces(f, (k + 2) % 3);
-      const auto [it, is_new] = index->try_emplace(EdgeKey(a, b), static_cast<int>(edges.size()));
+      const auto [it, is_new] = index->try_emplace(EdgeKey(a, b), SizeOf(edges));
       if (is_new) {
         edges.push_back({a, b, {f, -1}, {c, -1}});
       } else {
@@ -147,7 +148,7 @@ void CollapseRound(Mesh* mesh, double shorter_than) {
   std::vector<int> kept;
   for (std::size_t i = 0; i < target.size(); ++i)
     if (target[i] == static_cast<int>(i))
-      place[i] = static_cast<int>(kept.size()), kept.push_back(static_cast<int>(i));
+      place[i] = SizeOf(kept), kept.push_back(static_cast<int>(i));
   joined.points = mesh->points(kept, Eigen::all);
   std::vector<int> corners;
   for (Eigen::Index f = 0; f < mesh->faces.rows(); ++f) {

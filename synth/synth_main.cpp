@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/size_of.h"
 #include "synth/damage.h"
 #include "synth/pair_command.h"
 #include "synth/photos_command.h"
@@ -20,8 +21,7 @@ using namespace keypose::synth;
 class ConsoleProgress final : public Progress {
  public:
   void Update(double fraction, std::string_view what) override {
-    std::fprintf(stderr, "synth: %3.0f %% %.*s\n", 100 * fraction, static_cast<int>(what.size()),
-                 what.data());
+    std::fprintf(stderr, "synth: %3.0f %% %.*s\n", 100 * fraction, SizeOf(what), what.data());
   }
 };
 
@@ -101,7 +101,7 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
                    "a ChArUco calibration board under the character");
   photos->add_flag("--flip", c.flip,
                    "also the same number of photographs of the character on its back");
-  photos->add_flag("--background-plate", c.clean_plate, "also photograph the empty set");
+  photos->add_flag("--clean-plate", c.clean_plate, "also photograph the empty set");
   AddMishaps(*photos, c.photographer.mishaps);
   photos->add_option("--photographer-seed", c.photographer.seed, "seed of jitter and noise")
       ->capture_default_str();

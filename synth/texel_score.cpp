@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 
 namespace keypose::synth {
 namespace {
@@ -93,7 +95,7 @@ std::vector<double> ClayDistances(const Mesh& truth_a, const Mesh& truth_b, cons
   const RayScene scene_a(truth_a.points, truth_a.faces), scene_b(truth_b.points, truth_b.faces);
   std::vector<double> distances(texels.size());
   ParallelFor(
-      static_cast<std::int64_t>(texels.size()),
+      std::ssize(texels),
       [&](std::int64_t i) {
         const Texel& t = texels[i];
         const RayScene::Foot a =
@@ -155,7 +157,7 @@ TexelScore ScoreTexels(const Mesh& truth_a, const Mesh& truth_b, const Mesh& tem
   std::vector<double> distances = ClayDistances(truth_a, truth_b, template_a, registered_b, texels);
   std::sort(distances.begin(), distances.end());
   TexelScore score;
-  score.texels = static_cast<int>(texels.size());
+  score.texels = SizeOf(texels);
   score.mean = std::accumulate(distances.begin(), distances.end(), 0.0) /
                static_cast<double>(distances.size()) / diagonal;
   score.p95 = distances[(distances.size() - 1) * 95 / 100] / diagonal;

@@ -8,6 +8,7 @@
 #include "core/angles.h"
 #include "core/parallel.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "synth/noise.h"
 
 namespace keypose::synth {
@@ -65,7 +66,7 @@ void Move(std::vector<RingView>& views, const Mishaps& mishaps) {
   const Rigid3 table_from_world{
       Eigen::Quaterniond(Eigen::AngleAxisd(mishaps.moved_rad, Vector3d::UnitZ())),
       Vector3d(mishaps.moved_m, 0, 0)};
-  const int n = static_cast<int>(views.size());
+  const int n = SizeOf(views);
   for (int i = FirstAfter(mishaps.moved_from, n); i < n; ++i) {
     views[i].view.camera_from_world = Compose(views[i].view.camera_from_world, table_from_world);
     views[i].azimuth_rad -= mishaps.moved_rad;
@@ -79,7 +80,7 @@ std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOpt
   const Camera camera = MakeCamera(options);
   const Vector3d target(0, 0, (points.col(2).minCoeff() + points.col(2).maxCoeff()) / 2);
   Random random(options.seed * 7919 + 11);
-  const int rings = static_cast<int>(options.elevations_deg.size());
+  const int rings = SizeOf(options.elevations_deg);
   std::vector<RingView> placed;
   for (int ring = 0; ring < rings; ++ring) {
     const int count = options.views / rings + (ring < options.views % rings ? 1 : 0);
@@ -105,7 +106,7 @@ std::vector<RingView> PlaceCameras(const PointsX3& points, const PhotographerOpt
           LookAt(eye, goal, Eigen::AngleAxisd(roll, (goal - eye).normalized()) * Vector3d::UnitZ());
       view.view.camera = camera;
       char name[32];
-      std::snprintf(name, sizeof name, "IMG_%04d.jpg", static_cast<int>(placed.size()) + 1);
+      std::snprintf(name, sizeof name, "IMG_%04d.jpg", SizeOf(placed) + 1);
       view.view.name = name;
       placed.push_back(view);
     }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -413,7 +414,7 @@ Mesh SeenSurface(const World& world, const Pose& pose) {
 }
 
 PointsX3 LandmarkPositions(const World& world, const Pose& pose) {
-  PointsX3 positions(static_cast<Eigen::Index>(world.landmarks.size()), 3);
+  PointsX3 positions(std::ssize(world.landmarks), 3);
   for (std::size_t i = 0; i < world.landmarks.size(); ++i)
     positions.row(i) = pose(Vector3d(world.rest.points.row(world.landmarks[i].vertex))).transpose();
   return positions;

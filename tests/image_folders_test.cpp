@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <random>
@@ -12,6 +13,7 @@
 #include "core/camera.h"
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
+#include "core/size_of.h"
 #include "tests/run_program.h"
 
 namespace keypose::tests {
@@ -108,7 +110,7 @@ class ImageFolders : public ::testing::Test {
                 truth = ReadColmapModel(world_->path() / "truth/rest/cameras");
     std::map<std::string, const View*> by_name;
     for (const View& view : truth.views) by_name[view.name] = &view;
-    const Eigen::Index count = static_cast<Eigen::Index>(found.views.size());
+    const Eigen::Index count = std::ssize(found.views);
     PointsX3 a(count, 3), b(count, 3);
     for (Eigen::Index i = 0; i < count; ++i) {
       a.row(i) = found.views[i].Center().transpose();
@@ -127,7 +129,7 @@ class ImageFolders : public ::testing::Test {
     const RunResult placed = Sfm();
     ASSERT_EQ(placed.exit_code, kOk) << placed.output;
     const CameraErrors errors = Errors();
-    EXPECT_EQ(errors.placed, static_cast<int>(truth_name_.size()));
+    EXPECT_EQ(errors.placed, SizeOf(truth_name_));
     EXPECT_LT(errors.mean, most_mean);
     EXPECT_LT(errors.largest, 4 * most_mean);
   }

@@ -9,6 +9,7 @@
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 #include "texture/bake/bake.h"
 
@@ -92,7 +93,7 @@ void ReportQuality(StageContext& stage, const Scene& scene, const BakeResult& re
       psnr.Add(q.psnr_db), psnr_gain.Add(q.psnr_gain_db), ssim.Add(q.ssim);
     views.push_back(ViewReport(scene.views[v].name, q, result.gains[v]));
   }
-  stage.Report("views_total", static_cast<int>(scene.views.size()));
+  stage.Report("views_total", SizeOf(scene.views));
   stage.Report("views_used", used);
   stage.Report("mean_views_per_texel", result.mean_views_per_texel);
   stage.Report("psnr_db", psnr.value());

@@ -98,7 +98,7 @@ TEST(BetterBorder, MovesFromATiltedCircleToACheapRing) {
 TEST(Unwrapped, SeamRunsInTheDeepCreaseAndKeepsFromTheFront) {
   const Mesh figure = Snowman(5);
   UnwrapOptions options;
-  options.press = false;
+  options.elastic_packing = false;
   options.effort = 20;
   options.enough_utilisation = 0;
   const UnwrapResult hidden = Unwrapped(figure, options);

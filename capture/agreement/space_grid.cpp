@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -49,8 +50,8 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
   return ball;
 }
 
-/// Counts denials in every voxel. Views far apart come first, because they decide most voxels
-/// early.
+/// Counts contradictions in every voxel. Views far apart come first, because they decide most
+/// voxels early.
 void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
   std::vector<const MaskSampler*> samplers;
   for (const MaskSampler& sampler : all)
@@ -59,7 +60,7 @@ void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
   std::size_t step = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::lround(0.382 * static_cast<double>(n))));
   while (std::gcd(step, n) != 1) ++step;
-  grid.denials.assign(static_cast<std::size_t>(grid.size.prod()), 0);
+  grid.contradictions.assign(static_cast<std::size_t>(grid.size.prod()), 0);
   ParallelFor(grid.size.z(), [&](std::int64_t slice) {
     const int z = static_cast<int>(slice);
     for (int y = 0; y < grid.size.y(); ++y)
@@ -67,16 +68,16 @@ void Count(const std::vector<MaskSampler>& all, int most, Grid& grid) {
         const Eigen::Vector3d center = grid.Center(x, y, z);
         Eigen::Vector3d pixel;
         std::size_t seen = 0;
-        int denials = 0;
-        for (std::size_t k = 0; k < n && denials <= most; ++k) {
+        int contradictions = 0;
+        for (std::size_t k = 0; k < n && contradictions <= most; ++k) {
           const MaskSample sample = samplers[k * step % n]->At(center, &pixel);
           seen += sample != MaskSample::kUnseen;
-          denials += sample == MaskSample::kDenied;
+          contradictions += sample == MaskSample::kContradicted;
         }
-        // One more than the limit, so that a voxel stays denied after a view subtracts its own
-        // sample.
-        grid.denials[grid.At(x, y, z)] =
-            static_cast<std::uint8_t>(seen < least_seen ? most + 1 : std::min(denials, most + 1));
+        // One more than the limit, so that a voxel stays contradicted after a view subtracts its
+        // own sample.
+        grid.contradictions[grid.At(x, y, z)] = static_cast<std::uint8_t>(
+            seen < least_seen ? most + 1 : std::min(contradictions, most + 1));
       }
   });
 }
@@ -88,35 +89,36 @@ MaskSample MaskSampler::At(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* p
   if (x.z() <= 0) return MaskSample::kUnseen;
   const Eigen::Vector2d p = view->camera.Project(x);
   const int px = static_cast<int>(std::floor(p.x())), py = static_cast<int>(std::floor(p.y()));
-  if (px < 0 || py < 0 || px >= denied.width || py >= denied.height) return MaskSample::kUnseen;
+  if (px < 0 || py < 0 || px >= contradicted.width || py >= contradicted.height)
+    return MaskSample::kUnseen;
   *pixel = {p.x(), p.y(), x.z()};
-  return *denied.at(px, py) ? MaskSample::kDenied : MaskSample::kUpheld;
+  return *contradicted.at(px, py) ? MaskSample::kContradicted : MaskSample::kConsistent;
 }
 
 std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
                                         const std::vector<Image8>& masks, double margin_px,
                                         const std::vector<char>& inlier) {
   std::vector<MaskSampler> samplers(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(views), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     cv::Mat distance;
     cv::distanceTransform(MatOf(masks[i]) == 0, distance, cv::DIST_L2, 3);
     samplers[i].view = &views[i];
     samplers[i].inlier = inlier.empty() || inlier[i];
-    samplers[i].denied = Image8(masks[i].width, masks[i].height, 1, 0);
+    samplers[i].contradicted = Image8(masks[i].width, masks[i].height, 1, 0);
     for (int y = 0; y < distance.rows; ++y)
       for (int x = 0; x < distance.cols; ++x)
-        *samplers[i].denied.at(x, y) = distance.at<float>(y, x) > margin_px;
+        *samplers[i].contradicted.at(x, y) = distance.at<float>(y, x) > margin_px;
   });
   return samplers;
 }
 
-std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials) {
+std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int contradictions) {
   Eigen::Vector3i low = grid.size, high = Eigen::Vector3i::Constant(-1);
   for (int z = 0; z < grid.size.z(); ++z)
     for (int y = 0; y < grid.size.y(); ++y)
       for (int x = 0; x < grid.size.x(); ++x) {
-        if (grid.denials[grid.At(x, y, z)] >= denials) continue;
+        if (grid.contradictions[grid.At(x, y, z)] >= contradictions) continue;
         low = low.cwiseMin(Eigen::Vector3i(x, y, z));
         high = high.cwiseMax(Eigen::Vector3i(x, y, z));
       }
@@ -136,8 +138,8 @@ Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& mask
       "picture of the cameras";
   if (!(ball.radius > 0) || !std::isfinite(ball.radius) || !ball.center.allFinite())
     throw InputError(std::string("masks: ") + nothing);
-  Count(samplers, options.most_denials, grid);
-  const auto [low, high] = BoundsOf(grid, options.most_denials);
+  Count(samplers, options.most_contradictions, grid);
+  const auto [low, high] = BoundsOf(grid, options.most_contradictions);
   if (high.x() < 0) throw InputError(std::string("masks: ") + nothing);
   const Eigen::Vector3d extent =
       grid.cell * (high - low + Eigen::Vector3i::Constant(3)).cast<double>();
@@ -166,12 +168,12 @@ int ChordOf(const MaskSampler& sampler, int x, int y, const Grid& grid, bool oth
   for (double t = nearest - reach; t < nearest + reach; t += 1) {
     const Eigen::Vector3i at = (from + t * ray).array().floor().cast<int>();
     if ((at.array() < 0).any() || (at.array() >= grid.size.array()).any()) continue;
-    int denials = grid.denials[grid.At(at.x(), at.y(), at.z())];
+    int contradictions = grid.contradictions[grid.At(at.x(), at.y(), at.z())];
     Eigen::Vector3d pixel;
-    if (denials > 0 && others_only && sampler.inlier &&
-        sampler.At(grid.Center(at.x(), at.y(), at.z()), &pixel) == MaskSample::kDenied)
-      --denials;
-    count += denials == 0;
+    if (contradictions > 0 && others_only && sampler.inlier &&
+        sampler.At(grid.Center(at.x(), at.y(), at.z()), &pixel) == MaskSample::kContradicted)
+      --contradictions;
+    count += contradictions == 0;
   }
   return count;
 }

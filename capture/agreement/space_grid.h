@@ -1,4 +1,4 @@
-// The space that the masks of a set share: voxels with the number of their denials.
+// The space that the masks of a set share: voxels with the number of their contradictions.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,32 +13,32 @@
 namespace keypose::capture {
 
 /// The value of one mask at a point in space.
-enum class MaskSample : std::uint8_t { kUnseen, kDenied, kUpheld };
+enum class MaskSample : std::uint8_t { kUnseen, kContradicted, kConsistent };
 
 /// Samples one mask at points in space.
 struct MaskSampler {
   const View* view = nullptr;
-  bool inlier = true;  ///< its denials count
-  Image8 denied;       ///< 1 where the picture is outside of the mask by more than the margin
+  bool inlier = true;   ///< its contradictions count
+  Image8 contradicted;  ///< 1 where the picture is outside of the mask by more than the margin
 
   /// @param pixel  set to the point's pixel and depth, if the view sees it
   MaskSample At(const Eigen::Vector3d& x_in_world, Eigen::Vector3d* pixel) const;
 };
 
 /// One per view; the views must outlive the samplers.
-/// @param margin_px  a mask denies points that project outside of it by more than this
-/// @param inlier     one per view, 0 where its denials do not count; empty: all count
+/// @param margin_px  a mask contradicts points that project outside of it by more than this
+/// @param inlier     one per view, 0 where its contradictions do not count; empty: all count
 std::vector<MaskSampler> MaskSamplersOf(const std::vector<View>& views,
                                         const std::vector<Image8>& masks, double margin_px,
                                         const std::vector<char>& inlier = {});
 
-/// Voxels, each with the number of masks that deny it.
+/// Voxels, each with the number of masks that contradict it.
 struct Grid {
   Eigen::Vector3d low = Eigen::Vector3d::Zero();
   double cell = 0;
   Eigen::Vector3i size = Eigen::Vector3i::Zero();
   /// x fastest; larger numbers are stored as the limit plus one
-  std::vector<std::uint8_t> denials;
+  std::vector<std::uint8_t> contradictions;
 
   std::size_t At(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x;
@@ -48,23 +48,23 @@ struct Grid {
   }
 };
 
-/// The space around the figure. A point that less than a third of the views see counts as denied by
-/// all.
-/// @param told_apart  largest number of denials that is counted exactly. With a small number most
-/// voxels are decided early; 1 is enough for the hull without one view's own sample
+/// The space around the figure. A point that less than a third of the views see counts as
+/// contradicted by all.
+/// @param told_apart  largest number of contradictions that is counted exactly. With a small number
+/// most voxels are decided early; 1 is enough for the hull without one view's own sample
 /// @throws InputError  the masks have no common space
 Grid SharedSpace(const std::vector<View>& views, const std::vector<Image8>& masks,
                  const std::vector<MaskSampler>& samplers, const SpaceOptions& options,
                  int told_apart);
 
-/// Lowest and highest voxels with fewer denials; the highest is -1 if there are none.
-std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int denials);
+/// Lowest and highest voxels with fewer contradictions; the highest is -1 if there are none.
+std::pair<Eigen::Vector3i, Eigen::Vector3i> BoundsOf(const Grid& grid, int contradictions);
 
-/// Number of voxels along the longest side of the part without denials, at least 1.
+/// Number of voxels along the longest side of the part without contradictions, at least 1.
 int LongestSide(const Grid& grid);
 
-/// Length of the part of a pixel's ray without denials, in voxels; with `others_only` the pixel's
-/// own view is ignored.
+/// Length of the part of a pixel's ray without contradictions, in voxels; with `others_only` the
+/// pixel's own view is ignored.
 int ChordOf(const MaskSampler& sampler, int x, int y, const Grid& grid, bool others_only);
 
 }  // namespace keypose::capture

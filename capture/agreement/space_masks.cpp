@@ -14,11 +14,11 @@
 namespace keypose::capture {
 namespace {
 
-/// Log odds of the figure for each number of denials, from its frequency inside and just outside of
-/// the masks.
-std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
-                                 const std::vector<Image8>& denials,
-                                 const std::vector<char>& inlier, int most) {
+/// Log odds of the figure for each number of contradictions, from its frequency inside and just
+/// outside of the masks.
+std::vector<float> OddsOfContradictions(const std::vector<Image8>& masks,
+                                        const std::vector<Image8>& contradictions,
+                                        const std::vector<char>& inlier, int most) {
   std::vector<double> inside(static_cast<std::size_t>(most) + 1, 0), outside(inside);
   double all_inside = 0, all_outside = 0;
   for (std::size_t i = 0; i < masks.size(); ++i) {
@@ -28,7 +28,7 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
     cv::dilate(MatOf(masks[i]), near, cv::getStructuringElement(cv::MORPH_ELLIPSE, {reach, reach}));
     for (int y = 0; y < near.rows; ++y)
       for (int x = 0; x < near.cols; ++x) {
-        const std::uint8_t d = *denials[i].at(x, y);
+        const std::uint8_t d = *contradictions[i].at(x, y);
         if (*masks[i].at(x, y) > 127)
           inside[d] += 1, all_inside += 1;
         else if (near.at<std::uint8_t>(y, x))
@@ -39,28 +39,30 @@ std::vector<float> OddsOfDenials(const std::vector<Image8>& masks,
   for (std::size_t d = 0; d < odds.size(); ++d)
     odds[d] = static_cast<float>(std::log((inside[d] / std::max(all_inside, 1.0) + 1e-3) /
                                           (outside[d] / std::max(all_outside, 1.0) + 1e-3)));
-  // More denials never increase the odds of the figure.
+  // More contradictions never increase the odds of the figure.
   for (std::size_t d = 1; d < odds.size(); ++d) odds[d] = std::min(odds[d], odds[d - 1]);
   return odds;
 }
 
-/// One round at one size: the weighted odds from the others' denials are added to the classifier's.
-/// @param guided  one per view: with 0 the others' denials are not used
+/// One round at one size: the weighted odds from the others' contradictions are added to the
+/// classifier's.
+/// @param guided  one per view: with 0 the others' contradictions are not used
 std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vector<Image8>& masks,
-                               const std::vector<Image8>& denials, const std::vector<char>& inlier,
-                               const std::vector<char>& guided,
+                               const std::vector<Image8>& contradictions,
+                               const std::vector<char>& inlier, const std::vector<char>& guided,
                                const std::vector<BoardOdds>& boards, const MaskOptions& masking,
                                const SpaceOptions& options, double weight) {
   constexpr double kManyViews = 48;
-  // A hull is larger than its figure, the more so the fewer the views. So the absence of denials
-  // has less weight than denials.
-  std::vector<float> leaning_of = OddsOfDenials(masks, denials, inlier, options.most_denials);
+  // A hull is larger than its figure, the more so the fewer the views. So the absence of
+  // contradictions has less weight than contradictions.
+  std::vector<float> leaning_of =
+      OddsOfContradictions(masks, contradictions, inlier, options.most_contradictions);
   const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
   // Views without guidance get an additional kind of pixel with odds of zero.
   const auto untold = static_cast<std::uint8_t>(leaning_of.size());
   leaning_of.push_back(0);
-  std::vector<Image8> told = denials;
+  std::vector<Image8> told = contradictions;
   for (std::size_t i = 0; i < told.size(); ++i)
     if (!guided[i]) std::fill(told[i].data.begin(), told[i].data.end(), untold);
   Round round{
@@ -106,12 +108,13 @@ class CoarseMasks {
   const std::vector<Image8>& masks() const { return masks_; }
 
  private:
-  Denials DenialsBy(const std::vector<char>& inlier) const;
-  /// Which views are consistent, by outline and by colour; denials_ are those of the inliers then.
+  Contradictions ContradictionsBy(const std::vector<char>& inlier) const;
+  /// Which views are consistent, by outline and by colour; contradictions_ are those of the inliers
+  /// then.
   ViewConsensus Judge();
   std::vector<Image8> Segmented(const std::vector<char>& inlier, const std::vector<char>& guided,
                                 double weight) const;
-  /// Segments views that are outliers by outline alone once more, with the others' denials.
+  /// Segments views that are outliers by outline alone once more, with the others' contradictions.
   void Reconsider(ViewConsensus& consensus);
 
   const MaskOptions& masking_;
@@ -120,7 +123,7 @@ class CoarseMasks {
   std::vector<Image8> images_, masks_;
   std::vector<View> views_;
   std::vector<BoardOdds> boards_;
-  Denials denials_;
+  Contradictions contradictions_;
 };
 
 CoarseMasks::CoarseMasks(const std::vector<Image8>& images, const std::vector<Image8>& masks,
@@ -138,22 +141,26 @@ CoarseMasks::CoarseMasks(const std::vector<Image8>& images, const std::vector<Im
   coarse_.margin_px = 0.7 * options.margin_px;
 }
 
-Denials CoarseMasks::DenialsBy(const std::vector<char>& inlier) const {
+Contradictions CoarseMasks::ContradictionsBy(const std::vector<char>& inlier) const {
   const auto inliers = inlier.empty()
                            ? views_.size()
                            : static_cast<std::size_t>(std::count(inlier.begin(), inlier.end(), 1));
-  return {DenialsByOthers(views_, masks_, coarse_, inlier), DenialsToldApart(inliers, coarse_)};
+  return {ContradictionsByOthers(views_, masks_, coarse_, inlier),
+          MostContradictionsCounted(inliers, coarse_)};
 }
 
 ViewConsensus CoarseMasks::Judge() {
-  const auto denials_by = [&](const std::vector<char>& inlier) { return DenialsBy(inlier); };
-  ViewConsensus consensus = JudgeOutlines(masks_, denials_, denials_by, options_.consensus);
+  const auto contradictions_by = [&](const std::vector<char>& inlier) {
+    return ContradictionsBy(inlier);
+  };
+  ViewConsensus consensus =
+      CheckOutlines(masks_, contradictions_, contradictions_by, options_.consensus);
   const SpaceSurface surface = SurfaceOfSpace(views_, masks_, coarse_, consensus.inlier);
   consensus.colors = FitsOfColors(images_, masks_, views_, surface.points, surface.cell,
                                   consensus.inlier, options_.colors);
   const std::vector<char> by_outline = consensus.inlier;
-  JudgeColors(consensus.colors, options_.colors, consensus.inlier);
-  if (consensus.inlier != by_outline) denials_ = DenialsBy(consensus.inlier);
+  CheckColors(consensus.colors, options_.colors, consensus.inlier);
+  if (consensus.inlier != by_outline) contradictions_ = ContradictionsBy(consensus.inlier);
   const auto outliers =
       static_cast<double>(std::count(consensus.inlier.begin(), consensus.inlier.end(), 0));
   consensus.undecided |=
@@ -163,8 +170,8 @@ ViewConsensus CoarseMasks::Judge() {
 
 std::vector<Image8> CoarseMasks::Segmented(const std::vector<char>& inlier,
                                            const std::vector<char>& guided, double weight) const {
-  return SpaceRound(images_, masks_, denials_.pictures, inlier, guided, boards_, masking_, coarse_,
-                    weight);
+  return SpaceRound(images_, masks_, contradictions_.pictures, inlier, guided, boards_, masking_,
+                    coarse_, weight);
 }
 
 void CoarseMasks::Reconsider(ViewConsensus& consensus) {
@@ -174,26 +181,26 @@ void CoarseMasks::Reconsider(ViewConsensus& consensus) {
   const std::vector<Image8> guided =
       Segmented(consensus.inlier, std::vector<char>(views_.size(), 1), options_.weight);
   for (const std::size_t i : again) masks_[i] = guided[i];
-  denials_ = DenialsBy({});
+  contradictions_ = ContradictionsBy({});
   consensus = Judge();
   for (const std::size_t i : again)
     if (!consensus.inlier[i]) masks_[i] = unguided[i];
 }
 
 void CoarseMasks::Run(RefinedMasks& refined, Progress* progress) {
-  denials_ = DenialsBy({});
-  refined.agreement_before = AgreementInSpace(masks_, denials_.pictures);
+  contradictions_ = ContradictionsBy({});
+  refined.agreement_before = AgreementInSpace(masks_, contradictions_.pictures);
   refined.consensus_before = Judge();
   const std::vector<char>& inlier = refined.consensus_before.inlier;
-  // The initial masks of the others are partly wrong, so their denials have less weight in the
-  // first round.
+  // The initial masks of the others are partly wrong, so their contradictions have less weight in
+  // the first round.
   for (const double weight : {1.0, options_.weight, options_.weight}) {
     ReportProgress(progress, 0.15 * weight, "masks in space");
     masks_ = Segmented(inlier, inlier, weight);
-    denials_ = DenialsBy(inlier);
+    contradictions_ = ContradictionsBy(inlier);
   }
-  refined.agreement = AgreementInSpace(masks_, denials_.pictures);
-  denials_ = DenialsBy({});
+  refined.agreement = AgreementInSpace(masks_, contradictions_.pictures);
+  contradictions_ = ContradictionsBy({});
   refined.consensus = Judge();
   Reconsider(refined.consensus);
 }
@@ -218,8 +225,8 @@ class FineMasks {
 
  private:
   std::vector<Image8> Segmented(const std::vector<Image8>& from) const {
-    return SpaceRound(images_, from, DenialsByOthers(views_, from, options_, inlier_), inlier_,
-                      inlier_, boards_, masking_, options_, options_.weight);
+    return SpaceRound(images_, from, ContradictionsByOthers(views_, from, options_, inlier_),
+                      inlier_, inlier_, boards_, masking_, options_, options_.weight);
   }
   Backdrops BackdropsBy(const std::vector<Image8>& masks) const {
     std::vector<Image8> trimaps;

@@ -22,17 +22,18 @@ struct RefinedMasks {
       consensus;  ///< of the views, with the initial masks and with the final ones
 };
 
-/// Segments the set again. The number of denials by other views along each pixel's ray is added to
-/// its odds; its weight depends on how well denials separate inside from outside of the masks. A
-/// part of the set that only some masks include has denials by views that see past it. A part of
-/// the figure that one mask lacks has none from the others.
+/// Segments the set again. The number of contradictions by other views along each pixel's ray is
+/// added to its odds; its weight depends on how well contradictions separate inside from outside of
+/// the masks. A part of the set that only some masks include has contradictions by views that see
+/// past it. A part of the figure that one mask lacks has none from the others.
 ///
-/// A view whose initial mask or colours are inconsistent with the others is an outlier: its denials
-/// do not count, and the others' denials are not used for it. Its next mask then depends on its
-/// photograph alone, with the colours learned from the other photographs. If that mask is still
-/// inconsistent, it is segmented once more with the others' denials. That corrects a dark side in
-/// front of a dark set, but not a place where the photograph clearly shows the set. If the result
-/// is consistent, the view becomes an inlier again; else it stays an outlier.
+/// A view whose initial mask or colours are inconsistent with the others is an outlier: its
+/// contradictions do not count, and the others' contradictions are not used for it. Its next mask
+/// then depends on its photograph alone, with the colours learned from the other photographs. If
+/// that mask is still inconsistent, it is segmented once more with the others' contradictions. That
+/// corrects a dark side in front of a dark set, but not a place where the photograph clearly shows
+/// the set. If the result is consistent, the view becomes an inlier again; else it stays an
+/// outlier.
 /// @param images  RGB at working size
 /// @param masks   of the same size
 /// @param views   with cameras of that size

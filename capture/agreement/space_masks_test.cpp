@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "capture/agreement/space_queries.h"
 #include "capture/testing/test_ring.h"
@@ -16,15 +17,16 @@ namespace {
 
 const SpaceOptions kCoarse{.resolution = 80};
 
-TEST(DenialsByOthers, CountsTheOthersAndNeverTheViewItself) {
+TEST(ContradictionsByOthers, CountsTheOthersAndNeverTheViewItself) {
   const TestRing ring = MakeTestRing();
-  const std::vector<Image8> denials = DenialsByOthers(ring.views, ring.masks, kCoarse);
-  EXPECT_EQ(*denials[0].at(kRingWidth / 2, kRingHeight / 2), 0);
-  EXPECT_EQ(*denials[0].at(3, 3), 3);  // 18 views: a sixth
-  // No other view denies the part that view 9 lacks; most views deny a bright object that two views
-  // show.
-  EXPECT_EQ(*denials[9].at(kRingWidth / 2 - 20, kRingHeight / 2 + 20), 0);
-  EXPECT_GE(*denials[3].at(kRingWidth / 2 + 62, kRingHeight / 2), 3);
+  const std::vector<Image8> contradictions =
+      ContradictionsByOthers(ring.views, ring.masks, kCoarse);
+  EXPECT_EQ(*contradictions[0].at(kRingWidth / 2, kRingHeight / 2), 0);
+  EXPECT_EQ(*contradictions[0].at(3, 3), 3);  // 18 views: a sixth
+  // No other view contradicts the part that view 9 lacks; most views contradict a bright object
+  // that two views show.
+  EXPECT_EQ(*contradictions[9].at(kRingWidth / 2 - 20, kRingHeight / 2 + 20), 0);
+  EXPECT_GE(*contradictions[3].at(kRingWidth / 2 + 62, kRingHeight / 2), 3);
 }
 
 TEST(ThicknessOfHull, IsTheBallsChord) {
@@ -40,12 +42,12 @@ TEST(ThicknessOfHull, IsTheBallsChord) {
   EXPECT_EQ(*thickness[0].at(3, 3), 0);
 }
 
-// With voxels of one pixel and a hull carved at two denials, the ball is a pixel larger all round:
-// 5 %; the hull of 18 views adds some more.
+// With voxels of one pixel and a hull carved at two contradictions, the ball is a pixel larger all
+// round: 5 %; the hull of 18 views adds some more.
 TEST(AgreementInSpace, IsNearOneWhereMasksAreRightAndLowWhereOneIsNot) {
   TestRing ring = MakeTestRing();
   const auto agreement =
-      AgreementInSpace(ring.masks, DenialsByOthers(ring.views, ring.masks, kCoarse));
+      AgreementInSpace(ring.masks, ContradictionsByOthers(ring.views, ring.masks, kCoarse));
   EXPECT_GT(agreement[0], 0.88);
   EXPECT_LT(agreement[3], agreement[0] - 0.04);
   EXPECT_LT(agreement[9], agreement[0] - 0.04);
@@ -63,7 +65,7 @@ TEST(RefineInSpace, DropsWhatTwoViewsAddAndRestoresWhatOneLacks) {
 
 /// A dark side in front of a dark set: the photograph alone does not determine where the ball ends,
 /// and its mask lacks so much that the view is an outlier. Its colours agree with the others, so it
-/// is segmented again with their denials.
+/// is segmented again with their contradictions.
 TEST(RefineInSpace, AViewThatContradictsByOutlineAloneIsAskedOnceMoreWithTheOthers) {
   TestRing ring = MakeTestRing();
   Darken(ring, 14, 0, 2.2);
@@ -75,7 +77,7 @@ TEST(RefineInSpace, AViewThatContradictsByOutlineAloneIsAskedOnceMoreWithTheOthe
 }
 
 /// This photograph clearly shows the set around a smaller figure. It stays an outlier even with the
-/// others' denials.
+/// others' contradictions.
 TEST(RefineInSpace, AViewThatClearlyShowsTheSetStaysAnOutlier) {
   TestRing ring = MakeTestRing();
   Redraw(ring, 14, 0, 0, 24);
@@ -98,44 +100,45 @@ TEST(RefineInSpace, SameBitsForAnyThreadCount) {
   EXPECT_EQ(one.agreement, four.agreement);
 }
 
-TEST(DenialsByOthers, BlackMasksAndMasksWithoutCommonSpaceThrow) {
+TEST(ContradictionsByOthers, BlackMasksAndMasksWithoutCommonSpaceThrow) {
   TestRing ring = MakeTestRing();
   for (std::size_t i = 0; i < ring.views.size(); ++i)
     for (int y = 0; y < kRingHeight; ++y)
       for (int x = 0; x < kRingWidth; ++x)
         *ring.masks[i].at(x, y) =
             x < 12 && y < 12 && i % 2 == 0 ? 255 : (x > kRingWidth - 12 && i % 2 ? 255 : 0);
-  EXPECT_THROW(DenialsByOthers(ring.views, ring.masks, SpaceOptions{.most_denials = 2}),
-               InputError);
+  EXPECT_THROW(
+      ContradictionsByOthers(ring.views, ring.masks, SpaceOptions{.most_contradictions = 2}),
+      InputError);
   for (Image8& mask : ring.masks) mask = Image8(kRingWidth, kRingHeight, 1, 0);
-  EXPECT_THROW(DenialsByOthers(ring.views, ring.masks, kCoarse), InputError);
+  EXPECT_THROW(ContradictionsByOthers(ring.views, ring.masks, kCoarse), InputError);
 }
 
-TEST(JudgeOutlines, ViewThatDeniesWhatAllOthersUpholdIsAnOutlierAndGivesTheirSpaceBack) {
+TEST(CheckOutlines, ViewThatDeniesWhatAllOthersUpholdIsAnOutlierAndGivesTheirSpaceBack) {
   TestRing ring = MakeTestRing();
-  const std::vector<Image8> before = DenialsByOthers(ring.views, ring.truths, kCoarse);
+  const std::vector<Image8> before = ContradictionsByOthers(ring.views, ring.truths, kCoarse);
   Redraw(ring, 7, 14, -9, 30);
   const auto by = [&](const std::vector<char>& inlier) {
-    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+    return Contradictions{ContradictionsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
   };
-  Denials denials = by({});
-  EXPECT_NE(denials.pictures[0].data, before[0].data);  // it has carved
-  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  Contradictions contradictions = by({});
+  EXPECT_NE(contradictions.pictures[0].data, before[0].data);  // it has carved
+  const ViewConsensus consensus = CheckOutlines(ring.truths, contradictions, by, {});
   EXPECT_FALSE(consensus.undecided);
   for (std::size_t i = 0; i < ring.views.size(); ++i) EXPECT_EQ(consensus.inlier[i], i != 7) << i;
   EXPECT_GT(consensus.fits[7].missing[0], 0.2);
   EXPECT_LT(consensus.fits[0].missing[0], 0.01);
 }
 
-TEST(JudgeOutlines, TwoThatContradictInTheSameWayAreBothFound) {
+TEST(CheckOutlines, TwoThatContradictInTheSameWayAreBothFound) {
   TestRing ring = MakeTestRing();
   Redraw(ring, 7, 14, -9, 30);
   Redraw(ring, 8, 14, -9, 30);
   const auto by = [&](const std::vector<char>& inlier) {
-    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+    return Contradictions{ContradictionsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
   };
-  Denials denials = by({});
-  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  Contradictions contradictions = by({});
+  const ViewConsensus consensus = CheckOutlines(ring.truths, contradictions, by, {});
   for (std::size_t i = 0; i < ring.views.size(); ++i)
     EXPECT_EQ(consensus.inlier[i], i != 7 && i != 8) << i;
 }
@@ -158,26 +161,26 @@ bool OnColumns(const View& view, int x, int y) {
   return false;
 }
 
-TEST(JudgeOutlines, ToLookThroughBetweenColumnsIsNoFault) {
+TEST(CheckOutlines, ToLookThroughBetweenColumnsIsNoFault) {
   TestRing ring = MakeTestRing();
   for (std::size_t i = 0; i < ring.views.size(); ++i)
     for (int y = 0; y < kRingHeight; ++y)
       for (int x = 0; x < kRingWidth; ++x)
         *ring.truths[i].at(x, y) = OnColumns(ring.views[i], x, y) ? 255 : 0;
   const auto by = [&](const std::vector<char>& inlier) {
-    return Denials{DenialsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
+    return Contradictions{ContradictionsByOthers(ring.views, ring.truths, kCoarse, inlier), 3};
   };
-  Denials denials = by({});
-  // Some views lack far more than the median view of the part that no other view denies: only these
-  // see through.
-  const std::vector<OutlineFit> fits = FitsOfOutlines(ring.truths, denials, {});
+  Contradictions contradictions = by({});
+  // Some views lack far more than the median view of the part that no other view contradicts: only
+  // these see through.
+  const std::vector<OutlineFit> fits = FitsOfOutlines(ring.truths, contradictions, {});
   const auto most = std::max_element(fits.begin(), fits.end(),
                                      [](auto& a, auto& b) { return a.missing[0] < b.missing[0]; });
   ASSERT_GT(most->missing[0], 1.2 * ConsensusOptions{}.missing);
-  const ViewConsensus consensus = JudgeOutlines(ring.truths, denials, by, {});
+  const ViewConsensus consensus = CheckOutlines(ring.truths, contradictions, by, {});
   EXPECT_FALSE(consensus.undecided);
   EXPECT_EQ(std::count(consensus.inlier.begin(), consensus.inlier.end(), 1),
-            static_cast<std::ptrdiff_t>(ring.views.size()));
+            std::ssize(ring.views));
 }
 
 TEST(Touched, AreTheFewViewsThatHoldWhatTheOthersSeePast) {

@@ -8,11 +8,11 @@ namespace keypose::capture {
 
 struct SpaceOptions {
   int resolution = 128;  ///< voxels along the longest side of the space that the masks share
-  /// largest number of denials that is counted exactly, fewer in sets below 48 views
-  int most_denials = 8;
-  /// a mask denies points that project outside of it by more than this
+  /// largest number of contradictions that is counted exactly, fewer in sets below 48 views
+  int most_contradictions = 8;
+  /// a mask contradicts points that project outside of it by more than this
   double margin_px = 1;
-  double weight = 2;  ///< of the others' denials relative to the photograph's own odds
+  double weight = 2;  ///< of the others' contradictions relative to the photograph's own odds
   ConsensusOptions consensus{};
   ColorOptions colors{};
 };

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::capture {
 namespace {
@@ -95,7 +97,7 @@ std::vector<double> AnglesAt(const std::vector<PointsX3>& hues, Eigen::Index poi
     values.clear();
     for (std::size_t v = 0; v < hues.size(); ++v)
       if (inlier[v] && !hues[v].row(point).isZero(0)) values.push_back(hues[v](point, c));
-    if (static_cast<int>(values.size()) < kLeastViews) return angles;
+    if (SizeOf(values) < kLeastViews) return angles;
     middle[c] = MedianOf(values);
   }
   middle.normalize();
@@ -112,7 +114,7 @@ std::vector<ColorFit> FitsOfColors(const std::vector<Image8>& images,
                                    const PointCloud& surface, double cell,
                                    const std::vector<char>& inlier, const ColorOptions& options) {
   std::vector<PointsX3> hues(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(views), [&](std::int64_t k) {
     const auto v = static_cast<std::size_t>(k);
     hues[v] = HuesOf(PictureOf(images[v], masks[v]), views[v], surface, cell);
   });
@@ -134,7 +136,7 @@ std::vector<ColorFit> FitsOfColors(const std::vector<Image8>& images,
   return fits;
 }
 
-void JudgeColors(const std::vector<ColorFit>& fits, const ColorOptions& options,
+void CheckColors(const std::vector<ColorFit>& fits, const ColorOptions& options,
                  std::vector<char>& inlier) {
   for (std::size_t v = 0; v < fits.size(); ++v)
     if (fits[v].places >= options.least_places && fits[v].contrary > options.most_contrary)

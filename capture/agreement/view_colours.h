@@ -34,7 +34,7 @@ std::vector<ColorFit> FitsOfColors(const std::vector<Image8>& images,
                                    const std::vector<char>& inlier, const ColorOptions& options);
 
 /// Marks views as outliers whose colours differ from the others'.
-void JudgeColors(const std::vector<ColorFit>& fits, const ColorOptions& options,
+void CheckColors(const std::vector<ColorFit>& fits, const ColorOptions& options,
                  std::vector<char>& inlier);
 
 }  // namespace keypose::capture

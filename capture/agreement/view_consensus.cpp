@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "core/parallel.h"
@@ -18,7 +19,7 @@ double OpenedArea(const cv::Mat& set, double radius) {
   return cv::countNonZero(opened);
 }
 
-OutlineFit FitOf(const Image8& mask, const Image8& denials, int most, double depth) {
+OutlineFit FitOf(const Image8& mask, const Image8& contradictions, int most, double depth) {
   const double radius = depth * std::max(mask.width, mask.height);
   cv::Mat lacking[OutlineFit::kDoubts], beyond(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
   for (cv::Mat& set : lacking) set = cv::Mat(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
@@ -26,11 +27,11 @@ OutlineFit FitOf(const Image8& mask, const Image8& denials, int most, double dep
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
       const bool inside = *mask.at(x, y) > 127;
-      const int denied = *denials.at(x, y);
-      figure += denied == 0 || (inside && denied < most);
+      const int contradicted = *contradictions.at(x, y);
+      figure += contradicted == 0 || (inside && contradicted < most);
       for (int doubt = 0; doubt < OutlineFit::kDoubts; ++doubt)
-        if (!inside && denied <= doubt) lacking[doubt].at<std::uint8_t>(y, x) = 255;
-      if (inside && denied >= most) beyond.at<std::uint8_t>(y, x) = 255;
+        if (!inside && contradicted <= doubt) lacking[doubt].at<std::uint8_t>(y, x) = 255;
+      if (inside && contradicted >= most) beyond.at<std::uint8_t>(y, x) = 255;
     }
   OutlineFit fit;
   figure = std::max(figure, 1.0);
@@ -60,7 +61,7 @@ std::vector<double> Faults(const std::vector<OutlineFit>& fits, const std::vecto
   return faults;
 }
 
-/// Share of a mask whose rays have no space left because of this view's denials alone.
+/// Share of a mask whose rays have no space left because of this view's contradictions alone.
 double RobbedShare(const Image8& mask, const Image8& all, const Image8& without, double depth) {
   cv::Mat robbed(mask.height, mask.width, CV_8UC1, cv::Scalar(0));
   double figure = 1;
@@ -73,11 +74,13 @@ double RobbedShare(const Image8& mask, const Image8& all, const Image8& without,
   return OpenedArea(robbed, depth * std::max(mask.width, mask.height)) / figure;
 }
 
-/// Whether at least two other inliers lose a part of their figure because of view i's denials.
+/// Whether at least two other inliers lose a part of their figure because of view i's
+/// contradictions.
 bool Robs(std::size_t i, const std::vector<Image8>& masks, const std::vector<char>& inlier,
-          const Denials& all, const Denials& without, const ConsensusOptions& options) {
+          const Contradictions& all, const Contradictions& without,
+          const ConsensusOptions& options) {
   std::vector<char> robbed(masks.size(), 0);
-  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(masks), [&](std::int64_t k) {
     const auto j = static_cast<std::size_t>(k);
     if (j == i || !inlier[j]) return;
     robbed[j] =
@@ -88,12 +91,13 @@ bool Robs(std::size_t i, const std::vector<Image8>& masks, const std::vector<cha
 
 }  // namespace
 
-std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks, const Denials& denials,
+std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks,
+                                       const Contradictions& contradictions,
                                        const ConsensusOptions& options) {
   std::vector<OutlineFit> fits(masks.size());
-  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(masks), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
-    fits[i] = FitOf(masks[i], denials.pictures[i], denials.most, options.depth);
+    fits[i] = FitOf(masks[i], contradictions.pictures[i], contradictions.most, options.depth);
   });
   return fits;
 }
@@ -112,11 +116,14 @@ std::vector<std::size_t> Touched(const ViewConsensus& consensus, const Consensus
   return touched;
 }
 
-ViewConsensus JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
-                            const std::function<Denials(const std::vector<char>&)>& denials_by,
-                            const ConsensusOptions& options) {
-  ViewConsensus consensus{
-      std::vector<char>(masks.size(), 1), FitsOfOutlines(masks, denials, options), {}, false};
+ViewConsensus CheckOutlines(
+    const std::vector<Image8>& masks, Contradictions& contradictions,
+    const std::function<Contradictions(const std::vector<char>&)>& contradictions_by,
+    const ConsensusOptions& options) {
+  ViewConsensus consensus{std::vector<char>(masks.size(), 1),
+                          FitsOfOutlines(masks, contradictions, options),
+                          {},
+                          false};
   const auto most =
       static_cast<std::size_t>(options.most_doubtful * static_cast<double>(masks.size()));
   std::vector<char> cleared(masks.size(), 0);  // views that see through gaps
@@ -129,14 +136,14 @@ ViewConsensus JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
     if (faults[worst] <= options.missing) break;
     std::vector<char> inlier = consensus.inlier;
     inlier[worst] = 0;
-    Denials without = denials_by(inlier);
-    cleared[worst] = !Robs(worst, masks, inlier, denials, without, options);
+    Contradictions without = contradictions_by(inlier);
+    cleared[worst] = !Robs(worst, masks, inlier, contradictions, without, options);
     if (cleared[worst]) continue;
     consensus.undecided = gone++ >= most;
     if (consensus.undecided) break;
     consensus.inlier = std::move(inlier);
-    denials = std::move(without);
-    consensus.fits = FitsOfOutlines(masks, denials, options);
+    contradictions = std::move(without);
+    consensus.fits = FitsOfOutlines(masks, contradictions, options);
   }
   return consensus;
 }

@@ -24,9 +24,9 @@ struct ConsensusOptions {
   double most_doubtful = 0.34;
 };
 
-/// For each mask, the smallest number of denials by other inliers along each pixel's ray, up to
-/// `most`.
-struct Denials {
+/// For each mask, the smallest number of contradictions by other inliers along each pixel's ray, up
+/// to `most`.
+struct Contradictions {
   std::vector<Image8> pictures;
   int most = 0;
 };
@@ -35,13 +35,14 @@ struct Denials {
 /// that picture.
 struct OutlineFit {
   static constexpr int kDoubts = 3;
-  double missing[kDoubts] = {};  ///< outside of the mask, at pixels with denials by no other view,
-                                 ///< by at most one, and by at most two
-  double excess = 0;             ///< inside of the mask, at pixels with `most` denials
+  double missing[kDoubts] = {};  ///< outside of the mask, at pixels with contradictions by no other
+                                 ///< view, by at most one, and by at most two
+  double excess = 0;  ///< inside of the mask, at pixels with `most` contradictions
 };
 
 /// @param masks  of the pictures' size
-std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks, const Denials& denials,
+std::vector<OutlineFit> FitsOfOutlines(const std::vector<Image8>& masks,
+                                       const Contradictions& contradictions,
                                        const ConsensusOptions& options);
 
 struct ViewConsensus {
@@ -57,18 +58,19 @@ struct ViewConsensus {
 std::vector<std::size_t> Touched(const ViewConsensus& consensus, const ConsensusOptions& options);
 
 /// Marks views as outliers one by one, the worst first, until the remaining ones are consistent. A
-/// view's mask may lack a part that no other view, or at most one or two, denies. Then the view is
-/// at fault, even if it has carved away much of the common space, because the space is computed
-/// without it. Its missing part is compared with the median view's, since a hull is larger than its
-/// figure and each view sees through gaps that few others see. Seeing through a gap is no fault:
-/// between columns there is space that only few photographs show to be empty. So an outlier must
-/// also affect at least two other views: its denials alone remove all space along the rays of more
-/// than `robbed` of their masks.
-/// @param denials     of all views; on return those of the inliers
-/// @param denials_by  computes the denials for given inliers: one flag per view, 0 for an outlier
-/// Same bits for any thread count.
-ViewConsensus JudgeOutlines(const std::vector<Image8>& masks, Denials& denials,
-                            const std::function<Denials(const std::vector<char>&)>& denials_by,
-                            const ConsensusOptions& options);
+/// view's mask may lack a part that no other view, or at most one or two, contradicts. Then the
+/// view is at fault, even if it has carved away much of the common space, because the space is
+/// computed without it. Its missing part is compared with the median view's, since a hull is larger
+/// than its figure and each view sees through gaps that few others see. Seeing through a gap is no
+/// fault: between columns there is space that only few photographs show to be empty. So an outlier
+/// must also affect at least two other views: its contradictions alone remove all space along the
+/// rays of more than `robbed` of their masks.
+/// @param contradictions     of all views; on return those of the inliers
+/// @param contradictions_by  computes the contradictions for given inliers: one flag per view, 0
+/// for an outlier Same bits for any thread count.
+ViewConsensus CheckOutlines(
+    const std::vector<Image8>& masks, Contradictions& contradictions,
+    const std::function<Contradictions(const std::vector<char>&)>& contradictions_by,
+    const ConsensusOptions& options);
 
 }  // namespace keypose::capture

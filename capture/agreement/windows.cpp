@@ -37,7 +37,7 @@ std::vector<Window> Candidates(const std::vector<Image8>& images,
                                const std::vector<Backdrop>& backdrops,
                                const std::vector<char>& inlier, const std::vector<Image8>& masks) {
   std::vector<std::vector<Window>> found(images.size());
-  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     if (!inlier.empty() && !inlier[i]) return;
     for (const bool loose : {false, true})
@@ -79,13 +79,13 @@ Eigen::Vector3d RayOf(const View& view, double x, double y) {
 std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& windows) {
   const int longest = LongestSide(space.grid);
   std::vector<int> thicknesses(windows.size());
-  ParallelFor(static_cast<std::int64_t>(windows.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(windows), [&](std::int64_t k) {
     const Window& window = windows[k];
     const MaskSampler& sampler = space.samplers[window.view];
     std::vector<int> chords;
     for (const std::int32_t at : window.pixels)
-      chords.push_back(
-          ChordOf(sampler, at % sampler.denied.width, at / sampler.denied.width, space.grid, true));
+      chords.push_back(ChordOf(sampler, at % sampler.contradicted.width,
+                               at / sampler.contradicted.width, space.grid, true));
     std::nth_element(chords.begin(),
                      chords.begin() + static_cast<std::ptrdiff_t>(chords.size() / 2), chords.end());
     thicknesses[k] = 100 * chords[chords.size() / 2] / longest;
@@ -94,22 +94,22 @@ std::vector<int> Thicknesses(const Space& space, const std::vector<Window>& wind
 }
 
 /// Groups windows whose rays meet inside the original hull.
-class Meetings {
+class WindowGroups {
  public:
-  Meetings(const std::vector<Window>& windows, const Space& filled, const Space& open)
+  WindowGroups(const std::vector<Window>& windows, const Space& filled, const Space& open)
       : filled_(filled), open_(open) {
     labels_.resize(open.samplers.size());
     for (std::size_t k = 0; k < windows.size(); ++k) {
       std::vector<int>& labels = labels_[windows[k].view];
-      const Image8& denied = open.samplers[windows[k].view].denied;
-      labels.resize(denied.data.size(), -1);
+      const Image8& contradicted = open.samplers[windows[k].view].contradicted;
+      labels.resize(contradicted.data.size(), -1);
       if (windows[k].thick > kThin)
         for (const std::int32_t at : windows[k].pixels) labels[at] = static_cast<int>(k);
     }
     group_.resize(windows.size());
     std::iota(group_.begin(), group_.end(), 0);
     std::vector<std::map<int, Count>> met(windows.size());
-    ParallelFor(static_cast<std::int64_t>(windows.size()), [&](std::int64_t k) {
+    ParallelFor(std::ssize(windows), [&](std::int64_t k) {
       if (windows[k].thick > kThin) met[k] = MetBy(windows[k]);
     });
     for (std::size_t k = 0; k < windows.size(); ++k)
@@ -153,14 +153,14 @@ class Meetings {
     for (std::size_t p = 0; p < window.pixels.size(); p += Stride(window)) {
       const std::int32_t at = window.pixels[p];
       const Eigen::Vector3d ray =
-          RayOf(*own.view, at % own.denied.width + 0.5, at / own.denied.width + 0.5);
+          RayOf(*own.view, at % own.contradicted.width + 0.5, at / own.contradicted.width + 0.5);
       const double nearest = ray.dot(middle - from);
       std::map<int, bool> met;  // and whether from behind
       for (double t = nearest - reach; t < nearest + reach; t += grid.cell) {
         const Eigen::Vector3i cell =
             ((from + t * ray - grid.low) / grid.cell).array().floor().cast<int>();
         if ((cell.array() < 0).any() || (cell.array() >= grid.size.array()).any()) continue;
-        if (grid.denials[grid.At(cell.x(), cell.y(), cell.z())] == 0)
+        if (grid.contradictions[grid.At(cell.x(), cell.y(), cell.z())] == 0)
           Meet(window, grid.Center(cell.x(), cell.y(), cell.z()), ray, &met);
       }
       for (const auto& [other, opposite] : met)
@@ -174,10 +174,11 @@ class Meetings {
     for (std::size_t j = 0; j < open_.samplers.size(); ++j) {
       const MaskSampler& sampler = open_.samplers[j];
       Eigen::Vector3d pixel;
-      if (j == window.view || labels_[j].empty() || sampler.At(x, &pixel) != MaskSample::kDenied)
+      if (j == window.view || labels_[j].empty() ||
+          sampler.At(x, &pixel) != MaskSample::kContradicted)
         continue;
       const int other = labels_[j][static_cast<std::size_t>(pixel.y()) *
-                                       static_cast<std::size_t>(sampler.denied.width) +
+                                       static_cast<std::size_t>(sampler.contradicted.width) +
                                    static_cast<std::size_t>(pixel.x())];
       if (other >= 0)
         (*met)[other] |= ray.dot((x - sampler.view->Center()).normalized()) < kOpposite;
@@ -218,7 +219,7 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
     // Testing which windows meet is expensive, so it is done for the few remaining ones; the final
     // result is the same.
     if (kept.size() == count) {
-      const Meetings meetings(windows, filled, open);
+      const WindowGroups meetings(windows, filled, open);
       kept.clear();
       for (std::size_t k = 0; k < count; ++k)
         if (windows[k].thick <= kThin || meetings.FromBothSides(k)) kept.push_back(windows[k]);

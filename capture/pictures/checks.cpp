@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::capture {
 namespace {
@@ -63,7 +64,7 @@ std::vector<char> QuarterTurns(const std::vector<Photograph>& photographs) {
 
 void RequireEnoughAndDistinct(const std::vector<Photograph>& photographs, int min_images,
                               const std::string& folder) {
-  if (static_cast<int>(photographs.size()) < min_images)
+  if (SizeOf(photographs) < min_images)
     throw InputError("capture: " + folder + " has " + std::to_string(photographs.size()) +
                      " photographs; at least " + std::to_string(min_images) +
                      " are needed, and 24 or more all round the object are better");

@@ -1,5 +1,7 @@
 #include "capture/pictures/overlap.h"
 
+#include <iterator>
+
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
@@ -70,7 +72,7 @@ int SharedBy(const Sighted& first, const Sighted& second) {
 
 std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progress* progress) {
   std::vector<Sighted> seen(previews.size());
-  ParallelFor(static_cast<std::int64_t>(previews.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(previews), [&](std::int64_t i) {
     if (progress && progress->cancelled()) throw Cancelled();
     seen[i] = FeaturesOf(previews[i]);
   });
@@ -78,7 +80,7 @@ std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progres
   for (int i = 0; i < std::ssize(previews); ++i)
     for (int j = i + 1; j < std::ssize(previews); ++j) pairs.push_back({i, j, 0});
   ParallelFor(
-      static_cast<std::int64_t>(pairs.size()),
+      std::ssize(pairs),
       [&](std::int64_t k) {
         ImageTie& tie = pairs[k];
         tie.matches = SharedBy(seen[tie.first], seen[tie.second]);

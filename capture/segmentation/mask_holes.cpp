@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
@@ -180,7 +181,7 @@ Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>&
   Backdrops all{std::vector<Backdrop>(lab.size()), 0};
   std::vector<Backdrop>& backdrops = all.of;
   std::vector<double> figure(lab.size(), 0), like(figure);
-  ParallelFor(static_cast<std::int64_t>(lab.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(lab), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     Image8 empty = EmptySet(lab, trimaps, TakeOf(takes, i), i);
     if (Misfit(lab[i], empty, trimaps[i]) >= largest_misfit) return;

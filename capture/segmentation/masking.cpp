@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ximgproc/edge_filter.hpp>
 #include <string>
@@ -72,7 +73,7 @@ std::vector<Image8> SegmentByCleanPlate(const std::vector<Image8>& images,
                                         const std::vector<BoardOdds>& boards,
                                         const MaskOptions& options) {
   std::vector<Image8> masks(images.size());
-  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     ImageF odds = CleanPlateOdds(images[i], clean_plate, options);
     // The empty set was shot without the calibration board, or with the board in another position.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
@@ -86,7 +87,7 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
 
 /// Pixels that match the empty set as closely as the background does: seen past the figure, or clay
 /// of the background's colour.
-struct SeenPast {
+struct EmptySetMatch {
   /// for each image; empty if its empty set is unknown
   std::vector<std::vector<char>> pixels;
   float odds = 0;  ///< of the figure at such a pixel
@@ -103,11 +104,11 @@ constexpr double kFewAlike = 7e-4;
 /// A classifier learned from masks with a filled hole classifies background as figure there, and
 /// the hull of such masks is filled as well. The empty set, where other photographs of the take
 /// show it, corrects that.
-SeenPast FindSeenPast(const Round& round, const std::vector<Image8>& empties,
-                      const std::vector<char>& foretold, double limit) {
-  SeenPast past{std::vector<std::vector<char>>(round.lab.size()), 0};
+EmptySetMatch FindSeenPast(const Round& round, const std::vector<Image8>& empties,
+                           const std::vector<char>& foretold, double limit) {
+  EmptySetMatch past{std::vector<std::vector<char>>(round.lab.size()), 0};
   std::vector<double> figure(round.lab.size(), 0), like(figure);
-  ParallelFor(static_cast<std::int64_t>(round.lab.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(round.lab), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     if (!foretold[i]) return;
     const std::vector<std::uint8_t>&pixels = round.lab[i].data, &empty = empties[i].data,
@@ -183,7 +184,7 @@ std::vector<Image8> SegmentByColor(const std::vector<Image8>& images,
   for (std::size_t i = 0; i < images.size(); ++i) pooled.Add(images[i], trimaps[i]);
   std::vector<Image8> masks(images.size());
   const float share = 1.0F / static_cast<float>(images.size());
-  ParallelFor(static_cast<std::int64_t>(images.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(images), [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     ColorOdds odds;
     odds.Add(images[i], trimaps[i]);
@@ -211,7 +212,7 @@ std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<Bo
                            : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
   });
   const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
-  const SeenPast past = FindSeenPast(round, empties, foretold, kSeenPast * options.odds_limit);
+  const EmptySetMatch past = FindSeenPast(round, empties, foretold, kSeenPast * options.odds_limit);
   ParallelFor(each, [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     Image8 trimap = round.trimaps[i];

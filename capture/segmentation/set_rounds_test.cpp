@@ -150,7 +150,8 @@ TestPhoto MakeRingPhoto(int index) {
   return photo;
 }
 
-// The masks of the previous round have filled all holes, and the other views do not deny them.
+// The masks of the previous round have filled all holes, and the other views do not contradict
+// them.
 TEST(SegmentByClassifier, OpensHolesThatMasksHaveFilled) {
   std::vector<Image8> images, told;
   for (int i = 0; i < kRings; ++i) images.push_back(MakeRingPhoto(i).image);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <queue>
 #include <vector>
 
@@ -21,17 +22,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLong = 4.0 / 3,
-                 kShort = 4.0 / 5;  // of the wanted length: neither undoes the other
-constexpr int kRounds = 6, kFits = 14, kLastFlips = 12;  // fits after which the edges stay
+constexpr double
+    kLong = 4.0 / 3,
+    kShort = 4.0 /
+             5;  // of the wanted length: chosen so that splits and collapses do not undo each other
+constexpr int kRounds = 6, kFits = 14,
+              kLastFlips = 12;  // fits after which edges are not flipped any more
 
-// What a point of a face is off from the surface: along the surface's normal there, by how much.
-struct Miss {
+// Distance of a point of a face from the surface, along the surface's normal there.
+struct SurfaceOffset {
   Vector3d normal = Vector3d::Zero();
   double distance = 0;
 };
 
-// The loop: a mesh that is edited, the surface it stays on, and the sizes there.
+// The state of remeshing: the edited mesh, the surface that it stays on, and the wanted sizes.
 class Remesher {
  public:
   Remesher(const Mesh& start, const Mesh& surface, const Eigen::VectorXd& sizes)
@@ -51,10 +55,10 @@ class Remesher {
   Vector3d ToMiddle(Vertex v) const;
   void Relax(double step);
   void TakeSizes();
-  std::vector<std::array<Miss, 4>> Misses() const;
-  Vector3d FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>& misses) const;
+  std::vector<std::array<SurfaceOffset, 4>> SurfaceOffsets() const;
+  Vector3d FittedPlace(Vertex v, const std::vector<std::array<SurfaceOffset, 4>>& offsets) const;
   void Fit();
-  std::vector<std::array<double, 2>> DiagonalMisses(const std::vector<Edge>& edges) const;
+  std::vector<std::array<double, 2>> DiagonalOffsets(const std::vector<Edge>& edges) const;
   void FixCount(int faces);
   void FlipForShape();
   void MoveAll(const std::vector<Vertex>& vertices, const std::vector<Vector3d>& to);
@@ -104,7 +108,8 @@ void Remesher::MoveAll(const std::vector<Vertex>& vertices, const std::vector<Ve
   for (std::size_t i = 0; i < vertices.size(); ++i) editor_.Move(vertices[i], to[i]);
 }
 
-// Along the surface to the middle of the fan, larger faces pulling more.
+// The move along the surface to the centre of the fan. Faces are weighted by their area relative to
+// the wanted size.
 Vector3d Remesher::ToMiddle(Vertex v) const {
   const Vector3d x = mesh_.point(v), normal = editor_.Normal(v);
   Vector3d sum = Vector3d::Zero();
@@ -120,12 +125,12 @@ Vector3d Remesher::ToMiddle(Vertex v) const {
   return move - normal * normal.dot(move);
 }
 
-// Each vertex slides towards the middle of its fan, and back to the surface straight below.
+// Moves each vertex towards the centre of its fan, and then to the closest point of the surface.
 void Remesher::Relax(double step) {
   const std::vector<Vertex> vertices = Vertices();
   std::vector<Vector3d> to(vertices.size());
   ParallelFor(
-      static_cast<std::int64_t>(vertices.size()),
+      std::ssize(vertices),
       [&](std::int64_t i) {
         const Vertex v = vertices[i];
         const Vector3d x = mesh_.point(v);
@@ -141,7 +146,7 @@ void Remesher::TakeSizes() {
   const std::vector<Vertex> vertices = Vertices();
   editor_.sizes.resize(mesh_.num_vertices());
   ParallelFor(
-      static_cast<std::int64_t>(vertices.size()),
+      std::ssize(vertices),
       [&](std::int64_t i) {
         const RayScene::Foot foot = scene_.ClosestPoint(mesh_.point(vertices[i]));
         double size = 0;
@@ -152,17 +157,17 @@ void Remesher::TakeSizes() {
       128);
 }
 
-// Where a face is compared with the surface: shares of its corners.
+// Barycentric coordinates of the points where a face is compared with the surface.
 constexpr double kShares[4][3] = {{1. / 3, 1. / 3, 1. / 3},
                                   {2. / 3, 1. / 6, 1. / 6},
                                   {1. / 6, 2. / 3, 1. / 6},
                                   {1. / 6, 1. / 6, 2. / 3}};
 
-std::vector<std::array<Miss, 4>> Remesher::Misses() const {
+std::vector<std::array<SurfaceOffset, 4>> Remesher::SurfaceOffsets() const {
   const std::vector<Face> faces(mesh_.faces().begin(), mesh_.faces().end());
-  std::vector<std::array<Miss, 4>> misses(mesh_.num_faces());
+  std::vector<std::array<SurfaceOffset, 4>> offsets(mesh_.num_faces());
   ParallelFor(
-      static_cast<std::int64_t>(faces.size()),
+      std::ssize(faces),
       [&](std::int64_t i) {
         const std::array<Vertex, 3> c = Corners(faces[i]);
         const Vector3d normal = editor_.Cross(faces[i]).normalized();
@@ -172,22 +177,25 @@ std::vector<std::array<Miss, 4>> Remesher::Misses() const {
           const RayScene::Foot foot = scene_.ClosestPoint(x, editor_.sizes[c[0]]);
           if (!Agrees(foot, normal)) continue;
           const Vector3d n = normals_.row(foot.face).transpose();
-          misses[faces[i]][k] = {n, n.dot(foot.point - x)};
+          offsets[faces[i]][k] = {n, n.dot(foot.point - x)};
         }
       },
       128);
-  return misses;
+  return offsets;
 }
 
-// Corners on a sphere leave every face inside of it, and corners beside an edge cut it off. Each
-// corner moves to where the points of its faces are nearest to the planes of the surface below
-// them, least squares with a pull to stay; neighbours move as well, hence the damping. Where that
-// makes a face thin, the pull is along the surface to the middle of the fan instead: it wins where
-// the surface is flat and the place of a corner on it does not matter.
-Vector3d Remesher::FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>& misses) const {
+// If all vertices lie on a sphere, the faces lie inside of it, and vertices beside a sharp edge cut
+// it off. So each vertex moves to where the points of its faces are nearest to the planes of the
+// surface below them, in the sense of least squares. A small weight holds it in place, and the move
+// is damped because the neighbours move as well. If a face at the vertex is thin, the weight also
+// pulls along the surface to the centre of the fan. This pull prevails where the surface is flat
+// and the position of the vertex on it does not matter.
+Vector3d Remesher::FittedPlace(Vertex v,
+                               const std::vector<std::array<SurfaceOffset, 4>>& offsets) const {
   constexpr double kPull = 0.02, kDamping = 0.5, kMostOverSize = 0.25, kSlide = 2;
   constexpr double kThinDeg = 35,
-                   kThinRangeDeg = 15;  // a slide begins at the first and is whole that much below
+                   kThinRangeDeg =
+                       15;  // the pull begins at kThinDeg and is full at kThinRangeDeg below
   Eigen::Matrix3d system = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(v), mesh_)) {
@@ -195,10 +203,10 @@ Vector3d Remesher::FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>&
     const int corner = c[0] == v ? 0 : c[1] == v ? 1 : 2;
     const double area = editor_.Cross(mesh_.face(h)).norm();
     for (int k = 0; k < 4; ++k) {
-      const Miss& miss = misses[mesh_.face(h)][k];
+      const SurfaceOffset& offset = offsets[mesh_.face(h)][k];
       const double share = kShares[k][corner];
-      system += area * share * share * miss.normal * miss.normal.transpose();
-      right += area * share * miss.distance * miss.normal;
+      system += area * share * share * offset.normal * offset.normal.transpose();
+      right += area * share * offset.distance * offset.normal;
     }
   }
   const double pull = kPull * system.trace() + 1e-30;
@@ -206,7 +214,7 @@ Vector3d Remesher::FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>&
   const double thin =
       std::clamp<double>((kThinDeg - editor_.Angle(v) * 180 / EIGEN_PI) / kThinRangeDeg, 0, 1);
   const auto solver = system.ldlt();
-  // Twice through the inverse, so that a corner on a sharp edge slides along it only.
+  // Applied through the inverse twice, so that a vertex on a sharp edge only moves along it.
   if (thin > 0) right += pull * pull * kSlide * thin * solver.solve(ToMiddle(v));
   Vector3d move = kDamping * solver.solve(right);
   const double most = kMostOverSize * editor_.sizes[v];
@@ -215,39 +223,40 @@ Vector3d Remesher::FittedPlace(Vertex v, const std::vector<std::array<Miss, 4>>&
 }
 
 void Remesher::Fit() {
-  const std::vector<std::array<Miss, 4>> misses = Misses();
+  const std::vector<std::array<SurfaceOffset, 4>> offsets = SurfaceOffsets();
   const std::vector<Vertex> vertices = Vertices();
   std::vector<Vector3d> to(vertices.size());
   ParallelFor(
-      static_cast<std::int64_t>(vertices.size()),
-      [&](std::int64_t i) { to[i] = FittedPlace(vertices[i], misses); }, 128);
+      std::ssize(vertices), [&](std::int64_t i) { to[i] = FittedPlace(vertices[i], offsets); },
+      128);
   MoveAll(vertices, to);
 }
 
-// Squared distances from the surface of every edge's middle and of that of its other diagonal.
-std::vector<std::array<double, 2>> Remesher::DiagonalMisses(const std::vector<Edge>& edges) const {
-  std::vector<std::array<double, 2>> misses(edges.size());
+// For each edge, the squared distances from the surface of its midpoint and of the other diagonal's
+// midpoint.
+std::vector<std::array<double, 2>> Remesher::DiagonalOffsets(const std::vector<Edge>& edges) const {
+  std::vector<std::array<double, 2>> offsets(edges.size());
   ParallelFor(
-      static_cast<std::int64_t>(edges.size()),
+      std::ssize(edges),
       [&](std::int64_t i) {
         const std::array<Vector3d, 4> p = Diamond(edges[i]);
-        misses[i] = {scene_.ClosestPoint(0.5 * (p[0] + p[1])).squared_distance,
-                     scene_.ClosestPoint(0.5 * (p[2] + p[3])).squared_distance};
+        offsets[i] = {scene_.ClosestPoint(0.5 * (p[0] + p[1])).squared_distance,
+                      scene_.ClosestPoint(0.5 * (p[2] + p[3])).squared_distance};
       },
       128);
-  return misses;
+  return offsets;
 }
 
-// Edges that run across a ridge are turned along it, and those between thin faces so that these get
-// thicker: whatever makes less of the sum of the squared miss and, in units of the usual one, what
-// the angles lack.
+// Flips edges across a ridge to run along it, and edges between thin faces to improve their angles.
+// An edge is flipped if that lowers its cost: the squared distance from the surface plus a penalty
+// for small angles, which is scaled by the median distance.
 void Remesher::FlipForShape() {
   constexpr double kGain = 0.9, kAngleWeight = 40, kGoodAngle = 35 * EIGEN_PI / 180,
                    kLeastAngle = 20 * EIGEN_PI / 180;
   const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
-  const std::vector<std::array<double, 2>> misses = DiagonalMisses(edges);
+  const std::vector<std::array<double, 2>> offsets = DiagonalOffsets(edges);
   std::vector<double> now(edges.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) now[i] = misses[i][0];
+  for (std::size_t i = 0; i < edges.size(); ++i) now[i] = offsets[i][0];
   std::nth_element(now.begin(), now.begin() + now.size() / 2, now.end());
   const double weight = kAngleWeight * now[now.size() / 2];
   const auto lack = [&](double angle) {
@@ -260,8 +269,8 @@ void Remesher::FlipForShape() {
     if (touched[f] || touched[g]) continue;
     const auto [a, b, c, d] = Diamond(edges[i]);
     const double left = MinAngle(a, b, c), right = MinAngle(b, a, d);
-    const double cost = misses[i][0] + lack(left) + lack(right);
-    if (!(misses[i][1] + lack(MinAngle(c, d, b)) + lack(MinAngle(d, c, a)) < kGain * cost))
+    const double cost = offsets[i][0] + lack(left) + lack(right);
+    if (!(offsets[i][1] + lack(MinAngle(c, d, b)) + lack(MinAngle(d, c, a)) < kGain * cost))
       continue;
     if (editor_.FlipTo(edges[i], std::min({kLeastAngle, left, right}))) touched[f] = touched[g] = 1;
   }
@@ -275,13 +284,13 @@ struct Candidate {
   }
 };
 
-// Shortest first down, longest first up; lengths over the wanted ones.
+// Collapses the shortest edges first, or splits the longest first, by length over wanted length.
 void Remesher::FixCount(int faces) {
   for (int pass = 0; pass < 12 && static_cast<int>(mesh_.number_of_faces()) > faces + 1; ++pass) {
     std::vector<Candidate> edges;
     for (const Edge e : mesh_.edges()) edges.push_back({editor_.Relative(e), e});
     std::sort(edges.begin(), edges.end());
-    // Lengths around a collapse change, so a pass takes a few only.
+    // Lengths around a collapse change, so one pass collapses only a few.
     std::size_t budget = std::max<std::size_t>(50, edges.size() / 20);
     for (const Candidate& c : edges) {
       if (budget == 0 || static_cast<int>(mesh_.number_of_faces()) <= faces + 1) break;

@@ -1,5 +1,5 @@
-// Copies between the plain mesh arrays and CGAL's Surface_mesh; a template, so that this header
-// needs no CGAL header itself.
+// Copies between the plain mesh arrays and CGAL's Surface_mesh. These are templates, so this header
+// includes no CGAL header.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@ namespace keypose::cleanup {
 
 /// @tparam SurfaceMesh  CGAL::Surface_mesh<Point>
 /// @param mesh  an oriented 2-manifold, possibly with boundary, without unused vertices
-/// @return the same vertices and faces in the same order; faces that CGAL cannot add without
-/// breaking the manifold are left out
+/// @return the same vertices and faces in the same order, without faces that CGAL cannot add
+/// because the mesh would not be a manifold
 template <class SurfaceMesh>
 SurfaceMesh ToSurfaceMesh(const Mesh& mesh) {
   using Point = typename SurfaceMesh::Point;
@@ -28,7 +28,7 @@ SurfaceMesh ToSurfaceMesh(const Mesh& mesh) {
   return out;
 }
 
-/// Positions and faces in CGAL's order, without removed or isolated vertices.
+/// Positions and faces in CGAL's order, without removed and isolated vertices.
 template <class SurfaceMesh>
 Mesh FromSurfaceMesh(const SurfaceMesh& in) {
   std::vector<int> id(in.number_of_vertices() + in.number_of_removed_vertices(), -1);

@@ -17,12 +17,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTurn = 0.3;  // cosine beyond which a collapse may not turn a face
-// share of the squared length in the cost: flat places get even triangles
+constexpr double kTurn = 0.3;  // smallest cosine of the angle by which a collapse may turn a face
+// weight of the squared edge length in the cost, so that flat places get even triangles
 constexpr double kShape = 1e-3;
-constexpr double kPassShare = 0.4;  // of the edges, cheapest first, are looked at in a pass
+constexpr double kPassShare = 0.4;  // of the edges, the cheapest ones, are tried in one pass
 
-// x^T A x + 2 b^T x + c, of squared distances to planes times areas.
+// x^T A x + 2 b^T x + c: squared distances to planes, weighted by area.
 struct Quadric {
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
@@ -58,7 +58,7 @@ class Decimation {
   std::vector<Eigen::Vector3i> faces_;
   std::vector<Quadric> quadrics_;
   std::vector<char> border_, touched_;
-  std::vector<int> begin_, fan_;  // faces of each vertex; fresh at the start of a pass
+  std::vector<int> begin_, fan_;  // faces of each vertex; rebuilt at the start of each pass
   int alive_ = 0;
 };
 
@@ -93,8 +93,9 @@ void Decimation::BuildFans() {
     for (int k = 0; k < 3; ++k) fan_[at[faces_[f][k]]++] = f;
 }
 
-// The best place for the joined vertex; the middle where the surface is too flat to tell. In
-// coordinates about the middle, because the quadric's numbers far from the origin cancel.
+// The best position of the joined vertex; the midpoint where the surface is too flat to determine
+// one. Coordinates are relative to the midpoint, because the quadric suffers from cancellation far
+// from the origin.
 Vector3d Decimation::Place(int a, int b) const {
   const Vector3d pa = points_.row(a), pb = points_.row(b), middle = 0.5 * (pa + pb);
   Quadric q = quadrics_[a];
@@ -109,14 +110,14 @@ Vector3d Decimation::Place(int a, int b) const {
 std::vector<Collapse> Decimation::Candidates() const {
   std::vector<Collapse> all(3 * faces_.size());
   ParallelFor(
-      static_cast<std::int64_t>(faces_.size()),
+      std::ssize(faces_),
       [&](std::int64_t f) {
         for (int k = 0; k < 3; ++k) {
           const int a = faces_[f][k], b = faces_[f][(k + 1) % 3];
           Collapse& c = all[3 * f + k];
           c = {-1, a, b};
           if (a > b || border_[a] || border_[b])
-            continue;  // the other face of the edge has it the other way round
+            continue;  // the other face of the edge has it in the opposite direction
           const Vector3d x = Place(a, b);
           const double squared = (points_.row(a) - points_.row(b)).squaredNorm();
           const double area = quadrics_[a].a.trace() + quadrics_[b].a.trace();
@@ -161,7 +162,8 @@ bool Decimation::StarHolds(int v, int other, const Vector3d& x) const {
   return true;
 }
 
-// The link condition of an inner edge: the rings share the two tips of its faces and nothing else.
+// The link condition of an inner edge: the rings of its ends share only the two opposite vertices
+// of its faces.
 bool Decimation::Allowed(int a, int b, const Vector3d& x) const {
   const std::vector<int> ra = Ring(a), rb = Ring(b);
   std::vector<int> common;
@@ -213,7 +215,7 @@ Mesh Decimation::Run(int faces) {
   }
   std::vector<int> id(static_cast<std::size_t>(points_.rows()), -1);
   Mesh out;
-  out.faces.resize(static_cast<Eigen::Index>(faces_.size()), 3);
+  out.faces.resize(std::ssize(faces_), 3);
   out.points.resize(points_.rows(), 3);
   int count = 0;
   for (const Eigen::Vector3i& t : faces_)

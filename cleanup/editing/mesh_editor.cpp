@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kMostTurn = 0.3;  // cosine beyond which a face may not turn in one step
+constexpr double kMostTurn =
+    0.3;  // smallest cosine of the angle by which a face may turn in one step
 
 }  // namespace
 
@@ -69,8 +70,8 @@ Vector3d Editor::Normal(Vertex v) const {
   return sum.normalized();
 }
 
-// Whether the faces around v, but those that also touch `ignored`, keep their side and an area when
-// v moves.
+// Whether the faces around v, except those that also touch `ignored`, keep their orientation and an
+// area when v moves.
 bool Editor::StarHolds(Vertex v, const Vector3d& to, Vertex ignored) const {
   for (const Halfedge h : CGAL::halfedges_around_target(mesh.halfedge(v), mesh)) {
     const Vertex p = mesh.source(h), q = mesh.target(mesh.next(h));
@@ -79,7 +80,7 @@ bool Editor::StarHolds(Vertex v, const Vector3d& to, Vertex ignored) const {
     const Vector3d before = (old - a).cross(b - a), after = (to - a).cross(b - a);
     const double scale = (b - a).squaredNorm() + (to - a).squaredNorm();
     if (!(after.norm() > 1e-3 * scale)) {
-      if (!(after.norm() > before.norm())) return false;  // a sliver may only get better
+      if (!(after.norm() > before.norm())) return false;  // thin faces may only improve
     }
     if (before.norm() > 1e-9 * scale &&
         !(after.dot(before) > kMostTurn * after.norm() * before.norm()))
@@ -117,7 +118,7 @@ bool Editor::Collapse(Edge e, double longest) {
   const Vertex a = mesh.source(h), b = mesh.target(h);
   if (!CGAL::Euler::does_satisfy_link_condition(e, mesh) || mesh.number_of_faces() <= 4)
     return false;
-  // A neck of three edges must not be closed, nor a vertex be left with two faces.
+  // A tube of three edges must not be closed, and no vertex may be left with two faces.
   if (mesh.degree(mesh.target(mesh.next(h))) <= 3 ||
       mesh.degree(mesh.target(mesh.next(mesh.opposite(h)))) <= 3)
     return false;
@@ -126,7 +127,8 @@ bool Editor::Collapse(Edge e, double longest) {
   std::array<double, 3> errors;
   for (int i = 0; i < 3; ++i) errors[i] = PlaneError(a, places[i]) + PlaneError(b, places[i]);
   std::array<int, 3> order = {0, 1, 2};
-  // The middle is best for the triangles: an end must be clearly better for the shape.
+  // The midpoint gives the best triangles, so an end is only chosen when it is clearly better for
+  // the shape.
   errors[0] *= 0.5;
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return errors[i] < errors[j]; });
   const double size = 0.5 * (sizes[a] + sizes[b]);
@@ -213,7 +215,8 @@ void Editor::MendThinFaces(double least_deg, int rounds) {
         return la != lb ? la > lb : a < b;
       });
       if (Flip(mesh.edge(sides[0])) || Collapse(mesh.edge(sides[2]), 1e9)) continue;
-      // A cap whose long side cannot be flipped: its blunt corner moves away from that side.
+      // The long side of an obtuse face cannot be flipped: move its obtuse corner away from that
+      // side.
       const Vertex corner = mesh.target(mesh.next(sides[0]));
       Vector3d sum = Vector3d::Zero();
       int count = 0;

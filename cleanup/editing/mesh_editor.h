@@ -1,5 +1,5 @@
-// A closed triangle mesh that is edited: splits, collapses, flips and moves that keep it closed and
-// turn no face over.
+// Editing of a closed triangle mesh: edge splits, collapses and flips, and vertex moves. They keep
+// the mesh closed and turn no face over.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,8 +28,7 @@ using Halfedge = CGAL::SM_Halfedge_index;
 /// Smallest angle of a triangle. [rad]
 double MinAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-/// Positions are the mesh's points; sizes, the wanted edge lengths, ride along. Each edit says
-/// whether it was done.
+/// A mesh with a wanted edge length (size) at each vertex. Edits return whether they were done.
 class Editor {
   std::unique_ptr<SurfaceMesh> owned_;  // before `mesh`, which refers to it
 
@@ -43,23 +42,25 @@ class Editor {
   std::vector<double> sizes;  ///< by vertex index
 
   double Length(Edge e) const;
-  double Relative(Edge e) const;  ///< over the wanted length there
-  /// In the middle; returns the new vertex.
+  double Relative(Edge e) const;  ///< length over the wanted length
+  /// Splits the edge at its midpoint and returns the new vertex.
   Vertex Split(Edge e);
-  /// To the end or the middle that lies nearest to the planes around; no edge gets longer than
-  /// `longest` of its size.
+  /// Collapses the edge to the end or the midpoint that is nearest to the planes of the surrounding
+  /// faces. Refused when an edge would become longer than `longest` times its wanted length.
   bool Collapse(Edge e, double longest);
-  /// When the smaller angle of the two faces grows and the fold between them does not.
+  /// Flips the edge if the smallest angle of the two faces grows and the fold between them does not
+  /// get sharper.
   bool Flip(Edge e);
-  /// When the other diagonal can be: no angle below the least [rad], no face turned.
+  /// Flips the edge if no angle becomes smaller than `least_angle` [rad] and no face is turned
+  /// over.
   bool FlipTo(Edge e, double least_angle);
   bool Move(Vertex v, const Eigen::Vector3d& to);
-  /// Flips, collapses and shifts for angles below `least_deg`.
+  /// Flips, collapses and moves that remove angles below `least_deg`.
   void MendThinFaces(double least_deg, int rounds);
   /// Twice the face's area times its normal.
   Eigen::Vector3d Cross(Face f) const;
   Eigen::Vector3d Normal(Vertex v) const;
-  /// Smallest angle of a face, and of the faces around a vertex. [rad]
+  /// Smallest angle [rad] of a face, or of the faces around a vertex.
   double Angle(Face f) const;
   double Angle(Vertex v) const;
 

@@ -16,13 +16,13 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kFieldCountTolerance = 1e-3;
-// of the thickness: a chord of 1/8 of a circle is 0.38 of the diameter
+// of the thickness; the chord of an eighth of a circle is 0.38 of the diameter
 constexpr double kLimbShare = 0.36;
 constexpr double kRound = 0.4;  // curvature times half the thickness: 1 on a rod, 0 on a sheet
 
 using Edges = std::vector<std::pair<int, int>>;
 
-// Neighbours of every vertex in one array.
+// The neighbours of all vertices in one array.
 struct Adjacency {
   std::vector<int> begin, other;
   Adjacency(int vertices, const Edges& edges) : begin(vertices + 1, 0), other(2 * edges.size()) {
@@ -43,7 +43,7 @@ PointsX3 SmoothNormals(const Mesh& mesh, const Edges& edges) {
   return sum.rowwise().normalized();
 }
 
-// Largest stretch of the linear map that takes a step on the face to the change of the normal.
+// The largest singular value of the linear map from a step on the face to the change of the normal.
 double FaceCurvature(const Mesh& mesh, const PointsX3& normals, int f) {
   const Eigen::Vector3d a = mesh.points.row(mesh.faces(f, 0)),
                         b = mesh.points.row(mesh.faces(f, 1)),
@@ -62,8 +62,8 @@ double FaceCurvature(const Mesh& mesh, const PointsX3& normals, int f) {
   return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
 }
 
-// No size exceeds that of a place nearby by more than `growth` times the way there (Dijkstra from
-// the smallest).
+// Limits sizes so that none exceeds a neighbouring one by more than `growth` times the distance
+// (Dijkstra from the smallest size).
 void LimitGrowth(const Mesh& mesh, const Adjacency& near, double growth, Eigen::VectorXd& sizes) {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -120,7 +120,7 @@ Eigen::VectorXd Thickness(const Mesh& surface) {
         const Eigen::Vector3d normal = normals.row(v).transpose();
         const RayScene::Hit hit =
             scene.Cast(surface.points.row(v).transpose() - skin * normal, -normal);
-        // A face that looks the same way is the next fold of a broken surface, not the other side.
+        // A face with the same orientation is another fold of a broken surface, not the other side.
         const bool other_side = hit.face >= 0 && face_normals.row(hit.face).dot(normals.row(v)) < 0;
         thickness[v] = other_side ? hit.distance + skin : kUnbounded;
       },
@@ -141,8 +141,8 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
   const auto sizes_for = [&](double scale) {
     Eigen::VectorXd sizes(surface.vertex_count());
     for (int v = 0; v < surface.vertex_count(); ++v) {
-      // The distance of a chord is curvature * size^2 and the count of faces 1 / size^2: hence the
-      // thirds and halves.
+      // The distance of a chord is proportional to curvature * size^2, and the number of faces to 1
+      // / size^2. The exponents 1/3 and 1/2 follow from this.
       const double bent = std::pow(std::max(curvature[v] * even, 1e-9), -rules.exponent) * scale;
       sizes[v] = std::min(
           even * (rules.follow_curvature ? std::clamp(bent, rules.smallest, rules.largest) : scale),
@@ -151,8 +151,8 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
     LimitGrowth(surface, near, rules.growth, sizes);
     return sizes;
   };
-  // The count goes about with the inverse square of the scale; the bracket catches the cases where
-  // bounds hold it.
+  // The number of faces is about proportional to 1 / scale^2. Bracketing handles the cases where
+  // limits prevent that.
   double low = 1e-3, high = 1e3, scale = 1;
   for (int round = 0; round < 24; ++round) {
     Eigen::VectorXd sizes = sizes_for(scale);

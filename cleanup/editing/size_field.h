@@ -1,4 +1,4 @@
-// How long edges should be, place by place, so that a wanted number of faces shows the shape best.
+// Wanted edge lengths over a surface, so that a given number of faces represents the shape best.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,35 +9,39 @@
 namespace keypose::cleanup {
 
 struct SizeRules {
-  int faces = 20000;             ///< triangles of these sizes that cover the surface
-  bool follow_curvature = true;  ///< false: equal sizes, save on thin limbs
-  double exponent = 1.0 / 3;     ///< of the curvature that sizes go with the inverse of
-  double smallest = 0.3;         ///< over the size of equal triangles, where the surface bends
-  double largest = 2;            ///< the same, where it is flat
-  double limb_smallest = 0.15;   ///< the same, on limbs thinner than the triangles
-  double growth = 0.6;           ///< change of size per length along the surface, at most
+  int faces = 20000;             ///< number of faces that the sizes should give
+  bool follow_curvature = true;  ///< false: equal sizes, except on thin limbs
+  double exponent = 1.0 / 3;     ///< sizes are proportional to curvature^-exponent
+  double smallest =
+      0.3;  ///< lower limit in curved places, relative to the edge length of equal triangles
+  double largest = 2;  ///< upper limit in flat places, likewise
+  double limb_smallest =
+      0.15;             ///< lower limit on limbs that are thinner than the triangles, likewise
+  double growth = 0.6;  ///< largest change of size per length along the surface
 };
 
-/// Larger principal curvature at each vertex, by size. Scale: about an edge of the mesh.
+/// The larger absolute principal curvature at each vertex, measured over about one edge length.
 ///
 /// @return V x [1/units]
 /// Source: Rusinkiewicz, 3DPVT 2004 (differences of normals over faces).
-/// Departs: no frames, and root mean square over the fan.
+/// Departs: no local frames; root mean square over the fan.
 Eigen::VectorXd MaxCurvature(const Mesh& surface);
 
-/// How thick the body is below each vertex: the way inwards to the other side; infinite where none
-/// is met. V x [units]
+/// Thickness of the body at each vertex: the distance along the inward normal to the other side;
+/// infinite when there is none.
+/// @return V x [units]
 Eigen::VectorXd Thickness(const Mesh& surface);
 
-/// Wanted edge length at each vertex of a closed surface: in proportion to curvature^-exponent,
-/// between bounds and for the wanted count. At 1/3 the mean squared distance of the triangles is
-/// least, at 1/2 they are all equally far. Round limbs get at least eight faces round them: no edge
-/// above 0.36 of the thickness.
+/// Wanted edge length at each vertex of a closed surface: proportional to curvature^-exponent,
+/// within limits, and scaled to give the wanted number of faces. Exponent 1/3 minimises the mean
+/// squared distance of the triangles from the surface; with 1/2 all triangles have the same
+/// distance. Round limbs get at least eight faces around them: no edge is longer than 0.36 of the
+/// thickness.
 ///
 /// @return V x [units]
 Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules);
 
-/// Halves the sizes within `reach` edge lengths of the places.
+/// Halves the sizes within `reach` edge lengths of the given places.
 void Refine(const Mesh& surface, const PointsX3& places, double reach, Eigen::VectorXd& sizes);
 
 }  // namespace keypose::cleanup

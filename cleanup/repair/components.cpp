@@ -8,13 +8,15 @@
 
 #include "core/geometry.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose::cleanup {
 namespace {
 
-// The pieces with an unkept face or vertex within `gap` of the kept ones. Two scenes for all pieces
-// together: each scene costs an Embree device, and broken meshes come in thousands of pieces.
+// Pieces that are not kept yet, but have a face or vertex within `gap` of the kept ones. Uses two
+// scenes for all pieces together, because a scene is expensive and broken meshes have thousands of
+// pieces.
 std::vector<int> Touching(const Mesh& mesh, const Pieces& pieces, const std::vector<char>& keep,
                           double gap) {
   std::vector<char> other(keep.size());
@@ -62,7 +64,7 @@ Pieces FindPieces(const Mesh& mesh) {
   for (int f = 0; f < mesh.face_count(); ++f) {
     int& piece = id[joined.Find(mesh.faces(f, 0))];
     if (piece < 0) {
-      piece = static_cast<int>(pieces.list.size());
+      piece = SizeOf(pieces.list);
       pieces.list.emplace_back();
     }
     pieces.of_face[f] = piece;
@@ -113,7 +115,7 @@ Mesh WithoutBits(const Mesh& mesh, double min_share, int* removed) {
 
 Mesh WithTouchingPieces(const Mesh& mesh, double gap, int* removed) {
   const Pieces pieces = FindPieces(mesh);
-  const int count = static_cast<int>(pieces.list.size());
+  const int count = SizeOf(pieces.list);
   if (count == 1) return mesh;
   std::vector<char> keep(count, 0);
   keep[LargestByArea(pieces)] = 1;
@@ -128,7 +130,7 @@ Mesh WithTouchingPieces(const Mesh& mesh, double gap, int* removed) {
 
 Mesh LargestPieces(const Mesh& closed, int count, int* removed) {
   const Pieces pieces = FindPieces(closed);
-  if (count == 0 || static_cast<int>(pieces.list.size()) <= count) return closed;
+  if (count == 0 || SizeOf(pieces.list) <= count) return closed;
   std::vector<int> order(pieces.list.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {

@@ -10,14 +10,15 @@
 #include "cleanup/repair/soup.h"
 #include "cleanup/repair/topology.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
 
-constexpr int kTries = 6;  // loops that are tried before a handle is left
+constexpr int kTries = 6;  // loops that are tried before a handle is kept
 constexpr int kMendingRounds = 4;
 
-// Takes out the faces within `rings` of the loop and closes the rims.
+// Removes the faces within `rings` rings of the loop and closes the rims.
 Mesh CutAlong(const Mesh& closed, const std::vector<int>& loop, int rings) {
   std::vector<char> on_loop(closed.vertex_count(), 0);
   for (const int v : loop) on_loop[v] = 1;
@@ -32,8 +33,8 @@ Mesh CutAlong(const Mesh& closed, const std::vector<int>& loop, int rings) {
   return mesh;
 }
 
-// The mesh with one handle less, or no faces. At least `seen` handles stay that the lines see
-// through.
+// The mesh with fewer handles, or no faces when no cut succeeds. At least `seen` of the handles
+// that the lines see through stay.
 Mesh WithOneLess(const Mesh& closed, const std::vector<SightLine>& lines, int seen,
                  double* length) {
   const int genus = Genus(closed);
@@ -43,16 +44,16 @@ Mesh WithOneLess(const Mesh& closed, const std::vector<SightLine>& lines, int se
     return static_cast<int>(FindPieces(mesh).list.size()) <= pieces && Genus(mesh) < genus &&
            (seen == 0 || HandlesSeenThrough(mesh, lines) >= seen);
   };
-  // Each handle that must stay brings loops of its own.
-  const int tries = std::min<int>(kTries * (1 + seen), static_cast<int>(loops.size()));
+  // Each handle that must stay adds loops that cannot be cut.
+  const int tries = std::min<int>(kTries * (1 + seen), SizeOf(loops));
   for (int i = 0; i < tries; ++i)
     for (const int rings : {1, 2, 3}) {
       int dropped = 0;
       const Mesh mesh = CutAlong(closed, loops[i], rings);
       if (mesh.face_count() == 0) continue;
       *length = LoopLength(closed, loops[i]);
-      // Taking out a strip can cut off a crumb; a piece with substance stays and makes the count
-      // differ.
+      // Removing a strip can separate a tiny piece, which is dropped here. A larger piece stays,
+      // and the piece count then rejects the result.
       const Mesh whole = WithoutBits(mesh, 0.01, &dropped);
       if (!good(whole)) continue;
       if (CheckClosed(whole).closed() && !SelfIntersects(whole)) return whole;

@@ -1,5 +1,5 @@
-// Handles and tunnels that a surface should not have: found by their shortest loop, cut through,
-// and closed.
+// Removes handles and tunnels that a surface should not have: cuts along their shortest loops and
+// closes the holes.
 #pragma once
 
 #include <vector>
@@ -11,15 +11,16 @@ namespace keypose::cleanup {
 
 struct HandlesResult {
   Mesh mesh;                    ///< closed, without self-intersections if the input had none
-  int cut = 0;                  ///< handles that went
-  std::vector<double> lengths;  ///< of the loop that each was cut along
+  int cut = 0;                  ///< handles that were removed
+  std::vector<double> lengths;  ///< of the loop along which each was cut
 };
 
-/// Removes handles until `genus` are left, the one with the shortest loop first. A strip along the
-/// loop is taken out and both rims get a membrane: a loop round a bridge cuts the bridge, a loop
-/// round a hole's rim fills the hole; whichever is shorter. Nothing else moves. Loops whose
-/// membranes would cross anything are passed over, so that more handles may stay: look at Genus of
-/// the result. Handles that `lines` see through (HandlesSeenThrough) stay as long as others can go.
+/// Removes handles until `genus` are left. The handle with the shortest loop is removed first. The
+/// faces along the loop are removed, and a membrane closes each of the two rims. A loop around a
+/// bridge cuts the bridge; a loop around a hole fills the hole. The shorter one is used. The rest
+/// of the surface does not change. Loops whose membranes would intersect the surface are skipped,
+/// so more handles may stay: check Genus of the result. Handles through which `lines` pass
+/// (HandlesSeenThrough) stay; up to `genus` of them.
 HandlesResult WithoutHandles(const Mesh& closed, int genus,
                              const std::vector<SightLine>& lines = {});
 

@@ -10,6 +10,7 @@
 #include "cleanup/repair/topology.h"
 #include "cleanup/testing/damage.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::cleanup {
@@ -22,9 +23,9 @@ double LoopLength(const Mesh& mesh, const std::vector<int>& loop) {
   return sum;
 }
 
-/// A sphere with a tube of the given radius from pole to pole, outside of it in a half circle, or
-/// through its middle. Faces round both poles are taken out and the rims, 6 or 12 vertices, joined
-/// over `rings` rings.
+/// A sphere with a tube of the given radius from pole to pole, either outside in a half circle or
+/// through its centre. The faces around both poles are removed, and the rims of 6 or 12 vertices
+/// are joined by `rings` rings.
 Mesh WithTube(bool outside) {
   Mesh sphere = MakeIcosphere(4);
   const Eigen::RowVector3d poles[2] = {sphere.points.row(0), -sphere.points.row(0)};
@@ -38,7 +39,7 @@ Mesh WithTube(bool outside) {
       }
   Mesh mesh = Without(sphere, out, 0);
   const Eigen::Vector3d axis = poles[0].transpose(), side = axis.unitOrthogonal();
-  // Rims in order round the axis.
+  // The rims in order around the axis.
   std::vector<int> rim[2];
   for (int end = 0; end < 2; ++end) {
     for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -57,16 +58,15 @@ Mesh WithTube(bool outside) {
       return angle(a) < angle(b);
     });
   }
-  const int n = static_cast<int>(rim[0].size()), rings = 40, base = mesh.vertex_count(),
-            faces = mesh.face_count();
+  const int n = SizeOf(rim[0]), rings = 40, base = mesh.vertex_count(), faces = mesh.face_count();
   mesh.points.conservativeResize(base + (rings - 1) * n, 3);
   mesh.faces.conservativeResize(faces + 2 * n * rings, 3);
   for (int r = 1; r < rings; ++r)
     for (int i = 0; i < n; ++i) {
       const double t = static_cast<double>(r) / rings;
       const Eigen::Vector3d a = mesh.points.row(rim[0][i]), across = a - axis * axis.dot(a);
-      // Outside: the axis goes round in an arc that leaves one pole straight up and enters the
-      // other from below: one full turn.
+      // Outside: the axis is an arc that leaves one pole straight up and enters the other from
+      // below. Its direction makes one full turn.
       const double angle = EIGEN_PI * t,
                    reach = outside ? 1.6 * std::sin(angle) * std::sin(angle) : 0,
                    height = outside ? std::cos(angle) * (1 + 0.8 * std::sin(angle)) : 1 - 2 * t;
@@ -84,7 +84,7 @@ Mesh WithTube(bool outside) {
       mesh.faces.row(f++) << at(r, i), at(r + 1, i), at(r + 1, i + 1);
       mesh.faces.row(f++) << at(r, i), at(r + 1, i + 1), at(r, i + 1);
     }
-  // The poles themselves have no face any more.
+  // The pole vertices have no face any more.
   std::vector<int> id(mesh.vertex_count(), -1);
   Mesh tidy;
   tidy.points.resize(mesh.vertex_count(), 3);
@@ -123,13 +123,13 @@ TEST(WithoutHandles, TorusBecomesASphereAndKeepsTheRest) {
   const HandlesResult result = WithoutHandles(torus, 0);
   EXPECT_EQ(result.cut, 1);
   ExpectSphere(result);
-  // Two rings of quads of sixty went, with caps instead.
+  // Two of the sixty rings of quads were replaced by caps.
   EXPECT_NEAR(SignedVolume(result.mesh.points, result.mesh.faces),
               58.0 / 60 * SignedVolume(torus.points, torus.faces), 1e-3);
 }
 
 TEST(WithoutHandles, FatTorusWithASmallHoleGetsItFilled) {
-  // The hole's rim (radius 0.15) is shorter than the way round the tube (radius 0.85).
+  // The hole's rim (radius 0.15) is shorter than the loop around the tube (radius 0.85).
   const Mesh torus = MakeTorus(1, 0.85, 60, 60);
   const HandlesResult result = WithoutHandles(torus, 0);
   ExpectSphere(result);
@@ -145,7 +145,7 @@ TEST(WithoutHandles, KeepsAsManyAsAskedAndCutsTheThinnestFirst) {
   const HandlesResult result = WithoutHandles(both, 1);
   EXPECT_EQ(result.cut, 1);
   EXPECT_EQ(Genus(result.mesh), 1);
-  // The fat one is as it was: all of its vertices are there.
+  // The thick one is unchanged: all of its vertices are there.
   int left = 0;
   for (int v = 0; v < result.mesh.vertex_count(); ++v) left += result.mesh.points(v, 0) < 2;
   EXPECT_EQ(left, 60 * 24);

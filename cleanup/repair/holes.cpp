@@ -4,8 +4,8 @@
 
 #include "core/ordered_memory.h"
 
-// CGAL walks the cells of a triangulation by their addresses, and of two triangles that fill a rim
-// equally well it takes the one that it meets first.
+// CGAL traverses the cells of a triangulation by address. Of two triangles that fill a rim equally
+// well, it takes the one that it finds first.
 #undef CGAL_ALLOCATOR
 #define CGAL_ALLOCATOR(T) keypose::OrderedAllocator<T>
 #include <CGAL/Compact_container.h>
@@ -44,12 +44,12 @@ static_assert(std::is_same_v<Cells::allocator_type, OrderedAllocator<Cells::valu
               "CGAL/Compact_container.h must be included with the allocator above");
 
 constexpr double kFlatRim = 1e-5;  // of the rim's extent
-// A quarter of the lowest side of the rim's box: nothing at all for a rim that is level.
+// A quarter of the shortest side of the rim's box, which is 0 for a level rim.
 constexpr double kAsCgalSets = -1;
 // rim vertices up to which the O(n^3) search is affordable (about a second)
 constexpr std::size_t kCubicLimit = 400;
 
-// many times what a triangulation of the rim takes; only what is used becomes real
+// many times the memory of a triangulation of the rim; only used pages take memory
 constexpr std::size_t kLeastBytes = 1 << 20, kBytesAVertex = 16 << 10;
 
 struct Rim {
@@ -60,7 +60,7 @@ struct Rim {
   bool apart = false;  // see ApartInPlanarView
 };
 
-// Whether all points lie in one plane, as only a cut makes them.
+// Whether all points lie in one plane, which only happens after a cut.
 bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center,
           double tolerance) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -72,8 +72,8 @@ bool Flat(const std::vector<Eigen::Vector3d>& rim, const Eigen::Vector3d& center
   });
 }
 
-// The direction from which CGAL's planar triangulation looks at a rim: a mean of normals of its
-// fan, each turned to one half of the sphere.
+// The direction in which CGAL's planar triangulation projects a rim: the mean of the normals of its
+// fan, each flipped to one half of the sphere.
 Eigen::Vector3d PlanarView(const std::vector<Kernel::Point_3>& rim) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 1; i + 1 < rim.size(); ++i) {
@@ -86,9 +86,8 @@ Eigen::Vector3d PlanarView(const std::vector<Kernel::Point_3>& rim) {
   return sum;
 }
 
-// Whether no two points of a rim come to lie on each other where CGAL looks from. It tells them
-// apart in space alone, and those that it then takes for one end in a crash (CGAL 5.5,
-// is_simple_polygon).
+// Whether no two points of a rim coincide in CGAL's projection. CGAL only checks that they differ
+// in space, and points that coincide in the projection make it crash (CGAL 5.5, is_simple_polygon).
 bool ApartInPlanarView(const std::vector<Kernel::Point_3>& rim, double extent) {
   const double cell = 1e-9 * extent;
   const Eigen::Vector3d view = PlanarView(rim);
@@ -128,7 +127,7 @@ Rim Measure(const RepairMesh& mesh, Halfedge border) {
   return rim;
 }
 
-// Always possible on a simple rim; what it intersects is left to the next strategy.
+// Always possible on a simple rim. The next strategy removes the intersections that it may cause.
 void FillByFan(RepairMesh& mesh, Halfedge border, const Eigen::Vector3d& center) {
   std::vector<Halfedge> rim;
   Halfedge h = border;
@@ -142,7 +141,7 @@ void FillByFan(RepairMesh& mesh, Halfedge border, const Eigen::Vector3d& center)
   for (const auto& [a, b] : edges) mesh.add_face(a, b, hub);
 }
 
-// True when the triangulation was found; leaves the mesh alone otherwise.
+// Returns true when a triangulation was found; otherwise the mesh does not change.
 bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large) {
   std::vector<Face> faces;
   std::vector<Vertex> vertices;

@@ -1,5 +1,5 @@
-// Fills the holes of an oriented manifold: small ones with the curvature of their surroundings,
-// large ones as tight membranes.
+// Fills the holes of an oriented manifold: small ones follow the curvature of their surroundings,
+// large ones become flat membranes.
 #pragma once
 
 #include "core/mesh.h"
@@ -10,16 +10,18 @@ namespace keypose::cleanup {
 struct HolesResult {
   Mesh mesh;  ///< closed when the input was an oriented manifold
   int filled = 0;
-  int fanned = 0;  ///< of those, filled by a plain fan because no better triangulation was found
+  int fanned = 0;  ///< of these, filled by a simple fan because no better triangulation was found
   /// extent of the largest hole's bounding box over that of the mesh
   double largest_over_diag = 0;
 };
 
-/// @param manifold  oriented 2-manifold, possibly with boundary
-/// @param large_hole  over the diagonal
-/// Holes up to `large_hole` are refined and faired with continuous tangents; larger ones (the base
-/// that stood on the turntable) become a membrane of least area over their rim, which is flat where
-/// the rim is flat. Small holes whose rim lies in a plane, as a cut leaves it, get a flat cap too.
+/// Fills all holes.
+///
+/// @param manifold    oriented 2-manifold, possibly with boundary
+/// @param large_hole  size limit between small and large holes, over the diagonal
+/// Holes up to `large_hole` are refined and faired with continuous tangents. Larger ones, such as
+/// the base that stood on the turntable, get a membrane of least area over their rim, which is flat
+/// when the rim is flat. Small holes with a planar rim, such as a cut leaves, get a flat cap too.
 /// Source: Liepa, SGP 2003 (triangulation, refinement), Botsch & Kobbelt, SIGGRAPH 2004 (fairing),
 /// both by CGAL.
 HolesResult FillHoles(const Mesh& manifold, Progress* progress, double large_hole = 0.1);

@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
 
-// Makes the heap hand out memory in another order of addresses: free blocks of many sizes, each
+// Makes the heap return memory in another order of addresses: frees blocks of many sizes, each
 // between two that stay.
 class ShuffledHeap {
  public:
@@ -34,9 +35,9 @@ class ShuffledHeap {
 
 using Ring = std::vector<Eigen::RowVector3d>;
 
-// A wall from the rim up to a ring at one height, closed there by a point.
+// A wall from the rim up to a level ring, closed there by a point.
 Mesh Bell(const Ring& rim) {
-  const int n = static_cast<int>(rim.size());
+  const int n = SizeOf(rim);
   constexpr double kTop = 500;
   Mesh mesh;
   mesh.points.resize(2 * n + 1, 3);
@@ -57,7 +58,7 @@ Mesh Bell(const Ring& rim) {
 Ring Tangle(unsigned seed, int n, int side, int high) {
   std::mt19937 random(seed);
   Ring rim;
-  while (static_cast<int>(rim.size()) < n) {
+  while (SizeOf(rim) < n) {
     const Eigen::RowVector3d x(random() % side, random() % side, random() % high);
     if (std::find(rim.begin(), rim.end(), x) == rim.end()) rim.push_back(x);
   }
@@ -87,7 +88,7 @@ TEST(Holes, AreFilledAlikeWhereverTheHeapPutsTheTriangulation) {
   }
 }
 
-// As where soles were cut at the ground.
+// As where soles are cut at the ground.
 TEST(Holes, ALevelRimIsFilledWithinItsPlaneByWellShapedTriangles) {
   const int n = 190;
   const Mesh bell = Bell(UnevenCircle(n));

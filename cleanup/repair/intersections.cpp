@@ -41,15 +41,15 @@ std::vector<int> IntersectingFaces(const Mesh& mesh, int* pair_count) {
   return std::move(found.faces);
 }
 
-// CGAL's own remove_self_intersections loops for ever, or crashes, on some of the meshes of the
+// CGAL's own remove_self_intersections does not end, or crashes, on some of the meshes of the
 // guarantee test.
 Mesh WithoutIntersections(const Mesh& closed, int rounds) {
   Mesh mesh = closed;
   for (int round = 0; round < rounds; ++round) {
     const std::vector<int> bad = IntersectingFaces(mesh);
     if (bad.empty()) break;
-    // Curved patches first; membranes, which stay within their rims, when the patches cross
-    // something again.
+    // First with curved patches. If these intersect something again, with membranes, which stay
+    // within their rims.
     const double large_hole = round < 2 || round % 2 == 1 ? 0.1 : 0;
     const Mesh open = Without(mesh, bad, (round + 1) / 2);
     if (open.face_count() == 0) return {};

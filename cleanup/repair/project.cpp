@@ -10,7 +10,7 @@
 namespace keypose::cleanup {
 namespace {
 
-// Nine tenths of the way: both walls around a thin sheet would else meet in it.
+// Moves by nine tenths of the distance: else both walls around a thin sheet would meet in it.
 constexpr double kShare = 0.9;
 constexpr int kProjectionRounds = 8;
 
@@ -47,8 +47,8 @@ std::vector<int> FlippedFaces(const Mesh& before, const PointsX3& after) {
   return flipped;
 }
 
-// Puts the corners of the faces, and in later rounds their neighbours, back to where the wrap had
-// them.
+// Moves the corners of the faces, and in later rounds their neighbours, back to their positions in
+// the wrap.
 void Revert(const Mesh& wrap, const std::vector<int>& faces, int rings, PointsX3& points) {
   std::vector<char> chosen(wrap.vertex_count(), 0);
   for (const int f : faces)

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -11,6 +12,7 @@
 #include "cleanup/repair/topology.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -18,8 +20,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// How often a loop winds round a line, seen from the line's origin. Every vertex lies in front of
-/// it, or the answer is 0.
+/// The winding number of a loop around a line, seen from the line's origin. 0 when a vertex of the
+/// loop is behind the origin.
 int Winding(const PointsX3& points, const std::vector<int>& loop, const SightLine& line) {
   const Vector3d along = line.direction.normalized(), right = along.unitOrthogonal(),
                  up = along.cross(right);
@@ -32,7 +34,7 @@ int Winding(const PointsX3& points, const std::vector<int>& loop, const SightLin
   for (const int v : loop) {
     const Vector3d b = seen(v);
     if (b[2] <= 0) return 0;
-    // Perspective scales each corner by a positive number, which changes none of these signs.
+    // Perspective scales each vertex by a positive number, which does not change these signs.
     if ((a[1] <= 0) != (b[1] <= 0)) {
       const double side = a[0] * b[1] - b[0] * a[1];
       if (a[1] <= 0 && side > 0) ++winding;
@@ -43,12 +45,11 @@ int Winding(const PointsX3& points, const std::vector<int>& loop, const SightLin
   return winding;
 }
 
-using Links = std::vector<int>;  // of one line with each loop
+using Links = std::vector<int>;  // winding numbers of one line with all loops
 
 int Rank(const std::set<Links>& rows) {
   if (rows.empty()) return 0;
-  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(rows.size()),
-                         static_cast<Eigen::Index>(rows.begin()->size()));
+  Eigen::MatrixXd matrix(std::ssize(rows), static_cast<Eigen::Index>(rows.begin()->size()));
   Eigen::Index r = 0;
   for (const Links& row : rows) {
     for (std::size_t c = 0; c < row.size(); ++c) matrix(r, static_cast<Eigen::Index>(c)) = row[c];
@@ -75,12 +76,13 @@ int HandlesSeenThrough(const Mesh& closed, const std::vector<SightLine>& lines) 
     if (std::any_of(found.begin(), found.end(), [](int n) { return n != 0; }))
       links[i] = std::move(found);
   };
-  ParallelFor(static_cast<std::int64_t>(lines.size()), link, 16);
+  ParallelFor(std::ssize(lines), link, 16);
   std::map<int, std::set<Links>> by_view;
   for (std::size_t i = 0; i < lines.size(); ++i)
     if (!links[i].empty()) by_view[lines[i].view].insert(links[i]);
-  // Two views at least: what is left when any one of them is not believed.
-  int least = by_view.size() < 2 ? 0 : static_cast<int>(loops.size());
+  // A handle needs at least two views: the result is the smallest rank when any one view is left
+  // out.
+  int least = by_view.size() < 2 ? 0 : SizeOf(loops);
   for (const auto& [left_out, unused] : by_view) {
     std::set<Links> rows;
     for (const auto& [view, seen] : by_view)

@@ -1,4 +1,4 @@
-// Which handles of a surface the photographs see through: background behind a window is no noise.
+// Counts the handles of a surface that photographs see through. These are real and not noise.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,12 @@
 
 namespace keypose::cleanup {
 
-/// How many handles the lines tell from each other, each in two views at least: the rank of the
-/// linking numbers between lines that meet nothing and the loops of the surface. A line links with
-/// a loop when the loop winds round its pixel.
+/// The number of handles that the lines of sight distinguish, each in at least two views. It is the
+/// rank of the matrix of linking numbers between unblocked lines and loops of the surface. A line
+/// is linked with a loop when the loop, seen from the camera, winds around the line's pixel.
 ///
-/// @param closed  closed oriented 2-manifold; at most Genus(closed) are seen through
+/// @param closed  closed oriented 2-manifold
+/// @return at most Genus(closed)
 int HandlesSeenThrough(const Mesh& closed, const std::vector<SightLine>& lines);
 
 }  // namespace keypose::cleanup

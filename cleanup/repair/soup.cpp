@@ -17,6 +17,7 @@
 
 #include "cleanup/editing/cgal_convert.h"
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -26,8 +27,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using RepairMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Triangle = std::array<std::size_t, 3>;
 
-// Vertices by the cell of a grid that is much wider than the radius: nearly all have no cell but
-// their own to look at.
+// Vertices in the cells of a grid. Cells are much wider than the radius, so nearly all vertices
+// only need to search their own cell.
 class Grid {
  public:
   Grid(const PointsX3& points, double radius)
@@ -36,8 +37,8 @@ class Grid {
       entries_.emplace_back(Key(points.row(v)), v);
     std::sort(entries_.begin(), entries_.end());
   }
-  /// Calls visit(w) for all vertices within the radius of v, v too, in an order that does not
-  /// depend on anything but the points.
+  /// Calls visit(w) for all vertices within the radius of v, including v. The order only depends on
+  /// the points.
   template <class Visit>
   void Near(int v, Visit visit) const {
     std::array<std::int64_t, 8> seen{};
@@ -55,7 +56,7 @@ class Grid {
   }
 
  private:
-  // Cells that share a key by chance only cost time.
+  // Different cells with the same key only cost time.
   std::int64_t Key(const Eigen::RowVector3d& x) const {
     std::uint64_t key = 0;
     for (int k = 0; k < 3; ++k)
@@ -69,8 +70,8 @@ class Grid {
   std::vector<std::pair<std::int64_t, int>> entries_;
 };
 
-// Each vertex goes to the lowest vertex within the radius that stands for itself, so chains of near
-// points do not run away.
+// Each vertex is merged into the lowest vertex within the radius that is not merged itself, so
+// chains of near points do not collapse into one.
 std::vector<int> WeldTargets(const PointsX3& points, double radius) {
   std::vector<int> target(points.rows());
   std::iota(target.begin(), target.end(), 0);
@@ -110,9 +111,10 @@ bool OneFan(const FacesX3& faces, const int* out, int count) {
   return walked == count;
 }
 
-// An oriented 2-manifold needs none of the soup tools, which take a minute for millions of faces.
+// An oriented 2-manifold does not need the polygon soup tools, which take a minute for millions of
+// faces.
 bool IsOrientedManifold(int vertices, const FacesX3& faces) {
-  // of a vertex: beyond it the fan's search is slower than the tools
+  // faces at a vertex; beyond this the search for the fan is slower than the tools
   constexpr int kMostFaces = 100;
   std::vector<int> begin(vertices + 1, 0), out(3 * faces.rows());
   for (int i = 0; i < std::ssize(out); ++i) ++begin[faces(i / 3, i % 3) + 1];
@@ -167,7 +169,7 @@ std::vector<Triangle> DistinctTriangles(const FacesX3& faces, const std::vector<
   return out;
 }
 
-/// Two corners of the first face that are welded to one place.
+/// Two corners of the first face that were merged into one.
 [[noreturn]] void ThrowNoTriangle(const FacesX3& faces, const std::vector<int>& target) {
   int k = 0;
   while (k < 2 && target[faces(0, k)] != target[faces(0, k + 1)]) ++k;
@@ -189,7 +191,7 @@ SoupResult OrientedManifold(const Mesh& soup, double weld_radius) {
     return result;
   }
   std::vector<Triangle> triangles = DistinctTriangles(soup.faces, target);
-  result.dropped_faces = soup.face_count() - static_cast<int>(triangles.size());
+  result.dropped_faces = soup.face_count() - SizeOf(triangles);
   if (triangles.empty()) ThrowNoTriangle(soup.faces, target);
 
   std::vector<Kernel::Point_3> points;

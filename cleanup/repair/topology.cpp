@@ -15,7 +15,7 @@
 namespace keypose::cleanup {
 namespace {
 
-constexpr int kReroots = 6;  // of the shortest loop
+constexpr int kReroots = 6;  // searches from a vertex of the shortest loop
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Link {
@@ -24,12 +24,12 @@ struct Link {
   int faces[2];
 };
 
-// The mesh as a graph, built once.
+// The graph of the mesh's edges, built once.
 class Graph {
  public:
   explicit Graph(const Mesh& closed);
-  /// Loops over all edges that neither the paths from the roots nor the dual tree use; shortest
-  /// first. One root a piece, `root` for its own.
+  /// The loops of all edges that are neither in the tree of paths from the roots nor in the dual
+  /// tree, the shortest first. Each piece has one root; `root` is that of its own piece.
   std::vector<std::vector<int>> Loops(int root) const;
   double Length(const std::vector<int>& loop) const;
 
@@ -63,7 +63,7 @@ Graph::Graph(const Mesh& closed) : mesh_(closed), begin_(closed.vertex_count() +
     incident_[at[links_[i].a]++] = i, incident_[at[links_[i].b]++] = i;
 }
 
-// Dijkstra; pieces without the root start at their first vertex.
+// Dijkstra. In pieces without `root` it starts at their first vertex.
 void Graph::ShortestPaths(int root, std::vector<double>& far, std::vector<int>& link) const {
   far.assign(mesh_.vertex_count(), kInfinite);
   link.assign(mesh_.vertex_count(), -1);
@@ -112,8 +112,8 @@ std::vector<std::vector<int>> Graph::Loops(int root) const {
   for (int i = 0; i < std::ssize(links_); ++i)
     if (!in_tree[i]) rest.emplace_back(far[links_[i].a] + far[links_[i].b] + links_[i].length, i);
   std::sort(rest.begin(), rest.end(), std::greater<>());
-  // The faces are joined over the longest loops first; what cannot be joined any more are the
-  // shortest loops of the handles.
+  // Faces are joined across the edges of the longest loops first. The edges that remain are those
+  // of the handles' shortest loops.
   UnionFind joined(mesh_.face_count());
   std::vector<std::vector<int>> loops;
   for (const auto& [length, i] : rest) {
@@ -161,7 +161,7 @@ std::vector<std::vector<int>> HandleLoops(const Mesh& closed) {
   }
   std::stable_sort(seen.begin(), seen.end(),
                    [&](const auto& a, const auto& b) { return graph.Length(a) < graph.Length(b); });
-  // The same loop comes up from many roots.
+  // Different roots give the same loop.
   const auto same = [&](const auto& a, const auto& b) {
     return std::abs(graph.Length(a) - graph.Length(b)) <= 1e-12 * graph.Length(b);
   };

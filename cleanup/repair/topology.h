@@ -1,4 +1,4 @@
-// Loops of closed surfaces: how many handles a surface has, and the loops round and through them.
+// The number of handles of closed surfaces, and the loops around and through them.
 #pragma once
 
 #include <vector>
@@ -7,24 +7,24 @@
 
 namespace keypose::cleanup {
 
-/// Handles of all pieces together.
+/// The number of handles of all pieces together.
 /// @param closed  closed oriented 2-manifold
 int Genus(const Mesh& closed);
 
-/// Loops that no cut of the surface in two contains, two for each handle: round it or through it,
-/// each as short as through its own vertices.
+/// Short loops around and through the handles, two or more for each handle. None of them divides
+/// the surface.
 ///
 /// @return vertex ids in order; shortest loop first; empty for spheres
-/// Source: Erickson & Whittlesey, SODA 2005 (shortest paths and the longest dual tree leave two
-/// edges a handle); here each of the shortest loops becomes the root once more, until none gets
-/// shorter.
+/// Source: Erickson & Whittlesey, SODA 2005 (the shortest paths and the longest dual tree leave two
+/// edges for each handle). In addition, vertices of the shortest loops become new roots until no
+/// loop gets shorter.
 std::vector<std::vector<int>> HandleLoops(const Mesh& closed);
 
-/// Two loops for each handle that together tell all loops of the surface, in no order; as long as
-/// they come.
+/// A basis of the loops of the surface: two for each handle, in no particular order, and not
+/// shortened.
 std::vector<std::vector<int>> LoopBasis(const Mesh& closed);
 
-/// Of a closed loop of vertices.
+/// Length of a closed loop of vertices.
 double LoopLength(const Mesh& mesh, const std::vector<int>& loop);
 
 }  // namespace keypose::cleanup

@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kCountTolerance = 0.01;
 
-// Onto a grid far below the weld radius: the rounding of another unit must not decide which edge
-// goes first.
+// Rounds to a grid far below the merging radius: rounding in another unit must not decide which
+// edge is collapsed first.
 Mesh Normalized(const Mesh& mesh, const Frame& frame) {
   constexpr double kGrid = 0x1.0p-26;
   Mesh out;
@@ -45,7 +45,7 @@ std::optional<double> Normalized(const std::optional<double>& height, const Fram
 }
 
 // @param lines  in the frame where the diagonal is 1
-// @param ground  as the surface has it
+// @param ground  in the surface's frame
 bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& options,
               const std::vector<SightLine>& lines, const std::optional<double>& ground) {
   if (ground && surface.points.col(2).minCoeff() < *ground) return false;
@@ -55,26 +55,26 @@ bool KeptAsIs(const Mesh& surface, const Frame& frame, const CleanupOptions& opt
   if (!report.closed() ||
       (options.keep_components > 0 && report.components > options.keep_components))
     return false;
-  Mesh scaled;  // overlaps far from 1 would leave the range where the predicates' filters work
+  Mesh scaled;  // scaled to 1, because the predicates' filters only work in a certain range
   scaled.points = (surface.points.rowwise() - frame.center) / frame.diagonal;
   scaled.faces = surface.faces;
   if (SelfIntersects(scaled)) return false;
-  if (options.stand == "auto" && FindSupport(scaled)) return false;
+  if (options.support == "auto" && FindSupport(scaled)) return false;
   const int genus = report.components - report.euler / 2;
   if (genus == 0) return true;
   const int wanted = WantedGenus(scaled, options, lines);
   return genus <= wanted || WithoutHandles(scaled, wanted, lines).cut == 0;
 }
 
-// Onto the very number, so that every key stands at the same height.
+// Sets exactly this number, so that all keys stand at the same height.
 void SetDown(double ground, double diagonal, Mesh& mesh) {
   constexpr double kRounding = 1e-6;
   for (Eigen::Index v = 0; v < mesh.points.rows(); ++v)
     if (mesh.points(v, 2) < ground + kRounding * diagonal) mesh.points(v, 2) = ground;
 }
 
-// The wrap takes minutes to close what is hardly more than a line, and what it makes has the wrap's
-// own thickness.
+// Wrapping a surface that is hardly more than a line takes minutes, and the result has the
+// thickness of the wrap.
 void RequireWidth(const Mesh& surface, const Frame& frame) {
   constexpr double kLeastWidth = 1e-5;  // of the diagonal
   const PointsX3 x = (surface.points.rowwise() - frame.center) / frame.diagonal;
@@ -84,9 +84,8 @@ void RequireWidth(const Mesh& surface, const Frame& frame) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvalues() / x.rows();
   if (std::sqrt(std::max(0.0, squares[1])) < kLeastWidth)
     throw InputError(
-        "cleanup: all vertices lie on a line but for 1e-5 of its length; nothing with a volume can "
-        "be made of it. Look whether "
-        "one axis has another unit than the others");
+        "cleanup: all vertices lie on a line to within 1e-5 of its length; no surface with a "
+        "volume can be made of them. Check that all axes have the same unit");
 }
 
 void RequireHandles(const CleanupResult& result, const CleanupOptions& options) {
@@ -94,7 +93,7 @@ void RequireHandles(const CleanupResult& result, const CleanupOptions& options) 
   throw InputError("cleanup: genus is " + std::to_string(options.genus) + ", but the surface has " +
                    std::to_string(result.genus) + " handles that can be kept (strategy '" +
                    result.strategy +
-                   "'); ask for that many, or look whether an earlier step closed a window: more "
+                   "'); ask for that many, or check whether an earlier step closed a window: more "
                    "photographs through it keep it open");
 }
 
@@ -110,7 +109,7 @@ CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& opti
   if (!(frame.diagonal > 0) || !std::isfinite(frame.diagonal)) {
     throw InputError(
         "cleanup: the surface has no extent (all vertices coincide, or coordinates overflow); "
-        "nothing can be closed");
+        "there is no surface to close");
   }
   RequireWidth(surface, frame);
   CleanupResult result;

@@ -1,4 +1,5 @@
-// Any triangle mesh to a closed, oriented 2-manifold without self-intersections, at a wanted size.
+// Turns any triangle mesh into a closed, oriented 2-manifold without self-intersections, with a
+// wanted number of faces.
 #pragma once
 
 #include <optional>
@@ -12,23 +13,23 @@
 
 namespace keypose::cleanup {
 
-/// Repairs by the least destructive means that pass the test: closed, oriented, one fan a vertex,
-/// positive volume, no face without area, no two faces that intersect (exact predicates).
+/// Repairs with the least destructive strategy whose result passes the test: closed, oriented, one
+/// fan per vertex, positive volume, no face without area, no two faces that intersect (exact
+/// predicates).
 ///
 /// @param surface  any triangles with finite vertices; colours optional
-/// @param lines    what photographs see through the figure (LinesThroughHoles), in the surface's
-/// frame; without them no handle is kept
-///                 unless options.genus says so
-/// @param ground   height along z on which the figure stands (StandsOnGround): what lies below
-/// goes, and the soles are flat there
-/// @throws InputError    empty or not finite, says where; or nothing with a volume can be made of
-/// it; or fewer handles than options.genus
-/// @throws QualityError  every strategy failed; says what the last one lacked
-/// A mesh that passes already, with `keep_components` pieces, the wanted genus and not more than
-/// `faces` faces, is returned bit for bit.
+/// @param lines    lines of sight through the figure (LinesThroughHoles), in the surface's frame;
+///                 without them no handle is kept, unless options.genus asks for it
+/// @param ground   height of the ground along z (StandsOnGround); everything below is removed, and
+///                 the soles become flat there
+/// @throws InputError    empty or not finite (says where); no surface with a volume can be made
+///                       from it; or it has fewer handles than options.genus
+/// @throws QualityError  every strategy failed; says why the last one failed
+/// A mesh that already passes, with `keep_components` pieces, the wanted genus and at most `faces`
+/// faces, is returned unchanged, bit for bit.
 /// Cost: about 5 s for 300,000 faces to 20,000, 18 s for 2 million.
 /// Same bits for any thread count.
-/// Source: the order is ours; each strategy's source stands in its header.
+/// Source: the order is our own; each strategy's header names its source.
 CleanupResult MakeClosedManifold(const Mesh& surface, const CleanupOptions& options,
                                  Progress* progress = nullptr,
                                  const std::vector<SightLine>& lines = {},

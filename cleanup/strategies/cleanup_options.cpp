@@ -21,7 +21,7 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
          .unit = "",
          .min = -2,
          .max = 1000});
-  visit("stand", stand,
+  visit("support", support,
         {.help = "auto cuts off a level turntable, plate or cloth that the figure stands on (z "
                  "up); keep leaves it",
          .unit = "",

@@ -1,4 +1,4 @@
-// What a person asks of the clean-up.
+// Options of the cleanup.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ struct CleanupOptions {
   bool refine = false;  ///< also remesh surfaces that have fewer faces than wanted
   /// adaptive: smaller triangles where the surface bends; uniform: equal ones
   std::string remesh = "adaptive";
-  int genus = -2;  ///< handles of the result; surplus ones are cut or filled; -1 keeps all; -2: as
+  int genus = -2;  ///< handles of the result; others are cut or filled; -1 keeps all; -2 keeps as
                    ///< many as the photographs see through
-  std::string stand = "auto";  ///< auto: a level sheet that the figure stands on (z up) is cut off;
-                               ///< keep: nothing is
-  std::string ground = "auto";  ///< auto: StandsOnGround is asked whether soles are cut flat at z =
-                                ///< 0; keep: nothing is
-  int keep_components = 1;      ///< pieces of the result, largest first; 0 keeps all
-  /// pieces with less than this share of the largest one's area are dropped at once
+  std::string support = "auto";  ///< auto: cuts off a level sheet that the figure stands on (z up);
+                                 ///< keep: cuts nothing
+  std::string ground =
+      "auto";               ///< auto: soles are cut flat at z = 0 if StandsOnGround; keep: no cut
+  int keep_components = 1;  ///< pieces of the result, largest first; 0 keeps all
+  /// pieces with less than this share of the largest one's area are removed first
   double min_component = 0.02;
   bool wrap = true;       ///< allow the last strategy, an alpha wrap
   double wrap_alpha = 0;  ///< its alpha over the diagonal; 0 chooses it from `faces`

@@ -34,7 +34,7 @@ std::vector<Corners> SortedFaces(const Mesh& mesh) {
   return faces;
 }
 
-// The points that are further than `reach` from the damage.
+// The points that are farther than `reach` from the damage.
 PointsX3 Away(const PointsX3& points, const RayScene& damage, double reach) {
   std::vector<char> damaged(points.rows());
   const auto look = [&](std::int64_t i) {
@@ -47,7 +47,7 @@ PointsX3 Away(const PointsX3& points, const RayScene& damage, double reach) {
   return away;
 }
 
-// Distances of the samples of `from` to `to`; none for those near the damage.
+// Distances of the samples of `from` from `to`, without samples near the damage.
 SurfaceDistance DistanceAway(const Mesh& from, const Mesh& to,
                              const std::optional<RayScene>& damage, double reach, double* share) {
   const SurfaceSamples samples =
@@ -73,7 +73,7 @@ Mesh ChangedFaces(const Mesh& before, const Mesh& after) {
   std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(),
                                 std::back_inserter(changed));
   Mesh mesh;
-  const Eigen::Index count = static_cast<Eigen::Index>(changed.size());
+  const Eigen::Index count = std::ssize(changed);
   mesh.points.resize(3 * count, 3);
   mesh.faces.resize(count, 3);
   for (Eigen::Index f = 0; f < count; ++f)

@@ -41,7 +41,7 @@ SurfaceDistance Distance(const Mesh& from, const Mesh& to) {
 
 void Measure(const Mesh& mesh, double diagonal, CleanupResult& result) {
   const ClosedReport report = CheckClosed(mesh);
-  // overlaps far from 1 would leave the range where the predicates' filters work
+  // scaled to 1, because the predicates' filters only work in a certain range
   Mesh scaled = mesh;
   scaled.points /= diagonal;
   IntersectingFaces(scaled, &result.self_intersections);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -25,25 +26,26 @@
 namespace keypose::cleanup {
 namespace {
 
-constexpr double kWeld = 1e-7;       // of the diagonal
-constexpr double kTouch = 0.005;     // of the diagonal: pieces this near belong together
-constexpr int kWorkingFaces = 5;     // times the wanted faces: repair works on no more than that
-constexpr double kStartFaces = 2.5;  // the same: where remeshing begins
+constexpr double kWeld = 1e-7;    // of the diagonal
+constexpr double kTouch = 0.005;  // of the diagonal: pieces this near belong together
+constexpr int kWorkingFaces = 5;  // times the wanted faces: limit of the mesh that is repaired
+constexpr double kStartFaces =
+    2.5;  // times the wanted faces: limit of the mesh where remeshing starts
 constexpr int kIntersectionRounds = 8;
-// the later ones with smaller triangles where the earlier ones crossed themselves
+// later ones have smaller triangles where earlier results intersected themselves
 constexpr int kRemeshings = 3;
 constexpr double kStrategyCountTolerance = 0.01;
-// share of intersecting faces beyond which local repair is hopeless, and slow
+// share of intersecting faces above which local repair is slow and does not succeed
 constexpr double kTangle = 0.02;
-constexpr int kTangleFaces = 300;  // that many are always tried
-// of the surface, that may end up farther than kLostDistance from a local repair
+constexpr int kTangleFaces = 300;  // up to this number, local repair is always tried
+// share of the surface that may be farther than kLostDistance from a local repair
 constexpr double kLostShare = 0.01;
 constexpr double kLostDistance = 0.02;
 constexpr double kLeastAngleDeg = 2;
-constexpr double kGoodAngleDeg = 12;  // asked of remeshed surfaces
+constexpr double kGoodAngleDeg = 12;  // wanted for remeshed surfaces
 
 PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
-  PointsX3 centers(static_cast<Eigen::Index>(faces.size()), 3);
+  PointsX3 centers(std::ssize(faces), 3);
   for (std::size_t i = 0; i < faces.size(); ++i)
     centers.row(i) =
         (mesh.points.row(mesh.faces(faces[i], 0)) + mesh.points.row(mesh.faces(faces[i], 1)) +
@@ -82,8 +84,8 @@ bool RepairStrategies::AcceptableInFrame(const Mesh& mesh) const {
   return Acceptable(there);
 }
 
-// CGAL reports a broken precondition as std::logic_error; that strategy has failed then, not the
-// whole. What it counted goes with it.
+// CGAL reports a violated precondition as std::logic_error. Then only this strategy has failed. Its
+// counts in the result are discarded.
 std::optional<Mesh> RepairStrategies::Try(const char* strategy,
                                           const std::function<std::optional<Mesh>()>& step) {
   const CleanupResult before = result_;
@@ -93,7 +95,10 @@ std::optional<Mesh> RepairStrategies::Try(const char* strategy,
       result_.strategy = strategy;
       return mesh;
     }
-    if (mesh) last_fault_ = std::string(strategy) + ": the mesh crosses itself";
+    if (mesh)
+      last_fault_ =
+          std::string(strategy) + (CheckClosed(*mesh).closed() ? ": the mesh intersects itself"
+                                                               : ": the mesh is not closed");
   } catch (const std::logic_error& error) {
     last_fault_ = std::string(strategy) + ": " + error.what();
   }
@@ -104,8 +109,8 @@ std::optional<Mesh> RepairStrategies::Try(const char* strategy,
 void RepairStrategies::Weld() {
   SoupResult soup = OrientedManifold(input_, kWeld);
   result_.merged_vertices = soup.merged_vertices;
-  // Stitching closes the cuts that a fin left, but only once the fin is gone; it also joins pieces,
-  // so bits are counted on both sides of it.
+  // Stitching closes the cuts around a fin, but only after the fin is removed. It also joins
+  // pieces. So it runs before and after small pieces are removed.
   kept_ = Stitched(
       WithoutBits(Stitched(soup.mesh), options_.min_component, &result_.components_removed));
   RemoveSupport();
@@ -114,15 +119,15 @@ void RepairStrategies::Weld() {
     kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
 }
 
-// Once more after the cut, as a second, lower sheet can show up below a cloth; what the cut leaves
-// of a rim is a bit or a piece afar.
+// Searches again after each cut, because there can be a second, lower sheet below a cloth. What a
+// cut leaves of the sheet's rim is removed as a small or distant piece.
 void RepairStrategies::RemoveSupport() {
-  if (options_.stand != "auto") return;
+  if (options_.support != "auto") return;
   for (int sheets = 0; sheets < 3; ++sheets) {
     const std::optional<CutPlane> plane = FindSupport(kept_);
     if (!plane) return;
     kept_ = Cut(*plane);
-    ++result_.stands_removed;
+    ++result_.supports_removed;
   }
 }
 
@@ -139,8 +144,8 @@ void RepairStrategies::CutAtGround() {
   result_.cut_below_ground_over_diag = below;
 }
 
-// Remeshing rounds the edge of a sole by some thousandths of an edge: below the ground nothing may
-// stay, and soles are flat.
+// Remeshing moves vertices at the edge of a sole by some thousandths of an edge length. Nothing may
+// stay below the ground, and soles must be flat.
 Mesh RepairStrategies::OnGround(const Mesh& mesh) const {
   if (!ground_) return mesh;
   Mesh flat = mesh;
@@ -160,7 +165,7 @@ void RepairStrategies::Fill() {
   IntersectingFaces(filled_, &result_.self_intersections_before);
 }
 
-// Local repair of a closed mesh; nothing when it does not help.
+// Local repair of a closed mesh; nothing when it fails.
 std::optional<Mesh> RepairStrategies::Mended(const Mesh& mesh) {
   if (Acceptable(mesh)) return mesh;
   if (mesh.face_count() == 0 || !CheckClosed(mesh).finite) return std::nullopt;
@@ -172,7 +177,7 @@ std::optional<Mesh> RepairStrategies::Mended(const Mesh& mesh) {
     mended = WithoutThinAngles(mended, kLeastAngleDeg);
   if (mended.face_count() == 0) return std::nullopt;
   OrientOutward(mended);
-  // Cutting out a crossing can cut a neck through.
+  // Removing an intersection can cut through a thin part.
   mended = LargestPieces(mended, options_.keep_components, &result_.components_removed);
   if (Acceptable(mended)) return mended;
   return std::nullopt;
@@ -192,7 +197,7 @@ Mesh RepairStrategies::WithGenus(const Mesh& mesh) {
   return std::move(result.mesh);
 }
 
-// Slivers of the input or of a filled hole go where nothing has to cross for it.
+// Removes thin faces of the input and of filled holes where this causes no self-intersection.
 Mesh RepairStrategies::WithBetterAngles(const Mesh& mesh, double enough_deg) {
   const double least_deg = LeastAngleDeg(mesh);
   if (least_deg >= enough_deg) return mesh;
@@ -210,7 +215,7 @@ std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
   SizeRules rules;
   rules.faces = options_.faces;
   rules.follow_curvature = options_.remesh == "adaptive";
-  // The rims of a wrapped sheet shrink under triangles that are not much smaller there.
+  // The rims of a wrapped sheet shrink unless their triangles are much smaller.
   if (wrapped_) rules.exponent = 0.5, rules.growth = 0.4;
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces
@@ -233,7 +238,7 @@ std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
   }
   result_ = with_slivers ? result_with_slivers : before;
   if (with_slivers) return with_slivers;
-  // Collapses only: more of the shape's sharpness, less even triangles.
+  // Decimation alone: keeps sharp features better, but triangles are less even.
   Mesh decimated =
       base.face_count() > rules.faces ? Decimated(base, rules.faces) : SplitTo(base, rules.faces);
   const std::optional<Mesh> mended = Mended(decimated);
@@ -247,7 +252,7 @@ std::optional<Mesh> RepairStrategies::Finish(const Mesh& base) {
   repaired_ = WithGenus(LargestPieces(base, options_.keep_components, &result_.components_removed));
   if (MayStay(repaired_.face_count())) return WithBetterAngles(repaired_, kLeastAngleDeg);
   const std::optional<Mesh> mesh = AtWantedSize(repaired_);
-  // Even triangles can make room for a cut that slivers had no room for.
+  // After remeshing, a cut may succeed that failed between thin faces.
   if (!mesh || Genus(*mesh) <= WantedGenus(*mesh, options_, lines_)) return mesh;
   const Mesh cut = WithGenus(*mesh);
   return MayStay(cut.face_count()) ? cut : SplitTo(cut, options_.faces);
@@ -263,8 +268,8 @@ std::optional<Mesh> RepairStrategies::Wrap(double alpha, double offset_share, bo
   return Finish(wrap);
 }
 
-// A wrap of a larger ball has fewer faces, so that one at last needs no remeshing, and a wrap never
-// crosses itself.
+// Wraps with larger balls have fewer faces, so one of them finally needs no remeshing. A wrap never
+// intersects itself.
 std::optional<Mesh> RepairStrategies::CoarseWraps(double alpha) {
   const CleanupResult before = result_;
   for (; alpha < 2; alpha *= 1.5) {
@@ -282,8 +287,8 @@ std::optional<Mesh> RepairStrategies::CoarseWraps(double alpha) {
   return std::nullopt;
 }
 
-// Thin sheets get walls that lie closer together than an edge is long, and remeshing such walls
-// makes them cross; then thicker ones are tried.
+// The two walls around a thin sheet are closer together than the edge length, and remeshing makes
+// such walls intersect. Then thicker wraps are tried.
 std::optional<Mesh> RepairStrategies::WrapStrategies() {
   wrapped_ = true;
   const double area = SurfaceArea(filled_.points, filled_.faces);
@@ -318,7 +323,7 @@ std::optional<Mesh> RepairStrategies::Welded() {
   return Finish(turned);
 }
 
-// Where vertices of far places were one, cutting out the crossings can cut off a limb.
+// If vertices of distant places were merged, removing the intersections can cut off a limb.
 std::optional<Mesh> RepairStrategies::MendedWhole() {
   const std::optional<Mesh> mended = Mended(filled_);
   if (!mended) return std::nullopt;
@@ -337,20 +342,19 @@ Mesh RepairStrategies::Run() {
   ReportProgress(progress_, 0.15, "welded");
   const double limit = static_cast<double>(kWorkingFaces) * options_.faces;
   working_ = kept_.face_count() > limit ? Decimated(kept_, static_cast<int>(limit)) : kept_;
-  ReportProgress(progress_, 0.3, "thinned");
+  ReportProgress(progress_, 0.3, "decimated");
   if (auto mesh = Try("R0 weld", [&] { return Welded(); })) return *mesh;
   try {
     Fill();
-  } catch (const std::logic_error&
-               error) {  // CGAL met a case it does not take; the wrap takes everything
+  } catch (const std::logic_error& error) {  // CGAL does not accept this case; the wrap accepts all
     last_fault_ = std::string("R2 fill: ") + error.what();
     filled_ = working_;
   }
   ReportProgress(progress_, 0.4, "holes filled");
-  // Pieces that belong together but are not joined: only the wrap makes one surface of them.
+  // Pieces that belong together but are not joined: only the wrap turns them into one surface.
   if (Apart(filled_)) {
     last_fault_ =
-        "pieces that touch or cross can only be joined by the wrap, or kept apart with "
+        "pieces that touch or intersect can only be joined by the wrap, or kept apart with "
         "--keep_components 0";
   } else {
     if (auto mesh =

@@ -1,4 +1,5 @@
-// The repair strategies: the least destructive one whose result passes the test.
+// The repair strategies, tried in order until the result of one passes the test. The least
+// destructive one is tried first.
 #pragma once
 
 #include <functional>
@@ -14,16 +15,17 @@
 
 namespace keypose::cleanup {
 
-/// Whether a mesh is what the clean-up promises: closed, oriented, one fan a vertex, volume, no
-/// face without area, nothing crosses.
+/// Whether a mesh satisfies what the cleanup guarantees: closed, oriented, one fan per vertex,
+/// positive volume, no face without area, no self-intersections.
 bool Acceptable(const Mesh& mesh);
 
-/// Handles that the options let a closed surface keep.
-/// @param lines  in its frame
+/// The number of handles that a closed surface may keep under these options.
+/// @param lines  in the surface's frame
 int WantedGenus(const Mesh& closed, const CleanupOptions& options,
                 const std::vector<SightLine>& lines);
 
-/// Where the surface lies in its own unit.
+/// The transformation from the normalised frame, where the diagonal is 1, back to the surface's own
+/// unit.
 struct Frame {
   Eigen::RowVector3d center;
   double diagonal = 1;
@@ -32,13 +34,14 @@ struct Frame {
   }
 };
 
-/// One run; everything happens in a frame where the diagonal is 1, so that no tolerance depends on
-/// the unit.
+/// One run of the strategies. All computations are in a frame where the diagonal is 1, so
+/// tolerances do not depend on the unit.
 class RepairStrategies {
  public:
   /// @param lines   of sight through the figure, in the same frame
-  /// @param ground  height along z below which nothing stays, in the same frame
-  /// @param frame   where the result goes: what crosses itself by its rounding there is no result
+  /// @param ground  height along z, in the same frame; everything below is removed
+  /// @param frame  frame of the result; a mesh that self-intersects after rounding in this frame is
+  /// rejected
   RepairStrategies(const Mesh& surface, const CleanupOptions& options,
                    const std::vector<SightLine>& lines, std::optional<double> ground,
                    const Frame& frame, Progress* progress, CleanupResult& result)
@@ -53,12 +56,12 @@ class RepairStrategies {
   /// The finished mesh.
   /// @throws InputError @throws QualityError
   Mesh Run();
-  /// The same with nothing below the ground, where that leaves it acceptable.
+  /// The mesh with its lower vertices raised to the ground, if that is acceptable; else the mesh.
   Mesh OnGround(const Mesh& mesh) const;
-  /// What the result is to be compared with: the input without dropped pieces and stand.
+  /// The mesh that the result is compared with: the input without removed pieces and support.
   const Mesh& kept() const { return kept_; }
-  /// Faces that only one has, the kept input or what was made of it before it was brought to its
-  /// size.
+  /// Faces that only one of two meshes has: the working mesh and the repaired mesh before
+  /// remeshing.
   Mesh Changed() const;
 
  private:
@@ -91,10 +94,10 @@ class RepairStrategies {
   Frame frame_;
   Progress* progress_;
   CleanupResult& result_;
-  Mesh kept_;      // welded, without bits and stand; all of its detail
-  Mesh working_;   // the same with at most a few times the wanted faces
-  Mesh filled_;    // that without holes
-  Mesh repaired_;  // what the last strategy brought to the wanted size
+  Mesh kept_;      // merged vertices, without small pieces and support; full detail
+  Mesh working_;   // the same, with at most a few times the wanted faces
+  Mesh filled_;    // the working mesh with its holes filled
+  Mesh repaired_;  // the mesh that the last strategy brought to the wanted size
   bool wrapped_ = false;
   std::string last_fault_;
 };

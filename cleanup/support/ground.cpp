@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/ground_contact.h"
 #include "core/parallel.h"
@@ -13,13 +14,13 @@ namespace {
 using Eigen::Vector3d;
 
 // Shares of the figure's height.
-// of the contact to z = 0; 0.005 is the most that the known sets have
+// distance of the contact from z = 0; the largest in the known sets is 0.005
 constexpr double kNear = 0.01;
 constexpr double kDeepestBelow =
-    1.0 / 6;  // below the ground: a base as wide as high, seen from 25 degrees, reaches 0.1 down
-constexpr double kBelow = 0.0075;    // what is seen deeper than that is no rounded edge
-constexpr double kFromBelow = 0.09;  // slope of a line of sight that looks up: 5 degrees
-constexpr int kSeen_px = 12;         // of a photograph
+    1.0 / 6;  // depth below the ground: for a base as wide as high, seen from 25 degrees, it is 0.1
+constexpr double kBelow = 0.0075;  // surface that is visible below this depth is not a rounded edge
+constexpr double kFromBelow = 0.09;  // slope from which on a camera looks up: 5 degrees
+constexpr int kSeen_px = 12;         // pixels of a photograph
 constexpr int kStride = 2;
 
 bool AnyLooksUp(const std::vector<View>& views, const Vector3d& middle) {
@@ -29,7 +30,7 @@ bool AnyLooksUp(const std::vector<View>& views, const Vector3d& middle) {
   });
 }
 
-/// Pixels of a mask that look at the surface below a height.
+/// The number of a mask's pixels that show the surface below a height.
 int PixelsBelow(const RayScene& scene, const View& view, const Image8& mask, double height) {
   const Camera camera = view.camera.Scaled(static_cast<double>(mask.width) / view.camera.width);
   const Vector3d origin = view.Center();
@@ -45,12 +46,13 @@ int PixelsBelow(const RayScene& scene, const View& view, const Image8& mask, dou
   return kStride * kStride * count;
 }
 
-/// What a quarter of the photographs show at least: the others may look from too high up.
+/// The 75 % quantile over the photographs of the pixels below the height: other cameras may be too
+/// high to see it.
 int SeenBelow(const Mesh& surface, const std::vector<View>& views, const std::vector<Image8>& masks,
               double height) {
   const RayScene scene(surface.points, surface.faces);
   std::vector<int> counts(views.size(), -1);
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(views), [&](std::int64_t i) {
     const auto v = static_cast<std::size_t>(i);
     if (!masks[v].empty()) counts[v] = PixelsBelow(scene, views[v], masks[v], height);
   });

@@ -1,4 +1,5 @@
-// The ground under a figure that stands: soles that no photograph shows are cut flat on it.
+// Decides whether a figure stands on the ground z = 0, so that its soles, which no photograph
+// shows, can be cut flat.
 #pragma once
 
 #include <optional>
@@ -13,17 +14,18 @@ namespace keypose::cleanup {
 
 struct Standing {
   bool stands = false;
-  double contact = 0;  ///< height at which the outlines end, along z
-  std::string why;     ///< it does not stand, in words
+  double contact = 0;  ///< height along z at which the outlines end
+  std::string why;     ///< why it does not stand; for the user
 };
 
-/// Whether the figure stands on z = 0 and nothing was seen of what the surface has below: its
-/// outlines must end there to 1 % of the height, no camera may look up from below, no photograph
-/// may show the surface there, and what lies there must be less than a sixth of the height.
+/// Whether the figure stands on z = 0 and no photograph shows the part of the surface below. The
+/// conditions are: the outlines end at z = 0 to 1 % of the height, no camera looks up from below,
+/// photographs do not show surface below z = 0, and that surface reaches down by less than a sixth
+/// of the height.
 ///
 /// @param surface  in the cameras' frame, z up
-/// @param masks    one a view, 1 channel, above 127 where the figure is; empty for a view without
-/// say; of any size of the view's shape
+/// @param masks  one for each view: 1 channel, above 127 where the figure is, of any size with the
+/// view's aspect ratio; empty: the view is ignored
 Standing StandsOnGround(const Mesh& surface, const std::vector<View>& views,
                         const std::vector<Image8>& masks);
 

@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -18,15 +20,15 @@ using Eigen::Vector3d;
 
 // Lengths are shares of the diagonal.
 constexpr double kBin = 0.0025;
-constexpr double kFlat = 0.006;    // of a sheet, either way
-constexpr double kLowest = 0.35;   // of the height: sheets above are part of the figure
-constexpr double kDeepest = 0.12;  // a plate's thickness at most
-constexpr double kAbove = 0.015;   // where the figure's cross-section is taken
-constexpr double kTall = 0.1;      // what stands on it at least
-// of the cut above the sheet: what Poisson rounds off goes too
+constexpr double kFlat = 0.006;    // half the thickness of a flat sheet
+constexpr double kLowest = 0.35;   // of the height: sheets above this belong to the figure
+constexpr double kDeepest = 0.12;  // largest thickness of a support
+constexpr double kAbove = 0.015;   // height of the figure's cross-section above the sheet
+constexpr double kTall = 0.1;      // smallest height of the figure
+// of the cut above the sheet: also removes the part that Poisson reconstruction rounds off
 constexpr double kCutMargin = 0.005;
-constexpr double kSpread = 1.5;   // of the sheet over the cross-section
-constexpr double kCover = 0.5;    // of what the sheet spreads beyond it
+constexpr double kSpread = 1.5;   // area of the sheet over that of the cross-section
+constexpr double kCover = 0.5;    // covered share of the sheet's area beyond the cross-section
 constexpr double kLevel = 0.966;  // cosine of 15 degrees
 constexpr double kTilt = 0.978;   // cosine of 12 degrees
 constexpr int kPeaks = 4;
@@ -57,12 +59,12 @@ double HullArea(std::vector<Vector2d> points) {
   return std::abs(twice) / 2;
 }
 
-// The mesh's faces as the search needs them.
+// The mesh with the face data that the search needs.
 class Search {
  public:
   explicit Search(const Mesh& mesh);
   std::vector<double> Peaks() const;
-  /// The sheet's plane near a height. Nothing when there is none, or it is too steep.
+  /// The plane of a sheet near a height. Nothing when there is none, or when it is too steep.
   std::optional<CutPlane> Fit(double height) const;
   bool IsStand(const CutPlane& sheet) const;
   double diagonal() const { return diagonal_; }
@@ -95,8 +97,8 @@ Search::Search(const Mesh& mesh)
                       3;
 }
 
-// Heights at which level faces pile up, the highest first: of a plate's two sides the upper one
-// matters.
+// Heights where level faces have much area, the highest first: the upper side of a base is the
+// relevant one.
 std::vector<double> Search::Peaks() const {
   const double bin = kBin * diagonal_;
   const int count = static_cast<int>(kLowest * height_ / bin) + 1;
@@ -113,7 +115,7 @@ std::vector<double> Search::Peaks() const {
   for (const int i : order) {
     const bool apart =
         std::all_of(peaks.begin(), peaks.end(), [&](int p) { return std::abs(p - i) > 3; });
-    if (apart && piled[i] > 0 && static_cast<int>(peaks.size()) < kPeaks) peaks.push_back(i);
+    if (apart && piled[i] > 0 && SizeOf(peaks) < kPeaks) peaks.push_back(i);
   }
   std::sort(peaks.rbegin(), peaks.rend());
   std::vector<double> heights;
@@ -204,7 +206,7 @@ Mesh ClippedAbove(const Mesh& mesh, const CutPlane& plane) {
   }
   std::map<std::pair<int, int>, int> crossings;
   const auto crossing = [&](int a, int b) {
-    const auto [it, is_new] = crossings.emplace(std::minmax(a, b), static_cast<int>(points.size()));
+    const auto [it, is_new] = crossings.emplace(std::minmax(a, b), SizeOf(points));
     if (is_new) {
       const auto [low, high] = std::minmax(a, b);
       const double t = heights[low] / (heights[low] - heights[high]);
@@ -226,9 +228,9 @@ Mesh ClippedAbove(const Mesh& mesh, const CutPlane& plane) {
       faces.emplace_back(kept[0], kept[i - 1], kept[i]);
   }
   Mesh out;
-  out.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  out.points.resize(std::ssize(points), 3);
   for (std::size_t v = 0; v < points.size(); ++v) out.points.row(v) = points[v].transpose();
-  out.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  out.faces.resize(std::ssize(faces), 3);
   for (std::size_t f = 0; f < faces.size(); ++f) out.faces.row(f) = faces[f].transpose();
   return out;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::cleanup {
@@ -19,9 +20,9 @@ namespace {
 using Cell = std::array<int, 3>;
 
 // std::uniform_* distributions differ between standard libraries; these do not.
-struct Dice {
+struct FixedRandom {
   std::mt19937_64 engine;
-  explicit Dice(std::uint64_t seed) : engine(seed * 0x9E3779B97F4A7C15ull + 17) {}
+  explicit FixedRandom(std::uint64_t seed) : engine(seed * 0x9E3779B97F4A7C15ull + 17) {}
   double Unit() { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
   int Below(int count) { return static_cast<int>(Unit() * count); }
 };
@@ -32,13 +33,13 @@ void AddBox(std::set<Cell>& cells, Cell low, Cell high) {
       for (int z = low[2]; z < high[2]; ++z) cells.insert({x, y, z});
 }
 
-// The outside of the cells, each square cut in two.
+// The outer surface of the cells, each square split in two triangles.
 Mesh Skin(const std::set<Cell>& cells) {
   std::map<Cell, int> ids;
   std::vector<Cell> corners;
   std::vector<std::array<int, 3>> faces;
   const auto id = [&](const Cell& c) {
-    const auto [it, is_new] = ids.emplace(c, static_cast<int>(corners.size()));
+    const auto [it, is_new] = ids.emplace(c, SizeOf(corners));
     if (is_new) corners.push_back(c);
     return it->second;
   };
@@ -59,10 +60,10 @@ Mesh Skin(const std::set<Cell>& cells) {
         faces.push_back({q[0], q[2], q[3]});
       }
   Mesh mesh;
-  mesh.points.resize(static_cast<int>(corners.size()), 3);
+  mesh.points.resize(SizeOf(corners), 3);
   for (int v = 0; v < mesh.vertex_count(); ++v)
     mesh.points.row(v) << corners[v][0], corners[v][1], corners[v][2];
-  mesh.faces.resize(static_cast<int>(faces.size()), 3);
+  mesh.faces.resize(SizeOf(faces), 3);
   for (int f = 0; f < mesh.face_count(); ++f)
     mesh.faces.row(f) << faces[f][0], faces[f][1], faces[f][2];
   return mesh;
@@ -81,50 +82,51 @@ void Smooth(Mesh& mesh, int rounds) {
   }
 }
 
-using Damage = std::function<void(Mesh&, Dice&)>;
+using Damage = std::function<void(Mesh&, FixedRandom&)>;
 
-void DeleteFaces(Mesh& mesh, Dice& dice) {
+void DeleteFaces(Mesh& mesh, FixedRandom& random) {
   int count = 0;
   for (int f = 0; f < mesh.face_count(); ++f)
-    if (dice.Unit() >= 0.05) mesh.faces.row(count++) = mesh.faces.row(f).eval();
+    if (random.Unit() >= 0.05) mesh.faces.row(count++) = mesh.faces.row(f).eval();
   mesh.faces.conservativeResize(count, 3);
 }
 
-void FlipFaces(Mesh& mesh, Dice& dice) {
+void FlipFaces(Mesh& mesh, FixedRandom& random) {
   for (int f = 0; f < mesh.face_count(); ++f)
-    if (dice.Unit() < 0.1) std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
+    if (random.Unit() < 0.1) std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
 }
 
 // Some pairs are neighbours, some lie on opposite sides of the shape.
-void WeldVertices(Mesh& mesh, Dice& dice) {
-  const int pairs = 1 + dice.Below(6);
+void WeldVertices(Mesh& mesh, FixedRandom& random) {
+  const int pairs = 1 + random.Below(6);
   for (int i = 0; i < pairs; ++i) {
-    const int a = dice.Below(mesh.vertex_count());
+    const int a = random.Below(mesh.vertex_count());
     const int b =
-        i % 2 ? dice.Below(mesh.vertex_count()) : mesh.faces(dice.Below(mesh.face_count()), 0);
+        i % 2 ? random.Below(mesh.vertex_count()) : mesh.faces(random.Below(mesh.face_count()), 0);
     for (int f = 0; f < mesh.face_count(); ++f)
       for (int k = 0; k < 3; ++k)
         if (mesh.faces(f, k) == a) mesh.faces(f, k) = b;
   }
 }
 
-void AddFins(Mesh& mesh, Dice& dice) {
-  const int fins = 1 + dice.Below(20), vertices = mesh.vertex_count(), faces = mesh.face_count();
+void AddFins(Mesh& mesh, FixedRandom& random) {
+  const int fins = 1 + random.Below(20), vertices = mesh.vertex_count(), faces = mesh.face_count();
   const double length = 0.2 * BoundingDiagonal(mesh.points);
   mesh.points.conservativeResize(vertices + fins, 3);
   mesh.faces.conservativeResize(faces + fins, 3);
   for (int i = 0; i < fins; ++i) {
-    const int f = dice.Below(faces), a = mesh.faces(f, 0), b = mesh.faces(f, 1);
-    const Eigen::RowVector3d away(dice.Unit() - 0.5, dice.Unit() - 0.5, dice.Unit() - 0.5);
+    const int f = random.Below(faces), a = mesh.faces(f, 0), b = mesh.faces(f, 1);
+    const Eigen::RowVector3d away(random.Unit() - 0.5, random.Unit() - 0.5, random.Unit() - 0.5);
     mesh.points.row(vertices + i) = mesh.points.row(a) + length * away;
     mesh.faces.row(faces + i) << a, b, vertices + i;
   }
 }
 
-// Exact, a little apart (so that it crosses everywhere), or inside out and smaller.
-void DuplicateShell(Mesh& mesh, Dice& dice) {
+// An exact copy, one slightly moved (so that it intersects everywhere), or one smaller and inside
+// out.
+void DuplicateShell(Mesh& mesh, FixedRandom& random) {
   Mesh twin = mesh;
-  const int kind = dice.Below(3);
+  const int kind = random.Below(3);
   if (kind == 1)
     twin.points.rowwise() +=
         Eigen::RowVector3d(0.3, 0.7, 0.2) * (0.01 * BoundingDiagonal(mesh.points));
@@ -136,13 +138,13 @@ void DuplicateShell(Mesh& mesh, Dice& dice) {
   mesh = Together(mesh, twin);
 }
 
-void Shake(Mesh& mesh, Dice& dice) {
+void Shake(Mesh& mesh, FixedRandom& random) {
   const double reach = 0.01 * BoundingDiagonal(mesh.points);
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    for (int k = 0; k < 3; ++k) mesh.points(v, k) += reach * (dice.Unit() - 0.5);
+    for (int k = 0; k < 3; ++k) mesh.points(v, k) += reach * (random.Unit() - 0.5);
 }
 
-void Unweld(Mesh& mesh, Dice&) {
+void Unweld(Mesh& mesh, FixedRandom&) {
   PointsX3 points(3 * mesh.face_count(), 3);
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) points.row(3 * f + k) = mesh.points.row(mesh.faces(f, k));
@@ -150,9 +152,9 @@ void Unweld(Mesh& mesh, Dice&) {
   mesh.points = points;
 }
 
-void PlantNan(Mesh& mesh, Dice& dice) {
+void PlantNan(Mesh& mesh, FixedRandom& random) {
   for (int i = 0; i < 3; ++i)
-    mesh.points(dice.Below(mesh.vertex_count()), dice.Below(3)) =
+    mesh.points(random.Below(mesh.vertex_count()), random.Below(3)) =
         std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -212,7 +214,7 @@ Mesh MakeTorus(double radius, double tube, int n, int m) {
 }
 
 Mesh MakeRevolved(const std::vector<Eigen::Vector2d>& profile, int n) {
-  const int rings = static_cast<int>(profile.size());
+  const int rings = SizeOf(profile);
   Mesh mesh;
   mesh.points.resize(rings * n + 2, 3);
   for (int r = 0; r < rings; ++r)
@@ -238,9 +240,9 @@ Mesh MakeRevolved(const std::vector<Eigen::Vector2d>& profile, int n) {
 }
 
 Mesh MakeFigure(std::uint64_t seed, int limb) {
-  Dice dice(seed);
+  FixedRandom random(seed);
   std::set<Cell> cells;
-  const int arm = 6 + dice.Below(5), leg = 5 + dice.Below(5), head = 3 + dice.Below(3);
+  const int arm = 6 + random.Below(5), leg = 5 + random.Below(5), head = 3 + random.Below(3);
   AddBox(cells, {0, 0, 0}, {8, 5, 10});
   AddBox(cells, {4 - head / 2, 0, 10}, {4 - head / 2 + head, 4, 10 + head});
   AddBox(cells, {-arm, 1, 9 - limb}, {0, 1 + limb, 9});
@@ -263,24 +265,24 @@ Mesh Together(const Mesh& a, const Mesh& b) {
 }
 
 Mutilated MakeMutilated(int index) {
-  Dice dice(1000003ull * static_cast<std::uint64_t>(index) + 1);
+  FixedRandom random(1000003ull * static_cast<std::uint64_t>(index) + 1);
   const Shape shape = BaseShape(index);
   Mutilated out{shape.mesh, shape.name + ":"};
-  // The first kind goes round, so that each kind meets each shape; up to three more come by chance.
-  const int kinds = static_cast<int>(Kinds().size()), first = index / 5 % (kinds + 1),
-            more = dice.Below(4);
+  // The first kind cycles, so that each kind is combined with each shape. Up to three more are
+  // random.
+  const int kinds = SizeOf(Kinds()), first = index / 5 % (kinds + 1), more = random.Below(4);
   if (first < kinds) {
     out.story += std::string(" ") + Kinds()[first].name;
-    Kinds()[first].apply(out.mesh, dice);
+    Kinds()[first].apply(out.mesh, random);
   }
   for (int i = 0; i < more; ++i) {
-    const NamedDamage& kind = Kinds()[dice.Below(kinds)];
+    const NamedDamage& kind = Kinds()[random.Below(kinds)];
     out.story += std::string(", ") + kind.name;
-    kind.apply(out.mesh, dice);
+    kind.apply(out.mesh, random);
   }
   if (first == kinds) {
     out.story += " NaNs";
-    PlantNan(out.mesh, dice);
+    PlantNan(out.mesh, random);
   }
   return out;
 }

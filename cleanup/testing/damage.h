@@ -1,5 +1,5 @@
-// Shapes with limbs, and the ways in which meshes get broken: what the guarantee is tried on. For
-// tests and measurements only.
+// Shapes with limbs, and kinds of mesh damage, for tests of the cleanup's guarantee. For tests and
+// measurements only.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,21 @@
 
 namespace keypose::cleanup {
 
-/// Closed torus round z.
-/// @param n  segments round the axis @param m  segments round the tube
+/// A closed torus around the z axis.
+/// @param n  segments around the axis
+/// @param m  segments around the tube
 Mesh MakeTorus(double radius, double tube, int n, int m);
-/// Closed surface of revolution round z: rings of `n` vertices at (radius, height) from the top
-/// down, and a fan over each end.
+/// A closed surface of revolution around z: rings of `n` vertices at (radius, height) from the top
+/// down, and a fan at each end.
 Mesh MakeRevolved(const std::vector<Eigen::Vector2d>& profile, int n);
-/// Closed figure with a body, a head, and limbs `limb` cells thick, blown up from cells and
-/// smoothed; proportions vary with the seed.
+/// A closed figure with a body, a head and limbs that are `limb` cells thick. It is made of cubic
+/// cells and smoothed; its proportions depend on the seed.
 Mesh MakeFigure(std::uint64_t seed, int limb);
-/// Both meshes as one, unconnected.
+/// Both meshes in one, not connected.
 Mesh Together(const Mesh& a, const Mesh& b);
 
-/// One of the thousand: a shape by the index, broken by one to four kinds of damage with
-/// deterministic choices.
+/// One of the thousand damaged meshes: the index chooses a shape and one to four kinds of damage.
+/// Deterministic.
 struct Mutilated {
   Mesh mesh;
   std::string story;  ///< shape and damage, for messages

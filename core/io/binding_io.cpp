@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -27,7 +28,7 @@ std::optional<Eigen::Vector3d> VectorFrom(const json& object, const char* name) 
   return v;
 }
 
-/// One line of numbers a point keeps the file short and readable.
+/// One line of numbers for each point keeps the file short and readable.
 std::string LineOf(const MeshBinding& binding, Eigen::Index i) {
   const auto p = binding.points.row(i), n = binding.normals.row(i);
   std::string line =
@@ -40,7 +41,7 @@ std::string LineOf(const MeshBinding& binding, Eigen::Index i) {
 }
 
 void ShapeFrom(const json& shape, MeshBinding& binding, const std::filesystem::path& file) {
-  const auto count = static_cast<Eigen::Index>(shape.size());
+  const auto count = std::ssize(shape);
   binding.points.resize(count, 3);
   binding.normals.resize(count, 3);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -91,8 +92,18 @@ MeshBinding BindingFrom(const json& object, const std::filesystem::path& file) {
         ": `shape` must hold 50 points or more of the mesh that was picked on; pick again");
   if (!(binding.diagonal > 0 && binding.diagonal <= kMostCoordinate))
     throw InputError(file.string() +
-                     ": `diagonal` of the mesh that was picked on is no size; pick again");
+                     ": `diagonal` of the picked mesh is not a positive number; pick again");
   ShapeFrom(object["shape"], binding, file);
+  // Points far outside of the mesh would make each search for their closest points look at all
+  // faces.
+  const double extent =
+      (binding.points.colwise().maxCoeff() - binding.points.colwise().minCoeff()).norm();
+  if (extent > 1.01 * binding.diagonal)
+    throw InputError(
+        fmt::format("{}: the points of `shape` extend over {:.4g}, but `diagonal` of the picked "
+                    "mesh is {:.4g}; "
+                    "pick again",
+                    file.string(), extent, binding.diagonal));
   return binding;
 }
 
@@ -157,35 +168,31 @@ CarriedPlace FollowPicks::Carry(const std::string& name, const std::optional<Sur
 void FollowPicks::Finish(CarryLog* log) const {
   if (!lost_.empty())
     throw InputError(
-        fmt::format("{}: the {} was made anew since these were picked, and {} of {} could not "
-                    "follow: {}{}; pick them again "
-                    "on it under the same names (keypose landmarks suggest, or MeshLab), or delete "
-                    "them from the file",
+        fmt::format("{}: the {} was rebuilt after these were picked, and {} of {} could not "
+                    "follow: {}{}; pick them again on it under the same names (keypose landmarks "
+                    "suggest, or MeshLab), or delete them from the file",
                     file_, side_, lost_.size(), static_cast<std::size_t>(carried_) + lost_.size(),
                     fmt::join(lost_, ", "), why_all_.empty() ? "" : "; " + why_all_));
   if (!log) return;
   if (!known()) {
     log->unbound = true;
     log->warnings.push_back(
-        fmt::format("{} does not say on which {} it was picked; its numbers are taken as they are, "
-                    "which is wrong if "
-                    "that was made anew since. Look whether the picks lie where they should, then "
-                    "bind them to it: "
-                    "keypose landmarks bind --help",
+        fmt::format("{} does not say on which {} it was picked; its numbers are used unchanged, "
+                    "which is wrong if it was rebuilt since then. Check that the picks lie where "
+                    "they should, then bind them to it: keypose landmarks bind --help",
                     file_, side_));
     return;
   }
   if (!carrier_ || carried_ == 0) return;
   const std::string how = fmt::format(
-      "{}: the {} was made anew since ({}); {} picks were carried over, {:.2f} % of the diagonal "
-      "at most "
-      "from where they were",
+      "{}: the {} was rebuilt since then ({}); {} picks were carried over, at most {:.2f} % of the "
+      "diagonal from where they were",
       file_, side_, carrier_->change().Words(), carried_, 100 * furthest_);
   if (doubtful_.empty())
     log->notes.push_back(how);
   else
     log->warnings.push_back(
-        fmt::format("{}. These are doubtful: {}; look at them, and pick again what is wrong", how,
+        fmt::format("{}. These are doubtful: {}; check them, and pick the wrong ones again", how,
                     fmt::join(doubtful_, ", ")));
 }
 

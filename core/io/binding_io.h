@@ -1,5 +1,5 @@
-// Bindings and places in JSON files, and the carrying over of what such a file holds to the mesh at
-// hand.
+// Reads and writes bindings and places in JSON files, and transfers the picks of such a file to the
+// current mesh.
 #pragma once
 
 #include <filesystem>
@@ -13,46 +13,47 @@
 
 namespace keypose {
 
-// `Json` is nlohmann::json, whose header only the .cpp files of core include.
+// `Json` is nlohmann::json. Only .cpp files of core include its header.
 
 /// {"vertices", "faces", "sha256", "faces_sha256", "diagonal", "shape": ["x y z nx ny nz r g b",
 /// ...]}
 template <class Json>
 Json BindingJson(const MeshBinding& binding);
-/// Of older files, which only have the counts: a binding that is not known().
+/// Older files only have the counts. They give a binding that is not known().
 /// @throws InputError  malformed; names the file
 template <class Json>
 MeshBinding BindingFrom(const Json& json, const std::filesystem::path& file);
 
-/// {"position", "normal", "color"}: fields of the pick's own object
+/// Adds the fields {"position", "normal", "color"} to the pick's object.
 template <class Json>
 void AddPlace(const SurfacePlace& place, Json& pick);
 template <class Json>
 std::optional<SurfacePlace> PlaceFrom(const Json& pick);
 
-/// Carries the picks of one file, on one of its meshes, and gathers what there is to say.
+/// Transfers the picks that one file holds for one mesh, and collects the messages about them.
 ///
 ///     FollowPicks follow(binding, mesh, "landmarks/rest.json", "pose mesh");
 ///     for each pick: if (!follow.AsWritten()) place = follow.Carry(name, place);
 ///     follow.Finish(log);
 class FollowPicks {
  public:
-  /// @param mesh  at hand; must outlive this
+  /// @param mesh  the current mesh; must outlive this object
   /// @param file, side  for messages: "landmarks/rest.json", "source"
-  /// @throws InputError  an older file's mesh had other counts
+  /// @throws InputError  an older file whose vertex and face counts differ from the mesh's
   FollowPicks(MeshBinding binding, const Mesh& mesh, std::string file, std::string side);
 
-  /// Whether face and vertex numbers hold: it is the mesh, or an older file that does not say
-  /// which, of the same counts.
+  /// Whether face and vertex numbers are valid as written: the picks were made on this mesh, or the
+  /// file is an older one that gives the same counts only.
   bool AsWritten() const { return !carrier_; }
   bool known() const { return binding_.known(); }
-  /// @param place  none: lost, since the file does not have it
-  /// @param needed  false: it may be lost without a fault
+  /// @param place  none: the pick is lost, because the file does not hold its place
+  /// @param needed  false: losing it is not an error
   CarriedPlace Carry(const std::string& name, const std::optional<SurfacePlace>& place,
                      bool needed = true);
   const Carrier& carrier() const { return *carrier_; }
 
-  /// @throws InputError  names those that could not follow, why, and the cure
+  /// @throws InputError  some needed picks could not be transferred; names them, the reason and the
+  /// remedy
   void Finish(CarryLog* log) const;
 
  private:

@@ -1,4 +1,4 @@
-// What a person should be told when picks were read from files.
+// Messages for the user about picks that were read from files.
 #pragma once
 
 #include <string>
@@ -7,9 +7,12 @@
 namespace keypose {
 
 struct CarryLog {
-  std::vector<std::string> notes;     ///< all went well
-  std::vector<std::string> warnings;  ///< look at it before trusting the result
-  bool unbound = false;  ///< picks were believed that do not say on which mesh they were made
+  /// for information
+  std::vector<std::string> notes;
+  /// the user should check something before they trust the result
+  std::vector<std::string> warnings;
+  /// picks were accepted although their file does not say which mesh they belong to
+  bool unbound = false;
 };
 
 }  // namespace keypose

@@ -13,6 +13,7 @@
 #include "core/io/files.h"
 #include "core/io/image_kind.h"
 #include "core/limits.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -125,7 +126,7 @@ Cameras ReadCamerasBinary(const fs::path& path) {
 }
 
 Rigid3 PoseFrom(const std::array<double, 7>& q, const std::string& where) {
-  constexpr double kLeastNorm = 1e-6;  // of the quaternion, which is 1 but for rounding
+  constexpr double kLeastNorm = 1e-6;  // of the quaternion; it is 1 except for rounding
   for (const double number : q)
     if (!(std::abs(number) <= kMostCoordinate))
       throw InputError(
@@ -274,23 +275,21 @@ std::vector<RawPoint> ReadPointsText(const fs::path& path) {
 }  // namespace
 
 void RequireUsableCamera(const Camera& camera, const std::string& where) {
-  constexpr double kMost = 1e7, kLeastFocal = 1e-2;  // pixels, and far more than any lens distorts
+  constexpr double kMost = 1e7,
+                   kLeastFocal = 1e-2;  // in pixels; also far above any distortion coefficient
   const std::array<double, 8> numbers{camera.fx, camera.fy, camera.cx, camera.cy,
                                       camera.k1, camera.k2, camera.p1, camera.p2};
-  const auto usable = [](double number) {
-    return std::abs(number) <= kMost;
-  };  // false for what is no number
+  const auto usable = [](double number) { return std::abs(number) <= kMost; };  // false for NaN
   if (!std::all_of(numbers.begin(), numbers.end(), usable) || !(camera.fx > kLeastFocal) ||
       !(camera.fy > kLeastFocal))
     throw InputError(where +
-                     " has a focal length, centre or distortion that no lens has (not finite, 0, "
-                     "or beyond 1e7); it is damaged: run sfm "
-                     "again");
+                     " has an impossible focal length, centre or distortion (not finite, 0, or "
+                     "beyond 1e7); it is damaged: run sfm again");
   if (camera.width < 1 || camera.height < 1 ||
       std::int64_t{camera.width} * camera.height > kMostPixels)
     throw InputError(where + " is for pictures of " + std::to_string(camera.width) + " x " +
                      std::to_string(camera.height) +
-                     " pixels, which cannot be; it is damaged: run sfm again");
+                     " pixels, which is not possible; it is damaged: run sfm again");
 }
 
 Scene ReadColmapModel(const fs::path& folder) {
@@ -310,7 +309,7 @@ Scene ReadColmapModel(const fs::path& folder) {
   Scene scene;
   std::map<std::uint32_t, int> index_of;
   for (NamedView& named : views) {
-    index_of[named.id] = static_cast<int>(scene.views.size());
+    index_of[named.id] = SizeOf(scene.views);
     scene.views.push_back(std::move(named.view));
   }
   if (!fs::exists(points_file)) return scene;
@@ -328,7 +327,7 @@ Scene ReadColmapModel(const fs::path& folder) {
 
 namespace {
 
-/// The scene's different cameras, numbered from 1 in the order of the views.
+/// The distinct cameras of the scene, numbered from 1 in the order of the views.
 class SharedCameras {
  public:
   explicit SharedCameras(const std::vector<View>& views) {
@@ -359,9 +358,8 @@ class SharedCameras {
   std::vector<Key> order_;
 };
 
-/// Of each view, the points that it sees, in the order of its features. Each view gets one feature
-/// for each track that it sees, at the track's projection, so that COLMAP's programs read the
-/// model.
+/// For each view, the points that it sees, in the order of its features. Each view gets one feature
+/// for each of its tracks, at the point's projection, so that COLMAP's programs can read the model.
 using SeenPoints = std::vector<std::vector<std::uint64_t>>;
 
 std::string PointsBytes(const Scene& scene, SeenPoints& seen) {

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Bytes of the UTF-8 character at the start of `text`, 0 when there is none. Table 3-7 of the
-/// Unicode standard.
+/// Number of bytes of the UTF-8 character at the start of `text`; 0 when it is not valid. Source:
+/// table 3-7 of the Unicode standard.
 std::size_t Utf8Length(std::string_view text) {
   const auto byte = [&](std::size_t k) {
     return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u;
@@ -38,7 +38,7 @@ std::size_t Utf8Length(std::string_view text) {
   return 0;
 }
 
-/// `text` with each byte that is no UTF-8 as `instead` says it.
+/// `text` with each byte that is not valid UTF-8 replaced by `instead`.
 template <class Instead>
 std::string WithOddBytesAs(std::string_view text, const Instead& instead) {
   std::string out;
@@ -79,7 +79,7 @@ bool IsShallowJson(std::string_view text) {
   bool quoted = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
     const char c = text[at];
-    if (quoted && c == '\\') ++at;  // the next one is no quote
+    if (quoted && c == '\\') ++at;  // the next character is escaped
     if (c == '"') quoted = !quoted;
     if (quoted) continue;
     level += (c == '[' || c == '{') - (c == ']' || c == '}');
@@ -90,8 +90,8 @@ bool IsShallowJson(std::string_view text) {
 
 void RequireShallowJson(std::string_view text, const std::string& where) {
   if (!IsShallowJson(text))
-    throw InputError(where +
-                     " is nested more than 100 levels deep; it is damaged, or no file of Keypose");
+    throw InputError(
+        where + " is nested more than 100 levels deep; it is damaged, or not a file of Keypose");
 }
 
 std::string JsonFault(const std::exception& error) {
@@ -124,7 +124,7 @@ void WriteFile(const fs::path& path, std::string_view text) {
   if (!out) {
     const int reason = errno;
     std::error_code ignored;
-    if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);  // never a device
+    if (fs::is_regular_file(path, ignored)) fs::remove(path, ignored);  // must not remove a device
     throw DiskError("cannot write " + path.string() + ": " +
                     (reason ? std::strerror(reason) : "the disk took only a part") +
                     (reason == ENOSPC ? "; free some space and run again" : ""));
@@ -134,7 +134,7 @@ void WriteFile(const fs::path& path, std::string_view text) {
 void WriteFileAtomically(const fs::path& path, std::string_view text) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
-  // /dev/stdout, a FIFO: renamed over, the device itself would be gone.
+  // /dev/stdout or a FIFO: renaming over it would remove the device itself.
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     return WriteFile(path, text);
   const fs::path temporary = path.string() + ".tmp" + std::to_string(::getpid());

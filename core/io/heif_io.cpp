@@ -52,7 +52,7 @@ Image8 ReadHeif(const std::filesystem::path& path) {
       height != heif_image_handle_get_height(handle.get()) || stride < 3 * width)
     throw InputError(
         "image " + path.string() +
-        " is damaged: its picture has another size than its container says; leave it out");
+        " is damaged: its picture does not have the size that its container says; leave it out");
   Image8 image(width, height, 3);
   for (int y = 0; y < height; ++y)
     std::copy_n(rows + static_cast<std::size_t>(y) * stride, 3 * static_cast<std::size_t>(width),

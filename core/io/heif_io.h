@@ -1,5 +1,5 @@
-// Pixels of HEIC photographs, by libheif itself: OpenImageIO copies as many of a row as the
-// container claims, whatever was decoded.
+// Reads the pixels of HEIC photographs by libheif directly. OpenImageIO is not used, because it
+// copies rows of the width that the container claims, whatever size was decoded.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace keypose {
 
-/// The primary picture as 8 bit RGB, turned as its container says (irot, imir).
-/// @throws InputError  truncated or damaged, also where the container claims another size than the
-/// picture has; names the file
+/// The primary picture as 8-bit RGB, rotated and mirrored as the container says (irot, imir).
+/// @throws InputError  truncated or damaged, or the container claims another size than the picture
+/// has; names the file
 Image8 ReadHeif(const std::filesystem::path& path);
 
 }  // namespace keypose

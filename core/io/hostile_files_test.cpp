@@ -1,5 +1,5 @@
-// Files that are damaged, or made to harm: each ends in an error of the right kind that names the
-// file, with little memory and time.
+// Damaged and malicious files: each gives an error of the right kind that names the file, and takes
+// little memory and time.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -75,7 +75,7 @@ class HostileFile : public testing::Test {
   fs::path folder_;
 };
 
-/// Peak memory that `work` adds to this process, at least.
+/// A lower bound of the peak memory that `work` adds to this process.
 std::int64_t GrowthBytes(const std::function<void()>& work) {
   const auto peak = [] {
     rusage use{};
@@ -153,7 +153,7 @@ TEST_F(HostileMesh, CountsThatTheFileCannotHoldTakeNoMemory) {
   EXPECT_LT(growth, 100 << 20);
 }
 
-/// A square of two triangles as binary OFF, each face followed by the number of its colours.
+/// A square of two triangles as binary OFF. Each face is followed by the number of its colours.
 std::string BinaryOff(std::uint32_t corners_of_second) {
   const auto real = [](float value) {
     std::uint32_t bits = 0;
@@ -265,10 +265,9 @@ TEST_F(HostileImage, HeicThatClaimsMoreThanItsPictureHasIsDamaged) {
   Message<InputError>(wide, [&] { ReadImage(wide, 3); });
 }
 
-/// A PNG's first bytes, with a header of that size.
+/// The first bytes of a PNG whose header claims this size.
 std::string PngOf(std::uint32_t width, std::uint32_t height) {
-  // The sum of the header counts for libpng, so it is taken from a table that it would make: CRC-32
-  // bit by bit.
+  // libpng checks the checksum of the header: CRC-32, computed bit by bit.
   const std::string header =
       "IHDR" + BigEndian32(width) + BigEndian32(height) + std::string("\x08\x02\x00\x00\x00", 5);
   std::uint32_t crc = ~0u;
@@ -285,7 +284,7 @@ TEST_F(HostileImage, ClaimedSizesBeyondTheLimitTakeNoMemory) {
   const std::int64_t growth = GrowthBytes([&] {
     EXPECT_TRUE(Says(ImageMessage(Put("giant.png", PngOf(20000, 15000) + data)), "20000 x 15000"));
     ImageMessage(Put("giants.png", PngOf(1000000, 1000000) + data));
-    // two gigabytes, it says
+    // claims two gigabytes
     const std::string chunk = BigEndian32(0x7f000000) + "eXIf" + std::string(40, '\0');
     EXPECT_TRUE(Says(ImageMessage(Put("chunk.png", PngOf(64, 16) + chunk + data)), "truncated"));
     std::string claim = "....ftypheic....mif1heic", box = BigEndian32(20) + "ispe" +
@@ -298,7 +297,8 @@ TEST_F(HostileImage, ClaimedSizesBeyondTheLimitTakeNoMemory) {
   EXPECT_GT(ClaimedHeifPixels(BigEndian32(20) + "ispe" + BigEndian32(0) + BigEndian32(0xffffffff) +
                               BigEndian32(0xffffffff)),
             kMostPixels);
-  EXPECT_EQ(ReadImage(PutJpeg("strip.jpg", 1, 20000)).height, 20000);  // odd, but a picture
+  EXPECT_EQ(ReadImage(PutJpeg("strip.jpg", 1, 20000)).height,
+            20000);  // unusual, but a valid picture
 }
 
 TEST_F(HostileImage, ThumbnailsEndMarkDoesNotStandForThePhotographs) {
@@ -398,7 +398,7 @@ TEST_F(HostilePicks, XmlWithoutItsRootOrWithoutEndIsAnInputError) {
   std::string deep;
   for (int k = 0; k < 200000; ++k) deep += "<a>";
   EXPECT_TRUE(Says(refuse(deep), "levels"));
-  std::string hidden;  // ends of elements where there are none must not hide the depth
+  std::string hidden;  // end tags without a start tag must not hide the depth
   for (int k = 0; k < 200000; ++k) hidden += "<a b=\"/></a>\"><!-- </a></a> -->";
   EXPECT_TRUE(Says(refuse(hidden), "levels"));
   refuse("<PickedPoints><point x=\"1e300\" y=\"0\" z=\"0\" name=\"a\"/></PickedPoints>");

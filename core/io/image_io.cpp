@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <new>
 
 #include "core/errors.h"
@@ -41,7 +42,7 @@ void RequireReadable(const fs::path& path) {
                      " is empty (0 bytes): copy it from the camera again");
 }
 
-/// @throws InputError  told by its bytes, it is none of the kinds that are read
+/// @throws InputError  its bytes are not those of a known format
 std::string RequireKnownKind(const fs::path& path) {
   std::string head(4096, '\0');
   std::ifstream in(path, std::ios::binary);
@@ -50,9 +51,9 @@ std::string RequireKnownKind(const fs::path& path) {
   head.resize(static_cast<std::size_t>(in.gcount()));
   const std::string kind = ImageKindOf(head);
   if (kind.empty())
-    throw InputError("cannot read image " + path.string() +
-                     ": its first bytes are not those of a " + kKinds +
-                     ", whatever its name says; save it as JPEG or PNG, or leave it out");
+    throw InputError(
+        "cannot read image " + path.string() + ": its first bytes are not those of a " + kKinds +
+        " file, although its name may say so; save it as JPEG or PNG, or leave it out");
   return kind;
 }
 
@@ -68,7 +69,7 @@ std::string RequireKnownKind(const fs::path& path) {
                    " million pixels are read; it is damaged, or make it smaller");
 }
 
-/// Sizes as the header claims them, before memory is taken for them.
+/// Checks the sizes that the header claims, before memory is allocated for them.
 void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
   const std::string size =
       std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels";
@@ -87,8 +88,8 @@ void RequireModestSize(const fs::path& path, const ImageSpec& spec) {
                      " channels); save it as JPEG or PNG");
 }
 
-/// Twice the pixels as they are read: while they are turned or get other channels, there are two.
-/// Small pictures are not worth the question.
+/// Requires memory for twice the pixels: while they are rotated or converted, there are two copies.
+/// Small pictures are not checked.
 void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
   constexpr std::int64_t kSmall = 64 << 20;
   const std::int64_t bytes =
@@ -98,20 +99,20 @@ void RequireMemoryFor(const fs::path& path, const ImageSpec& spec) {
                              std::to_string(spec.height) + " pixels)");
 }
 
-/// HEIC's decoder takes memory for the pixels before it tells their number.
+/// The HEIC decoder allocates memory for the pixels before it reports their number.
 void RequireModestHeif(const fs::path& path) {
   const std::int64_t pixels = ClaimedHeifPixels(ReadFile(path));
   if (pixels > kMostPixels) ThrowTooLarge(path, "more");
   RequireMemory(6 * pixels, "image " + path.string());
 }
 
-/// Of the kind that its bytes say and of no other: the library itself would take any file to
-/// whichever of its readers likes it, and some of those write past their buffers.
+/// Opens the file only with the reader of the format that its bytes show. OpenImageIO would try all
+/// of its readers, and some of them write past their buffers.
 std::unique_ptr<ImageInput> Open(const fs::path& path) {
   RequireReadable(path);
   const std::string kind = RequireKnownKind(path);
   if (kind == "heif") RequireModestHeif(path);
-  // libpng takes memory for whatever length a chunk claims.
+  // libpng allocates memory for any length that a chunk claims.
   if (kind == "png" && !IsWholeImage(ReadFile(path), kind)) ThrowDamaged(path, "");
   ImageSpec spec;
   auto input = ImageInput::create(kind);
@@ -124,7 +125,7 @@ std::unique_ptr<ImageInput> Open(const fs::path& path) {
   return input;
 }
 
-/// EXIF orientation; 1 (upright) where it is none of the eight.
+/// EXIF orientation; 1 (upright) when it is not one of the eight values.
 int OrientationOf(const ImageSpec& spec) {
   const int orientation = spec.get_int_attribute("Orientation", 1);
   return orientation >= 1 && orientation <= 8 ? orientation : 1;
@@ -185,13 +186,13 @@ std::string ExtensionOf(const fs::path& path) {
   return extension;
 }
 
-/// In [0,1]; exact enough for 16 bits, where a table would not be.
+/// In [0,1]. Accurate enough for 16 bits; a table would not be.
 float SrgbFraction(float linear) {
   const float l = std::clamp(linear, 0.0f, 1.0f);
   return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
 }
 
-/// Writes what was opened as `spec` says, or leaves no file.
+/// Writes the image as `spec` says. Leaves no file behind when writing fails.
 void WriteAll(const fs::path& path, const ImageSpec& spec, TypeDesc from, const void* data) {
   auto output = ImageOutput::create(path.string());
   if (!output)
@@ -240,7 +241,7 @@ Image8 ReadImage(const fs::path& path, int channels) try {
   Image8 raw(spec.width, spec.height, spec.nchannels);
   const bool complete =
       input->read_image(0, 0, 0, spec.nchannels, TypeDesc::UINT8, raw.data.data());
-  // libjpeg fills what is missing with grey and only warns.
+  // libjpeg fills missing parts with grey and only warns.
   const bool is_jpeg = std::string_view(input->format_name()) == "jpeg";
   if (!complete || (is_jpeg && !IsWholeImage(ReadFile(path), "jpeg")))
     ThrowDamaged(path, input->geterror());
@@ -279,7 +280,7 @@ bool CanWriteLinear(const fs::path& path, int bits) {
 void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   if (!CanWriteLinear(path, bits))
     throw UsageError("cannot write " + path.string() + " with " + std::to_string(bits) +
-                     " bits a channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
+                     " bits per channel: .png and .tif hold 8 or 16, .exr holds 16 or 32");
   const std::string extension = ExtensionOf(path);
   ImageSpec spec(linear.width, linear.height, linear.channels, TypeDesc::HALF);
   spec.attribute("Compression", "zip");
@@ -293,11 +294,9 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   spec.attribute("oiio:ColorSpace", "sRGB");
   spec.attribute("png:compressionLevel", 4);
   ImageF srgb(linear.width, linear.height, linear.channels);
-  ParallelBlocks(static_cast<std::int64_t>(srgb.data.size()), 1 << 16,
-                 [&](std::int64_t begin, std::int64_t end) {
-                   for (std::int64_t at = begin; at < end; ++at)
-                     srgb.data[at] = SrgbFraction(linear.data[at]);
-                 });
+  ParallelBlocks(std::ssize(srgb.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t at = begin; at < end; ++at) srgb.data[at] = SrgbFraction(linear.data[at]);
+  });
   WriteAll(path, spec, TypeDesc::FLOAT, srgb.data.data());
 }
 
@@ -306,8 +305,8 @@ Image8 Resized(const Image8& image, int width, int height) {
   const double sx = static_cast<double>(image.width) / width,
                sy = static_cast<double>(image.height) / height;
   const double rx = std::max(1.0, sx) / 2, ry = std::max(1.0, sy) / 2;
-  // Tent of one source pixel when enlarging, box of the footprint when shrinking, as separable
-  // weights.
+  // Separable weights: a tent of one source pixel when enlarging, a box of the footprint when
+  // shrinking.
   const auto taps = [](double center, double radius, int size) {
     std::vector<std::pair<int, double>> weights;
     double total = 0;

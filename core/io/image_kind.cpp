@@ -16,8 +16,8 @@ std::uint32_t BigEndian(std::string_view bytes, std::size_t at, std::size_t coun
   return value;
 }
 
-/// The brands of the first box: HEVC pictures as phones write them, and no AVIF, which shares the
-/// container.
+/// The brands in the first box: HEVC pictures as phones write them. AVIF, which uses the same
+/// container, is not among them.
 bool IsHeif(std::string_view head) {
   if (head.size() < 16 || head.substr(4, 4) != "ftyp") return false;
   const std::size_t end = std::min<std::size_t>(head.size(), BigEndian(head, 0, 4));
@@ -33,15 +33,15 @@ bool IsHeif(std::string_view head) {
   return hevc || (container && !other);
 }
 
-/// The place behind a marker's segment; kNone when the file ends within it.
+/// The position after a marker's segment; kNone when the file ends within it.
 std::size_t BehindSegment(std::string_view bytes, std::size_t at) {
   if (at + 2 > bytes.size()) return kNone;
   const std::size_t length = BigEndian(bytes, at, 2);
   return length < 2 || at + length > bytes.size() ? kNone : at + length;
 }
 
-/// Walks from marker to marker: what lies in a segment, such as a thumbnail with an end mark of its
-/// own, is stepped over.
+/// Goes from marker to marker. Segments are skipped, such as a thumbnail that has its own end
+/// marker.
 bool IsWholeJpeg(std::string_view bytes) {
   constexpr unsigned kEnd = 0xd9, kStart = 0xd8, kFirstRestart = 0xd0, kTemporary = 0x01;
   for (std::size_t at = bytes.find('\xff', 2); at != kNone && at + 1 < bytes.size();
@@ -53,7 +53,8 @@ bool IsWholeJpeg(std::string_view bytes) {
       continue;
     }
     at += 2;
-    // A zero is a stuffed byte of the picture itself; restarts and the like have no segment.
+    // A zero is a stuffed byte of the picture data. Restart markers and some others have no
+    // segment.
     if (marker == 0 || marker == kTemporary || (marker >= kFirstRestart && marker <= kStart))
       continue;
     at = BehindSegment(bytes, at);
@@ -90,9 +91,9 @@ bool IsWholeImage(std::string_view bytes, const std::string& kind) {
 }
 
 std::int64_t ClaimedHeifPixels(std::string_view bytes) {
-  // Each picture has its size in a box 'ispe': type, four bytes of version and flags, width,
-  // height. What only looks like one, within a picture's own bytes, is told by the length before
-  // it, which is always 20. A side is cut off at 2^30, so that two of them have a product.
+  // The size of each picture is in a box 'ispe': type, four bytes of version and flags, width,
+  // height. The length before it is always 20, which distinguishes it from equal bytes in picture
+  // data. Sides are limited to 2^30, so that their product does not overflow.
   const auto side = [&](std::size_t at) {
     return std::min(std::int64_t{1} << 30, std::int64_t{BigEndian(bytes, at, 4)});
   };

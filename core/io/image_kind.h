@@ -1,5 +1,5 @@
-// What kind of picture a file holds, and whether it is all there, told by its bytes alone: before a
-// library that decodes pictures sees it.
+// Finds the image format of a file, and whether the file is complete, from its bytes alone. This
+// happens before any decoder reads the file.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,22 @@
 
 namespace keypose {
 
-/// Pixels of the largest picture that is read: a square of 16384, more than any camera sold takes.
+/// The largest number of pixels that is accepted: 16384 x 16384, more than any camera on the market
+/// has.
 inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 28;
 
-/// "jpeg", "png", "tiff" or "heif", by the first bytes of a file; "" for all else, whatever its
-/// name.
+/// "jpeg", "png", "tiff" or "heif", judged by the first bytes of a file; "" for anything else. The
+/// file's name does not matter.
 /// @param head  the first 4096 bytes, or all of a shorter file
 std::string ImageKindOf(std::string_view head);
 
-/// Whether a JPEG's own end mark is there, not that of a thumbnail within it, or a PNG's last
-/// chunk; true for other kinds.
+/// Whether a JPEG has its end marker (not only that of an embedded thumbnail), or a PNG its last
+/// chunk. True for other formats.
 /// @param bytes  the whole file
 bool IsWholeImage(std::string_view bytes, const std::string& kind);
 
-/// The most pixels that any picture within a HEIF file claims. Its decoder takes memory for them
-/// before it tells anyone.
+/// The largest number of pixels that any picture in a HEIF file claims. The decoder allocates
+/// memory for them before it reports their number, so this is checked first.
 /// @param bytes  the whole file
 std::int64_t ClaimedHeifPixels(std::string_view bytes);
 

@@ -22,27 +22,27 @@ json CornersJson(const std::vector<BoardCorner>& corners) {
   return list;
 }
 
-std::vector<BoardCorner> CornersFrom(const json& list, const BoardLayout& plate) {
+std::vector<BoardCorner> CornersFrom(const json& list, const BoardLayout& board) {
   std::vector<BoardCorner> corners;
   for (const json& entry : list) {
     const BoardCorner corner{entry.at(0),
                              Eigen::Vector2d(entry.at(1).get<double>(), entry.at(2).get<double>())};
-    if (corner.id < 0 || corner.id >= plate.CornerCount())
-      throw InputError("a plate corner has the id " + std::to_string(corner.id));
+    if (corner.id < 0 || corner.id >= board.CornerCount())
+      throw InputError("a corner of the calibration board has the id " + std::to_string(corner.id));
     corners.push_back(corner);
   }
   return corners;
 }
 
 BoardLayout BoardFrom(const json& entry) {
-  BoardLayout plate{entry.at("columns"), entry.at("rows"), entry.at("square_m"),
+  BoardLayout board{entry.at("columns"), entry.at("rows"), entry.at("square_m"),
                     entry.at("marker_m")};
-  if (const auto problems = plate.Problems(); !problems.empty()) throw InputError(problems.front());
-  return plate;
+  if (const auto problems = board.Problems(); !problems.empty()) throw InputError(problems.front());
+  return board;
 }
 
-/// Whether `relative` names something below `folder`: no step upwards, and no link on the way that
-/// leads outside. What does not exist yet is judged by the part that does.
+/// Whether `relative` is a path below `folder`: without steps upwards, and without links that lead
+/// outside. For a path that does not exist, the existing part is checked.
 bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   if (relative.empty() || relative.has_root_path() ||
       relative.native().find('\0') != std::string::npos)
@@ -55,8 +55,9 @@ bool LiesBelow(const fs::path& folder, const fs::path& relative) {
   return resolved != base && IsWithin(resolved, base);
 }
 
-/// What capture.json says of an image decides what is read and, by stages that copy the set, what
-/// is written: a name with a step upwards or a link must not lead them elsewhere.
+/// Checks the names in an image's entry of capture.json. They decide which files are read and, in
+/// stages that copy the set, which are written. Steps upwards and links must not lead outside of
+/// the folder.
 void RequireBelow(const fs::path& folder, const CapturedImage& image) {
   if (fs::path(image.name).filename() != image.name || !LiesBelow(folder, image.name))
     throw InputError("the photograph '" + image.name +
@@ -71,7 +72,7 @@ void RequireUsableNumbers(const CapturedImage& image) {
     throw InputError(image.name + " is " + std::to_string(image.width) + " x " +
                      std::to_string(image.height) + " pixels");
   if (!(image.focal_px >= 0 && image.focal_px < 1e7))
-    throw InputError(image.name + " has a focal length that no lens has");
+    throw InputError(image.name + " has an impossible focal length");
 }
 
 }  // namespace
@@ -99,13 +100,13 @@ CapturedImage ImageFrom(const json& entry, const std::optional<BoardLayout>& boa
   image.exposure = entry.value("exposure", 0.0);
   image.mask_fraction = entry.value("mask_fraction", 0.0);
   image.group = entry.value("group", "");
-  if (board && entry.contains("plate_corners"))
-    image.board_corners = CornersFrom(entry.at("plate_corners"), *board);
+  if (board && entry.contains("board_corners"))
+    image.board_corners = CornersFrom(entry.at("board_corners"), *board);
   RequireUsableNumbers(image);
   return image;
 }
 
-/// @throws InputError  a name that is there twice, leads out of the folder, or has no file
+/// @throws InputError  a name that is repeated, leads out of the folder, or has no file
 void RequireUsableNames(const ImageSet& set, const fs::path& file) {
   for (std::size_t i = 0; i < set.images.size(); ++i) {
     const std::string& name = set.images[i].name;
@@ -114,8 +115,9 @@ void RequireUsableNames(const ImageSet& set, const fs::path& file) {
     try {
       RequireBelow(set.folder, set.images[i]);
     } catch (const InputError& error) {
-      throw InputError(file.string() + ": " + error.what() +
-                       "; run 'keypose capture' again, and trust no folder that says such things");
+      throw InputError(
+          file.string() + ": " + error.what() +
+          "; run 'keypose capture' again, and do not trust a folder with such entries");
     }
     if (!fs::exists(set.folder / name))
       throw InputError(file.string() + " names " + name +
@@ -139,7 +141,7 @@ ImageSet ReadImageSet(const fs::path& folder) {
   try {
     const json root = json::parse(text);
     set.camera_model = root.value("camera_model", "");
-    if (root.contains("plate")) set.board = BoardFrom(root.at("plate"));
+    if (root.contains("board")) set.board = BoardFrom(root.at("board"));
     for (const json& entry : root.at("images")) set.images.push_back(ImageFrom(entry, set.board));
   } catch (const InputError& error) {
     throw InputError(file.string() + " is damaged (" + error.what() +
@@ -160,7 +162,7 @@ void WriteImageSet(const ImageSet& set) {
   root["camera_model"] = set.camera_model;
   root["images"] = json::array();
   if (set.board)
-    root["plate"] = {{"dictionary", "DICT_5X5_100"},
+    root["board"] = {{"dictionary", "DICT_5X5_100"},
                      {"columns", set.board->columns},
                      {"rows", set.board->rows},
                      {"square_m", set.board->square_m},
@@ -173,7 +175,7 @@ void WriteImageSet(const ImageSet& set) {
     if (image.mask_given) entry["mask_given"] = true;
     if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
     if (!image.group.empty()) entry["group"] = image.group;
-    if (!image.board_corners.empty()) entry["plate_corners"] = CornersJson(image.board_corners);
+    if (!image.board_corners.empty()) entry["board_corners"] = CornersJson(image.board_corners);
     root["images"].push_back(std::move(entry));
   }
   WriteFile(set.folder / "capture.json", root.dump(1) + "\n");

@@ -1,5 +1,5 @@
-// The `images` artifact: a folder with photographs, masks/ and capture.json, as capture writes it
-// and others read it.
+// The `images` artifact: a folder with photographs, masks/ and capture.json. `capture` writes it;
+// other stages read it.
 #pragma once
 
 #include <filesystem>
@@ -18,15 +18,15 @@ struct CapturedImage {
   int width = 0, height = 0;
   double focal_px = 0;      ///< from EXIF, 0 when unknown
   std::string mask;         ///< path relative to the folder, "masks/IMG_0001.jpg.png"
-  bool mask_given = false;  ///< the mask is the user's own, not to be touched
-  bool trusted = true;   ///< false: it contradicts the others, and has no say in shape and colour
-  std::string why;       ///< it is not trusted: what contradicts, in words
+  bool mask_given = false;  ///< the user made the mask; it must not be changed
+  bool trusted = true;   ///< false: it contradicts the others, and is not used for shape and colour
+  std::string why;       ///< why it is not trusted; for the user
   double sharpness = 0;  ///< variance of the Laplacian inside the mask, grey levels^2
   double exposure = 0;   ///< mean luma inside the mask, 0..255
   double mask_fraction = 0;  ///< share of the image that the mask covers
-  /// figure's placement, such as "upright" or "lying"; "" where there is only one
+  /// the figure's placement, such as "upright" or "lying"; "" when there is only one
   std::string group;
-  /// of the printed calibration board, by id; none when it was not seen
+  /// corners of the printed calibration board, by id; none when it was not seen
   std::vector<BoardCorner> board_corners;
 };
 
@@ -34,7 +34,7 @@ struct ImageSet {
   std::filesystem::path folder;
   std::vector<CapturedImage> images;  ///< sorted by name
   std::string camera_model;
-  /// the printed calibration board under the figure, where one was found
+  /// the printed calibration board under the figure, when one was found
   std::optional<BoardLayout> board;
 
   std::filesystem::path ImagePath(int i) const { return folder / images[i].name; }
@@ -42,6 +42,7 @@ struct ImageSet {
   int Find(const std::string& name) const;  ///< index, or -1
 };
 
+/// Reads capture.json and checks that the files it names exist.
 /// @throws InputError  capture.json missing or malformed, or a file it names is missing
 ImageSet ReadImageSet(const std::filesystem::path& folder);
 /// Writes capture.json only.

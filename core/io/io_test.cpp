@@ -13,6 +13,7 @@
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
 #include "core/io/poses_io.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose {
@@ -42,9 +43,10 @@ Mesh ColoredSphereWithUvs() {
   return mesh;
 }
 
-/// A HEIC photograph of 128 x 80, red in its upper left quarter as it was shot, that says how it is
-/// to be turned as a phone does: in the container (irot), which decoders apply, and again in EXIF.
-/// (The library's writer reads beyond rows whose bytes are no multiple of 16.)
+/// A HEIC photograph of 128 x 80 pixels as it was taken, with a red upper left quarter. Like a
+/// phone, it stores its orientation twice: in the container (irot), which decoders apply, and in
+/// EXIF. (The library's writer reads beyond the end of rows whose size is not a multiple of 16
+/// bytes.)
 fs::path PutHeic(const fs::path& path, int orientation) {
   Image8 image(128, 80, 3, 30);
   for (int y = 0; y < 40; ++y)
@@ -67,20 +69,22 @@ fs::path PutHeic(const fs::path& path, int orientation) {
       handle.decode_image(heif_colorspace_RGB, heif_chroma_interleaved_RGB), encoder, options);
   for (const heif_item_id id : handle.get_list_of_metadata_block_IDs("Exif")) {
     const std::vector<std::uint8_t> block = handle.get_metadata(id);
-    // The first four bytes say where the TIFF header is; the writer puts its own.
-    to.add_exif_metadata(turned, block.data() + 4, static_cast<int>(block.size()) - 4);
+    // The first four bytes are the offset of the TIFF header, which the writer adds itself.
+    to.add_exif_metadata(turned, block.data() + 4, SizeOf(block) - 4);
   }
   to.write_to_file(path.string());
   return path;
 }
 
-/// Whether the pixel is of the red quarter; HEIC is lossy, so far from its edge.
+/// Whether the pixel belongs to the red quarter. Not for pixels near its edge, because HEIC is
+/// lossy.
 bool IsRed(const Image8& image, int x, int y) { return image.at(x, y)[0] > 150; }
 
 using ImageIo = IoTest;
 
 TEST_F(ImageIo, HeicIsTurnedOnceAndKeepsItsFocalLength) {
-  const fs::path path = PutHeic(folder_ / "portrait.heic", 6);  // shown a quarter turn clockwise
+  const fs::path path =
+      PutHeic(folder_ / "portrait.heic", 6);  // to be shown rotated by 90 degrees clockwise
   const ImageInfo info = ReadImageInfo(path);
   EXPECT_EQ(info.format, "heif");
   EXPECT_EQ(info.width, 80);
@@ -276,8 +280,8 @@ TEST_F(ImageIo, ExifComesBackAndOrientationIsApplied) {
   const Image8 image = ReadImage(folder_ / "g.jpg");
   ASSERT_EQ(image.width, 32);
   ASSERT_EQ(image.height, 64);
-  // Orientation 6: the stored top row is the right-hand column, so red grows downwards and green to
-  // the left.
+  // Orientation 6: the stored top row becomes the right-hand column, so red increases downwards and
+  // green to the left.
   EXPECT_LT(image.at(16, 2)[0], image.at(16, 61)[0]);
   EXPECT_GT(image.at(2, 32)[1], image.at(29, 32)[1]);
 }
@@ -363,7 +367,7 @@ TEST_F(LandmarksIo, PicksComeBackAndKnowTheirMesh) {
   EXPECT_THROW(ReadLandmarks(folder_ / "l.json", MakeBox(1, 1, 1)), InputError);
 }
 
-/// What stands in the text of a schema 1 file, as older programs wrote it.
+/// The text of a schema 1 file, as older versions wrote it.
 std::string OldPicks(const Mesh& mesh) {
   return R"({"schema":1,"mesh":{"vertices":)" + std::to_string(mesh.vertex_count()) +
          R"(,"faces":)" + std::to_string(mesh.face_count()) +
@@ -490,12 +494,14 @@ TEST_F(PosesIo, TransformsAreCameraToWorldWithYUp) {
     {"file_path": "./images/a", "cx": 300, "transform_matrix": [[1, 0, 0, 0], [0, 0, -1, -2], [0, 1, 0, 0]]}]})");
   const std::vector<View> views = ReadPoses(file);
   ASSERT_EQ(views.size(), 2u);
+  EXPECT_EQ(ReadPoses(file.parent_path()).size(), 2u) << "the file is found in its folder";
   EXPECT_EQ(views[0].name, "a");
   EXPECT_EQ(views[0].camera.cx, 300);
   EXPECT_EQ(views[1].camera.fy, 900);
   EXPECT_EQ(views[1].camera.k1, 0.01);
   EXPECT_LT((views[1].Center() - Eigen::Vector3d(0, -2, 0)).norm(), 1e-12);
-  // A point ahead, to the right and above lands right of and above the middle.
+  // A point in front of the camera, to the right and above, projects to the right of and above the
+  // centre.
   const Eigen::Vector3d seen = views[1].camera_from_world * Eigen::Vector3d(0.1, 0, 0.2);
   EXPECT_LT((seen - Eigen::Vector3d(0.1, -0.2, 2)).norm(), 1e-12);
 }
@@ -560,14 +566,14 @@ TEST_F(ImageSetIo, PlateCornerThatThePlateDoesNotHaveIsAnInputError) {
 }
 
 TEST(BoardLayout, CornersAreCentredAndRunFromTheTopLeft) {
-  const BoardLayout plate;
-  ASSERT_EQ(plate.CornerCount(), 70);
+  const BoardLayout board;
+  ASSERT_EQ(board.CornerCount(), 70);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int id = 0; id < plate.CornerCount(); ++id) sum += plate.Corner(id);
+  for (int id = 0; id < board.CornerCount(); ++id) sum += board.Corner(id);
   EXPECT_LT(sum.norm(), 1e-14);
-  EXPECT_LT((plate.Corner(0) - Eigen::Vector3d(-4.5 * 0.022, 3 * 0.022, 0)).norm(), 1e-15);
-  EXPECT_LT((plate.Corner(1) - plate.Corner(0) - Eigen::Vector3d(0.022, 0, 0)).norm(), 1e-15);
-  EXPECT_TRUE(plate.Problems().empty());
+  EXPECT_LT((board.Corner(0) - Eigen::Vector3d(-4.5 * 0.022, 3 * 0.022, 0)).norm(), 1e-15);
+  EXPECT_LT((board.Corner(1) - board.Corner(0) - Eigen::Vector3d(0.022, 0, 0)).norm(), 1e-15);
+  EXPECT_TRUE(board.Problems().empty());
   EXPECT_FALSE((BoardLayout{15, 15, 0.02, 0.015}.Problems().empty()));
   EXPECT_FALSE((BoardLayout{11, 8, 0.02, 0.02}.Problems().empty()));
 }

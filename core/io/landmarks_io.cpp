@@ -23,10 +23,10 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kClickedOn = 1e-4;  // of the diagonal: rounding of numbers in the file
-// the median of points that were clicked on this mesh, made a little anew
+constexpr double kClickedOn = 1e-4;  // of the diagonal; allows for rounding of numbers in the file
+// limit on the median distance of points that were clicked on a slightly different version
 constexpr double kMostSnap = 0.005;
-constexpr double kFurthestSnap = 0.02;  // any point
+constexpr double kFurthestSnap = 0.02;  // limit for each point
 
 void RequireUniqueNames(const std::vector<Landmark>& landmarks, const fs::path& path) {
   std::set<std::string> names;
@@ -50,7 +50,7 @@ void RequireOnMesh(const Landmark& landmark, const Mesh& mesh, const fs::path& p
                     path.string(), landmark.name));
 }
 
-/// A vertex as a landmark: a corner of the first face that uses it.
+/// A vertex as a landmark: the corner of the first face that uses it.
 class VertexLandmarks {
  public:
   explicit VertexLandmarks(const Mesh& mesh)
@@ -116,7 +116,7 @@ json PickJson(const Landmark& landmark, const SurfacePlaces& places) {
   return pick;
 }
 
-/// @return no landmark: it was lost and is not needed, or FollowPicks::Finish will name it
+/// @return nothing when the pick was lost: it is not needed, or FollowPicks::Finish will name it
 std::optional<Landmark> PickFrom(const json& pick, const std::string& name, const Mesh& mesh,
                                  const fs::path& path, FollowPicks& follow, bool needed = true) {
   Landmark landmark;
@@ -170,11 +170,9 @@ std::vector<LandmarkPair> PairsFrom(const json& root, const fs::path& path, cons
   on_source.Finish(log);
   on_target.Finish(log);
   if (dropped > 0 && log)
-    log->warnings.push_back(
-        fmt::format("{}: {} suggestions that nobody confirmed could not follow to the mesh that "
-                    "was made anew, and are "
-                    "left out",
-                    path.string(), dropped));
+    log->warnings.push_back(fmt::format(
+        "{}: {} unconfirmed suggestions could not follow to the rebuilt mesh and are left out",
+        path.string(), dropped));
   return pairs;
 }
 
@@ -196,8 +194,7 @@ std::vector<LandmarkPair> ReadJsonPairs(const fs::path& path, const std::string&
   return pairs;
 }
 
-/// Clicked points lie on the mesh that was clicked on; points that hang beside it were clicked on
-/// another.
+/// Checks that clicked points lie on the mesh. Points beside it were clicked on another mesh.
 void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string& side,
                 CarryLog* log) {
   if (off.empty()) return;
@@ -215,14 +212,14 @@ void JudgeSnaps(std::vector<double> off, const fs::path& path, const std::string
                                  "landmarks bind --mesh THAT_MESH --picks {} --bound FILE.json",
                                  path.string()));
   if (log)
-    log->warnings.push_back(how + fmt::format("; the nearest places are taken. If the {} was made "
-                                              "anew since, look at them, or pick again",
+    log->warnings.push_back(how + fmt::format("; the nearest places are used. If the {} was "
+                                              "rebuilt since then, check them, or pick again",
                                               side));
 }
 
-/// The XML library calls itself for each level. Comments and quoted values are stepped over as it
-/// does; what else begins with '<!' is not, so that a level may be counted twice, and none is
-/// missed.
+/// The XML library recurses into each level, so deep nesting must be refused. Comments and quoted
+/// values are skipped as the library does. Other constructs that begin with '<!' are not skipped,
+/// so a level may be counted twice, but none is missed.
 void RequireShallowXml(const std::string& text, const fs::path& path) {
   constexpr int kMostLevels = 100;
   int level = 0;
@@ -286,8 +283,8 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
                                    node.get<double>("<xmlattr>.y", NAN),
                                    node.get<double>("<xmlattr>.z", NAN));
     if (!position.allFinite() || position.cwiseAbs().maxCoeff() > kMostCoordinate)
-      throw InputError(fmt::format("{}: point '{}' has no x, y, z that can be used", path.string(),
-                                   landmark.name));
+      throw InputError(
+          fmt::format("{}: point '{}' has no usable x, y, z", path.string(), landmark.name));
     const RayScene::Foot foot = scene.ClosestPoint(position);
     off.push_back(std::sqrt(foot.squared_distance) / diagonal);
     if (off.back() > kFurthestSnap)
@@ -377,11 +374,10 @@ std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, 
       return ReadJsonPairs(paths[0], text, source, target, log);
     if (log) {
       log->unbound = true;
-      log->warnings.push_back(
-          paths[0].string() +
-          " does not say on which meshes it was picked; its vertex numbers are taken as they are, "
-          "which is wrong if "
-          "one of the two was made anew since. Bind it to them: keypose landmarks bind --help");
+      log->warnings.push_back(paths[0].string() +
+                              " does not say on which meshes it was picked; its vertex numbers are "
+                              "used unchanged, which is wrong if one of the two was rebuilt since "
+                              "then. Bind it to them: keypose landmarks bind --help");
     }
     return ReadVertexPairs(paths[0], source, target);
   }

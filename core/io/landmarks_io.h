@@ -1,4 +1,4 @@
-// Landmarks: named points on a mesh, or pairs between two meshes.
+// Reads and writes landmarks: named points on a mesh, or pairs of points on two meshes.
 #pragma once
 
 #include <filesystem>
@@ -17,46 +17,46 @@ struct Landmark {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
 
-/// The point of the mesh that two landmark sets share.
+/// One landmark on two meshes.
 struct LandmarkPair {
   std::string name;
   Landmark source, target;
-  bool confirmed = true;    ///< false: a program's suggestion that no person has confirmed
+  bool confirmed = true;    ///< false: a suggestion that no person has confirmed
   double confidence = 1;    ///< of a suggestion, 0 to 1
-  std::string origin = {};  ///< of a suggestion, for a person: "tip", "intrinsic"; else empty
+  std::string origin = {};  ///< how a suggestion was found: "tip", "intrinsic"; else empty
 };
 
-/// One pose's picks from JSON. Each has its face and barycentric coordinates, its place, and the
-/// file tells which mesh it was picked on (docs/file-formats.md). On that mesh the numbers count;
-/// on one that was made anew the places are carried over (core/carry.h).
+/// Reads the picks of one pose from JSON. Each pick has a face, barycentric coordinates and a
+/// place, and the file says which mesh it was picked on (docs/file-formats.md). On that mesh, face
+/// and coordinates are used. On a mesh that was rebuilt since, the places are transferred
+/// (core/carry.h).
 ///
-/// Files of schema 1 only tell that mesh's counts: their numbers are taken as they are where the
-/// counts are the same, and `log` warns.
-/// @param side  what messages call the mesh
+/// Files of schema 1 only hold that mesh's vertex and face counts. If the counts are the same, face
+/// and coordinates are used, and `log` gets a warning.
+/// @param side  the name of the mesh in messages
 /// @param log   may be null
-/// @throws InputError  malformed, a name twice, a face that the mesh does not have, other counts
-/// (schema 1), or picks that could not be
-///                     carried over; names the landmarks
+/// @throws InputError  malformed, a repeated name, a face that the mesh does not have, other counts
+/// (schema 1), or picks that could not be transferred; names the landmarks
 std::vector<Landmark> ReadLandmarks(const std::filesystem::path& path, const Mesh& mesh,
                                     CarryLog* log = nullptr, const std::string& side = "mesh");
 void WriteLandmarks(const std::filesystem::path& path, const Mesh& mesh,
                     const std::vector<Landmark>& landmarks);
 
-/// Pairs in one file, with where each came from: as above, for source and target.
+/// Writes pairs, and how they were found, to one file. The file holds the bindings of both meshes.
 void WriteLandmarkPairs(const std::filesystem::path& path, const Mesh& source, const Mesh& target,
                         const std::vector<LandmarkPair>& pairs);
 
-/// Pairs from one file (text lines `source_vertex target_vertex`, 0-based, or the JSON of
-/// WriteLandmarkPairs) or two (JSON picks or MeshLab .pp of source and target, joined by name).
-/// MeshLab's points are free positions, which snap to the closest point of the mesh. On the mesh
-/// that they were picked on they lie exactly; more than 2 % of the diagonal away, or most of them
-/// more than 0.5 %, is an error. Unconfirmed pairs that cannot be carried over to a mesh made anew
-/// are left out.
+/// Reads pairs from one file or from two. One file: text lines `source_vertex target_vertex`,
+/// counted from 0, or the JSON of WriteLandmarkPairs. Two files: picks of the source and of the
+/// target (JSON or MeshLab .pp), matched by name. MeshLab's points are free positions; each is
+/// moved to the closest point of the mesh. They must lie on the mesh: a point more than 2 % of the
+/// diagonal away, or a median distance above 0.5 %, is an error. Unconfirmed pairs that cannot be
+/// transferred to a rebuilt mesh are left out.
 /// @throws InputError  as above, and when the two files share no name
 std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<std::filesystem::path>& paths,
                                             const Mesh& source, const Mesh& target,
                                             CarryLog* log = nullptr);
-/// The picks of one mesh, JSON or .pp.
+/// Reads the picks of one mesh, JSON or .pp.
 /// @throws InputError  as above
 std::vector<Landmark> ReadPicks(const std::filesystem::path& path, const Mesh& mesh,
                                 CarryLog* log = nullptr, const std::string& side = "mesh");

@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <utility>
@@ -22,6 +23,7 @@
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/ply_io.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace fs = std::filesystem;
@@ -29,7 +31,7 @@ using Point = CGAL::Simple_cartesian<double>::Point_3;
 
 namespace {
 
-/// Triangles of a polygon list by fanning; polygons of fewer than three corners are dropped.
+/// Splits polygons into fans of triangles. Polygons with fewer than three corners are dropped.
 class Fan {
  public:
   explicit Fan(const fs::path& path, std::int64_t vertex_count)
@@ -43,7 +45,7 @@ class Fan {
     ++polygons_;
   }
   FacesX3 Take() const {
-    FacesX3 faces(static_cast<Eigen::Index>(triangles_.size()), 3);
+    FacesX3 faces(std::ssize(triangles_), 3);
     for (std::size_t f = 0; f < triangles_.size(); ++f)
       for (int k = 0; k < 3; ++k) faces(static_cast<Eigen::Index>(f), k) = triangles_[f][k];
     return faces;
@@ -52,7 +54,7 @@ class Fan {
  private:
   template <class Corner>
   void Check(Corner v) const {
-    // PLY may hold fractions and what is no number at all
+    // PLY may hold fractions, NaN and infinity
     const auto number = static_cast<double>(v);
     if (!(number >= 0 && number < static_cast<double>(vertex_count_)))
       throw InputError(fmt::format("{}: face {} names vertex {}, but the file has {}",
@@ -101,8 +103,8 @@ void ReadVertexExtras(const PlyElement& vertex, Target& target) {
     target.colors = ColumnsToColors(vertex);
 }
 
-/// Per-face texture coordinates (MeshLab's `texcoord` list), welded to unique pairs. Triangles
-/// only.
+/// Texture coordinates for each face (MeshLab's `texcoord` list). Equal pairs become one entry.
+/// Triangles only.
 void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
   const auto it = face.lists.find("texcoord");
   if (it == face.lists.end() || static_cast<Eigen::Index>(face.count) != mesh.faces.rows()) return;
@@ -114,12 +116,12 @@ void ReadFaceUvs(const PlyElement& face, Mesh& mesh) {
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const std::size_t at = static_cast<std::size_t>(f) * 6 + static_cast<std::size_t>(k) * 2;
-      const auto [entry, is_new] = ids.emplace(std::pair(list.values[at], list.values[at + 1]),
-                                               static_cast<int>(uvs.size()));
+      const auto [entry, is_new] =
+          ids.emplace(std::pair(list.values[at], list.values[at + 1]), SizeOf(uvs));
       if (is_new) uvs.emplace_back(list.values[at], list.values[at + 1]);
       mesh.uv_faces(f, k) = entry->second;
     }
-  mesh.uvs.resize(static_cast<Eigen::Index>(uvs.size()), 2);
+  mesh.uvs.resize(std::ssize(uvs), 2);
   for (std::size_t i = 0; i < uvs.size(); ++i) mesh.uvs.row(i) = uvs[i];
 }
 
@@ -145,20 +147,20 @@ Mesh ReadPlyMesh(const fs::path& path) {
   return mesh;
 }
 
-/// Reads a number at `at` as strtod does, and most of them much faster; nullptr where there is none
-/// or it is not finite.
+/// Reads a number at `at` like strtod, but most numbers much faster. Returns nullptr when there is
+/// no number or it is not finite.
 const char* SkipNumber(const char* at, const char* end) {
   while (at < end && (*at == ' ' || *at == '\t')) ++at;
   double value = 0;
   const auto [rest, error] = std::from_chars(at, end, value);
   if (error == std::errc() && std::isfinite(value)) return rest;
-  char* stop = nullptr;  // a plus sign, say
+  char* stop = nullptr;  // e.g. for a plus sign
   value = std::strtod(at, &stop);
   return stop == at || stop > end || !std::isfinite(value) ? nullptr : stop;
 }
 
-/// A backslash at the end of a line continues it on the next; the OBJ library does not know that.
-/// The line ends that go are put after the whole line, so that the lines below keep their numbers.
+/// Joins lines that end in a backslash with the next one, because the OBJ library does not. The
+/// removed line ends are put after the joined line, so that the lines below keep their numbers.
 std::string WithWholeLines(std::string text) {
   if (text.find('\\') == std::string::npos) return text;
   std::string whole;
@@ -180,8 +182,8 @@ std::string WithWholeLines(std::string text) {
   return whole;
 }
 
-/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide a damaged file: look at the
-/// positions' own text first.
+/// The OBJ library reads 'nan', 'inf' and words as 0, which would hide damage. So the text of the
+/// positions is checked first.
 void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   int number = 0;
   for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
@@ -202,8 +204,8 @@ void RequireNumbersInObj(const fs::path& path, const std::string& text) {
   }
 }
 
-/// What the OBJ library calls back with. Its ready-made arrays count a polygon's corners in a byte;
-/// its callbacks do not.
+/// The callbacks of the OBJ library. They are used because its ready-made arrays count a polygon's
+/// corners in one byte.
 class ObjCollector {
  public:
   explicit ObjCollector(const fs::path& path) : path_(path) {}
@@ -244,7 +246,8 @@ class ObjCollector {
     values.insert(values.end(), more);
   }
 
-  /// From 0. In the file they count from 1, or backwards from the last one before the face.
+  /// An index counted from 0. In the file, indices count from 1, or backwards from the last element
+  /// before the face.
   static int FromZero(int index, std::size_t so_far) {
     return index > 0 ? index - 1 : index + static_cast<int>(so_far);
   }
@@ -256,7 +259,7 @@ class ObjCollector {
             fmt::format("{}: face {} has a corner that names no vertex (they count from 1)",
                         path_.string(), sizes_.size()));
       corners_.push_back(FromZero(corners[k].vertex_index, points_.size() / 3));
-      // Coordinates on a texture count only when all faces have them.
+      // Texture coordinates are only used when all faces have them.
       if (corners[k].texcoord_index != 0)
         uv_corners_.push_back(FromZero(corners[k].texcoord_index, uvs_.size() / 2));
     }
@@ -275,7 +278,7 @@ class ObjCollector {
 
   const fs::path& path_;
   std::vector<double> points_, uvs_;       // 3 and 2 a vertex
-  std::vector<int> corners_, uv_corners_;  // of all faces, end to end
+  std::vector<int> corners_, uv_corners_;  // of all faces, concatenated
   std::vector<std::size_t> sizes_;         // corners of each face
 };
 
@@ -291,7 +294,7 @@ Mesh ReadObjMesh(const fs::path& path) {
 template <class Polygons>
 Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Polygons& polygons) {
   Mesh mesh;
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  mesh.points.resize(std::ssize(points), 3);
   for (std::size_t v = 0; v < points.size(); ++v)
     mesh.points.row(v) << points[v].x(), points[v].y(), points[v].z();
   Fan fan(path, mesh.points.rows());
@@ -300,8 +303,8 @@ Mesh FromSoup(const fs::path& path, const std::vector<Point>& points, const Poly
   return mesh;
 }
 
-/// CGAL's own loop over its scanner takes memory for whatever the header and each face claim; here
-/// nothing may claim more than the rest of the file can hold.
+/// Reads OFF with CGAL's scanner. CGAL's own reader allocates memory for any number that the header
+/// or a face claims. Here no number may exceed what the rest of the file can hold.
 class OffReader {
  public:
   explicit OffReader(const fs::path& path)
@@ -339,7 +342,7 @@ class OffReader {
     scanner_.scan_vertex(x, y, z, w);
     if (scanner_.binary())
       scanner_.skip_to_next_vertex(
-          static_cast<std::size_t>(v));  // a line of text is behind us anyway
+          static_cast<std::size_t>(v));  // the file has at least one line of text for each
     if (!in_ && !in_.eof()) Fail(fmt::format("vertex {} is malformed", v));
     if (in_.eof() && scanner_.size_of_facets() > 0)
       Fail(fmt::format("it ends at vertex {}; it is truncated", v));
@@ -398,7 +401,7 @@ bool LooksLikeObj(const std::string& head) {
       if (first == key) return true;
     return false;
   }
-  return true;  // comments and nothing else: an OBJ without vertices
+  return true;  // comments only: an OBJ without vertices
 }
 
 template <class T>
@@ -406,7 +409,7 @@ void Put(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
 }
 
-/// Header lines and bytes of the vertex element that meshes and clouds share.
+/// Header lines of the vertex element, for meshes and clouds.
 template <class Source>
 void PutVertexHeader(std::string& out, const Source& source) {
   out += fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n",
@@ -515,7 +518,7 @@ void WriteMesh(const fs::path& path, const Mesh& mesh, const std::string& materi
 
 PlyFrames::PlyFrames(const Mesh& mesh) {
   Mesh frame = mesh;
-  frame.normals.resize(0, 3);  // they would be another frame's
+  frame.normals.resize(0, 3);  // the normals belong to another frame
   bytes_ = PlyBytes(frame);
   constexpr std::string_view kEnd = "end_header\n";
   vertices_at_ = bytes_.find(kEnd) + kEnd.size();
@@ -543,8 +546,7 @@ PointCloud ReadPointCloud(const fs::path& path) {
   if (vertex.Has("confidence")) {
     const auto& column = vertex.scalars.at("confidence");
     cloud.confidence =
-        Eigen::Map<const Eigen::VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()))
-            .cast<float>();
+        Eigen::Map<const Eigen::VectorXd>(column.data(), std::ssize(column)).cast<float>();
   }
   return cloud;
 }

@@ -8,26 +8,27 @@
 
 namespace keypose {
 
-/// A triangle mesh; polygons are fanned. Vertices and faces keep the order of the file (STL:
-/// corners are welded where bit-equal). Reads positions, vertex normals, vertex colours and texture
-/// coordinates (OBJ vt; PLY face property `texcoord`).
+/// Reads a triangle mesh; polygons are split into fans of triangles. Vertices and faces keep the
+/// order of the file (STL: corners with equal coordinates become one vertex). Reads positions,
+/// vertex normals, vertex colours and texture coordinates (OBJ vt; PLY face property `texcoord`).
 /// @throws DiskError   cannot be opened
 /// @throws InputError  not one of the formats, truncated, an index out of range; says where
 Mesh ReadMesh(const std::filesystem::path& path);
 
-/// Writes .ply (binary little endian) or .obj; doubles keep all their bits in PLY; reading an OBJ
-/// again may lose the last two. An OBJ with UVs names `material_texture` in an .mtl beside it when
-/// that is given.
+/// Writes .ply (binary little endian) or .obj. PLY keeps all bits of a double; an OBJ that is read
+/// again may lose the last two. If `material_texture` is given, an OBJ with UVs gets an .mtl file
+/// that names it.
 /// @throws DiskError  cannot be written, disk full
 void WriteMesh(const std::filesystem::path& path, const Mesh& mesh,
                const std::string& material_texture = "");
 
-/// Writes many frames of one connectivity as PLY: everything but the positions is made once. The
-/// bytes are those of WriteMesh.
+/// Writes many frames with the same faces as PLY files. Everything but the positions is prepared
+/// once. The files are those that WriteMesh would write, without normals.
 class PlyFrames {
  public:
   explicit PlyFrames(const Mesh& mesh);
-  /// @pre as many points as the mesh @throws DiskError
+  /// @pre as many points as the mesh has
+  /// @throws DiskError
   void Write(const std::filesystem::path& path, const PointsX3& points);
 
  private:
@@ -35,7 +36,7 @@ class PlyFrames {
   std::size_t vertices_at_ = 0, vertex_bytes_ = 0;
 };
 
-/// PLY points with nx ny nz, red green blue and confidence where present.
+/// Reads PLY points, with nx ny nz, red green blue and confidence where present.
 /// @throws as ReadMesh
 PointCloud ReadPointCloud(const std::filesystem::path& path);
 void WritePointCloud(const std::filesystem::path& path, const PointCloud& cloud);

@@ -15,7 +15,7 @@ namespace keypose {
 namespace ply = pcl::io::ply;
 namespace {
 
-/// Collects what PCL's parser calls back with.
+/// Collects the values from the callbacks of PCL's parser.
 class Collector {
  public:
   explicit Collector(PlyTable& table) : table_(table) {}
@@ -87,8 +87,8 @@ class Collector {
   std::string fault_;
 };
 
-/// PCL reads a count of -1 as 2^64 - 1, and goes through an element without properties without
-/// reading anything: each row takes a byte or more of the file, or the header is damaged.
+/// Checks the header's counts. PCL reads a count of -1 as 2^64 - 1, and loops over an element
+/// without properties without reading anything. Each row must take at least one byte of the file.
 void RequireCountsThatFit(const std::filesystem::path& path) {
   const std::uintmax_t bytes = std::filesystem::file_size(path);
   std::ifstream in(path, std::ios::binary);

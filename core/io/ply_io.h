@@ -9,7 +9,7 @@
 
 namespace keypose {
 
-/// Lists of one property, laid end to end: row i is values[offsets[i] .. offsets[i+1]).
+/// All lists of one property, concatenated: row i is values[offsets[i] .. offsets[i+1]).
 struct PlyList {
   std::vector<std::size_t> offsets{0};
   std::vector<double> values;

@@ -1,5 +1,5 @@
-// Writes PNG images by libpng: for programs that make a picture but read no photographs, which
-// start faster without OpenImageIO.
+// Writes PNG images by libpng. For programs that write pictures but read no photographs: they start
+// faster without OpenImageIO.
 #pragma once
 
 #include <filesystem>

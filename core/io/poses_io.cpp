@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-/// A number of the frame, else of the file, else `none`.
+/// A number from the frame, else from the file, else `none`.
 double Number(const json& root, const json& frame, const char* name, double none) {
   if (frame.contains(name)) return frame.at(name).get<double>();
   return root.contains(name) ? root.at(name).get<double>() : none;
@@ -28,7 +28,7 @@ Camera CameraOfFrame(const json& root, const json& frame, const std::string& whe
   const auto pixels = [&](const char* name) {
     const double number = Number(root, frame, name, 0);
     if (!(number >= 0 && number <= kMostSide))
-      throw InputError(where + ": `" + name + "` is no number of pixels");
+      throw InputError(where + ": `" + name + "` is not a number of pixels");
     return static_cast<int>(number);
   };
   camera.width = pixels("w");
@@ -38,7 +38,8 @@ Camera CameraOfFrame(const json& root, const json& frame, const std::string& whe
   if (camera.fx <= 0 && angle > 0 && camera.width > 0)
     camera.fx = camera.width / (2 * std::tan(angle / 2));
   if (camera.fx <= 0 && angle > 0)
-    camera.fx = -1 / (2 * std::tan(angle / 2));  // times a width that the caller knows
+    camera.fx =
+        -1 / (2 * std::tan(angle / 2));  // to be multiplied by the width, which the caller knows
   camera.fy = Number(root, frame, "fl_y", camera.fx);
   camera.cx = Number(root, frame, "cx", camera.width / 2.0);
   camera.cy = Number(root, frame, "cy", camera.height / 2.0);
@@ -46,7 +47,7 @@ Camera CameraOfFrame(const json& root, const json& frame, const std::string& whe
   camera.k2 = Number(root, frame, "k2", 0);
   camera.p1 = Number(root, frame, "p1", 0);
   camera.p2 = Number(root, frame, "p2", 0);
-  Camera sized = camera;  // where the file gives no size or an angle alone, the caller knows the
+  Camera sized = camera;  // when the file gives no size, or only an angle, the caller takes the
                           // photograph's size
   if (sized.width == 0 || sized.height == 0) sized.width = sized.height = 1;
   sized.fx = std::abs(sized.fx);
@@ -68,7 +69,7 @@ Rigid3 CameraFromWorld(const json& matrix, const std::string& where) {
       (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!world_from_gl.allFinite() || world_from_gl.cwiseAbs().maxCoeff() > kMostCoordinate ||
       !(off < 1e-3) || rotation.determinant() < 0)
-    throw InputError(where + ": transform_matrix is no rotation and translation (off by " +
+    throw InputError(where + ": transform_matrix is not a rotation and translation (off by " +
                      std::to_string(off) + "); write the camera-to-world matrix without scale");
   rotation.col(1) = -rotation.col(1).eval();  // y down and z forward
   rotation.col(2) = -rotation.col(2).eval();
@@ -94,7 +95,7 @@ std::vector<View> ReadTransforms(const fs::path& path) {
       views.push_back(std::move(view));
     }
   } catch (const json::exception& error) {
-    throw InputError(path.string() + " is no transforms.json (" + JsonFault(error) + ")");
+    throw InputError(path.string() + " is not a transforms.json (" + JsonFault(error) + ")");
   }
   return views;
 }
@@ -103,13 +104,16 @@ std::vector<View> ReadTransforms(const fs::path& path) {
 
 std::vector<View> ReadPoses(const fs::path& path) {
   std::vector<View> views;
+  const fs::path inside = path / "transforms.json";
+  const bool has_model = fs::exists(path / "cameras.bin") || fs::exists(path / "cameras.txt");
+  if (fs::is_directory(path) && !has_model && fs::exists(inside)) return ReadPoses(inside);
   if (fs::is_directory(path))
     views = ReadColmapModel(path).views;
   else if (path.extension() == ".json")
     views = ReadTransforms(path);
   else
     throw InputError(path.string() +
-                     " is neither a folder with a COLMAP model nor a transforms.json");
+                     " is neither a transforms.json nor a folder with one or with a COLMAP model");
   if (views.empty()) throw InputError(path.string() + " holds no camera");
   std::sort(views.begin(), views.end(),
             [](const View& a, const View& b) { return a.name < b.name; });

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -42,7 +43,7 @@ double MeanEdge(const Mesh& mesh) {
   return sum / static_cast<double>(std::max<std::size_t>(1, edges.size()));
 }
 
-/// A face and corner of each vertex; -1 where none uses it.
+/// A face and corner of each vertex; -1 when no face uses it.
 std::vector<std::pair<int, int>> CornersOfVertices(const Mesh& mesh) {
   std::vector<std::pair<int, int>> corners(static_cast<std::size_t>(mesh.vertex_count()), {-1, 0});
   for (Eigen::Index f = mesh.faces.rows() - 1; f >= 0; --f)
@@ -71,7 +72,7 @@ RegionsFile ReadRegions(const std::filesystem::path& path) {
       for (const json& place : entry.value("places", json::array()))
         if (const auto read = PlaceFrom(place)) region.places.push_back(*read);
       if (region.places.size() != region.vertices.size())
-        throw InputError(path.string() + ": a region has not one place a vertex");
+        throw InputError(path.string() + ": a region does not have one place for each vertex");
       file.regions[entry.at("name").get<std::string>()] = std::move(region);
     }
   } catch (const json::exception& error) {
@@ -87,12 +88,12 @@ bool SameSet(std::vector<int> a, std::vector<int> b) {
   return a == b;
 }
 
-/// The vertices now at the places of the region: the corner nearest to each, and all within half an
-/// edge of one.
+/// The vertices of the new mesh at the region's places: the corner nearest to each place, and all
+/// vertices within half an edge length of a place.
 std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carrier, const Mesh& now,
                                  const std::string& name, std::vector<std::string>& lost) {
   std::set<int> found;
-  PointsX3 places(static_cast<Eigen::Index>(region.places.size()), 3);
+  PointsX3 places(std::ssize(region.places), 3);
   int missing = 0;
   std::string why;
   for (std::size_t i = 0; i < region.places.size(); ++i) {
@@ -127,9 +128,9 @@ std::vector<int> CarriedVertices(const BoundRegion& region, const Carrier& carri
 void Unbound(const TimelineRegion& region, CarryLog* log) {
   if (!log || region.vertices.empty()) return;
   log->warnings.push_back(
-      fmt::format("the timeline's region '{}' is a list of vertices that nothing binds to a mesh: "
-                  "made anew, the template "
-                  "has other vertices under these numbers. Bind it (keypose landmarks bind --mesh "
+      fmt::format("the timeline's region '{}' is a list of vertices that is not bound to a mesh: "
+                  "after the template is rebuilt, these numbers mean other vertices. Bind it "
+                  "(keypose landmarks bind --mesh "
                   "FIRST_KEY --timeline "
                   "pipeline.yaml --bound regions.json), or give it as a ball (center, radius)",
                   region.name));
@@ -217,14 +218,14 @@ void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Tim
   }
   if (!lost.empty())
     throw InputError(
-        fmt::format("{}: the template was made anew since, and these regions of the timeline could "
-                    "not follow: {}; list their "
+        fmt::format("{}: the template was rebuilt since then, and these regions of the timeline "
+                    "could not follow: {}; list their "
                     "vertices again and bind them (keypose landmarks bind --timeline)",
                     path.filename().string(), fmt::join(lost, ", ")));
   if (!carried.empty() && log)
-    log->notes.push_back(
-        fmt::format("{}: the template was made anew since ({}); the regions {} were carried over",
-                    path.filename().string(), carrier->change().Words(), fmt::join(carried, ", ")));
+    log->notes.push_back(fmt::format(
+        "{}: the template was rebuilt since then ({}); the regions {} were carried over",
+        path.filename().string(), carrier->change().Words(), fmt::join(carried, ", ")));
 }
 
 }  // namespace keypose

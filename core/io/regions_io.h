@@ -1,4 +1,4 @@
-// Regions of a timeline, bound to the mesh that their vertices were counted on.
+// Reads and writes regions of a timeline together with the mesh whose vertices they list.
 #pragma once
 
 #include <filesystem>
@@ -11,19 +11,20 @@
 
 namespace keypose {
 
-/// @param mesh  that of the first key
+/// @param mesh  the mesh of the first key
 /// @throws InputError  a vertex that the mesh does not have; names the region
 void WriteRegions(const std::filesystem::path& path, const Mesh& mesh,
                   const std::vector<TimelineRegion>& regions);
 
-/// Makes the timeline's regions fit the first key.
+/// Adapts the timeline's regions to the first key's mesh.
 ///
-/// A list of vertices holds as long as the keys have the faces that they had when it was bound,
-/// whatever the pose. On another template it takes the vertices at the same places, and a ball its
-/// place and size in the new frame. Lists that no file binds are taken as they are, with a warning.
+/// A list of vertices stays valid while the keys have the same faces as when the region was bound;
+/// the pose does not matter. On another template the list becomes the vertices at the same places,
+/// and a ball gets its centre and radius in the new frame. Lists that no file binds to a mesh are
+/// used unchanged, with a warning.
 /// @param path  written by WriteRegions; empty: none
-/// @throws InputError  malformed, a list that is another than the bound one, or regions that could
-/// not be carried over; names them
+/// @throws InputError  malformed, a list that differs from the bound one, or regions that could not
+/// be transferred; names them
 void FollowRegions(const std::filesystem::path& path, const Mesh& first_key, Timeline& timeline,
                    CarryLog* log);
 

@@ -1,4 +1,4 @@
-// Lines of sight through the holes of a set's masks, read from its folders.
+// Reads the masks of an image set and finds the lines of sight through their holes.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace keypose {
 
-/// What the photographs see through the figure.
+/// The lines of sight through the figure.
 struct Sight {
-  std::vector<View> views;    ///< that have a mask and a say; the lines count these
+  std::vector<View> views;    ///< trusted views with a mask; SightLine::view is an index into these
   std::vector<Image8> masks;  ///< of these views
   std::vector<SightLine> lines;
 };

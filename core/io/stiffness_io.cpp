@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -19,7 +20,8 @@ namespace {
 
 using nlohmann::json;
 
-// of the diagonal: a vertex of the source lies so far from all that was painted
+// of the diagonal: a vertex of the source farther than this from all painted vertices has no
+// counterpart
 constexpr double kNoCounterpart = 0.02;
 constexpr double kMayLackCounterpart = 0.1;  // share of vertices
 
@@ -36,7 +38,7 @@ Painted PaintedFromJson(const std::string& text, const std::string& name) {
     const json root = json::parse(text);
     painted.binding = BindingFrom(root.at("mesh"), name);
     const json& lines = root.at("stiffness");
-    painted.points.resize(static_cast<Eigen::Index>(lines.size()), 3);
+    painted.points.resize(std::ssize(lines), 3);
     painted.stiffness.resize(painted.points.rows());
     for (Eigen::Index i = 0; i < painted.points.rows(); ++i) {
       std::istringstream line(lines[i].get<std::string>());
@@ -74,26 +76,24 @@ Eigen::VectorXd CarriedOver(const Painted& painted, const Mesh& source, const st
   const double share = static_cast<double>(far) / source.vertex_count();
   if (!change.found() || share > kMayLackCounterpart)
     throw InputError(fmt::format(
-        "register: the source was made anew since {} was painted, and the stiffness could not "
-        "follow: {}; paint it "
-        "again on the source mesh",
+        "register: the source was rebuilt after {} was painted, and the stiffness could not "
+        "follow: {}; paint it again on the source mesh",
         name,
         change.found()
             ? fmt::format("{:.0f} % of the source has no painted place near it", 100 * share)
         : change.ambiguous
-            ? "the thing looks the same from several sides"
-            : fmt::format("{:.0f} % of both shapes agree at best", 100 * change.agreeing)));
+            ? "the object looks the same from several sides"
+            : fmt::format("at best {:.0f} % of the two shapes agree", 100 * change.agreeing)));
   if (!log) return stiffness;
   const std::string how =
-      fmt::format("{}: the source was made anew since ({}); the stiffness was carried over", name,
-                  change.Words());
+      fmt::format("{}: the source was rebuilt since then ({}); the stiffness was carried over",
+                  name, change.Words());
   if (far == 0)
     log->notes.push_back(how);
   else
     log->warnings.push_back(
         fmt::format("{}, but {:.1f} % of the source's vertices have no painted place near them; "
-                    "look whether stiff parts "
-                    "still are",
+                    "check that stiff parts are still stiff",
                     how, 100 * share));
   return stiffness;
 }
@@ -116,7 +116,7 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
   if (text.starts_with("ply")) {
     const Eigen::VectorXd stiffness = StiffnessFromColors(painted, painted.vertex_count(), name);
     if (GeometryHash(painted) == GeometryHash(source)) return stiffness;
-    Mesh shape;  // greys are no colours of the clay
+    Mesh shape;  // without colours: the greys are not the colours of the clay
     shape.points = painted.points;
     shape.faces = painted.faces;
     return CarriedOver({BindTo(shape), painted.points, stiffness}, source, name, log);
@@ -130,8 +130,8 @@ Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const M
   if (log)
     log->warnings.push_back(name +
                             " does not say on which mesh its stiffness was painted; if the source "
-                            "was made anew since, stiff parts are "
-                            "elsewhere now. Bind it: keypose landmarks bind --mesh SOURCE "
+                            "was rebuilt since then, the stiff parts are in other places now. Bind "
+                            "it: keypose landmarks bind --mesh SOURCE "
                             "--stiffness FILE --bound FILE.json");
   return ParseStiffness(text, source.vertex_count(), name);
 }

@@ -1,5 +1,5 @@
-// A painted stiffness that follows the clay: bound to the mesh that it was painted on, and carried
-// over to one that was made anew.
+// A painted stiffness together with the mesh that it was painted on. It can be transferred to a
+// mesh that was rebuilt since.
 #pragma once
 
 #include <string>
@@ -15,13 +15,13 @@ std::string BoundStiffnessText(const Mesh& mesh, const Eigen::VectorXd& stiffnes
 /// Reads what BoundStiffnessText wrote, a PLY's painted greys, or a text of numbers
 /// (stiffness_map.h).
 ///
-/// The first two know their mesh: where `source` is another, each of its vertices takes the factor
-/// of the nearest vertex there once both are aligned (core/carry.h). Plain numbers are taken as
-/// they are, with a warning.
-/// @param text     content of the file  @param painted  the file read as a mesh when it is a PLY,
-/// else empty
-/// @param name     for messages
-/// @throws InputError  malformed, another count of plain numbers, or the mesh is of another shape
+/// The first two hold the positions of their vertices. If `source` is another mesh, the two are
+/// aligned (core/carry.h), and each vertex of `source` takes the factor of the nearest painted
+/// vertex. Plain numbers are used unchanged, with a warning.
+/// @param text  content of the file
+/// @param painted  the file read as a mesh when it is a PLY, else empty
+/// @param name  the file's name, for messages
+/// @throws InputError  malformed, a wrong count of plain numbers, or a mesh of another shape
 Eigen::VectorXd StiffnessOn(const Mesh& source, const std::string& text, const Mesh& painted,
                             const std::string& name, CarryLog* log);
 

@@ -1,6 +1,7 @@
 #include "core/io/stiffness_map.h"
 
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <vector>
 
@@ -39,8 +40,8 @@ Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const 
       values.push_back(value);
     }
   }
-  CheckCount(static_cast<Eigen::Index>(values.size()), vertex_count, name);
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  CheckCount(std::ssize(values), vertex_count, name);
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
 }
 
 Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count,

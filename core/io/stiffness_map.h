@@ -1,4 +1,4 @@
-// A painted stiffness: one factor per vertex.
+// Reads a painted stiffness: one factor per vertex.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,13 +8,13 @@
 
 namespace keypose {
 
-/// Numbers separated by white space, one for each vertex; '#' starts a comment to the end of the
-/// line.
-/// @throws InputError  not a number, not positive, or another count than `vertex_count`; names the
-/// line
+/// Reads numbers separated by white space, one for each vertex. '#' starts a comment that ends with
+/// the line.
+/// @throws InputError  not a number, not positive, or not `vertex_count` numbers; names the line
 Eigen::VectorXd ParseStiffness(const std::string& text, int vertex_count, const std::string& name);
 
-/// Painted greys: factor 8^(luma / 127.5 - 1), so black is 1/8, middle grey 1, white 8.
+/// Reads painted greys: the factor is 8^(luma / 127.5 - 1), so black is 1/8, middle grey 1 and
+/// white 8.
 /// @throws InputError  no colours, or another number of vertices
 Eigen::VectorXd StiffnessFromColors(const Mesh& painted, int vertex_count, const std::string& name);
 

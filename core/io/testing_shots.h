@@ -1,4 +1,4 @@
-// Masks of meshes from all round, for the tests of every room that asks outlines.
+// Masks of meshes as seen from all sides, for tests in all rooms.
 #pragma once
 
 #include <filesystem>
@@ -15,16 +15,16 @@ struct MaskShot {
   std::vector<Image8> masks;  ///< 255 where the mesh is
 };
 
-/// The mesh as each view sees it.
+/// Renders the mask of the mesh in each view.
 MaskShot MasksOf(const Mesh& mesh, std::vector<View> views);
 
-/// From rings of cameras at distance 4 that look at `middle`; focal length twice the pictures'
-/// side, so that a pixel is 2 / side_px there.
+/// The same, from rings of cameras at distance 4 that look at `middle`. The focal length is twice
+/// the side of the picture, so a pixel is 2 / side_px wide at `middle`.
 MaskShot MasksFromRings(const Mesh& mesh, const Eigen::Vector3d& middle,
                         const std::vector<double>& elevations_deg, int views_a_ring, int side_px);
 
-/// `images` and `model` in a folder, as capture, masks and sfm make them; the photographs show the
-/// masks.
+/// Writes the folders `images` and `model` as capture, masks and sfm write them. The photographs
+/// show the masks.
 void WriteShot(const std::filesystem::path& folder, const MaskShot& shot);
 
 }  // namespace keypose

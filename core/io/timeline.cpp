@@ -21,7 +21,7 @@ std::string Shown(const json& value) {
   return text.size() <= 40 ? text : text.substr(0, 37) + "...";
 }
 
-/// One JSON object whose fields are taken by name; what is left over at the end is an error.
+/// A JSON object whose fields are taken by name. Fields that are left at the end are an error.
 class Fields {
  public:
   Fields(const json& object, std::string where, int key)
@@ -169,7 +169,7 @@ TimelineTurn TakeTurn(Fields& fields, const std::string& region, const json& val
   const auto count = turn.Whole("turns", -100, 100);
   const auto axis = turn.Point("axis");
   turn.Done();
-  if (!count) turn.Fail("say no number of turns, as in {\"turns\": 1, \"axis\": [0, 0, 1]}");
+  if (!count) turn.Fail("give no number of turns, as in {\"turns\": 1, \"axis\": [0, 0, 1]}");
   if (axis && !(axis->norm() > 0)) turn.Fail("axis", "has no length");
   return {*count, axis.value_or(Eigen::Vector3d::Zero())};
 }
@@ -183,7 +183,7 @@ void TakeTurns(Fields& fields, TimelineKey& key) {
     key.turns[region] = TakeTurn(fields, region, value);
 }
 
-/// What a key's span does unless the key says otherwise.
+/// Defaults for the span of a key.
 struct SpanDefaults {
   Travel travel = Travel::kSmooth;
   Ease ease;

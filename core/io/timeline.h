@@ -9,10 +9,12 @@
 
 namespace keypose {
 
-/// `from` names of an Ease: linear, ease, in, out, in-out (the curves that CSS gives these names).
+/// The Ease with this name: linear, ease, in, out, in-out (the CSS curves of these names). None for
+/// another name.
 std::optional<Ease> EaseNamed(const std::string& name);
 
-/// What is wrong with a timeline, and at which of its keys; -1 when it is not about a key.
+/// An error in a timeline, with the index of the key that it is about; -1 when it is not about a
+/// key.
 struct TimelineError : InputError {
   TimelineError(const std::string& message, int key_index) : InputError(message), key(key_index) {}
   int key;
@@ -21,11 +23,10 @@ struct TimelineError : InputError {
 /// Reads {"schema": 2, "fps": 24, "keys": [{"pose": "rest", "time": 0}, ...], ...};
 /// docs/file-formats.md has all fields. Schema 1 (fps, pose and time only) is read too.
 ///
-/// @param source  how messages name it
+/// @param source  the timeline's name in messages
 /// @throws TimelineError  malformed, an unknown field (with the nearest known one), a value out of
-/// range, keys not in the order of time, a
-///                        hold that does not end before the next key, a region that does not exist;
-///                        names key and field
+/// range, keys that are not in order of time, a hold that does not end before the next key, or a
+/// region that does not exist; names key and field
 Timeline ParseTimeline(const std::string& json, const std::string& source);
 
 }  // namespace keypose

@@ -7,7 +7,7 @@ namespace {
 
 Timeline Parse(const std::string& text) { return ParseTimeline(text, "timeline.json"); }
 
-/// A timeline of two keys with `field` written into the second, or `top` at the top.
+/// A timeline of two keys with `field` added to the second one, or `top` at the top level.
 std::string WithKey(const std::string& field) {
   return R"({"schema":2,"fps":24,"regions":[{"name":"leg","vertices":[0,1]}],"keys":[{"pose":"rest","time":0},{"pose":"up","time":1)" +
          field + "}]}";
@@ -95,7 +95,7 @@ TEST(ParseTimeline, NamesKeyAndFieldAndTheNearestKnownOne) {
            {R"(,"turns":{"leg":0.5})", "key 1 ('up'): field 'turns'"},
            {R"(,"turns":{"leg":{"turns":1,"axle":[0,0,1]}})",
             "turns of 'leg' has no field 'axle'; did you mean 'axis'?"},
-           {R"(,"turns":{"leg":{"axis":[0,0,1]}})", "say no number of turns"},
+           {R"(,"turns":{"leg":{"axis":[0,0,1]}})", "give no number of turns"},
            {R"(,"turns":{"lek":1})",
             "names the region 'lek', which is not among `regions`; did you mean 'leg'?"}})
     EXPECT_NE(Complaint(WithKey(field)).find(words), std::string::npos)

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kMark = ".keypose-made.json";
 
-/// Links resolved as far as the path exists.
+/// The path with links resolved, as far as it exists.
 fs::path Resolved(const fs::path& path) {
   std::error_code error;
   fs::path resolved = fs::weakly_canonical(fs::absolute(path), error);
@@ -49,8 +49,8 @@ json FilesOf(const fs::path& folder) {
   return files;
 }
 
-/// The first file of a folder that the stage did not write or that was changed since; empty: there
-/// is none.
+/// The first file of a folder that the stage did not write, or that was changed since. Empty when
+/// there is none.
 std::string ForeignFile(const fs::path& folder, const std::string& stage) {
   const fs::path mark = folder / kMark;
   const json made =
@@ -71,7 +71,7 @@ std::string ForeignFile(const fs::path& folder, const std::string& stage) {
   throw DiskError(fmt::format("{}: the output {} {}", spec.name, place.string(), why));
 }
 
-/// What no --overwrite allows.
+/// Refuses what even --overwrite does not allow.
 void CheckAgainstInputs(const StageSpec& spec, const fs::path& place, bool is_folder,
                         const PortPaths& inputs) {
   const fs::path resolved = Resolved(place);
@@ -98,7 +98,7 @@ void CheckAgainstInputs(const StageSpec& spec, const fs::path& place, bool is_fo
     Refuse(spec, place, "is the home folder or lies above it; name a folder of its own");
 }
 
-/// A folder below an input folder holds a part of that input, unless this stage made it.
+/// Refuses folders that are part of an input folder, unless this stage wrote them.
 void CheckNotPartOfInput(const StageSpec& spec, const fs::path& place, const PortPaths& inputs) {
   if (!fs::exists(place) || ForeignFile(place, spec.name).empty()) return;
   for (const auto& [port, paths] : inputs)
@@ -143,8 +143,7 @@ void CheckPlace(const StageSpec& spec, const fs::path& place, bool is_folder, bo
   if (!is_folder) {
     if (fs::is_directory(place))
       Refuse(spec, place, "is a folder, but a file goes there; name a file in it");
-    if (!fs::is_regular_file(place))
-      Refuse(spec, place, "is a device or the like, but a file goes there; name a file");
+    if (!fs::is_regular_file(place)) Refuse(spec, place, "is not a regular file; name a file");
     return;
   }
   if (!fs::is_directory(place))
@@ -152,10 +151,11 @@ void CheckPlace(const StageSpec& spec, const fs::path& place, bool is_folder, bo
   const std::string foreign = ForeignFile(place, spec.name);
   if (!foreign.empty() && !overwrite)
     Refuse(spec, place,
-           fmt::format("exists and holds what this stage did not write, or what was changed since "
-                       "({}); name a folder that is empty or not there, or "
-                       "say --overwrite to replace it with all that is in it",
-                       foreign));
+           fmt::format(
+               "exists and holds files that this stage did not write, or that were changed since "
+               "({}); name a folder that is empty or does not exist, or "
+               "use --overwrite to replace it and everything in it",
+               foreign));
 }
 
 void CheckOutputs(const StageSpec& spec, const PortPaths& inputs, const PortPaths& outputs,

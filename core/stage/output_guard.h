@@ -1,4 +1,4 @@
-// What a stage may put its outputs in place of, and what it must never remove.
+// Checks which existing files and folders a stage may replace with its outputs.
 #pragma once
 
 #include <filesystem>
@@ -10,31 +10,32 @@
 
 namespace keypose::internal {
 
-/// Where each port's files are, by its name.
+/// The paths of each port, by its name.
 using PortPaths = std::map<std::string, std::vector<std::filesystem::path>, std::less<>>;
 
-/// Refuses outputs that would remove what this stage did not write. A file may take the place of a
-/// file that is no input. A folder may take the place of an empty one, and of one that this stage
-/// wrote and nobody changed since (MarkFolder); with `overwrite` of any other one too, but never of
-/// the working folder, the home folder, one that holds or lies around an input, and none that lies
-/// within an input. A file of a port that is `in_place` may replace its input.
+/// Refuses outputs that would remove files of others. An output file may replace a file that is not
+/// an input. An output folder may replace an empty folder, or one that this stage wrote and nobody
+/// has changed since (MarkFolder). With `overwrite` it may replace any other folder, except the
+/// working folder, the home folder, and folders that contain one of these two or an input, or that
+/// are part of an input. A file of a port that is `in_place` may replace its input.
 /// @param report  file of measurements; empty: none
-/// @throws UsageError  two outputs have the same place, or one lies within another  @throws
-/// DiskError  names the path, why, and what to do
+/// @throws UsageError  two outputs have the same place, or one lies within another
+/// @throws DiskError  an output is refused; names the path, the reason and what to do
 void CheckOutputs(const StageSpec& spec, const PortPaths& inputs, const PortPaths& outputs,
                   const std::filesystem::path& report, bool overwrite);
 
-/// The same for one output alone: what is there now may have changed since the stage began.
+/// The same check for one output, without its inputs. It is repeated at the end, because the files
+/// may have changed since the stage began.
 /// @throws DiskError
 void CheckPlace(const StageSpec& spec, const std::filesystem::path& place, bool is_folder,
                 bool overwrite);
 
-/// Where an output lands: absolute, and for a folder with its links resolved, so that a link to a
-/// folder stays a link.
+/// The absolute path of an output. For a folder, links are resolved, so that a link to a folder
+/// stays a link.
 std::filesystem::path PlaceOf(const std::filesystem::path& given, bool is_folder);
 
-/// Leaves word in a folder (a hidden file) of which stage wrote it and which files it had, so that
-/// the next run may replace it.
+/// Writes a hidden file into a folder that records which stage wrote the folder and which files it
+/// has, so that the next run may replace it.
 /// @throws DiskError
 void MarkFolder(const std::filesystem::path& folder, const std::string& stage);
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "core/io/files.h"
+#include "core/size_of.h"
 #include "core/stage/stage.h"
 
 namespace keypose {
@@ -56,8 +57,7 @@ class OutputGuardTest : public testing::Test {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<NoOptions>(static_cast<int>(argv.size()), argv.data(), FolderSpec(),
-                                         CopyPhotographs);
+    const int code = RunStage<NoOptions>(SizeOf(argv), argv.data(), FolderSpec(), CopyPhotographs);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   }

@@ -1,4 +1,4 @@
-// What every stage program shares: ports, options, --describe, --help, progress, report, exit
+// The common part of all stage programs: ports, options, --describe, --help, progress, report, exit
 // codes.
 #pragma once
 
@@ -17,29 +17,30 @@ namespace keypose {
 
 struct Port {
   std::string name = {};
-  std::string kind = {};  ///< "file", "folder", or "path": either by hand, a file in a pipeline
+  std::string kind = {};  ///< "file", "folder", or "path" (file or folder; in a pipeline a file)
   std::string help = {};
-  std::string file = {};  ///< outputs: name that the runner gives it, e.g. "clean.ply", "images"
+  std::string file = {};  ///< outputs: the name in a pipeline's folders, e.g. "clean.ply", "images"
   bool optional = false;
   bool repeatable = false;
-  bool in_place = false;  ///< file outputs: may take the place of an input, which it is made from
+  bool in_place = false;  ///< file outputs: may replace an input, because it is made from it
 };
 
-/// What a stage says of itself.
+/// Description of a stage.
 struct StageSpec {
   std::string name = {};
-  std::string version = {};  ///< changes whenever the same inputs and options would give other bits
+  std::string version = {};  ///< changes when the same inputs and options would give another result
   std::string summary = {};  ///< one sentence
   std::vector<Port> inputs = {}, outputs = {};
-  /// external programs it calls, e.g. "colmap"; their versions enter the fingerprint
+  /// external programs that it calls, e.g. "colmap"; their versions are part of the fingerprint
   std::vector<std::string> tools = {};
-  int cores = 0;                         ///< cores it can use; 0 means all
-  double memory_gib = 1;                 ///< what it needs at most, roughly
-  std::vector<std::string> common = {};  ///< options that most people will want; --help has them
-                                         ///< first, in the order of the struct
+  int cores = 0;          ///< cores it can use; 0 means all
+  double memory_gib = 1;  ///< approximate peak memory
+  /// names of the most used options; --help lists them first, in the order of the struct
+  std::vector<std::string> common = {};
 };
 
-/// Files in, files out. Outputs appear at their final path only when the stage succeeded.
+/// The inputs, outputs and report of a running stage. Outputs appear at their final path only when
+/// the stage succeeds.
 class StageContext {
  public:
   virtual ~StageContext() = default;
@@ -47,46 +48,46 @@ class StageContext {
   virtual std::filesystem::path Input(std::string_view port) const = 0;
   virtual std::vector<std::filesystem::path> Inputs(
       std::string_view port) const = 0;  ///< of a repeatable port, in order
-  /// Where to write; a folder port is created. Empty path when an optional output was not asked
-  /// for.
+  /// Where to write the output. For a folder port, the folder is created. An empty path when an
+  /// optional output was not requested.
   virtual std::filesystem::path Output(std::string_view port) = 0;
   virtual std::filesystem::path Scratch() = 0;  ///< an empty folder, deleted at the end
   virtual Progress* progress() = 0;
 
-  /// One measurement of the report.
+  /// Adds a measurement to the report.
   virtual void Report(std::string_view name, double value) = 0;
   virtual void Report(std::string_view name, std::int64_t value) = 0;
   void Report(std::string_view name, int value) { Report(name, static_cast<std::int64_t>(value)); }
   virtual void Report(std::string_view name, bool value) = 0;
   virtual void Report(std::string_view name, const std::string& value) = 0;
   void Report(std::string_view name, const char* value) { Report(name, std::string(value)); }
-  /// A measurement that is a whole JSON text (array or object).
+  /// Adds a measurement that is a JSON text (array or object).
   virtual void ReportJson(std::string_view name, const std::string& json) = 0;
-  /// A line for a person, to the log.
+  /// Writes a line to the log, for the user.
   virtual void Note(const std::string& line) = 0;
-  /// What a person should know before they trust the result: one sentence that says what, where,
-  /// and what to do. It goes to the log and to `warnings` of the report; `keypose run` repeats it
-  /// at its end, also when the step is taken from the cache.
+  /// A warning that the user should read before they trust the result: one sentence that says what
+  /// is wrong, where, and what to do. It is written to the log and to `warnings` of the report.
+  /// `keypose run` repeats it at its end, also when the step comes from the cache.
   virtual void Warn(const std::string& sentence) = 0;
-  /// The judgement of a pose, or of another thing that a person asks about. It goes to `verdicts`
-  /// of the report; `keypose run` ends with it.
-  /// @param about  e.g. the pose's name  @param grade  "good", "look" (usable, but worth a glance)
-  /// or "wrong"
-  /// @param why    what decided, and the cure where it is not good
+  /// The verdict on a pose, or on another object that the user asks about. It is written to
+  /// `verdicts` of the report, and `keypose run` prints it at its end.
+  /// @param about  e.g. the pose's name
+  /// @param grade  "good", "look" (usable, but should be checked) or "wrong"
+  /// @param why  the reason, and the remedy when the grade is not "good"
   virtual void Verdict(const std::string& about, const std::string& grade,
                        const std::string& why) = 0;
 };
 
-/// Runs an external program found on PATH (or by KEYPOSE_<NAME>, upper case, when that is set), its
-/// output to the log.
+/// Runs an external program and writes its output to the log. The program is found on PATH, or by
+/// the environment variable KEYPOSE_<NAME> (upper case) when that is set.
 /// @return its standard output and error together
-/// @throws ToolError  not installed (says which Debian package), or it failed (gives its last lines
+/// @throws ToolError  not installed (names the Debian package), or it failed (gives its last lines
 /// and the exit code)
 /// @throws Cancelled  the user interrupted; the program's whole process group is stopped
 std::string RunTool(StageContext& stage, const std::string& program,
                     const std::vector<std::string>& arguments,
                     const std::vector<std::string>& environment = {});
-/// First line that the tool says of its version, "missing" when it is not there.
+/// The first line of the tool's version output; "missing" when the tool is not installed.
 std::string ToolVersion(const std::string& program);
 
 namespace internal {
@@ -102,15 +103,15 @@ int Main(int argc, char** argv, const StageSpec& spec, const BoundOptions& optio
          const std::function<void(StageContext&)>& run, const std::vector<BoundAction>& actions);
 }  // namespace internal
 
-/// Something that a stage's program does instead of its run when `--NAME FILE` is given: then no
-/// port is needed, and none is taken.
+/// An action that a stage's program does instead of its run when `--NAME FILE` is given. Ports are
+/// then neither needed nor allowed.
 template <class Options>
 struct StageAction {
   std::string name, help;
   void (*run)(const std::filesystem::path& file, const Options& options);
 };
 
-/// The whole of a stage's main: parses, checks, runs, reports, and returns the exit code.
+/// The complete main function of a stage: parses, checks, runs, reports, and returns the exit code.
 template <class Options>
 int RunStage(int argc, char** argv, const StageSpec& spec,
              void (*run)(StageContext&, const Options&),

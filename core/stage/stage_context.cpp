@@ -66,7 +66,7 @@ fs::path RunningStage::Output(std::string_view port) {
 
 fs::path RunningStage::Scratch() {
   if (scratch_.empty()) {
-    // Beside the first output, so that large temporary files land on the disk that the user chose.
+    // Next to the first output, so that large temporary files are on the disk that the user chose.
     const auto it = outputs_.begin();
     const fs::path parent = it == outputs_.end()
                                 ? fs::temp_directory_path()
@@ -125,8 +125,8 @@ void RunningStage::Place(const Pending& pending) const {
       throw DiskError(fmt::format("{}: cannot put {} into place: {}", spec_.name, what.string(),
                                   error.message()));
   };
-  // rename(2) does not replace a folder that has content: move the old one aside first, so that one
-  // of the two always stands.
+  // rename(2) does not replace a folder that is not empty. The old folder is moved aside first, so
+  // that one of the two always exists.
   fs::path aside;
   if (pending.is_folder && fs::is_directory(pending.final_path)) {
     aside = pending.temporary_folder / ".old";
@@ -139,7 +139,7 @@ void RunningStage::Place(const Pending& pending) const {
     fs::rename(aside, pending.final_path, ignored);
   }
   check(pending.final_path);
-  // Companions that a format needs, such as an OBJ's .mtl.
+  // Additional files of a format, such as an OBJ's .mtl.
   for (const auto& entry : fs::directory_iterator(pending.temporary_folder)) {
     if (entry.path() == aside) continue;
     const fs::path companion = pending.final_path.parent_path() / entry.path().filename();

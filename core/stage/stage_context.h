@@ -1,5 +1,5 @@
-// The context of a running stage: ports bound to paths, outputs that appear only on success, the
-// report. Used by stage_main.cpp only.
+// The context of a running stage: its ports' paths, its outputs, which appear only on success, and
+// its report. Used by stage_main.cpp only.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,20 +9,20 @@
 
 namespace keypose::internal {
 
-/// How outputs come to their places.
+/// How outputs are put into place.
 struct Placing {
   bool overwrite = false;  ///< folders that this stage did not write may be replaced
-  bool mark = false;  ///< folders say who wrote them, see MarkFolder; the runner's are its own, and
-                      ///< are kept by their content alone
+  bool mark = false;       ///< mark output folders (MarkFolder); not for the runner, which owns its
+                           ///< folders and identifies them by content
 };
 
-/// Outputs are written under hidden temporary folders beside their final place, and renamed by
+/// Outputs are written to hidden temporary folders next to their final place, and are renamed by
 /// Commit.
 class RunningStage final : public StageContext {
  public:
   RunningStage(const StageSpec& spec, PortPaths inputs, PortPaths outputs, Placing placing,
                Progress* progress);
-  ~RunningStage() override;  ///< removes what was not committed, and the scratch folder
+  ~RunningStage() override;  ///< removes outputs that were not committed, and the scratch folder
 
   bool Has(std::string_view port) const override;
   std::filesystem::path Input(std::string_view port) const override;

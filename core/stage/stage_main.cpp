@@ -15,6 +15,7 @@
 
 #include "core/io/files.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/stage/output_guard.h"
 #include "core/stage/stage_context.h"
 #include "core/stage/stage_options.h"
@@ -33,7 +34,7 @@ void CatchSignals() {
   action.sa_handler = OnSignal;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction inherited {};
-    // nohup, and a shell's `&`: who starts us so wants us to go on.
+    // With nohup or a shell's `&`, the signal is ignored on purpose: the program must go on.
     if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
   }
@@ -46,7 +47,7 @@ class StageProgress final : public Progress {
  public:
   explicit StageProgress(const std::string& stage) : stage_(stage) {
     if (const char* text = std::getenv("KEYPOSE_PROGRESS_FD")) descriptor_ = std::atoi(text);
-    // Programs that this stage starts must not hold the runner's pipe open.
+    // Programs that this stage starts must not keep the runner's pipe open.
     if (descriptor_ >= 0 && fcntl(descriptor_, F_SETFD, FD_CLOEXEC) != 0) descriptor_ = -1;
     terminal_ = descriptor_ < 0 && isatty(STDERR_FILENO);
   }
@@ -61,7 +62,7 @@ class StageProgress final : public Progress {
       if (write(descriptor_, line.data(), line.size()) < 0) descriptor_ = -1;
     } else if (terminal_) {
       std::fprintf(stderr, "\r\033[K%s %3.0f %%  %.*s", stage_.c_str(), 100 * fraction,
-                   static_cast<int>(what.size()), what.data());
+                   SizeOf(what), what.data());
       std::fflush(stderr);
       drawn_ = true;
     }
@@ -115,7 +116,7 @@ std::string RangeText(double min, double max) {
   return std::isfinite(max) ? fmt::format(", at most {}", max) : "";
 }
 
-/// Adds one flag for each common option, or for each other one; the parsed value lands in the
+/// Adds a flag for each common option, or for each other option. The parsed value is stored in the
 /// options struct.
 class FlagVisitor final : public OptionVisitor {
  public:
@@ -165,7 +166,7 @@ class FlagVisitor final : public OptionVisitor {
 struct Arguments {
   PortPaths inputs, outputs;
   fs::path report;
-  const BoundAction* action = nullptr;  // to do instead of the run
+  const BoundAction* action = nullptr;  // done instead of the run
   fs::path action_file;
   bool overwrite = false;
 };
@@ -180,7 +181,7 @@ class CommandLine {
         options_(options),
         actions_(actions),
         app_(spec.summary, "keypose " + spec.name) {
-    app_.set_help_flag();  // added anew below: groups are shown in the order in which they appear
+    app_.set_help_flag();  // added again below: groups are shown in the order in which they appear
                            // here
     AddPorts(spec.inputs, "Inputs");
     AddPorts(spec.outputs, "Outputs");
@@ -195,7 +196,7 @@ class CommandLine {
           ->group(rest)
           ->type_name("FILE");
     app_.add_flag("--overwrite", overwrite_,
-                  "replace folders of outputs even if they hold what this stage did not write")
+                  "replace output folders even if they hold files that this stage did not write")
         ->group(rest);
     app_.set_help_flag("-h,--help", "print this help")->group(rest);
     app_.set_version_flag("--version", "keypose " + spec.name + " " + spec.version,
@@ -240,10 +241,10 @@ class CommandLine {
   }
 
   void PrintHelp() const {
-    // Here and not sooner: a wrong word in the help must not stop a run.
+    // Checked here and not earlier: a wrong name in the help must not stop a run.
     if (common_added_ != std::ssize(spec_.common))
       throw std::logic_error(
-          fmt::format("stage {} calls an option common that it does not have", spec_.name));
+          fmt::format("stage {} lists a common option that it does not have", spec_.name));
     std::cout << app_.help();
   }
 
@@ -263,7 +264,7 @@ class CommandLine {
                        [](const Port& port) { return port.name == "report"; });
   }
 
-  /// @return whether something else than a run is asked for
+  /// @return whether the command line asks for something other than a run
   bool TakeAction(Arguments& arguments) {
     for (const BoundAction& action : actions_)
       if (app_.count("--" + action.name))
@@ -271,15 +272,14 @@ class CommandLine {
     if (!arguments.action) return false;
     for (const auto& [port, given] : paths_)
       if (!given.empty())
-        throw UsageError(
-            fmt::format("--{} is done instead of a run and takes no --{}; leave it out",
-                        arguments.action->name, port));
+        throw UsageError(fmt::format("--{} replaces the run and does not accept --{}; leave it out",
+                                     arguments.action->name, port));
     CheckOptions();
     return true;
   }
 
-  /// A stage whose output is itself called `report` takes --report twice: a .json path is the file
-  /// of measurements, the other one the output.
+  /// A stage with an output named `report` accepts --report twice: a .json path is the file of
+  /// measurements, the other one is the output.
   void TakeReportFile() {
     if (!HasReportPort()) return;
     auto& given = paths_["report"];

@@ -51,7 +51,7 @@ class DescribeVisitor final : public OptionVisitor {
   const std::vector<std::string>& common_;
 };
 
-/// The values as used, by name.
+/// Collects the current values, by name.
 class ValuesVisitor final : public OptionVisitor {
  public:
   void operator()(const char* name, bool& value, const OptionDoc&) override {
@@ -67,7 +67,7 @@ class ValuesVisitor final : public OptionVisitor {
   nlohmann::json values = nlohmann::json::object();
 };
 
-/// One sentence per value outside its range or choices.
+/// Collects one sentence for each value outside its range or choices.
 class CheckVisitor final : public OptionVisitor {
  public:
   void operator()(const char*, bool&, const OptionDoc&) override {}

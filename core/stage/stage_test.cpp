@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -69,8 +70,7 @@ class StageTest : public testing::Test {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code =
-        RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), CopyStage);
+    const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), CopyStage);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   }
@@ -187,8 +187,7 @@ TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code = RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(),
-                                           CopyStage, actions);
+    const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), CopyStage, actions);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   };
@@ -197,7 +196,7 @@ TEST_F(StageTest, ActionIsDoneInsteadOfARunAndNeedsNoPort) {
   EXPECT_EQ(ReadFile(card), "fancy");
   EXPECT_EQ(run({"keypose-test", "--card", card, "--copies", "10"}), 2);
   EXPECT_EQ(run({"keypose-test", "--card", card, "--text", text}), 2);
-  EXPECT_NE(error_.find("takes no --text"), std::string::npos) << error_;
+  EXPECT_NE(error_.find("does not accept --text"), std::string::npos) << error_;
   EXPECT_EQ(run({"keypose-test"}), 2);
 }
 
@@ -220,8 +219,7 @@ TEST_F(StageTest, ExternalToolsFailWithExitCodeFive) {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     testing::internal::CaptureStderr();
-    const int code =
-        RunStage<TestOptions>(static_cast<int>(argv.size()), argv.data(), Spec(), ToolStage);
+    const int code = RunStage<TestOptions>(SizeOf(argv), argv.data(), Spec(), ToolStage);
     error_ = testing::internal::GetCapturedStderr();
     return code;
   };

@@ -27,7 +27,7 @@ std::string OverrideName(const std::string& program) {
   return name;
 }
 
-/// Path of the program, empty when it is not installed.
+/// The program's path; empty when it is not installed.
 std::string FindProgram(const std::string& program) {
   if (const char* path = std::getenv(OverrideName(program).c_str()))
     return access(path, X_OK) == 0 ? path : "";
@@ -61,7 +61,8 @@ struct Finished {
   _exit(127);
 }
 
-/// Runs to the end, gathering output; kills the whole group when `cancelled` says so.
+/// Waits for the program and collects its output. Kills the whole process group when `cancelled`
+/// returns true.
 Finished RunToEnd(const std::string& path, const std::vector<std::string>& arguments,
                   const std::vector<std::string>& environment,
                   const std::function<bool()>& cancelled, bool echo) {
@@ -135,22 +136,21 @@ std::string RunTool(StageContext& stage, const std::string& program,
 std::string ToolVersion(const std::string& program) {
   const std::string path = FindProgram(program);
   if (path.empty()) return "missing";
-  // COLMAP knows no --version: its help begins with the version.
+  // COLMAP has no --version. Its help begins with the version.
   const std::string flag = program == "colmap" ? "help" : "--version";
   const Finished finished = RunToEnd(
       path, {flag}, {"QT_QPA_PLATFORM=offscreen"}, [] { return false; }, false);
-  // What a program that failed says is not its version: it would enter fingerprints, and all that
-  // hangs on the tool would be made anew twice.
+  // The output of a failed program is not a version. It would become part of fingerprints, and all
+  // steps that use the tool would run twice.
   if (!WIFEXITED(finished.status) || WEXITSTATUS(finished.status) != 0)
     throw ToolError(fmt::format(
-        "{} {} failed, so its version is not known ({}); its last lines:\n{}\nmend or install {} "
-        "anew, or run again if the "
-        "machine was short of memory",
+        "{} {} failed, so its version is not known ({}); its last lines:\n{}\nrepair or reinstall "
+        "{}, or run again if the machine was short of memory",
         path, flag, HowItEnded(finished.status), LastLines(finished.output, 6), program));
   std::istringstream lines(finished.output);
   for (std::string line; std::getline(lines, line);)
     if (line.find_first_not_of(" \t\r-") != std::string::npos) return line.substr(0, 200);
-  throw ToolError(fmt::format("{} {} says nothing, so its version is not known; install {} anew",
+  throw ToolError(fmt::format("{} {} prints nothing, so its version is not known; reinstall {}",
                               path, flag, program));
 }
 

@@ -3,10 +3,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/solvers/block_jacobi.h"
 #include "deform/solvers/sparse_pattern.h"
 
@@ -15,10 +17,11 @@ namespace keypose {
 namespace {
 
 constexpr double kSmallestCotangent = 1e-3, kHold = 1e-7;
-// of the first residual's energy: maps change with every turn anyway
+// of the first residual's energy; more accuracy is not needed, because the maps change in each
+// iteration
 constexpr double kSolverTolerance = 1e-2;
-constexpr double kBlockTolerance = 1e-4;  // the same where there is no factor
-constexpr int kBlockSteps = 3;            // steps there for each with a factor
+constexpr double kBlockTolerance = 1e-4;  // the same when there is no factor
+constexpr int kBlockSteps = 3;            // steps without a factor for each step with one
 constexpr std::int64_t kFitGrain = 1024;
 constexpr int kRootSteps = 30;
 constexpr double kRootTolerance = 1e-14, kWellDetermined = 1e-3;
@@ -33,16 +36,16 @@ Eigen::Matrix3d RotationBySvd(const Eigen::Matrix3d& m) {
 }  // namespace
 
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
-  // Markley 1993 (FOAM): with the sum of the singular values (the last one signed), the rotation is
-  // a polynomial of m.
+  // Source: Markley 1993 (FOAM). Given the sum of the singular values (the last one signed), the
+  // rotation is a polynomial of m.
   Eigen::Matrix3d cofactor;
   cofactor.row(0) = m.row(1).cross(m.row(2));
   cofactor.row(1) = m.row(2).cross(m.row(0));
   cofactor.row(2) = m.row(0).cross(m.row(1));
   const double squares = m.squaredNorm(), minors = cofactor.squaredNorm(),
                determinant = m.row(0).dot(cofactor.row(0));
-  // That sum is the largest root of a quartic with real roots: Newton's steps from above never pass
-  // it.
+  // This sum is the largest root of a quartic with real roots, so Newton's method from above
+  // converges to it.
   double sum = std::sqrt(3 * squares);
   for (int round = 0; round < kRootSteps; ++round) {
     const double square = sum * sum - squares;
@@ -52,7 +55,7 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
     sum -= step;
   }
   const double pairs = (sum * sum - squares) / 2, product = pairs * sum - determinant;
-  // Fans on a line and mirrored ones: the rotation is not unique or badly determined.
+  // For fans on a line and mirrored fans the rotation is not unique or ill-conditioned.
   if (!(product > kWellDetermined * sum * sum * sum)) return RotationBySvd(m);
   return ((pairs + squares) * m + sum * cofactor - m * (m.transpose() * m)) / product;
 }
@@ -75,7 +78,7 @@ ArapFit::ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::Vector
 }
 
 void ArapFit::BuildEdges(const FacesX3& faces, const Eigen::VectorXd& stiffness) {
-  // One entry for each corner and side, sorted: much faster than a map of edges.
+  // One entry for each corner and side, sorted. This is much faster than a map of edges.
   struct Half {
     int i, j;
     double w;
@@ -117,7 +120,7 @@ void ArapFit::BuildMatrix() {
   for (int i = 0; i < n; ++i) {
     double sum = 0;
     for (int s = offset_[i]; s < offset_[i + 1]; ++s) sum += weight_[s];
-    diagonal_[i] = static_cast<int>(rows.size());
+    diagonal_[i] = SizeOf(rows);
     rows.push_back(i);
     values.push_back(sum);
     for (int s = offset_[i]; s < offset_[i + 1]; ++s)
@@ -126,10 +129,10 @@ void ArapFit::BuildMatrix() {
         rows.push_back(neighbour_[s]);
         values.push_back(-weight_[s]);
       }
-    columns.push_back(static_cast<int>(rows.size()));
+    columns.push_back(SizeOf(rows));
   }
-  lower_ = Eigen::Map<const Eigen::SparseMatrix<double>>(
-      n, n, static_cast<Eigen::Index>(rows.size()), columns.data(), rows.data(), values.data());
+  lower_ = Eigen::Map<const Eigen::SparseMatrix<double>>(n, n, std::ssize(rows), columns.data(),
+                                                         rows.data(), values.data());
   system_ = lower_;
   if (factored_) factor_.Analyze(lower_);
   component_ = Components(n, edges, components_);
@@ -162,7 +165,8 @@ void ArapFit::SetWeights(const Eigen::VectorXd& weights) {
   if (factored_) factor_.Factor(system_);
 }
 
-// Stiffer edges alone would make the map no more rigid: both sides of the balance grow by them.
+// The rigidity must grow with the stiffness: stiffer edges alone scale both terms and do not make
+// the map more rigid.
 double ArapFit::Hold(int i) const {
   return rigidity_ * size_[i] * (stiffness_.size() > 0 ? stiffness_[i] : 1);
 }
@@ -176,7 +180,7 @@ Eigen::Matrix3d ArapFit::FanMap(const PointsX3& moved, int i) const {
     const Eigen::Vector3d pulled = weight_[s] * (at - moved.row(j).transpose());
     const double alike = smoothing_ * weight_[s];
     const Eigen::Matrix3d& other = previous_[j];
-    // Column by column, so that all stays in registers.
+    // Column by column, so that all values stay in registers.
     m.col(0) = (m.col(0) + pulled * edge[0]) + alike * other.col(0);
     m.col(1) = (m.col(1) + pulled * edge[1]) + alike * other.col(1);
     m.col(2) = (m.col(2) + pulled * edge[2]) + alike * other.col(2);

@@ -1,5 +1,4 @@
-// As-rigid-as-possible fitting: a mesh that keeps its shape while weighted goals pull at its
-// vertices.
+// As-rigid-as-possible fitting: deforms a mesh to weighted goals while it keeps its shape locally.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,71 +12,72 @@
 
 namespace keypose {
 
-/// Quadratic pulls on vertices, p^T Q p - 2 b^T p for each: points, planes, and sums of them.
+/// Quadratic energies that pull vertices to points and planes: p^T Q p - 2 b^T p for each vertex.
 struct Pulls {
   std::vector<Eigen::Matrix3d> q;  ///< V, symmetric, positive semidefinite
   PointsX3 b;                      ///< V x 3
 
   explicit Pulls(Eigen::Index vertices);
   void AddPoint(Eigen::Index vertex, double weight, const Eigen::Vector3d& goal);
-  /// weight (normal . (p - goal))^2, normal of unit length.
+  /// Adds weight (normal . (p - goal))^2; `normal` must have unit length.
   void AddPlane(Eigen::Index vertex, double weight, const Eigen::Vector3d& normal,
                 const Eigen::Vector3d& goal);
-  Eigen::VectorXd MeanWeights() const;  ///< V, a third of the traces
+  Eigen::VectorXd MeanWeights() const;  ///< V, a third of the trace of each q
 };
 
-/// Minimises E(p, A) = 1/2 sum_i sum_{j~i} c_ij |(p_i - p_j) - A_i (v_i - v_j)|^2 + kappa/2
-/// sum_{i~j} c_ij |A_i - A_j|^2
-///                     + rigidity/2 sum_i s_i |A_i - R(A_i)|^2 + pulls(p) by turns over the maps A
-///                     (local) and positions p (global).
+/// Minimises, alternately over the maps A (local) and the positions p (global),
 ///
-/// c_ij are the rest mesh's half cotangent sums, clamped to [1e-3, 20], times the stiffness of the
-/// edge; s_i is half the trace of the fan's second moments. With infinite rigidity the maps are
-/// rotations (as rigid as possible); with little they are affine maps that vary smoothly, so that a
-/// limb may squash or stretch as long as it does so evenly. The global system V x V is analysed
-/// once.
-/// Source: Sorkine and Alexa, SGP 2007; the smoothness term: Levi and Gotsman, TVCG 2015, there for
-/// rotations.
-/// Same bits for any thread count. Not for use from two threads at once.
+///     E(p, A) = 1/2 sum_i sum_{j~i} c_ij |(p_i - p_j) - A_i (v_i - v_j)|^2
+///             + kappa/2 sum_{i~j} c_ij |A_i - A_j|^2
+///             + rigidity/2 sum_i s_i |A_i - R(A_i)|^2 + pulls(p).
+///
+/// c_ij are half the sums of the rest mesh's cotangents, clamped to [1e-3, 20], times the stiffness
+/// of the edge. s_i is half the trace of the fan's second moments. With infinite rigidity the maps
+/// are rotations (as rigid as possible). With low rigidity they are affine maps that vary smoothly,
+/// so a limb may squash or stretch evenly. The global system V x V is analysed once.
+/// Source: Sorkine and Alexa, SGP 2007; the smoothness term: Levi and Gotsman, TVCG 2015, who use
+/// it for rotations.
+/// Same bits for any thread count. Two threads must not use one object at once.
 class ArapFit {
  public:
   /// @param rest       V x 3
-  /// @param stiffness  V, multiplies c at both ends of an edge (geometric mean) and the rigidity
-  /// there, or empty; see RigidPieces for
-  ///                   vertices that are painted so stiff that they form rigid pieces
-  /// @param smoothing  kappa [length^2]: maps vary little over less than sqrt(kappa)
-  /// @param factor     whether the system is factored; a large mesh that starts from where a
-  /// coarser one has come needs no factor
+  /// @param stiffness  V or empty; factor on c (geometric mean of an edge's ends) and on the
+  ///                   rigidity; see RigidPieces for very stiff vertices, which form rigid pieces
+  /// @param smoothing  kappa [length^2]: maps vary little over distances below sqrt(kappa)
+  /// @param factor  whether the system is factored; a large mesh that starts from a coarser level's
+  /// result needs no factor
   ArapFit(const PointsX3& rest, const FacesX3& faces, const Eigen::VectorXd& stiffness,
           double smoothing, bool factor = true);
 
   bool rigid() const { return rigidity_ >= kRigid; }
-  void SetRigidity(double rigidity);  ///< above 0; from 1e6 on it counts as infinite
-  /// Prepares the solver for pulls whose mean weights are about these (V, each >= 0). A part that
-  /// nothing pulls at is held by 1e-7.
+  void SetRigidity(double rigidity);  ///< above 0; from 1e6 on, infinite
+  /// Prepares the solver for pulls with about these mean weights (V, each >= 0). A connected part
+  /// without pulls gets a weight of 1e-7.
   /// @throws SolverError
   void SetWeights(const Eigen::VectorXd& weights);
-  /// Best map of each vertex's fan from rest to `moved`, near its neighbours' last ones.
+  /// Computes the best map of each vertex's fan from rest to `moved`, close to the previous maps of
+  /// its neighbours.
   void FitMaps(const PointsX3& moved);
-  /// Positions that minimise the shape term plus the pulls, by at most `steps` conjugate gradients
-  /// from `start`, preconditioned by the factor of the last SetWeights, or three times as many by
-  /// the diagonal's blocks where nothing is factored.
+  /// Positions that minimise the shape term plus the pulls, by at most `steps` conjugate gradient
+  /// steps from `start`. The preconditioner is the factor of the last SetWeights. Without a factor
+  /// it is the blocks on the diagonal, with up to three times as many steps.
   PointsX3 FitPositions(const Pulls& pulls, const PointsX3& start, int steps) const;
 
   const std::vector<Eigen::Matrix3d>& maps() const { return maps_; }
   void SetMaps(std::vector<Eigen::Matrix3d> maps) { maps_ = std::move(maps); }
   const Eigen::VectorXd& vertex_areas() const {
     return areas_;
-  }  ///< V, a third of the incident faces' [length^2]
-  /// The shape term over the fan's own size: 0 where it moved as its map says, about the squared
-  /// strain elsewhere. V.
+  }  ///< V, a third of the incident faces' areas [length^2]
+  /// The shape term of each vertex over the size of its fan: 0 when the fan moved exactly as its
+  /// map, else about the squared strain.
+  /// @return V
   Eigen::VectorXd Strain(const PointsX3& moved) const;
-  /// The factor by which the rest shape should grow to fit `moved` best under the current maps.
+  /// The factor on the rest shape that fits `moved` best under the current maps.
   double BestScale(const PointsX3& moved) const;
-  void ScaleRest(double factor);  ///< takes the rest shape larger or smaller
+  void ScaleRest(double factor);  ///< scales the rest shape
   const RigidPieces& pieces() const { return pieces_; }
-  /// Puts rigid pieces in shape, and says by which factor the rest shape should grow to fit them
-  /// best.
+  /// Moves the rigid pieces' vertices to their exact shape. Returns the factor on the rest shape
+  /// that fits them best.
   double StraightenPieces(PointsX3& moved) const { return pieces_.Straighten(rest_, moved); }
 
  private:
@@ -98,14 +98,14 @@ class ArapFit {
   Eigen::VectorXd areas_;
   Eigen::VectorXd stiffness_;  // or empty
   RigidPieces pieces_;
-  // the ring of vertex i: neighbour_[offset_[i] .. offset_[i+1])
+  // the neighbours of vertex i: neighbour_[offset_[i] .. offset_[i+1])
   std::vector<int> offset_, neighbour_;
   std::vector<double> weight_;
   std::vector<Eigen::Vector3d> edge_;     // of the rest shape, from each neighbour to the vertex
   std::vector<Eigen::Matrix3d> moments_;  // sum_j c_ij e e^T, and in its diagonal kappa sum_j c_ij
   std::vector<double> size_;              // half the trace of the first
-  std::vector<Eigen::Matrix3d> inverse_;  // of the moments with the rigidity; empty until maps that
-                                          // are no rotations are fitted
+  std::vector<Eigen::Matrix3d> inverse_;  // of the moments with the rigidity; empty until general
+                                          // (not rotation) maps are fitted
   std::vector<int> component_;
   int components_ = 0;
   Eigen::SparseMatrix<double> lower_, system_;
@@ -115,8 +115,8 @@ class ArapFit {
   std::vector<Eigen::Matrix3d> maps_, previous_;
 };
 
-/// The rotation nearest to m (det > 0 always). Scaled Newton iterations; a singular value
-/// decomposition where those do not serve.
+/// The rotation nearest to m (det > 0 always). Uses a polynomial of m with a root found by Newton's
+/// method, or a singular value decomposition for degenerate m.
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m);
 
 }  // namespace keypose

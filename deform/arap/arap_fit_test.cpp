@@ -42,7 +42,7 @@ TEST(NearestRotation, ReachesTheLargestTraceOnRandomMirroredAndFlatMatrices) {
   std::mt19937 random(7);
   for (int k = 0; k < 2000; ++k) {
     const Eigen::Matrix3d m = RandomMatrix(random);
-    ExpectNearestRotation(m);  // half of these mirror
+    ExpectNearestRotation(m);  // half of these are mirrored
     ExpectNearestRotation(1e-9 * m);
     ExpectNearestRotation(1e9 * m);
     Eigen::Matrix3d flat = m;
@@ -112,8 +112,8 @@ double Energy(const Mesh& mesh, const std::map<std::pair<int, int>, double>& c, 
 
 Mesh Bar() { return MakeCylinder(0.3, 2, 10, 12); }
 
-/// Point pulls at the ends, plane pulls between; a bend and a stretch that no rigid motion
-/// explains.
+/// Point pulls at the ends and plane pulls between them. The goals bend and stretch the mesh, which
+/// no rigid motion can do.
 Pulls MixedPulls(const Mesh& mesh) {
   Pulls pulls(mesh.vertex_count());
   for (int v = 0; v < mesh.vertex_count(); v += 7) {
@@ -156,7 +156,7 @@ TEST(ArapFit, GlobalStepIsTheDenseLeastSquaresSolution) {
   fit.SetWeights(pulls.MeanWeights());
   PointsX3 found = mesh.points;
   for (int k = 0; k < 6; ++k)
-    // one call stops at 1e-3 of the error it began with
+    // one call stops at 1e-3 of the initial error
     found = fit.FitPositions(pulls, found, 300);
 
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(3 * n, 3 * n);
@@ -246,7 +246,7 @@ TEST(ArapFit, NothingPullsFurtherAtTheSolution) {
                       (2 * h),
                   0, 2e-5)
           << v << ' ' << d;
-      // Maps may only turn: the energy is stationary along infinitesimal rotations of each.
+      // Maps can only rotate, so the energy is stationary under infinitesimal rotations of each.
       std::vector<Eigen::Matrix3d> turned = fit.maps(), back = turned;
       turned[v] = Eigen::AngleAxisd(h, Eigen::Vector3d::Unit(d)) * turned[v];
       back[v] = Eigen::AngleAxisd(-h, Eigen::Vector3d::Unit(d)) * back[v];
@@ -338,7 +338,7 @@ TEST(ArapFit, SameBitsAtOneAndTwoThreads) {
 }
 
 TEST(ArapFit, WithoutAFactorAStartCloseByComesAsFar) {
-  // A ripple on a tube whose bend is right already: what a coarser mesh leaves to do.
+  // A ripple on a tube whose bend is already right, as after a fit on a coarser mesh.
   const Mesh tube = MakeCylinder(0.3, 2, 60, 80);
   const auto bent = [](const PointsX3& points) {
     PointsX3 b = points;

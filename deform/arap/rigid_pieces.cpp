@@ -4,17 +4,18 @@
 #include <utility>
 
 #include "core/camera.h"
+#include "core/size_of.h"
 #include "deform/solvers/sparse_pattern.h"
 
 namespace keypose {
 
 namespace {
 
-constexpr std::size_t kFewest = 3;  // vertices that have a rotation
+constexpr std::size_t kFewest = 3;  // vertices that determine a rotation
 
 struct Fit {
-  Similarity3 motion;  ///< of the rest shape, at its own size
-  double scale = 1;    ///< that would fit better still
+  Similarity3 motion;  ///< of the rest shape, without scale
+  double scale = 1;    ///< scale that would fit best
   double weight = 0;
 };
 
@@ -48,7 +49,7 @@ RigidPieces::RigidPieces(const FacesX3& faces, const Eigen::VectorXd& stiffness,
         edges.emplace_back(std::min(a, b), std::max(a, b));
     }
   int count = 0;
-  const std::vector<int> component = Components(static_cast<int>(stiffness.size()), edges, count);
+  const std::vector<int> component = Components(SizeOf(stiffness), edges, count);
   std::vector<std::vector<int>> members(count);
   for (Eigen::Index v = 0; v < stiffness.size(); ++v)
     if (stiffness[v] >= kFrom) members[component[v]].push_back(static_cast<int>(v));

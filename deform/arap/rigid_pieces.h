@@ -1,4 +1,4 @@
-// Pieces of a surface that may move but not bend, stretch or shear.
+// Pieces of a surface that can move but not bend, stretch or shear.
 #pragma once
 
 #include <vector>
@@ -7,10 +7,10 @@
 
 namespace keypose {
 
-/// Connected regions that were painted so stiff that each is to move as one rigid body.
+/// Connected regions with such a high stiffness that each moves as a rigid body.
 class RigidPieces {
  public:
-  static constexpr double kFrom = 100;  ///< stiffness from which on vertices belong to a piece
+  static constexpr double kFrom = 100;  ///< lowest stiffness of vertices in a piece
 
   RigidPieces() = default;
   /// @param stiffness  V, or empty: no pieces
@@ -23,16 +23,17 @@ class RigidPieces {
   }                                             ///< vertices of each, ascending; three or more
   double area_share() const { return share_; }  ///< of the whole surface
 
-  /// The stiffness that the shape term is to use: stiff edges would only keep a piece from turning
-  /// and growing as the surface asks.
+  /// The stiffness for the shape term: 1 in rigid pieces. Stiff edges would only hinder the
+  /// rotation and scaling of a piece.
   static Eigen::VectorXd Held(const Eigen::VectorXd& stiffness) {
     return (stiffness.array() >= kFrom).select(1, stiffness.array());
   }
-  /// Gives all vertices of a piece the rotation that brings its rest shape nearest to where it is.
+  /// Sets the maps of all vertices of a piece to the rotation that aligns its rest shape best with
+  /// `moved`.
   void ShareMaps(const PointsX3& rest, const PointsX3& moved,
                  std::vector<Eigen::Matrix3d>& maps) const;
-  /// Puts each piece's rest shape where it fits best, and says by which factor the pieces' rest
-  /// shapes should grow to fit best.
+  /// Replaces each piece in `moved` by its best fitting rest shape. Returns the factor on the
+  /// pieces' rest shapes that fits best.
   double Straighten(const PointsX3& rest, PointsX3& moved) const;
 
  private:

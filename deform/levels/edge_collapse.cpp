@@ -9,20 +9,22 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose {
 
 namespace {
 
-constexpr double kFoldCosine = 0.2;  // a collapse may not turn a face further than this
-// of squared edge length, so that flat regions thin out evenly
+constexpr double kFoldCosine =
+    0.2;  // smallest cosine of the angle by which a collapse may turn a face
+// weight of the squared edge length, so that flat regions are decimated evenly
 constexpr double kLengthWeight = 1e-3;
-constexpr double kNeedle = 0.05;  // doubled area over the longest side squared, at least
+constexpr double kNeedle = 0.05;  // lower limit of twice the area over the longest side squared
 constexpr int kLargestValence = 16;
 constexpr std::int64_t kDecimationGrain = 4096;
-constexpr double kShare = 0.5;  // of the vertices that may go in a round
-constexpr int kPerRemoved = 6;  // candidates for each vertex that has still to go
-// of the vertices: fewer removed in a round end the rounds
+constexpr double kShare = 0.5;  // of the vertices: candidates for collapse in a round
+constexpr int kPerRemoved = 6;  // candidates for each vertex that must still be removed
+// of the vertices: the rounds end when one removes fewer
 constexpr double kFewestRemoved = 0.0005;
 
 using Face = std::array<int, 3>;
@@ -35,7 +37,7 @@ double Cost(const DecimatedMesh& mesh, const Quadric& quadric, int v, int w) {
   return quadric.At(x) + kLengthWeight * length2 * length2;
 }
 
-/// Whether the faces around v, `around`, neither fold nor become needles when v moves to w.
+/// Whether the faces `around` v neither fold over nor become too thin when v moves to w.
 template <class FacesAround>
 bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, int w) {
   const Eigen::Vector3d from = mesh.points.row(v), to = mesh.points.row(w);
@@ -46,7 +48,7 @@ bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, i
     const Eigen::Vector3d a = mesh.points.row(c[(k + 1) % 3]), b = mesh.points.row(c[(k + 2) % 3]);
     const Eigen::Vector3d before = (a - from).cross(b - from), after = (a - to).cross(b - to);
     if (!(before.dot(after) > kFoldCosine * before.norm() * after.norm())) return false;
-    // Needles would make the Laplacian of the coarse mesh useless.
+    // Very thin faces would make the Laplacian of the coarse mesh useless.
     const double longest2 =
         std::max({(a - to).squaredNorm(), (b - to).squaredNorm(), (a - b).squaredNorm()});
     if (after.norm() < kNeedle * longest2) return false;
@@ -54,7 +56,7 @@ bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, i
   return true;
 }
 
-/// Sets of vertices that are emptied at no cost.
+/// A set of vertices that can be cleared at no cost.
 class Marks {
  public:
   explicit Marks(std::size_t size) : stamp_(size, 0) {}
@@ -67,7 +69,7 @@ class Marks {
   int now_ = 1;
 };
 
-/// Vertices around v, each once; they are what `marks` holds then, with v itself.
+/// The vertices around v, each once. Afterwards `marks` holds them and v.
 template <class FacesAround>
 void Neighbours(const DecimatedMesh& mesh, const FacesAround& around, int v, Marks& marks,
                 std::vector<int>& out) {
@@ -79,7 +81,7 @@ void Neighbours(const DecimatedMesh& mesh, const FacesAround& around, int v, Mar
       if (marks.Add(w)) out.push_back(w);
 }
 
-/// Whether the surface hangs together as before when v, with neighbours `ring`, goes to w, whose
+/// Whether the topology stays the same when v, with neighbours `ring`, collapses into w, whose
 /// neighbours are marked.
 template <class FacesAround>
 bool KeepsTopology(const DecimatedMesh& mesh, const FacesAround& around_v,
@@ -90,7 +92,8 @@ bool KeepsTopology(const DecimatedMesh& mesh, const FacesAround& around_v,
   for (int f : around_v) shared_faces += Has(mesh.faces[f], w);
   for (int x : ring) common += x != w && marked.Has(x);
   const int merged_valence = static_cast<int>(ring_of_w + ring.size()) - common;
-  // A vertex on the boundary may only slide along it: it has one more neighbour than faces.
+  // A vertex on the boundary, which has one more neighbour than faces, may only collapse along the
+  // boundary.
   const bool on_boundary = ring.size() != around_v.size();
   return shared_faces == common && shared_faces == (on_boundary ? 1 : 2) &&
          merged_valence <= kLargestValence;
@@ -109,7 +112,7 @@ void AddFaces(DecimatedMesh& mesh) {
   }
 }
 
-/// Leaves out dead vertices and faces.
+/// Removes deleted vertices and faces.
 void Compact(DecimatedMesh& mesh, const std::vector<char>& alive,
              const std::vector<char>& face_alive) {
   std::vector<int> index(mesh.vertex.size(), -1);
@@ -173,8 +176,8 @@ struct HalfEdgeDecimator::Impl {
       return cost != o.cost ? cost > o.cost : vertex > o.vertex;
     }
   };
-  /// The cheapest way that a vertex could go: where, at what cost. `to` is -1 when it has to be
-  /// found again.
+  /// The cheapest collapse of a vertex: its target and cost. `to` is -1 when it must be computed
+  /// again.
   struct Best {
     double cost = std::numeric_limits<double>::infinity();
     int to = -1, version = 0;
@@ -267,14 +270,15 @@ void HalfEdgeDecimator::Impl::Collapse(int v, int w) {
   FindBest(w);
   Push(w);
   for (int x : ring)
-    best[x].to = x == w || marks.Has(x) ? best[x].to
-                                        : -1;  // at the tip of a boundary a neighbour may be lost
+    best[x].to = x == w || marks.Has(x)
+                     ? best[x].to
+                     : -1;  // at a corner of the boundary a neighbour may lose its last face
   const std::vector<int> touched = other_ring;
   for (int x : touched) Update(x, v, w);
 }
 
-/// After `gone` went into `into`: the ring of its neighbour x has lost the one and gained the
-/// other, if it did not have it before.
+/// Updates neighbour x after `gone` collapsed into `into`: its ring loses `gone` and gains `into`,
+/// unless it had it before.
 void HalfEdgeDecimator::Impl::Update(int x, int gone, int into) {
   Best& b = best[x];
   const double before = b.cost;
@@ -310,11 +314,11 @@ DecimatedMesh HalfEdgeDecimator::Rest() const {
 
 namespace {
 
-/// One round of collapses that do not touch each other.
+/// One round of collapses whose neighbourhoods do not touch.
 class Round {
  public:
   explicit Round(DecimatedMesh& mesh);
-  /// @return how many vertices went, at most `most`
+  /// @return the number of removed vertices, at most `most`
   int Run(double share, int most, std::vector<int>& parent);
 
  private:
@@ -354,7 +358,7 @@ Round::Round(DecimatedMesh& mesh) : mesh_(mesh), marks_(mesh.vertex.size()) {
   face_alive_.assign(mesh.faces.size(), 1);
 }
 
-/// The vertices with the cheapest ways to go, cheapest first.
+/// The vertices with the cheapest collapses, the cheapest first.
 std::vector<std::pair<float, int>> Round::Cheapest(std::size_t count) const {
   const std::size_t n = mesh_.vertex.size();
   std::vector<std::pair<float, int>> order(n);
@@ -363,8 +367,8 @@ std::vector<std::pair<float, int>> Round::Cheapest(std::size_t count) const {
                    for (std::int64_t i = begin; i < end; ++i) {
                      const int v = static_cast<int>(i);
                      double least = std::numeric_limits<double>::infinity();
-                     // The next corner in each face: all neighbours of a vertex inside, all but one
-                     // on the boundary.
+                     // The next corner in each face gives all neighbours of an inner vertex, and
+                     // all but one of a boundary vertex.
                      for (int f : FacesOf(v)) {
                        const Face& c = mesh_.faces[f];
                        least = std::min(least, Cost(mesh_, mesh_.quadrics[v], v,
@@ -407,7 +411,7 @@ void Round::Collapse(int v, int w, std::vector<int>& parent) {
   alive_[v] = 0;
   parent[mesh_.vertex[v]] = mesh_.vertex[w];
   mesh_.quadrics[w].Add(mesh_.quadrics[v]);
-  // The lists of faces of all around v are out of date, so they rest until the next round.
+  // The face lists of the vertices around v are out of date, so these wait until the next round.
   for (int x : ring_) locked_[x] = 1;
 }
 
@@ -428,10 +432,10 @@ int Round::Run(double share, int most, std::vector<int>& parent) {
 
 void DecimateInRounds(DecimatedMesh& mesh, int count, std::vector<int>& parent) {
   double share = kShare;
-  while (static_cast<int>(mesh.vertex.size()) > count) {
+  while (SizeOf(mesh.vertex) > count) {
     const auto before = static_cast<double>(mesh.vertex.size());
-    const int gone = Round(mesh).Run(share, static_cast<int>(mesh.vertex.size()) - count, parent);
-    if (gone >= kFewestRemoved * before || static_cast<int>(mesh.vertex.size()) == count) continue;
+    const int gone = Round(mesh).Run(share, SizeOf(mesh.vertex) - count, parent);
+    if (gone >= kFewestRemoved * before || SizeOf(mesh.vertex) == count) continue;
     if (share == 1) return;
     share = 1;
   }

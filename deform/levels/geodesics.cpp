@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/levels/step_queue.h"
 
 namespace keypose {
@@ -22,7 +24,7 @@ struct Arc {
   double length;
 };
 
-/// The edge with the two corners opposite to it (-1 where there is none; further faces of a
+/// An edge and the two corners opposite to it (-1 when there is none; further faces of a
 /// non-manifold edge are ignored).
 struct SharedEdge {
   int a, b, left, right;
@@ -59,8 +61,8 @@ std::vector<SharedEdge> SharedEdges(const FacesX3& faces) {
   return edges;
 }
 
-/// Length of the straight way from `left` to `right` over the edge when both faces lie in one
-/// plane; infinite when it misses the edge.
+/// Length of the straight line from `left` to `right` across the edge after both faces are unfolded
+/// into one plane. Infinite when the line misses the edge.
 double UnfoldedLength(const SharedEdge& edge, const PointsX3& points) {
   const Eigen::RowVector3d along = points.row(edge.b) - points.row(edge.a);
   const double length = along.norm();
@@ -100,13 +102,13 @@ std::vector<int> ComponentOf(const std::vector<std::vector<int>>& neighbors) {
 }
 
 PointsX3 SomeRows(const PointsX3& points, const std::vector<int>& rows) {
-  PointsX3 some(static_cast<Eigen::Index>(rows.size()), 3);
+  PointsX3 some(std::ssize(rows), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) some.row(i) = points.row(rows[i]);
   return some;
 }
 
-/// One arc from each further piece to the nearest vertex of what is joined already; pieces join in
-/// order of size.
+/// One arc from each further piece to the nearest vertex of the pieces that are joined already.
+/// Pieces are joined in order of size.
 std::vector<Arc> Bridges(const PointsX3& points, const std::vector<std::vector<int>>& neighbors) {
   const std::vector<int> component = ComponentOf(neighbors);
   const int count =
@@ -166,16 +168,16 @@ GeodesicGraph::GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways 
       ways_[fill[from]++] = {arc.length, to};
     total += arc.length;
   }
-  // A step is a quarter of the mean length: no distance has more than four times as many steps as
-  // there are arcs.
+  // A step is a quarter of the mean length, so no distance has more than four times as many steps
+  // as there are arcs.
   steps_per_length_ = 4 * static_cast<double>(arcs.size()) / total;
   if (!std::isfinite(steps_per_length_)) steps_per_length_ = 0;
 }
 
 void GeodesicGraph::Spread(const std::vector<int>& seeds, Eigen::VectorXd& distance,
                            std::vector<int>* nearest) const {
-  // Within a step a vertex may be visited again, with a smaller distance. The end is the same as
-  // with a heap, bit for bit: the least of all sums along ways. It takes a third of the time.
+  // Within a step a vertex may be visited again with a smaller distance. The result is bit for bit
+  // that of a heap: the smallest sum along all paths. It takes a third of the time.
   StepQueue queue(steps_per_length_);
   for (const int seed : seeds) queue.Put(seed, distance[seed]);
   queue.Run([&](int v, double here) {
@@ -205,7 +207,7 @@ Eigen::VectorXd GeodesicGraph::From(const std::vector<int>& sources,
 }
 
 Eigen::MatrixXd GeodesicGraph::Rows(const std::vector<int>& sources) const {
-  Eigen::MatrixXd columns(size(), static_cast<Eigen::Index>(sources.size()));
+  Eigen::MatrixXd columns(size(), std::ssize(sources));
   ParallelFor(columns.cols(), [&](std::int64_t s) { columns.col(s) = From({sources[s]}); });
   return columns.transpose();
 }
@@ -213,18 +215,18 @@ Eigen::MatrixXd GeodesicGraph::Rows(const std::vector<int>& sources) const {
 std::vector<int> GeodesicGraph::FarthestPoints(int count, std::vector<int> given) const {
   count = std::min(count, size());
   if (given.empty()) {
-    // The vertex farthest from any vertex is an end of some limb, whichever vertex one starts from.
+    // The vertex farthest from any given vertex is the end of a limb.
     Eigen::Index end = 0;
     From({0}).maxCoeff(&end);
     given.push_back(static_cast<int>(end));
   }
   Eigen::VectorXd distance = From(given);
-  while (static_cast<int>(given.size()) < count) {
+  while (SizeOf(given) < count) {
     Eigen::Index farthest = 0;
     if (!(distance.maxCoeff(&farthest) > 0)) break;
     given.push_back(static_cast<int>(farthest));
-    // Only what lies nearer to the new point than to all others can change, so the search stops
-    // there.
+    // Only distances of vertices that are nearer to the new point than to all others change, so the
+    // search stops beyond these.
     distance[farthest] = 0;
     Spread({static_cast<int>(farthest)}, distance, nullptr);
   }
@@ -246,7 +248,7 @@ std::vector<Peak> FindPeaks(const std::vector<std::vector<int>>& neighbors,
     return v;
   };
   std::vector<Peak> peaks;
-  for (const int v : order) {  // a peak dies where its basin meets that of a higher one
+  for (const int v : order) {  // a peak ends where its region meets that of a higher one
     parent[v] = v;
     peak[v] = v;
     for (const int w : neighbors[v]) {

@@ -1,32 +1,33 @@
-// Distances along a small mesh, spread samples, and the ends of limbs.
+// Geodesic distances on a small mesh, evenly distributed samples, and the ends of limbs.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 
 namespace keypose {
 
-/// Edges of a mesh plus the straight way across each edge between its two opposite corners,
-/// unfolded; shortest ways over it overestimate true geodesics by a few percent. Pieces that do not
-/// touch are joined by their closest vertices, so that every distance is finite.
+/// A graph of the mesh's edges and, across each edge, the straight line between the two opposite
+/// corners in the unfolded plane. Its shortest paths overestimate geodesic distances by a few
+/// percent. Separate pieces are joined at their closest vertices, so all distances are finite.
 class GeodesicGraph {
  public:
-  enum Ways { kEdgesOnly, kUnfolded };  ///< kEdgesOnly: faster, distances up to 15 % too long
+  enum Ways { kEdgesOnly, kUnfolded };  ///< kEdgesOnly: faster, distances are up to 15 % too long
   /// @throws InputError  no vertices
   GeodesicGraph(const PointsX3& points, const FacesX3& faces, Ways ways = kUnfolded);
-  int size() const { return static_cast<int>(offset_.size()) - 1; }
-  /// Distance of every vertex to the nearest source; `nearest`, when given, becomes the index into
-  /// `sources` of that one.
+  int size() const { return SizeOf(offset_) - 1; }
+  /// The distance of each vertex from the nearest source. `nearest`, if given, receives the index
+  /// of that source in `sources`.
   Eigen::VectorXd From(const std::vector<int>& sources, std::vector<int>* nearest = nullptr) const;
-  /// S x V, one row a source.
+  /// Distances of all vertices from each source, S x V.
   /// Same bits for any thread count.
   Eigen::MatrixXd Rows(const std::vector<int>& sources) const;
-  /// `count` vertices, each the farthest from those before it, starting with `given` (which are
-  /// kept) or with a vertex at an end.
+  /// `count` vertices, each the farthest from those before it. Starts with `given`, or with a
+  /// vertex at the end of a limb.
   std::vector<int> FarthestPoints(int count, std::vector<int> given = {}) const;
-  /// Neighbours over edges of the mesh proper.
+  /// Neighbours of each vertex by edges of the mesh.
   const std::vector<std::vector<int>>& neighbors() const { return neighbors_; }
 
  private:
@@ -34,24 +35,25 @@ class GeodesicGraph {
     double length;
     int to;
   };
-  /// Lowers `distance` along all ways from the seeds (whose distance is set), and where given takes
-  /// over the index of the nearest source.
+  /// Lowers `distance` along all paths from the seeds, whose distance is set. If `nearest` is
+  /// given, the index of the nearest source is passed on as well.
   void Spread(const std::vector<int>& seeds, Eigen::VectorXd& distance,
               std::vector<int>* nearest) const;
 
   std::vector<int> offset_;
   std::vector<Way> ways_;
-  double steps_per_length_ = 0;  ///< of the queue of a search
+  double steps_per_length_ = 0;  ///< of a search's queue
   std::vector<std::vector<int>> neighbors_;
 };
 
-/// A local maximum of a field, and by how much the field falls on the best way to a higher one (its
-/// own height for the highest).
+/// A local maximum of a field. Its persistence is the least drop of the field on a path to a higher
+/// maximum; for the highest one of a connected part it is its height above the field's minimum.
 struct Peak {
   int vertex = -1;
   double persistence = 0;
 };
-/// Peaks of the field over the mesh's edges, most persistent first. Deterministic (ties by index).
+/// The local maxima of a field on the mesh's edge graph, the most persistent first. Deterministic
+/// (ties by index).
 std::vector<Peak> FindPeaks(const std::vector<std::vector<int>>& neighbors,
                             const Eigen::VectorXd& field);
 

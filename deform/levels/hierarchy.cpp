@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/levels/edge_collapse.h"
 
 namespace keypose {
@@ -26,7 +28,7 @@ CoarseLevel LevelOf(DecimatedMesh mesh, const std::vector<int>& finer_vertices,
   }
   level.fine = std::move(mesh.vertex);
   level.points = std::move(mesh.points);
-  level.faces.resize(static_cast<Eigen::Index>(mesh.faces.size()), 3);
+  level.faces.resize(std::ssize(mesh.faces), 3);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
     level.faces.row(f) << mesh.faces[f][0], mesh.faces[f][1], mesh.faces[f][2];
   return level;
@@ -45,8 +47,7 @@ std::vector<CoarseLevel> MakeHierarchy(const PointsX3& points, const FacesX3& fa
   std::optional<HalfEdgeDecimator> one_by_one;
   for (int count : counts) {
     if (!one_by_one) DecimateInRounds(mesh, std::max(count, kInRounds), parent);
-    if (!one_by_one && static_cast<int>(mesh.vertex.size()) > count)
-      one_by_one.emplace(std::move(mesh), parent);
+    if (!one_by_one && SizeOf(mesh.vertex) > count) one_by_one.emplace(std::move(mesh), parent);
     if (one_by_one) one_by_one->DecimateTo(count);
     DecimatedMesh now = one_by_one ? one_by_one->Rest() : mesh;
     if (static_cast<double>(now.vertex.size()) > 0.8 * static_cast<double>(finer.size())) continue;
@@ -89,7 +90,7 @@ Prolongation MakeProlongation(const PointsX3& fine_points, const CoarseLevel& co
       p.node.push_back(k);
       p.weight.push_back(static_cast<float>(std::exp(-(d2 - near[0].first) / width2) / sum));
     }
-    p.offset.push_back(static_cast<int>(p.node.size()));
+    p.offset.push_back(SizeOf(p.node));
   }
   return p;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -10,10 +11,10 @@
 namespace keypose {
 
 namespace {
-// of the source's extent: differences at a landmark itself are judged against this
+// of the source's extent: keeps relative differences finite near a landmark
 constexpr float kNear = 0.05F;
 constexpr int kBlock = 64;
-// ways along the inside of a bend are shorter, hardly any are longer
+// quantile: paths along the inside of a bend get shorter, and hardly any get longer
 constexpr double kGrowthQuantile = 0.7;
 }  // namespace
 
@@ -36,25 +37,24 @@ std::vector<LandmarkCoordinates::Match> LandmarkCoordinates::MatchVertices(
   Eigen::MatrixXf features(2 * marks, target_.cols());
   features << target_, target_.cwiseAbs2();
   std::vector<Match> matches(vertices.size());
-  ParallelBlocks(static_cast<std::int64_t>(vertices.size()), kBlock,
-                 [&](std::int64_t begin, std::int64_t end) {
-                   Eigen::MatrixXf queries(end - begin, 2 * marks);
-                   Eigen::VectorXf constants(end - begin);
-                   for (std::int64_t k = begin; k < end; ++k) {
-                     const Eigen::ArrayXf s = source_.col(vertices[k]).array(),
-                                          w = 1 / (s.square() + kNear * kNear);
-                     queries.row(k - begin).head(marks) = (-2 * w * s).matrix();
-                     queries.row(k - begin).tail(marks) = w.matrix();
-                     constants[k - begin] = (w * s.square()).sum();
-                   }
-                   const Eigen::MatrixXf cost = queries * features;
-                   for (std::int64_t k = begin; k < end; ++k) {
-                     Eigen::Index best = 0;
-                     const float least = cost.row(k - begin).minCoeff(&best) + constants[k - begin];
-                     matches[k] = {static_cast<int>(best),
-                                   std::sqrt(std::max(0.0F, least) / static_cast<float>(marks))};
-                   }
-                 });
+  ParallelBlocks(std::ssize(vertices), kBlock, [&](std::int64_t begin, std::int64_t end) {
+    Eigen::MatrixXf queries(end - begin, 2 * marks);
+    Eigen::VectorXf constants(end - begin);
+    for (std::int64_t k = begin; k < end; ++k) {
+      const Eigen::ArrayXf s = source_.col(vertices[k]).array(),
+                           w = 1 / (s.square() + kNear * kNear);
+      queries.row(k - begin).head(marks) = (-2 * w * s).matrix();
+      queries.row(k - begin).tail(marks) = w.matrix();
+      constants[k - begin] = (w * s.square()).sum();
+    }
+    const Eigen::MatrixXf cost = queries * features;
+    for (std::int64_t k = begin; k < end; ++k) {
+      Eigen::Index best = 0;
+      const float least = cost.row(k - begin).minCoeff(&best) + constants[k - begin];
+      matches[k] = {static_cast<int>(best),
+                    std::sqrt(std::max(0.0F, least) / static_cast<float>(marks))};
+    }
+  });
   return matches;
 }
 
@@ -71,16 +71,6 @@ double LandmarkCoordinates::Growth() const {
                   static_cast<std::ptrdiff_t>(kGrowthQuantile * static_cast<double>(ratios.size()));
   std::nth_element(ratios.begin(), at, ratios.end());
   return *at;
-}
-
-double LandmarkCoordinates::Mismatch(int source_vertex, const Eigen::Vector3i& corners,
-                                     const Eigen::Vector3d& barycentric) const {
-  const Eigen::Vector3f b = barycentric.cast<float>();
-  const Eigen::ArrayXf t = (b[0] * target_.col(corners[0]) + b[1] * target_.col(corners[1]) +
-                            b[2] * target_.col(corners[2]))
-                               .array();
-  const Eigen::ArrayXf s = source_.col(source_vertex).array();
-  return std::sqrt(((s - t).square() / (s.square() + kNear * kNear)).mean());
 }
 
 }  // namespace keypose

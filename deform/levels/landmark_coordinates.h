@@ -1,5 +1,5 @@
-// Where a point lies along the surface, told by its distances to the landmarks: the same in every
-// pose.
+// Positions on a surface, described by geodesic distances to landmarks. They are the same in all
+// poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,10 +9,11 @@
 
 namespace keypose {
 
-/// Distances over the surface from every vertex of two meshes to landmarks that belong together.
+/// Geodesic distances from all vertices of two meshes to pairs of landmarks.
 ///
-/// Bending keeps them, so they tell a left leg from a right one, and a tail from the leg it rests
-/// on. Far landmarks count less: a difference is judged relative to the distance.
+/// Bending does not change these distances, so they distinguish a left leg from a right one, and a
+/// tail from the leg it rests on. Differences are relative to the distance, so distant landmarks
+/// have less weight.
 class LandmarkCoordinates {
  public:
   /// @param source_marks, target_marks  L vertices each, in pairs; L >= 1
@@ -25,17 +26,15 @@ class LandmarkCoordinates {
   };
   /// The target vertex with the most similar distances, for each of `vertices` of the source.
   std::vector<Match> MatchVertices(const std::vector<int>& vertices) const;
-  /// Mismatch between a source vertex and a point of the target's face.
-  double Mismatch(int source_vertex, const Eigen::Vector3i& corners,
-                  const Eigen::Vector3d& barycentric) const;
 
-  /// The factor by which the target is larger, from the ratios of the landmarks' distances to each
-  /// other: their 70 % quantile, since short cuts along the inside of bends make some small. It
-  /// needs no whole surface and no pose. 1 when all landmarks coincide.
+  /// The scale of the target relative to the source: the 70 % quantile of the ratios of distances
+  /// between landmarks. A high quantile is used because short cuts along the inside of bends make
+  /// some ratios too small. It does not need a complete surface or a pose. 1 when all landmarks
+  /// coincide.
   double Growth() const;
   void GrowSource(double factor) {
     source_ *= static_cast<float>(factor);
-  }  ///< as if the source were larger
+  }  ///< scales the source's distances
 
  private:
   Eigen::MatrixXf source_, target_;  // L x V

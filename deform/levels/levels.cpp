@@ -1,6 +1,7 @@
 #include "deform/levels/levels.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/geometry.h"
@@ -9,13 +10,14 @@ namespace keypose {
 
 namespace {
 
-// vertices; larger levels only finish what coarser ones have begun
+// vertices; larger levels only refine the result of coarser ones
 constexpr Eigen::Index kMostFactored = 30000;
-constexpr Eigen::Index kFarApart = 20;  // a level this many times coarser leaves too much to do
+constexpr Eigen::Index kFarApart =
+    20;  // times fewer vertices: a coarser level would leave too much to the finer one
 
 Eigen::VectorXd Rows(const Eigen::VectorXd& values, const std::vector<int>& rows) {
   if (values.size() == 0) return {};
-  Eigen::VectorXd some(static_cast<Eigen::Index>(rows.size()));
+  Eigen::VectorXd some(std::ssize(rows));
   for (std::size_t k = 0; k < rows.size(); ++k)
     some[static_cast<Eigen::Index>(k)] = values[rows[k]];
   return some;

@@ -1,26 +1,28 @@
-// The queue of a search for shortest ways.
+// The queue of a search for shortest paths.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
+#include "core/size_of.h"
+
 namespace keypose {
 
-/// Vertices in line for each step of distance, first come first served.
+/// A bucket queue: vertices in order of insertion for each step of distance.
 class StepQueue {
  public:
   explicit StepQueue(double steps_per_length) : steps_per_length_(steps_per_length), lines_(64) {}
   void Put(int vertex, double distance) {
     const auto step = static_cast<std::size_t>(distance * steps_per_length_);
     if (step >= lines_.size()) lines_.resize(2 * step);
-    const int entry = static_cast<int>(entries_.size());
+    const int entry = SizeOf(entries_);
     entries_.push_back({distance, vertex, -1});
     Line& line = lines_[step];
     (line.first < 0 ? line.first : entries_[line.last].next) = entry;
     line.last = entry;
   }
-  /// Calls visit(vertex, distance) step by step; it may put further vertices into this step or a
-  /// later one.
+  /// Calls visit(vertex, distance) step by step. `visit` may put more vertices into the current
+  /// step or a later one.
   template <class Visit>
   void Run(const Visit& visit) {
     for (std::size_t step = 0; step < lines_.size(); ++step)

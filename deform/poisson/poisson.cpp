@@ -3,12 +3,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 #include "deform/poisson/poisson_impl.h"
 
@@ -27,7 +29,7 @@ std::vector<int> LowestVertexOfPart(Eigen::Index vertex_count, const FacesX3& fa
   return lowest;
 }
 
-/// Half cotangents of a triangle's corners, and its area; false where it has none.
+/// Half the cotangents of a triangle's corners, and its area. False when it has no area.
 bool Measure(const PointsX3& p, const FacesX3& faces, Eigen::Index f, EdgeWeights& half_cotangents,
              double& area) {
   const Eigen::Vector3d p0 = p.row(faces(f, 0)), p1 = p.row(faces(f, 1)), p2 = p.row(faces(f, 2));
@@ -47,13 +49,13 @@ bool Measure(const PointsX3& p, const FacesX3& faces, Eigen::Index f, EdgeWeight
 EdgeBatch::EdgeBatch(Eigen::Index faces, int frame_count)
     : frames(frame_count), stride((frame_count + kVectorWidth - 1) / kVectorWidth * kVectorWidth) {
   const std::size_t size = static_cast<std::size_t>(faces) * 6 * stride;
-  // Columns that no frame fills are summed too, so they must be numbers.
+  // Columns without a frame are summed as well, so they must be initialised.
   values_ = frames == stride ? std::make_unique_for_overwrite<double[]>(size)
                              : std::make_unique<double[]>(size);
 }
 
 EdgeBatch::EdgeBatch(std::span<const int> faces, int frame_count)
-    : EdgeBatch(static_cast<Eigen::Index>(faces.size()), frame_count) {
+    : EdgeBatch(std::ssize(faces), frame_count) {
   listed = faces;
   std::fill_n(values_.get(), faces.size() * 6 * stride, 0.0);
 }
@@ -116,8 +118,8 @@ void PoissonSystem::Impl::Weigh(const KeyRefs& keys) {
         for (int k = 0; k < 3; ++k) sum[k] += w[k];
         area[f] += a;
       }
-      // A face without area has no cotangents: an equilateral triangle's, made small, keep its
-      // corners joined.
+      // A face without area has no cotangents. Small weights of an equilateral triangle keep its
+      // corners connected.
       weights[f] = good ? sum : EdgeWeights{1e-3, 1e-3, 1e-3};
       if (!good) area[f] = 0;
     }
@@ -130,8 +132,8 @@ void PoissonSystem::Impl::Weigh(const KeyRefs& keys) {
 }
 
 Eigen::SparseMatrix<double> PoissonSystem::Impl::LowerLaplacian() const {
-  // Column j: its diagonal, then neighbours of higher index, gathered from its own faces in order:
-  // no two threads share a sum.
+  // Column j: its diagonal, then its neighbours of higher index, gathered from its own faces in
+  // order. So no two threads share a sum.
   using Entry = std::pair<int, double>;
   const auto column = [&](Eigen::Index j, std::vector<Entry>& entries) {
     entries.assign(1, {static_cast<int>(j), 0.0});
@@ -139,7 +141,7 @@ Eigen::SparseMatrix<double> PoissonSystem::Impl::LowerLaplacian() const {
       const int f = corners[at] / 3, k = corners[at] % 3;
       for (int side = 1; side <= 2; ++side) {
         const int other = faces(f, (k + side) % 3);
-        // of the edge between them, opposite the third corner
+        // weight of the edge between them, opposite the third corner
         const double w = weights[f][(k + 3 - side) % 3];
         if (other == j) continue;
         entries[0].second += w;
@@ -157,7 +159,7 @@ Eigen::SparseMatrix<double> PoissonSystem::Impl::LowerLaplacian() const {
     std::vector<Entry> entries;
     for (std::int64_t j = begin; j < end; ++j) {
       column(j, entries);
-      start[j + 1] = static_cast<int>(entries.size());
+      start[j + 1] = SizeOf(entries);
       blocks[begin / 1024].insert(blocks[begin / 1024].end(), entries.begin(), entries.end());
     }
   });
@@ -216,7 +218,7 @@ const std::vector<std::string>& PoissonSystem::dropped_rows() const { return imp
 double PoissonSystem::screening_length() const { return impl_->screening_length; }
 
 RowTargets PoissonSystem::RowsAt(const PointsX3& points) const {
-  RowTargets values = RowTargets::Zero(static_cast<Eigen::Index>(impl_->rows.size()), 3);
+  RowTargets values = RowTargets::Zero(std::ssize(impl_->rows), 3);
   for (std::size_t r = 0; r < impl_->rows.size(); ++r)
     for (const auto& [vertex, weight] : impl_->rows[r].terms)
       values.row(r) += weight * points.row(vertex);
@@ -226,13 +228,13 @@ RowTargets PoissonSystem::RowsAt(const PointsX3& points) const {
 std::vector<PointsX3> PoissonSystem::Impl::Fit(FrameRows& solved,
                                                const std::vector<RowTargets>& targets) const {
   for (const RowTargets& t : targets)
-    if (t.rows() != static_cast<Eigen::Index>(rows.size()))
+    if (t.rows() != std::ssize(rows))
       throw InputError("interpolate: one target a constraint row is needed");
-  if (static_cast<int>(targets.size()) != solved.frames)
+  if (SizeOf(targets) != solved.frames)
     throw InputError("interpolate: one set of targets a frame is needed");
   if (coupled == 0) solver.SolveRows(solved.values.get(), 3 * solved.stride);
   std::vector<PointsX3> frames(targets.size());
-  ParallelFor(static_cast<std::int64_t>(frames.size()), [&](std::int64_t t) {
+  ParallelFor(std::ssize(frames), [&](std::int64_t t) {
     frames[t].resize(n, 3);
     for (Eigen::Index i = 0; i < n; ++i) {
       const double* row = solved.Row(solver.rows()[i]) + t;
@@ -245,8 +247,7 @@ std::vector<PointsX3> PoissonSystem::Impl::Fit(FrameRows& solved,
     SolveWithRows(x, targets);
     for (int t = 0; t < solved.frames; ++t) frames[t] = x.middleCols<3>(3 * t);
   }
-  ParallelFor(static_cast<std::int64_t>(frames.size()),
-              [&](std::int64_t t) { CentreFreeParts(frames[t], targets[t]); });
+  ParallelFor(std::ssize(frames), [&](std::int64_t t) { CentreFreeParts(frames[t], targets[t]); });
   return frames;
 }
 
@@ -254,7 +255,7 @@ std::vector<PointsX3> PoissonSystem::Solve(const EdgeBatch& edges,
                                            const std::vector<RowTargets>& targets,
                                            const std::vector<Eigen::Matrix3d>& turns) const {
   FrameRows rows(impl_->n, edges.frames);
-  ParallelFor(static_cast<std::int64_t>(impl_->patch_begin.size()) - 1, [&](std::int64_t patch) {
+  ParallelFor(std::ssize(impl_->patch_begin) - 1, [&](std::int64_t patch) {
     for (int first = 0; first < edges.frames; first += kVectorWidth)
       impl_->Gather(static_cast<int>(patch), edges, turns.empty() ? nullptr : turns.data(), first,
                     rows);

@@ -1,7 +1,9 @@
-// Right-hand sides of PoissonSystem: wanted edges, made and gathered patch by patch.
+// Right-hand sides of PoissonSystem: wanted edges, computed and summed patch by patch.
 #include <algorithm>
+#include <iterator>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/poisson/poisson_impl.h"
 #include "deform/solvers/lanes.h"
 
@@ -11,7 +13,7 @@ namespace keypose {
 
 namespace {
 
-/// A turn for each of four frames.
+/// A rotation for each of four frames.
 struct LaneTurns {
   double m[3][3][kVectorWidth];
 };
@@ -19,7 +21,7 @@ struct LaneTurns {
 struct GatherJob {
   const int* row_begin;
   const RowCorner* corners;
-  const int* faces;  // none: edges are in the order of the patch
+  const int* faces;  // null: edges are in the order of the patch
   const double* edges;
   int stride;
   const LaneTurns* turns;
@@ -53,11 +55,11 @@ void PoissonSystem::Impl::CutPatches() {
       for (int at = first_corner[i]; at < first_corner[i + 1]; ++at) {
         const int f = corners[at] / 3, k = corners[at] % 3;
         if (place[f] < patch_begin[patch]) {
-          place[f] = static_cast<int>(patch_faces.size());
+          place[f] = SizeOf(patch_faces);
           patch_faces.push_back(f);
         }
-        // Corner k ends the edge opposite k+1 and starts the edge opposite k+2; both in terms of
-        // the edges from corner 0.
+        // Corner k is the end of the edge opposite k+1 and the start of the edge opposite k+2. Both
+        // are expressed by the edges from corner 0.
         const EdgeWeights& w = weights[f];
         row_corners.push_back({place[f] - patch_begin[patch],
                                k == 0   ? -w[2]
@@ -67,9 +69,9 @@ void PoissonSystem::Impl::CutPatches() {
                                : k == 1 ? -w[0]
                                         : w[0] + w[1]});
       }
-      row_begin.push_back(static_cast<int>(row_corners.size()));
+      row_begin.push_back(SizeOf(row_corners));
     }
-    patch_begin.push_back(static_cast<int>(patch_faces.size()));
+    patch_begin.push_back(SizeOf(patch_faces));
   }
 }
 
@@ -99,7 +101,7 @@ void PoissonSystem::Impl::RightHandSide(const FillEdges& fill,
                                         const std::vector<Eigen::Matrix3d>& turns,
                                         FrameRows& sums) const {
   constexpr int kPatchesTogether = 4;
-  ParallelBlocks(static_cast<std::int64_t>(patch_begin.size()) - 1, kPatchesTogether,
+  ParallelBlocks(std::ssize(patch_begin) - 1, kPatchesTogether,
                  [&](std::int64_t from, std::int64_t to) {
                    for (int patch = static_cast<int>(from); patch < to; ++patch) {
                      const std::span<const int> listed(patch_faces.data() + patch_begin[patch],

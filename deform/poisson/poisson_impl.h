@@ -1,4 +1,4 @@
-// Inside of PoissonSystem, shared by its sources only.
+// The implementation of PoissonSystem, used by its sources only.
 #pragma once
 
 #include <Eigen/LU>
@@ -11,13 +11,13 @@
 namespace keypose {
 
 constexpr int kVectorWidth = 4;
-/// their faces' edges at one vector of frames fit the second cache
+/// chosen so that the edges of a patch's faces at one vector of frames fit into the L2 cache
 constexpr int kPatchRows = 512;
 
 using EdgeWeights = std::array<double, 3>;  ///< of the edges opposite corners 0, 1, 2
 
-/// A corner of a row of unknowns: its face's place in the patch, and how much of the face's two
-/// edges the row takes.
+/// One face's contribution to a row of unknowns: the face's index in the patch, and the weights of
+/// its two edges.
 struct RowCorner {
   int face;
   double first, second;
@@ -36,7 +36,7 @@ struct PoissonSystem::Impl {
   // In poisson_edges.cpp.
   void CutPatches();
   /// Writes the patch's rows at frames first .. first + 3, from the edges of its faces (of all
-  /// faces, where the batch lists none).
+  /// faces, when the batch lists none).
   void Gather(int patch, const EdgeBatch& edges, const Eigen::Matrix3d* turns, int first,
               FrameRows& sums) const;
   void RightHandSide(const FillEdges& fill, const std::vector<Eigen::Matrix3d>& turns,
@@ -57,7 +57,7 @@ struct PoissonSystem::Impl {
   Eigen::Index n = 0;
   FacesX3 faces;
   PoissonOptions options;
-  // of each vertex: its part's lowest vertex, its part; of each part: its vertices
+  // for each vertex: the lowest vertex of its part, and its part; for each part: its vertex count
   std::vector<int> lowest, parts, part_size;
   int part_count = 0;
   std::vector<int> first_corner, corners;
@@ -66,16 +66,15 @@ struct PoissonSystem::Impl {
   double screening_length = 0;
   BlockCholesky solver, screened;
 
-  /// Patches: so many rows each, in the solver's order, and all faces that touch them. A corner of
-  /// a row: its face's place in the patch, and what its edges count.
+  /// Patches: up to kPatchRows rows each, in the solver's order, and all faces that touch them.
   std::vector<int> patch_begin, patch_faces, row_begin;
   std::vector<RowCorner> row_corners;
 
   std::vector<ConstraintRow> rows;
   std::vector<int> sources;
   std::vector<std::string> dropped;
-  int coupled = 0;  // the first rows, solved by multipliers; the others are centroids of parts that
-                    // nothing else touches
+  int coupled = 0;  // number of rows that are solved by multipliers; they come first, the others
+                    // are centroids of parts that no other row touches
   std::vector<int> touched_parts;  // parts that coupled rows reach
   Eigen::MatrixXd part_sums;       // coupled x touched: sums of the rows' weights over each part
   Eigen::MatrixXd compliance;      // C H^-1 C^T + diag(compliance)

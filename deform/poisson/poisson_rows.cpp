@@ -1,18 +1,20 @@
-// Linear conditions of PoissonSystem: multipliers, floors, projections.
+// Linear constraints of PoissonSystem: multipliers, floors, projections.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 
 #include "core/errors.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "deform/poisson/poisson_impl.h"
 
 namespace keypose {
 
 namespace {
 
-constexpr double kDependent = 1e-9;  // relative pivot below which a row follows from earlier ones
+constexpr double kDependent = 1e-9;  // relative pivot below which a row depends on earlier ones
 constexpr int kColumns = 48;
 constexpr int kMaxFloorPasses = 40;
 
@@ -31,13 +33,13 @@ ConstraintRow Checked(const ConstraintRow& row, Eigen::Index vertex_count) {
   return checked;
 }
 
-/// Rows of a symmetric positive semidefinite matrix that do not follow from earlier ones, by
-/// Cholesky without exchange.
+/// The rows of a symmetric positive semidefinite matrix that do not depend on earlier ones, by
+/// Cholesky without pivoting.
 std::vector<int> IndependentRows(const Eigen::MatrixXd& gram) {
   std::vector<int> kept;
   Eigen::MatrixXd l(gram.rows(), gram.rows());
   for (Eigen::Index i = 0; i < gram.rows(); ++i) {
-    const Eigen::Index k = static_cast<Eigen::Index>(kept.size());
+    const Eigen::Index k = std::ssize(kept);
     Eigen::VectorXd row(k);
     for (Eigen::Index j = 0; j < k; ++j)
       row[j] = (gram(i, kept[j]) - row.head(j).dot(l.row(j).head(j))) / l(j, j);
@@ -74,7 +76,7 @@ Eigen::MatrixXd PoissonSystem::Impl::ValuesOf(const std::vector<ConstraintRow>& 
 
 Eigen::MatrixXd PoissonSystem::Impl::Compliance(const BlockCholesky& system,
                                                 const std::vector<ConstraintRow>& some) const {
-  const Eigen::Index m = static_cast<Eigen::Index>(some.size());
+  const Eigen::Index m = std::ssize(some);
   Eigen::MatrixXd result(m, m);
   for (Eigen::Index begin = 0; begin < m; begin += kColumns) {
     const Eigen::Index count = std::min<Eigen::Index>(kColumns, m - begin);
@@ -110,15 +112,14 @@ void PoissonSystem::Impl::AddCentroidRows() {
     for (const auto& term : row.terms) touched[parts[term.first]] = 1;
   std::vector<int> place(part_count, -1);
   for (int p = 0; p < part_count; ++p)
-    if (touched[p]) place[p] = static_cast<int>(touched_parts.size()), touched_parts.push_back(p);
-  part_sums = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.size()),
-                                    static_cast<Eigen::Index>(touched_parts.size()));
+    if (touched[p]) place[p] = SizeOf(touched_parts), touched_parts.push_back(p);
+  part_sums = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(touched_parts));
   double scale = 0;
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (const auto& [vertex, weight] : rows[r].terms)
       part_sums(r, place[parts[vertex]]) += weight, scale = std::max(scale, std::abs(weight));
-  // Which parts the rows place: elimination by columns; a part without a pivot can still be shifted
-  // and gets its centroid.
+  // Finds the parts that the rows place, by elimination of columns. A part without a pivot can
+  // still be shifted and gets a centroid row.
   std::vector<char> needs(part_count, 0);
   Eigen::MatrixXd left = part_sums;
   for (std::size_t c = 0; c < touched_parts.size(); ++c) {
@@ -143,7 +144,7 @@ void PoissonSystem::Impl::AddCentroidRows() {
   };
   for (int p : touched_parts)
     if (needs[p]) add_centroid(p);
-  coupled = static_cast<int>(rows.size());
+  coupled = SizeOf(rows);
   part_sums.conservativeResize(coupled, Eigen::NoChange);
   for (int r = 0; r < coupled; ++r) {
     if (sources[r] >= 0) continue;
@@ -179,8 +180,8 @@ void PoissonSystem::Impl::SolveWithRows(Eigen::MatrixXd& x,
   for (std::size_t t = 0; t < targets.size(); ++t)
     gap.block(0, 3 * t, coupled, 3) -= targets[t].topRows(coupled);
   const Eigen::MatrixXd found = multipliers.solve(gap);
-  // Solved again with the multipliers' pull on the right: the columns H^-1 C^T, one a row, need not
-  // be kept.
+  // Solves again with the multipliers' forces on the right-hand side, so the columns H^-1 C^T, one
+  // for each row, need not be stored.
   x = rhs;
   for (Eigen::Index c = 0; c < x.cols(); ++c)
     for (int r = 0; r < coupled; ++r) AddColumn(rows[r], -found(r, c), x.col(c));
@@ -207,7 +208,7 @@ void PoissonSystem::Impl::CentreFreeParts(PointsX3& points, const RowTargets& ta
     if (is_free[parts[i]]) points.row(i) += shift.row(parts[i]);
 }
 
-/// Search for the vertices that rest on the floor, and for the change of z that holds them there.
+/// Finds the vertices that rest on the floor, and the change of z that holds them there.
 class PoissonSystem::FloorSearch {
  public:
   FloorSearch(const Impl& system, const PointsX3& points, const std::vector<int>& candidates,
@@ -238,14 +239,13 @@ class PoissonSystem::FloorSearch {
   const std::vector<int>& active() const { return active_; }
 
  private:
-  /// Columns of H^-1 at newly active vertices, as far as they are needed: at active vertices and in
-  /// the rows.
+  /// Columns of H^-1 for newly active vertices. Only the needed entries are kept: at active
+  /// vertices and in the rows.
   void LearnCompliance() {
     std::vector<int> fresh;
     for (int i : active_)
-      if (place_[i] < 0)
-        place_[i] = static_cast<int>(known_.size()), known_.push_back(i), fresh.push_back(i);
-    const Eigen::Index k0 = own_.rows(), k1 = static_cast<Eigen::Index>(known_.size());
+      if (place_[i] < 0) place_[i] = SizeOf(known_), known_.push_back(i), fresh.push_back(i);
+    const Eigen::Index k0 = own_.rows(), k1 = std::ssize(known_);
     own_.conservativeResize(k1, k1);
     cross_.conservativeResize(s_.coupled, k1);
     for (std::size_t b = 0; b < fresh.size(); b += kColumns) {
@@ -262,11 +262,10 @@ class PoissonSystem::FloorSearch {
     }
   }
 
-  /// Multipliers of rows, of active vertices, and the parts' shifts, that hold the active vertices
-  /// at the floor.
+  /// The multipliers of rows and active vertices, and the shifts of parts, that hold the active
+  /// vertices at the floor.
   Eigen::VectorXd Hold() const {
-    const Eigen::Index m = s_.coupled, a = static_cast<Eigen::Index>(active_.size()),
-                       p = s_.part_sums.cols();
+    const Eigen::Index m = s_.coupled, a = std::ssize(active_), p = s_.part_sums.cols();
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + a + p, m + a + p);
     Eigen::VectorXd goal = Eigen::VectorXd::Zero(m + a + p);
     system.topLeftCorner(m, m) = s_.compliance;
@@ -284,11 +283,11 @@ class PoissonSystem::FloorSearch {
     return system.partialPivLu().solve(goal);
   }
 
-  /// Moves z; lets go of held vertices that are pulled down and takes in sunk ones. Late passes
-  /// only add, so that the search ends.
+  /// Moves z, releases held vertices that are pulled down, and adds vertices below the floor. Late
+  /// passes only add, so that the search ends.
   /// @return whether the active set changed
   bool Update(const Eigen::VectorXd& found, bool only_add) {
-    const Eigen::Index m = s_.coupled, a = static_cast<Eigen::Index>(active_.size());
+    const Eigen::Index m = s_.coupled, a = std::ssize(active_);
     Eigen::MatrixXd move = Eigen::MatrixXd::Zero(s_.n, 1);
     for (Eigen::Index r = 0; r < m; ++r) AddColumn(s_.rows[r], -found[r], move.col(0));
     for (Eigen::Index r = 0; r < a; ++r) move(active_[r], 0) -= found[m + r];
@@ -305,7 +304,7 @@ class PoissonSystem::FloorSearch {
     std::vector<int> next;
     for (Eigen::Index r = 0; r < a; ++r)
       if (found[m + r] <= 0 || only_add) next.push_back(active_[r]);
-    bool changed = static_cast<Eigen::Index>(next.size()) != a;
+    bool changed = std::ssize(next) != a;
     for (int i : active_) z_[i] = height_, seen[i] = 1;
     for (int i : candidates_)
       if (!seen[i] && z_[i] < height_ - 1e-12 * (1 + std::abs(height_)))

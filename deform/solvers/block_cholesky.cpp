@@ -17,13 +17,13 @@
 
 namespace keypose {
 
-/// Supernodes: columns first[s] .. first[s+1] share the rows at[s] .. at[s+1] of `row`, their own
-/// first; their entries begin at entry[s], column by column.
+/// Supernodes: the columns first[s] .. first[s+1] share the rows at[s] .. at[s+1] of `row`, which
+/// start with their own. Their entries begin at entry[s], column by column.
 struct BlockCholesky::Analysis {
   int size = 0, count = 0;
   std::vector<int> unknowns, rows;
   std::vector<int> first, at, row;
-  std::vector<std::ptrdiff_t> entry, slots;  // slots: of the matrix's nonzeros, in the factor
+  std::vector<std::ptrdiff_t> entry, slots;  // slots: places in the factor of the matrix's nonzeros
   std::vector<int> parent;
   int most_rows = 0;
 
@@ -33,7 +33,7 @@ struct BlockCholesky::Analysis {
 
 namespace {
 
-/// One supernode and the rows of right-hand sides that it meets.
+/// One supernode and its rows of the right-hand sides.
 struct Panel {
   const double* l;  // column k at l + k * height
   std::ptrdiff_t height;
@@ -68,8 +68,8 @@ Kernels BestKernels() {
 
 const Kernels kKernels = BestKernels();
 
-constexpr double kMostZeros = 0.3;  // in a supernode of up to 16 columns; more make the
-                                    // factorisation no faster and the solves slower
+constexpr double kMostZeros = 0.3;  // in a supernode of up to 16 columns; more zeros make solves
+                                    // slower and the factorisation no faster
 
 /// CHOLMOD's workspace, for an analysis.
 struct Workspace {
@@ -166,7 +166,7 @@ void BlockCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
   factor_.assign(a.entry.back(), 0.0);
   inverse_diagonal_.resize(a.size);
   for (std::size_t k = 0; k < a.slots.size(); ++k) factor_[a.slots[k]] += lower.valuePtr()[k];
-  // What each supernode leaves for its parent waits in `rest` until the parent takes it in.
+  // `rest` holds the update matrix of each supernode until its parent adds it.
   std::vector<std::vector<double>> rest(a.count);
   std::vector<int> first_child(a.count, -1), next(a.count, -1), place(a.size), local(a.most_rows);
   for (int s = a.count - 1; s >= 0; --s)
@@ -195,7 +195,7 @@ void BlockCholesky::Factor(const Eigen::SparseMatrix<double>& lower) {
     if (!kKernels.factor(l, width, height, inverse_diagonal_.data() + a.first[s]))
       throw SolverError("sparse Cholesky: the system is not positive definite (near unknown " +
                         std::to_string(a.unknowns[a.first[s]]) +
-                        "); a part of the mesh is held by nothing");
+                        "); a part of the mesh has no constraint");
     if (a.parent[s] >= 0) kKernels.complement(l, width, height, own.data());
   }
 }
@@ -207,7 +207,7 @@ std::size_t BlockCholesky::factor_entries() const { return factor_.size(); }
 void BlockCholesky::SolveRows(double* x, Eigen::Index columns) const {
   if (factor_.empty()) throw SolverError("sparse Cholesky: solve before factor");
   const Analysis& a = *analysis_;
-  // Each thread takes some of the columns, in whole tiles, through all supernodes.
+  // Each thread solves some of the columns, in whole tiles, through all supernodes.
   const Eigen::Index tiles = (columns + 11) / 12,
                      blocks = std::min<Eigen::Index>(ThreadCount(), tiles);
   const Eigen::Index width = 12 * ((tiles + blocks - 1) / std::max<Eigen::Index>(1, blocks));
@@ -220,7 +220,7 @@ void BlockCholesky::SolveRows(double* x, Eigen::Index columns) const {
     };
     for (int s = 0; s < a.count; ++s) pass(true, s);
     for (int s = a.count - 1; s >= 0; --s) pass(false, s);
-    // What is not finite anywhere spreads to the last row of its part.
+    // A value that is not finite spreads to the last row of its connected part.
     for (int s = 0; s < a.count; ++s)
       for (std::int64_t c = begin; c < end && a.parent[s] < 0; ++c)
         if (!std::isfinite(x[static_cast<std::ptrdiff_t>(a.first[s + 1] - 1) * columns + c]))

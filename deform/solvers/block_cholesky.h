@@ -8,16 +8,16 @@
 
 namespace keypose {
 
-/// Factors of symmetric positive definite matrices of one pattern, and solves on rows of right-hand
+/// Factors symmetric positive definite matrices of one pattern, and solves on rows of right-hand
 /// sides.
 ///
-/// A row of right-hand sides, one number a system, lies together in memory, so that each entry of
-/// the factor meets a few whole vectors of numbers, and what the dense kernels hold in registers is
-/// twelve systems by four unknowns. That suits the small supernodes of surfaces, which a BLAS call
-/// each would cost more than their arithmetic. Every column goes through the same sums whatever
-/// columns lie beside it, so its bits depend neither on the others nor on the number of threads.
-/// Order and supernodes are CHOLMOD's (minimum degree; METIS where that fills in much); the
-/// factorisation is multifrontal (Duff and Reid 1983), on the same kernels.
+/// A row holds the values of one unknown in all right-hand sides, contiguous in memory. So each
+/// entry of the factor is multiplied with whole vectors, and the dense kernels hold twelve
+/// right-hand sides by four unknowns in registers. This suits the small supernodes of surface
+/// meshes, for which the overhead of a BLAS call is larger than the arithmetic. The sums of a
+/// column do not depend on the other columns or on the number of threads. Ordering and supernodes
+/// are CHOLMOD's (minimum degree, or METIS when that fills in much). The factorisation is
+/// multifrontal (Duff and Reid 1983) and uses the same kernels.
 class BlockCholesky {
  public:
   BlockCholesky();
@@ -25,19 +25,20 @@ class BlockCholesky {
   BlockCholesky(BlockCholesky&&) noexcept;
   BlockCholesky& operator=(BlockCholesky&&) noexcept;
 
-  /// @param lower  N x N, compressed; only its lower triangle, which must hold all that is not zero
+  /// @param lower  N x N, compressed; only the lower triangle is read, and its pattern must hold
+  /// all nonzeros
   /// @throws SolverError  too large, or not square
   void Analyze(const Eigen::SparseMatrix<double>& lower);
-  /// Another solver with this one's analysis, ready for Factor.
+  /// A new solver that shares this one's analysis, ready for Factor.
   BlockCholesky SameAnalysis() const;
-  /// @param lower  of the pattern that was analysed
+  /// @param lower  has the pattern that was analysed
   /// @throws SolverError  not positive definite
   void Factor(const Eigen::SparseMatrix<double>& lower);
 
-  /// Unknown of each row, in the order that SolveRows wants them; and the row of each unknown.
+  /// The unknown of each row in SolveRows, and the row of each unknown.
   const std::vector<int>& unknowns() const;
   const std::vector<int>& rows() const;
-  /// Columns rounded up to whole vectors: the width of rows in SolveRows.
+  /// The number of columns rounded up to whole vectors: the width of rows in SolveRows.
   static Eigen::Index Padded(Eigen::Index columns) { return (columns + 3) / 4 * 4; }
   /// Solves in place: N rows of `columns` numbers, a multiple of four, rows in the order of
   /// unknowns().
@@ -45,7 +46,7 @@ class BlockCholesky {
   void SolveRows(double* x, Eigen::Index columns) const;
   /// The same for a matrix in the order of the unknowns, N x any number of columns.
   void SolveInPlace(Eigen::MatrixXd& x) const;
-  std::size_t factor_entries() const;  ///< stored, with the zeros in supernodes
+  std::size_t factor_entries() const;  ///< stored entries, including zeros in supernodes
 
  private:
   struct Analysis;

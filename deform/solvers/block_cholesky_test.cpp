@@ -11,7 +11,7 @@
 namespace keypose {
 namespace {
 
-/// The Laplacian of a grid of side x side, with `ground` on its diagonal: wide enough for
+/// The Laplacian of a grid of side x side, plus `ground` on its diagonal. Wide enough for
 /// supernodes of all shapes.
 Eigen::SparseMatrix<double> Grid(int side, double ground) {
   std::vector<Eigen::Triplet<double>> entries;

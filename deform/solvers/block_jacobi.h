@@ -1,4 +1,4 @@
-// The 3 x 3 blocks on a system's diagonal, inverted: a preconditioner that costs next to nothing.
+// A cheap preconditioner: the inverses of the 3 x 3 blocks on a system's diagonal.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,15 +6,15 @@
 
 namespace keypose {
 
-/// For systems of three coupled coordinates a vertex, whose smooth errors have been removed on a
-/// coarser mesh before: what is left is local, and a few dozen conjugate gradients with these
-/// blocks remove it for less than it costs to factor a large matrix.
+/// For systems with three coupled coordinates for each vertex whose smooth errors a coarser mesh
+/// has removed already. The remaining errors are local. A few dozen conjugate gradient steps with
+/// these blocks remove them at less cost than factoring a large matrix.
 class BlockJacobi {
  public:
   /// @param blocks    V, symmetric, positive semidefinite
   /// @param diagonal  V, added to all three entries of each block's diagonal
   BlockJacobi(const std::vector<Eigen::Matrix3d>& blocks, const Eigen::VectorXd& diagonal);
-  /// V x 3 to V x 3; a block that has no inverse gives 0.
+  /// Maps V x 3 to V x 3. A block without an inverse gives 0.
   /// Same bits for any thread count.
   Eigen::MatrixXd Apply(const Eigen::MatrixXd& r) const;
 

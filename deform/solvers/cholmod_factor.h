@@ -1,5 +1,5 @@
-// A CHOLMOD factor of one fixed pattern with an ordering of our own; values change in place, solves
-// reuse their workspace.
+// A CHOLMOD factor of one fixed pattern with a custom ordering. Values are replaced in place, and
+// solves reuse their workspace.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,8 @@ namespace keypose {
 
 class CholmodFactor {
  public:
-  /// Orders the V-node graph by nested dissection, expands that to 4V and analyses once.
+  /// Orders the graph of V nodes by nested dissection, expands the ordering to 4V unknowns, and
+  /// analyses once.
   /// @throws SolverError  the analysis failed
   explicit CholmodFactor(const SparsePattern& pattern);
   ~CholmodFactor();

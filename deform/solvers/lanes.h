@@ -1,10 +1,10 @@
-// Four doubles at a time, with the elementary functions that faces' paths need.
+// Vectors of four doubles, with the elementary functions that the interpolation of faces needs.
 //
-// All of it is compiled twice, in namespaces `plain` for any processor and `fused` for those with
-// AVX2 and fused multiply-add, and so are the kernels that use it: each in a file of its own that
-// is included in both, between KEYPOSE_FUSED_BEGIN and KEYPOSE_FUSED_END the second time. A target
-// attribute on the outermost function would not do: GCC 12 takes vectors in what it inlines apart
-// before it knows the target.
+// Everything here is compiled twice: in the namespace `plain` for any processor, and in `fused` for
+// processors with AVX2 and fused multiply-add. Kernels that use it are compiled twice as well: each
+// is in a separate file that is included in both namespaces, the second time between
+// KEYPOSE_FUSED_BEGIN and KEYPOSE_FUSED_END. A target attribute on the outermost function is not
+// enough: GCC 12 splits vectors in inlined functions before it knows the target.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ using LaneBits = std::int64_t __attribute__((vector_size(32)));
 
 #define KEYPOSE_INLINE inline __attribute__((always_inline))
 
-/// Whether `fused` runs here.
+/// Whether this processor can run `fused`.
 inline bool HasFused() {
 #if defined(__x86_64__)
   static const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");

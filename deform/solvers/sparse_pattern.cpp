@@ -74,10 +74,8 @@ std::vector<int> Components(int vertex_count, const std::vector<std::pair<int, i
   std::vector<int> component(vertex_count, -1);
   for (int i = 0; i < vertex_count; ++i) {
     const int root = joined.Find(i);
-    component[i] =
-        root == i
-            ? count++
-            : component[root];  // a root is the lowest vertex of its part, so it is numbered first
+    component[i] = root == i ? count++ : component[root];  // a root is the lowest vertex of its
+                                                           // component, so it gets its number first
   }
   return component;
 }

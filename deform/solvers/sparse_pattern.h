@@ -1,5 +1,5 @@
-// The fixed sparsity pattern of the non-rigid ICP normal matrix, with a slot for every value that a
-// refill writes.
+// The fixed sparsity pattern of the non-rigid ICP normal matrix, and the positions (slots) of its
+// values.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 
 namespace keypose {
 
@@ -23,19 +24,20 @@ struct SparsePattern {
   /// first value of the edge's block in each of vertex i's 4 columns
   std::vector<std::array<int, 4>> edge_slot;
 
-  int nonzeros() const { return static_cast<int>(rows.size()); }
+  int nonzeros() const { return SizeOf(rows); }
   int EdgeIndex(int i, int j) const;  ///< i < j; -1 when there is no such edge
-  /// Slot of the entry at row (vertex i, part r), column (vertex j, part c), wherever it lies in
+  /// Slot of the entry at row (vertex i, part r), column (vertex j, part c), or of its transpose in
   /// the lower triangle.
   int Slot(int i, int r, int j, int c) const;
 };
 
-/// @param mixed  pairs of vertices (any order) that some landmark mixes; they are edges of the
+/// @param mixed  pairs of vertices (in any order) that a landmark mixes; they become edges of the
 /// result even if no face has them
 SparsePattern MakeSparsePattern(int vertex_count, const FacesX3& faces,
                                 const std::vector<std::pair<int, int>>& mixed);
 
-/// Connected parts: component of each vertex, numbered by first vertex.
+/// The connected component of each vertex. Components are numbered in the order of their first
+/// vertices; `count` receives their number.
 std::vector<int> Components(int vertex_count, const std::vector<std::pair<int, int>>& edges,
                             int& count);
 

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
 
@@ -101,26 +102,6 @@ double BalancedTime(double t, double x) {
   return t + t * (1 - t) * x * (0.5 + x * ((1 - 2 * t) / 6 + x * (1 - 6 * t + 6 * t * t) / 24));
 }
 
-SegmentMaps Reversed(const SegmentMaps& maps) {
-  SegmentMaps back = maps;
-  back.body_turn = -maps.body_turn;
-  const Eigen::Matrix3d body = ExpOf(maps.body_turn);
-  for (std::size_t f = 0; f < maps.faces.size(); ++f) {
-    const FaceMap& there = maps.faces[f];
-    FaceMap& map = back.faces[f];
-    map.frame = there.rotation * there.frame;
-    map.rotation = there.rotation.transpose();
-    // rotation = B T S with B = exp(body), T = exp(turn), S = exp(remainder). On the way back, at
-    // t': B^-t' (B T^-t' B^-1) ((B T) S^-t' (B T)^-1).
-    map.turn = -(body * there.turn);
-    map.remainder = -(body * (ExpOf(there.turn) * there.remainder));
-    map.stretch = there.stretch.inverse();
-    map.growth = -there.growth;
-  }
-  back.vertex_turns = -(maps.vertex_turns * body.transpose());
-  return back;
-}
-
 SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& faces) {
   SegmentMaps maps;
   maps.faces.resize(faces.rows());
@@ -133,7 +114,7 @@ SegmentMaps FaceMapsOf(const PointsX3& v, const PointsX3& u, const FacesX3& face
 
 void ShortestTurns(SegmentMaps& maps) {
   ParallelFor(
-      static_cast<std::int64_t>(maps.faces.size()),
+      std::ssize(maps.faces),
       [&](std::int64_t f) {
         maps.faces[f].turn = maps.faces[f].degenerate ? Eigen::Vector3d::Zero().eval()
                                                       : LogOf(maps.faces[f].rotation);

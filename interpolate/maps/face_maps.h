@@ -62,9 +62,6 @@ Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn);
 /// x) + tau(1-t, -x) = 1.
 double BalancedTime(double t, double x);
 
-/// The maps of the way back, U -> V, of faces in `u`.
-SegmentMaps Reversed(const SegmentMaps& maps);
-
 /// @param v, u  V x 3 with the same faces
 /// Faces whose doubled area is below 1e-6 of their longest edge squared, in either key, are marked
 /// `degenerate`. turn is the shortest rotation vector; remainder and body_turn are zero.

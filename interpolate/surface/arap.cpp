@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/surface/loose_parts.h"
@@ -147,7 +149,7 @@ struct ArapInterpolator::Impl {
     // Paths are functions of the time of the caller.
     const RowTargets given = reversed ? TargetsOf(options.constraints, u, v, 1 - t)
                                       : TargetsOf(options.constraints, v, u, t);
-    RowTargets targets(static_cast<Eigen::Index>(system.rows().size()), 3);
+    RowTargets targets(std::ssize(system.rows()), 3);
     for (Eigen::Index r = 0; r < targets.rows(); ++r) {
       const int source = system.row_sources()[r];
       targets.row(r) =
@@ -201,10 +203,9 @@ struct ArapInterpolator::Impl {
   /// away, the frame's facts stay empty and its volume is not corrected.
   std::vector<PointsX3> Together(const std::vector<double>& times,
                                  std::vector<std::optional<FrameFacts>>& facts) const {
-    const FrameRows rows =
-        system.SolveFree(static_cast<int>(times.size()), [&](int first, EdgeBatch& edges) {
-          paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
-        });
+    const FrameRows rows = system.SolveFree(SizeOf(times), [&](int first, EdgeBatch& edges) {
+      paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
+    });
     const std::vector<std::vector<RowFrames::PartSums>> sums = together->Sums(rows, times);
     const double near_step = kNearStep * std::min(BoundingDiagonal(v), BoundingDiagonal(u));
     std::vector<Eigen::Matrix3d> bodies;
@@ -248,7 +249,7 @@ struct ArapInterpolator::Impl {
       std::vector<int> merged;
       std::set_union(held.begin(), held.end(), now.begin(), now.end(), std::back_inserter(merged));
       held = std::move(merged);
-      facts.floor_vertices = static_cast<int>(held.size());
+      facts.floor_vertices = SizeOf(held);
       if (!volumes || held.size() == before) return;
     }
   }
@@ -303,7 +304,7 @@ PointsX3 ArapInterpolator::At(double t) const { return At(std::vector<double>{t}
 std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given,
                                            std::vector<FrameFacts>* facts) const {
   const Impl& s = *impl_;
-  const int count = static_cast<int>(given.size());
+  const int count = SizeOf(given);
   std::vector<double> times = given;
   if (s.reversed)
     for (double& t : times) t = 1 - t;
@@ -327,9 +328,6 @@ std::vector<PointsX3> ArapInterpolator::At(const std::vector<double>& given,
 }
 
 const ArapReport& ArapInterpolator::report() const { return impl_->report; }
-SegmentMaps ArapInterpolator::Maps() const {
-  return impl_->reversed ? Reversed(impl_->maps) : impl_->maps;
-}
 const PoissonSystem& ArapInterpolator::system() const { return impl_->system; }
 
 PointsX3 InterpolateLinearly(const PointsX3& v, const PointsX3& u, double t) {

@@ -78,8 +78,6 @@ class ArapInterpolator {
                            std::vector<FrameFacts>* facts = nullptr) const;
 
   const ArapReport& report() const;
-  /// Faces' maps from V to U with their turns, for splines through many keys.
-  SegmentMaps Maps() const;
   const PoissonSystem& system() const;
 
   int degenerate_faces() const { return report().degenerate_faces; }

@@ -1,6 +1,7 @@
 #include "interpolate/surface/constraints.h"
 
 #include <algorithm>
+#include <iterator>
 #include <queue>
 
 #include "core/errors.h"
@@ -46,33 +47,9 @@ RowTargets TargetsOf(const Constraints& constraints, const PointsX3& v, const Po
       for (int i : patch.vertices)
         targets.push_back(((1 - t) * v.row(i) + t * u.row(i)).transpose() + (goal - straight));
   }
-  RowTargets result(static_cast<Eigen::Index>(targets.size()), 3);
+  RowTargets result(std::ssize(targets), 3);
   for (std::size_t r = 0; r < targets.size(); ++r) result.row(r) = targets[r];
   return result;
-}
-
-std::vector<int> PatchAround(const PointsX3& points, const FacesX3& faces, int seed,
-                             double radius) {
-  if (seed < 0 || seed >= points.rows())
-    throw InputError("interpolate: a patch is wanted round vertex " + std::to_string(seed) +
-                     ", which is not there");
-  std::vector<char> in(points.rows(), 0);
-  const auto near = [&](int i) { return (points.row(i) - points.row(seed)).norm() <= radius; };
-  // Grown along edges: another limb that is merely close stays out.
-  std::vector<std::vector<int>> around(points.rows());
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      if (near(faces(f, k)) && near(faces(f, (k + 1) % 3))) {
-        around[faces(f, k)].push_back(faces(f, (k + 1) % 3));
-        around[faces(f, (k + 1) % 3)].push_back(faces(f, k));
-      }
-  std::vector<int> patch = {seed};
-  in[seed] = 1;
-  for (std::size_t at = 0; at < patch.size(); ++at)
-    for (int next : around[patch[at]])
-      if (!in[next]) in[next] = 1, patch.push_back(next);
-  std::sort(patch.begin(), patch.end());
-  return patch;
 }
 
 }  // namespace keypose::interpolation

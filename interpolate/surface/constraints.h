@@ -46,8 +46,4 @@ std::vector<ConstraintRow> RowsOf(const Constraints& constraints, int vertex_cou
 RowTargets TargetsOf(const Constraints& constraints, const PointsX3& v, const PointsX3& u,
                      double t);
 
-/// Vertices within `radius` of vertex `seed`, along edges and in straight distance. Pin this patch
-/// instead of a single vertex, which would make a cusp. 2 % of the diagonal is a good radius.
-std::vector<int> PatchAround(const PointsX3& points, const FacesX3& faces, int seed, double radius);
-
 }  // namespace keypose::interpolation

@@ -255,14 +255,5 @@ TEST(Constraints, BadOnesAreNamed) {
               testing::HasSubstr("below the floor"));
 }
 
-TEST(PatchAround, GrowsAlongEdgesWithinTheRadius) {
-  const Mesh mesh = MakeIcosphere(3);
-  const std::vector<int> patch = PatchAround(mesh.points, mesh.faces, 5, 0.3);
-  EXPECT_GT(patch.size(), 6u);
-  for (int i : patch) EXPECT_LE((mesh.points.row(i) - mesh.points.row(5)).norm(), 0.3);
-  EXPECT_THAT(patch, testing::Contains(5));
-  EXPECT_THROW(PatchAround(mesh.points, mesh.faces, -1, 0.3), InputError);
-}
-
 }  // namespace
 }  // namespace keypose::interpolation

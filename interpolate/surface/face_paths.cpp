@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::interpolation {
 
@@ -167,7 +168,7 @@ std::vector<FacePaths::MotionPair> FacePaths::OwnMotions(int span,
 }
 
 void FacePaths::SmoothFaces(const Schedule& schedule) {
-  const int spans = static_cast<int>(pairs_.size());
+  const int spans = SizeOf(pairs_);
   std::vector<std::vector<EndEdges>> starts, ends;
   for (const Pair& pair : pairs_)
     for (Eigen::Index f = 0; f < face_count_; ++f)

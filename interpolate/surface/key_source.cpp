@@ -8,6 +8,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/surface/constraints.h"
 #include "interpolate/surface/face_paths.h"
@@ -42,7 +43,7 @@ class RowPaths {
   }
 
   RowTargets At(int span, double way, const FacePaths& paths) const {
-    RowTargets targets(static_cast<Eigen::Index>(rows_.size()), 3);
+    RowTargets targets(std::ssize(rows_), 3);
     for (std::size_t r = 0; r < rows_.size(); ++r)
       targets.row(r) =
           (sources_[r] >= 0 ? rows_[r].At(span, way) : paths.Centroid(span, way, -1 - sources_[r]))
@@ -166,7 +167,7 @@ struct KeySource::Impl {
     std::vector<ComputedFrame> frames(ways.size());
     const std::vector<PointsX3> directions =
         rules.keep_volume ? held.volume.Directions(RefsOf(points)) : std::vector<PointsX3>();
-    ParallelFor(static_cast<std::int64_t>(ways.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(ways), [&](std::int64_t i) {
       frames[i].points = std::move(points[i]);
       if (rules.keep_volume)
         frames[i].volume_move =
@@ -218,7 +219,7 @@ KeySource::~KeySource() = default;
 std::vector<ComputedFrame> KeySource::At(int span, const std::vector<double>& ways) {
   Impl& s = *impl_;
   HeldSystem& held = s.SystemOf(span);
-  EdgeBatch edges(s.faces.rows(), static_cast<int>(ways.size()));
+  EdgeBatch edges(s.faces.rows(), SizeOf(ways));
   s.paths->Evaluate(span, ways, edges);
   std::vector<RowTargets> targets;
   std::vector<Eigen::Matrix3d> turns;

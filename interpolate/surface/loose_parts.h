@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 #include "deform/poisson/poisson.h"
 #include "interpolate/maps/face_maps.h"
 
@@ -25,7 +26,7 @@ class LooseParts {
              const SegmentMaps& maps);
   /// Moves the loose parts of a frame at time t, in place.
   void Place(double t, PointsX3& frame) const;
-  int riding() const { return static_cast<int>(riders_.size()); }
+  int riding() const { return SizeOf(riders_); }
 
  private:
   struct Rider {

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
 #include "deform/solvers/lanes.h"
@@ -183,7 +184,7 @@ PairPaths::PairPaths(const PointsX3& v, const PointsX3& u, const FacesX3& faces,
     : records_(maps.faces.size()), balanced_(stretch == Stretch::kBalanced) {
   const Eigen::Matrix3d body = ExpOf(maps.body_turn);
   ParallelFor(
-      static_cast<std::int64_t>(records_.size()),
+      std::ssize(records_),
       [&](std::int64_t f) { records_[f] = RecordOf(v, u, faces, f, maps, body, stretch); }, 512);
 }
 
@@ -200,9 +201,8 @@ void PairPaths::Evaluate(const std::vector<double>& times, EdgeBatch& edges) con
                        edges.stride,
                        edges.Face(begin)};
   };
-  if (!edges.listed.empty())
-    return EvaluateBest(job(0, static_cast<std::int64_t>(edges.listed.size())));
-  ParallelBlocks(static_cast<std::int64_t>(records_.size()), 256,
+  if (!edges.listed.empty()) return EvaluateBest(job(0, std::ssize(edges.listed)));
+  ParallelBlocks(std::ssize(records_), 256,
                  [&](std::int64_t begin, std::int64_t end) { EvaluateBest(job(begin, end)); });
 }
 

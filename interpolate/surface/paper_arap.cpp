@@ -4,6 +4,7 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/cholesky.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"
 
@@ -85,7 +87,7 @@ struct PaperInterpolator::Impl {
         for (int b = 0; b < 4; ++b)
           if (cell.ids[a] >= cell.ids[b]) triplets.emplace_back(cell.ids[a], cell.ids[b], h(a, b));
     }
-    const int unknowns = n + static_cast<int>(cells.size());
+    const int unknowns = n + SizeOf(cells);
     for (int i = 0; i < n; ++i)
       if (part[i] == i) triplets.emplace_back(i, i, trace / unknowns);
     Eigen::SparseMatrix<double> h(unknowns, unknowns);
@@ -115,7 +117,7 @@ PaperInterpolator::PaperInterpolator(PaperInterpolator&&) noexcept = default;
 
 PointsX3 PaperInterpolator::At(double t) const {
   const Eigen::Index n = impl_->v.rows();
-  Eigen::MatrixXd g = Eigen::MatrixXd::Zero(n + static_cast<Eigen::Index>(impl_->cells.size()), 3);
+  Eigen::MatrixXd g = Eigen::MatrixXd::Zero(n + std::ssize(impl_->cells), 3);
   for (const Impl::Cell& cell : impl_->cells) {
     const Eigen::Matrix3d a = ((1 - t) * Eigen::Matrix3d::Identity() + t * cell.stretch) *
                               ExpOf(t * cell.turn).transpose();

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/solvers/lanes.h"
 
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -83,13 +85,12 @@ RowFrames::RowFrames(const PoissonSystem& system, const TurningField* field)
   std::vector<int> place(n, -1);
   faces_.reserve(by_row.size());
   for (int begin = 0; begin < n;) {
-    Patch patch{parts[vertex_of[begin]],         begin, begin, static_cast<int>(rows_.size()), 0,
-                static_cast<int>(faces_.size()), 0};
+    Patch patch{parts[vertex_of[begin]], begin, begin, SizeOf(rows_), 0, SizeOf(faces_), 0};
     while (patch.end < n && patch.end < begin + kPatchRows &&
            parts[vertex_of[patch.end]] == patch.part)
       ++patch.end;
     const auto add = [&](int row) {
-      place[row] = static_cast<int>(rows_.size());
+      place[row] = SizeOf(rows_);
       rows_.push_back(row);
       vertices_.push_back(vertex_of[row]);
     };
@@ -103,8 +104,8 @@ RowFrames::RowFrames(const PoissonSystem& system, const TurningField* field)
       }
       faces_.push_back(face);
     }
-    patch.last_vertex = static_cast<int>(rows_.size());
-    patch.last_face = static_cast<int>(faces_.size());
+    patch.last_vertex = SizeOf(rows_);
+    patch.last_face = SizeOf(faces_);
     patches_.push_back(patch);
     begin = patch.end;
   }
@@ -115,30 +116,29 @@ std::vector<std::vector<RowFrames::PartSums>> RowFrames::Sums(
   const std::vector<double> times = PaddedTimes(rows, given);
   const std::size_t groups = rows.stride / 4;
   std::vector<double> by_patch(patches_.size() * groups * kSums * 4);
-  ParallelBlocks(static_cast<std::int64_t>(patches_.size()), 4,
-                 [&](std::int64_t from, std::int64_t to) {
-                   std::vector<double> places;
-                   for (std::int64_t k = from; k < to; ++k) {
-                     const Patch& patch = patches_[k];
-                     places.resize(std::max<std::size_t>(
-                         places.size(), kPlace * (patch.last_vertex - patch.first_vertex)));
-                     for (std::size_t g = 0; g < groups; ++g) {
-                       const SumJob job{rows.Row(0) + 4 * g,
-                                        rows.stride,
-                                        rows_.data() + patch.first_vertex,
-                                        vertices_.data() + patch.first_vertex,
-                                        patch.end - patch.begin,
-                                        patch.last_vertex - patch.first_vertex,
-                                        field_ ? field_->vertices().data() : nullptr,
-                                        faces_.data() + patch.first_face,
-                                        faces_.data() + patch.last_face,
-                                        times.data() + 4 * g,
-                                        places.data(),
-                                        by_patch.data() + (k * groups + g) * kSums * 4};
-                       HasFused() ? fused::SumPatch(job) : plain::SumPatch(job);
-                     }
-                   }
-                 });
+  ParallelBlocks(std::ssize(patches_), 4, [&](std::int64_t from, std::int64_t to) {
+    std::vector<double> places;
+    for (std::int64_t k = from; k < to; ++k) {
+      const Patch& patch = patches_[k];
+      places.resize(
+          std::max<std::size_t>(places.size(), kPlace * (patch.last_vertex - patch.first_vertex)));
+      for (std::size_t g = 0; g < groups; ++g) {
+        const SumJob job{rows.Row(0) + 4 * g,
+                         rows.stride,
+                         rows_.data() + patch.first_vertex,
+                         vertices_.data() + patch.first_vertex,
+                         patch.end - patch.begin,
+                         patch.last_vertex - patch.first_vertex,
+                         field_ ? field_->vertices().data() : nullptr,
+                         faces_.data() + patch.first_face,
+                         faces_.data() + patch.last_face,
+                         times.data() + 4 * g,
+                         places.data(),
+                         by_patch.data() + (k * groups + g) * kSums * 4};
+        HasFused() ? fused::SumPatch(job) : plain::SumPatch(job);
+      }
+    }
+  });
   std::vector<std::vector<PartSums>> sums(rows.frames,
                                           std::vector<PartSums>(system_->part_count()));
   std::vector<int> count(system_->part_count(), 0);

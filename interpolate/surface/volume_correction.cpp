@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -114,9 +115,8 @@ PointsX3 VolumeCorrection::Direction(const PointsX3& points) const {
 std::vector<PointsX3> VolumeCorrection::Directions(const KeyRefs& shapes) const {
   const FacesX3& faces = system_->faces();
   const std::vector<int>& parts = system_->parts();
-  Eigen::MatrixXd b =
-      Eigen::MatrixXd::Zero(system_->vertex_count(), 3 * static_cast<Eigen::Index>(shapes.size()));
-  ParallelFor(static_cast<std::int64_t>(shapes.size()), [&](std::int64_t s) {
+  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(system_->vertex_count(), 3 * std::ssize(shapes));
+  ParallelFor(std::ssize(shapes), [&](std::int64_t s) {
     const PointsX3& p = shapes[s];
     PointsX3 gradient = PointsX3::Zero(p.rows(), 3);
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "interpolate/timing/easing.h"
 
 namespace keypose::interpolation {
@@ -67,7 +68,7 @@ class Reader {
   }
 
  private:
-  int SpanCount() const { return static_cast<int>(schedule_.spans.size()); }
+  int SpanCount() const { return SizeOf(schedule_.spans); }
 
   std::vector<int> VerticesOf(const TimelineRegion& region) const {
     std::vector<int> vertices = region.vertices;

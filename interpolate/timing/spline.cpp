@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/size_of.h"
 #include "interpolate/timing/easing.h"
 
 namespace keypose::interpolation {
@@ -12,7 +13,7 @@ SpanPace PaceOf(const Span& span) {
 }
 
 KeyMeeting MeetingAt(const Schedule& schedule, int key) {
-  const int spans = static_cast<int>(schedule.spans.size());
+  const int spans = SizeOf(schedule.spans);
   const bool at_end = key == 0 || key == spans, open = at_end && !schedule.loop;
   const int before = key > 0 ? key - 1 : spans - 1, after = key < spans ? key : 0;
   const bool has_before = !(open && key == 0), has_after = !(open && key == spans);

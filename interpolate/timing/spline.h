@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/size_of.h"
 #include "interpolate/timing/timeline.h"
 
 namespace keypose::interpolation {
@@ -81,7 +82,7 @@ bool AnySmooth(const Schedule& schedule);
 template <class Value>
 EndVelocities<Value> SmoothVelocities(const Schedule& schedule, const EndVelocities<Value>& own) {
   EndVelocities<Value> smooth = own;
-  const int spans = static_cast<int>(schedule.spans.size());
+  const int spans = SizeOf(schedule.spans);
   for (int key = 0; key <= spans; ++key) {
     const KeyMeeting meeting = MeetingAt(schedule, key);
     const int before = key > 0 ? key - 1 : spans - 1, after = key < spans ? key : 0;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "interpolate/timing/easing.h"
 
 namespace keypose::interpolation {
@@ -73,7 +74,7 @@ class Planner {
   void Stand(int first) {
     for (int f = first; f < Next(); ++f) schedule_.frames[f].stands = true;
   }
-  int Next() const { return static_cast<int>(schedule_.frames.size()); }
+  int Next() const { return SizeOf(schedule_.frames); }
 
  private:
   void Add(PlannedFrame frame) {
@@ -86,7 +87,7 @@ class Planner {
 }  // namespace
 
 Schedule MakeSchedule(const Timeline& timeline, int key_count, int steps, const std::string& name) {
-  const int count = static_cast<int>(timeline.keys.size());
+  const int count = SizeOf(timeline.keys);
   if (count != key_count)
     throw InputError(name + ": has " + std::to_string(count) + " keys, but " +
                      std::to_string(key_count) + " key meshes were given");
@@ -133,7 +134,7 @@ Schedule MakeSchedule(const std::vector<int>& in_betweens) {
     timeline.keys[k].time_s = frame / timeline.fps;
     if (k < in_betweens.size()) frame += in_betweens[k] + 1;
   }
-  return MakeSchedule(timeline, static_cast<int>(timeline.keys.size()), 0, "interpolate");
+  return MakeSchedule(timeline, SizeOf(timeline.keys), 0, "interpolate");
 }
 
 }  // namespace keypose::interpolation

@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <iterator>
 
 #include "core/cholesky.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "interpolate/turns/turns.h"
 
 namespace keypose::interpolation {
@@ -51,7 +53,7 @@ struct DifferentialTurns::Impl {
   }
 
   void Factor() {
-    const int n = static_cast<int>(rotations.size());
+    const int n = SizeOf(rotations);
     std::vector<Eigen::Triplet<double>> triplets;
     for (const Pair& p : pairs) {
       triplets.emplace_back(p.a, p.a, 1.0);
@@ -79,17 +81,17 @@ struct DifferentialTurns::Impl {
     }
     std::vector<Eigen::Matrix3d> wanted(pairs.size());
     ParallelFor(
-        static_cast<std::int64_t>(pairs.size()),
+        std::ssize(pairs),
         [&](std::int64_t k) { wanted[k] = ExpOf(t * pairs[k].turn).transpose(); }, 512);
     std::vector<Eigen::Vector3d> residual(pairs.size());
     for (int pass = 0; pass < kMaxPasses; ++pass) {
       ParallelFor(
-          static_cast<std::int64_t>(pairs.size()),
+          std::ssize(pairs),
           [&](std::int64_t k) {
             residual[k] = LogOf(q[pairs[k].b] * wanted[k] * q[pairs[k].a].transpose());
           },
           512);
-      Eigen::MatrixXd x = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(q.size()), 3);
+      Eigen::MatrixXd x = Eigen::MatrixXd::Zero(std::ssize(q), 3);
       for (std::size_t k = 0; k < pairs.size(); ++k) {
         x.row(pairs[k].a) += residual[k];
         x.row(pairs[k].b) -= residual[k];

@@ -1,5 +1,7 @@
 #include "interpolate/turns/turning_field.h"
 
+#include <iterator>
+
 #include "core/parallel.h"
 
 namespace keypose::interpolation {
@@ -24,7 +26,7 @@ TurningField::TurningField(const SegmentMaps& maps, const PointsX3& a, const Poi
 }
 
 PointsX3 TurningField::At(double t) const {
-  PointsX3 field(static_cast<Eigen::Index>(vertices_.size()), 3);
+  PointsX3 field(std::ssize(vertices_), 3);
   const Eigen::Matrix3d body = ExpOf(t * body_turn_);
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
     const Vertex& v = vertices_[i];

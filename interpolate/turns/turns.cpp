@@ -6,10 +6,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::interpolation {
 
@@ -74,7 +76,7 @@ class TurnLift {
     FacesByPart();
     relative_.resize(maps_.faces.size());
     ParallelFor(
-        static_cast<std::int64_t>(relative_.size()),
+        std::ssize(relative_),
         [&](std::int64_t f) {
           relative_[f] = Eigen::Quaterniond(maps_.faces[f].rotation).normalized();
         },
@@ -153,7 +155,7 @@ class TurnLift {
 
   void KeepRaw() {
     ParallelFor(
-        static_cast<std::int64_t>(maps_.faces.size()),
+        std::ssize(maps_.faces),
         [&](std::int64_t f) { SetTurn(maps_.faces[f], f, maps_.faces[f].turn); }, 512);
   }
 
@@ -184,7 +186,7 @@ class TurnLift {
     }
     std::vector<Eigen::Quaterniond> middle(maps_.faces.size());
     ParallelFor(
-        static_cast<std::int64_t>(middle.size()),
+        std::ssize(middle),
         [&](std::int64_t f) {
           middle[f] = QuaternionOf(0.5 * maps_.faces[f].turn) *
                       QuaternionOf(0.5 * maps_.faces[f].remainder);
@@ -289,7 +291,7 @@ class TurnLift {
       const bool half = !loose[face] && !loose[parent] &&
                         Difference(relative_[parent], relative_[face]) > kHalfTurnSine2;
       if (half) limbs.emplace_back();
-      limb_of[face] = half ? static_cast<int>(limbs.size()) - 1 : limb_of[parent];
+      limb_of[face] = half ? SizeOf(limbs) - 1 : limb_of[parent];
       if (limb_of[face] >= 0) limbs[limb_of[face]].push_back(face);
     }
     for (const std::vector<int>& limb : limbs) {
@@ -333,7 +335,7 @@ class TurnLift {
   }
 
   std::vector<int> FacesOf(const TurnOverride& limb) const {
-    const int count = static_cast<int>(maps_.faces.size());
+    const int count = SizeOf(maps_.faces);
     if (limb.faces.empty())
       throw InputError("interpolate: turns of '" + limb.name + "' name no face");
     for (int f : limb.faces)
@@ -367,7 +369,7 @@ class TurnLift {
 FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours,
                   const std::vector<Eigen::Quaterniond>& rotations, const std::vector<char>& loose,
                   const std::vector<int>& first_roots) {
-  const int count = static_cast<int>(rotations.size());
+  const int count = SizeOf(rotations);
   FaceTree tree;
   tree.steps.reserve(count);
   std::vector<char> done(count, 0);

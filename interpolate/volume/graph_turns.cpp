@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -79,7 +80,7 @@ std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours,
   }
   for (int round = 0; round < kSmoothings; ++round) {
     ParallelFor(
-        static_cast<std::int64_t>(turns.size()),
+        std::ssize(turns),
         [&](std::int64_t i) {
           Eigen::Vector4d sum = sums[i];
           int count = 1;
@@ -174,8 +175,7 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root,
 }
 
 Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights) {
-  const std::int64_t count = static_cast<std::int64_t>(rotations.size()),
-                     seeds = std::min<std::int64_t>(count, kSeeds);
+  const std::int64_t count = std::ssize(rotations), seeds = std::min<std::int64_t>(count, kSeeds);
   std::vector<double> shared(seeds, 0.0);
   const double chord = ChordOf(kSameRotation);
   ParallelFor(seeds, [&](std::int64_t s) {

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/cholesky.h"
 #include "core/parallel.h"
@@ -168,7 +169,7 @@ class PointUntangler {
         for (int near : star_[solid_.tets(t, k)])
           for (int m = 0; m < 4; ++m) wanted[solid_.tets(near, m)] = 1;
     std::vector<int> points;
-    for (Eigen::Index i = fixed_; i < static_cast<Eigen::Index>(star_.size()); ++i)
+    for (Eigen::Index i = fixed_; i < std::ssize(star_); ++i)
       if (wanted[i]) points.push_back(static_cast<int>(i));
     return points;
   }

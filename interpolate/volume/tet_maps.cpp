@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/parallel.h"
@@ -108,8 +109,8 @@ PointsX3 CornerSums::Sum(
     const std::function<void(std::int64_t, Eigen::Matrix<double, 3, 4>&)>& term) const {
   std::vector<Eigen::Matrix<double, 3, 4>> terms(corners_.size() / 4);
   ParallelFor(
-      static_cast<std::int64_t>(terms.size()), [&](std::int64_t t) { term(t, terms[t]); }, 256);
-  const Eigen::Index n = static_cast<Eigen::Index>(first_.size()) - 1;
+      std::ssize(terms), [&](std::int64_t t) { term(t, terms[t]); }, 256);
+  const Eigen::Index n = std::ssize(first_) - 1;
   PointsX3 sums(n, 3);
   ParallelFor(
       n,

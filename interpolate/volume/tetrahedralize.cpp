@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/volume/run_tetgen.h"
@@ -135,11 +137,10 @@ class Filler {
       for (int k = 0; k < 3; ++k)
         if (local_[faces(f, k)] < 0) local_[faces(f, k)] = 0;
     for (Eigen::Index i = 0; i < points.rows(); ++i)
-      if (local_[i] == 0)
-        local_[i] = static_cast<int>(global_.size()), global_.push_back(static_cast<int>(i));
+      if (local_[i] == 0) local_[i] = SizeOf(global_), global_.push_back(static_cast<int>(i));
     for (Eigen::Index f = 0; f < faces_.rows(); ++f)
       for (int k = 0; k < 3; ++k) faces_(f, k) = local_[faces(f, k)];
-    points_.resize(static_cast<Eigen::Index>(global_.size()), 3);
+    points_.resize(std::ssize(global_), 3);
     for (std::size_t i = 0; i < global_.size(); ++i) points_.row(i) = points.row(global_[i]);
   }
 
@@ -195,7 +196,7 @@ std::vector<char> InnerTets(TetgenMesh& out, const FacesX3& faces) {
   std::map<Triple, int> surface;  // 1: found once from inside
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
     surface[Rotated({faces(f, 0), faces(f, 1), faces(f, 2)})] = 0;
-  const int count = static_cast<int>(out.tets.size()) / 4;
+  const int count = SizeOf(out.tets) / 4;
   std::vector<std::array<char, 4>> wall(count);
   std::vector<char> inner(count, 0);
   std::vector<int> open;
@@ -239,11 +240,11 @@ struct Parts {
 
 void Append(const TetgenMesh& out, const std::vector<char>& inner, const Filler& filler, int body,
             int first_inner_point, Parts& parts) {
-  const int surface_points = static_cast<int>(filler.global().size());
-  const int tet_count = static_cast<int>(out.tets.size()) / 4;
+  const int surface_points = SizeOf(filler.global());
+  const int tet_count = SizeOf(out.tets) / 4;
   std::vector<int> point(out.points.size() / 3, -1), tet(tet_count, -1);
   std::copy(filler.global().begin(), filler.global().end(), point.begin());
-  int next_tet = static_cast<int>(parts.tets.size());
+  int next_tet = SizeOf(parts.tets);
   for (int t = 0; t < tet_count; ++t)
     if (inner[t]) tet[t] = next_tet++;
   for (int t = 0; t < tet_count; ++t) {
@@ -252,7 +253,7 @@ void Append(const TetgenMesh& out, const std::vector<char>& inner, const Filler&
     for (int k = 0; k < 4; ++k) {
       const int p = out.tets[4 * t + k], n = out.neighbours[4 * t + k];
       if (p >= surface_points && point[p] < 0) {
-        point[p] = first_inner_point + static_cast<int>(parts.inner_points.size());
+        point[p] = first_inner_point + SizeOf(parts.inner_points);
         parts.inner_points.push_back(
             {out.points[3 * p], out.points[3 * p + 1], out.points[3 * p + 2]});
         parts.inner_bodies.push_back(body);
@@ -284,14 +285,13 @@ void Append(const TetgenMesh& out, const std::vector<char>& inner, const Filler&
 Solid Joined(const PointsX3& points, const FacesX3& faces, Parts&& parts,
              std::vector<int>&& body_of_face, int bodies) {
   Solid solid;
-  const Eigen::Index v = points.rows(),
-                     inner = static_cast<Eigen::Index>(parts.inner_points.size());
+  const Eigen::Index v = points.rows(), inner = std::ssize(parts.inner_points);
   solid.points.resize(v + inner, 3);
   solid.points.topRows(v) = points;
   for (Eigen::Index i = 0; i < inner; ++i)
     solid.points.row(v + i) << parts.inner_points[i][0], parts.inner_points[i][1],
         parts.inner_points[i][2];
-  solid.tets.resize(static_cast<Eigen::Index>(parts.tets.size()), 4);
+  solid.tets.resize(std::ssize(parts.tets), 4);
   for (std::size_t t = 0; t < parts.tets.size(); ++t)
     for (int k = 0; k < 4; ++k) solid.tets(static_cast<Eigen::Index>(t), k) = parts.tets[t][k];
   solid.opposite = std::move(parts.opposite);

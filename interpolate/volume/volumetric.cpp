@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -387,8 +388,7 @@ void FilledKey::KeepVolumes(const std::vector<double>& times, std::vector<Points
 }
 
 std::vector<PointsX3> FilledKey::At(const std::vector<double>& times) const {
-  const Eigen::Index n = solid_.points.rows(), v = from_.rows(),
-                     count = static_cast<Eigen::Index>(times.size());
+  const Eigen::Index n = solid_.points.rows(), v = from_.rows(), count = std::ssize(times);
   Eigen::MatrixXd rhs(n, 3 * count);
   for (Eigen::Index c = 0; c < count; ++c)
     rhs.middleCols<3>(3 *

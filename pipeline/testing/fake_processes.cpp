@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::pipeline {
 
@@ -17,7 +18,7 @@ int FakeProcesses::Start(const Command& command) {
     call.environment[entry.substr(0, entry.find('='))] = entry.substr(entry.find('=') + 1);
   calls.push_back(call);
   running_[next_id_] = {call, clock_.Now() + stages.at(call.program).seconds};
-  most_at_once = std::max(most_at_once, static_cast<int>(running_.size()));
+  most_at_once = std::max(most_at_once, SizeOf(running_));
   return next_id_++;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "reconstruct/bundle/bundle_projection.h"
 
 namespace keypose::reconstruct {
@@ -235,7 +236,7 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
     ToCamera(camera, view.camera);
   }
   for (Rigid3& body : bodies.world_from_body) body.rotation.normalize();
-  return static_cast<int>(summary.iterations.size());
+  return SizeOf(summary.iterations);
 }
 
 /// Observations within the limit, of points that keep at least two.
@@ -290,7 +291,7 @@ BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& ob
     result.iterations += Solve(result.scene, result.bodies, kept, options);
     kept = Inliers(result.scene, observations, options.max_error_px);
   }
-  result.observations = static_cast<int>(kept.size());
+  result.observations = SizeOf(kept);
   result.dropped = static_cast<int>(observations.size() - kept.size());
   result.after_px = MeanError(result.scene, kept);
   for (const Observation& o : observations)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <random>
 
 #include "core/errors.h"
@@ -55,7 +56,7 @@ BundleCase MakeBundleCase() {
 }
 
 PointsX3 Centers(const Scene& scene) {
-  PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
+  PointsX3 centers(std::ssize(scene.views), 3);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     centers.row(v) = scene.views[v].Center().transpose();
   return centers;

@@ -3,9 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -88,13 +90,13 @@ std::vector<Corner> CornersOf(const PatchImage& image, int radius, int cell) {
 }
 
 /// Projections of known points in one view, by cells.
-class Shown {
+class ProjectedPoints {
  public:
   struct Spot {
     Vector2d pixel;
     double inverse_depth = 0;
   };
-  Shown(int width, int height, int cell)
+  ProjectedPoints(int width, int height, int cell)
       : cell_(cell), columns_(width / cell + 1), rows_(height / cell + 1) {
     cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
   }
@@ -144,13 +146,14 @@ class Shown {
 
 /// Inverse depth at a pixel from the plane through points around it: a plane's inverse depth is
 /// linear over the picture.
-std::optional<double> InverseDepthAt(const Vector2d& pixel, const std::vector<Shown::Spot>& spots,
+std::optional<double> InverseDepthAt(const Vector2d& pixel,
+                                     const std::vector<ProjectedPoints::Spot>& spots,
                                      double most_bent) {
   if (spots.size() < 4) return std::nullopt;
   Eigen::Matrix3d a =
       1e-3 * Eigen::Vector3d(0, 1, 1).asDiagonal().toDenseMatrix();  // level if collinear
   Vector3d b = Vector3d::Zero();
-  for (const Shown::Spot& spot : spots) {
+  for (const ProjectedPoints::Spot& spot : spots) {
     const Vector3d row(1, spot.pixel.x() - pixel.x(), spot.pixel.y() - pixel.y());
     a += row * row.transpose();
     b += row * spot.inverse_depth;
@@ -158,7 +161,7 @@ std::optional<double> InverseDepthAt(const Vector2d& pixel, const std::vector<Sh
   const Vector3d plane = a.ldlt().solve(b);
   if (!plane.allFinite() || plane(0) <= 0) return std::nullopt;
   double squares = 0;
-  for (const Shown::Spot& spot : spots) {
+  for (const ProjectedPoints::Spot& spot : spots) {
     const double off =
         plane.dot(Vector3d(1, spot.pixel.x() - pixel.x(), spot.pixel.y() - pixel.y())) -
         spot.inverse_depth;
@@ -174,10 +177,10 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
                  const PatchOptions& patches, const CornerOptions& options) {
   Scene more = scene;
   std::vector<std::vector<Corner>> corners(scene.views.size());
-  ParallelFor(static_cast<std::int64_t>(corners.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(corners), [&](std::int64_t v) {
     corners[v] = CornersOf(images[v], patches.radius_px, options.cell_px);
   });
-  std::vector<Shown> shown;
+  std::vector<ProjectedPoints> shown;
   const auto show = [&](const Vector3d& x, std::size_t v) {
     const PatchImage& image = images[v];
     const double depth = (scene.views[v].camera_from_world * x).z();
@@ -188,10 +191,10 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
     shown.emplace_back(image.grey.width, image.grey.height, options.cell_px);
   for (const SparsePoint& point : scene.points)
     for (const int v : point.views) show(point.position, static_cast<std::size_t>(v));
-  const std::vector<Shown> known = shown;  // depths are interpolated from these alone
+  const std::vector<ProjectedPoints> known = shown;  // depths are interpolated from these alone
   // One corner of each view in turn, so that points are distributed evenly over the views.
   std::vector<std::size_t> next(corners.size(), 0);
-  for (bool any = true; any && static_cast<int>(more.points.size()) < options.most_points;) {
+  for (bool any = true; any && SizeOf(more.points) < options.most_points;) {
     any = false;
     for (std::size_t v = 0; v < corners.size(); ++v)
       while (next[v] < corners[v].size()) {

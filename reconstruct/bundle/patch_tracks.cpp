@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -172,18 +174,18 @@ std::optional<FittedPlace> Fit(const Template& patch, const ImageF& image, const
 /// point.
 std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& toward) {
   constexpr int kNear = 16;
-  PointsX3 points(static_cast<Eigen::Index>(scene.points.size()), 3);
+  PointsX3 points(std::ssize(scene.points), 3);
   for (std::size_t p = 0; p < scene.points.size(); ++p) points.row(p) = scene.points[p].position;
   const KdTree tree(points);
   std::vector<Vector3d> normals(toward);
   ParallelFor(
-      static_cast<std::int64_t>(scene.points.size()),
+      std::ssize(scene.points),
       [&](std::int64_t i) {
         const Vector3d x = points.row(i), view = toward[i];
         // Excludes points on the other side of a thin limb.
         std::vector<Vector3d> near;
         for (const auto& [index, distance] : tree.Nearest(x, 2 * kNear)) {
-          if (toward[index].dot(view) > 0.5 && static_cast<int>(near.size()) < kNear)
+          if (toward[index].dot(view) > 0.5 && SizeOf(near) < kNear)
             near.push_back(points.row(index).transpose());
         }
         if (near.size() < 6) return;
@@ -327,7 +329,7 @@ PatchTracks TrackPatches(const Scene& scene, const std::vector<PatchImage>& imag
   const Tracker tracker(scene, images, options);
   std::vector<Tracker::Found> found(scene.points.size());
   ParallelFor(
-      static_cast<std::int64_t>(found.size()),
+      std::ssize(found),
       [&](std::int64_t p) {
         if (progress && progress->cancelled()) throw Cancelled();
         found[p] = tracker.Track(static_cast<std::size_t>(p));
@@ -342,7 +344,7 @@ PatchTracks TrackPatches(const Scene& scene, const std::vector<PatchImage>& imag
     SparsePoint point = scene.points[p];
     point.views.clear();
     for (Observation& o : found[p].places) {
-      o.point = static_cast<int>(tracks.scene.points.size());
+      o.point = SizeOf(tracks.scene.points);
       point.views.push_back(o.view);
       tracks.observations.push_back(o);
     }

@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "core/size_of.h"
+
 namespace keypose::reconstruct {
 
 PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observations,
@@ -14,7 +16,7 @@ PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observat
   std::vector<int> index(scene.points.size(), -1);
   for (std::size_t p = 0; p < scene.points.size(); ++p) {
     if (!keep[p]) continue;
-    index[p] = static_cast<int>(kept.scene.points.size());
+    index[p] = SizeOf(kept.scene.points);
     kept.scene.points.push_back(scene.points[p]);
   }
   for (const Observation& o : observations)
@@ -23,7 +25,7 @@ PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observat
 }
 
 PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observations, int count) {
-  if (static_cast<int>(scene.points.size()) <= count) return {scene, observations};
+  if (SizeOf(scene.points) <= count) return {scene, observations};
   // along the object's longest side, over the middle nine tenths of its points
   constexpr double kCells = 24;
   Eigen::Vector3d low, high;

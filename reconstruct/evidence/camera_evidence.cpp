@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -65,7 +66,7 @@ double CameraEvidence::Score() const {
   return share * (outlines ? hull_iou : 1) * (0.7 + 0.3 * agree);
 }
 
-bool CanBeRight(const CameraEvidence& evidence) {
+bool IsPlausible(const CameraEvidence& evidence) {
   return evidence.placed > 0 && (!evidence.outlines || evidence.hull_iou >= kLeastHullOverlap);
 }
 
@@ -78,7 +79,7 @@ bool IsSure(const CameraEvidence& evidence) {
 bool IsBetter(const CameraEvidence& other, const CameraEvidence& best) {
   if (other.placed == 0) return false;
   if (best.placed == 0) return true;
-  const bool other_can = CanBeRight(other), best_can = CanBeRight(best);
+  const bool other_can = IsPlausible(other), best_can = IsPlausible(best);
   constexpr double kClearly = 0.02;
   if (other_can != best_can) return other_can;
   if (other_can && IsSure(other) == IsSure(best) && other.placed != best.placed)
@@ -93,7 +94,7 @@ void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_imag
   const Vector3d margin = 0.1 * (hull.high - hull.low);
   const HullBox near{hull.low - margin, hull.high + margin};
   std::vector<char> agrees(verified.size(), -1);
-  ParallelFor(static_cast<std::int64_t>(verified.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(verified), [&](std::int64_t k) {
     const PairMatches& pair = verified[k];
     const int a = view_of_image[pair.first], b = view_of_image[pair.second];
     if (a < 0 || b < 0 || pair.features.empty()) return;

@@ -42,7 +42,7 @@ constexpr double kSurePairShare = 0.7;
 constexpr int kFewestPairs = 8;
 
 /// Whether the cameras are consistent with the outlines; without masks always true.
-bool CanBeRight(const CameraEvidence& evidence);
+bool IsPlausible(const CameraEvidence& evidence);
 /// Whether outlines and matches confirm the cameras.
 bool IsSure(const CameraEvidence& evidence);
 

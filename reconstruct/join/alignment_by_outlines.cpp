@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "core/angles.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 #include "reconstruct/numerics/simplex_search.h"
@@ -23,7 +25,7 @@ double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes
 }
 
 /// Points of both models, for comparing motions.
-struct OutlineJudge {
+struct MotionComparison {
   const HalfOutlines& outlines;
   PointsX3 first, second;
 
@@ -60,27 +62,28 @@ struct Candidate {
 };
 
 /// @param size  of the first simplex: 1 for a far start
-void Search(const OutlineJudge& judge, double spread, double size, int evaluations,
+void Search(const MotionComparison& comparison, double spread, double size, int evaluations,
             Candidate& candidate) {
-  const Eigen::Vector3d middle = judge.second.colwise().mean();
+  const Eigen::Vector3d middle = comparison.second.colwise().mean();
   const MotionUnknowns step =
       size * (MotionUnknowns() << 8 * kDegree, 8 * kDegree, 8 * kDegree, 0.15, 0.15, 0.15, 0.08)
                  .finished();
   const auto cost = [&](const Eigen::VectorXd& by) {
-    return judge.Miss(Moved(candidate.motion, middle, spread, by));
+    return comparison.Miss(Moved(candidate.motion, middle, spread, by));
   };
   const Eigen::VectorXd by = MinimizeSimplex(cost, MotionUnknowns::Zero(), step, evaluations);
   candidate.motion = Moved(candidate.motion, middle, spread, by);
-  candidate.miss = judge.Miss(candidate.motion);
+  candidate.miss = comparison.Miss(candidate.motion);
 }
 
 /// Continues the search from all candidates, and keeps the best `kept` that differ by 10 degrees or
 /// more, best first, so that other rotations remain for comparison.
-void SearchAll(const OutlineJudge& judge, double spread, double size, int evaluations,
+void SearchAll(const MotionComparison& comparison, double spread, double size, int evaluations,
                std::size_t kept, std::vector<Candidate>& candidates) {
   constexpr double kSameTurn = 10 * kDegree;
-  ParallelFor(static_cast<std::int64_t>(candidates.size()),
-              [&](std::int64_t i) { Search(judge, spread, size, evaluations, candidates[i]); });
+  ParallelFor(std::ssize(candidates), [&](std::int64_t i) {
+    Search(comparison, spread, size, evaluations, candidates[i]);
+  });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.miss < b.miss; });
   std::vector<Candidate> different;
@@ -110,7 +113,8 @@ std::vector<Candidate> Starts(const PointsX3& first, const PointsX3& second, int
 
 double MissedOutlines(const Scene& first, const Scene& second, const HalfOutlines& outlines,
                       const Similarity3& first_from_second, int points) {
-  return OutlineJudge{outlines, Decimated(first, points).points, Decimated(second, points).points}
+  return MotionComparison{outlines, Decimated(first, points).points,
+                          Decimated(second, points).points}
       .Miss(first_from_second);
 }
 
@@ -123,8 +127,8 @@ ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
   if (first.points.size() < 100 || second.points.size() < 100) return join;
   const Cloud target = Decimated(first, kPlenty), moving = Decimated(second, kPlenty);
   const double spread = Spread(target.points);
-  const OutlineJudge coarse{outlines, Decimated(first, options.coarse_points).points,
-                            Decimated(second, options.coarse_points).points},
+  const MotionComparison coarse{outlines, Decimated(first, options.coarse_points).points,
+                                Decimated(second, options.coarse_points).points},
       fine{outlines, Decimated(first, options.fine_points).points,
            Decimated(second, options.fine_points).points};
   std::vector<Candidate> candidates = Starts(target.points, moving.points, options.rotations);
@@ -144,7 +148,7 @@ ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
   join.miss_px = fine.Miss(join.first_from_second);
   const auto [share, rms] =
       Agreement(target, tree, moving, join.first_from_second, limit, options.max_color);
-  join.pairs = static_cast<int>(moving.size());
+  join.pairs = SizeOf(moving);
   join.agreeing = static_cast<int>(std::lround(share * static_cast<double>(moving.size())));
   join.rms = rms;
   join.found = join.miss_px <= fine.Own() + options.max_miss_px &&

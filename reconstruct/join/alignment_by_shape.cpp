@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 #include <vector>
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 
@@ -79,7 +81,7 @@ ModelAlignment AlignByShape(const Scene& first, const Scene& second,
       candidates.begin(), candidates.end(),
       [](const ShapeCandidate& a, const ShapeCandidate& b) { return a.share > b.share; });
   candidates.resize(std::min(candidates.size(), kRefined));
-  ParallelFor(static_cast<std::int64_t>(candidates.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(candidates), [&](std::int64_t i) {
     ShapeCandidate& candidate = candidates[i];
     Settle(target, tree, fine, options.kept, 60, candidate.motion);
     std::tie(candidate.share, candidate.rms) =
@@ -96,7 +98,7 @@ ModelAlignment AlignByShape(const Scene& first, const Scene& second,
   join.first_from_second = best.motion;
   Polish(target, tree, Decimated(second, 8 * options.fine_points), limit, options.max_color, false,
          join.first_from_second);
-  join.pairs = static_cast<int>(fine.size());
+  join.pairs = SizeOf(fine);
   join.agreeing = static_cast<int>(std::lround(best.share * static_cast<double>(fine.size())));
   join.rms = best.rms;
   join.found = best.share >= options.min_share && rival <= options.max_rival * best.share;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <random>
 #include <set>
+
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -13,7 +16,7 @@ namespace {
 using Pairs = std::vector<std::pair<int, int>>;
 
 Similarity3 Fit(const Scene& first, const Scene& second, const Pairs& pairs, bool with_scale) {
-  PointsX3 from(static_cast<Eigen::Index>(pairs.size()), 3), to = from;
+  PointsX3 from(std::ssize(pairs), 3), to = from;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     to.row(i) = first.points[pairs[i].first].position.transpose();
     from.row(i) = second.points[pairs[i].second].position.transpose();
@@ -103,7 +106,7 @@ Pairs MatchPoints(const std::vector<TrackElement>& first, const std::vector<Trac
 ModelAlignment AlignModels(const Scene& first, const Scene& second, const Pairs& pairs,
                            const AlignmentOptions& options) {
   ModelAlignment join;
-  join.pairs = static_cast<int>(pairs.size());
+  join.pairs = SizeOf(pairs);
   if (join.pairs < std::max(3, options.min_pairs)) return join;
   const double spread = SpreadOf(first), limit = options.max_distance * spread;
   std::mt19937 random(7);
@@ -122,7 +125,7 @@ ModelAlignment AlignModels(const Scene& first, const Scene& second, const Pairs&
     if (agreeing == best) break;
     best = std::move(agreeing);
   }
-  join.agreeing = static_cast<int>(best.size());
+  join.agreeing = SizeOf(best);
   join.found = join.agreeing >= options.min_pairs;
   double sum = 0;
   for (const auto& pair : best)

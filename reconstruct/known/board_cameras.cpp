@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <opencv2/calib3d.hpp>
 #include <optional>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -17,10 +19,10 @@ struct PlanePose {
   double rms_px = std::numeric_limits<double>::infinity();
 };
 
-double RmsOf(const View& view, const BoardLayout& plate, const std::vector<BoardCorner>& corners) {
+double RmsOf(const View& view, const BoardLayout& board, const std::vector<BoardCorner>& corners) {
   double sum = 0;
   for (const BoardCorner& corner : corners) {
-    const Eigen::Vector3d x = view.camera_from_world * plate.Corner(corner.id);
+    const Eigen::Vector3d x = view.camera_from_world * board.Corner(corner.id);
     if (x.z() <= 0) return std::numeric_limits<double>::infinity();
     sum += (view.camera.Project(x) - corner.pixel).squaredNorm();
   }
@@ -40,12 +42,12 @@ Rigid3 FromOpenCv(const cv::Mat& rotation_vector, const cv::Mat& translation) {
 
 /// The better of the plane's two poses among those with the camera above the board: a print cannot
 /// be seen from below.
-std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& plate,
+std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& board,
                                 const std::vector<BoardCorner>& corners) {
   std::vector<cv::Point3d> on_board;
   std::vector<cv::Point2d> rays;
   for (const BoardCorner& corner : corners) {
-    const Eigen::Vector3d x = plate.Corner(corner.id), ray = camera.Unproject(corner.pixel);
+    const Eigen::Vector3d x = board.Corner(corner.id), ray = camera.Unproject(corner.pixel);
     on_board.emplace_back(x.x(), x.y(), x.z());
     rays.emplace_back(ray.x(), ray.y());
   }
@@ -65,23 +67,23 @@ std::optional<PlanePose> PoseOf(const Camera& camera, const BoardLayout& plate,
     view.camera = camera;
     view.camera_from_world = FromOpenCv(rotation, translation);
     if (!view.camera_from_world.translation.allFinite() || view.Center().z() <= 0) continue;
-    const double rms = RmsOf(view, plate, corners);
+    const double rms = RmsOf(view, board, corners);
     if (rms < best.rms_px) best = {view.camera_from_world, rms};
   }
   if (!std::isfinite(best.rms_px)) return std::nullopt;
   return best;
 }
 
-bool InOneLine(const BoardLayout& plate, const std::vector<BoardCorner>& corners) {
+bool InOneLine(const BoardLayout& board, const std::vector<BoardCorner>& corners) {
   std::map<int, int> columns, rows;
   for (const BoardCorner& corner : corners)
-    ++columns[corner.id % (plate.columns - 1)], ++rows[corner.id / (plate.columns - 1)];
+    ++columns[corner.id % (board.columns - 1)], ++rows[corner.id / (board.columns - 1)];
   return columns.size() < 2 || rows.size() < 2;
 }
 
 /// The focal length with the best fit to the board, over a range of values. The sum is robust,
 /// since some views may be wrong.
-double SoughtFocal(Camera camera, const BoardLayout& plate,
+double SoughtFocal(Camera camera, const BoardLayout& board,
                    const std::vector<const BoardSighting*>& sightings) {
   constexpr int kTrials = 24;
   const double longer = std::max(camera.width, camera.height);
@@ -90,7 +92,7 @@ double SoughtFocal(Camera camera, const BoardLayout& plate,
     camera.fx = camera.fy = 0.6 * longer * std::pow(10.0, static_cast<double>(k) / (kTrials - 1));
     double sum = 0;
     for (const BoardSighting* sighting : sightings) {
-      const auto pose = PoseOf(camera, plate, sighting->corners);
+      const auto pose = PoseOf(camera, board, sighting->corners);
       sum += std::min(20.0, pose ? pose->rms_px : 20.0);
     }
     if (sum < least) least = sum, best = camera.fx;
@@ -100,7 +102,7 @@ double SoughtFocal(Camera camera, const BoardLayout& plate,
 
 }  // namespace
 
-std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLayout& plate,
+std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLayout& board,
                                                const std::vector<BoardSighting>& sightings,
                                                int body, int min_corners) {
   std::map<std::string, int> index;
@@ -109,35 +111,34 @@ std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLa
   std::vector<BodyObservation> observations;
   for (const BoardSighting& sighting : sightings) {
     const auto found = index.find(sighting.name);
-    if (found == index.end() || static_cast<int>(sighting.corners.size()) < min_corners) continue;
+    if (found == index.end() || SizeOf(sighting.corners) < min_corners) continue;
     for (const BoardCorner& corner : sighting.corners)
-      observations.push_back({found->second, body, plate.Corner(corner.id), corner.pixel});
+      observations.push_back({found->second, body, board.Corner(corner.id), corner.pixel});
   }
   return observations;
 }
 
-BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& plate,
+BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& board,
                         const std::vector<BoardSighting>& sightings,
                         const BoardPosesOptions& options) {
   BoardPoses placed;
   std::vector<const BoardSighting*> usable;
   for (const BoardSighting& sighting : sightings) {
     for (const BoardCorner& corner : sighting.corners)
-      if (corner.id < 0 || corner.id >= plate.CornerCount())
+      if (corner.id < 0 || corner.id >= board.CornerCount())
         throw InputError("sfm: " + sighting.name + " shows a board corner " +
                          std::to_string(corner.id) + ", which the board does not have");
-    if (static_cast<int>(sighting.corners.size()) < options.min_corners ||
-        InOneLine(plate, sighting.corners))
+    if (SizeOf(sighting.corners) < options.min_corners || InOneLine(board, sighting.corners))
       placed.too_few.push_back(sighting.name);
     else
       usable.push_back(&sighting);
   }
   Camera start = camera;
-  if (!focal_known && !usable.empty()) start.fx = start.fy = SoughtFocal(camera, plate, usable);
+  if (!focal_known && !usable.empty()) start.fx = start.fy = SoughtFocal(camera, board, usable);
   // The joint solution removes errors from a wrong focal length; the remaining errors then show
   // wrong views.
   for (const BoardSighting* sighting : usable) {
-    const auto pose = PoseOf(start, plate, sighting->corners);
+    const auto pose = PoseOf(start, board, sighting->corners);
     if (!pose || pose->rms_px > 10 * options.max_rms_px) {
       placed.rejected.push_back(sighting->name);
       continue;
@@ -151,7 +152,7 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
   for (int round = 0; round < 2 && placed.scene.views.size() >= 2; ++round) {
     placed.bodies.world_from_body = {Rigid3{}};
     placed.bodies.observations =
-        BoardObservations(placed.scene, plate, sightings, 0, options.min_corners);
+        BoardObservations(placed.scene, board, sightings, 0, options.min_corners);
     BundleResult result = AdjustBundle(placed.scene, {}, options.bundle, nullptr, placed.bodies);
     placed.scene = std::move(result.scene);
     placed.rms_px = result.bodies_rms_px;
@@ -160,7 +161,7 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
       const auto sighting = std::find_if(usable.begin(), usable.end(), [&](const BoardSighting* s) {
         return s->name == view.name;
       });
-      if (RmsOf(view, plate, (*sighting)->corners) <= options.max_rms_px && view.Center().z() > 0)
+      if (RmsOf(view, board, (*sighting)->corners) <= options.max_rms_px && view.Center().z() > 0)
         kept.push_back(view);
       else
         placed.rejected.push_back(view.name);
@@ -169,7 +170,7 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
     placed.scene.views = std::move(kept);
   }
   placed.bodies.observations =
-      BoardObservations(placed.scene, plate, sightings, 0, options.min_corners);
+      BoardObservations(placed.scene, board, sightings, 0, options.min_corners);
   std::sort(placed.rejected.begin(), placed.rejected.end());
   return placed;
 }
@@ -184,7 +185,7 @@ Similarity3 BoardFromScene(const Scene& board, const Scene& scene) {
   if (common.size() < 3)
     throw InputError("sfm: only " + std::to_string(common.size()) +
                      " of the placed photographs show the board; 3 are needed for its scale");
-  PointsX3 from(static_cast<Eigen::Index>(common.size()), 3), to = from;
+  PointsX3 from(std::ssize(common), 3), to = from;
   for (std::size_t i = 0; i < common.size(); ++i) {
     from.row(i) = common[i].first->Center().transpose();
     to.row(i) = common[i].second->Center().transpose();

@@ -40,12 +40,12 @@ struct BoardPoses {
 /// Same bits for any thread count.
 /// Source: Collins & Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014 (IPPE, as in
 /// OpenCV).
-BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& plate,
+BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& board,
                         const std::vector<BoardSighting>& sightings,
                         const BoardPosesOptions& options);
 
 /// The board's corners in the views of a scene, as observations of `body`.
-std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLayout& plate,
+std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLayout& board,
                                                const std::vector<BoardSighting>& sightings,
                                                int body, int min_corners);
 

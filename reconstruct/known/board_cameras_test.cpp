@@ -8,6 +8,7 @@
 #include <random>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {
@@ -37,7 +38,7 @@ struct Table {
 
 Table MakeTable(const std::vector<double>& elevations_deg, int per_ring, double noise_px) {
   Table table;
-  const BoardLayout plate;
+  const BoardLayout board;
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0, noise_px);
   for (const double elevation : elevations_deg)
@@ -46,12 +47,12 @@ Table MakeTable(const std::vector<double>& elevations_deg, int per_ring, double 
       const Vector3d eye =
           0.6 * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
       char name[32];
-      std::snprintf(name, sizeof name, "v%03d.jpg", static_cast<int>(table.truth.size()));
+      std::snprintf(name, sizeof name, "v%03d.jpg", SizeOf(table.truth));
       table.truth.push_back(LookFrom(eye, TestCamera(), name));
       BoardSighting sighting{name, {}};
-      for (int id = 0; id < plate.CornerCount(); ++id) {
-        if (plate.Corner(id).norm() < 0.06) continue;  // the figure is there
-        sighting.corners.push_back({id, table.truth.back().Project(plate.Corner(id)) +
+      for (int id = 0; id < board.CornerCount(); ++id) {
+        if (board.Corner(id).norm() < 0.06) continue;  // the figure is there
+        sighting.corners.push_back({id, table.truth.back().Project(board.Corner(id)) +
                                             Vector2d(noise(random), noise(random))});
       }
       table.sightings.push_back(sighting);
@@ -107,7 +108,7 @@ TEST(PlaceByBoard, CamerasLieAboveThePlateEvenWhereBothPosesOfThePlaneFit) {
   // From far away a plane's two poses fit equally well, and noise decides; but a print is only seen
   // from above.
   Table table;
-  const BoardLayout plate;
+  const BoardLayout board;
   Camera camera = TestCamera();
   camera.fx = camera.fy = 24000;
   std::mt19937 random(2);
@@ -118,12 +119,12 @@ TEST(PlaceByBoard, CamerasLieAboveThePlateEvenWhereBothPosesOfThePlaneFit) {
         LookFrom(6 * Vector3d(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)),
                  camera, "v" + std::to_string(10 + k)));
     BoardSighting sighting{table.truth.back().name, {}};
-    for (int id = 0; id < plate.CornerCount(); ++id)
-      sighting.corners.push_back({id, table.truth.back().Project(plate.Corner(id)) +
+    for (int id = 0; id < board.CornerCount(); ++id)
+      sighting.corners.push_back({id, table.truth.back().Project(board.Corner(id)) +
                                           Vector2d(noise(random), noise(random))});
     table.sightings.push_back(sighting);
   }
-  const BoardPoses placed = PlaceByBoard(camera, true, plate, table.sightings, {});
+  const BoardPoses placed = PlaceByBoard(camera, true, board, table.sightings, {});
   ASSERT_EQ(placed.scene.views.size(), 12u);
   for (const View& view : placed.scene.views) EXPECT_GT(view.Center().z(), 0) << view.name;
 }
@@ -149,7 +150,7 @@ TEST(PlaceByBoard, CornerThatThePlateDoesNotHaveThrows) {
 TEST(AdjustBundle, SecondPlateIsFoundWhereItStands) {
   // Half of the views see the board in the world, half see a copy of it elsewhere; points connect
   // them.
-  const BoardLayout plate;
+  const BoardLayout board;
   Rigid3 elsewhere;
   elsewhere.rotation = Eigen::AngleAxisd(1.2, Vector3d(1, 2, 0.5).normalized());
   elsewhere.translation = Vector3d(0.02, -0.05, 0.1);
@@ -168,10 +169,10 @@ TEST(AdjustBundle, SecondPlateIsFoundWhereItStands) {
   Bodies bodies;
   bodies.world_from_body = {Rigid3{}, elsewhere};
   for (int v = 0; v < 16; ++v)
-    for (int id = 0; id < plate.CornerCount(); ++id) {
+    for (int id = 0; id < board.CornerCount(); ++id) {
       const int body = v % 2;
-      const Vector3d x = bodies.world_from_body[body] * plate.Corner(id);
-      bodies.observations.push_back({v, body, plate.Corner(id), table.truth[v].Project(x)});
+      const Vector3d x = bodies.world_from_body[body] * board.Corner(id);
+      bodies.observations.push_back({v, body, board.Corner(id), table.truth[v].Project(x)});
     }
   // Changes everything but the world's board.
   bodies.world_from_body[1].translation += Vector3d(0.002, 0.001, -0.002);

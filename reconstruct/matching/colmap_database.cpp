@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
 #include "core/errors.h"
 
@@ -226,7 +227,7 @@ void ColmapDatabase::PutInliers(const std::vector<PairMatches>& pairs) {
                 "VALUES (?, ?, 2, ?, ?)");
   for (const PairMatches& pair : pairs) {
     put.Bind(1, PairId(pair.first, pair.second));
-    put.Bind(2, static_cast<std::int64_t>(pair.features.size()));
+    put.Bind(2, std::ssize(pair.features));
     put.BindBlob(3, pair.features.data(), pair.features.size() * 8);
     put.Bind(4, kUncalibrated);
     put.RunOnce();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/camera.h"
+#include "core/size_of.h"
 
 struct sqlite3;
 
@@ -23,7 +24,7 @@ struct Features {
   Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> positions;  ///< F x 2 [px]
   Eigen::VectorXf scales;                                              ///< F [px]
   std::vector<std::int16_t> descriptors;                               ///< F x 128, each 0..255
-  int count() const { return static_cast<int>(scales.size()); }
+  int count() const { return SizeOf(scales); }
 };
 
 /// Matched features of two images, first < second (0-based images).

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <numeric>
 
 namespace keypose::reconstruct {
@@ -187,8 +188,8 @@ Features LargestFeatures(const Features& features, int count) {
   order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
   std::sort(order.begin(), order.end());
   Features largest;
-  largest.positions.resize(static_cast<Eigen::Index>(order.size()), 2);
-  largest.scales.resize(static_cast<Eigen::Index>(order.size()));
+  largest.positions.resize(std::ssize(order), 2);
+  largest.scales.resize(std::ssize(order));
   for (std::size_t k = 0; k < order.size(); ++k) {
     largest.positions.row(k) = features.positions.row(order[k]);
     largest.scales(static_cast<Eigen::Index>(k)) = features.scales(order[k]);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <random>
 
 #include "core/parallel.h"
@@ -39,8 +40,8 @@ Features RandomFeatures(int count, std::mt19937& random) {
 
 Features Permuted(const Features& features, const std::vector<int>& order) {
   Features out;
-  out.positions.resize(static_cast<Eigen::Index>(order.size()), 2);
-  out.scales.resize(static_cast<Eigen::Index>(order.size()));
+  out.positions.resize(std::ssize(order), 2);
+  out.scales.resize(std::ssize(order));
   for (std::size_t i = 0; i < order.size(); ++i) {
     out.positions.row(i) = features.positions.row(order[i]);
     out.scales(static_cast<Eigen::Index>(i)) = features.scales(order[i]);

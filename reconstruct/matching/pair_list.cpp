@@ -1,9 +1,11 @@
 #include "reconstruct/matching/pair_list.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/matching/descriptor_matching.h"
 
 namespace keypose::reconstruct {
@@ -17,7 +19,7 @@ void SortUnique(std::vector<ImagePair>& pairs) {
 /// Matches among the largest features of all pairs.
 Eigen::MatrixXi PreviewScores(const std::vector<Features>& features, int preview_features,
                               Progress* progress) {
-  const int images = static_cast<int>(features.size());
+  const int images = SizeOf(features);
   std::vector<Features> previews(features.size());
   for (std::size_t i = 0; i < features.size(); ++i)
     previews[i] = LargestFeatures(features[i], preview_features);
@@ -26,7 +28,7 @@ Eigen::MatrixXi PreviewScores(const std::vector<Features>& features, int preview
   // A lenient ratio: the number only ranks, and selected pairs are tested strictly later.
   const MatchOptions lenient{.max_ratio = 0.85, .max_distance = 0.8};
   ParallelFor(
-      static_cast<std::int64_t>(all.size()),
+      std::ssize(all),
       [&](std::int64_t k) {
         if (progress && progress->cancelled()) throw Cancelled();
         const auto [i, j] = all[k];
@@ -76,7 +78,7 @@ std::vector<ImagePair> SimilarPairs(const Eigen::MatrixXi& scores, int similar) 
 
 std::vector<ImagePair> ChoosePairs(const std::vector<Features>& features,
                                    const PairListOptions& options, Progress* progress) {
-  const int images = static_cast<int>(features.size());
+  const int images = SizeOf(features);
   if (images <= options.all_pairs_limit) return AllPairs(images);
   std::vector<ImagePair> pairs = CircularPairs(images, options.neighbors);
   const auto similar =

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
+#include "core/size_of.h"
+
 namespace keypose::reconstruct {
 
 std::optional<Verified> VerifyPair(const Features& first, const Features& second,
                                    const PairMatches& raw, const VerificationOptions& options) {
-  const int count = static_cast<int>(raw.features.size());
+  const int count = SizeOf(raw.features);
   if (count < std::max(8, options.min_inliers)) return std::nullopt;
   cv::Mat a(count, 2, CV_64F), b(count, 2, CV_64F), inside;
   for (int k = 0; k < count; ++k) {
@@ -43,7 +45,7 @@ std::optional<Verified> VerifyPair(const Features& first, const Features& second
   if (!verified.geometry.matrix.allFinite()) return std::nullopt;
   for (int k = 0; k < count; ++k)
     if (inside.at<std::uint8_t>(k) != 0) verified.inliers.features.push_back(raw.features[k]);
-  if (static_cast<int>(verified.inliers.features.size()) < options.min_inliers) return std::nullopt;
+  if (SizeOf(verified.inliers.features) < options.min_inliers) return std::nullopt;
   return verified;
 }
 

@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "core/size_of.h"
 #include "reconstruct/testing/known_scenes.h"
 
 namespace keypose::reconstruct {
@@ -18,7 +19,7 @@ TEST(VerifyPair, InliersOfARigidSceneAreFoundAmongWrongMatchesAndChanceIsNot) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> anywhere(0, 240);
   Features first, second;
-  const auto right = static_cast<int>(scene.points.size()), wrong = right;
+  const auto right = SizeOf(scene.points), wrong = right;
   for (Features* features : {&first, &second}) {
     features->positions.resize(right + wrong, 2);
     features->scales.setOnes(right + wrong);
@@ -43,7 +44,7 @@ TEST(VerifyPair, InliersOfARigidSceneAreFoundAmongWrongMatchesAndChanceIsNot) {
   for (const auto& [i, j] : verified->inliers.features)
     found += static_cast<int>(i) < right ? 1 : 0;
   EXPECT_GT(found, 0.95 * right);
-  EXPECT_LT(static_cast<int>(verified->inliers.features.size()) - found, 0.1 * wrong);
+  EXPECT_LT(SizeOf(verified->inliers.features) - found, 0.1 * wrong);
   EXPECT_FALSE(VerifyPair(first, second, chance, options).has_value());
   EXPECT_FALSE(VerifyPair(first, second, PairMatches{0, 1, {{0, 0}}}, options).has_value());
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <vector>
 
 #include "core/parallel.h"
@@ -45,7 +46,7 @@ PointCloud MergeWithinCells(const PointCloud& cloud, double cell) {
   std::vector<std::size_t> starts;
   for (std::size_t k = 0; k < keyed.size(); ++k)
     if (k == 0 || keyed[k].key != keyed[k - 1].key) starts.push_back(k);
-  const auto count = static_cast<Eigen::Index>(starts.size());
+  const auto count = std::ssize(starts);
   starts.push_back(keyed.size());
   PointCloud out;
   out.points.resize(count, 3), out.normals.resize(count, 3);

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/meshing/merge.h"
 
 namespace keypose::reconstruct {
@@ -213,7 +214,7 @@ TEST(FilterPoints, SparseHullPointsAreNoStraysBesideManyLayers) {
   int kept = 0;
   for (Eigen::Index i = 0; i < filtered.cloud.points.rows(); ++i)
     kept += filtered.cloud.normals(i, 2) < -0.55;
-  EXPECT_EQ(kept, static_cast<int>(below.size()));
+  EXPECT_EQ(kept, SizeOf(below));
 }
 
 TEST(ReconstructSurface, SmallFloatingBlobIsRemoved) {
@@ -242,6 +243,16 @@ TEST(ReconstructSurface, InwardNormalsAreTurnedAndReported) {
   const auto result = Reconstruct(cloud);
   EXPECT_TRUE(result.used.normals_flipped);
   EXPECT_GT(SignedVolume(result.mesh.points, result.mesh.faces), 0);
+}
+
+TEST(ReconstructSurface, MoreSamplesANodeGiveACoarserMesh) {
+  const PointCloud cloud = SphereCloud(4000);
+  MeshOptions few = Fast(), many = Fast();
+  few.depth = many.depth = 7;
+  few.poisson.samples_per_node = 1;
+  many.poisson.samples_per_node = 50;
+  EXPECT_LT(Reconstruct(cloud, many).mesh.face_count(),
+            0.7 * Reconstruct(cloud, few).mesh.face_count());
 }
 
 TEST(ReconstructSurface, UnsurePointsAreLeftOut) {

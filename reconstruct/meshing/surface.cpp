@@ -8,6 +8,7 @@
 
 #include "core/geometry.h"
 #include "core/kd_tree.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -58,7 +59,7 @@ Mesh Fit(const FilteredPoints& used, const PoissonOptions& options) {
 int ViewCount(const std::vector<SightLine>& lines) {
   std::set<int> views;
   for (const SightLine& line : lines) views.insert(line.view);
-  return static_cast<int>(views.size());
+  return SizeOf(views);
 }
 
 }  // namespace
@@ -74,8 +75,6 @@ void MeshOptions::Describe(OptionVisitor& visit) {
          0,
          4,
          {}});
-  visit("point_weight", poisson.point_weight,
-        {"weight of the points in the fit; 0 is the unscreened method", "", 0, 100, {}});
   visit("samples_per_node", poisson.samples_per_node,
         {"least number of points in a leaf: 1 to 5 for clean clouds, 10 to 20 for noisy ones",
          "points",
@@ -84,13 +83,6 @@ void MeshOptions::Describe(OptionVisitor& visit) {
          {}});
   visit("neighbors", filter.neighbors,
         {"neighbours from which the local density is measured", "points", 4, 100, {}});
-  visit("outlier_ratio", filter.outlier_ratio,
-        {"a point is removed when its mean distance to its neighbours exceeds the median by this "
-         "factor; 0 keeps all",
-         "",
-         0,
-         1000,
-         {}});
   visit("min_confidence", filter.min_confidence,
         {"points of lower confidence are not used", "", 0, 1, {}});
   visit("thin_unsure", filter.thin_unsure,

@@ -7,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose::reconstruct {
@@ -93,7 +94,7 @@ Mesh WithFaces(const Mesh& mesh, const std::vector<char>& keep) {
   std::vector<int> kept_vertices;
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     if (new_index[v] < 0) continue;
-    new_index[v] = static_cast<int>(kept_vertices.size());
+    new_index[v] = SizeOf(kept_vertices);
     kept_vertices.push_back(v);
   }
   Mesh out;

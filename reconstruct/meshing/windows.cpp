@@ -12,6 +12,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -97,8 +98,8 @@ class Windows {
       }
     }
     PointCloud cloud;
-    cloud.points.resize(static_cast<int>(walls.size()), 3);
-    cloud.normals.resize(static_cast<int>(walls.size()), 3);
+    cloud.points.resize(SizeOf(walls), 3);
+    cloud.normals.resize(SizeOf(walls), 3);
     int row = 0;
     for (const auto& [key, x] : walls) {
       const Vector3d slope = Slope(x);
@@ -209,7 +210,7 @@ int AddWindowWalls(const Mesh& surface, const std::vector<SightLine>& blocked,
   std::vector<int> kept;
   for (int i = 0; i < points->cloud.points.rows(); ++i)
     if (!windows.Contradicts(points->cloud.points.row(i))) kept.push_back(i);
-  if (static_cast<int>(kept.size()) < points->cloud.points.rows()) Keep(kept, points);
+  if (SizeOf(kept) < points->cloud.points.rows()) Keep(kept, points);
   Append(walls, points);
   return static_cast<int>(walls.points.rows());
 }
@@ -221,7 +222,7 @@ std::vector<SightLine> BlockedLines(const Mesh& surface, const std::vector<Sight
   for (const SightLine& line : lines)
     if (std::binary_search(holes.begin(), holes.end(), line.hole))
       views.insert(line.view), blocked.push_back(line);
-  if (static_cast<int>(views.size()) < kViewsOfAWindow) blocked.clear();
+  if (SizeOf(views) < kViewsOfAWindow) blocked.clear();
   return blocked;
 }
 

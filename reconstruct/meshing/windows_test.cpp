@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "reconstruct/meshing/surface.h"
 
 namespace keypose::reconstruct {
@@ -37,9 +38,9 @@ PointCloud WebbedPlate() {
         add({x, t, side * kHalf}, {0, 0, side}, 1);
       }
   PointCloud cloud;
-  cloud.points.resize(static_cast<int>(points.size()), 3);
-  cloud.normals.resize(static_cast<int>(points.size()), 3);
-  cloud.confidence.resize(static_cast<int>(points.size()));
+  cloud.points.resize(SizeOf(points), 3);
+  cloud.normals.resize(SizeOf(points), 3);
+  cloud.confidence.resize(SizeOf(points));
   for (int i = 0; i < std::ssize(points); ++i) {
     cloud.points.row(i) = points[i];
     cloud.normals.row(i) = normals[i];

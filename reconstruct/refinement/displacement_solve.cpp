@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
@@ -18,7 +19,7 @@ constexpr int kShapeRounds = 8;  // rounds of neighbours over which the surface'
 using Values = std::vector<float>;
 
 double Dot(const Values& a, const Values& b) {
-  const std::int64_t count = static_cast<std::int64_t>(a.size());
+  const std::int64_t count = std::ssize(a);
   std::vector<double> sums((count + kSolveGrain - 1) / kSolveGrain, 0.0);
   ParallelBlocks(count, kSolveGrain, [&](std::int64_t begin, std::int64_t end) {
     double sum = 0;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 
@@ -16,7 +17,7 @@ struct Neighbors {
   std::vector<float> inverse_sum;
   double mean_edge = 0;
 
-  int vertex_count() const { return static_cast<int>(begin.size()) - 1; }
+  int vertex_count() const { return SizeOf(begin) - 1; }
 };
 Neighbors MakeNeighbors(const PointsX3& points, const FacesX3& faces);
 

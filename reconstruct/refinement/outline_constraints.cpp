@@ -313,7 +313,7 @@ std::vector<Constraint> FrontierTerms(const Surface& surface,
   const KdTree tree(surface.mesh.points);
   std::vector<Constraint> constraints(frontier.size());
   ParallelFor(
-      static_cast<std::int64_t>(frontier.size()),
+      std::ssize(frontier),
       [&](std::int64_t i) {
         const FrontierPoint& touch = frontier[i];
         double least = 1e30;

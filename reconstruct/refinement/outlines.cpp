@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/geometry.h"
@@ -55,8 +56,7 @@ class Consensus {
     FindNeighbors();
     for (int round = 0; round < kRounds; ++round) {
       ParallelFor(
-          static_cast<std::int64_t>(places_.size()),
-          [&](std::int64_t i) { WhatIsUsual(&places_[i]); }, kOutlineGrain);
+          std::ssize(places_), [&](std::int64_t i) { WhatIsUsual(&places_[i]); }, kOutlineGrain);
       TrustViews();
     }
   }
@@ -87,7 +87,7 @@ class Consensus {
       points.row(static_cast<int>(i)) = mesh_.points.row(constraints_[i].vertex);
     const KdTree tree(points);
     ParallelFor(
-        static_cast<std::int64_t>(places_.size()),
+        std::ssize(places_),
         [&](std::int64_t i) {
           Place& place = places_[i];
           const Constraint& first = constraints_[place.begin];

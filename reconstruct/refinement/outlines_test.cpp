@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 
 namespace keypose::reconstruct {
@@ -78,7 +79,7 @@ Miss MissOf(const Mesh& mesh, const SurfaceTargets& targets, const Mesh& truth) 
     misses.push_back(std::sqrt(scene.ClosestPoint(moved).squared_distance) / kPixel);
   }
   Miss miss;
-  miss.vertices = static_cast<int>(misses.size());
+  miss.vertices = SizeOf(misses);
   if (misses.empty()) return miss;
   std::sort(misses.begin(), misses.end());
   for (const double m : misses) miss.mean_px += m / static_cast<double>(misses.size());

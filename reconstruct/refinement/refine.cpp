@@ -44,11 +44,12 @@ double Quantile(Values values, double share) {
 
 // The minimum of a profile near the vertex's position, and its weight: the curvature of the minimum
 // times the square of the agreement.
-struct Wish {
+struct ProfileMinimum {
   float target = 0, weight = 0;
 };
 
-Wish Search(const float* cost, int count, float step, float at, float window, float pull) {
+ProfileMinimum Search(const float* cost, int count, float step, float at, float window,
+                      float pull) {
   const int middle = count / 2;
   int best = -1;
   float least = 1e9f;
@@ -177,8 +178,8 @@ class Refiner {
 
   void Round(int level, int round) {
     Relax();
-    outlines_ =
-        OutlineTargets(result_.mesh, silhouettes_, frontier_, {.violation_weight = options_.cuts});
+    outlines_ = OutlineTargets(result_.mesh, silhouettes_, frontier_,
+                               {.violation_weight = options_.violations});
     if (round == 0 && level == options_.levels - 1) EvenNormals();
     Look(false);
     const double step = (level == 0 ? kFineStep : kStep) * (1 << level);  // footprints
@@ -216,8 +217,8 @@ class Refiner {
       ParallelBlocks(static_cast<std::int64_t>(shift->size()), kGrain,
                      [&](std::int64_t begin, std::int64_t end) {
                        for (std::int64_t v = begin; v < end; ++v) {
-                         Wish wish = Search(profiles.Row(v), profiles.count(), step, (*shift)[v],
-                                            window, pull);
+                         ProfileMinimum wish = Search(profiles.Row(v), profiles.count(), step,
+                                                      (*shift)[v], window, pull);
                          // Shading that moves over smooth clay gives small weights everywhere,
                          // texture gives large ones.
                          wish.weight *= wish.weight / (wish.weight + kFaint);
@@ -368,21 +369,15 @@ void RefineOptions::Describe(OptionVisitor& visit) {
   visit("bending", bending,
         {"weight against bending, which dominates where photographs have little texture", "", 0,
          100000});
-  visit("aggregate", aggregate,
-        {"rounds of averaging the matching costs over neighbours", "", 0, 50});
   visit("outlines", outlines,
         {"weight of a view in which a vertex lies on the outline; 1 is the weight of good texture",
          "", 0, 1000});
-  visit("cuts", cuts,
+  visit("violations", violations,
         {"weight of silhouette violations (a mask shows background where the surface is), "
          "relative to `outlines`; 0 ignores them",
          "", 0, 1});
   visit("shading", shading,
         {"weight of normals from shading, which give fine detail; 0 ignores them", "", 0, 1000});
-  visit("shading_smooth", shading_smooth,
-        {"shading is used only for detail finer than this many rings of neighbours", "", 1, 10000});
-  visit("outside_px", outside_px,
-        {"largest distance outside of the masks to which a vertex may move", "px", 0, 100});
   visit("normal_reach", normal_reach,
         {"normals are smoothed before the surface moves, over this many times its mean distance "
          "to the masks' outlines; 0: no smoothing",

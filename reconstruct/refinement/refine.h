@@ -20,7 +20,7 @@ struct RefineOptions {
   double bending = 200;
   int aggregate = 2;
   double outlines = 3;
-  double cuts = 1;
+  double violations = 1;
   double shading = 1;
   int shading_smooth = 60;
   double outside_px = 1;

@@ -112,6 +112,28 @@ TEST(RefineSurface, ARoughSurfaceFarInsideOfTheOutlinesComesOutWithoutFolds) {
   EXPECT_LT(result.unfolded, 200) << "12,000 else";
 }
 
+TEST(RefineSurface, EachWeightMovesTheResultTheWayItSays) {
+  const Mesh start = Wavy(Painted(), 1.5);
+  const std::vector<PreparedView> views = Views(Painted());
+  const auto moved = [&](const RefineOptions& options) {
+    const Mesh mesh = RefineSurface(start, views, options).mesh;
+    return (mesh.points - start.points).rowwise().norm().mean();
+  };
+  const double plain = moved(Options());
+  RefineOptions options = Options();
+  options.anchor = 100;
+  EXPECT_LT(moved(options), 0.5 * plain) << "vertices are held in place";
+  options = Options();
+  options.membrane = 100;
+  EXPECT_LT(moved(options), 0.9 * plain) << "waves cannot follow equal displacements";
+  options = Options();
+  options.rounds = 1;
+  EXPECT_LT(moved(options), plain) << "one search reaches less far than three";
+  options = Options();
+  options.violations = 0;
+  EXPECT_NE(moved(options), plain) << "the waves stick out of the masks";
+}
+
 TEST(RefineSurface, FacesAndColoursStay) {
   Mesh start = Wavy(Painted(), 0.5);
   start.colors = ColorsX3::Constant(start.vertex_count(), 3, 90);

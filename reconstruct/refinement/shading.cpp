@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
 #include "core/srgb.h"
@@ -67,7 +68,7 @@ class Shading {
         brightness_(views.size()),
         light_(views.size(), Basis::Zero()),
         own_(mesh.vertex_count(), 1.0f) {
-    ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(views), [&](std::int64_t i) {
       brightness_[i].assign(mesh.vertex_count(), 0.0f);
       const PreparedView& view = views[i];
       for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -78,7 +79,7 @@ class Shading {
       }
     });
     for (int fit = 0; fit < kFits; ++fit) {
-      ParallelFor(static_cast<std::int64_t>(views.size()),
+      ParallelFor(std::ssize(views),
                   [&](std::int64_t i) { FitLight(static_cast<int>(i), fit > 0); });
       ParallelFor(
           mesh.vertex_count(),

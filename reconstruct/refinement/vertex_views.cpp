@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -17,7 +19,7 @@ constexpr int kViewGrain = 256;
 class DepthBuffer {
  public:
   DepthBuffer(const Mesh& mesh, const PreparedView& view)
-      : view_(view), level_(std::min<int>(1, static_cast<int>(view.levels.size()) - 1)) {
+      : view_(view), level_(std::min<int>(1, SizeOf(view.levels) - 1)) {
     const Pinhole& camera = view.camera(level_);
     depth_ = ImageF(camera.width, camera.height, 1, std::numeric_limits<float>::infinity());
     const Eigen::Matrix3d turn = view.camera_from_world.rotation.toRotationMatrix();
@@ -137,7 +139,7 @@ VertexViews Choose(const Eigen::Vector3d& x, const std::vector<std::vector<float
 std::vector<std::vector<float>> AllSights(const Mesh& mesh, const PointsX3& normals,
                                           const std::vector<PreparedView>& views) {
   std::vector<std::vector<float>> sights(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()),
+  ParallelFor(std::ssize(views),
               [&](std::int64_t i) { sights[i] = Sights(mesh, normals, views[i]); });
   return sights;
 }

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 
 #include "core/image_turns.h"
 #include "core/joined_images.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "reconstruct/turntable/upside_down.h"
 
 namespace keypose::reconstruct {
@@ -81,13 +83,13 @@ Matched MatchesOf(const Scene& truth) {
   Matched matched;
   for (const View& view : truth.views) {
     Features features;
-    features.positions.resize(static_cast<Eigen::Index>(points.size()), 2);
+    features.positions.resize(std::ssize(points), 2);
     features.scales = Eigen::VectorXf::Ones(features.positions.rows());
     for (std::size_t p = 0; p < points.size(); ++p)
       features.positions.row(p) = view.Project(points[p]).transpose().cast<float>();
     matched.features.push_back(std::move(features));
   }
-  const int images = static_cast<int>(truth.views.size());
+  const int images = SizeOf(truth.views);
   for (int i = 0; i < images; ++i)
     for (int j = i + 1; j < std::min(images, i + 3); ++j) {
       PairMatches pair{i, j, {}};
@@ -104,10 +106,10 @@ std::vector<int> Counted(std::size_t count) {
 }
 
 /// The evidence for `cameras`, for photographs taken by `truth`.
-CameraEvidence Judged(const Scene& truth, const Scene& cameras, const Matched& matched) {
+CameraEvidence EvidenceOf(const Scene& truth, const Scene& cameras, const Matched& matched) {
   CameraEvidence evidence;
-  evidence.images = static_cast<int>(truth.views.size());
-  evidence.placed = static_cast<int>(cameras.views.size());
+  evidence.images = SizeOf(truth.views);
+  evidence.placed = SizeOf(cameras.views);
   std::vector<PreparedView> views;
   for (std::size_t v = 0; v < cameras.views.size(); ++v)
     views.push_back(PrepareView(cameras.views[v], static_cast<int>(v),
@@ -121,14 +123,14 @@ CameraEvidence Judged(const Scene& truth, const Scene& cameras, const Matched& m
 TEST(CameraEvidence, TrueCamerasAreSureAndEveryWrongRingIsNot) {
   const Scene truth = Ring(15, 24);
   const Matched matched = MatchesOf(truth);
-  const CameraEvidence right = Judged(truth, truth, matched);
+  const CameraEvidence right = EvidenceOf(truth, truth, matched);
   EXPECT_GT(right.hull_iou, 0.95);  // pixels of 1/60 of the figure, carved from two views
   EXPECT_EQ(right.pairs_agree, right.pairs);
   EXPECT_TRUE(IsSure(right));
   // Rotated in the wrong direction, half as far, a third too far.
   for (const double step_deg : {-24.0, 12.0, 32.0}) {
-    const CameraEvidence wrong = Judged(truth, Ring(15, step_deg), matched);
-    EXPECT_FALSE(CanBeRight(wrong)) << step_deg << " degrees: " << wrong.hull_iou;
+    const CameraEvidence wrong = EvidenceOf(truth, Ring(15, step_deg), matched);
+    EXPECT_FALSE(IsPlausible(wrong)) << step_deg << " degrees: " << wrong.hull_iou;
     EXPECT_FALSE(IsSure(wrong));
     EXPECT_TRUE(IsBetter(right, wrong));
     EXPECT_FALSE(IsBetter(wrong, right));

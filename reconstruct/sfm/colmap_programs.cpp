@@ -11,6 +11,7 @@
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/matching/feature_crop.h"
 #include "reconstruct/sfm/colmap_programs.h"
 
@@ -110,7 +111,7 @@ std::vector<Prepared> ExtractPart(StageContext& stage, const ImageSet& set, int 
 
 void ExtractFeatures(StageContext& stage, const ImageSet& set, const SfmFiles& files,
                      const SfmOptions& options, bool fine) {
-  const int images = static_cast<int>(set.images.size());
+  const int images = SizeOf(set.images);
   const bool shrunk = std::max(set.images[0].width, set.images[0].height) > options.max_image_size;
   const int per_part = shrunk ? 1 : 3;  // a part has one limit for all its images
   const int parts = (images + per_part - 1) / per_part;

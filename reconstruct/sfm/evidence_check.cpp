@@ -1,11 +1,13 @@
 #include "reconstruct/sfm/evidence_check.h"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -18,7 +20,7 @@ double ShrinkFactor(int width, int height) {
 
 std::vector<Image8> SmallMasks(const ImageSet& set) {
   std::vector<Image8> masks(set.images.size());
-  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(masks), [&](std::int64_t i) {
     const CapturedImage& image = set.images[i];
     if (image.mask.empty()) return;
     Camera size;
@@ -32,7 +34,7 @@ std::vector<Image8> SmallMasks(const ImageSet& set) {
 std::vector<PreparedView> ViewsOf(const ImageSet& set, const std::vector<Image8>& masks,
                                   const Scene& scene) {
   std::vector<PreparedView> views(scene.views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(views), [&](std::int64_t v) {
     View view = scene.views[v];
     const int i = set.Find(view.name);
     if (i < 0 || masks[i].empty()) return;
@@ -51,16 +53,13 @@ std::vector<PreparedView> MaskViews(const ImageSet& set, const Scene& scene) {
   return ViewsOf(set, SmallMasks(set), scene);
 }
 
-EvidenceJudge::EvidenceJudge(const ImageSet& set) : set_(set), masks_(SmallMasks(set)) {
-  with_mask_ = static_cast<int>(std::count_if(masks_.begin(), masks_.end(),
-                                              [](const Image8& mask) { return !mask.empty(); }));
-}
+EvidenceCheck::EvidenceCheck(const ImageSet& set) : set_(set), masks_(SmallMasks(set)) {}
 
-CameraEvidence EvidenceJudge::Judge(const Scene& scene, const std::vector<Features>& features,
-                                    const std::vector<PairMatches>& verified) const {
+CameraEvidence EvidenceCheck::Evaluate(const Scene& scene, const std::vector<Features>& features,
+                                       const std::vector<PairMatches>& verified) const {
   CameraEvidence evidence;
-  evidence.images = static_cast<int>(set_.images.size());
-  evidence.placed = static_cast<int>(scene.views.size());
+  evidence.images = SizeOf(set_.images);
+  evidence.placed = SizeOf(scene.views);
   if (evidence.placed < 3) return evidence;
   const std::vector<PreparedView> views = ViewsOf(set_, masks_, scene);
   if (views.size() < 3) return evidence;

@@ -20,22 +20,19 @@ namespace keypose::reconstruct {
 std::vector<PreparedView> MaskViews(const ImageSet& set, const Scene& scene);
 
 /// The evidence of one set of photographs, for comparing all strategies. Masks are read once.
-class EvidenceJudge {
+class EvidenceCheck {
  public:
-  explicit EvidenceJudge(const ImageSet& set);
+  explicit EvidenceCheck(const ImageSet& set);
 
-  /// Whether there are enough masks for a comparison.
-  bool HasMasks() const { return with_mask_ >= 3; }
   /// @param features, verified  of all images; may be empty
-  CameraEvidence Judge(const Scene& scene, const std::vector<Features>& features,
-                       const std::vector<PairMatches>& verified) const;
+  CameraEvidence Evaluate(const Scene& scene, const std::vector<Features>& features,
+                          const std::vector<PairMatches>& verified) const;
   /// Masks of all images at about 500 px; empty where there is none.
   const std::vector<Image8>& masks() const { return masks_; }
 
  private:
   const ImageSet& set_;
   std::vector<Image8> masks_;
-  int with_mask_ = 0;
 };
 
 /// Reports hull_iou_mean, hull_iou_least, views_disagreeing, pairs_tied and pairs_agreeing, and

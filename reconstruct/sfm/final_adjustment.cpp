@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/bundle/corner_tracks.h"
 #include "reconstruct/bundle/patch_tracks.h"
 #include "reconstruct/bundle/track_selection.h"
@@ -28,7 +30,7 @@ Image8 Shrunk(const Image8& image, double scale) {
 std::vector<PatchImage> ReadPatchImages(const ImageSet& set, const std::vector<View>& views,
                                         int max_size_px, const PatchOptions& options) {
   std::vector<PatchImage> images(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(views), [&](std::int64_t v) {
     const int i = set.Find(views[v].name);
     const CapturedImage& captured = set.images[i];
     const double scale =
@@ -71,7 +73,7 @@ void ColorPoints(const ImageSet& set, Scene& scene) {
   std::vector<std::vector<std::size_t>> of_view(scene.views.size());
   for (std::size_t p = 0; p < scene.points.size(); ++p)
     if (!scene.points[p].views.empty()) of_view[scene.points[p].views[0]].push_back(p);
-  ParallelFor(static_cast<std::int64_t>(scene.views.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(scene.views), [&](std::int64_t v) {
     const View& view = scene.views[v];
     if (of_view[v].empty()) return;
     const Image8 image = ReadImage(set.ImagePath(set.Find(view.name)), 3);
@@ -86,8 +88,7 @@ void ColorPoints(const ImageSet& set, Scene& scene) {
 
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
                       bool focal_known, const SfmOptions& options) {
-  if (model.fixed || !options.patches ||
-      static_cast<int>(model.scene.points.size()) < kFewestPoints)
+  if (model.fixed || !options.patches || SizeOf(model.scene.points) < kFewestPoints)
     return model.scene;
   ReportProgress(stage.progress(), 0.93, "refining points by grey values");
   const PatchOptions patches;
@@ -111,10 +112,10 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
   RingFit fit;
   PatchTracks tracks;
   for (const double robust_px : {0.5, 0.4, 0.3}) {
-    if (robust_px == 0.4 && static_cast<int>(tracks.scene.points.size()) >= kPlenty) continue;
+    if (robust_px == 0.4 && SizeOf(tracks.scene.points) >= kPlenty) continue;
     tracks = TrackPatches(current.scene, images, patches, stage.progress());
     AddFeatures(tracks, current.observations);
-    if (static_cast<int>(tracks.scene.points.size()) < kFewestPoints ||
+    if (SizeOf(tracks.scene.points) < kFewestPoints ||
         !AllSeen(tracks.scene, tracks.observations)) {
       stage.Report("patch_points", 0);
       return model.scene;
@@ -131,7 +132,7 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
     current = {last ? fit.result.scene : AddCorners(fit.result.scene, images, patches, corners),
                fit.result.kept};
   }
-  stage.Report("patch_points", static_cast<int>(fit.result.scene.points.size()));
+  stage.Report("patch_points", SizeOf(fit.result.scene.points));
   stage.Report("patch_observations", fit.result.observations);
   stage.Report("patch_error_px", fit.result.after_px);
   if (fit.tried) stage.Report("turntable_chi2_ratio", fit.chi2_ratio);

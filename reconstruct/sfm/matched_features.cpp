@@ -1,12 +1,14 @@
 #include "reconstruct/sfm/matched_features.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
 #include "core/errors.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/matching/static_matches.h"
 #include "reconstruct/matching/verification.h"
@@ -48,7 +50,7 @@ std::vector<PairMatches> MatchPairs(const std::vector<Features>& features,
   std::vector<int> static_matches(pairs.size(), 0);
   MatchOptions matching;
   matching.max_ratio = options.max_ratio;
-  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
     const auto [i, j] = pairs[k];
     PairMatches& pair = matches[k];
@@ -70,7 +72,7 @@ std::vector<Verified> VerifyPairs(const std::vector<Features>& features,
   std::vector<std::optional<Verified>> tested(matches.size());
   VerificationOptions verification;
   verification.min_inliers = options.min_inliers;
-  ParallelFor(static_cast<std::int64_t>(matches.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(matches), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
     const PairMatches& pair = matches[k];
     tested[k] = VerifyPair(features[pair.first], features[pair.second], pair, verification);
@@ -89,7 +91,7 @@ int MatchAlongLines(std::vector<Verified>& pairs, const std::vector<Features>& f
   std::vector<int> gained(pairs.size(), 0);
   MatchOptions matching;
   matching.max_ratio = options.max_ratio;
-  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+  ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
     if (progress && progress->cancelled()) throw Cancelled();
     Verified& pair = pairs[k];
     const Features &first = features[pair.inliers.first], &second = features[pair.inliers.second];
@@ -109,7 +111,7 @@ void ReportMatches(StageContext& stage, std::size_t pairs, std::size_t with_matc
   for (const Verified& pair : verified) inliers += pair.inliers.features.size();
   stage.Report("pairs_tried", static_cast<int>(pairs));
   stage.Report("pairs_matched", static_cast<int>(with_matches));
-  stage.Report("pairs_verified", static_cast<int>(verified.size()));
+  stage.Report("pairs_verified", SizeOf(verified));
   stage.Report("verified_matches", static_cast<int>(inliers));
 }
 
@@ -154,9 +156,8 @@ MatchedFeatures BuildDatabase(StageContext& stage, const ImageSet& set, const Sf
   watch.Lap(stage, "matching");
   ReportProgress(stage.progress(), 0.6, "verifying matches");
   std::vector<PairMatches> enough = matched.matches;
-  std::erase_if(enough, [&](const PairMatches& pair) {
-    return static_cast<int>(pair.features.size()) < options.min_inliers;
-  });
+  std::erase_if(
+      enough, [&](const PairMatches& pair) { return SizeOf(pair.features) < options.min_inliers; });
   std::vector<Verified> verified = VerifyPairs(features, enough, options, stage.progress());
   watch.Lap(stage, "verification");
   if (options.guided_matching) {

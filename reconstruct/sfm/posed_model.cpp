@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -12,6 +13,7 @@
 #include "core/io/image_set.h"
 #include "core/io/poses_io.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/known/known_cameras.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/sfm/evidence_check.h"
@@ -23,12 +25,12 @@ using nlohmann::json;
 
 namespace {
 
-BundleOptions BundleOf(const SfmOptions& options, bool with_plate, bool calibrate) {
+BundleOptions BundleOf(const SfmOptions& options, bool with_board, bool calibrate) {
   BundleOptions bundle;
   bundle.refine_principal_point = options.refine_principal_point || calibrate;
   bundle.refine_distortion = options.refine_distortion;
   // for a plane seen at one tilt, any aspect ratio fits with another distance
-  bundle.keep_aspect = with_plate;
+  bundle.keep_aspect = with_board;
   return bundle;
 }
 
@@ -66,24 +68,23 @@ void ShareCamera(std::vector<View>& views, const Camera& camera) {
   for (View& view : views) view.camera = camera;
 }
 
-PosedModel Triangulated(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                        const std::vector<Features>& features, const std::vector<View>& views,
-                        const std::string& name, const SfmOptions& options) {
-  ColmapModel triangulated = TriangulateKnown(stage, set, files, views, name, options);
+PosedModel Triangulated(const ModelInput& in, const std::vector<View>& views,
+                        const std::string& name) {
+  ColmapModel triangulated = TriangulateKnown(in.stage, in.set, in.files, views, name, in.options);
   PosedModel model;
-  model.observations = ObservationsOf(triangulated, set, features);
+  model.observations = ObservationsOf(triangulated, in.set, in.matched.features);
   model.scene = std::move(triangulated.scene);
   return model;
 }
 
 /// Boards of all groups in a scene, if enough views show them.
-Bodies BodiesOf(const Scene& scene, const ImageSet& set, const SetBoards& boards,
-                const std::vector<Rigid3>& world_from_board, const SfmOptions& options) {
+Bodies BodiesOf(const ModelInput& in, const Scene& scene, const SetBoards& boards,
+                const std::vector<Rigid3>& world_from_board) {
   Bodies bodies;
   bodies.world_from_body = world_from_board;
   for (std::size_t g = 0; g < boards.groups.size(); ++g) {
-    const auto observations = BoardObservations(scene, *set.board, boards.groups[g].sightings,
-                                                static_cast<int>(g), options.min_board_corners);
+    const auto observations = BoardObservations(scene, *in.set.board, boards.groups[g].sightings,
+                                                static_cast<int>(g), in.options.min_board_corners);
     bodies.observations.insert(bodies.observations.end(), observations.begin(), observations.end());
   }
   return bodies;
@@ -102,9 +103,8 @@ Eigen::Matrix3d Fundamental(const View& first, const View& second) {
 
 /// Matches features of two placements along the epipolar lines of their joined cameras, and writes
 /// the matches to the database. These matches connect the two models in the adjustment.
-void MatchAcross(const ImageSet& set, const SfmFiles& files, const std::vector<Features>& features,
-                 const std::vector<View>& first, const std::vector<View>& second,
-                 const SfmOptions& options, Measurements& measurements) {
+void MatchAcross(const ModelInput& in, const std::vector<View>& first,
+                 const std::vector<View>& second) {
   constexpr double kWidest_deg = 50, kMaxError_px = 3;
   std::vector<std::pair<const View*, const View*>> pairs;
   for (const View& a : first)
@@ -112,44 +112,43 @@ void MatchAcross(const ImageSet& set, const SfmFiles& files, const std::vector<F
       const Eigen::Vector3d x = a.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ(),
                             y = b.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
       if (a.name == b.name || x.dot(y) < std::cos(kWidest_deg * kDegree)) continue;
-      if (set.Find(a.name) < set.Find(b.name))
+      if (in.set.Find(a.name) < in.set.Find(b.name))
         pairs.emplace_back(&a, &b);
       else
         pairs.emplace_back(&b, &a);
     }
   std::vector<PairMatches> found(pairs.size());
   MatchOptions matching;
-  matching.max_ratio = options.max_ratio;
-  ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+  matching.max_ratio = in.options.max_ratio;
+  ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
     const auto& [a, b] = pairs[k];
     PairMatches& pair = found[k];
-    pair.first = set.Find(a->name);
-    pair.second = set.Find(b->name);
+    pair.first = in.set.Find(a->name);
+    pair.second = in.set.Find(b->name);
     const PairGeometry geometry{PairGeometry::kFundamental, Fundamental(*a, *b)};
-    pair.features =
-        MatchGuided(features[pair.first], features[pair.second], geometry, matching, kMaxError_px);
+    pair.features = MatchGuided(in.matched.features[pair.first], in.matched.features[pair.second],
+                                geometry, matching, kMaxError_px);
   });
   std::erase_if(found, [&](const PairMatches& pair) {
-    return static_cast<int>(pair.features.size()) < options.min_inliers;
+    return SizeOf(pair.features) < in.options.min_inliers;
   });
   int count = 0;
-  for (const PairMatches& pair : found) count += static_cast<int>(pair.features.size());
-  ColmapDatabase(files.database).PutInliers(found);
-  measurements.Add("matches_across", count);
+  for (const PairMatches& pair : found) count += SizeOf(pair.features);
+  ColmapDatabase(in.files.database).PutInliers(found);
+  in.measurements.Add("matches_across", count);
 }
 
-void Measure(StageContext& stage, const std::string& name, const ModelAlignment& join,
-             Measurements& measurements) {
-  stage.Note("sfm: " + name + ": " + std::to_string(join.agreeing) + " of " +
-             std::to_string(join.pairs) + " pairs of points agree" +
-             (join.found ? "" : ", which are too few to join the models"));
-  measurements.AddJson("join_" + name, json{{"pairs", join.pairs},
-                                            {"agreeing", join.agreeing},
-                                            {"rms", join.rms},
-                                            {"miss_px", join.miss_px},
-                                            {"rival_miss_px", join.rival_miss_px},
-                                            {"found", join.found}}
-                                           .dump());
+void Measure(const ModelInput& in, const std::string& name, const ModelAlignment& join) {
+  in.stage.Note("sfm: " + name + ": " + std::to_string(join.agreeing) + " of " +
+                std::to_string(join.pairs) + " pairs of points agree" +
+                (join.found ? "" : ", which are too few to join the models"));
+  in.measurements.AddJson("join_" + name, json{{"pairs", join.pairs},
+                                               {"agreeing", join.agreeing},
+                                               {"rms", join.rms},
+                                               {"miss_px", join.miss_px},
+                                               {"rival_miss_px", join.rival_miss_px},
+                                               {"found", join.found}}
+                                              .dump());
 }
 
 }  // namespace
@@ -160,7 +159,7 @@ BundleOptions BundleFor(const PosedModel& model, const SfmOptions& options) {
 
 int SetBoards::views() const {
   int count = 0;
-  for (const Group& group : groups) count += static_cast<int>(group.poses.scene.views.size());
+  for (const Group& group : groups) count += SizeOf(group.poses.scene.views);
   return count;
 }
 
@@ -207,20 +206,21 @@ SetBoards PlaceBoards(StageContext& stage, const ImageSet& set, const Camera& ca
   return boards;
 }
 
-PosedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                          const std::vector<Features>& features, const SfmOptions& options,
-                          Measurements& measurements) {
+std::vector<View> KnownViews(StageContext& stage, const ImageSet& set) {
   Camera photograph;
   photograph.width = set.images[0].width;
   photograph.height = set.images[0].height;
   std::vector<std::string> names;
   for (const CapturedImage& image : set.images) names.push_back(image.name);
-  const std::vector<View> views =
-      MatchKnownPoses(ReadPoses(stage.Input("poses")), names, photograph);
-  measurements.Add("known_poses", static_cast<int>(views.size()));
-  PosedModel model = Triangulated(stage, set, files, features, views, "poses", options);
+  return MatchKnownPoses(ReadPoses(stage.Input("poses")), names, photograph);
+}
+
+PosedModel ModelFromPoses(const ModelInput& in) {
+  const std::vector<View> views = KnownViews(in.stage, in.set);
+  in.measurements.Add("known_poses", SizeOf(views));
+  PosedModel model = Triangulated(in, views, "poses");
   model.scale_source = "poses";
-  model.fixed = !options.refine_poses;
+  model.fixed = !in.options.refine_poses;
   return model;
 }
 
@@ -232,20 +232,19 @@ struct Half {
   Scene adjusted;   ///< without its wrong points
 };
 
-Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-            const MatchedFeatures& matched, const SetBoards& boards, std::size_t g,
-            const SfmOptions& options) {
+Half HalfOf(const ModelInput& in, const SetBoards& boards, std::size_t g) {
   const SetBoards::Group& group = boards.groups[g];
   Half half;
-  half.raw = TriangulateKnown(stage, set, files, group.poses.scene.views,
-                              "group" + std::to_string(g), options);
+  half.raw = TriangulateKnown(in.stage, in.set, in.files, group.poses.scene.views,
+                              "group" + std::to_string(g), in.options);
   Bodies bodies;
   bodies.world_from_body = {Rigid3{}};
-  bodies.observations =
-      BoardObservations(half.raw.scene, *set.board, group.sightings, 0, options.min_board_corners);
-  half.adjusted = AdjustBundle(half.raw.scene, ObservationsOf(half.raw, set, matched.features),
-                               BundleOf(options, true, boards.calibrate), stage.progress(), bodies)
-                      .scene;
+  bodies.observations = BoardObservations(half.raw.scene, *in.set.board, group.sightings, 0,
+                                          in.options.min_board_corners);
+  half.adjusted =
+      AdjustBundle(half.raw.scene, ObservationsOf(half.raw, in.set, in.matched.features),
+                   BundleOf(in.options, true, boards.calibrate), in.stage.progress(), bodies)
+          .scene;
   // Photographs of other placements that COLMAP added because of false matches are placed with
   // their own group.
   std::erase_if(half.adjusted.views, [&](const View& view) {
@@ -255,12 +254,11 @@ Half HalfOf(StageContext& stage, const ImageSet& set, const SfmFiles& files,
 }
 
 /// A mapper's model, adjusted and without its wrong points.
-Scene AdjustedModel(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched,
-                    const ColmapModel& model, const SfmOptions& options) {
-  BundleOptions bundle = BundleOf(options, false, false);
+Scene AdjustedModel(const ModelInput& in, const ColmapModel& model) {
+  BundleOptions bundle = BundleOf(in.options, false, false);
   bundle.keep_aspect = true;
-  return AdjustBundle(model.scene, ObservationsOf(model, set, matched.features), bundle,
-                      stage.progress())
+  return AdjustBundle(model.scene, ObservationsOf(model, in.set, in.matched.features), bundle,
+                      in.stage.progress())
       .scene;
 }
 
@@ -275,45 +273,41 @@ std::string PlacementOf(const ImageSet& set, const Scene& scene) {
 
 /// Aligns non-metric models of two placements by outlines, shape and colour. When a figure is
 /// turned over under fixed light, all its features change.
-ModelAlignment JoinPlacements(StageContext& stage, const ImageSet& set, const std::string& name,
-                              const Scene& first, const Scene& second, Measurements& measurements) {
-  const std::vector<PreparedView> first_views = MaskViews(set, first),
-                                  second_views = MaskViews(set, second);
+ModelAlignment JoinPlacements(const ModelInput& in, const std::string& name, const Scene& first,
+                              const Scene& second) {
+  const std::vector<PreparedView> first_views = MaskViews(in.set, first),
+                                  second_views = MaskViews(in.set, second);
   if (first_views.size() < 3 || second_views.size() < 3) return {};
   const Silhouettes first_masks(first_views, 1), second_masks(second_views, 1);
   const HalfOutlines outlines{first_masks, second_masks};
   const ModelAlignment join = AlignByOutlines(first, second, outlines, OutlineAlignmentOptions{});
-  Measure(stage, name + "_by_outlines", join, measurements);
+  Measure(in, name + "_by_outlines", join);
   return join;
 }
 
 /// Aligns by matches, else by shape and colour.
-ModelAlignment JoinHalves(StageContext& stage, const std::string& name, const Half& first,
-                          const Half& second, const MatchedFeatures& matched, bool& by_shape,
-                          Measurements& measurements) {
+ModelAlignment JoinHalves(const ModelInput& in, const std::string& name, const Half& first,
+                          const Half& second, bool& by_shape) {
   AlignmentOptions options;
   options.with_scale = false;
   ModelAlignment join =
       AlignModels(first.raw.scene, second.raw.scene,
-                  MatchPoints(first.raw.tracks, second.raw.tracks, matched.matches), options);
-  Measure(stage, name, join, measurements);
+                  MatchPoints(first.raw.tracks, second.raw.tracks, in.matched.matches), options);
+  Measure(in, name, join);
   if (join.found) return join;
   join = AlignByShape(first.adjusted, second.adjusted, ShapeAlignmentOptions{});
   by_shape |= join.found;
-  Measure(stage, name + "_by_shape", join, measurements);
+  Measure(in, name + "_by_shape", join);
   return join;
 }
 
 }  // namespace
 
-std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& set,
-                                          const SfmFiles& files, const MatchedFeatures& matched,
-                                          const SetBoards& boards, const SfmOptions& options,
-                                          Measurements& measurements) {
+std::optional<PosedModel> ModelFromBoards(const ModelInput& in, const SetBoards& boards) {
   const auto enough = [&](const SetBoards::Group& group) {
     return group.poses.scene.views.size() >= 3 &&
            static_cast<double>(group.poses.scene.views.size()) >=
-               options.min_placed * static_cast<double>(group.images.size());
+               in.options.min_placed * static_cast<double>(group.images.size());
   };
   if (boards.groups.empty() || !enough(boards.groups[0])) return std::nullopt;
   std::vector<View> views = boards.groups[0].poses.scene.views;
@@ -321,34 +315,31 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
   std::vector<char> joined(boards.groups.size(), 0);
   bool by_shape = false;
   if (boards.groups.size() > 1) {
-    const Half first = HalfOf(stage, set, files, matched, boards, 0, options);
+    const Half first = HalfOf(in, boards, 0);
     views = first.adjusted.views;
     for (std::size_t g = 1; g < boards.groups.size(); ++g) {
       if (!enough(boards.groups[g])) continue;  // its photographs may still be placed one by one
-      const Half other = HalfOf(stage, set, files, matched, boards, g, options);
-      const ModelAlignment join =
-          JoinHalves(stage, boards.groups[g].name, first, other, matched, by_shape, measurements);
+      const Half other = HalfOf(in, boards, g);
+      const ModelAlignment join = JoinHalves(in, boards.groups[g].name, first, other, by_shape);
       if (!join.found) continue;
       world_from_board[g] = RigidOf(join.first_from_second);
       joined[g] = 1;
       const Scene moved = Transformed(join.first_from_second, other.adjusted);
       // Models that share no features are only joined by shape. The few matches along epipolar
       // lines are then false, and would rotate the models against each other by half a degree.
-      if (!by_shape)
-        MatchAcross(set, files, matched.features, first.adjusted.views, moved.views, options,
-                    measurements);
+      if (!by_shape) MatchAcross(in, first.adjusted.views, moved.views);
       Append(views, moved);
     }
   }
   ShareCamera(views, Camera(views[0].camera));
-  PosedModel model = Triangulated(stage, set, files, matched.features, views, "boards", options);
+  PosedModel model = Triangulated(in, views, "boards");
   // The board of a group that was not joined has no known pose.
   SetBoards known = boards;
   for (std::size_t g = 1; g < known.groups.size(); ++g)
     if (!joined[g]) known.groups[g].sightings.clear();
-  model.bodies = BodiesOf(model.scene, set, known, world_from_board, options);
+  model.bodies = BodiesOf(in, model.scene, known, world_from_board);
   model.bodies.fixed = by_shape;
-  model.scale_source = "plate";
+  model.scale_source = "board";
   model.calibrate = boards.calibrate;
   return model;
 }
@@ -356,30 +347,26 @@ std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& s
 namespace {
 
 /// Views of the mapper's largest model and of all models joined with it.
-std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                              const MatchedFeatures& matched,
-                              const std::vector<ColmapModel>& models, const SfmOptions& options,
-                              Measurements& measurements) {
+std::vector<View> JoinedViews(const ModelInput& in, const std::vector<ColmapModel>& models) {
   const ColmapModel& first = models[0];
   std::vector<View> views = first.scene.views;
-  if (views.size() == set.images.size()) return views;
-  std::set<std::string> placements{PlacementOf(set, first.scene)};
+  if (views.size() == in.set.images.size()) return views;
+  std::set<std::string> placements{PlacementOf(in.set, first.scene)};
   for (std::size_t m = 1; m < models.size(); ++m) {
     const std::string name = "model" + std::to_string(m);
     const ColmapModel& other = models[m];
-    ModelAlignment join =
-        AlignModels(first.scene, other.scene,
-                    MatchPoints(first.tracks, other.tracks, matched.matches), AlignmentOptions{});
-    Measure(stage, name, join, measurements);
-    const std::string placement = PlacementOf(set, other.scene);
+    ModelAlignment join = AlignModels(first.scene, other.scene,
+                                      MatchPoints(first.tracks, other.tracks, in.matched.matches),
+                                      AlignmentOptions{});
+    Measure(in, name, join);
+    const std::string placement = PlacementOf(in.set, other.scene);
     if (join.found) {
       const Scene moved = Transformed(join.first_from_second, other.scene);
-      MatchAcross(set, files, matched.features, views, moved.views, options, measurements);
+      MatchAcross(in, views, moved.views);
       Append(views, moved);
     } else if (!placements.contains(placement)) {
-      const Scene first_half = AdjustedModel(stage, set, matched, first, options),
-                  other_half = AdjustedModel(stage, set, matched, other, options);
-      join = JoinPlacements(stage, set, name, first_half, other_half, measurements);
+      const Scene first_half = AdjustedModel(in, first), other_half = AdjustedModel(in, other);
+      join = JoinPlacements(in, name, first_half, other_half);
       if (!join.found) continue;
       // Both as adjusted, since the alignment is between these.
       if (views.size() == first.scene.views.size()) views = first_half.views;
@@ -392,35 +379,33 @@ std::vector<View> JoinedViews(StageContext& stage, const ImageSet& set, const Sf
 
 }  // namespace
 
-PosedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                           const MatchedFeatures& matched, const std::vector<ColmapModel>& models,
-                           const SetBoards& boards, const SfmOptions& options,
-                           Measurements& measurements) {
+PosedModel ModelFromMapper(const ModelInput& in, const std::vector<ColmapModel>& models,
+                           const SetBoards& boards) {
   PosedModel model;
   model.scale_source = "none";
   if (models.empty()) return model;
   const ColmapModel& first = models[0];
-  std::vector<View> views = JoinedViews(stage, set, files, matched, models, options, measurements);
+  std::vector<View> views = JoinedViews(in, models);
   if (views.size() > first.scene.views.size()) {
     ShareCamera(views, first.scene.views[0].camera);
-    model = Triangulated(stage, set, files, matched.features, views, "joined", options);
+    model = Triangulated(in, views, "joined");
     model.scale_source = "none";
   } else {
     model.scene = first.scene;
-    model.observations = ObservationsOf(first, set, matched.features);
+    model.observations = ObservationsOf(first, in.set, in.matched.features);
   }
   if (boards.groups.empty() || boards.groups[0].poses.scene.views.size() < 3) return model;
   try {
     model.scene =
         Transformed(BoardFromScene(boards.groups[0].poses.scene, model.scene), model.scene);
   } catch (const InputError& error) {
-    stage.Note(error.what());
+    in.stage.Note(error.what());
     return model;
   }
   SetBoards first_only = boards;
   first_only.groups.resize(1);
-  model.bodies = BodiesOf(model.scene, set, first_only, {Rigid3{}}, options);
-  model.scale_source = "plate";
+  model.bodies = BodiesOf(in, model.scene, first_only, {Rigid3{}});
+  model.scale_source = "board";
   model.calibrate = boards.calibrate;
   return model;
 }

@@ -43,7 +43,7 @@ struct PosedModel {
   Scene scene;
   std::vector<Observation> observations;  ///< of scene.points
   Bodies bodies;                          ///< boards; none for poses given by the user
-  std::string scale_source = "none";      ///< why the frame must stay: "plate" or "poses"
+  std::string scale_source = "none";      ///< why the frame must stay: "board" or "poses"
   bool fixed = false;                     ///< cameras must not change
   bool calibrate = false;                 ///< as SetBoards::calibrate
 };
@@ -51,29 +51,33 @@ struct PosedModel {
 /// Which parameters a model's last adjustment solves for.
 BundleOptions BundleFor(const PosedModel& model, const SfmOptions& options);
 
-/// From cameras given by the user (the port `poses`).
-/// @param measurements  added to: known_poses
+/// The cameras given by the user (the port `poses`) under the names of the photographs.
 /// @throws InputError  names that are not in the set, other sizes
-PosedModel ModelFromPoses(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                          const std::vector<Features>& features, const SfmOptions& options,
-                          Measurements& measurements);
+std::vector<View> KnownViews(StageContext& stage, const ImageSet& set);
+
+/// What every model is made from.
+struct ModelInput {
+  StageContext& stage;
+  const ImageSet& set;
+  const SfmFiles& files;
+  const MatchedFeatures& matched;
+  const SfmOptions& options;
+  Measurements& measurements;  ///< added to: known_poses, and how models were joined
+};
+
+/// From cameras given by the user (the port `poses`).
+/// @throws InputError  names that are not in the set, other sizes
+PosedModel ModelFromPoses(const ModelInput& in);
 
 /// From the calibration boards, if enough photographs show one. The groups' models are joined by
 /// their points.
-/// @param measurements  added to: how the groups were joined
-std::optional<PosedModel> ModelFromBoards(StageContext& stage, const ImageSet& set,
-                                          const SfmFiles& files, const MatchedFeatures& matched,
-                                          const SetBoards& boards, const SfmOptions& options,
-                                          Measurements& measurements);
+std::optional<PosedModel> ModelFromBoards(const ModelInput& in, const SetBoards& boards);
 
 /// The largest of the mapper's models, joined with the others whose points agree, and transformed
 /// into the board's frame if three of its views show the board. The scene is empty if the mapper
 /// found none.
 /// @param models  of the mapper, most images first
-/// @param measurements  added to: how the models were joined
-PosedModel ModelFromMapper(StageContext& stage, const ImageSet& set, const SfmFiles& files,
-                           const MatchedFeatures& matched, const std::vector<ColmapModel>& models,
-                           const SetBoards& boards, const SfmOptions& options,
-                           Measurements& measurements);
+PosedModel ModelFromMapper(const ModelInput& in, const std::vector<ColmapModel>& models,
+                           const SetBoards& boards);
 
 }  // namespace keypose::reconstruct

@@ -6,6 +6,7 @@
 #include "core/errors.h"
 #include "core/io/image_set.h"
 #include "core/joined_images.h"
+#include "core/size_of.h"
 #include "reconstruct/turntable/upside_down.h"
 
 namespace keypose::reconstruct {
@@ -24,13 +25,13 @@ std::string Names(const ImageSet& set, const std::vector<int>& images) {
 }  // namespace
 
 void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched) {
-  const int images = static_cast<int>(set.images.size());
+  const int images = SizeOf(set.images);
   constexpr int kStrong = 60;  // matches of a pair with a large overlap
   std::vector<ImageTie> ties;
   for (const PairMatches& pair : matched.verified)
-    ties.push_back({pair.first, pair.second, static_cast<int>(pair.features.size())});
+    ties.push_back({pair.first, pair.second, SizeOf(pair.features)});
   const auto groups = JoinedImages(images, ties);
-  stage.Report("joined_groups", static_cast<int>(groups.size()));
+  stage.Report("joined_groups", SizeOf(groups));
   stage.Report("largest_group", static_cast<int>(groups.at(0).size()));
   if (!FallsApart(images, ties, kStrong)) return;
   throw InputError(
@@ -43,10 +44,10 @@ void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatu
 }
 
 std::vector<char> FindUpsideDown(StageContext& stage, const ImageSet& set,
-                                 const EvidenceJudge& judge, const MatchedFeatures& matched) {
-  const int images = static_cast<int>(set.images.size());
+                                 const EvidenceCheck& check, const MatchedFeatures& matched) {
+  const int images = SizeOf(set.images);
   const std::vector<int> found = UpsideDownByOutlines(
-      UpsideDownByMatches(images, PointsOf(matched.verified, matched.features)), judge.masks());
+      UpsideDownByMatches(images, PointsOf(matched.verified, matched.features)), check.masks());
   std::vector<char> upside_down(found.size(), 0);
   std::vector<int> members;
   nlohmann::json names = nlohmann::json::array();

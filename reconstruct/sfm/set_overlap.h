@@ -19,6 +19,6 @@ void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatu
 /// notes them.
 /// @return by image, 1 or 0
 std::vector<char> FindUpsideDown(StageContext& stage, const ImageSet& set,
-                                 const EvidenceJudge& judge, const MatchedFeatures& matched);
+                                 const EvidenceCheck& check, const MatchedFeatures& matched);
 
 }  // namespace keypose::reconstruct

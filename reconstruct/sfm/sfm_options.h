@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/options.h"
+#include "core/size_of.h"
 #include "reconstruct/bundle/bundle_adjustment.h"
 #include "reconstruct/evidence/camera_evidence.h"
 #include "reconstruct/matching/descriptor_matching.h"
@@ -56,9 +57,8 @@ struct SfmOptions {
   /// @throws InputError  the given sizes do not add up to the number of photographs
   std::vector<RingLayout> Layouts(const std::vector<std::string>& names) const {
     const std::vector<int> sizes = RingSizes();
-    return sizes.empty()
-               ? LikelyLayouts(names)
-               : std::vector<RingLayout>{LayoutOfSizes(static_cast<int>(names.size()), sizes)};
+    return sizes.empty() ? LikelyLayouts(names)
+                         : std::vector<RingLayout>{LayoutOfSizes(SizeOf(names), sizes)};
   }
 
   std::vector<std::string> Problems() const {
@@ -98,8 +98,6 @@ struct SfmOptions {
            {"auto", "coarse", "fine"}});
     visit("affine_shape", affine_shape,
           {"adapt features to slanted surfaces: more matches between distant views", "", 0, 1, {}});
-    visit("domain_size_pooling", domain_size_pooling,
-          {"pool descriptors over sizes: some more matches, three times slower", "", 0, 1, {}});
     visit("mask_margin_px", mask_margin_px,
           {"masks grow by this before features are extracted", "px", 0, 100, {}});
     visit("all_pairs_limit", all_pairs_limit,
@@ -115,10 +113,6 @@ struct SfmOptions {
     visit("max_ratio", max_ratio,
           {"Lowe's ratio: nearest over second nearest descriptor", "", 0.1, 1, {}});
     visit("guided_matching", guided_matching, {"match again along epipolar lines", "", 0, 1, {}});
-    visit("min_inliers", min_inliers,
-          {"matches that a pair needs after the geometric test", "", 8, 1000, {}});
-    visit("min_triangulation_deg", min_triangulation_deg,
-          {"least angle between rays of a point", "deg", 0.1, 30, {}});
     visit("refine_principal_point", refine_principal_point,
           {"also solve for the principal point; objects that fill little of the image do not "
            "determine it",
@@ -135,8 +129,6 @@ struct SfmOptions {
            0,
            1,
            {}});
-    visit("adjusted_points", adjusted_points,
-          {"points in the bundle adjustments, spread over the object", "", 500, 1000000, {}});
     visit("min_placed", min_placed, {"share of images that must be placed", "", 0, 1, {}});
     visit("min_hull_overlap", min_hull_overlap,
           {"least overlap of masks and their hull under the cameras; correct cameras always reach "
@@ -148,8 +140,6 @@ struct SfmOptions {
            {}});
     visit("board", board,
           {"place photographs by the printed calibration board where they show it", "", 0, 1, {}});
-    visit("min_board_corners", min_board_corners,
-          {"corners of the board that a photograph must show to be placed by it", "", 6, 1000, {}});
     visit("refine_poses", refine_poses,
           {"use --poses as a start and adjust them; else they stay as given", "", 0, 1, {}});
     visit("level", level,

@@ -46,26 +46,26 @@ StrategyResult Adjusted(StageContext& stage, PosedModel model, const std::string
 
 StrategyResult PlaceByPoses(const StrategyContext& context, const SfmFiles& files,
                             const MatchedFeatures& matched) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   Measurements measurements;
-  PosedModel model = ModelFromPoses(stage, set, files, matched.features, options, measurements);
+  PosedModel model = ModelFromPoses({stage, set, files, matched, options, measurements});
   return Adjusted(stage, std::move(model), "poses", options, std::move(measurements));
 }
 
 /// The result has no views if too few photographs show the board.
-StrategyResult PlaceByPlate(const StrategyContext& context, const SfmFiles& files,
-                            const MatchedFeatures& matched, const SetBoards& boards) {
-  const auto& [stage, set, options, judge, watch] = context;
+StrategyResult PlaceByCalibrationBoard(const StrategyContext& context, const SfmFiles& files,
+                                       const MatchedFeatures& matched, const SetBoards& boards) {
+  const auto& [stage, set, options, check, watch] = context;
   Measurements measurements;
-  auto model = ModelFromBoards(stage, set, files, matched, boards, options, measurements);
+  auto model = ModelFromBoards({stage, set, files, matched, options, measurements}, boards);
   if (!model) return {};
-  return context.Judged(
-      Adjusted(stage, std::move(*model), "plate", options, std::move(measurements)), matched);
+  return context.WithEvidence(
+      Adjusted(stage, std::move(*model), "board", options, std::move(measurements)), matched);
 }
 
 StrategyResult PlaceByFeatures(const StrategyContext& context, const SfmFiles& files,
                                const MatchedFeatures& matched, const SetBoards& boards) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   ReportProgress(stage.progress(), 0.7, "mapping");
   const std::vector<ColmapModel> models = MapImages(stage, files, options);
   StrategyResult result{.method = "features"};
@@ -74,12 +74,12 @@ StrategyResult PlaceByFeatures(const StrategyContext& context, const SfmFiles& f
   result.measurements.AddJson("model_sizes", sizes.dump());
   if (models.empty()) return result;
   PosedModel model =
-      ModelFromMapper(stage, set, files, matched, models, boards, options, result.measurements);
+      ModelFromMapper({stage, set, files, matched, options, result.measurements}, models, boards);
   if (model.scene.views.size() < 3) {
     result.model.scene = std::move(model.scene);
     return result;
   }
-  return context.Judged(
+  return context.WithEvidence(
       Adjusted(stage, std::move(model), "features", options, std::move(result.measurements)),
       matched);
 }
@@ -105,10 +105,10 @@ StrategyResult PlaceByFeaturesOfAnyFocal(const StrategyContext& context, const S
 /// The strategies that need matched features: board and mapper.
 StrategyResult PlaceByMatches(const StrategyContext& context, const SfmFiles& files,
                               const MatchedFeatures& matched, const SetBoards& boards) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   StrategyResult best;
   if (options.method == "auto" || options.method == "board") {
-    best = PlaceByPlate(context, files, matched, boards);
+    best = PlaceByCalibrationBoard(context, files, matched, boards);
     watch.Lap(stage, "board");
     if (best.views() >= options.min_placed * static_cast<double>(set.images.size()) &&
         best.views() > 0)
@@ -148,7 +148,7 @@ void NoteFinerFeatures(const StrategyContext& context, const StrategyResult& res
 
 StrategyResult FindCameras(const StrategyContext& context, const fs::path& scratch,
                            MatchedFeatures& matched) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   // The ring model works with few features, so it gets the fine ones at once.
   bool fine = options.detail == "fine" || (options.detail == "auto" && options.method == "ring");
   SfmFiles files = FilesOf(set, scratch, fine);
@@ -157,7 +157,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
   const SetBoards boards = PlaceBoards(stage, set, matched.camera, matched.focal_known, options);
   if (options.method == "auto" && boards.groups.size() <= 1 && boards.views() == 0)
     RequireOverlap(stage, set, matched);
-  matched.upside_down = FindUpsideDown(stage, set, judge, matched);
+  matched.upside_down = FindUpsideDown(stage, set, check, matched);
   StrategyResult best = PlaceByMatches(context, files, matched, boards);
   const bool few_points = HasFewPoints(best), settled = context.IsSettled(best);
   if (!fine && options.detail == "auto" && (!settled || few_points) &&
@@ -166,7 +166,7 @@ StrategyResult FindCameras(const StrategyContext& context, const fs::path& scrat
     fine = true;
     files = FilesOf(set, scratch, fine);
     matched = BuildDatabase(stage, set, files, options, fine, watch);
-    matched.upside_down = FindUpsideDown(stage, set, judge, matched);
+    matched.upside_down = FindUpsideDown(stage, set, check, matched);
     StrategyResult finer = PlaceByMatches(context, files, matched, boards);
     if (!IsBetter(best.evidence, finer.evidence)) best = std::move(finer);
   }

@@ -19,11 +19,11 @@ Scene SomeViews(const Scene& scene, std::size_t most) {
 
 }  // namespace
 
-StrategyResult StrategyContext::Judged(StrategyResult result,
-                                       const MatchedFeatures& matched) const {
+StrategyResult StrategyContext::WithEvidence(StrategyResult result,
+                                             const MatchedFeatures& matched) const {
   constexpr std::size_t kMostViews = 32;
   const Scene some = SomeViews(result.model.scene, kMostViews);
-  result.evidence = judge.Judge(some, matched.features, matched.verified);
+  result.evidence = check.Evaluate(some, matched.features, matched.verified);
   result.evidence.placed = static_cast<int>(result.views());
   return result;
 }

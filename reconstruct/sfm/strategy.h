@@ -27,11 +27,11 @@ struct StrategyContext {
   StageContext& stage;
   const ImageSet& set;
   const SfmOptions& options;
-  const EvidenceJudge& judge;
+  const EvidenceCheck& check;
   Stopwatch& watch;
 
   /// The same cameras with their evidence. For speed only some of many views are checked.
-  StrategyResult Judged(StrategyResult result, const MatchedFeatures& matched) const;
+  StrategyResult WithEvidence(StrategyResult result, const MatchedFeatures& matched) const;
   /// Whether all photographs have a camera and the evidence is sure.
   bool IsSettled(const StrategyResult& result) const;
 };

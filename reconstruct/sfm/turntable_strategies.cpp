@@ -1,6 +1,7 @@
 #include "reconstruct/sfm/turntable_strategies.h"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -53,7 +54,7 @@ StrategyResult ResultOf(const StrategyContext& context, const MatchedFeatures& m
   result.model.scene = std::move(scene);
   TurnBack(context.set, matched, result.model.scene);
   ColorPoints(context.set, result.model.scene);
-  return context.Judged(std::move(result), matched);
+  return context.WithEvidence(std::move(result), matched);
 }
 
 void Measure(const RingSfmResult& ring, Measurements& measurements) {
@@ -79,7 +80,7 @@ struct SortedRings {
 /// give it.
 std::optional<SortedRings> SortRings(const StrategyContext& context, const SfmFiles& files,
                                      const MatchedFeatures& matched, const Scene& known) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   if (options.rings != "auto") return std::nullopt;
   Scene part = known;
   if (part.views.empty() && options.method == "ring")
@@ -143,7 +144,7 @@ StrategyResult PlaceByRing(const StrategyContext& context, const Upright& uprigh
 
 std::vector<Image8> ReadMasks(const ImageSet& set, const std::vector<char>& upside_down) {
   std::vector<Image8> masks(set.images.size());
-  ParallelFor(static_cast<std::int64_t>(masks.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(masks), [&](std::int64_t i) {
     const auto k = static_cast<std::size_t>(i);
     if (set.images[k].mask.empty()) return;
     masks[k] = ReadImage(set.MaskPath(static_cast<int>(i)), 1);
@@ -209,7 +210,7 @@ StrategyResult PlaceBySilhouettes(const StrategyContext& context, const MatchedF
 
 StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& files,
                                 const MatchedFeatures& matched, StrategyResult best) {
-  const auto& [stage, set, options, judge, watch] = context;
+  const auto& [stage, set, options, check, watch] = context;
   std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
   std::optional<SortedRings> sorted;
   if (!context.IsSettled(best) && (options.method == "auto" || options.method == "ring")) {
@@ -229,7 +230,7 @@ StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& 
   }
   const bool too_few = static_cast<double>(best.views()) <
                        options.min_placed * static_cast<double>(set.images.size());
-  const bool wrong = best.model.scale_source == "none" && !CanBeRight(best.evidence);
+  const bool wrong = best.model.scale_source == "none" && !IsPlausible(best.evidence);
   if (options.method == "silhouettes" || (options.method == "auto" && (too_few || wrong))) {
     best = BetterOf(std::move(best), PlaceBySilhouettes(context, matched, layouts, sorted));
     watch.Lap(stage, "silhouettes");

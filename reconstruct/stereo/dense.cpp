@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/cloud/cloud_rows.h"
 #include "reconstruct/numerics/cpu_seconds.h"
 #include "reconstruct/stereo/frontier_cloud.h"
@@ -84,13 +86,6 @@ void DenseOptions::Describe(OptionVisitor& visit) {
   visit("geometric_passes", geometric_passes,
         {"passes with geometric consistency between views, at the finest level", "", 0, 6});
   visit("least_views", least_views, {"views that must agree on a point", "", 2, 10});
-  visit(
-      "reprojection_px", reprojection_px,
-      {"largest forward-backward reprojection error between two views of a point", "px", 0.1, 10});
-  visit("depth_tolerance", depth_tolerance,
-        {"largest relative difference of depth of two views that agree", "", 1e-5, 0.5});
-  visit("normal_tolerance_deg", normal_tolerance_deg,
-        {"largest angle between the normals of two views that agree", "deg", 1, 90});
   visit("largest_cost", largest_cost,
         {"pixels whose windows match worse than this (0 perfect, 1 unrelated) are dropped", "",
          0.05, 2});
@@ -109,7 +104,7 @@ void DenseOptions::Describe(OptionVisitor& visit) {
         {"voxels of the visual hull along its longest side", "", 32, 512});
   visit("outline_px", outline_px,
         {"points that lie outside of the masks by more than this are dropped", "px", 0, 100});
-  visit("rim_points", rim_points,
+  visit("frontier_points", frontier_points,
         {"add frontier points, where the masks' outlines touch the surface, and drop points that "
          "lie above or below them"});
   visit("gap_fill", gap_fill,
@@ -132,7 +127,7 @@ HullOfViews CarveHull(const std::vector<PreparedView>& views, int resolution) {
   options.resolution = resolution;
   options.outside_votes = OutsideVotes(views.size());
   HullOfViews carved{CarveVisualHull(views, options), std::vector<DepthBounds>(views.size())};
-  ParallelFor(static_cast<std::int64_t>(views.size()),
+  ParallelFor(std::ssize(views),
               [&](std::int64_t i) { carved.bounds[i] = HullDepthBounds(carved.hull, views[i]); });
   return carved;
 }
@@ -173,8 +168,8 @@ void CompleteCloud(const std::vector<PreparedView>& views,
   result.cloud = std::move(fused.cloud);
   result.outside_points = KeepWithinOutlines(silhouettes, options.outline_px, &result.cloud);
   const std::vector<FrontierPoint> frontier =
-      options.rim_points ? FindFrontierPoints(carved.hull, silhouettes, views)
-                         : std::vector<FrontierPoint>{};
+      options.frontier_points ? FindFrontierPoints(carved.hull, silhouettes, views)
+                              : std::vector<FrontierPoint>{};
   result.contradicted_points = DropWhatFrontierPointsContradict(frontier, {}, &result.cloud);
   result.stereo_points = static_cast<int>(result.cloud.points.rows());
   if (options.gap_fill) {
@@ -190,7 +185,7 @@ void CompleteCloud(const std::vector<PreparedView>& views,
            &result.cloud);
   // Appended after the hull's points, so that hull points near frontier points remain and support
   // the surface where frontier points end.
-  result.frontier_points = static_cast<int>(frontier.size());
+  result.frontier_points = SizeOf(frontier);
   Append(FrontierCloud(frontier, views), &result.cloud);
 }
 

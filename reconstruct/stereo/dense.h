@@ -31,7 +31,7 @@ struct DenseOptions {
   double window_variance = 16;
   int hull_resolution = 160;
   double outline_px = 1.5;
-  bool rim_points = true;
+  bool frontier_points = true;
   bool gap_fill = true;
   bool hull_fill = true;
   void Describe(OptionVisitor& visit);

@@ -5,14 +5,14 @@
 
 namespace keypose::reconstruct {
 
-bool SaysWithCuda(const std::string& help) {
+bool BuiltWithCuda(const std::string& help) {
   return help.find("with CUDA") != std::string::npos &&
          help.find("without CUDA") == std::string::npos;
 }
 
 PointCloud RunColmapDense(StageContext& stage, const std::filesystem::path& images,
                           const std::filesystem::path& model, int max_size) {
-  if (!SaysWithCuda(RunTool(stage, "colmap", {"-h"})))
+  if (!BuiltWithCuda(RunTool(stage, "colmap", {"-h"})))
     throw ToolError(
         "dense: the installed COLMAP is built without CUDA, and its dense stereo refuses to run "
         "without; install a CUDA build and put "

@@ -9,7 +9,7 @@
 namespace keypose::reconstruct {
 
 /// Whether the first lines of `colmap -h` name a build that can run patch_match_stereo.
-bool SaysWithCuda(const std::string& help);
+bool BuiltWithCuda(const std::string& help);
 
 /// Undistorts, matches and fuses in the stage's scratch folder.
 ///

@@ -84,6 +84,36 @@ TEST(ReconstructDense, BallWithoutTextureGivesTheHullAndNoRandomDepths) {
   EXPECT_GT(accuracy.completeness, 0.6);
 }
 
+int HullPoints(const DenseResult& result) {
+  return static_cast<int>(result.cloud.points.rows()) - result.stereo_points - result.gap_points -
+         result.frontier_points;
+}
+
+TEST(ReconstructDense, PointsWithoutDepthsAreAddedOnlyWhereAsked) {
+  const RenderedScene scene = RenderRing({.views = 9, .size = 150, .contrast = 20, .noise = 4});
+  const std::vector<PreparedView> views = Prepared(scene);
+  const DenseResult all = ReconstructDense(views, scene.scene, {});
+  EXPECT_GT(HullPoints(all), 0);
+  EXPECT_GT(all.gap_points, 0);
+  DenseOptions options;
+  options.hull_fill = false;
+  EXPECT_EQ(HullPoints(ReconstructDense(views, scene.scene, options)), 0);
+  options = {};
+  options.gap_fill = false;
+  EXPECT_EQ(ReconstructDense(views, scene.scene, options).gap_points, 0);
+}
+
+TEST(ReconstructDense, PointsFartherOutsideOfTheMasksThanAllowedAreDropped) {
+  const RenderedScene scene = RenderRing({.views = 9, .size = 150});
+  const std::vector<PreparedView> views = Prepared(scene);
+  DenseOptions wide;
+  wide.outline_px = 100;
+  EXPECT_EQ(ReconstructDense(views, scene.scene, wide).outside_points, 0);
+  DenseOptions none;
+  none.outline_px = 0;
+  EXPECT_GT(ReconstructDense(views, scene.scene, none).outside_points, 0);
+}
+
 TEST(ReconstructDense, SameBitsForAnyThreadCount) {
   const RenderedScene scene = RenderRing({.views = 8, .size = 72});
   SetThreadCount(1);
@@ -114,10 +144,10 @@ TEST(ReconstructDense, TooFewOrLonelyViewsThrowWithTheirNames) {
 }
 
 TEST(ColmapDense, KnowsBuildsWithoutCuda) {
-  EXPECT_FALSE(SaysWithCuda(
+  EXPECT_FALSE(BuiltWithCuda(
       "COLMAP 3.8 -- Structure-from-Motion\n (Commit Unknown on Unknown without CUDA)"));
-  EXPECT_TRUE(SaysWithCuda("COLMAP 3.8 -- Structure-from-Motion\n (Commit 1 on 2023 with CUDA)"));
-  EXPECT_FALSE(SaysWithCuda(""));
+  EXPECT_TRUE(BuiltWithCuda("COLMAP 3.8 -- Structure-from-Motion\n (Commit 1 on 2023 with CUDA)"));
+  EXPECT_FALSE(BuiltWithCuda(""));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
@@ -73,7 +74,7 @@ int DropWhatFrontierPointsContradict(const std::vector<FrontierPoint>& frontier,
 PointCloud FrontierCloud(const std::vector<FrontierPoint>& frontier,
                          const std::vector<PreparedView>& views) {
   PointCloud cloud;
-  const auto count = static_cast<Eigen::Index>(frontier.size());
+  const auto count = std::ssize(frontier);
   cloud.points.resize(count, 3), cloud.normals.resize(count, 3), cloud.colors.resize(count, 3);
   cloud.confidence.setOnes(count);
   for (Eigen::Index i = 0; i < count; ++i) {

@@ -104,7 +104,7 @@ TEST(FrontierCloud, OfAFlatBallLiesOnItsSurface) {
   std::sort(misses.begin(), misses.end());
   EXPECT_LT(misses[misses.size() / 2], 0.75);
   EXPECT_LT(misses[misses.size() * 9 / 10], 1.5);
-  options.rim_points = false;
+  options.frontier_points = false;
   const DenseResult without =
       ReconstructDense(testing::Prepared(rendered), rendered.scene, options);
   EXPECT_EQ(without.frontier_points, 0);

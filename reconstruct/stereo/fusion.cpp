@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/parallel.h"
@@ -18,12 +19,12 @@ struct Member {
 
 // Maps one view's pixels to another's and back, and the other view's normals to the first. As
 // Transfer of PatchMatch, but in both directions and in double precision.
-struct Passage {
+struct ViewMapping {
   Eigen::Matrix3d there, back, turn;
   Eigen::Vector3d there_depth, back_depth;
 };
 
-Passage PassageOf(const PreparedView& from, const PreparedView& to) {
+ViewMapping PassageOf(const PreparedView& from, const PreparedView& to) {
   const Rigid3 motion = Compose(to.camera_from_world, from.camera_from_world.Inverse()),
                back = motion.Inverse();
   const Eigen::Matrix3d k = from.camera().K(), other = to.camera().K();
@@ -82,17 +83,16 @@ class Fuser {
       for (const int s : sources[i]) passages_[i].push_back(PassageOf(views[i], views[s]));
     }
     const WindowBiasOptions bias{options.window_variance, options.largest_cost, error_limit_};
-    ParallelFor(static_cast<std::int64_t>(views.size()),
+    ParallelFor(std::ssize(views),
                 [&](std::int64_t i) { CorrectWindowBias(views[i].camera(), bias, &maps_[i]); });
   }
 
   FusionResult Run() {
-    ParallelFor(static_cast<std::int64_t>(views_.size()),
-                [&](std::int64_t i) { Confirm(static_cast<int>(i)); });
+    ParallelFor(std::ssize(views_), [&](std::int64_t i) { Confirm(static_cast<int>(i)); });
     for (std::size_t i = 0; i < views_.size(); ++i) Emit(static_cast<int>(i));
     FusionResult result;
     result.cells.resize(views_.size());
-    ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(views_), [&](std::int64_t i) {
       for (char& state : state_[i]) state &= kConfirmed;
       if (!maps_[i].empty()) result.cells[i] = CellsOf(views_[i], maps_[i], state_[i]);
     });
@@ -150,7 +150,7 @@ class Fuser {
       const int s = sources_[view][k];
       const PlaneMap& map = maps_[s];
       if (map.empty()) continue;
-      const Passage& passage = passages_[view][k];
+      const ViewMapping& passage = passages_[view][k];
       const Eigen::Vector3d there = passage.there * Eigen::Vector3d(x, y, 1) +
                                     passage.there_depth * w;  // z: its depth over this one's
       if (there.z() <= 0) continue;
@@ -253,9 +253,9 @@ class Fuser {
   const double least_cosine_;
   std::vector<Eigen::Matrix3d> rotations_;
   std::vector<Eigen::Vector3d> centers_;
-  std::vector<std::vector<Passage>> passages_;   // as sources_
-  std::vector<std::vector<char>> state_;         // kConfirmed, kUsed
-  std::vector<std::vector<FusedPoint>> points_;  // by the view that they were found in
+  std::vector<std::vector<ViewMapping>> passages_;  // as sources_
+  std::vector<std::vector<char>> state_;            // kConfirmed, kUsed
+  std::vector<std::vector<FusedPoint>> points_;     // by the view that they were found in
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "core/parallel.h"
@@ -140,7 +141,7 @@ class Filler {
          const std::vector<SurfaceCells>& cells, const GapFillOptions& options)
       : views_(views), sources_(sources), cells_(cells), options_(options), bridged_(views.size()) {
     const Bridge bridge(options.reach);
-    ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(views), [&](std::int64_t i) {
       bridged_[i] = BridgeView(cells[i], views[i].camera(), bridge, options);
     });
   }
@@ -148,7 +149,7 @@ class Filler {
   PointCloud Run() {
     for (std::size_t i = 0; i < views_.size(); ++i) Emit(static_cast<int>(i));
     PointCloud cloud;
-    const auto rows = static_cast<Eigen::Index>(found_.size());
+    const auto rows = std::ssize(found_);
     cloud.points.resize(rows, 3), cloud.normals.resize(rows, 3), cloud.colors.resize(rows, 3);
     cloud.confidence = Eigen::VectorXf::Constant(rows, kGapConfidence);
     for (Eigen::Index i = 0; i < rows; ++i) {

@@ -7,6 +7,7 @@
 
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -20,7 +21,7 @@ constexpr double kRimFrom = 1, kRimTo = 14;
 constexpr double kUnseenGrey = 128;
 
 // Statistics over the views that see a point of the hull.
-struct Witness {
+struct ViewStatistics {
   int facing = 0;  // views on this side of the surface, whether occluded or not
   int views = 0;
   int pixels = 0, confirmed = 0;
@@ -29,7 +30,7 @@ struct Witness {
 
 void Ask(const PreparedView& view, const DepthBounds& bounds, const std::vector<char>& confirmed,
          const Eigen::Vector3d& point, const Eigen::Vector3d& normal, double cell,
-         Witness* witness) {
+         ViewStatistics* witness) {
   const Eigen::Vector3d x = view.camera_from_world * point;
   const double cosine = (view.Center() - point).normalized().dot(normal);
   witness->facing += cosine > 0.2;
@@ -61,7 +62,7 @@ void Ask(const PreparedView& view, const DepthBounds& bounds, const std::vector<
 
 // Which points of the hull are added: seen ones without stereo, and the border of the underside
 // that no view sees.
-bool Wanted(const Witness& witness, double stereo_distance, double cell) {
+bool Wanted(const ViewStatistics& witness, double stereo_distance, double cell) {
   if (witness.views >= 2)
     return stereo_distance > kStereoVoxels * cell &&
            witness.confirmed <= kConfirmedShare * witness.pixels;
@@ -86,7 +87,7 @@ PointCloud HullFill(const VisualHull& hull, const Silhouettes& silhouettes,
   const PointCloud surface = ExactHullSurface(hull, silhouettes);
   const PointsX3 sure = SureRows(stereo).points;
   const std::unique_ptr<KdTree> tree = sure.rows() ? std::make_unique<KdTree>(sure) : nullptr;
-  std::vector<Witness> witnesses(surface.points.rows());
+  std::vector<ViewStatistics> witnesses(surface.points.rows());
   std::vector<char> wanted(surface.points.rows(), 0);
   ParallelFor(
       surface.points.rows(),
@@ -106,10 +107,10 @@ PointCloud HullFill(const VisualHull& hull, const Silhouettes& silhouettes,
   PointCloud out;
   out.points = surface.points(kept, Eigen::all);
   out.normals = surface.normals(kept, Eigen::all);
-  out.colors.resize(static_cast<int>(kept.size()), 3);
-  out.confidence = Eigen::VectorXf::Constant(static_cast<int>(kept.size()), kHullConfidence);
+  out.colors.resize(SizeOf(kept), 3);
+  out.confidence = Eigen::VectorXf::Constant(SizeOf(kept), kHullConfidence);
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    const Witness& witness = witnesses[kept[k]];
+    const ViewStatistics& witness = witnesses[kept[k]];
     const Eigen::Vector3d color = witness.views ? Eigen::Vector3d(witness.color_sum / witness.views)
                                                 : Eigen::Vector3d::Constant(kUnseenGrey);
     for (int c = 0; c < 3; ++c)

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <numeric>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -77,7 +79,7 @@ class Estimator {
         inverse_depths_(views.size()),
         priors_(views.size()),
         evaluations_(views.size(), 0) {
-    levels_ = views.empty() ? 0 : static_cast<int>(views[0].levels.size());
+    levels_ = views.empty() ? 0 : SizeOf(views[0].levels);
     // The work of a pass grows fourfold with each finer level.
     for (int level = 0; level < levels_; ++level)
       total_work_ += Passes(level) * std::pow(0.25, level);
@@ -111,7 +113,7 @@ class Estimator {
 
   template <class Body>
   void ForViews(const Body& body) {
-    ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(views_), [&](std::int64_t i) {
       if (!sources_[i].empty()) body(static_cast<int>(i));
     });
   }
@@ -174,7 +176,7 @@ class Estimator {
 
   // Copies the depths of all views, which the other views read while the maps change.
   void Freeze(int level) {
-    ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t i) {
+    ParallelFor(std::ssize(views_), [&](std::int64_t i) {
       const Pinhole& camera = views_[i].camera(level);
       if (inverse_depths_[i].width != camera.width || inverse_depths_[i].height != camera.height)
         inverse_depths_[i] = NoDepths(static_cast<int>(i), level);
@@ -201,7 +203,7 @@ class Estimator {
     const SweepInputs inputs = Inputs(i, level);
     const Pinhole& camera = views_[i].camera(level);
     const DepthBounds& bounds = bounds_[i];
-    maps_[i] = PlaneMap(camera, static_cast<int>(sources_[i].size()));
+    maps_[i] = PlaneMap(camera, SizeOf(sources_[i]));
     const std::uint16_t all = static_cast<std::uint16_t>(
         (1u << std::min<std::size_t>(kSourcesUsed, sources_[i].size())) - 1);
     for (int y = 0; y < camera.height; ++y)
@@ -252,7 +254,7 @@ class Estimator {
     const Pinhole& camera = views_[i].camera(level);
     PlaneMap coarse = std::move(maps_[i]);
     coarse.Unpack();
-    PlaneMap fine(camera, static_cast<int>(sources_[i].size()));
+    PlaneMap fine(camera, SizeOf(sources_[i]));
     DepthImage prior = NoDepths(i, level + 1);
     for (std::size_t k = 0; k < coarse.size(); ++k) prior.Set(k, coarse.InverseDepth(k));
     for (int y = 0; y < camera.height; ++y)

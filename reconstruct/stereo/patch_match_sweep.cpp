@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/size_of.h"
 #include "reconstruct/stereo/patch_match_areas.h"
 #include "reconstruct/stereo/patch_match_random.h"
 
@@ -269,7 +270,7 @@ class Sweeper {
     // Cost and index in one number: finding its minimum needs no branch, which would be
     // mispredicted half of the time.
     std::uint32_t least = static_cast<std::uint32_t>(PlaneMap::kNoCost) << 4;
-    const int count = static_cast<int>(area.steps.size());
+    const int count = SizeOf(area.steps);
     for (int i = 0; i < count; ++i) {
       if (!inner) {
         const int nx = x + area.offsets[i].dx, ny = y + area.offsets[i].dy;

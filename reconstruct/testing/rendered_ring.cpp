@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct::testing {
 namespace {
@@ -73,7 +74,7 @@ Mesh LumpyBall(int rings) {
       faces.emplace_back(r * columns + c, (r + 1) * columns + n, r * columns + n);
     }
   }
-  mesh.faces.resize(static_cast<int>(faces.size()), 3);
+  mesh.faces.resize(SizeOf(faces), 3);
   for (std::size_t i = 0; i < faces.size(); ++i) mesh.faces.row(static_cast<int>(i)) = faces[i];
   return mesh;
 }

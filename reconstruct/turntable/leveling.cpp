@@ -4,10 +4,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/angles.h"
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -139,7 +141,7 @@ CommonCenter FitCenter(const std::vector<View>& views, const std::vector<std::ve
                        const Matrix3d& upright) {
   CommonCenter result;
   Eigen::Index rows = 0;
-  for (const auto& ring : rings) rows += static_cast<Eigen::Index>(ring.size());
+  for (const auto& ring : rings) rows += std::ssize(ring);
   if (rows < 5) return result;
   const auto unknowns = static_cast<Eigen::Index>(2 + rings.size());
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(rows, unknowns);
@@ -241,7 +243,7 @@ Leveling LevelScene(const Scene& scene) {
   const Box box = ObjectBox(scene, rotation);
   const CommonCenter ring_center = FitCenter(scene.views, rings, rotation);
   Leveling level;
-  level.rings = static_cast<int>(rings.size());
+  level.rings = SizeOf(rings);
   level.ring_of_view.assign(scene.views.size(), -1);
   for (std::size_t r = 0; r < rings.size(); ++r)
     for (const int i : rings[r]) level.ring_of_view[i] = static_cast<int>(r);

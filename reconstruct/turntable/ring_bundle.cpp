@@ -92,7 +92,7 @@ struct CameraPrior {
 };
 
 /// weight * (angle - index * step).
-struct SlopPrior {
+struct StepPrior {
   double index, weight;
   template <class T>
   bool operator()(const T* angle, const T* step, T* residual) const {
@@ -185,7 +185,7 @@ class RingProblem {
                  step = options_.noise_px / (options_.step_prior_deg * kDegree);
     for (RingView& view : model_.views)
       problem_.AddResidualBlock(
-          new AutoDiffCostFunction<SlopPrior, 1, 1, 1>(new SlopPrior{view.index, slop}), nullptr,
+          new AutoDiffCostFunction<StepPrior, 1, 1, 1>(new StepPrior{view.index, slop}), nullptr,
           &view.angle_rad, &model_.step_rad[view.ring]);
     for (double& value : model_.step_rad)
       problem_.AddResidualBlock(new AutoDiffCostFunction<Prior, 1, 1>(new Prior{value, step}),

@@ -6,6 +6,7 @@
 
 #include "core/angles.h"
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -30,7 +31,7 @@ double AngleOf(const View& view) {
 
 int UnknownsOf(const Scene& scene, int points, bool ring, const RingModel* model) {
   const int cameras = ring ? static_cast<int>(6 * model->rings.size() + model->views.size()) - 2 -
-                                 static_cast<int>(model->rings.size())
+                                 SizeOf(model->rings)
                            : static_cast<int>(6 * scene.views.size()) - 7;
   return cameras + 3 * points;
 }
@@ -66,7 +67,7 @@ RingModel NearestRingModel(const Scene& scene, const Leveling& leveling) {
   for (const auto& [name, views] : members) {
     std::vector<Eigen::Quaterniond> rotations;
     Vector3d translation = Vector3d::Zero();
-    const auto ring = static_cast<int>(model.rings.size());
+    const auto ring = SizeOf(model.rings);
     const double step = 2 * kPi / static_cast<double>(std::max<std::size_t>(views.size(), 3));
     for (const int v : views) {
       const View& view = level.views[v];
@@ -112,10 +113,9 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
   const BundleResult free = AdjustBundle(on_rings, ring.observations, free_options, progress);
   const double chi_ring = ChiSquared(on_rings, ring.observations, options.bundle.robust_px);
   const auto count = 2.0 * static_cast<double>(ring.observations.size());
-  const double ring_freedom = count - UnknownsOf(scene, static_cast<int>(free.scene.points.size()),
-                                                 true, &ring.model),
-               free_freedom = count - UnknownsOf(scene, static_cast<int>(free.scene.points.size()),
-                                                 false, nullptr);
+  const double ring_freedom =
+                   count - UnknownsOf(scene, SizeOf(free.scene.points), true, &ring.model),
+               free_freedom = count - UnknownsOf(scene, SizeOf(free.scene.points), false, nullptr);
   if (ring_freedom <= 0 || free_freedom <= 0 || chi_ring <= 0) return fit;
   fit.chi2_ratio = free.chi2 / free_freedom / (chi_ring / ring_freedom);
   fit.is_ring = fit.chi2_ratio >= options.release_share;

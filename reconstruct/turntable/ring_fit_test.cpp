@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <random>
 
 #include "reconstruct/testing/known_scenes.h"
@@ -43,7 +44,7 @@ RingCase MakeRingCase(double off_ring) {
 }
 
 double MeanCentreError(const Scene& found, const Scene& truth) {
-  PointsX3 a(static_cast<Eigen::Index>(found.views.size()), 3), b = a;
+  PointsX3 a(std::ssize(found.views), 3), b = a;
   for (std::size_t v = 0; v < found.views.size(); ++v) {
     a.row(v) = found.views[v].Center().transpose();
     b.row(v) = truth.views[v].Center().transpose();

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "core/angles.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/leveling.h"
@@ -82,8 +84,7 @@ class Sorter {
     while (!waiting.empty()) {
       ReportProgress(progress, found / total, "sorting photographs along the rings");
       std::vector<Found> places(waiting.size());
-      ParallelFor(static_cast<std::int64_t>(waiting.size()),
-                  [&](std::int64_t k) { places[k] = PlaceOf(waiting[k]); });
+      ParallelFor(std::ssize(waiting), [&](std::int64_t k) { places[k] = PlaceOf(waiting[k]); });
       const auto best =
           std::max_element(places.begin(), places.end(),
                            [](const Found& a, const Found& b) { return a.clear < b.clear; });
@@ -114,7 +115,7 @@ class Sorter {
     std::set<int> sorted;
     for (const auto& ring : order.layout.rings)
       for (const RingLayout::Place& place : ring) sorted.insert(place.image);
-    order.sorted = static_cast<int>(sorted.size());
+    order.sorted = SizeOf(sorted);
     for (int i = 0; i < std::ssize(of_image_); ++i)
       if (!sorted.contains(i)) order.left_out.push_back(i);
     order.layout.reason += order.layout.rings.size() == 1 ? " (ring), sorted by their content"
@@ -137,7 +138,7 @@ class Sorter {
     for (const Vector3d& x : points) reach.push_back((x - middle_).norm());
     std::sort(reach.begin(), reach.end());
     near_ = options_.near_surface * reach[reach.size() * 9 / 10];
-    PointsX3 surface(static_cast<Eigen::Index>(points.size()), 3);
+    PointsX3 surface(std::ssize(points), 3);
     for (std::size_t i = 0; i < points.size(); ++i) surface.row(i) = points[i].transpose();
     surface_.emplace(surface);
   }
@@ -147,7 +148,7 @@ class Sorter {
     for (std::size_t r = 0; r < rings_.size(); ++r)
       if (SameRing(rings_[r], pose)) return static_cast<int>(r);
     rings_.push_back(pose);
-    return static_cast<int>(rings_.size()) - 1;
+    return SizeOf(rings_) - 1;
   }
 
   void Put(int image, const Place& place) { of_image_[image] = place; }
@@ -342,7 +343,7 @@ class Sorter {
   /// The number of even steps in a full turn that fits the angles best, each on a step of its own;
   /// 0 if none fits.
   int EvenPositions(const std::vector<std::pair<double, int>>& members, double& best_offset) const {
-    const int count = static_cast<int>(members.size());
+    const int count = SizeOf(members);
     int best = 0;
     double least = options_.max_uneven_share;
     for (int positions = std::max(4, count); positions <= 2 * count + 2; ++positions) {
@@ -356,7 +357,7 @@ class Sorter {
         taken.insert((std::lround(steps) % positions + positions) % positions);
         squares += std::pow(steps - std::round(steps), 2);
       }
-      if (static_cast<int>(taken.size()) < count || std::sqrt(squares / count) >= least) continue;
+      if (SizeOf(taken) < count || std::sqrt(squares / count) >= least) continue;
       best = positions, best_offset = offset, least = std::sqrt(squares / count);
     }
     return best;
@@ -364,8 +365,7 @@ class Sorter {
 
   void AddRing(std::vector<std::pair<double, int>>& members, RingOrder& order) const {
     double offset = 0;
-    const int even = EvenPositions(members, offset),
-              positions = even > 0 ? even : static_cast<int>(members.size());
+    const int even = EvenPositions(members, offset), positions = even > 0 ? even : SizeOf(members);
     order.even = order.even && even > 0;
     const double step = 2 * kPi / positions;
     std::vector<RingLayout::Place> places;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/angles.h"
 #include "core/parallel.h"
@@ -20,7 +21,7 @@ class Reconstruction {
   RingSfmResult Run(const Camera& camera, const std::vector<PairMatches>& matches,
                     const std::vector<RingLayout>& layouts, Progress* progress) {
     ChooseLayout(camera, PointsOf(matches, features_), layouts, progress);
-    if (!result_.start.Believable()) return std::move(result_);
+    if (!result_.start.IsPlausible()) return std::move(result_);
     result_.model = result_.start.model;
     ReportProgress(progress, 0.6, "adjusting the ring model");
     Adjust(Agreeing(matches, 5), 12);
@@ -87,7 +88,7 @@ class Reconstruction {
           pairs.emplace_back(a, b);
       }
     std::vector<PairMatches> found(pairs.size());
-    ParallelFor(static_cast<std::int64_t>(pairs.size()), [&](std::int64_t k) {
+    ParallelFor(std::ssize(pairs), [&](std::int64_t k) {
       const auto [a, b] = pairs[k];
       const int first = result_.model.views[a].image, second = result_.model.views[b].image;
       PairGeometry geometry;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/numerics/simplex_search.h"
 
 namespace keypose::reconstruct {
@@ -137,7 +139,7 @@ class Fitter {
               [](const RingView& a, const RingView& b) { return a.image < b.image; });
     model_.rings.resize(layout.rings.size());
     outlines_.resize(model_.views.size());
-    ParallelFor(static_cast<std::int64_t>(outlines_.size()), [&](std::int64_t v) {
+    ParallelFor(std::ssize(outlines_), [&](std::int64_t v) {
       outlines_[v] = MakeOutline(masks[model_.views[v].image], camera, factor_);
     });
     for (const Outline& outline : outlines_)
@@ -241,7 +243,7 @@ class Fitter {
       return worst;
     };
     const double distance = AimDistance(v), reach = half_size_ * distance;
-    const int rays = std::min<int>(effort.rays, static_cast<int>(outline.rays.size()));
+    const int rays = std::min<int>(effort.rays, SizeOf(outline.rays));
     double sum = 0;
     for (int k = 0; k < rays; ++k) {
       const Vector3d& ray = outline.rays[static_cast<std::size_t>(k) * outline.rays.size() /
@@ -319,7 +321,7 @@ class Fitter {
     const Rigid3 kept = model_.rings[ring];
     model_.rings[ring] = pose;
     std::vector<double> errors(of.size());
-    ParallelFor(static_cast<std::int64_t>(of.size()),
+    ParallelFor(std::ssize(of),
                 [&](std::int64_t k) { errors[k] = ViewError(of[k], against, effort); });
     model_.rings[ring] = kept;
     double sum = 0;
@@ -338,7 +340,7 @@ class Fitter {
       for (std::size_t k = 0; k < free.size(); ++k) by(free[k]) = x(static_cast<Eigen::Index>(k));
       return by;
     };
-    Eigen::VectorXd step(static_cast<Eigen::Index>(free.size()));
+    Eigen::VectorXd step(std::ssize(free));
     for (std::size_t k = 0; k < free.size(); ++k)
       step(static_cast<Eigen::Index>(k)) = steps(free[k]);
     return spread(MinimizeSimplex(
@@ -351,7 +353,7 @@ class Fitter {
   void FindAxis(int ring) {
     const std::vector<std::size_t> members = Members(ring);
     const std::vector<std::size_t> some =
-        Decimated(members, std::max<int>(1, static_cast<int>(members.size()) / 10));
+        Decimated(members, std::max<int>(1, SizeOf(members) / 10));
     const Vector3d through = MeanMiddle(members);
     std::vector<std::pair<double, Rigid3>> tried;
     constexpr int kLatitudes = 36;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/parallel.h"
@@ -72,7 +73,7 @@ World MakeWorld(const std::vector<double>& elevations_deg, int count, double slo
 }
 
 PointsX3 Centers(const RingModel& model) {
-  PointsX3 centers(static_cast<Eigen::Index>(model.views.size()), 3);
+  PointsX3 centers(std::ssize(model.views), 3);
   for (std::size_t v = 0; v < model.views.size(); ++v)
     centers.row(v) = model.CameraFromTable(model.views[v]).Inverse().translation.transpose();
   return centers;

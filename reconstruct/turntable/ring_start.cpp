@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
 
 #include "core/angles.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/numerics/simplex_search.h"
 
@@ -28,12 +30,12 @@ struct Match {
 };
 
 /// Truncated squared errors of matches. Essential matrices are computed once per pair of views.
-class Judge {
+class MatchCost {
  public:
-  explicit Judge(std::vector<Match> matches) : matches_(std::move(matches)) {
+  explicit MatchCost(std::vector<Match> matches) : matches_(std::move(matches)) {
     std::map<std::pair<int, int>, int> found;
     for (const Match& m : matches_) {
-      const auto [at, is_new] = found.try_emplace({m.a, m.b}, static_cast<int>(pairs_.size()));
+      const auto [at, is_new] = found.try_emplace({m.a, m.b}, SizeOf(pairs_));
       if (is_new) pairs_.emplace_back(m.a, m.b);
       pair_of_.push_back(at->second);
     }
@@ -149,7 +151,7 @@ class Finder {
 
  private:
   std::vector<RingView>& views() { return result_.model.views; }
-  int rings() const { return static_cast<int>(result_.model.rings.size()); }
+  int rings() const { return SizeOf(result_.model.rings); }
   const RingView& view(int place) const { return result_.model.views[place]; }
 
   void ReadMatches(const std::vector<PairPoints>& pairs) {
@@ -180,23 +182,23 @@ class Finder {
   void FindAxis(int ring) {
     const std::vector<Match> matches = RingMatches(ring);
     const double step = result_.model.step_rad[ring];
-    const auto cost = [&](const Judge& judge, const Axis& axis, double limit) {
+    const auto cost = [&](const MatchCost& match_cost, const Axis& axis, double limit) {
       const Rigid3 pose = axis.Pose();
       const Matrix3d r = pose.rotation.toRotationMatrix();
-      return judge.Cost(
+      return match_cost.Cost(
           [&](int v) {
             return std::pair<Matrix3d, Vector3d>(r * RotationAboutZ(view(v).angle_rad),
                                                  pose.translation);
           },
           limit);
     };
-    const Judge few(Sampled(matches, 400)), many(Sampled(matches, 4000));
+    const MatchCost few(Sampled(matches, 400)), many(Sampled(matches, 4000));
     const std::vector<Vector3d> directions = SphereDirections(5 * kDegree);
     // -12 to 12 degrees: the table's axis passes through the picture's middle part
     constexpr int kOffsets = 9;
     std::vector<std::pair<double, Axis>> tried(directions.size());
     ParallelFor(
-        static_cast<std::int64_t>(directions.size()),
+        std::ssize(directions),
         [&](std::int64_t k) {
           auto& best = tried[k];
           best.first = 1e300;
@@ -209,7 +211,7 @@ class Finder {
     std::stable_sort(tried.begin(), tried.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     tried.resize(std::min<std::size_t>(tried.size(), 24));
-    ParallelFor(static_cast<std::int64_t>(tried.size()), [&](std::int64_t k) {
+    ParallelFor(std::ssize(tried), [&](std::int64_t k) {
       auto& [c, axis] = tried[k];
       for (const double limit : {2 * kWide_rad, kWide_rad})
         axis = Refined(
@@ -261,10 +263,10 @@ class Finder {
       const Match& m = *all[k * all.size() / std::min<std::size_t>(all.size(), 300)];
       matches.push_back(m);
     }
-    const Judge judge(std::move(matches));
+    const MatchCost match_cost(std::move(matches));
     const auto cost = [&](double angle) {
       moving.angle_rad = angle;
-      return judge.Cost(
+      return match_cost.Cost(
           [&](int at) {
             const Rigid3 pose = result_.model.CameraFromTable(view(at));
             return std::pair<Matrix3d, Vector3d>(pose.rotation.toRotationMatrix(),
@@ -309,10 +311,10 @@ class Finder {
       return Rigid3{own.rotation * Eigen::Quaterniond(RotationAboutZ(x(0))),
                     std::exp(x(2)) * own.translation + x(1) * axis};
     };
-    const auto cost = [&](const Judge& judge, const Eigen::VectorXd& x, double limit) {
+    const auto cost = [&](const MatchCost& match_cost, const Eigen::VectorXd& x, double limit) {
       RingModel model = result_.model;
       model.rings[ring] = placed(x);
-      return judge.Cost(
+      return match_cost.Cost(
           [&](int v) {
             const Rigid3 pose = model.CameraFromTable(view(v));
             return std::pair<Matrix3d, Vector3d>(pose.rotation.toRotationMatrix(),
@@ -321,7 +323,7 @@ class Finder {
           limit);
     };
     // Samples for the rest of the search.
-    const Judge few(Sampled(matches, 300)), many(Sampled(matches, 3000));
+    const MatchCost few(Sampled(matches, 300)), many(Sampled(matches, 3000));
     constexpr int kTurns = 120, kHeights = 13, kScales = 7;
     std::vector<std::pair<double, Eigen::VectorXd>> tried(kTurns);
     // Both cameras look at the same object, so the height follows from where both see its centre,
@@ -401,7 +403,7 @@ std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches,
   std::vector<PairPoints> points;
   for (const PairMatches& pair : matches) {
     PairPoints p{pair.first, pair.second, {}};
-    p.xy.resize(static_cast<Eigen::Index>(pair.features.size()), 4);
+    p.xy.resize(std::ssize(pair.features), 4);
     for (std::size_t k = 0; k < pair.features.size(); ++k)
       p.xy.row(k) << features[pair.first].positions.row(pair.features[k].first).cast<double>(),
           features[pair.second].positions.row(pair.features[k].second).cast<double>();

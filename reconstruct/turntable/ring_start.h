@@ -27,7 +27,7 @@ struct RingStart {
   double inlier_share = 0;
   bool joined = true;  ///< whether matches connect the rings
   /// Whether there are more inliers than a wrong model would have by chance.
-  bool Believable() const { return joined && inliers >= 40 && inlier_share > 0.25; }
+  bool IsPlausible() const { return joined && inliers >= 40 && inlier_share > 0.25; }
 };
 
 /// Fits a ring model to matches. For each ring, the axis in its camera's frame is searched over the

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <random>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/ring_order.h"
 #include "reconstruct/turntable/ring_sfm.h"
@@ -64,7 +66,7 @@ RingWorld MakeWorld(const std::vector<double>& elevations_deg, int count, int po
     for (int k = 0; k < count; ++k) {
       const double start = 0.5 * static_cast<double>(r) * world.truth.step_rad[r];
       world.truth.views.push_back(
-          {static_cast<int>(world.names.size()), static_cast<int>(r), static_cast<double>(k),
+          {SizeOf(world.names), static_cast<int>(r), static_cast<double>(k),
            start + k * world.truth.step_rad[r] + world.Gauss(slop_deg * kDegree)});
       world.names.push_back("P" + std::to_string(1017 + world.names.size()) + ".jpg");
     }
@@ -97,7 +99,7 @@ std::vector<PairPoints> MakePairs(RingWorld& world, double noise, double wrong, 
               200 + 500 * uniform(world.random);
       }
       PairPoints pair{world.truth.views[a].image, world.truth.views[b].image, {}};
-      pair.xy.resize(static_cast<Eigen::Index>(rows.size()), 4);
+      pair.xy.resize(std::ssize(rows), 4);
       for (std::size_t k = 0; k < rows.size(); ++k) pair.xy.row(k) = rows[k].transpose();
       if (!rows.empty()) pairs.push_back(std::move(pair));
     }
@@ -105,14 +107,14 @@ std::vector<PairPoints> MakePairs(RingWorld& world, double noise, double wrong, 
 }
 
 PointsX3 Centers(const RingModel& model) {
-  PointsX3 centers(static_cast<Eigen::Index>(model.views.size()), 3);
+  PointsX3 centers(std::ssize(model.views), 3);
   for (std::size_t v = 0; v < model.views.size(); ++v)
     centers.row(v) = model.CameraFromTable(model.views[v]).Inverse().translation.transpose();
   return centers;
 }
 
 PointsX3 Centers(const Scene& scene) {
-  PointsX3 centers(static_cast<Eigen::Index>(scene.views.size()), 3);
+  PointsX3 centers(std::ssize(scene.views), 3);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     centers.row(v) = scene.views[v].Center().transpose();
   return centers;
@@ -199,7 +201,7 @@ TEST(FindRingModel, FewMatchesOfTwoRingsWithWrongOnesAmongThem) {
   RingWorld world = MakeWorld({12, 40}, 18, 200, 0.5);
   const auto pairs = MakePairs(world, 0.5, 0.33, 12);
   const RingStart start = FindRingModel(world.truth.camera, LayoutOfSizes(36, {18, 18}), pairs);
-  EXPECT_TRUE(start.Believable());
+  EXPECT_TRUE(start.IsPlausible());
   EXPECT_NEAR(start.inlier_share, 0.67, 0.05);
   EXPECT_LT(CenterError(Centers(start.model), Centers(world.truth)), 0.02);
 }
@@ -207,7 +209,7 @@ TEST(FindRingModel, FewMatchesOfTwoRingsWithWrongOnesAmongThem) {
 TEST(FindRingModel, MatchesOfNothingAreNotBelieved) {
   RingWorld world = MakeWorld({25}, 12, 100, 0);
   const auto pairs = MakePairs(world, 0.5, 1.0, 12);
-  EXPECT_FALSE(FindRingModel(world.truth.camera, LayoutOfSizes(12, {12}), pairs).Believable());
+  EXPECT_FALSE(FindRingModel(world.truth.camera, LayoutOfSizes(12, {12}), pairs).IsPlausible());
 }
 
 TEST(FindRingModel, SameBitsForAnyThreadCount) {
@@ -244,8 +246,8 @@ FeatureSet MakeFeatures(RingWorld& world, double noise) {
     for (std::size_t p = 0; p < world.points.size(); ++p)
       if (world.Sees(v, p)) seen.push_back(p);
     Features f;
-    f.positions.resize(static_cast<Eigen::Index>(seen.size()), 2);
-    f.scales = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(seen.size()));
+    f.positions.resize(std::ssize(seen), 2);
+    f.scales = Eigen::VectorXf::Ones(std::ssize(seen));
     for (std::size_t k = 0; k < seen.size(); ++k) {
       f.positions.row(k) = world.Pixel(v, seen[k], noise).transpose().cast<float>();
       f.descriptors.insert(f.descriptors.end(), descriptors[seen[k]].begin(),
@@ -293,7 +295,7 @@ TEST(ReconstructRing, CamerasThatStandOffTheRingAreSetFree) {
   for (RingView& view : shaky.truth.views) {
     Rigid3 pose = world.truth.rings[0];
     pose.translation += 0.012 * Vector3d(world.Gauss(1), world.Gauss(1), world.Gauss(1));
-    view.ring = static_cast<int>(shaky.truth.rings.size());
+    view.ring = SizeOf(shaky.truth.rings);
     shaky.truth.rings.push_back(pose);
   }
   const FeatureSet set = MakeFeatures(shaky, 0.3);
@@ -370,7 +372,7 @@ int Misplaced(const RingOrder& order, const Shuffled& shuffled, const RingWorld&
       }
       best = std::max(best, right);
     }
-    wrong += static_cast<int>(ring.size()) - best;
+    wrong += SizeOf(ring) - best;
   }
   return wrong;
 }

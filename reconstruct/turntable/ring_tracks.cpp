@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose::reconstruct {
@@ -103,7 +104,7 @@ Triangulated Triangulate(const Scene& scene, const std::vector<int>& view_of_ima
       const View& view = scene.views[v];
       const Eigen::Vector2d pixel =
           features[e.image].positions.row(e.feature).transpose().cast<double>();
-      seen.push_back({v, static_cast<int>(result.scene.points.size()), pixel});
+      seen.push_back({v, SizeOf(result.scene.points), pixel});
       rays.push_back({view.Center(),
                       (view.camera_from_world.rotation.conjugate() * view.camera.Unproject(pixel))
                           .normalized()});

@@ -8,12 +8,12 @@ namespace keypose::registration {
 namespace {
 
 constexpr int kMostLandmarkTurns = 500, kMatchRounds = 8, kMatchTurns = 8, kSolverSteps = 10;
-constexpr double kPinned = 1e5;           // of a vertex of a rigid piece, while the rest follows
-constexpr double kStill = 2e-4;           // movement that ends landmark turns
-constexpr double kMatchWeight = 1000;     // of all matches together, when they lead
-constexpr double kMatchRobust = 0.3;      // distance at which a match counts a quarter
-constexpr double kMatchTolerance = 0.01;  // squared mismatch at which a match counts a quarter
-// of the whole surface at stiffness 1: one a vertex of the middle level
+constexpr double kPinned = 1e5;           // weight that holds a vertex of a rigid piece
+constexpr double kStill = 2e-4;           // landmark turns end below this movement
+constexpr double kMatchWeight = 1000;     // of all matches together in FitToMatches
+constexpr double kMatchRobust = 0.3;      // distance at which a match has a quarter of its weight
+constexpr double kMatchTolerance = 0.01;  // squared mismatch, likewise
+// Weight of the whole surface at stiffness 1: about 1 per vertex of the middle level
 constexpr double kSurfaceWeight = 1700;
 
 double Square(double x) { return x * x; }
@@ -38,7 +38,9 @@ void AddMatches(const Level& level, const PointsX3& points, double weight, doubl
   }
 }
 
-/// Turns of positions and maps under pulls that stay, with landmarks, whose arms turn.
+/// Alternates between positions and maps. The pulls in `staying` are fixed; those of landmarks are
+/// updated in each turn, because a landmark's arm turns with its vertex.
+/// @return the largest movement of a vertex in the last turn
 double Turn(Level& level, const Pulls& staying, double landmark_weight, int turns, int solver_steps,
             double still) {
   double move = 0;
@@ -55,7 +57,7 @@ double Turn(Level& level, const Pulls& staying, double landmark_weight, int turn
   return move;
 }
 
-/// Rigid pieces take their shape, and what is around them follows.
+/// Restores the exact shape of rigid pieces, then fits the rest to them.
 void HoldPieces(Level& level, const Pulls& staying, double landmark_weight) {
   if (level.fit->pieces().empty()) return;
   level.growth = level.fit->StraightenPieces(level.moved);
@@ -74,7 +76,7 @@ void HoldPieces(Level& level, const Pulls& staying, double landmark_weight) {
 }  // namespace
 
 void FitToLandmarks(Level& level, double weight) {
-  // Point pulls alone are what the factor solves exactly: one step each.
+  // With point pulls alone the factor is the exact inverse, so one solver step is enough.
   Turn(level, Pulls(level.rest.rows()), weight, kMostLandmarkTurns, 1, kStill);
 }
 
@@ -99,8 +101,8 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
   const SurfaceGap gap = target.Add(level.moved, level.faces, level.rim, level.fit->vertex_areas(),
                                     surface, level.feet, pulls);
   if (seen) {
-    // A sixth of a vertex's full weight (a plane's trace is one, and this is a third of it) counts
-    // half.
+    // MeanWeights is a third of the trace, so a plane with the full weight gives a third of it.
+    // seen is 1/2 at a sixth of the full weight.
     const Eigen::ArrayXd full =
         surface.weight / level.fit->vertex_areas().sum() * level.fit->vertex_areas().array();
     const Eigen::ArrayXd held = pulls.MeanWeights().array();

@@ -1,4 +1,4 @@
-// One level of detail being bent: by landmarks, by matches, by the surface.
+// Bends one level of detail: with landmarks, with matches, and with the target surface.
 #pragma once
 
 #include "deform/levels/levels.h"
@@ -6,24 +6,28 @@
 
 namespace keypose::registration {
 
-/// What pulls how hard in one round. Lengths are for a target of diagonal 2.
+/// The weights of one round. Lengths assume a target whose diagonal is 2.
 struct FitTerms {
-  double stiffness = 1;   ///< of the shape against the surface
-  double robust = 0.4;    ///< distance at which a surface pull counts a quarter
-  double landmarks = 50;  ///< weight of each
-  double matches = 0;     ///< weight of all together
-  int samples = 1500;     ///< of the target, that pull back
-  int turns = 2;          ///< of maps and positions for one search of closest points
-  bool measure = true;    ///< whether the gap is asked for
+  double stiffness = 1;   ///< of the shape term, relative to the surface
+  double robust = 0.4;    ///< distance at which a surface pull has a quarter of its weight [length]
+  double landmarks = 50;  ///< weight of each landmark
+  double matches = 0;     ///< weight of all matches together
+  int samples = 1500;     ///< target vertices that pull back
+  int turns = 2;          ///< updates of positions and maps for each search of closest points
+  bool measure = true;    ///< whether to compute the gap
 };
 
-/// Landmarks alone, until nothing moves by more than 1e-4 of the diagonal.
+/// Fits the level to its landmarks alone. Stops when no vertex moves by more than 1e-4 of the
+/// diagonal, or after 500 updates.
 void FitToLandmarks(Level& level, double weight);
-/// Landmarks and matches; matches are believed less the further they lie from where the others
-/// agree.
+/// Fits the level to landmarks and matches. A match far from the current position of its vertex has
+/// a low weight.
+/// @param match_points  the points that level.matches index
 void FitToMatches(Level& level, const PointsX3& match_points, double landmark_weight);
-/// One search of closest points and the rounds that follow from it. `seen`, when asked for: 0 to 1,
-/// how firmly the surface holds each vertex.
+/// Searches closest points once, then updates positions and maps terms.turns times.
+/// @param match_points  the points that level.matches index
+/// @param seen          if given: V, 0 to 1, how firmly the surface holds each vertex
+/// @return the gap before the update; its distances are 0 without terms.measure
 SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3& match_points,
                         const FitTerms& terms, Eigen::VectorXd* seen = nullptr);
 

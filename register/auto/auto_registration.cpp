@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
 #include "register/intrinsic/suggest.h"
@@ -15,25 +17,26 @@ namespace keypose::registration {
 
 namespace {
 
-// distances along the surface are measured on meshes of about this size
+// Distances along the surface are measured on meshes of about this size.
 constexpr int kProxyVertices = 3000;
 constexpr int kFewestForDistances = 4;  // landmarks that tell places apart by distance
-// a level counts as middle from this share of middle_vertices on
+// The middle level has at least this share of middle_vertices.
 constexpr double kMiddleOfCoarse = 0.5;
 constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
 constexpr double kRigid = 1e300;
-constexpr double kHopeless = 1.3;  // times poor_fit: not even a softer shape came close
-// of the area: rigid pieces that are larger tell the scale, whatever else may stretch
+constexpr double kHopeless = 1.3;  // times poor_fit: even a softer shape came nowhere near
+// Share of the area from which on rigid pieces alone decide the scale, as the rest may stretch.
 constexpr double kPiecesDecide = 0.1;
-// boundary loops, closed by discs, over the area: more is an open surface
+// Area of discs over the boundary loops, as a share; above this the surface counts as open.
 constexpr double kOpenShare = 0.06;
-constexpr double kCutShare = 0.01, kCutGrowth = 1.04;  // a target so much more open, with landmarks
-                                                       // so much further apart, is cut off
-constexpr int kCoarseSamples = 1500, kSamples = 6000;  // of the target, that pull back
-// vertices from which on a level gets two searches in place of four
+constexpr double kCutShare = 0.01, kCutGrowth = 1.04;  // a target that is this much more open, with
+                                                       // landmarks this much further apart, is cut
+constexpr int kCoarseSamples = 1500, kSamples = 6000;  // target vertices that pull back
+// Above this number of vertices a level gets two searches instead of four.
 constexpr int kLargeLevel = 30000;
 
-/// Stiffness and its companions fall geometrically over all rounds of a registration.
+/// The rounds on one level. Stiffness falls geometrically from round to round; so do the weights of
+/// landmarks and matches and the robust distance.
 struct Schedule {
   int rounds, searches, turns;
   double from, to;  ///< stiffness
@@ -42,12 +45,12 @@ constexpr Schedule kCoarse{6, 4, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5
     kSettled{5, 2, 3, 0.5, 0.5};
 constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
-constexpr double kFineStiffness = 0.2;  // of the finer levels of what stays rigid
-constexpr double kMomentum = 0.95;  // of the last search's movement, where maps are soft: sliding
-                                    // along the surface converges slowly
+constexpr double kFineStiffness = 0.2;  // on the finer levels, when the shape stays rigid
+constexpr double kMomentum = 0.95;      // share of the last movement that is repeated when maps are
+                                        // soft, since sliding along the surface converges slowly
 
-/// The movement of the last search goes on where the surface holds a vertex: what nothing holds
-/// would swing.
+/// Repeats a share of the last movement of each vertex. Only vertices held by the surface move;
+/// others would oscillate.
 class Momentum {
  public:
   explicit Momentum(const Level& level)
@@ -67,13 +70,14 @@ class Momentum {
 double Between(double from, double to, double x) { return from * std::pow(to / from, x); }
 
 PointsX3 MarkPositions(const std::vector<LandmarkGoal>& landmarks, const PointsX3* source) {
-  PointsX3 points(static_cast<Eigen::Index>(landmarks.size()), 3);
+  PointsX3 points(std::ssize(landmarks), 3);
   for (std::size_t k = 0; k < landmarks.size(); ++k)
     points.row(k) = source ? PositionOf(landmarks[k].source, *source) : landmarks[k].target;
   return points;
 }
 
-/// Area with each boundary loop closed by a disc of its length; `filled` is those discs' share.
+/// Surface area with each boundary loop closed by a disc of the same circumference.
+/// @param filled  receives the discs' share of the result
 double WholeArea(const Mesh& mesh, double& filled) {
   std::vector<std::pair<int, int>> sides;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
@@ -116,12 +120,12 @@ class AutoRegistration {
   struct Start {
     PointsX3 moved;
     std::vector<Eigen::Matrix3d> maps;
-    std::vector<LandmarkCoordinates::Match> matches[2];  // of the coarse and the middle level
+    std::vector<LandmarkCoordinates::Match> matches[2];  // for the coarse and the middle level
     double rigidity = kRigid;
     double scale = 1;                        // of the rest shape
-    const PointsX3* match_points = nullptr;  // what matches point into
+    const PointsX3* match_points = nullptr;  // the points that matches index
   };
-  /// A start as the coarse level's rounds left it, or none, and what was measured of it.
+  /// A start after the rounds on the coarse level (or none if it failed), and its measures.
   struct Attempt {
     std::optional<Start> start;
     StartTrial trial;
@@ -159,13 +163,13 @@ class AutoRegistration {
   std::optional<SurfacePull> surface_;
   std::optional<Levels> levels_;
   int middle_ = 0;
-  double more_open_ = 0;  // the target than the source: difference of the shares that discs over
-                          // boundary loops make up
+  double more_open_ = 0;  // how much more open the target is than the source: the difference of
+                          // `filled` in WholeArea
   double first_scale_ = 1, rest_scale_ = 1;
-  PointsX3 goal_points_;   // the target's, normalised
-  PointsX3 proxy_points_;  // of the target, normalised: what matches by distance point into
+  PointsX3 goal_points_;   // the target's points, normalised
+  PointsX3 proxy_points_;  // those of the target's proxy, which matches by distance index
   std::vector<LandmarkCoordinates::Match> distance_matches_[2];
-  std::optional<Suggestion> suggestion_;  // found once, for all starts that use it
+  std::optional<Suggestion> suggestion_;  // computed once, for all starts that use it
   std::optional<Start> best_;
   AutoResult result_;
 };
@@ -178,7 +182,8 @@ void AutoRegistration::Align() {
   const double areas = WholeArea(target_, filled_target) / WholeArea(source_, filled_source);
   more_open_ = filled_target - filled_source;
   if (filled_target > kOpenShare && landmarks_.size() == 3) return;
-  // Folded limbs bring landmarks together and make Procrustes shrink the source; areas stay.
+  // Folded limbs bring landmarks closer together, so Procrustes would shrink the source. The area
+  // hardly changes, so it gives the size.
   const PointsX3 pivots =
       landmarks_.empty() ? source_.points : MarkPositions(landmarks_, &source_.points);
   const Eigen::Vector3d pivot = pivots.colwise().mean().transpose();
@@ -210,8 +215,8 @@ void AutoRegistration::Prepare() {
 }
 
 void AutoRegistration::MeasureDistances() {
-  if (static_cast<int>(goals_.size()) < kFewestForDistances) return;
-  // Proxies: distances need no more detail than the levels that use them.
+  if (SizeOf(goals_) < kFewestForDistances) return;
+  // Distances need no more detail than the levels that use them, so proxies are enough.
   int at = 0;
   while (at < middle_ && (*levels_)[at].rest.rows() > kProxyVertices * 1.5) ++at;
   Mesh proxy;
@@ -231,8 +236,8 @@ void AutoRegistration::MeasureDistances() {
   }
   const Level& level = (*levels_)[at];
   LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
-  // What a cut took away lacks in the area, and nowhere else. Discs over holes make up for what is
-  // missing; then both agree.
+  // When a part of the target is cut off, its area is too small, but distances between landmarks
+  // are right. When it only has holes, the discs replace the lost area, and both agree.
   if (const double growth = coordinates.Growth(); more_open_ > kCutShare && growth > kCutGrowth) {
     first_scale_ = growth;
     coordinates.GrowSource(growth);
@@ -284,12 +289,12 @@ AutoRegistration::Attempt AutoRegistration::Unusable(StartTrial trial) {
   return {std::nullopt, std::move(trial)};
 }
 
-/// Of an attempt that is not the best so far, only its trial is kept.
+/// Keeps the attempt's start if it is the best so far. Its trial is always kept.
 void AutoRegistration::Compete(Attempt attempt) {
   const bool better = !best_ || attempt.trial.score < result_.starts[result_.chosen].score;
   if (attempt.start && better) {
     best_ = std::move(attempt.start);
-    result_.chosen = static_cast<int>(result_.starts.size());
+    result_.chosen = SizeOf(result_.starts);
   }
   result_.starts.push_back(std::move(attempt.trial));
 }
@@ -320,7 +325,7 @@ AutoRegistration::Attempt AutoRegistration::FromIntrinsicMap(double rigidity,
   int known = 0;
   for (int v : suggestion.dense) known += v >= 0;
   if (known < source_.vertex_count() / 4) {
-    trial.words = "no use: " + trial.words;
+    trial.words = "not usable: " + trial.words;
     return Unusable(std::move(trial));
   }
   Start start;
@@ -359,11 +364,10 @@ void AutoRegistration::TryStarts() {
   const auto poor = [&] { return result_.starts[result_.chosen].gap > options_.poor_fit; };
   Compete(FromLandmarks(kRigid, landmarks_.empty() ? "as aligned" : "landmarks"));
   ReportProgress(progress_, 0.4, "start");
-  if (options_.suggest && static_cast<int>(goals_.size()) < kFewestForDistances)
+  if (options_.suggest && SizeOf(goals_) < kFewestForDistances)
     Compete(FromIntrinsicMap(kRigid, "intrinsic map"));
   ReportProgress(progress_, 0.5, "start");
-  if (options_.skeleton && static_cast<int>(goals_.size()) < kFewestForDistances && poor())
-    Compete(FromSkeleton());
+  if (options_.skeleton && SizeOf(goals_) < kFewestForDistances && poor()) Compete(FromSkeleton());
   ReportProgress(progress_, 0.55, "start");
   if (poor() && !goals_.empty()) Compete(FromLandmarks(kSofter, "landmarks, softer"));
   if (!goals_.empty() && options_.suggest &&
@@ -378,8 +382,8 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
   Momentum momentum(level);
   for (int k = 0; k < schedule.rounds; ++k) {
     const double all = static_cast<double>(rounds_before + k) / (kAllRounds - 1);
-    // The first schedule begins at its own stiffness; a later one goes on from where the last
-    // ended.
+    // The first schedule begins at its first stiffness. A later one begins one step below, because
+    // the schedule before ended at its first stiffness.
     const double own = rounds_before == 0 ? static_cast<double>(k) / (schedule.rounds - 1)
                                           : static_cast<double>(k + 1) / schedule.rounds;
     FitTerms terms;
@@ -397,7 +401,7 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
       gap = FitToSurface(level, *surface_, match_points ? *match_points : goal_points_, terms,
                          momentum.seen());
     }
-    // Noise and ragged holes make areas, and with them the first scale, a little wrong.
+    // Noise and ragged holes change the areas, so the first scale is not exact; refine it.
     if (level.fit->pieces().area_share() > kPiecesDecide)
       SetRestScale(rest_scale_ * level.growth);
     else if (level.fit->rigid())

@@ -1,5 +1,5 @@
-// Registration that survives far-turned limbs: landmarks first, then the surface, from coarse to
-// fine and from stiff to soft.
+// Registration for limbs that turn far: landmarks first, then the surface. Levels go from coarse to
+// fine, the shape from stiff to soft.
 #pragma once
 
 #include <string>
@@ -13,29 +13,31 @@
 namespace keypose::registration {
 
 struct AutoOptions {
-  int coarse_vertices = 500;       ///< level on which starts are tried
-  int middle_vertices = 1700;      ///< level on which the surface is found
-  double landmark_weight = 50;     ///< pull of a landmark at first, in units of the shape term
-  double landmark_weight_end = 5;  ///< and at the end: picks carry noise
-  double smoothing = 0.02;         ///< maps vary little over less than this, over the diagonal
-  double good_fit = 0.00065;  ///< stay rigid where the surfaces are this close while the shape is
-                              ///< still stiff, over the diagonal
-  double poor_fit = 0.002;    ///< try another start when they are further apart than this
-  /// with fewer than four landmarks, also start from a map found by intrinsic geometry
+  int coarse_vertices = 500;       ///< size of the level on which starts are tried
+  int middle_vertices = 1700;      ///< size of the level that is first pulled to the surface
+  double landmark_weight = 50;     ///< of a landmark at the start, in units of the shape term
+  double landmark_weight_end = 5;  ///< of a landmark at the end; lower, because picks are noisy
+  double smoothing = 0.02;         ///< maps vary little within this distance, over the diagonal
+  double good_fit = 0.00065;  ///< gap below which the shape stays rigid, measured while it is still
+                              ///< stiff, over the diagonal
+  double poor_fit = 0.002;    ///< gap above which more starts are tried, over the diagonal
+  /// With fewer than four landmarks, also start from an intrinsic map. With landmarks, also when
+  /// the gap stays above 1.3 poor_fit.
   bool suggest = true;
-  bool skeleton = true;  ///< also start from curve skeletons when all other starts are poor
+  /// With fewer than four landmarks, also start from curve skeletons when the gap is above poor_fit
+  bool skeleton = true;
 
   /// One sentence per fault, naming field, value and range; empty when valid.
   std::vector<std::string> Problems() const;
 };
 
-/// One way to begin, and how it did on the coarse level.
+/// One start, and its result on the coarse level.
 struct StartTrial {
   std::string name = {};   ///< "landmarks", "landmarks, softer", "intrinsic map", "skeleton", ...
-  double gap = 0;          ///< between the surfaces, both ways, over the diagonal
+  double gap = 0;          ///< between the surfaces, mean of both ways, over the diagonal
   double strain = 0;       ///< mean of the squared strain
   double score = 0;        ///< smaller is better
-  std::string words = {};  ///< what the start has to say of itself, or why it could not be made
+  std::string words = {};  ///< a description of the start, or why it could not be made
 };
 
 struct AutoResult {
@@ -44,35 +46,37 @@ struct AutoResult {
                                             ///< moves to transforms[i] (x - v_i) + points.row(i)
   Alignment alignment;
   std::vector<StartTrial> starts;  ///< in the order of trial
-  int chosen = 0;                  ///< of starts
-  bool softened = false;           ///< the shape had to give way to reach the surface
+  int chosen = 0;                  ///< index into starts
+  bool softened = false;           ///< the shape was softened to reach the surface
   int levels = 1;
-  int loose_parts = 0;    ///< moved with what they sit on
-  int seam_vertices = 0;  ///< of the source, doubles of others, moved as one with those
+  int loose_parts = 0;    ///< parts that moved with the surface they sit on
+  int seam_vertices = 0;  ///< source vertices that repeat others at seams and moved with those
   double gap = 0;         ///< at the end, as in StartTrial
-  double scale = 1;       ///< of the template in the pose
+  double scale = 1;       ///< target size over template size
 };
 
-/// The source bent onto the target, with landmarks or without, however far limbs have turned.
+/// Bends the source onto the target, with or without landmarks. Limbs may turn far.
 ///
-/// 1. Rigid start: Procrustes on landmarks or multi-start ICP, sized by surface areas where both
-/// are whole. 2. On a coarse level, starts compete: landmarks pull an as-rigid-as-possible mesh;
-/// vertices are matched by their distances along the surface to the landmarks; with few landmarks
-/// an intrinsic map is found; softer shape and curve skeletons follow when the fit is poor. 3. The
-/// surfaces pull at each other by point-to-plane distances with robust weights while stiffness
-/// falls; where rigid parts cannot explain the pose, maps become smoothly affine. 4. Finer levels
-/// follow. Separate small parts move with what they sit on.
+/// 1. Rigid alignment: Procrustes on landmarks, or ICP from many orientations. The size comes from
+///    the ratio of surface areas, except for an open target with exactly three landmarks.
+/// 2. Several starts are tried on a coarse level. Landmarks pull an as-rigid-as-possible mesh, and
+///    vertices are matched by their distances along the surface to the landmarks. With few
+///    landmarks, an intrinsic map is a start too. When the fit is poor, a softer shape and curve
+///    skeletons are tried. The start with the lowest score is kept.
+/// 3. Both surfaces pull at each other with robust point-to-plane distances while the stiffness
+///    falls. If rigid motion cannot reach the target, the maps become smooth affine maps.
+/// 4. Finer levels follow. Loose parts move with the surface they sit on.
 ///
-/// Seams, where vertices are doubled for texture coordinates, are closed for the fit in both
-/// meshes: all doubles move as one.
+/// Seams, where vertices are doubled for texture coordinates, are closed in both meshes during the
+/// fit, so all doubles of a vertex move together.
 ///
-/// @param source     V >= 4 vertices; open, closed, several parts, all allowed
+/// @param source     V >= 4 vertices; may be open and have several parts
 /// @param target     any usable mesh; open boundaries do not pull
 /// @param landmarks  may be empty
-/// @param stiffness  V, multiplies the shape term at each vertex, or empty
-/// @throws InputError   unusable mesh, landmark off the source, stiffness of another length or not
+/// @param stiffness  V, factor on the shape term at each vertex, or empty
+/// @throws InputError   unusable mesh, landmark off the source, stiffness of wrong length or not
 /// positive
-/// @throws SolverError
+/// @throws SolverError  a linear system cannot be solved, or the result is not finite
 /// @throws Cancelled
 /// Cost: near-linear.
 /// Same bits for any thread count. See docs/stages/register.md.
@@ -81,8 +85,8 @@ AutoResult RegisterAuto(const Mesh& source, const Mesh& target,
                         const Eigen::VectorXd& stiffness, const AutoOptions& options,
                         Progress* progress = nullptr);
 
-/// The part of RegisterAuto that bends: one surface without seams or loose parts, and inputs that
-/// were checked.
+/// The core of RegisterAuto, for a source without seams and loose parts and for inputs that were
+/// checked.
 AutoResult RegisterSurface(const Mesh& source, const Mesh& target,
                            const std::vector<LandmarkGoal>& landmarks,
                            const Eigen::VectorXd& stiffness, const AutoOptions& options,

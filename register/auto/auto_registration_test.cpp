@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -24,6 +25,7 @@
 #include "core/io/image_io.h"
 #include "core/io/mesh_io.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "register/testing/scenes.h"
 
@@ -33,7 +35,8 @@ namespace {
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
 
-/// A ball with three unlike limbs: no two places look alike, and its mirror image is another shape.
+/// A ball with three different limbs: no two places look the same, and its mirror image is another
+/// shape.
 Mesh Body(int levels, const Eigen::Matrix3d& tessellation = Eigen::Matrix3d::Identity()) {
   const std::pair<Vector3d, double> limbs[] = {
       {{0.1, 1, 0.5}, 0.9}, {{0.9, -0.6, 0.2}, 1.3}, {{-0.7, -0.2, -0.7}, 0.6}};
@@ -58,7 +61,7 @@ Mesh WithPoints(Mesh mesh, const PointsX3& points) {
   return mesh;
 }
 
-/// Without the faces for which `gone` holds at the centre at rest; unused vertices go too.
+/// Removes the faces whose centre at rest satisfies `gone`, and the vertices that are then unused.
 template <class Gone>
 Mesh Without(const Mesh& rest, const PointsX3& posed, const Gone& gone) {
   Mesh mesh;
@@ -71,14 +74,14 @@ Mesh Without(const Mesh& rest, const PointsX3& posed, const Gone& gone) {
       continue;
     for (int k = 0; k < 3; ++k)
       if (index[face[k]] < 0) {
-        index[face[k]] = static_cast<int>(points.size());
+        index[face[k]] = SizeOf(points);
         points.push_back(posed.row(face[k]));
       }
     faces.emplace_back(index[face[0]], index[face[1]], index[face[2]]);
   }
-  mesh.points.resize(static_cast<Eigen::Index>(points.size()), 3);
+  mesh.points.resize(std::ssize(points), 3);
   for (std::size_t k = 0; k < points.size(); ++k) mesh.points.row(k) = points[k];
-  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  mesh.faces.resize(std::ssize(faces), 3);
   for (std::size_t k = 0; k < faces.size(); ++k) mesh.faces.row(k) = faces[k];
   return mesh;
 }
@@ -87,7 +90,7 @@ Eigen::VectorXd Errors(const PointsX3& found, const PointsX3& truth) {
   return (found - truth).rowwise().norm() / BoundingDiagonal(truth);
 }
 
-/// Faces that point against those of the truth.
+/// Number of faces whose normal opposes that of the true face.
 int Inverted(const FacesX3& faces, const PointsX3& found, const PointsX3& truth) {
   return static_cast<int>(
       (FaceNormals(found, faces).cwiseProduct(FaceNormals(truth, faces)).rowwise().sum().array() <=
@@ -104,8 +107,8 @@ TEST(RegisterAuto, MeshOntoItselfStaysInPlace) {
 }
 
 TEST(RegisterAuto, FindsAnyTurnAndSizeWithoutLandmarks) {
-  // The last target has other vertices: it differs from the source by its facets, 0.007 where limbs
-  // are thin.
+  // The last target has other vertices. Its facets differ from the source by 0.007 where limbs are
+  // thin.
   const Mesh other =
       Body(3, Eigen::AngleAxisd(0.4, Vector3d(3, 1, 2).normalized()).toRotationMatrix());
   const Eigen::AngleAxisd turns[] = {{M_PI, Vector3d::UnitX()},
@@ -145,6 +148,47 @@ TEST_P(BentTube, IsFollowedWithLandmarks) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, BentTube, testing::Values(40, 90, 140, 180, 230, 270));
+
+// A landmark 4 % of the diagonal off the surface contradicts it.
+TEST(RegisterAuto, HeavierLandmarksAreMetMoreClosely) {
+  const Mesh mesh = Body(3);
+  std::vector<LandmarkGoal> goals = Every(kGoalStride, mesh.points);
+  goals[0].target *= 1 + 0.04 * BoundingDiagonal(mesh.points) / goals[0].target.norm();
+  const auto left = [&](double start, double end) {
+    AutoOptions options;
+    options.landmark_weight = start;
+    options.landmark_weight_end = end;
+    const PointsX3 found = RegisterAuto(mesh, mesh, goals, {}, options).points;
+    return (PositionOf(goals[0].source, found) - goals[0].target).norm();
+  };
+  EXPECT_LT(left(1000, 1000), 0.5 * left(50, 0.05));
+  EXPECT_NE(left(1000, 5), left(1, 5));
+}
+
+TEST(RegisterAuto, PoorFitDecidesHowManyStartsAreTried) {
+  const Mesh source = Tube(), rest = OtherTube();
+  const Mesh target = WithPoints(rest, Bent(rest.points, kLength, 2.5));
+  const auto starts = [&](double poor_fit) {
+    AutoOptions options;
+    options.good_fit = std::min(options.good_fit, poor_fit);
+    options.poor_fit = poor_fit;
+    return RegisterAuto(source, target, {}, {}, options).starts.size();
+  };
+  EXPECT_LT(starts(1), starts(1e-7));
+}
+
+TEST(RegisterAuto, SmootherMapsStretchMoreEvenly) {
+  const Mesh source = Tube();
+  const PointsX3 truth = Bent(source.points, kLength, 1.5);
+  const auto points = [&](double smoothing) {
+    AutoOptions options;
+    options.smoothing = smoothing;
+    return RegisterAuto(source, WithPoints(OtherTube(), Bent(OtherTube().points, kLength, 1.5)),
+                        Every(kGoalStride, truth), {}, options)
+        .points;
+  };
+  EXPECT_NE(points(0), points(0.1));
+}
 
 TEST(RegisterAuto, HolesInTheTargetDoNotPull) {
   const Mesh source = Tube(), rest = OtherTube();
@@ -196,7 +240,7 @@ TEST(RegisterAuto, ACroppedTargetDoesNotSquashWhatIsLeft) {
   EXPECT_LT(unseen, 0.3);
 }
 
-/// Body bent about one axis by an angle that grows along another.
+/// Bends a body about one axis by an angle that grows along another.
 PointsX3 Twisted(const PointsX3& points) {
   PointsX3 twisted = points;
   for (Eigen::Index v = 0; v < points.rows(); ++v)
@@ -233,7 +277,7 @@ TEST(RegisterAuto, MovesWithItsInputs) {
   EXPECT_LT(Errors(moved(of_source, of_target), Transformed(of_target, before)).maxCoeff(), 0.01);
 }
 
-/// How far vertices are from having moved by one similarity.
+/// How far the motion of the vertices is from one similarity transform.
 double Deformation(const PointsX3& before, const PointsX3& after,
                    const std::vector<int>& vertices) {
   const PointsX3 a = before(vertices, Eigen::all), b = after(vertices, Eigen::all);
@@ -270,7 +314,7 @@ TEST(RegisterAuto, ALooseBallFollowsWithoutChangingShape) {
   const AutoResult result = RegisterAuto(source, target, Every(kGoalStride, truth), {}, {});
   EXPECT_EQ(result.loose_parts, 1);
   EXPECT_LT(Errors(result.points.topRows(tube.vertex_count()), truth).mean(), 0.003);
-  // A rigid motion: the ball's centre goes where the bend takes it, turned by the bend's angle
+  // A rigid motion: the ball's centre follows the bend, and the ball is rotated by the bend's angle
   // there.
   const PointsX3 found = result.points.bottomRows(ball.vertex_count());
   PointsX3 centre(1, 3);
@@ -314,7 +358,7 @@ TEST(RegisterAuto, TransformsCarryEachNeighbourhood) {
   EXPECT_LT(misfit / length, 0.1);
 }
 
-/// A tube bent by 46 degrees, with so few landmarks that other starts are tried too.
+/// A tube bent by 46 degrees, with few landmarks, so that other starts are tried too.
 AutoResult BentByFewLandmarks(const AutoOptions& options) {
   constexpr double kAngle = 0.8;
   const Mesh source = Tube(), target = WithPoints(source, Bent(source.points, kLength, kAngle));
@@ -329,7 +373,7 @@ TEST(RegisterAuto, AStartThatLosesLeavesNothingButItsTrial) {
   ASSERT_EQ(alone.starts.size(), 1u);
   ASSERT_GT(among.starts.size(), 1u);
   ASSERT_EQ(among.chosen, 0);
-  // Each start sets the size of the rest shape by a factor of the last one's, and factors round.
+  // Each start scales the rest shape by a factor from the size before, and these factors round.
   constexpr double kRounding = 1e-12;
   EXPECT_LT((among.points - alone.points).cwiseAbs().maxCoeff(), kRounding);
   EXPECT_NEAR(among.gap, alone.gap, kRounding);
@@ -474,7 +518,7 @@ class Program : public testing::Test {
   std::string log_;
 };
 
-/// Numbers of each line that is no comment.
+/// The numbers of each line that is not a comment.
 std::vector<std::vector<double>> Table(const std::string& text) {
   std::vector<std::vector<double>> rows;
   std::istringstream lines(text);

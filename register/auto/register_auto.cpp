@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "register/auto/auto_registration.h"
 #include "register/auto/welding.h"
 #include "register/parts/parts.h"
@@ -13,11 +15,11 @@ namespace keypose::registration {
 
 namespace {
 
-/// The similarity that took a part's vertices where they are; a part of fewer than three points
-/// keeps its turn.
+/// The similarity transform that best explains a part's motion; the identity for fewer than three
+/// vertices or a part without extent.
 Similarity3 PartMotion(const PointsX3& before, const PointsX3& after,
                        const std::vector<int>& vertices) {
-  PointsX3 a(static_cast<Eigen::Index>(vertices.size()), 3), b = a;
+  PointsX3 a(std::ssize(vertices), 3), b = a;
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     a.row(k) = before.row(vertices[k]);
     b.row(k) = after.row(vertices[k]);
@@ -25,7 +27,7 @@ Similarity3 PartMotion(const PointsX3& before, const PointsX3& after,
   return a.rows() < 3 || BoundingDiagonal(a) == 0 ? Similarity3{} : FitSimilarity(a, b);
 }
 
-/// The landmarks that lie on the host, with its vertex numbers.
+/// The landmarks on the host, renumbered to the host's vertices.
 std::vector<LandmarkGoal> OnHost(const std::vector<LandmarkGoal>& landmarks,
                                  const std::vector<int>& host_index) {
   std::vector<LandmarkGoal> kept;
@@ -46,15 +48,15 @@ void CheckInput(const Mesh& source, const Mesh& target, const std::vector<Landma
   RequireUsable(source, "register: source");
   RequireUsable(target, "register: target");
   if (source.vertex_count() < 4)
-    throw InputError("register: the source has fewer than 4 vertices; a template needs a surface");
+    throw InputError("register: the source has fewer than 4 vertices; pass a template with faces");
   RequireArea(source, "register: source");
   RequireArea(target, "register: target");
   RequireStiffness(stiffness, source.vertex_count(), "register");
   RequireUsable(landmarks, source.vertex_count(), "register");
 }
 
-/// Small separate pieces take the motion of what they sit on, then their own landmarks or
-/// counterparts.
+/// Registers the host alone. Then loose parts follow the surface they sit on, and move onto their
+/// own landmarks or counterparts.
 AutoResult WithLooseParts(const Mesh& source, const LooseParts& parts, const Mesh& target,
                           const std::vector<LandmarkGoal>& landmarks,
                           const Eigen::VectorXd& stiffness, const AutoOptions& options,
@@ -80,7 +82,7 @@ AutoResult WithLooseParts(const Mesh& source, const LooseParts& parts, const Mes
     const Similarity3 motion = PartMotion(source.points, result.points, part.vertices);
     for (int v : part.vertices) result.transforms[v] = motion.scale * motion.rotation;
   }
-  result.loose_parts = static_cast<int>(parts.parts.size());
+  result.loose_parts = SizeOf(parts.parts);
   return result;
 }
 
@@ -104,7 +106,7 @@ std::vector<LandmarkGoal> OnWelded(std::vector<LandmarkGoal> landmarks, const We
   return landmarks;
 }
 
-/// The largest of the numbers that a seam's doubles have.
+/// Stiffness on the welded mesh: a welded vertex gets the largest value of its doubles.
 Eigen::VectorXd OnWelded(const Eigen::VectorXd& stiffness, const WeldedMesh& welded) {
   if (stiffness.size() == 0) return {};
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(welded.mesh.vertex_count());
@@ -113,7 +115,7 @@ Eigen::VectorXd OnWelded(const Eigen::VectorXd& stiffness, const WeldedMesh& wel
   return largest;
 }
 
-/// Every double of a seam gets what the fit found for the one vertex.
+/// Copies the result of each welded vertex to all its doubles at seams.
 AutoResult AtSeams(AutoResult result, const WeldedMesh& welded) {
   result.points = PointsX3(result.points(welded.of_input, Eigen::all));
   std::vector<Eigen::Matrix3d> transforms;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ double Robust(double scale, double squared_distance) {
   return w * w;
 }
 
-/// Root mean square of the closest 95 % by weight.
+/// Root mean square of the closest 95 %, by weight.
 double TrimmedRms(std::vector<std::pair<double, double>>& squared_and_weight) {
   std::sort(squared_and_weight.begin(), squared_and_weight.end());
   double total = 0, seen = 0, sum = 0;
@@ -51,15 +52,15 @@ struct SurfacePull::Impl {
   Pull Forward(int vertex, bool rim, const Eigen::Vector3d& at, const Eigen::Vector3d& normal,
                const Feet& feet, double min_cosine) const {
     Pull pull;
-    // The source's own rim may belong to the target's; taken for a cut, that would shrink an open
-    // source search by search.
+    // The source's own boundary may belong on the target's boundary. If such points did not pull,
+    // an open source would shrink with every search.
     if (feet.allowed[vertex] || (rim && feet.faces[vertex] >= 0 &&
                                  normal.dot(feet.normals.row(vertex).normalized()) >= min_cosine)) {
       pull.goal = feet.points.row(vertex);
       pull.normal = feet.normals.row(vertex).normalized();
       pull.vertex = vertex;
     } else {
-      // Mostly one of the first few will do.
+      // Usually one of the first few is suitable, so search for more only if needed.
       for (int from = 0, to = kFirstChoices; from < to && pull.vertex < 0;
            from = to, to = kSecondChoices) {
         const std::vector<KdTree::Neighbor> near = tree.Nearest(at, to);
@@ -83,28 +84,26 @@ struct SurfacePull::Impl {
     return samples;
   }
 
-  /// For each sample the vertex that should come to it.
+  /// Finds for each target sample the mesh vertex that it pulls.
   void PullBack(const PointsX3& moved, const PointsX3& moved_normals,
                 const std::vector<int>& samples, double min_cosine, std::span<Pull> pulls) const {
     const KdTree moved_tree(moved);
-    ParallelBlocks(
-        static_cast<std::int64_t>(samples.size()), kPullGrain,
-        [&](std::int64_t begin, std::int64_t end) {
-          for (std::int64_t k = begin; k < end; ++k) {
-            Pull& pull = pulls[k];
-            pull.goal = points.row(samples[k]);
-            pull.normal = normals.row(samples[k]);
-            const auto take = [&](const KdTree::Neighbor& close) {
-              if (moved_normals.row(close.index).dot(pull.normal) < min_cosine) return false;
-              pull.vertex = close.index;
-              pull.squared_distance = close.squared_distance;
-              return true;
-            };
-            if (take(moved_tree.Nearest(pull.goal))) continue;
-            for (const KdTree::Neighbor& close : moved_tree.Nearest(pull.goal, kNearVertices))
-              if (take(close)) break;
-          }
-        });
+    ParallelBlocks(std::ssize(samples), kPullGrain, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t k = begin; k < end; ++k) {
+        Pull& pull = pulls[k];
+        pull.goal = points.row(samples[k]);
+        pull.normal = normals.row(samples[k]);
+        const auto take = [&](const KdTree::Neighbor& close) {
+          if (moved_normals.row(close.index).dot(pull.normal) < min_cosine) return false;
+          pull.vertex = close.index;
+          pull.squared_distance = close.squared_distance;
+          return true;
+        };
+        if (take(moved_tree.Nearest(pull.goal))) continue;
+        for (const KdTree::Neighbor& close : moved_tree.Nearest(pull.goal, kNearVertices))
+          if (take(close)) break;
+      }
+    });
   }
 
   PointsX3 points, normals;

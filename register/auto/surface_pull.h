@@ -1,4 +1,4 @@
-// What a target surface asks of a mesh that is being bent onto it.
+// The pulls of a target surface on a mesh that is bent onto it.
 #pragma once
 
 #include <memory>
@@ -10,40 +10,49 @@
 namespace keypose::registration {
 
 struct SurfacePullTerms {
-  double weight = 1;  ///< of the whole surface, in units of ArapFit's shape term; a vertex gets its
-                      ///< share of the area
-  double robust = 0.1;  ///< distance at which a pull counts a quarter (Geman-McClure) [length]
-  /// pulls are onto planes; this share of them is onto the points themselves
+  double weight = 1;  ///< of the whole surface, in units of ArapFit's shape term; divided among the
+                      ///< vertices by area
+  double robust = 0.1;  ///< distance at which a pull has a quarter of its weight (Geman-McClure)
+                        ///< [length]
+  /// A pull goes to a plane. With this share of its weight it also goes to the point.
   double point_share = 0.03;
-  int samples = 3000;       ///< about how many of the target's vertices pull back
-  double min_cosine = 0.5;  ///< between the normals of two points that may belong together
-  bool measure = true;      ///< whether to say how far the surfaces are apart
+  int samples = 3000;       ///< about how many target vertices pull back
+  double min_cosine = 0.5;  ///< least cosine between the normals of two matched points
+  bool measure = true;      ///< whether to compute the distances in SurfaceGap
 };
 
-/// How far the two surfaces are apart.
+/// The distance between the two surfaces. Both distances use the closest 95 % only.
 struct SurfaceGap {
-  double forward = 0;  ///< root mean square distance of the mesh's vertices to compatible points of
-                       ///< the target, by area, trimmed to the closest 95 % [length]
-  double backward = 0;  ///< the same for the target's samples
-  double rejected = 0;  ///< share of the mesh's area that faces nothing compatible
+  double forward = 0;   ///< root mean square distance of the mesh's vertices to their points on the
+                        ///< target, weighted by area [length]
+  double backward = 0;  ///< root mean square distance of the matched mesh vertices to the planes of
+                        ///< the target's samples [length]
+  double rejected = 0;  ///< share of the mesh's area without a point on the target
 };
 
-/// A target, ready to pull.
+/// A target surface, with its search structures.
 class SurfacePull {
  public:
-  /// @throws InputError  unusable
+  /// @throws InputError  unusable mesh
   SurfacePull(const PointsX3& points, const FacesX3& faces);
   ~SurfacePull();
 
-  /// Adds pulls of both ways: every vertex towards the plane of its closest compatible point of the
-  /// target, and the vertices nearest to the target's samples towards those, so that the ends of
-  /// limbs are drawn out. A closest point that lies on the target's boundary, or whose normal
-  /// differs, does not pull; then the nearest of the next 24 vertices whose normal agrees does. But
-  /// the rim of the mesh is believed to belong on the target's.
+  /// Adds pulls in both directions. Forward: every vertex goes to the plane at its closest point on
+  /// the target. Backward: the vertex nearest to each target sample goes to that sample's plane,
+  /// which draws out the ends of limbs.
+  ///
+  /// A closest point on the target's boundary, or with a different normal, does not pull. Then the
+  /// nearest target vertex with a similar normal and not on the boundary is used, if it is among
+  /// the 24 nearest. Exception: a vertex on the mesh's own boundary may go to the target's
+  /// boundary.
+  /// @param moved      V x 3, current positions
+  /// @param rim        V, 1 for vertices on the mesh's own boundary, or empty
+  /// @param areas      V, area of each vertex
+  /// @param last_feet  V x 3, closest points of the last search, or empty; they only save time.
+  ///                   Receives those of this search.
+  /// @param pulls      receives the pulls
+  /// @return the gap between the surfaces before the mesh moves
   /// Same bits for any thread count.
-  /// @param rim  V, 1 for vertices on the mesh's own boundary, or empty
-  /// @param last_feet  V x 3, the closest points of the last search or empty, which only saves
-  /// time; then those of this one
   SurfaceGap Add(const PointsX3& moved, const FacesX3& faces, const std::vector<char>& rim,
                  const Eigen::VectorXd& areas, const SurfacePullTerms& terms, PointsX3& last_feet,
                  Pulls& pulls) const;

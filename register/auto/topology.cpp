@@ -14,8 +14,8 @@ std::optional<int> HandlesOf(const Mesh& mesh) {
 }
 
 std::string FusedTemplateProblem(const Mesh& source, const Mesh& target, double off_pose) {
-  constexpr double kOff = 0.01;  // of the diagonal: a handle of noise does no harm, a web between
-                                 // two limbs lies far off the pose
+  // Over the diagonal. A handle from noise is small; a web between two limbs is far off the pose.
+  constexpr double kOff = 0.01;
   const std::optional<int> ours = HandlesOf(source), theirs = HandlesOf(target);
   if (!ours || !theirs || *ours <= *theirs || off_pose <= kOff) return "";
   const int more = *ours - *theirs;
@@ -24,8 +24,7 @@ std::string FusedTemplateProblem(const Mesh& source, const Mesh& target, double 
          std::to_string(std::lround(1000 * off_pose) / 10.0).substr(0, 4) +
          " % of the diagonal off the pose: parts that touch in the template, such as a hand on the "
          "hip, are one surface there and cannot "
-         "come "
-         "apart; make a pose in which they are apart the template (`template: NAME` in "
+         "separate; choose a template pose in which these parts do not touch (`template: NAME` in "
          "pipeline.yaml; --source by hand)";
 }
 

@@ -1,4 +1,4 @@
-// Handles: what a template and a pose of it can differ in without being other figures.
+// Handles of surfaces: a template and a pose of the same figure can differ in their number.
 #pragma once
 
 #include <optional>
@@ -8,16 +8,17 @@
 
 namespace keypose::registration {
 
-/// Handles of a closed surface over all its pieces, seams welded; nothing for a surface with a
-/// border or with faults.
+/// Number of handles of a closed surface, summed over all its pieces. Seams are welded first.
+/// Empty for a surface with a boundary or with faults.
 std::optional<int> HandlesOf(const Mesh& mesh);
 
-/// Why parts that touch in the template cannot come apart in the pose: one sentence with the cure.
-/// Empty when the template has no handle that the pose lacks, when either is open, or when the
-/// result lies on the pose all the same.
+/// Detects parts that touch in the template but are apart in the pose, which registration cannot
+/// separate.
 ///
-/// @param off_pose  farthest that the registered template lies off the pose, over the pose's
+/// @param off_pose  largest distance of the registered template from the pose, over the pose's
 /// diagonal
+/// @return one sentence with the problem and what to do. Empty when the template has no more
+/// handles than the pose, when either is open, or when off_pose is at most 0.01.
 std::string FusedTemplateProblem(const Mesh& source, const Mesh& target, double off_pose);
 
 }  // namespace keypose::registration

@@ -1,4 +1,4 @@
-// A template whose parts touch, and a pose in which they do: a ring and a horseshoe.
+// A template whose parts touch in one shape and not in the other: a ring and a horseshoe.
 #include "register/auto/topology.h"
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A tube bent round z by `turn_deg`, thicker at its middle so that its ends are told from it; a
-/// whole turn closes it to a ring.
+/// A tube bent around z by `turn_deg`. It is thicker in the middle, so that the ends can be
+/// distinguished from it. A full turn closes it to a ring.
 Mesh BentTube(double turn_deg) {
   constexpr int kRings = 48, kSides = 16;
   const bool ring = turn_deg >= 360;
@@ -91,11 +91,11 @@ TEST(RegisterProgram, TemplateWhosePartsTouchIsRefusedWithItsCure) {
   const std::string to_open = "--source " + at + "/ring.ply --target " + at +
                               "/horseshoe.ply --registered " + at + "/a.ply";
   EXPECT_EQ(run(to_open), 3);
-  EXPECT_NE(ReadFile(folder / "log").find("make a pose in which they are apart the template"),
+  EXPECT_NE(ReadFile(folder / "log").find("a template pose in which these parts do not touch"),
             std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "a.ply"));
   EXPECT_EQ(run(to_open + " --allow_fused true"), 0);
-  // The other way round the ends come to lie on each other: no reason to refuse.
+  // In the other direction the ends only come to touch, which is no reason to refuse.
   EXPECT_EQ(run("--source " + at + "/horseshoe.ply --target " + at + "/ring.ply --registered " +
                 at + "/b.ply"),
             0);

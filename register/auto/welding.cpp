@@ -7,6 +7,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/size_of.h"
+
 namespace keypose::registration {
 
 namespace {
@@ -14,7 +16,7 @@ namespace {
 std::uint64_t Hash(const PointsX3& points, Eigen::Index v) {
   std::uint64_t hash = 0;
   for (int k = 0; k < 3; ++k) {
-    const double x = points(v, k) + 0.0;  // one zero only
+    const double x = points(v, k) + 0.0;  // turns -0 into +0
     std::uint64_t bits;
     std::memcpy(&bits, &x, sizeof bits);
     hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;
@@ -23,7 +25,7 @@ std::uint64_t Hash(const PointsX3& points, Eigen::Index v) {
   return hash;
 }
 
-/// The first vertex at the place of each; empty when no two share one.
+/// For each vertex the first vertex with the same position; empty when all positions differ.
 std::vector<int> WeldedPlaces(const PointsX3& points) {
   std::vector<std::pair<std::uint64_t, int>> keys(static_cast<std::size_t>(points.rows()));
   for (std::size_t v = 0; v < keys.size(); ++v)
@@ -37,7 +39,7 @@ std::vector<int> WeldedPlaces(const PointsX3& points) {
     for (; e < keys.size() && keys[e].first == keys[b].first; ++e)
       for (std::size_t s = b; s < e; ++s)
         if (points.row(keys[s].second) ==
-            points.row(keys[e].second)) {  // another place may share the hash
+            points.row(keys[e].second)) {  // different positions may have the same hash
           place[keys[e].second] = place[keys[s].second];
           repeated = true;
           break;
@@ -48,8 +50,8 @@ std::vector<int> WeldedPlaces(const PointsX3& points) {
 }
 
 struct Edge {
-  int low, high;  // vertices, or places
-  int from, to;   // vertices, along the face
+  int low, high;  // the two ends: vertices, or first vertices at their positions
+  int from, to;   // the two ends as vertices, in the face's direction
   bool forward;   // from low to high
   auto key() const { return std::pair(low, high); }
 };
@@ -70,7 +72,7 @@ void ForRuns(std::vector<Edge>& edges, const Visit& visit) {
   }
 }
 
-/// Edges of one face only whose ends both have doubles, named by places.
+/// Boundary edges with at least one doubled end; `low` and `high` are their positions.
 std::vector<Edge> Sides(const FacesX3& faces, const std::vector<int>& place) {
   std::vector<char> doubled(place.size(), 0);
   for (std::size_t v = 0; v < place.size(); ++v)
@@ -135,7 +137,7 @@ WeldedMesh Weld(const Mesh& mesh, const Seams& seams) {
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     const int one = seams.empty() ? v : seams.one[v];
     if (one == v) kept.push_back(v);
-    welded.of_input[v] = one == v ? static_cast<int>(kept.size()) - 1 : welded.of_input[one];
+    welded.of_input[v] = one == v ? SizeOf(kept) - 1 : welded.of_input[one];
   }
   welded.mesh.points = mesh.points(kept, Eigen::all);
   welded.mesh.faces.resize(mesh.faces.rows(), 3);

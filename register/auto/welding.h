@@ -1,5 +1,5 @@
-// Seams: places where a surface is cut only on paper, because both sides of the cut carry their own
-// texture coordinates.
+// Seams: edges where the vertices are doubled because each side has its own texture coordinates.
+// The surface itself is not cut there.
 #pragma once
 
 #include <vector>
@@ -8,30 +8,30 @@
 
 namespace keypose::registration {
 
-/// Which vertices are one point of the surface.
+/// Which vertices are the same point of the surface.
 struct Seams {
-  std::vector<int> one;  ///< for each vertex the first one at its place that it is joined to,
-                         ///< itself where there is none; empty: no seams
-  int joined = 0;        ///< vertices that are joined to an earlier one
+  std::vector<int> one;  ///< V: for each vertex the first vertex that it is joined to, or itself;
+                         ///< empty without seams
+  int joined = 0;        ///< number of vertices that are joined to an earlier one
   bool empty() const { return joined == 0; }
 };
 
-/// Finds the vertices that a seam doubled.
+/// Finds the vertices that are doubled at seams.
 ///
-/// Two edges are the two sides of a seam when each bounds one face, their ends lie at exactly the
-/// same two places in opposite order, and no third edge does so. Their ends are one. Parts that
-/// touch in a point, or back to back, stay apart, and so does a mesh without repeated places, which
-/// costs one sort. Deterministic.
+/// Two edges are the two sides of a seam when each bounds one face, their ends have exactly the
+/// same two positions in opposite order, and no third edge has these positions. Then their ends are
+/// joined. Parts that touch in one point, or back to back, are not joined.
+/// Cost: one sort for a mesh without repeated positions. Deterministic.
 Seams FindSeams(const Mesh& mesh);
 
-/// The faces with the first vertex at each place; vertices keep their numbers, doubles become
-/// unused.
+/// The faces, with each vertex replaced by the one it is joined to. Vertices keep their numbers;
+/// doubles become unused.
 FacesX3 WeldedFaces(const FacesX3& faces, const Seams& seams);
 
-/// A mesh without its seams.
+/// A mesh whose seams were closed.
 struct WeldedMesh {
-  Mesh mesh;  ///< points and faces only, in the order of the input; faces that shrank to an edge
-              ///< are left out
+  Mesh mesh;  ///< points and faces only, in the input's order; faces that became an edge are left
+              ///< out
   std::vector<int> of_input;  ///< the welded vertex of each input vertex
 };
 WeldedMesh Weld(const Mesh& mesh, const Seams& seams);

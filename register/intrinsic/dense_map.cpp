@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/parallel.h"
@@ -11,7 +12,7 @@ namespace keypose::registration {
 
 namespace {
 
-// Over the square root of the area: errors at which confidence has fallen to 1/e.
+// Errors at which the confidence has fallen to 1/e. Lengths are over the square root of the area.
 constexpr double kReturnError = 0.06, kDistanceError = 0.12, kStretchError = 0.7;
 
 std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
@@ -21,8 +22,8 @@ std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
   return around;
 }
 
-/// Barycentric coordinates of the closest point of triangle abc to p, in any dimension, from inner
-/// products of u = b-a, v = c-a, w = p-a.
+/// Barycentric coordinates of the point of triangle abc closest to p, in any dimension. The
+/// arguments are inner products of u = b-a, v = c-a and w = p-a.
 Eigen::Vector3d ClosestInTriangle(double uu, double uv, double vv, double uw, double vw) {
   const double det = uu * vv - uv * uv;
   if (det > 1e-14 * uu * vv) {
@@ -42,7 +43,7 @@ Eigen::Vector3d ClosestInTriangle(double uu, double uv, double vv, double uw, do
   return {0, 1 - r, r};
 }
 
-/// The closest of some faces to a row, in the rows' space.
+/// Which of the given faces is closest to a row, in the space of the rows, and its closest point.
 template <class Rows, class Row>
 std::pair<int, Eigen::Vector3d> ClosestFace(const Rows& rows, const FacesX3& faces,
                                             const std::vector<int>& some, const Row& p) {
@@ -105,7 +106,7 @@ OnProxy PreciseMap(const IntrinsicShape& source, const OnProxy& source_feet,
   const RowMajor a = joint.SourceRows(source.all.functions),
                  b = joint.TargetRows(target.all.functions);
   const std::vector<std::vector<int>> around = FacesAround(target.proxy);
-  const auto count = static_cast<Eigen::Index>(source_feet.face.size());
+  const auto count = std::ssize(source_feet.face);
   OnProxy mapped{std::vector<int>(source_feet.face.size(), -1), PointsX3::Zero(count, 3)};
   ParallelFor(
       count,
@@ -134,7 +135,7 @@ std::vector<int> NearestVertices(const Mesh& target_mesh, const IntrinsicShape& 
     if (target.proxy_of[v] >= 0) members[target.proxy_of[v]].push_back(static_cast<int>(v));
   std::vector<int> nearest(mapped.face.size(), -1);
   ParallelFor(
-      static_cast<std::int64_t>(nearest.size()),
+      std::ssize(nearest),
       [&](std::int64_t i) {
         const auto v = static_cast<std::size_t>(i);
         if (mapped.face[v] < 0) return;

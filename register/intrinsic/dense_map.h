@@ -1,4 +1,4 @@
-// From a map between proxies to one between the meshes themselves, and how far to believe it.
+// Extends a map between proxies to the full meshes, and measures its confidence.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,33 +10,35 @@
 
 namespace keypose::registration {
 
-/// A point of each input vertex on the proxy's faces.
+/// One point on the proxy's faces for each input vertex.
 struct OnProxy {
-  std::vector<int> face;  ///< -1 for vertices of other pieces
+  std::vector<int> face;  ///< V, -1 for vertices of other pieces
   PointsX3 barycentric;   ///< V x 3
 };
-/// The closest point among the faces around the proxy vertex into which each vertex collapsed, so
-/// that limbs that touch stay apart.
+/// For each input vertex, the closest point on the faces around the proxy vertex it collapsed into.
+/// Only these faces are searched, so that limbs that touch are not confused.
 OnProxy FootOnProxy(const Mesh& mesh, const IntrinsicShape& shape);
 
-/// For each input vertex of the source a point of the target's proxy, by nearest point of its faces
-/// in the embedding.
+/// For each input vertex of the source, a point on the target's proxy: the nearest point in the
+/// embedding, on the faces around the images of its proxy face's corners.
 ///
 /// @param maps  between all proxy vertices
 OnProxy PreciseMap(const IntrinsicShape& source, const OnProxy& source_feet,
                    const IntrinsicShape& target, const PointMaps& maps,
                    const JointEmbedding& joint);
 
-/// The input vertex of the target nearest to each mapped point, -1 where there is none.
+/// For each mapped point, a nearby input vertex of the target: the nearest of those that collapsed
+/// into the corners of its proxy face. -1 where there is none.
 std::vector<int> NearestVertices(const Mesh& target_mesh, const IntrinsicShape& target,
                                  const OnProxy& mapped);
 
-/// For each proxy vertex of the source, 0 to 1: does it come back when mapped there and back, do
-/// its distances to samples stay, do its edges keep their length?
+/// Confidence of each proxy vertex of the source, 0 to 1. It is high where mapping forward and back
+/// returns to the vertex, and where distances to samples and edge lengths are preserved.
 Eigen::VectorXd MapConfidence(const IntrinsicShape& source, const IntrinsicShape& target,
                               const PointMaps& maps);
 
-/// Share of the source proxy's area whose image's normal agrees with the target's.
+/// Share of the mapped area whose normal agrees with the target's: each source face is mapped by
+/// its corners and weighted by its area on the target.
 double OrientationShare(const IntrinsicShape& source, const IntrinsicShape& target,
                         const std::vector<int>& map);
 

@@ -1,4 +1,4 @@
-// Products of dense matrices by the BLAS.
+// Products of dense matrices with BLAS.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,10 +7,11 @@ namespace keypose::registration {
 
 enum class Flip { kNone, kFirst, kSecond };
 
-/// product = factor * a b + keep * product, with the factor named by `flip` transposed. `product`
-/// has its size already; with keep = 0 its values before do not matter. The BLAS uses the widest
-/// vectors that the processor has: a fifth of the time of Eigen's product for the baseline. Same
-/// bits for any thread count.
+/// product = factor * a b + keep * product, where `flip` names the matrix to transpose. `product`
+/// must have its final size; with keep = 0 its old values are ignored.
+/// BLAS uses the processor's widest vector instructions and takes a fifth of the time of Eigen's
+/// product, which is compiled for the baseline processor.
+/// Same bits for any thread count.
 void Multiply(float factor, const Eigen::Ref<const Eigen::MatrixXf>& a,
               const Eigen::Ref<const Eigen::MatrixXf>& b, Flip flip, float keep,
               Eigen::Ref<Eigen::MatrixXf> product);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/parallel.h"
@@ -21,15 +22,15 @@ Eigen::MatrixXf TransposedProduct(const Eigen::Ref<const Eigen::MatrixXf>& a,
 
 Eigen::MatrixXf Gathered(const Eigen::MatrixXf& rows, const std::vector<int>& which,
                          Eigen::Index columns) {
-  Eigen::MatrixXf picked(static_cast<Eigen::Index>(which.size()), columns);
+  Eigen::MatrixXf picked(std::ssize(which), columns);
   for (Eigen::Index k = 0; k < columns; ++k)
     for (std::size_t i = 0; i < which.size(); ++i)
       picked(static_cast<Eigen::Index>(i), k) = rows(which[i], k);
   return picked;
 }
 
-/// C of least weighted |from C - to(map)|^2. The ridge holds functions that the points do not
-/// resolve near zero.
+/// The matrix C that minimises the weighted |from C - to(map)|^2. A small ridge term keeps
+/// functions that the points do not resolve near zero.
 Eigen::MatrixXf FitPull(const SpectralPoints& from, const Eigen::MatrixXf& to,
                         const std::vector<int>& map, Eigen::Index size) {
   const auto phi = from.functions.leftCols(size);
@@ -47,8 +48,8 @@ float Variance(const Eigen::Ref<const Eigen::MatrixXf>& rows) {
   return sum / static_cast<float>(rows.rows());
 }
 
-/// Index of the first of the least values; 0 where all is NaN. Runs are compared as a whole, which
-/// the compiler does with vectors.
+/// Index of the smallest value, the first if several are equal; 0 if all are NaN. Works on runs of
+/// values, so that the compiler can use vector instructions.
 int FirstLeast(const Eigen::Ref<const Eigen::VectorXf>& values) {
   constexpr Eigen::Index kRun = 128;
   float least = std::numeric_limits<float>::infinity();
@@ -62,8 +63,8 @@ int FirstLeast(const Eigen::Ref<const Eigen::VectorXf>& values) {
   return 0;
 }
 
-/// Column of the first of the least values of each row, -1 where all is NaN or infinite. A few
-/// columns are compared as a whole.
+/// For each row the smallest value and its first column; -1 where all are NaN or infinite. Works on
+/// a few columns at a time, for speed.
 void LeastOfRows(const Eigen::MatrixXf& values, Eigen::VectorXf& least, Eigen::VectorXi& column) {
   constexpr Eigen::Index kTogether = 4;
   least.setConstant(values.rows(), std::numeric_limits<float>::infinity());
@@ -92,7 +93,7 @@ PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
   const Eigen::Index blocks = (a.rows() + kBlock - 1) / kBlock;
   PointMaps maps{std::vector<int>(static_cast<std::size_t>(a.rows()), 0),
                  std::vector<int>(static_cast<std::size_t>(b.rows()), 0)};
-  // Of each row of b within each block, reduced in order afterwards.
+  // The best match of each row of b within each block. The blocks are combined in order afterwards.
   std::vector<Eigen::VectorXf> least(static_cast<std::size_t>(blocks));
   std::vector<Eigen::VectorXi> column(static_cast<std::size_t>(blocks));
   ParallelFor(blocks, [&](std::int64_t block) {
@@ -100,7 +101,7 @@ PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
     Eigen::MatrixXf cost(b.rows(), count);
     Multiply(-2.0f, b, a.middleRows(begin, count), Flip::kSecond, 0, cost);
     for (Eigen::Index i = 0; i < count; ++i) {
-      cost.col(i) += b_squared;  // the least of a column does not need a's norm, that of a row does
+      cost.col(i) += b_squared;  // a's norm is constant in a column; it matters only for rows
       maps.forward[begin + i] = FirstLeast(cost.col(i));
       cost.col(i).array() += a_squared[begin + i];
     }

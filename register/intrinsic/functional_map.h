@@ -1,4 +1,5 @@
-// Maps between two surfaces, refined back and forth between points and eigenfunctions.
+// Functional maps: maps between two surfaces in the bases of their eigenfunctions, and the point
+// maps that belong to them.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,49 +7,51 @@
 
 namespace keypose::registration {
 
-/// Some points of a surface as rows: values of the lowest eigenfunctions there, and how much area
-/// each stands for.
+/// Points of a surface, one per row: the values of the lowest eigenfunctions, and the area that the
+/// point represents.
 struct SpectralPoints {
   Eigen::MatrixXf functions;  ///< P x K
   Eigen::VectorXf weights;    ///< P, positive
 };
 
-/// For each point of one set a point of the other. Neither needs to be one-to-one.
+/// Maps between two point sets, in both directions. They need not be one-to-one.
 struct PointMaps {
   std::vector<int> forward;   ///< source point -> target point
   std::vector<int> backward;  ///< target point -> source point
 };
 
-/// Columns beside the eigenfunctions, and their total variance over that of the functions in use.
+/// Additional columns for matching, beside the eigenfunctions.
 struct MatchHints {
   Eigen::MatrixXf source, target;  ///< P x H each, or empty
-  double weight = 0;
+  double weight = 0;  ///< total variance of these columns over that of the functions in use
 };
 
-/// The nearest row of `b` for each row of `a`, and the other way; ties by index.
+/// The nearest row of `b` for each row of `a`, and of `a` for each row of `b`. Ties: lowest index.
 PointMaps NearestRows(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b);
 
-/// Alternates: fit K x K maps between the lowest eigenfunctions in least squares to both point
-/// maps; then match points by both.
+/// Refines point maps. Each round fits functional maps to both point maps by least squares, then
+/// matches the points again with both functional maps.
 ///
 /// @param start  maps between the points of `source` and `target`
-/// @param sizes  how many functions to use in each round, rising, at most K
-/// @param hints  further columns that matched points should agree in; few functions cannot tell a
-/// flat body's front from its back Deterministic.
+/// @param sizes  number of functions in each round, rising, at most K
+/// @param hints  more columns that matched points should agree in; a few functions alone cannot
+///               tell the front of a flat body from its back
+/// Deterministic.
 /// Cost: per round one P x P x 2K product.
 /// Source: Melzi et al., ZoomOut, SIGGRAPH Asia 2019; both directions as in Ren et al., MapTree,
 /// SIGGRAPH Asia 2020.
 PointMaps RefineMaps(const SpectralPoints& source, const SpectralPoints& target, PointMaps start,
                      const std::vector<int>& sizes, const MatchHints& hints = {});
 
-/// Rows in which nearest means matched, for the maps given: for use with other points of the same
-/// surfaces.
+/// Functional maps in both directions. They turn eigenfunction values into rows such that points
+/// that belong together have near rows. Works for any points of the two surfaces.
 struct JointEmbedding {
-  Eigen::MatrixXf pull_forward;   ///< K x K, functions of the target to the source
-  Eigen::MatrixXf pull_backward;  ///< K x K, functions of the source to the target
+  Eigen::MatrixXf pull_forward;   ///< K x K, from functions of the target to those of the source
+  Eigen::MatrixXf pull_backward;  ///< K x K, from functions of the source to those of the target
   Eigen::MatrixXf SourceRows(const Eigen::MatrixXf& functions) const;
   Eigen::MatrixXf TargetRows(const Eigen::MatrixXf& functions) const;
 };
+/// Least squares fit to both point maps, with at most `size` functions.
 JointEmbedding FitEmbedding(const SpectralPoints& source, const SpectralPoints& target,
                             const PointMaps& maps, int size);
 

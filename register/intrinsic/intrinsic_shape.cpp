@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 #include "deform/levels/hierarchy.h"
 
@@ -15,20 +17,20 @@ namespace keypose::registration {
 
 namespace {
 
-// Over the square root of the area. Smaller bumps come and go with the pose; fingers of one hand
-// would only multiply the assignments.
+// Over the square root of the area. Smaller bumps depend on the pose. Tips closer together, such as
+// the fingers of a hand, would only increase the number of assignments.
 constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
 constexpr std::size_t kLeastTips = 5;
 constexpr double kNormalTime = 0.001;
-// Nearness to a landmark as a descriptor: its weight, and how far it reaches; farther off,
-// distances change too much with the pose.
+// The descriptor for nearness to a landmark: its weight and its range. At larger distances it would
+// change too much with the pose.
 constexpr double kKnownWeight = 2, kKnownReach = 0.2;
 constexpr double kColorWeight = 2;    // of colours from 0 to 1
-constexpr double kBulgeSpread = 0.3;  // beside the other descriptors, whose spread is about that
+constexpr double kBulgeSpread = 0.3;  // about the spread of the other descriptors
 
-/// Faces of the piece with the largest area. Faces belong together when they share an edge: pieces
-/// that touch in one vertex, as at the ragged rims of holes, would each bring an eigenfunction of
-/// their own.
+/// Marks the faces of the piece with the largest area. Faces belong to one piece when they share an
+/// edge. A shared vertex is not enough: pieces that touch in one vertex, as at ragged holes, would
+/// each add an eigenfunction of their own.
 std::vector<char> InLargestPiece(const Mesh& mesh) {
   UnionFind pieces(mesh.face_count());
   std::vector<std::array<int, 3>> sides;
@@ -61,9 +63,8 @@ void BuildProxy(const Mesh& mesh, int vertices, IntrinsicShape& shape) {
   Mesh piece;
   std::vector<int> to_piece(in.size(), -1), from_piece;
   for (std::size_t v = 0; v < in.size(); ++v)
-    if (in[v])
-      to_piece[v] = static_cast<int>(from_piece.size()), from_piece.push_back(static_cast<int>(v));
-  piece.points.resize(static_cast<Eigen::Index>(from_piece.size()), 3);
+    if (in[v]) to_piece[v] = SizeOf(from_piece), from_piece.push_back(static_cast<int>(v));
+  piece.points.resize(std::ssize(from_piece), 3);
   for (std::size_t i = 0; i < from_piece.size(); ++i)
     piece.points.row(i) = mesh.points.row(from_piece[i]);
   piece.faces.resize(mesh.face_count(), 3);
@@ -100,7 +101,7 @@ void BuildSamples(int count, IntrinsicShape& shape) {
   shape.sample_distances = shape.graph->Rows(shape.samples);
   shape.all.functions = shape.spectrum.functions.cast<float>();
   shape.all.weights = shape.spectrum.areas.cast<float>();
-  const auto count_made = static_cast<Eigen::Index>(shape.samples.size());
+  const auto count_made = std::ssize(shape.samples);
   shape.sampled.functions.resize(count_made, shape.all.functions.cols());
   for (Eigen::Index s = 0; s < count_made; ++s)
     shape.sampled.functions.row(s) = shape.all.functions.row(shape.samples[s]);
@@ -111,15 +112,15 @@ void BuildSamples(int count, IntrinsicShape& shape) {
   shape.mean_distance = shape.sample_distances.transpose() * (areas / areas.sum());
 }
 
-/// Positions with details finer than the square root of `time` smoothed away.
+/// Positions without details finer than the square root of `time`.
 PointsX3 Smoothed(const IntrinsicShape& shape, double time) {
   const Spectrum& s = shape.spectrum;
   const Eigen::MatrixXd parts = s.functions.transpose() * s.areas.asDiagonal() * shape.proxy.points;
   return s.functions * ((-time * s.values.array()).exp().matrix().asDiagonal() * parts);
 }
 
-/// How far the surface bulges out at a scale: what smoothing takes away along the normal, its
-/// spread scaled to `kBulgeSpread`.
+/// How far the surface bulges out at a scale: the change along the normal between two degrees of
+/// smoothing, scaled to a spread of `kBulgeSpread`.
 Eigen::VectorXd Bulge(const IntrinsicShape& shape, double finer, double coarser) {
   const Eigen::VectorXd out = (Smoothed(shape, finer) - Smoothed(shape, coarser))
                                   .cwiseProduct(shape.proxy.normals)
@@ -129,13 +130,12 @@ Eigen::VectorXd Bulge(const IntrinsicShape& shape, double finer, double coarser)
   return out * (kBulgeSpread / std::max(spread, 1e-12));
 }
 
-/// Mean distance, heat kernel signatures, and bulges at three scales.
+/// Fills the descriptors: mean distance, and heat kernel signature and bulge at three scales.
 void BuildDescriptors(IntrinsicShape& shape) {
   const std::vector<double> times = {0.003, 0.01,
                                      0.03};  // at unit area: from a limb's girth to half the body
   const Spectrum& s = shape.spectrum;
-  shape.descriptors.resize(shape.proxy.vertex_count(),
-                           1 + 2 * static_cast<Eigen::Index>(times.size()));
+  shape.descriptors.resize(shape.proxy.vertex_count(), 1 + 2 * std::ssize(times));
   shape.descriptors.col(0) = shape.mean_distance / s.areas.dot(shape.mean_distance);
   const Eigen::MatrixXd squared = s.functions.cwiseAbs2();
   for (std::size_t t = 0; t < times.size(); ++t) {
@@ -146,7 +146,8 @@ void BuildDescriptors(IntrinsicShape& shape) {
   }
 }
 
-/// Unit tangent vectors of the field's rise at the vertices asked for; zero where it has none.
+/// The direction of steepest rise of the field at the given vertices, as unit tangents; zero where
+/// the field is constant.
 PointsX3 RiseAt(const Mesh& mesh, const Eigen::VectorXd& field, const std::vector<int>& at) {
   PointsX3 rise = PointsX3::Zero(mesh.vertex_count(), 3);
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
@@ -156,14 +157,14 @@ PointsX3 RiseAt(const Mesh& mesh, const Eigen::VectorXd& field, const std::vecto
     const Eigen::Vector3d normal = (p1 - p0).cross(p2 - p0);
     const double doubled = normal.norm();
     if (!(doubled > 0)) continue;
-    // The gradient times twice the area: larger faces weigh more at their corners.
+    // The gradient times twice the area, so that larger faces have more weight at their corners.
     const Eigen::Vector3d gradient =
         normal.cross((p2 - p1) * field[mesh.faces(f, 0)] + (p0 - p2) * field[mesh.faces(f, 1)] +
                      (p1 - p0) * field[mesh.faces(f, 2)]) /
         doubled;
     for (int k = 0; k < 3; ++k) rise.row(mesh.faces(f, k)) += gradient.transpose();
   }
-  PointsX3 picked(static_cast<Eigen::Index>(at.size()), 3);
+  PointsX3 picked(std::ssize(at), 3);
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Eigen::RowVector3d n = mesh.normals.row(at[i]), g = rise.row(at[i]);
     const Eigen::RowVector3d tangent = g - g.dot(n) * n;
@@ -185,8 +186,8 @@ IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& opti
                                    std::min(options.functions, shape.proxy.vertex_count() / 3 + 1));
   BuildSamples(options.samples, shape);
   BuildDescriptors(shape);
-  // Normals of a smoother surface: those of a scan's noise would blur everything that is told by
-  // sides.
+  // Normals of a smoothed surface. Noisy normals would spoil the measures that compare directions
+  // about the normal.
   shape.proxy.normals = VertexNormals(Smoothed(shape, kNormalTime), shape.proxy.faces);
   return shape;
 }
@@ -202,7 +203,7 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
     shape.tips.push_back(peak.vertex);
     nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
   }
-  // A shape without limbs still has places that are farthest from each other.
+  // A shape without limbs has too few peaks. Then farthest points serve as tips.
   for (const int sample : shape.samples) {
     if (shape.tips.size() >= std::min(limit, known.size() + kLeastTips)) break;
     if (nearest[sample] < kLeastSeparation) continue;
@@ -210,7 +211,7 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
     nearest = nearest.cwiseMin(shape.graph->From({sample}));
   }
   shape.tip_distances = shape.graph->Rows(shape.tips);
-  shape.known = static_cast<int>(known.size());
+  shape.known = SizeOf(known);
   const Eigen::Index plain = shape.descriptors.cols();
   shape.descriptors.conservativeResize(Eigen::NoChange, plain + shape.known);
   shape.descriptors.rightCols(shape.known) =
@@ -228,7 +229,7 @@ void AddColors(const ColorsX3& colors, IntrinsicShape& shape) {
     count[shape.proxy_of[v]] += 1;
   }
   sum = count.cwiseMax(1).cwiseInverse().asDiagonal() * sum / 255;
-  // Lamps differ from day to day: only what differs from the mean colour counts.
+  // Lighting differs between photographs, so only the difference from the mean colour counts.
   const Eigen::RowVector3d mean = shape.spectrum.areas.transpose() * sum;
   sum.rowwise() -= mean;
   shape.descriptors.conservativeResize(Eigen::NoChange, plain + 3);

@@ -1,4 +1,5 @@
-// A decimated copy of a pose with all that comparing it along its surface needs.
+// A decimated copy of a pose, with the data needed to compare it with another pose along the
+// surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,25 +13,26 @@
 
 namespace keypose::registration {
 
-/// Lengths are over the square root of the proxy's area, so shapes of different size compare.
+/// Lengths are divided by the square root of the proxy's area, so that shapes of different size can
+/// be compared.
 struct IntrinsicShape {
   Mesh proxy;                 ///< P vertices: the largest piece, decimated; scaled to unit area
-  double scale = 1;           ///< input length of one proxy length
-  std::vector<int> fine;      ///< P, vertices of the input mesh
-  std::vector<int> proxy_of;  ///< for each input vertex the proxy vertex into which it collapsed,
-                              ///< -1 on other pieces
+  double scale = 1;           ///< length in the input over length in the proxy
+  std::vector<int> fine;      ///< P, the input vertex of each proxy vertex
+  std::vector<int> proxy_of;  ///< for each input vertex the proxy vertex it collapsed into, -1 on
+                              ///< other pieces
   std::unique_ptr<GeodesicGraph> graph;  ///< of the proxy
   Spectrum spectrum;
   SpectralPoints all;                ///< all proxy vertices
-  std::vector<int> samples;          ///< S farthest points
-  SpectralPoints sampled;            ///< those
+  std::vector<int> samples;          ///< S proxy vertices, by farthest point sampling
+  SpectralPoints sampled;            ///< the samples
   std::vector<int> sample_of;        ///< P, index of the nearest sample
   Eigen::MatrixXd sample_distances;  ///< S x P
-  Eigen::VectorXd mean_distance;     ///< P, to the rest of the surface (AGD), area weighted
-  /// P x D, each of the order of 1, alike where the surface looks alike
+  Eigen::VectorXd mean_distance;     ///< P, average geodesic distance (AGD), weighted by area
+  /// P x D, values of the order of 1; similar where the surface looks similar
   Eigen::MatrixXd descriptors;
-  int known = 0;  ///< landmarks among the tips
-  /// proxy vertices at limbs' ends: known landmarks first, then peaks of mean_distance
+  int known = 0;  ///< number of landmarks among the tips
+  /// Proxy vertices at the ends of limbs: known landmarks first, then peaks of mean_distance
   std::vector<int> tips;
   Eigen::MatrixXd tip_distances;  ///< T x P
 };
@@ -39,22 +41,22 @@ struct IntrinsicOptions {
   int vertices = 1000, samples = 250, functions = 80;
 };
 
-/// All but the tips.
-/// @throws InputError  no surface
+/// Builds all members except the tips.
+/// @throws InputError  no area, or fewer than 4 vertices
 IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& options);
 
-/// Fills tips and tip_distances; nearness to each landmark becomes a descriptor.
+/// Fills tips and tip_distances. Adds one descriptor for each landmark: how near it is.
 /// @param known  proxy vertices of landmarks; they become the first tips
-/// @param most   further tips at most
+/// @param most   largest number of further tips
 void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape);
 
-/// Adds the colours of the input's vertices to the descriptors; to be called for both shapes or for
+/// Adds the colours of the input's vertices to the descriptors. Call it for both shapes or for
 /// neither.
 void AddColors(const ColorsX3& colors, IntrinsicShape& shape);
 
-/// For each row of `distances` (R x P, to some place) the unit tangent along which it rises at each
-/// sample (S x 3, zero where there is none). Two such directions and the outward normal tell a
-/// surface from its mirror image.
+/// For each row of `distances` (R x P), the direction of steepest rise at each sample: a unit
+/// tangent (S x 3, zero where there is none). Two such directions and the outward normal
+/// distinguish a surface from its mirror image.
 std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape, const Eigen::MatrixXd& distances);
 
 }  // namespace keypose::registration

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/camera.h"
 #include "core/parallel.h"
@@ -12,37 +13,38 @@ namespace keypose::registration {
 
 namespace {
 
-// of turns (up to 1) beside distances (over the square root of the area)
+// Weights of start rows. Distances (over the square root of the area) have weight 1.
+// Turns are up to 1, descriptors of the order of 1.
 constexpr double kTurnWeight = 0.15;
-constexpr double kDescriptorWeight = 0.05;  // of descriptors (of the order of 1)
+constexpr double kDescriptorWeight = 0.05;
 constexpr Eigen::Index kMarks = 12;
-constexpr double kLikenessAfterwards = 0.5;  // of descriptors afterwards
-constexpr double kHintWeight = 0.5;          // of the start's rows while few functions are in use
+constexpr double kLikenessAfterwards = 0.5;  // weight of descriptors in the rounds without hints
+constexpr double kHintWeight = 0.5;          // weight of the start rows while functions are few
 
-/// Candidates are refined in stages, the best of them further than the rest. The score of a map
-/// that has just been started already tells: the best in the end were nearly always among the first
-/// third.
+/// Candidates are refined in stages, and each stage keeps only the best. The score at the start
+/// already predicts the result: the final best were nearly always among the first third.
 struct Stage {
   std::size_t kept;
   std::vector<int> hinted_sizes, free_sizes;
 };
 const std::vector<Stage> kStages = {{32, {8, 10, 12}, {}}, {16, {14, 17, 20}, {24, 28, 32}}};
 
-/// What all candidates share.
+/// The data that all candidates share. A rise is the direction in which the distance to a point
+/// grows, see RisesAtSamples.
 struct Pair {
   const IntrinsicShape& source;
   const IntrinsicShape& target;
   Eigen::MatrixXd source_between, target_between;            ///< distances between samples
   Eigen::MatrixXd source_descriptors, target_descriptors;    ///< at samples
-  std::vector<PointsX3> source_tip_rises, target_tip_rises;  ///< ways to tips
-  /// ways to the first kMarks samples, which lie farthest apart
+  std::vector<PointsX3> source_tip_rises, target_tip_rises;  ///< for distances to tips
+  /// for distances to the first kMarks samples, which are far from each other
   std::vector<PointsX3> source_mark_rises;
-  std::vector<PointsX3> target_sample_rises;                              ///< ways to all samples
+  std::vector<PointsX3> target_sample_rises;  ///< for distances to all samples
   PointsX3 source_normals, target_normals, source_places, target_places;  ///< at samples
 };
 
 Eigen::MatrixXd AtSamples(const Eigen::MatrixXd& rows, const std::vector<int>& samples) {
-  Eigen::MatrixXd picked(static_cast<Eigen::Index>(samples.size()), rows.cols());
+  Eigen::MatrixXd picked(std::ssize(samples), rows.cols());
   for (std::size_t s = 0; s < samples.size(); ++s) picked.row(s) = rows.row(samples[s]);
   return picked;
 }
@@ -65,11 +67,11 @@ Pair MakePair(const IntrinsicShape& source, const IntrinsicShape& target) {
           AtSamples(target.proxy.points, target.samples)};
 }
 
-/// For each sample and each pair of the tips chosen: the sine of the angle from the way to one to
-/// the way to the other, about the outward normal. Equal under bending, opposite in a mirror image.
+/// For each sample and each pair of the chosen tips: the sine of the angle between the two rises,
+/// about the outward normal. It is equal under bending and opposite in a mirror image.
 Eigen::MatrixXd TurnsBetween(const std::vector<PointsX3>& rises, const std::vector<int>& tips,
                              const PointsX3& normals) {
-  const auto count = static_cast<Eigen::Index>(tips.size());
+  const auto count = std::ssize(tips);
   Eigen::MatrixXd turns(normals.rows(), count * (count - 1) / 2);
   Eigen::Index column = 0;
   for (std::size_t a = 0; a < tips.size(); ++a)
@@ -96,7 +98,7 @@ TipProblem MakeTipProblem(const IntrinsicShape& source, const IntrinsicShape& ta
 }
 
 Eigen::MatrixXd StraightDistances(const IntrinsicShape& shape) {
-  const auto count = static_cast<Eigen::Index>(shape.tips.size());
+  const auto count = std::ssize(shape.tips);
   Eigen::MatrixXd distances(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j)
@@ -105,8 +107,9 @@ Eigen::MatrixXd StraightDistances(const IntrinsicShape& shape) {
   return distances;
 }
 
-/// Three quarters of the assignments by distances along the surface; the rest by straight
-/// distances, for poses that are alike but of bodies that differ (a long tail and a short one).
+/// The assignments to try. Three quarters are found by distances along the surface, the rest by
+/// straight distances. The latter help when poses are similar but bodies differ (a long and a short
+/// tail).
 std::vector<TipAssignment> Assignments(const IntrinsicShape& source, const IntrinsicShape& target,
                                        int known, int tried) {
   TipProblem problem = MakeTipProblem(source, target, known);
@@ -121,12 +124,11 @@ std::vector<TipAssignment> Assignments(const IntrinsicShape& source, const Intri
   return assignments;
 }
 
-/// Rows that are alike where a point lies alike towards the tips; `turns` is left for judging the
-/// result.
+/// One row per sample, for matching: distances to the tips, turns and descriptors. Corresponding
+/// points have similar rows.
 Eigen::MatrixXf StartRows(const IntrinsicShape& shape, const std::vector<int>& tips,
                           const Eigen::MatrixXd& descriptors, const Eigen::MatrixXd& turns) {
-  const auto count = static_cast<Eigen::Index>(tips.size()),
-             samples = static_cast<Eigen::Index>(shape.samples.size());
+  const auto count = std::ssize(tips), samples = std::ssize(shape.samples);
   Eigen::MatrixXf rows(samples, count + turns.cols() + descriptors.cols());
   for (Eigen::Index t = 0; t < count; ++t)
     for (Eigen::Index s = 0; s < samples; ++s)
@@ -163,8 +165,8 @@ double Coverage(const std::vector<int>& map, const Eigen::VectorXf& weights) {
   return covered / static_cast<double>(weights.sum());
 }
 
-/// Do the ways to marks keep their order about the normal when marks and samples are mapped? 1 yes,
-/// -1 for a mirror image.
+/// Whether a map keeps the order of directions about the normal: the correlation of the turns
+/// between rises to marks, before and after mapping. 1: kept; -1: a mirror image.
 double OrientationOf(const Pair& pair, const std::vector<int>& map,
                      const Eigen::VectorXd& weights) {
   double ab = 0, aa = 1e-12, bb = 1e-12;
@@ -187,7 +189,7 @@ double OrientationOf(const Pair& pair, const std::vector<int>& map,
   return ab / std::sqrt(aa * bb);
 }
 
-/// Mean distance between where a map takes the landmarks and where they belong.
+/// Mean distance of the mapped landmarks from their targets.
 double MissedLandmarks(const Pair& pair, const std::vector<int>& map) {
   double missed = 0;
   for (int k = 0; k < pair.source.known; ++k) {
@@ -198,7 +200,7 @@ double MissedLandmarks(const Pair& pair, const std::vector<int>& map) {
   return missed;
 }
 
-void Judge(const Pair& pair, MapCandidate& c) {
+void SetScore(const Pair& pair, MapCandidate& c) {
   const Eigen::VectorXd ws =
       pair.source.sampled.weights.cast<double>() / pair.source.sampled.weights.sum();
   const Eigen::VectorXd wt =
@@ -222,15 +224,15 @@ void Judge(const Pair& pair, MapCandidate& c) {
             0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.1 * c.unlike;
 }
 
-/// A candidate on its way, with what its start says of where points belong.
-struct Sprout {
+/// A candidate during refinement, with the start rows as hints.
+struct StartedCandidate {
   MapCandidate candidate;
   MatchHints hints;
 };
 
-Sprout Started(const Pair& pair, const TipAssignment& assignment) {
-  Sprout sprout;
-  MapCandidate& c = sprout.candidate;
+StartedCandidate Started(const Pair& pair, const TipAssignment& assignment) {
+  StartedCandidate start;
+  MapCandidate& c = start.candidate;
   for (std::size_t s = 0; s < assignment.target_of.size(); ++s)
     if (assignment.target_of[s] >= 0) {
       c.source_tips.push_back(static_cast<int>(s));
@@ -240,24 +242,24 @@ Sprout Started(const Pair& pair, const TipAssignment& assignment) {
       TurnsBetween(pair.source_tip_rises, c.source_tips, pair.source_normals);
   const Eigen::MatrixXd target_turns =
       TurnsBetween(pair.target_tip_rises, c.target_tips, pair.target_normals);
-  sprout.hints = {StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
-                  StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns),
-                  kHintWeight};
-  c.maps = NearestRows(sprout.hints.source, sprout.hints.target);
-  Judge(pair, c);
-  return sprout;
+  start.hints = {StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
+                 StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns),
+                 kHintWeight};
+  c.maps = NearestRows(start.hints.source, start.hints.target);
+  SetScore(pair, c);
+  return start;
 }
 
-void Refine(const Pair& pair, const Stage& stage, Sprout& sprout) {
-  PointMaps& maps = sprout.candidate.maps;
+void Refine(const Pair& pair, const Stage& stage, StartedCandidate& start) {
+  PointMaps& maps = start.candidate.maps;
   maps =
-      RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, sprout.hints);
+      RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, start.hints);
   if (!stage.free_sizes.empty()) {
     const MatchHints likeness{pair.source_descriptors.cast<float>(),
                               pair.target_descriptors.cast<float>(), kLikenessAfterwards};
     maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.free_sizes, likeness);
   }
-  Judge(pair, sprout.candidate);
+  SetScore(pair, start.candidate);
 }
 
 }  // namespace
@@ -270,34 +272,34 @@ MapSearch::MapSearch(const IntrinsicShape& source, const IntrinsicShape& target)
     : shared_(new Shared{MakePair(source, target)}) {}
 MapSearch::~MapSearch() = default;
 
-MapCandidate MapSearch::Judged(const std::vector<int>& source_tips,
+MapCandidate MapSearch::Scored(const std::vector<int>& source_tips,
                                const std::vector<int>& target_tips, const PointMaps& maps) const {
   MapCandidate candidate;
   candidate.source_tips = source_tips;
   candidate.target_tips = target_tips;
   candidate.maps = maps;
-  Judge(shared_->pair, candidate);
+  SetScore(shared_->pair, candidate);
   return candidate;
 }
 
 std::vector<MapCandidate> MapSearch::Run(int known, int tried) const {
   const std::vector<TipAssignment> assignments =
       Assignments(shared_->pair.source, shared_->pair.target, known, tried);
-  std::vector<Sprout> sprouts(assignments.size());
+  std::vector<StartedCandidate> started(assignments.size());
   const auto for_all = [&](const auto& change) {
-    ParallelFor(static_cast<std::int64_t>(sprouts.size()),
-                [&](std::int64_t i) { change(static_cast<std::size_t>(i)); });
-    std::stable_sort(sprouts.begin(), sprouts.end(), [](const Sprout& a, const Sprout& b) {
-      return a.candidate.score < b.candidate.score;
-    });
+    ParallelFor(std::ssize(started), [&](std::int64_t i) { change(static_cast<std::size_t>(i)); });
+    std::stable_sort(started.begin(), started.end(),
+                     [](const StartedCandidate& a, const StartedCandidate& b) {
+                       return a.candidate.score < b.candidate.score;
+                     });
   };
-  for_all([&](std::size_t i) { sprouts[i] = Started(shared_->pair, assignments[i]); });
+  for_all([&](std::size_t i) { started[i] = Started(shared_->pair, assignments[i]); });
   for (const Stage& stage : kStages) {
-    sprouts.resize(std::min(sprouts.size(), stage.kept));
-    for_all([&](std::size_t i) { Refine(shared_->pair, stage, sprouts[i]); });
+    started.resize(std::min(started.size(), stage.kept));
+    for_all([&](std::size_t i) { Refine(shared_->pair, stage, started[i]); });
   }
   std::vector<MapCandidate> candidates;
-  for (Sprout& sprout : sprouts) candidates.push_back(std::move(sprout.candidate));
+  for (StartedCandidate& start : started) candidates.push_back(std::move(start.candidate));
   return candidates;
 }
 

@@ -16,10 +16,11 @@ namespace keypose::registration {
 
 namespace {
 
-// slivers and obtuse corners would make weights negative, and functions wild
+// Lower bound: obtuse corners would give negative weights and unusable eigenfunctions.
 constexpr double kLeastCotangent = 0.02;
-constexpr double kShift = 1;  // below the first eigenvalue of unit-area shapes (about 10), so that
-                              // constants do not dominate
+// Below the first nonzero eigenvalue of shapes of unit area (about 10), but not so small that the
+// constant function dominates.
+constexpr double kShift = 1;
 
 struct Operator {
   Eigen::SparseMatrix<double> shifted;  ///< L + shift * diag(areas), lower triangle
@@ -68,7 +69,8 @@ struct Krylov {
   Eigen::MatrixXd basis, projected;
 };
 
-/// Fixed vectors without symmetry, so that no eigenfunction is missed for being orthogonal to them.
+/// Fixed pseudo-random start vectors. They have no symmetry, so no eigenfunction is orthogonal to
+/// all of them.
 class StartVectors {
  public:
   Eigen::VectorXd Next(Eigen::Index n) {
@@ -84,9 +86,8 @@ class StartVectors {
   std::uint64_t state_ = 0x9E3779B97F4A7C15ull;
 };
 
-/// Takes from the columns of `block` what lies in the space of orthonormal `basis`.
-/// @return that
-/// space's coordinates
+/// Subtracts from the columns of `block` their projection on the orthonormal `basis`.
+/// @return the coordinates of the projection
 Eigen::MatrixXd TakeOut(const Eigen::Ref<const Eigen::MatrixXd>& basis, Eigen::MatrixXd& block) {
   Eigen::MatrixXd within(basis.cols(), block.cols());
   if (basis.cols() == 0) return within;
@@ -95,8 +96,8 @@ Eigen::MatrixXd TakeOut(const Eigen::Ref<const Eigen::MatrixXd>& basis, Eigen::M
   return within;
 }
 
-/// Appends the columns of `block` to the `filled` first of the basis, made orthonormal; takes
-/// another vector where nothing is left of one.
+/// Orthonormalises the columns of `block` and appends them to the first `filled` columns of the
+/// basis. A column that vanishes is replaced by a start vector.
 void Append(Eigen::MatrixXd block, Eigen::MatrixXd& basis, Eigen::Index& filled,
             StartVectors& starts) {
   const Eigen::VectorXd before = block.colwise().norm();
@@ -105,8 +106,8 @@ void Append(Eigen::MatrixXd block, Eigen::MatrixXd& basis, Eigen::Index& filled,
   for (Eigen::Index c = 0; c < block.cols(); ++c, ++filled) {
     Eigen::VectorXd vector = block.col(c);
     double length = before[c];
-    // The first of them is orthonormal to all before; the others still have to be made so to their
-    // neighbours in the block.
+    // `block` is already orthogonal to the old basis. What remains are the columns of this block.
+    // A replacement must be made orthogonal to all.
     for (Eigen::Index first = old;; first = 0) {
       for (int twice = 0; twice < 2; ++twice)
         vector -= basis.middleCols(first, filled - first) *
@@ -122,8 +123,8 @@ void Append(Eigen::MatrixXd block, Eigen::MatrixXd& basis, Eigen::Index& filled,
   }
 }
 
-/// Blocks of a few vectors find the equal eigenvalues of symmetric shapes, which a single one would
-/// miss.
+/// Block Lanczos. A block of vectors finds the repeated eigenvalues of symmetric shapes, which a
+/// single vector would miss.
 template <class Apply>
 Krylov BlockLanczos(const Apply& apply, Eigen::Index n, Eigen::Index size) {
   constexpr Eigen::Index kBlock = 4;
@@ -143,8 +144,8 @@ Krylov BlockLanczos(const Apply& apply, Eigen::Index n, Eigen::Index size) {
     k.projected.block(before, done - block, filled - before, block) =
         k.basis.middleCols(before, filled - before).transpose() * w;
   }
-  // Only the part that was computed with all vectors in place counts; it is symmetric up to
-  // rounding.
+  // Only the upper triangle was computed with all vectors present. The matrix is symmetric up to
+  // rounding, so the upper triangle is mirrored.
   const Eigen::MatrixXd upper = k.projected.triangularView<Eigen::Upper>();
   k.projected = upper + upper.transpose();
   k.projected.diagonal() = upper.diagonal();

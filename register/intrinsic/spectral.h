@@ -1,4 +1,4 @@
-// The lowest vibrations of a surface: eigenfunctions of its Laplace-Beltrami operator.
+// The lowest eigenfunctions of a surface's Laplace-Beltrami operator.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace keypose::registration {
 
-/// Orthonormal in the inner product of vertex areas; areas are scaled to sum 1, so values do not
-/// depend on the mesh's size.
+/// Eigenvalues and eigenfunctions, orthonormal in the inner product of vertex areas. Areas are
+/// scaled to sum 1, so the values do not depend on the size of the mesh.
 struct Spectrum {
   Eigen::VectorXd areas;      ///< V, positive, sum 1
   Eigen::VectorXd values;     ///< K, ascending, values[0] = 0 up to rounding
@@ -16,6 +16,7 @@ struct Spectrum {
                               ///< entry is positive
 };
 
+/// The lowest eigenvalues and eigenfunctions of a mesh.
 /// @param count  wanted eigenfunctions; K = min(count, V - 1)
 /// @throws InputError   no faces with area
 /// @throws SolverError  the operator cannot be factored

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/kd_tree.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "register/intrinsic/dense_map.h"
 #include "register/intrinsic/intrinsic_shape.h"
 #include "register/intrinsic/map_candidates.h"
@@ -16,21 +17,21 @@ namespace keypose::registration {
 
 namespace {
 
-// how far a matched tip may lie from where the refined map puts it
+// Largest distance of a matched tip from its image in the refined map.
 constexpr double kTipAgrees = 0.06;
 constexpr int kMostTips = 9;
-// weight of descriptors beside eigenfunctions: what looks alike belongs together
+// Weight of descriptors relative to eigenfunctions.
 constexpr double kLikeness = 1;
-// mean distance of images from which on two maps are different ones
+// Two maps are different when the mean distance between their images is above this.
 constexpr double kDifferent = 0.12;
 constexpr std::size_t kRefined = 3;
 constexpr double kTurnedOver = 0.2;
-// candidates with a score so many times the best are not refined
+// Candidates whose score is worse than this factor times the best are not refined.
 constexpr double kHopelessScore = 1.25;
 constexpr int kFirstSize = 32;
 const std::vector<int> kFinalSizes = {14, 20, 26, 32, 40, 50, 60, 80, 100, 120};
 
-/// Both poses and all that is found about them.
+/// The state of a search: both poses and what was found so far.
 struct SuggestionSearch {
   const Mesh& source_mesh;
   const Mesh& target_mesh;
@@ -56,7 +57,7 @@ std::string Percent(double share) {
 
 bool HasColors(const Mesh& mesh) { return mesh.colors.rows() == mesh.points.rows(); }
 
-/// Known pairs as proxy vertices; those with an end on another piece are left out.
+/// Converts known pairs to proxy vertices. Pairs with an end on another piece are left out.
 void TakeKnown(const std::vector<LandmarkGoal>& known, SuggestionSearch& search) {
   if (known.empty()) return;
   const KdTree tree(search.target_mesh.points);
@@ -82,7 +83,7 @@ double Apart(const SuggestionSearch& search, const MapCandidate& a, const MapCan
   return apart / static_cast<double>(a.maps.forward.size());
 }
 
-/// The best candidate of each map that is really another, not the same one from other tips.
+/// The best candidates that are really different maps, not the same map found from other tips.
 std::vector<MapCandidate> DifferentCandidates(const SuggestionSearch& search, std::size_t most) {
   std::vector<MapCandidate> different;
   for (const MapCandidate& candidate : search.candidates) {
@@ -95,7 +96,7 @@ std::vector<MapCandidate> DifferentCandidates(const SuggestionSearch& search, st
   return different;
 }
 
-/// A map of samples as one of all proxy vertices, refined with more functions.
+/// Extends a map of samples to all proxy vertices and refines it with more functions.
 PointMaps RefinedOnProxies(const SuggestionSearch& search, const PointMaps& sample_maps) {
   const IntrinsicShape &a = search.source, &b = search.target;
   const JointEmbedding coarse = FitEmbedding(a.sampled, b.sampled, sample_maps, kFirstSize);
@@ -110,8 +111,8 @@ PointMaps RefinedOnProxies(const SuggestionSearch& search, const PointMaps& samp
   return RefineMaps(a.all, b.all, maps, sizes, hints);
 }
 
-/// Refines the best candidates and keeps the best of the results. At the candidates' own resolution
-/// left and right of a slim body can be a toss-up that the refined maps settle.
+/// Refines the best candidates and keeps the best result. The resolution of the candidates can be
+/// too low to tell left from right on a slim body; the refined maps can.
 void RefineBest(const MapSearch& candidates, SuggestionSearch& search, double& margin) {
   std::vector<MapCandidate> different = DifferentCandidates(search, kRefined);
   margin = 1;
@@ -124,17 +125,16 @@ void RefineBest(const MapSearch& candidates, SuggestionSearch& search, double& m
       sampled.forward.push_back(search.target.sample_of[maps.forward[v]]);
     for (const int v : search.target.samples)
       sampled.backward.push_back(search.source.sample_of[maps.backward[v]]);
-    MapCandidate judged = candidates.Judged(candidate.source_tips, candidate.target_tips, sampled);
-    // A mirror image turns a good part of the surface inside out, however little it changes
-    // distances.
-    judged.score +=
+    MapCandidate scored = candidates.Scored(candidate.source_tips, candidate.target_tips, sampled);
+    // A mirror image can preserve distances, but it turns a large part of the surface inside out.
+    scored.score +=
         kTurnedOver * (1 - OrientationShare(search.source, search.target, maps.forward));
-    if (k == 0 || judged.score < search.best.score) {
-      if (k > 0) margin = search.best.score / judged.score - 1;
-      search.best = judged;
+    if (k == 0 || scored.score < search.best.score) {
+      if (k > 0) margin = search.best.score / scored.score - 1;
+      search.best = scored;
       search.maps = maps;
     } else {
-      margin = std::min(margin, judged.score / search.best.score - 1);
+      margin = std::min(margin, scored.score / search.best.score - 1);
     }
   }
   search.confidence = MapConfidence(search.source, search.target, search.maps);
@@ -156,7 +156,7 @@ class FaceOfVertex {
   std::vector<std::pair<int, int>> place_;
 };
 
-/// Vertices of a proxy pair to suggest.
+/// A pair of proxy vertices to suggest.
 struct ProxyPair {
   int source, target;
   double confidence;
@@ -170,7 +170,7 @@ std::vector<ProxyPair> TipPairs(const SuggestionSearch& search) {
     const int s = best.source_tips[k], t = best.target_tips[k];
     if (s < std::ssize(search.known_source)) continue;
     const int vs = search.source.tips[s], vt = search.target.tips[t];
-    // Where the ends and the refined map disagree, one of the two is wrong.
+    // Where the assigned tip and the refined map disagree, one of them is wrong; do not suggest it.
     const double off = search.target.tip_distances(t, search.maps.forward[vs]);
     const double back = search.source.tip_distances(s, search.maps.backward[vt]);
     if (std::max(off, back) > kTipAgrees) continue;
@@ -180,21 +180,20 @@ std::vector<ProxyPair> TipPairs(const SuggestionSearch& search) {
   return pairs;
 }
 
-/// Tips, then confident vertices far from all others.
+/// Chooses tips first, then confident vertices that are far from all others.
 std::vector<ProxyPair> ChoosePairs(const SuggestionSearch& search, const SuggestOptions& options) {
   std::vector<ProxyPair> pairs = TipPairs(search);
   std::stable_sort(pairs.begin(), pairs.end(), [](const ProxyPair& a, const ProxyPair& b) {
     return a.confidence > b.confidence;
   });
-  if (static_cast<int>(pairs.size()) > options.count)
-    pairs.resize(static_cast<std::size_t>(options.count));
+  if (SizeOf(pairs) > options.count) pairs.resize(static_cast<std::size_t>(options.count));
   std::vector<int> taken = search.known_source;
   for (const ProxyPair& pair : pairs) taken.push_back(pair.source);
   Eigen::VectorXd distance =
       taken.empty() ? search.source.mean_distance : search.source.graph->From(taken);
-  while (static_cast<int>(pairs.size()) < options.count) {
+  while (SizeOf(pairs) < options.count) {
     int next = -1;
-    double most = 0.05;  // closer together, a pair adds nothing
+    double most = 0.05;  // a pair closer to the others adds nothing
     for (int v = 0; v < search.source.proxy.vertex_count(); ++v) {
       if (search.confidence[v] < options.min_confidence) continue;
       const double worth = distance[v] * search.confidence[v];
@@ -280,8 +279,7 @@ Suggestion SuggestLandmarks(const Mesh& source, const Mesh& target,
   FindTips(search.known_source, kMostTips, search.source);
   FindTips(search.known_target, kMostTips, search.target);
   const MapSearch candidates(search.source, search.target);
-  search.candidates =
-      candidates.Run(static_cast<int>(search.known_source.size()), options.candidates);
+  search.candidates = candidates.Run(SizeOf(search.known_source), options.candidates);
   ReportProgress(progress, 0.8, "landmarks: refining");
   Suggestion suggestion;
   RefineBest(candidates, search, suggestion.margin);

@@ -1,5 +1,5 @@
-// Landmark suggestions and a dense map between two poses, from intrinsic geometry: how far apart
-// things are along the surface.
+// Landmark suggestions and a dense map between two poses, from intrinsic geometry: distances along
+// the surface.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,18 +14,18 @@
 namespace keypose::registration {
 
 struct SuggestOptions {
-  int count = 12;  ///< pairs to suggest at most (fewer where few are sure), known ones not counted
-  int proxy_vertices = 1000;  ///< work happens on decimated copies of about so many vertices
-  int samples = 250;    ///< farthest points of each proxy for which candidate maps are compared
-  int functions = 80;   ///< Laplace-Beltrami eigenfunctions at the end of the refinement
-  int candidates = 64;  ///< assignments of limb tips that are tried
-  double min_confidence = 0.4;  ///< pairs below are not suggested
+  int count = 12;               ///< most pairs to suggest; known pairs do not count
+  int proxy_vertices = 1000;    ///< size of the decimated copies that are compared
+  int samples = 250;            ///< points of each proxy at which candidate maps are compared
+  int functions = 80;           ///< Laplace-Beltrami eigenfunctions at the end of the refinement
+  int candidates = 64;          ///< number of assignments of limb tips that are tried
+  double min_confidence = 0.4;  ///< pairs with a lower confidence are not suggested
 
   /// One sentence per fault, naming field, value and range; empty when valid.
   std::vector<std::string> Problems() const;
 };
 
-/// A guess that a person should confirm.
+/// A suggested pair, which a person should confirm.
 struct SuggestedPair {
   PickedPair pick;        ///< name, face and barycentric coordinates on both meshes
   double confidence = 0;  ///< 0 to 1
@@ -33,28 +33,28 @@ struct SuggestedPair {
 };
 
 struct Suggestion {
-  std::vector<SuggestedPair> pairs;  ///< best spread first; empty when nothing is sure enough
-  std::vector<int> dense;  ///< for each source vertex a target vertex, or -1 (parts that nothing
-                           ///< could be said about)
+  std::vector<SuggestedPair> pairs;  ///< ends of limbs first; empty when nothing is sure enough
+  std::vector<int> dense;  ///< for each source vertex a target vertex, or -1 where nothing is known
   Eigen::VectorXd confidence;  ///< for each source vertex, 0 to 1; 0 where dense is -1
   double distortion = 1;   ///< mean change of distances along the surface between samples, over the
                            ///< square root of the area
-  double orientation = 0;  ///< share of the proxy's area whose image keeps its orientation; near 0
-                           ///< would be a mirror image
+  double orientation = 0;  ///< share of the mapped area that keeps its orientation; lower for a
+                           ///< mirror image
   double margin = 0;  ///< how much worse the next different map scores, over the score; below 0.05
-                      ///< is a coin toss
-  std::string explanation;  ///< what was found and chosen, for the report; several sentences
+                      ///< the choice between the two is not reliable
+  std::string explanation;  ///< what was found and chosen, for the report
 };
 
-/// Which point of the target belongs to which of the source, with no alignment and no start given.
+/// Finds which point of the target belongs to which point of the source, without any alignment.
 ///
-/// The ends of limbs are assigned by branch and bound on distances along the surface; each good
-/// assignment becomes a map that is refined in the bases of the Laplace-Beltrami eigenfunctions of
-/// both proxies; the one that changes distances least, keeps orientation (a mirror image of a
-/// symmetric body does not) and covers the target wins. Known pairs are taken as they are.
+/// 1. Ends of limbs are assigned by branch and bound on distances along the surface.
+/// 2. Each good assignment becomes a map. It is refined in the Laplace-Beltrami eigenfunctions of
+///    both proxies.
+/// 3. The best map changes distances little, keeps orientation (a mirror image of a symmetric body
+///    does not) and covers the target.
 ///
-/// Vertex colours count as well where both meshes have them.
-/// @param known  pairs that a person gave; they anchor the map (a few settle left and right)
+/// Vertex colours are used where both meshes have them.
+/// @param known  pairs given by a person; they are kept, and a few decide between left and right
 /// @throws InputError  unusable mesh or options
 /// @throws Cancelled
 /// Cost: decimation, near-linear; then independent of the input's size. Deterministic, same bits

@@ -1,5 +1,5 @@
-// Suggestions on real pairs with known correspondence, where they are at hand; prints the table of
-// docs/results/landmarks.md.
+// Suggestions on real pairs with known correspondence. Prints the table of
+// docs/results/landmarks.md. Skipped without the data.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ int VertexOf(const Mesh& mesh, int face, const Eigen::Vector3d& barycentric) {
   return mesh.faces(face, k);
 }
 
-/// Truth of the nearest vertex that has one.
+/// The true target vertex of the nearest vertex that has one.
 int NearestTruth(const Mesh& source, const std::vector<int>& truth, int vertex) {
   int best = -1;
   double least = std::numeric_limits<double>::infinity();
@@ -53,8 +53,8 @@ int NearestTruth(const Mesh& source, const std::vector<int>& truth, int vertex) 
   return best;
 }
 
-/// The target without the faces that start in a place that is lost (so that rims are ragged), and
-/// the truth renumbered.
+/// Removes the faces whose first corner is lost, which leaves ragged holes, and renumbers the
+/// truth.
 template <class Lost>
 void Cut(Mesh& target, std::vector<int>& truth, const Lost& lost) {
   Mesh rest;
@@ -127,8 +127,8 @@ TEST_P(SuggestPairs, OnDamagedTargets) {
         sum += (target.points.row(truth[v]) - target.points.row(found.dense[v])).norm(), ++count;
     ASSERT_GT(count, 0);
     std::printf(" %.4f (%.2f) |", sum / count / diagonal, found.orientation);
-    // A mirrored or back-to-front map is 0.15 or more off; people without feet come out so, but
-    // then much of the surface is turned over.
+    // A mirrored or back-to-front map is wrong by 0.15 or more. This happens for people without
+    // feet, but then much of the surface is turned over.
     if (found.orientation >= 0.85) {
       EXPECT_LT(sum / count / diagonal, std::string(known.name) == "horse_to_camel" ? 0.13 : 0.08)
           << kind;

@@ -1,4 +1,4 @@
-// Suggestions on a four-legged body of known truth, and the parts that they are made of.
+// Suggestions on a four-legged body with known truth, and the functions behind them.
 #include "register/intrinsic/suggest.h"
 
 #include <gmock/gmock.h>
@@ -36,8 +36,8 @@ struct Limb {
   double length;
 };
 
-/// A ball with limbs: the sphere's points moved outwards. `turn` turns the tessellation, not the
-/// shape.
+/// A ball with limbs: a sphere whose points are moved outwards. `turn` rotates the tessellation,
+/// not the shape.
 Mesh LimbedBody(const std::vector<Limb>& limbs, int levels,
                 const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
   Mesh mesh = MakeIcosphere(levels);
@@ -51,15 +51,15 @@ Mesh LimbedBody(const std::vector<Limb>& limbs, int levels,
   return mesh;
 }
 
-/// Left and right alike, head and tail not; legs below.
+/// Left and right are equal, head and tail are not; legs are below.
 const std::vector<Limb> kQuadruped = {{{0, 1, 0.5}, 0.9},       {{0, -1, 0.2}, 1.2},
                                       {{0.6, 0.6, -0.7}, 0.8},  {{-0.6, 0.6, -0.7}, 0.8},
                                       {{0.6, -0.6, -0.7}, 0.7}, {{-0.6, -0.6, -0.7}, 0.7}};
-/// The same all round: which arm is which only a person can say.
+/// Rotationally symmetric: only a person can say which arm is which.
 const std::vector<Limb> kStar = {
     {{1, 0, 0}, 0.9}, {{0, 1, 0}, 0.9}, {{-1, 0, 0}, 0.9}, {{0, -1, 0}, 0.9}, {{0, 0, 1}, 0.5}};
 
-/// The spine bent sideways and down, the whole turned and scaled.
+/// Bends the spine sideways and down, then rotates and scales the whole.
 Mesh Posed(const Mesh& mesh) {
   Mesh posed = mesh;
   const Eigen::Matrix3d turn =
@@ -98,7 +98,7 @@ TEST(SuggestLandmarks, FindsTheSamePlacesOfABentBodyOfOtherTessellation) {
              target_rest = LimbedBody(kQuadruped, 4, OtherTessellation());
   const Suggestion found = SuggestLandmarks(source, Posed(target_rest), {}, {});
   const double diagonal = BoundingDiagonal(source.points);
-  // A mirror image would be off by half the body's width on average, 0.1 of the diagonal or more.
+  // A mirror image would be wrong by half the body's width on average: 0.1 of the diagonal or more.
   EXPECT_LT(MeanError(source, target_rest, found.dense), 0.025);
   EXPECT_GT(found.orientation, 0.9);
   EXPECT_GT(found.margin, 0.05);
@@ -118,8 +118,8 @@ TEST(SuggestLandmarks, FindsTheSamePlacesOfABentBodyOfOtherTessellation) {
 }
 
 TEST(SuggestLandmarks, TargetTheOtherWayRoundIsNotTakenForAMirrorImage) {
-  // The target is the mirror image of the body, so the true point map turns every face over; an
-  // honest map keeps orientation instead.
+  // The target is the mirror image of the body, so the true point map would turn every face over.
+  // The map that is found must keep the orientation instead.
   const Mesh source = LimbedBody(kQuadruped, 4);
   Mesh mirrored = LimbedBody(kQuadruped, 4, OtherTessellation());
   mirrored.points.col(0) *= -1;
@@ -132,7 +132,7 @@ TEST(SuggestLandmarks, TargetTheOtherWayRoundIsNotTakenForAMirrorImage) {
 
 TEST(SuggestLandmarks, OneKnownPairSettlesWhichArmOfAStarIsWhich) {
   const Mesh source = LimbedBody(kStar, 4);
-  // The known pair turns the star by a quarter: arm +x is the target's arm +y.
+  // The known pair rotates the star by a quarter turn: arm +x is the target's arm +y.
   Eigen::Index arm_x = 0, arm_y = 0;
   source.points.col(0).maxCoeff(&arm_x);
   source.points.col(1).maxCoeff(&arm_y);
@@ -245,7 +245,7 @@ TEST(GeodesicGraph, MeasuresAlongTheSurfaceOfASphere) {
   for (Eigen::Index v = 0; v < ball.points.rows(); ++v) {
     const double exact =
         std::acos(std::clamp(ball.points.row(0).dot(ball.points.row(v)), -1.0, 1.0));
-    EXPECT_GE(distance[v], 0.99 * exact);  // chords are shorter than arcs by less than that
+    EXPECT_GE(distance[v], 0.99 * exact);  // chords are less than 1 % shorter than arcs
     EXPECT_LE(distance[v], 1.06 * exact + 1e-9);
   }
 }
@@ -290,7 +290,7 @@ TEST(GeodesicGraph, FarthestPointsSpreadOut) {
   for (int i = 0; i < 20; ++i)
     for (int j = 0; j < i; ++j) nearest = std::min(nearest, rows(i, points[j]));
   const double farthest = graph.From(points).maxCoeff();
-  EXPECT_LE(farthest, nearest + 1e-12);  // what farthest point sampling promises
+  EXPECT_LE(farthest, nearest + 1e-12);  // the guarantee of farthest point sampling
 }
 
 TEST(FindPeaks, OrdersHillsByHowFarOneMustDescend) {
@@ -324,7 +324,7 @@ TEST(LaplaceSpectrum, OfASphereIsThatOfTheTextbook) {
   EXPECT_LT((gram - Eigen::MatrixXd::Identity(25, 25)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-/// Small whole numbers: products are exact and ties many.
+/// Small integers, so that products are exact and there are many ties.
 Eigen::MatrixXf WholeNumbers(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
   Eigen::MatrixXf numbers(rows, columns);
   for (Eigen::Index i = 0; i < numbers.size(); ++i)
@@ -474,7 +474,7 @@ TEST(DrawLandmarks, ShowsAMarkOnlyWhereItCanBeSeen) {
   LandmarkPictureOptions options;
   options.panel = 120;
   const DrawnPair front{
-      {0, -1, 0}, {0, -1, 0}, false};  // faces the first view, is behind in the third
+      {0, -1, 0}, {0, -1, 0}, false};  // visible in the first view, hidden in the third
   const Image8 without = DrawLandmarks(ball, ball, {}, {}, options),
                with = DrawLandmarks(ball, ball, {front}, {}, options);
   ASSERT_EQ(with.data.size(), without.data.size());
@@ -490,7 +490,7 @@ TEST(DrawLandmarks, ShowsAMarkOnlyWhereItCanBeSeen) {
   EXPECT_THROW(DrawLandmarks(ball, ball, {}, {}, options), InputError);
 }
 
-/// Pixels of the mark's colour, the first of the list, in rows [y0, y1).
+/// Number of pixels in rows [y0, y1) with the colour of the first mark.
 int MarkPixels(const Image8& image, int y0, int y1) {
   int count = 0;
   for (int y = y0; y < y1; ++y)
@@ -506,8 +506,8 @@ TEST(DrawLandmarks, APairThatNoSideShowsGetsAColumnOfItsOwnInBothRows) {
   LandmarkPictureOptions options;
   options.panel = 120;
   const Image8 plain = DrawLandmarks(ball, ball, {}, {}, options);
-  // On the source in sight of the first view; on the target below, where no view from above the
-  // horizon sees it.
+  // On the source it is visible in the first view. On the target it is at the bottom, where no view
+  // from above sees it.
   const Image8 image = DrawLandmarks(ball, ball, {{{0, -1, 0}, {0, 0, -1}, false}}, {}, options);
   ASSERT_GT(image.height, plain.height + 200);
   EXPECT_GT(MarkPixels(image, 0, 120), 20);

@@ -7,9 +7,9 @@ namespace keypose::registration {
 
 namespace {
 
-// of a pair of assigned tips before its cost, so that leaving tips out is no gain
+// Reward for each pair of assigned tips, so that leaving tips out does not pay.
 constexpr double kReward = 0.45;
-constexpr double kToleratedRatio = 0.5;  // a relative change of distance that costs all of 1
+constexpr double kToleratedRatio = 0.5;  // relative change of distance with the full cost of 1
 constexpr double kUnlikeWeight = 1.0;
 constexpr long kMostSteps = 2'000'000;
 
@@ -58,7 +58,7 @@ class TipSearch {
     std::vector<std::pair<double, int>> choices;
     for (int t = p_.known; t < targets_; ++t)
       if (!used_[t]) choices.emplace_back(Added(s, t), t);
-    std::sort(choices.begin(), choices.end());  // good ones first, so that the bound bites early
+    std::sort(choices.begin(), choices.end());  // best first, so that the bound prunes early
     for (const auto& [added, t] : choices) Assign(s, t, assigned, score);
     Descend(s + 1, assigned, score);
   }
@@ -83,7 +83,7 @@ class TipSearch {
       best_.pop_back();
     }
     best_.push_back(std::move(found));
-    std::push_heap(best_.begin(), best_.end(), worse_first);  // the worst stays in front
+    std::push_heap(best_.begin(), best_.end(), worse_first);  // the worst is in front
   }
 
   const TipProblem& p_;

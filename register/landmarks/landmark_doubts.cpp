@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "core/camera.h"
@@ -13,14 +14,14 @@ namespace keypose::registration {
 
 namespace {
 
-// Wide margins: hand-picked landmarks on squashed clay change distances by a third without anything
-// being wrong.
+// The margins are wide: with correct hand-picked landmarks on squashed clay, distances change by a
+// third.
 constexpr double kSwapGain = 0.45;  // stress after the exchange over stress before
-// least stress (mean |log ratio|) of the two landmarks that is worth a word
+// least stress (mean |log ratio|) of the two landmarks for a warning
 constexpr double kSwapLeast = 0.12;
 // a landmark whose distances change by a factor of 1.8 more than the rest
 constexpr double kMisplacedLog = 0.6;
-constexpr double kRestLog = 0.25;      // while the others agree within 1.3
+constexpr double kRestLog = 0.25;      // while the others agree within a factor of 1.3
 constexpr double kMirrorGain = 0.4;    // residual after reflection over residual before
 constexpr double kMirrorLeast = 0.08;  // residual before, over the spread of the landmarks
 
@@ -41,8 +42,7 @@ Eigen::MatrixXd Between(const Mesh& mesh, const std::vector<int>& vertices) {
   return between;
 }
 
-/// Changes of distances: log ratios less their median, for landmark i of the source and the targets
-/// as permuted.
+/// Changes of distances between landmarks: log ratios minus their median. Targets may be exchanged.
 class Stress {
  public:
   Stress(Eigen::MatrixXd source, Eigen::MatrixXd target)
@@ -118,10 +118,10 @@ void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
   std::vector<double> changes;
   for (Eigen::Index a = 0; a < stress.count(); ++a) changes.push_back(stress.OfOne(a));
   if (Median(changes) > kRestLog)
-    return;  // nothing fits: another shape rather than one bad landmark
+    return;  // nothing fits: probably another shape, not one bad landmark
   for (std::size_t a = 0; a < changes.size(); ++a) {
     if (named[a] || changes[a] < kMisplacedLog) continue;
-    // The landmark that it disagrees with most says where it went wrong.
+    // Name the landmark that it disagrees with most, as a hint where it is wrong.
     std::size_t worst = a == 0 ? 1 : 0;
     for (std::size_t k = 0; k < changes.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(a), j = static_cast<Eigen::Index>(k),
@@ -136,7 +136,7 @@ void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
   }
 }
 
-/// Root mean square residual of the best similarity over the spread.
+/// Root mean square residual of the best similarity transform, over the spread.
 double FitResidual(const PointsX3& from, const PointsX3& to) {
   const Similarity3 fit = FitSimilarity(from, to);
   const double spread = (to.rowwise() - to.colwise().mean()).norm();
@@ -156,11 +156,11 @@ void FindMirrored(const PointsX3& from, const PointsX3& to, std::vector<std::str
 
 }  // namespace
 
-std::vector<std::string> DoubtsAbout(const std::vector<LandmarkGoal>& goals, const Mesh& source,
-                                     const Mesh& target) {
+std::vector<std::string> WarningsAbout(const std::vector<LandmarkGoal>& goals, const Mesh& source,
+                                       const Mesh& target) {
   std::vector<std::string> doubts;
   if (goals.size() < 4) return doubts;
-  PointsX3 from(static_cast<Eigen::Index>(goals.size()), 3), to(from.rows(), 3);
+  PointsX3 from(std::ssize(goals), 3), to(from.rows(), 3);
   for (std::size_t k = 0; k < goals.size(); ++k) {
     from.row(k) = PositionOf(goals[k].source, source.points).transpose();
     to.row(k) = goals[k].target.transpose();

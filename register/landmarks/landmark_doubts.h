@@ -1,4 +1,4 @@
-// What looks wrong about landmark pairs that are formally in order.
+// Warnings about landmark pairs that are valid but look wrong.
 #pragma once
 
 #include <string>
@@ -9,19 +9,22 @@
 
 namespace keypose::registration {
 
-/// Sentences that name landmarks, empty when nothing is suspicious. A pose may be as odd as it
-/// likes, so these are never errors.
+/// Looks for three kinds of mistakes. The result is warnings, not errors, because any pose is
+/// allowed.
 ///
-/// Swapped: exchanging the targets of two landmarks would make distances along the surface fit much
-/// better. Misplaced: one landmark's distances to most others change far more than those between
-/// the others. Mirrored: the landmarks fit far better after a reflection, as when left and right
-/// are exchanged throughout. Needs four landmarks or more, for mirrored five; distances are not
-/// looked at on meshes of more than `kLargestForDistances` vertices.
+/// - Swapped: distances along the surface fit much better with two targets exchanged.
+/// - Misplaced: one landmark's distances to most others change far more than the rest.
+/// - Mirrored: the landmarks fit far better after a reflection, as when left and right are
+///   exchanged everywhere.
+///
+/// Needs four landmarks, for mirrored five. The first two are skipped when a mesh has more than
+/// `kLargestForDistances` vertices.
 /// @param goals  checked: on the source, without repeats
+/// @return one sentence for each problem, which names the landmarks; empty when all looks right
 /// Deterministic.
-/// Cost: one shortest-path search for each landmark on either mesh.
-std::vector<std::string> DoubtsAbout(const std::vector<LandmarkGoal>& goals, const Mesh& source,
-                                     const Mesh& target);
+/// Cost: one shortest-path search for each landmark and mesh.
+std::vector<std::string> WarningsAbout(const std::vector<LandmarkGoal>& goals, const Mesh& source,
+                                       const Mesh& target);
 
 constexpr int kLargestForDistances = 60000;
 

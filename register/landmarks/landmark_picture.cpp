@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "core/errors.h"
@@ -17,7 +18,7 @@ namespace {
 
 using Color = Eigen::Matrix<std::uint8_t, 3, 1>;
 
-// of the diagonal behind what the view sees at the landmark's pixel
+// A landmark is visible when it is at most this far behind the visible surface, over the diagonal.
 constexpr double kVisibleWithin = 0.01;
 
 void Set(Image8& image, int x, int y, const Color& color) {
@@ -25,7 +26,7 @@ void Set(Image8& image, int x, int y, const Color& color) {
   std::copy(color.data(), color.data() + 3, image.at(x, y));
 }
 
-/// Text on a white plate, its upper left corner at (x, y).
+/// Text on a white background with its upper left corner at (x, y).
 void DrawText(Image8& image, int x, int y, const std::string& text, double scale) {
   cv::Mat canvas(image.height, image.width, CV_8UC3, image.data.data());
   const int thick = scale > 0.5 ? 2 : 1;
@@ -40,7 +41,7 @@ void DrawText(Image8& image, int x, int y, const std::string& text, double scale
 
 double TextScale(const Image8& image) { return std::max(0.35, image.width / 800.0); }
 
-/// @param seen  false: only a ring, since the place lies behind what this view shows
+/// @param seen  false: draws a ring, because the place is hidden in this view
 void DrawMark(Image8& image, const Eigen::Vector2d& at, int number, bool square, bool seen,
               const Color& color) {
   const int radius = std::max(3, image.width / 70);
@@ -60,7 +61,7 @@ void DrawMark(Image8& image, const Eigen::Vector2d& at, int number, bool square,
            std::clamp(cy - radius - 8, 0, image.height - radius - 20), text, scale);
 }
 
-/// Colours far apart for neighbouring numbers.
+/// A colour for each number; neighbouring numbers have very different colours.
 Color MarkColor(std::size_t index) {
   const double hue = std::fmod(0.61803398875 * static_cast<double>(index), 1.0) * 6;
   const auto channel = [&](double shift) {
@@ -70,7 +71,7 @@ Color MarkColor(std::size_t index) {
   return {channel(5), channel(3), channel(1)};
 }
 
-/// Pale colours by place in the bounding box.
+/// Pale colours by position in the bounding box.
 ColorsX3 Tints(const PointsX3& points) {
   const Eigen::RowVector3d low = points.colwise().minCoeff(),
                            extent = (points.colwise().maxCoeff() - low).cwiseMax(1e-12);
@@ -89,7 +90,7 @@ ColorsX3 CarriedTints(const ColorsX3& tints, const PointsX3& target,
     if (dense[v] >= 0) mapped.push_back(static_cast<int>(v));
   ColorsX3 carried = ColorsX3::Constant(target.rows(), 3, 190);
   if (mapped.empty()) return carried;
-  PointsX3 images(static_cast<Eigen::Index>(mapped.size()), 3);
+  PointsX3 images(std::ssize(mapped), 3);
   for (std::size_t i = 0; i < mapped.size(); ++i) images.row(i) = target.row(dense[mapped[i]]);
   const KdTree tree(images);
   for (Eigen::Index v = 0; v < target.rows(); ++v)
@@ -97,10 +98,10 @@ ColorsX3 CarriedTints(const ColorsX3& tints, const PointsX3& target,
   return carried;
 }
 
-/// One mesh with its marks, seen from any side.
+/// One mesh with its landmarks, which can be drawn from any side.
 class Subject {
  public:
-  /// @param colors  in place of the mesh's own; empty: those
+  /// @param colors  used instead of the mesh's own; empty: the mesh's own
   Subject(const Mesh& mesh, std::vector<Eigen::Vector3d> marks, ColorsX3 colors, bool plain,
           const LandmarkPictureOptions& options)
       : mesh_(mesh),
@@ -117,14 +118,15 @@ class Subject {
                    options_.up);
   }
 
-  /// Nothing of the mesh lies before the mark, but what is within a hundredth of its size.
+  /// Whether the mark is visible: nothing of the mesh is in front of it, except within 1 % of the
+  /// mesh's diagonal.
   bool Sees(const View& view, std::size_t mark) const {
     const Eigen::Vector3d way = marks_[mark] - view.Center();
     const RayScene::Hit hit = scene_.Cast(view.Center(), way.normalized());
     return hit.face < 0 || hit.distance > way.norm() - kVisibleWithin * diagonal_;
   }
 
-  /// The view that looks at the mark most squarely, of those that see it where any does.
+  /// The view that faces the mark most directly. Views that see the mark are preferred.
   View Squarest(std::size_t mark) const {
     const RayScene::Foot foot = scene_.ClosestPoint(marks_[mark]);
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
@@ -142,7 +144,7 @@ class Subject {
     return best;
   }
 
-  /// @param own  the pair that the view was made for: drawn even where nothing sees it; -1: none
+  /// @param own  the pair that the view was made for, which is drawn even if hidden; -1: none
   Image8 Draw(const View& view, const std::vector<DrawnPair>& pairs, int own) const {
     RenderOptions render;
     render.vertex_colors = colors_;
@@ -168,13 +170,14 @@ class Subject {
   double diagonal_;
 };
 
-/// One column of the picture: both meshes from a side.
+/// One column of the picture: a view of each mesh.
 struct Column {
   View source, target;
-  int own = -1;  // the pair that no other column shows in both rows
+  int own = -1;  // the pair that this column was added for, or -1
 };
 
-/// The sides asked for, then a column for each pair that these do not show in both rows.
+/// The requested sides, then a column for each pair that the columns before do not show on both
+/// meshes.
 std::vector<Column> Columns(const Subject& source, const Subject& target, std::size_t pairs,
                             const LandmarkPictureOptions& options) {
   std::vector<Column> columns;
@@ -204,7 +207,7 @@ Image8 DrawLandmarks(const Mesh& source, const Mesh& target, const std::vector<D
   std::vector<Eigen::Vector3d> on_source, on_target;
   for (const DrawnPair& pair : pairs)
     on_source.push_back(pair.source), on_target.push_back(pair.target);
-  // Clay that has colours is known by them; bare shapes get tints by place.
+  // Meshes with colours are drawn in them. Meshes without get tints by position.
   const bool colored = source.colors.rows() > 0 || target.colors.rows() > 0,
              tinted = !colored && !dense.empty();
   ColorsX3 tints, carried;

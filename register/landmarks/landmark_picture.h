@@ -1,4 +1,4 @@
-// Two poses beside each other with numbered landmarks, for a person to confirm by eye.
+// A picture of two poses with numbered landmarks, for a person to check.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace keypose::registration {
 
-/// A landmark to draw; its number is its place in the list, from 1.
+/// A landmark to draw. Its number is its position in the list, from 1.
 struct DrawnPair {
   Eigen::Vector3d source, target;  ///< on the meshes
-  bool confirmed = false;          ///< drawn as a square, else as a disc
+  bool confirmed = false;          ///< drawn as a square if true, else as a disc
 };
 
 struct LandmarkPictureOptions {
@@ -23,16 +23,16 @@ struct LandmarkPictureOptions {
   std::string source_name = "source", target_name = "target";  ///< written beside the rows
 };
 
-/// The source in the first row, the target in the second, from the same sides; a landmark is drawn
-/// where it can be seen. A pair that no side shows on both gets a column of its own, in which
-/// either mesh is seen most squarely at its mark; these go into further pairs of rows. A mark that
-/// can be seen from nowhere is a ring there.
+/// Draws the source in the first row and the target in the second, from the same sides. A landmark
+/// is drawn where it is visible. A pair that these views do not show on both meshes gets its own
+/// column, with a view that faces its landmark on each mesh. These columns follow in further pairs
+/// of rows. There, a landmark that no view can see is drawn as a ring.
 ///
-/// Meshes are in their own colours. Where neither has any, `dense` tints them:
-/// @param dense  for each source vertex a target vertex or -1: the source is tinted by position and
-/// the target takes the tint of the
-///               source vertex mapped nearest; empty leaves both grey
-/// @throws InputError  unusable mesh, panel < 64, no views
+/// Meshes have their own colours. If neither has colours, `dense` gives tints.
+/// @param dense  for each source vertex a target vertex or -1. The source is tinted by position; a
+///               target vertex takes the tint of the source vertex that is mapped nearest to it.
+///               Empty: both are grey.
+/// @throws InputError  unusable mesh, panel < 64, no views, `dense` of wrong length
 /// Same bits for any thread count.
 Image8 DrawLandmarks(const Mesh& source, const Mesh& target, const std::vector<DrawnPair>& pairs,
                      const std::vector<int>& dense, const LandmarkPictureOptions& options = {});

@@ -1,6 +1,7 @@
 #include "register/landmarks/landmarks.h"
 
 #include <cmath>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -42,7 +43,7 @@ CheckedLandmarks CheckLandmarks(const std::vector<PickedPair>& pairs, const Mesh
   CheckedLandmarks checked;
   const double source_diagonal = BoundingDiagonal(source.points),
                target_diagonal = BoundingDiagonal(target.points);
-  PointsX3 from(static_cast<Eigen::Index>(pairs.size()), 3);
+  PointsX3 from(std::ssize(pairs), 3);
   for (const PickedPair& pair : pairs) {
     LandmarkGoal goal;
     goal.name = pair.name;
@@ -69,9 +70,9 @@ CheckedLandmarks CheckLandmarks(const std::vector<PickedPair>& pairs, const Mesh
     from.row(checked.goals.size()) = p;
     checked.goals.push_back(goal);
   }
-  from.conservativeResize(static_cast<Eigen::Index>(checked.goals.size()), 3);
+  from.conservativeResize(std::ssize(checked.goals), 3);
   checked.coplanar = from.rows() >= 3 && SpreadRank(from) < 3;
-  checked.warnings = DoubtsAbout(checked.goals, source, target);
+  checked.warnings = WarningsAbout(checked.goals, source, target);
   return checked;
 }
 

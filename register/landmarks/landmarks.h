@@ -1,4 +1,4 @@
-// Checks picked landmark pairs and turns them into goals for registration.
+// Checks picked landmark pairs and converts them to goals for registration.
 #pragma once
 
 #include <string>
@@ -19,17 +19,19 @@ struct PickedPair {
 
 struct CheckedLandmarks {
   std::vector<LandmarkGoal> goals;
-  int duplicates = 0;     ///< pairs dropped since another says the same
-  bool coplanar = false;  ///< three or more that lie nearly in a plane: they flatten the result
-  std::vector<std::string> warnings;  ///< what looks wrong without being impossible, naming
-                                      ///< landmarks; see landmark_doubts.h
+  int duplicates = 0;     ///< pairs dropped because they repeat another pair
+  bool coplanar = false;  ///< three or more, all nearly in one plane; they flatten the result
+  std::vector<std::string> warnings;  ///< about landmarks that look wrong; see landmark_doubts.h
 };
 
-/// @throws InputError  a face that the mesh does not have, coordinates not finite or not summing to
-/// 1 or outside the triangle, or two pairs that
-///                     contradict each other: the same point (within 1e-6 of the diagonal) of one
-///                     mesh paired with points of the other that are more than 2 % of its diagonal
-///                     apart; names the landmarks
+/// Checks the pairs against both meshes.
+/// @throws InputError  names the landmarks, when
+///                     - the mesh does not have the face,
+///                     - barycentric coordinates are not finite, do not sum to 1 or are outside of
+///                       the triangle, or
+///                     - two pairs contradict each other: the same point of one mesh (within 1e-6
+///                       of the diagonal) is paired with points of the other that are more than
+///                       2 % of its diagonal apart
 CheckedLandmarks CheckLandmarks(const std::vector<PickedPair>& pairs, const Mesh& source,
                                 const Mesh& target);
 

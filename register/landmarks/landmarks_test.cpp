@@ -1,4 +1,4 @@
-// What CheckLandmarks refuses, drops and doubts.
+// Errors, dropped repeats and warnings of CheckLandmarks.
 #include "register/landmarks/landmarks.h"
 
 #include <gmock/gmock.h>
@@ -16,10 +16,10 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A box cut finely enough for distances along it.
+/// A box with faces small enough to measure distances along it.
 Mesh FineTube() { return MakeCylinder(1, 6, 24, 30); }
 
-/// Face and corner of the vertex nearest to a place.
+/// The vertex nearest to a point, as a face and a corner.
 PickedPair PickAt(const std::string& name, const Mesh& source, const Eigen::RowVector3d& on_source,
                   const Mesh& target, const Eigen::RowVector3d& on_target) {
   const auto nearest = [](const Mesh& mesh, const Eigen::RowVector3d& p, int& face,

@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::registration {
 
@@ -49,14 +51,14 @@ double Spread(const PointsX3& p) {
                    static_cast<double>(p.rows()));
 }
 
-/// Similarity ICP between two sets of samples with optional landmarks.
+/// Similarity ICP between two sets of samples, with optional landmarks.
 class SimilarityIcp {
  public:
   SimilarityIcp(const PointsX3& a, const PointsX3& b, const PointsX3& a_marks,
                 const PointsX3& b_marks)
       : a_(a), b_(b), a_marks_(a_marks), b_marks_(b_marks), b_tree_(b) {}
 
-  /// @return mean square of what the fit was made of
+  /// @return mean squared distance of the matched pairs, plus that of the landmarks
   double Run(Similarity3& b_from_a, int rounds, bool with_scale) const {
     double cost = std::numeric_limits<double>::infinity();
     for (int round = 0; round < rounds; ++round) {
@@ -87,7 +89,7 @@ class SimilarityIcp {
     }
     std::vector<Pair> pairs = Closest(forth);
     for (const Pair& p : Closest(back))
-      pairs.push_back(p);  // both ways: one way alone shrinks the source to nothing
+      pairs.push_back(p);  // both ways, since one way alone would shrink the source to a point
     const double cost = Cost(b_from_a, pairs);
     b_from_a = Fit(pairs, b_from_a, with_scale);
     return cost;
@@ -114,7 +116,7 @@ class SimilarityIcp {
 
   Similarity3 Fit(const std::vector<Pair>& pairs, const Similarity3& before,
                   bool with_scale) const {
-    const Eigen::Index n = static_cast<Eigen::Index>(pairs.size()), marks = a_marks_.rows();
+    const Eigen::Index n = std::ssize(pairs), marks = a_marks_.rows();
     PointsX3 from(n + marks, 3), to(n + marks, 3);
     Eigen::VectorXd weights(n + marks);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -147,7 +149,7 @@ Alignment AlignByIcp(const Mesh& source, const Mesh& target, const PointsX3& sou
   const std::vector<Eigen::Matrix3d> starts = Starts();
   std::vector<Similarity3> fits(starts.size());
   std::vector<double> costs(starts.size());
-  ParallelFor(static_cast<std::int64_t>(starts.size()), [&](std::int64_t s) {
+  ParallelFor(std::ssize(starts), [&](std::int64_t s) {
     fits[s].scale = Spread(b) / spread;
     fits[s].rotation = starts[s];
     fits[s].translation = (b.colwise().mean().transpose() -
@@ -162,7 +164,7 @@ Alignment AlignByIcp(const Mesh& source, const Mesh& target, const PointsX3& sou
   result.target_from_source = fits[best];
   const double cost = icp.Run(result.target_from_source, kFineRounds, true);
   result.method = source_marks.rows() > 0 ? "icp with landmarks" : "icp";
-  result.starts = static_cast<int>(starts.size());
+  result.starts = SizeOf(starts);
   result.residual = std::sqrt(cost) / BoundingDiagonal(target.points);
   return result;
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
@@ -15,7 +14,7 @@ namespace keypose::registration {
 
 namespace {
 constexpr std::int64_t kGrain = 256;
-// barycentric coordinate below which a foot counts as lying on the opposite edge
+// Below this barycentric coordinate a closest point counts as on the opposite edge.
 constexpr double kOnEdge = 1e-9;
 }  // namespace
 
@@ -24,8 +23,8 @@ struct TargetSurface::Impl {
       : faces(f), normals(VertexNormals(points, f)), scene(points, f) {
     FindOpenEdges();
   }
-  /// Edges with one face. Sides are gathered at their lower vertex, which is much faster than a map
-  /// of edges.
+  /// Finds edges with one face. Edges are grouped by their lower vertex, which is much faster than
+  /// a map of edges.
   void FindOpenEdges() {
     struct Side {
       int other, face, corner;  // the corner opposite to it
@@ -57,7 +56,7 @@ struct TargetSurface::Impl {
       }
     }
   }
-  /// `near` lies on the surface but for rounding: nothing further away is looked at.
+  /// @param near  a point on the surface, up to rounding; nothing farther away is searched
   RayScene::Foot ClosestPoint(const Eigen::Vector3d& p, const Eigen::Vector3d& near) const {
     const RayScene::Foot foot =
         scene.ClosestPoint(p, (1 + 1e-9) * (near - p).norm() + 1e-12 * p.norm());
@@ -94,11 +93,8 @@ TargetSurface::TargetSurface(const PointsX3& points, const FacesX3& faces) {
 
 TargetSurface::~TargetSurface() = default;
 
-Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source_faces,
-                                    bool reject_crossing) const {
+Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source_faces) const {
   const PointsX3 normals = VertexNormals(moved, source_faces);
-  std::optional<RayScene> source;
-  if (reject_crossing) source.emplace(moved, source_faces);
   Correspondences found{PointsX3(moved.rows(), 3), Eigen::VectorXd::Zero(moved.rows())};
   ParallelBlocks(moved.rows(), kGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
@@ -107,11 +103,6 @@ Correspondences TargetSurface::Find(const PointsX3& moved, const FacesX3& source
       found.closest.row(i) = foot.face < 0 ? p : foot.point;
       if (foot.face < 0 || !(normals.row(i).dot(impl_->NormalAt(foot)) > 0) ||
           impl_->OnBoundary(foot))
-        continue;
-      // The first and last thousandth of the way are left out: they touch the two surfaces
-      // themselves.
-      if (source && foot.squared_distance > 0 &&
-          source->Occluded(p, foot.point - p, 1e-3, 1 - 1e-3))
         continue;
       found.weights[i] = 1;
     }

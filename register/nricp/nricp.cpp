@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "core/errors.h"
@@ -14,7 +15,7 @@ namespace keypose::registration {
 namespace {
 
 constexpr double kPcgTolerance = 1e-5;
-constexpr int kPcgSteps = 12;  // beyond this a new factor is cheaper
+constexpr int kPcgSteps = 12;  // with more steps, a new factor is cheaper
 
 class Stopwatch {
  public:
@@ -38,8 +39,8 @@ void CheckInputs(const Mesh& source, const Mesh& target, const std::vector<Landm
   RequireStiffness(stiffness, source.vertex_count(), "register");
 }
 
-/// Mean of the target at the origin and its diagonal 2: alpha, beta and gamma mean nothing in other
-/// units.
+/// The similarity that moves the target's mean to the origin and scales its diagonal to 2. The
+/// values of alpha, beta and gamma are for this scale.
 Similarity3 Normalisation(const PointsX3& points) {
   Similarity3 s;
   s.scale = 2 / BoundingDiagonal(points);
@@ -56,7 +57,7 @@ class Registration {
         options_(options),
         progress_(progress),
         stiffness_(stiffness) {
-    const Eigen::Index count = static_cast<Eigen::Index>(landmarks.size());
+    const Eigen::Index count = std::ssize(landmarks);
     PointsX3 from(count, 3), to(count, 3);
     for (Eigen::Index l = 0; l < count; ++l) {
       from.row(l) = PositionOf(landmarks[l].source, source.points);
@@ -108,15 +109,14 @@ class Registration {
     return NricpSystem(rest, source_.faces, marks_, stiffness_);
   }
 
-  /// Search and solve at one stiffness while X still moves. (Algorithm 1 prints the test the other
-  /// way round.)
+  /// Searches and solves at one stiffness until X hardly changes. (The printed test in Algorithm 1
+  /// is reversed.)
   void Round(NricpSystem& system, const TargetSurface& target, Eigen::MatrixXd& x) {
     for (int inner = 0; inner < options_.max_inner; ++inner) {
       if (progress_ && progress_->cancelled()) throw Cancelled();
       {
         Stopwatch watch(result_.seconds_search);
-        Correspondences found =
-            target.Find(system.Deformed(x), source_.faces, options_.reject_crossing);
+        Correspondences found = target.Find(system.Deformed(x), source_.faces);
         terms_.closest = std::move(found.closest);
         terms_.weights = std::move(found.weights);
       }

@@ -19,10 +19,8 @@ struct NricpOptions {
   double beta_until = 1;   ///< landmarks count while the stiffness is above this
   double gamma = 1;  ///< weight of translation against rotation and scale in the stiffness term
   double epsilon = 1e-3;  ///< an inner loop ends when |X - X before|_F / sqrt(V) is below
-  int max_inner = 10;     ///< or after so many solves
-  /// also drop correspondences whose segment passes through the source
-  bool reject_crossing = false;
-  /// factor at every solve instead of conjugate gradients on the last factor
+  int max_inner = 10;     ///< or after this many solves
+  /// factor at every solve, instead of conjugate gradients with the last factor
   bool exact_solves = false;
 };
 
@@ -31,31 +29,33 @@ struct NricpResult {
   /// V, linear part of each vertex's affine map from source to target frame
   std::vector<Eigen::Matrix3d> transforms;
   Alignment alignment;
-  int iterations = 0;  ///< searches and solves, over all rounds
+  int iterations = 0;  ///< pairs of a search and a solve, over all rounds
   int factorisations = 0, analyses = 0;
   long pcg_steps = 0;
   int unconverged_rounds = 0;  ///< rounds that ended at max_inner
-  double kept = 0;             ///< share of vertices with a believed correspondence at the end
-  int loose_components = 0;    ///< parts of the source that nothing held in place in some round
+  double kept = 0;             ///< share of vertices whose correspondence was used at the end
+  int loose_components = 0;    ///< parts of the source that nothing held in place, the most in one
+                               ///< round
   double seconds_align = 0, seconds_search = 0, seconds_solve = 0;
 };
 
-/// The source bent onto the target by locally affine maps of falling stiffness.
+/// Bends the source onto the target with one affine map per vertex. The stiffness falls from round
+/// to round.
 ///
-/// @param source     V >= 1 vertices; open, closed, several parts, all allowed
+/// @param source     V >= 1 vertices; may be open and have several parts
 /// @param target     any usable mesh, open or closed
 /// @param landmarks  may be empty; then alignment is by ICP, see alignment.h
-/// @param stiffness  V, multiplies alpha at each vertex, or empty
-/// @throws InputError   unusable mesh, landmark off the source, stiffness of another length or not
+/// @param stiffness  V, factor on alpha at each vertex, or empty
+/// @throws InputError   unusable mesh, landmark off the source, stiffness of wrong length or not
 /// positive
 /// @throws SolverError  the system cannot be solved
 /// @throws Cancelled
 /// Cost: one analysis; per round a few closest point searches and solves.
 /// Same bits for any thread count.
-/// Source: Ebner et al., E-StopMotion, Algorithm 1 (its inner loop is printed with the comparison
+/// Source: Ebner et al., E-StopMotion, Algorithm 1 (the printed test of its inner loop is
 /// reversed), after Amberg et al. 2007.
-/// Departs: solves between factorisations are conjugate gradients to 1e-5 of the right-hand side
-/// (exact_solves turns that off).
+/// Departs: between factorisations, systems are solved by conjugate gradients to 1e-5 of the
+/// right-hand side (exact_solves turns that off).
 NricpResult RegisterNricp(const Mesh& source, const Mesh& target,
                           const std::vector<LandmarkGoal>& landmarks,
                           const Eigen::VectorXd& stiffness, const NricpOptions& options,

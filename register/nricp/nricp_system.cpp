@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <iterator>
 #include <string>
 
 #include "core/errors.h"
@@ -64,7 +65,7 @@ NricpSystem::NricpSystem(const PointsX3& points, const FacesX3& faces,
                          const Eigen::VectorXd& stiffness) {
   RequireStiffness(stiffness, points.rows(), "register");
   impl_ = std::make_unique<Impl>(points, faces, landmarks);
-  impl_->edge_weight.setOnes(static_cast<Eigen::Index>(impl_->pattern.edges.size()));
+  impl_->edge_weight.setOnes(std::ssize(impl_->pattern.edges));
   if (stiffness.size() == 0) return;
   for (std::size_t e = 0; e < impl_->pattern.edges.size(); ++e) {
     const auto [i, j] = impl_->pattern.edges[e];
@@ -126,8 +127,9 @@ void NricpSystem::Impl::AddLandmarks(const NricpTerms& t) {
   }
 }
 
-/// A part whose rows do not fix all twelve numbers of an affine map (nothing, too few or coplanar
-/// points) would make the system singular.
+/// Adds the weak pull to parts that no term holds in place. Without it, a part whose rows do not
+/// determine all twelve numbers of an affine map (no, too few or coplanar points) makes the system
+/// singular.
 void NricpSystem::Impl::HoldLooseParts(const Eigen::MatrixXd& current) {
   std::vector<char> is_loose(component_count, 0);
   loose = 0;
@@ -158,8 +160,8 @@ void NricpSystem::Refill(const NricpTerms& terms, const Eigen::MatrixXd& current
   Impl& s = *impl_;
   const Eigen::Index n = s.pattern.vertex_count;
   if (terms.weights.size() != n || terms.closest.rows() != n ||
-      terms.landmarks.rows() != static_cast<Eigen::Index>(s.landmarks.size()) ||
-      current.rows() != 4 * n || current.cols() != 3)
+      terms.landmarks.rows() != std::ssize(s.landmarks) || current.rows() != 4 * n ||
+      current.cols() != 3)
     throw InputError("register: terms of the system have wrong sizes");
   s.terms = terms;
   std::fill(s.values.begin(), s.values.end(), 0.0);
@@ -213,7 +215,7 @@ Eigen::MatrixXd NricpSystem::SolveNear(const Eigen::MatrixXd& start, double tole
   Eigen::MatrixXd x = start, r = s.rhs - s.Multiply(x), z, p;
   const Eigen::RowVector3d goal = tolerance * s.rhs.colwise().norm();
   Eigen::RowVector3d rz = Eigen::RowVector3d::Zero();
-  // Three recurrences in lock-step, one per coordinate, so that they share each solve.
+  // Three conjugate gradient runs in parallel, one per coordinate, so that they share each solve.
   for (int step = 0; step <= max_steps; ++step) {
     if ((r.colwise().norm().array() <= goal.array()).all()) return x;
     if (step == max_steps) break;

@@ -1,5 +1,7 @@
 #include "register/nricp/nricp_system.h"
 
+#include <iterator>
+
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
@@ -12,7 +14,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// Smooth made-up numbers, the same on every machine.
+/// Smooth artificial numbers, the same on every machine.
 MatrixXd Waves(Eigen::Index rows, Eigen::Index cols, double phase) {
   MatrixXd m(rows, cols);
   for (Eigen::Index i = 0; i < rows; ++i)
@@ -42,11 +44,10 @@ struct Scene {
   }
 };
 
-/// A and B of E = |A X - B|^2 exactly as they are written in the paper, dense.
+/// A and B of E = |A X - B|^2 as dense matrices, exactly as written in the paper.
 void DenseRows(const Scene& s, MatrixXd& a, MatrixXd& b) {
   const auto edges = UndirectedEdges(s.mesh.faces);
-  const Eigen::Index n = s.mesh.vertex_count(), e = static_cast<Eigen::Index>(edges.size()),
-                     l = static_cast<Eigen::Index>(s.marks.size());
+  const Eigen::Index n = s.mesh.vertex_count(), e = std::ssize(edges), l = std::ssize(s.marks);
   a = MatrixXd::Zero(4 * e + n + l, 4 * n);
   b = MatrixXd::Zero(a.rows(), 3);
   for (Eigen::Index k = 0; k < e; ++k)
@@ -92,7 +93,7 @@ TEST(NricpSystem, GradientEqualsFiniteDifferences) {
   for (int row = 0; row < x.rows(); row += 7)
     for (int col = 0; col < 3; ++col) {
       MatrixXd up = x, down = x;
-      // the energy is a square, so central differences are exact but for rounding
+      // the energy is quadratic, so central differences are exact up to rounding
       up(row, col) += 1e-3;
       down(row, col) -= 1e-3;
       EXPECT_NEAR((system.Energy(up) - system.Energy(down)) / 4e-3, g(row, col),

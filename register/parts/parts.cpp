@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -17,6 +18,7 @@
 #include "core/kd_tree.h"
 #include "core/mesh_checks.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose::registration {
@@ -24,19 +26,19 @@ namespace keypose::registration {
 namespace {
 
 using Eigen::Vector3d;
-constexpr int kFeet = 96;          // of one part's vertices, at most
-constexpr double kSoftFoot = 0.1;  // of the part's size: feet nearer than this count alike
-constexpr double kRing = 0.5;      // of the part's size: how far along the host the anchors spread
-constexpr double kRingShare = 0.25;  // of the weight
-// a part changes its size no more than this beyond what the host does
+constexpr int kFeet = 96;            // most closest points of one part on its seat
+constexpr double kSoftFoot = 0.1;    // over the part's size: closer points have about equal weight
+constexpr double kRing = 0.5;        // over the part's size: distance to which anchors spread
+constexpr double kRingShare = 0.25;  // weight of these additional anchors
+// Largest factor between the scale of a part and that of the host.
 constexpr double kMostScale = 1.25;
-constexpr int kCounterpartFeet = 400;        // of one part, laid onto its counterpart
-constexpr int kCounterpartRounds = 30;       // of closest points
-constexpr double kCounterpartGrowth = 1.25;  // and what it may grow or shrink by
-constexpr double kSizeAlike = 1.4;           // of counterparts
-constexpr double kCentreReach = 0.75;        // of a part's size: its counterpart's centre is nearer
+constexpr int kCounterpartFeet = 400;        // vertices of a part fitted to its counterpart
+constexpr int kCounterpartRounds = 30;       // ICP rounds of this fit
+constexpr double kCounterpartGrowth = 1.25;  // largest change of scale in this fit
+constexpr double kSizeAlike = 1.4;           // largest ratio of the sizes of counterparts
+constexpr double kCentreReach = 0.75;        // largest distance of centres, over the part's size
 
-/// The first vertex at the place of each.
+/// For each vertex the first vertex with the same position.
 std::vector<int> Places(const PointsX3& points) {
   std::vector<int> order(static_cast<std::size_t>(points.rows())), place(order.size());
   std::iota(order.begin(), order.end(), 0);
@@ -48,8 +50,8 @@ std::vector<int> Places(const PointsX3& points) {
   return place;
 }
 
-/// Component of each vertex; -1 for vertices that no face uses. Seams, where edges repeat at the
-/// same place, do not part.
+/// The connected components of a mesh. Seams, where an edge occurs twice at the same position, do
+/// not divide a component. Vertices that no face uses have component -1.
 struct MeshParts {
   std::vector<int> of_vertex;
   std::vector<double> diagonal;
@@ -71,7 +73,7 @@ struct MeshParts {
       if (!used[v]) continue;
       const int r = joined.Find(v);
       if (id[r] < 0) {
-        id[r] = static_cast<int>(boxes.size());
+        id[r] = SizeOf(boxes);
         boxes.emplace_back();
       }
       of_vertex[v] = id[r];
@@ -82,7 +84,8 @@ struct MeshParts {
 
  private:
   static void JoinSeams(const Mesh& mesh, UnionFind& joined) {
-    // A seam repeats both ends of its edges. One repeated point alone is but two parts that touch.
+    // At a seam both ends of an edge are repeated. A single repeated point only means that two
+    // parts touch.
     const std::vector<int> place = Places(mesh.points);
     std::vector<std::array<int, 3>> edges;
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
@@ -97,16 +100,16 @@ struct MeshParts {
   }
 };
 
-/// A piece of the mesh that something may sit on.
+/// A piece of the mesh that a loose part may sit on.
 struct Seat {
   std::vector<int> faces;  // of the mesh
   FacesX3 corners;
-  std::unique_ptr<RayScene> scene;  // made when first asked for
+  std::unique_ptr<RayScene> scene;  // built on first use
   Eigen::AlignedBox3d box;
 
   const RayScene& Scene(const Mesh& mesh) {
     if (!scene) {
-      corners.resize(static_cast<Eigen::Index>(faces.size()), 3);
+      corners.resize(std::ssize(faces), 3);
       for (std::size_t i = 0; i < faces.size(); ++i) corners.row(i) = mesh.faces.row(faces[i]);
       scene = std::make_unique<RayScene>(mesh.points, corners);
     }
@@ -127,7 +130,7 @@ double MeanDistance(const RayScene& scene, const Mesh& mesh, const std::vector<i
   return sum / static_cast<double>(vertices.size());
 }
 
-/// Distances along the edges of a seat from some of its vertices, as far as `reach`.
+/// Distances along mesh edges from the given vertices, up to `reach`.
 std::map<int, double> Around(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors,
                              const std::map<int, double>& from, double reach) {
   std::map<int, double> distance;
@@ -153,7 +156,8 @@ std::map<int, double> Around(const Mesh& mesh, const std::vector<std::vector<int
   return distance;
 }
 
-/// Binds a part to the surface that its feet stand on, and, more weakly, to what lies around them.
+/// Binds a part to the faces of its seat that are closest to it and, with less weight, to the
+/// surface around them.
 void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat& seat,
           LoosePart& part) {
   std::map<int, double> weights;
@@ -162,7 +166,8 @@ void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat
   for (int v : SomeOf(part.vertices, kFeet)) {
     const RayScene::Foot foot = seat.Scene(mesh).ClosestPoint(mesh.points.row(v));
     const double w = soft * soft / (foot.squared_distance + soft * soft);
-    // All three corners take part, so that a foot on an edge still says how the face is turned.
+    // All three corners get some weight, so that a closest point on an edge still follows the
+    // rotation of the face.
     for (int k = 0; k < 3; ++k)
       weights[seat.corners(foot.face, k)] += w * (foot.barycentric[k] + 0.1);
     total += 1.3 * w;
@@ -174,9 +179,9 @@ void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat
   };
   for (const auto& [v, d] : ring) ring_total += fade(d);
   for (const auto& [v, d] : ring) weights[v] += kRingShare * total * fade(d) / ring_total;
-  part.weights.resize(static_cast<Eigen::Index>(weights.size()));
+  part.weights.resize(std::ssize(weights));
   for (const auto& [v, w] : weights) {
-    part.weights[static_cast<Eigen::Index>(part.anchors.size())] = w;
+    part.weights[std::ssize(part.anchors)] = w;
     part.anchors.push_back(v);
   }
   part.weights /= part.weights.sum();
@@ -192,12 +197,12 @@ std::vector<std::vector<int>> Neighbors(const Mesh& mesh) {
 }
 
 PointsX3 RowsOf(const PointsX3& points, const std::vector<int>& rows) {
-  PointsX3 some(static_cast<Eigen::Index>(rows.size()), 3);
+  PointsX3 some(std::ssize(rows), 3);
   for (std::size_t i = 0; i < rows.size(); ++i) some.row(i) = points.row(rows[i]);
   return some;
 }
 
-/// The similarity of least squares, its scale kept near `scale`.
+/// The least squares similarity transform with its scale limited to values near `scale`.
 Similarity3 FitNear(const PointsX3& from, const PointsX3& to, const Eigen::VectorXd& weights,
                     double scale) {
   const Vector3d mean_from = from.transpose() * weights / weights.sum(),
@@ -214,7 +219,7 @@ Similarity3 FitNear(const PointsX3& from, const PointsX3& to, const Eigen::Vecto
   return fit;
 }
 
-/// How much larger the host has become.
+/// The change of size of the host: the square root of the ratio of areas.
 double HostScale(const Mesh& source, const LooseParts& parts, const PointsX3& moved) {
   std::vector<char> loose(source.vertex_count(), 0);
   for (const LoosePart& part : parts.parts)
@@ -276,7 +281,8 @@ LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
     const std::vector<int> some = SomeOf(part.vertices, kFeet);
     double nearest = MeanDistance(host.Scene(mesh), mesh, some);
     for (std::size_t j = 0; j < i; ++j) {
-      // Only what it touches, or nearly: two eyes side by side do not sit on each other.
+      // A part only sits on another part if they touch, or nearly: two eyes side by side do not sit
+      // on each other.
       if (components.diagonal[order[j]] <= part.diagonal ||
           seats[j].box.exteriorDistance(seats[i].box) > 0.05 * part.diagonal)
         continue;
@@ -299,7 +305,7 @@ Mesh HostOf(const Mesh& mesh, const LooseParts& parts) {
   std::vector<int> kept;
   for (int f = 0; f < mesh.face_count(); ++f)
     if (row[mesh.faces(f, 0)] >= 0) kept.push_back(f);
-  host.faces.resize(static_cast<Eigen::Index>(kept.size()), 3);
+  host.faces.resize(std::ssize(kept), 3);
   for (std::size_t i = 0; i < kept.size(); ++i)
     for (int k = 0; k < 3; ++k)
       host.faces(static_cast<Eigen::Index>(i), k) = row[mesh.faces(kept[i], k)];
@@ -314,7 +320,7 @@ PointsX3 MoveLooseParts(const Mesh& source, const LooseParts& parts, const Point
   const double scale = HostScale(source, parts, moved);
   std::vector<Similarity3> motions;
   for (const LoosePart& part : parts.parts) {
-    // What sits on a loose part moves as that does, to the bit.
+    // A part that sits on a loose part gets exactly the same motion.
     motions.push_back(part.parent >= 0
                           ? motions[part.parent]
                           : FitNear(RowsOf(source.points, part.anchors),
@@ -327,7 +333,7 @@ PointsX3 MoveLooseParts(const Mesh& source, const LooseParts& parts, const Point
 
 PointsX3 MoveLoosePartsWithHost(const Mesh& source, const LooseParts& parts,
                                 const PointsX3& moved_host) {
-  if (moved_host.rows() != static_cast<Eigen::Index>(parts.host_vertices.size()))
+  if (moved_host.rows() != std::ssize(parts.host_vertices))
     throw InputError("register: loose parts: the moved points are not the host's");
   PointsX3 points = source.points;
   for (std::size_t i = 0; i < parts.host_vertices.size(); ++i)
@@ -337,7 +343,7 @@ PointsX3 MoveLoosePartsWithHost(const Mesh& source, const LooseParts& parts,
 
 namespace {
 
-/// Middle of each part's surface.
+/// The centre of each part, weighted by area.
 std::vector<Vector3d> Centres(const LooseParts& parts, const PointsX3& points,
                               const FacesX3& faces) {
   std::vector<int> part_of(static_cast<std::size_t>(points.rows()), -1);
@@ -369,7 +375,8 @@ int NearestCentre(const Vector3d& p, const std::vector<Vector3d>& centres) {
   return best;
 }
 
-/// A motion onto the part's own landmarks; false when it has none.
+/// Finds the motion of a part onto its own landmarks.
+/// @return false when it has none
 bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
                    const std::vector<LandmarkGoal>& landmarks, Similarity3& motion) {
   std::vector<Vector3d> from, to;
@@ -388,10 +395,10 @@ bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
     motion.translation = to[0] - from[0];
     return true;
   }
-  // Its place as it is counts a little, which settles the turn that two landmarks leave open.
+  // The part's current orientation has a small weight. It decides the rotation that two landmarks
+  // leave open.
   const std::vector<int> some = SomeOf(part.vertices, kFeet);
-  const auto marks = static_cast<Eigen::Index>(from.size()),
-             rest = static_cast<Eigen::Index>(some.size());
+  const auto marks = std::ssize(from), rest = std::ssize(some);
   PointsX3 a(marks + rest, 3), b(marks + rest, 3);
   Eigen::VectorXd weights(marks + rest);
   Vector3d shift = Vector3d::Zero();
@@ -408,8 +415,8 @@ bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
   return true;
 }
 
-/// The similarity that lays a part, already about in place, onto its counterpart; none where that
-/// brings it no closer.
+/// Fits a part that is already near its counterpart to it by similarity ICP. The identity if that
+/// brings it no closer, or changes its scale too much.
 Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const FacesX3& faces,
                             const LoosePart& other, const Mesh& target) {
   const std::vector<int> some = SomeOf(part.vertices, kCounterpartFeet);
@@ -426,7 +433,7 @@ Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const
       for (const KdTree::Neighbor& near : tree.Nearest(at.row(i).transpose(), 8)) {
         const Vector3d normal = their_normals.row(near.index);
         if (normal.dot(motion.rotation * normals.row(i).transpose()) < 0.5) continue;
-        // To the plane there, and a little to the point, so that flat parts settle.
+        // Goes to the plane, and partly to the point, so that flat parts do not slide.
         const Vector3d way = theirs.row(near.index) - at.row(i);
         goals.row(i) +=
             (normal * normal.dot(way) + 0.3 * (way - normal * normal.dot(way))).transpose();

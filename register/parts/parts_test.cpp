@@ -4,10 +4,12 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <iterator>
 
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/testing_shapes.h"
 #include "register/testing/scenes.h"
 
@@ -23,8 +25,8 @@ Mesh Ball(double radius, const RowVector3d& centre) {
   return ball;
 }
 
-/// A tube of length 4 with two eyeballs near its end, one of which has a pupil. Half of each
-/// eyeball is sunk into the tube.
+/// A tube of length 4 with two eyeballs near its end. One eyeball has a pupil. Half of each eyeball
+/// is inside the tube.
 struct TubeWithEyes {
   Mesh tube = MakeCylinder(0.3, 4, 32, 80);
   Mesh left = Ball(0.1, {0.3, 0, 3.5}), right = Ball(0.1, {-0.3, 0, 3.5}),
@@ -32,7 +34,7 @@ struct TubeWithEyes {
   Mesh mesh = Joined(Joined(Joined(tube, left), right), pupil);
   int first_eye = tube.vertex_count(), eye = left.vertex_count();
 
-  /// The tube bent by `angle` in the xz plane; rows of the eyes keep their place.
+  /// Bends the tube by `angle` in the xz plane. The eyes do not move.
   PointsX3 Bent(double angle) const {
     PointsX3 p = mesh.points;
     const double radius = 4 / angle;
@@ -47,7 +49,7 @@ struct TubeWithEyes {
   }
 };
 
-/// Largest change of a distance between a part's vertices, over the part's size.
+/// Largest change of a distance between two vertices of a part, over the part's size.
 double Shear(const PointsX3& before, const PointsX3& after) {
   double worst = 0, scale = BoundingDiagonal(before);
   for (Eigen::Index i = 0; i < before.rows(); ++i)
@@ -62,7 +64,7 @@ TEST(FindLooseParts, EyesSitOnTheTubeAndThePupilOnItsEye) {
   const TubeWithEyes t;
   const LooseParts parts = FindLooseParts(t.mesh);
   ASSERT_EQ(parts.parts.size(), 3u);
-  EXPECT_EQ(static_cast<int>(parts.host_vertices.size()), t.tube.vertex_count());
+  EXPECT_EQ(SizeOf(parts.host_vertices), t.tube.vertex_count());
   EXPECT_EQ(parts.parts[0].parent, -1);
   EXPECT_EQ(parts.parts[1].parent, -1);
   EXPECT_EQ(parts.parts[2].parent, 0);
@@ -70,7 +72,7 @@ TEST(FindLooseParts, EyesSitOnTheTubeAndThePupilOnItsEye) {
   for (const LoosePart& part : parts.parts) {
     EXPECT_NEAR(part.weights.sum(), 1, 1e-12);
     EXPECT_GT(part.weights.minCoeff(), 0);
-    ASSERT_EQ(static_cast<Eigen::Index>(part.anchors.size()), part.weights.size());
+    ASSERT_EQ(std::ssize(part.anchors), part.weights.size());
   }
   for (int v : parts.parts[0].anchors) {
     EXPECT_LT(v, t.tube.vertex_count());
@@ -132,12 +134,12 @@ TEST(MoveLooseParts, EyesFollowABendWithoutShear) {
                 1e-9);
       EXPECT_GT(size, 0.7);
       EXPECT_LT(size, 1.4);
-      // Where the bend takes the eye's centre.
+      // The eye's centre follows the bend.
       const double r = radius - (i == 0 ? 0.3 : -0.3);
       const RowVector3d centre(radius - r * std::cos(a), 0, r * std::sin(a));
       EXPECT_LT((after.colwise().mean() - centre).norm(), 0.03) << angle;
     }
-    // The pupil stays in its place on the eye.
+    // The pupil keeps its place on the eye.
     const PointsX3 eye = t.Rows(moved, t.first_eye, t.eye),
                    pupil = t.Rows(moved, t.first_eye + 2 * t.eye, t.eye);
     const double grown = (pupil.row(0) - pupil.row(1)).norm() /

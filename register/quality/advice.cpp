@@ -1,14 +1,16 @@
-// Where one more landmark would help. Kept apart from the measures: it works on patches of the
-// source, not on samples.
+// Where one more landmark would help. Unlike quality.cpp, it works on patches of the source, not on
+// samples.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "deform/levels/step_queue.h"
 #include "register/quality/closest_points.h"
 #include "register/quality/quality.h"
@@ -21,22 +23,22 @@ using Eigen::VectorXd;
 constexpr double kUnreached = std::numeric_limits<double>::infinity();
 constexpr int kPatches = 120;
 constexpr int kTargetSamples = 2500;
-constexpr int kMostFaces = 200000;  // of the source, that are looked at
-// of the source's diagonal: the least distance between two places, and from a landmark
+constexpr int kMostFaces = 200000;  // about how many source faces are measured
+// Least distance between two places and from a landmark, over the source's diagonal.
 constexpr double kApart = 0.08;
-// of the diagonal: how far a landmark holds the surface around it, roughly
+// Rough distance to which a landmark holds the surface, over the diagonal.
 constexpr double kReach = 0.12;
-// of the target's diagonal: this misfit weighs as much as a stretch by 1.5
+// This misfit counts as much as a stretch by 1.5, over the target's diagonal.
 constexpr double kMisfitUnit = 0.01;
 constexpr double kLeastNeed = 0.15;  // below this nothing is wrong
-// a component with less of the area needs no landmark of its own
+// A component with a smaller share of the area needs no landmark of its own.
 constexpr double kSmallPart = 0.05;
 
-/// The source's edges as lists of neighbours with lengths.
+/// The source's edges: for each vertex its neighbours, and the edge lengths.
 struct Graph {
   std::vector<int> begin, neighbor;
   std::vector<double> length;
-  double steps_per_length = 0;  // of the queue of a search, see GeodesicGraph
+  double steps_per_length = 0;  // of the search queue, see GeodesicGraph
 
   explicit Graph(const Mesh& mesh) : begin(mesh.vertex_count() + 1, 0) {
     const auto edges = UndirectedEdges(mesh.faces);
@@ -60,8 +62,8 @@ struct Graph {
     if (!std::isfinite(steps_per_length)) steps_per_length = 0;
   }
 
-  /// Lowers `distance` to the distance along edges from new seeds, and sets `owner` to `label`
-  /// where it does.
+  /// Lowers `distance` to the distance along edges from new seeds. Sets `owner` to `label` where
+  /// `distance` changed.
   void Spread(const std::vector<std::pair<int, double>>& seeds, int label, VectorXd& distance,
               std::vector<int>& owner) const {
     StepQueue queue(steps_per_length);
@@ -79,12 +81,11 @@ struct Graph {
   }
 };
 
-/// The source cut into patches of about equal size, and how far along the surface each vertex is
-/// from the landmarks.
+/// The source divided into patches of about equal size.
 struct SignalPatches {
   std::vector<int> of_vertex;  // -1: of no patch
   std::vector<int> seeds;
-  VectorXd out;  // for each patch: mean distance to all others over the largest such mean; near 1
+  VectorXd out;  // for each patch: mean distance to the others, over the largest such mean; near 1
                  // at the ends of limbs
 
   SignalPatches(const Mesh& mesh, const Graph& graph, const std::vector<char>& wanted)
@@ -98,9 +99,9 @@ struct SignalPatches {
       graph.Spread({{farthest, 0.0}}, n, distance, of_vertex);
       seeds.push_back(farthest);
     }
-    out = VectorXd::Zero(static_cast<Eigen::Index>(seeds.size()));
+    out = VectorXd::Zero(std::ssize(seeds));
     std::vector<int> unused(mesh.vertex_count());
-    // Every tenth patch is enough to tell the ends from the middle.
+    // Every tenth patch is enough to distinguish the ends from the middle.
     for (std::size_t n = 0; n < seeds.size(); n += 10) {
       VectorXd d = VectorXd::Constant(mesh.vertex_count(), kUnreached);
       graph.Spread({{seeds[n], 0.0}}, 0, d, unused);
@@ -135,13 +136,13 @@ std::vector<char> LargeComponents(const Mesh& mesh, const Graph& graph) {
   return large;
 }
 
-/// Means over the patches, weighed by area.
+/// Means over the patches, weighted by area.
 struct Signals {
   VectorXd misfit, stretch,
       flipped;  // over the diagonal; natural logarithm of the larger change; share of area
 };
 
-/// Of the faces that are looked at.
+/// The same signals for each measured face.
 struct FaceSignals {
   std::vector<int> faces;
   VectorXd misfit, stretch, flipped, area;
@@ -159,8 +160,8 @@ double LargerChange(const Mesh& source, const PointsX3& registered, int f, doubl
   return largest;
 }
 
-/// How far what nothing reaches is, at the nearest registered face: a limb that stayed behind has
-/// all of it at its end.
+/// For each registered face, the largest distance of the target samples that are nearest to it. If
+/// a limb did not follow, this is large at its end.
 VectorXd MissedTarget(int face_count, const Mesh& target, const ResultSurfaces& surfaces) {
   VectorXd missed = VectorXd::Zero(face_count);
   if (!(SurfaceArea(target.points, target.faces) > 0)) return missed;
@@ -184,7 +185,7 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
   const int stride = 1 + (source.face_count() - 1) / kMostFaces;
   for (int f = 0; f < source.face_count(); ++f)
     if (f % stride == 0 || missed[f] > 0) s.faces.push_back(f);
-  const auto count = static_cast<Eigen::Index>(s.faces.size());
+  const auto count = std::ssize(s.faces);
   const FacesX3 faces = source.faces(s.faces, Eigen::all);
   PointsX3 centres(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
@@ -198,7 +199,7 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
   s.misfit = s.stretch = s.flipped = VectorXd(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const RayScene::Foot& foot = feet[i];
-    // Coordinates whose squares are no single-precision numbers have no closest point.
+    // Coordinates whose squares overflow single precision have no closest point.
     s.misfit[i] = std::max(foot.face < 0 ? 0 : std::sqrt(foot.squared_distance) / diagonal,
                            missed[s.faces[i]] / diagonal);
     s.flipped[i] = foot.face >= 0 && ours.row(i).dot(theirs.row(foot.face)) < 0;
@@ -208,7 +209,7 @@ FaceSignals MeasureFaces(const Mesh& source, const PointsX3& registered, const M
 }
 
 Signals OverPatches(const Mesh& source, const FaceSignals& faces, const SignalPatches& patches) {
-  const auto count = static_cast<Eigen::Index>(patches.seeds.size());
+  const auto count = std::ssize(patches.seeds);
   Signals s{VectorXd::Zero(count), VectorXd::Zero(count), VectorXd::Zero(count)};
   VectorXd area = VectorXd::Constant(count, std::numeric_limits<double>::min());
   for (Eigen::Index f = 0; f < faces.area.size(); ++f)
@@ -234,7 +235,7 @@ std::string Reason(const LandmarkAdvice& a, double flipped, double out) {
                   100 * a.landmark_distance);
     reason += text;
   } else {
-    reason += " with no landmark to hold it";
+    reason += " without a landmark";
   }
   std::snprintf(
       text, sizeof(text),
@@ -245,7 +246,7 @@ std::string Reason(const LandmarkAdvice& a, double flipped, double out) {
   return flipped > 0.02 ? reason + text : reason;
 }
 
-/// Distances along the surface from the landmarks, and from the places that were advised so far.
+/// Distances along the surface from the landmarks and from the places advised so far.
 struct Held {
   VectorXd distance;
   std::vector<int> unused;
@@ -284,7 +285,7 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
     graph.Spread(corners, 0, held.distance, held.unused);
   }
   std::vector<LandmarkAdvice> advice;
-  while (static_cast<int>(advice.size()) < count) {
+  while (SizeOf(advice) < count) {
     LandmarkAdvice best;
     Eigen::Index best_patch = -1;
     for (std::size_t n = 0; n < patches.seeds.size(); ++n) {
@@ -293,8 +294,8 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
                           2 * signals.flipped[i];
       const double away = held.distance[patches.seeds[n]] / diagonal;
       if (need < kLeastNeed || away < kApart) continue;
-      // A landmark's hold fades with distance; the end of a limb has nothing beyond it that could
-      // hold it.
+      // The effect of a landmark falls with distance. The end of a limb is held from one side only,
+      // so it gets a higher score.
       const double score = need * (std::isfinite(away) ? away / (away + kReach) : 1) *
                            (0.5 + patches.out[i] * patches.out[i]);
       if (score <= best.score) continue;

@@ -17,8 +17,8 @@ std::vector<RayScene::Foot> ClosestPoints(const RayScene& surface, const PointsX
   ParallelBlocks(points.rows(), kClosestGrain, [&](std::int64_t begin, std::int64_t end) {
     double bound = std::numeric_limits<double>::infinity();
     for (std::int64_t i = begin; i < end; ++i) {
-      // The distance to a surface changes no faster than the point moves, so that the point before
-      // bounds the search.
+      // The distance to a surface changes at most by the distance between two points. So the result
+      // of the point before bounds this search.
       if (i > begin)
         bound =
             (std::sqrt(feet[i - 1].squared_distance) + (points.row(i) - points.row(i - 1)).norm()) *

@@ -1,4 +1,4 @@
-// Exact closest points of many points that lie in the order of a surface.
+// Exact closest points on a surface for many points.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,8 @@
 
 namespace keypose::registration {
 
-/// One foot a point, no face where there is none. Faster where each point is near the one before.
+/// The closest point on the surface for each point; face -1 where there is none. Faster when each
+/// point is near the one before it.
 /// Same bits for any thread count.
 std::vector<RayScene::Foot> ClosestPoints(const RayScene& surface, const PointsX3& points);
 

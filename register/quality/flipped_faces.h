@@ -1,4 +1,4 @@
-// Which faces of a registered mesh face the wrong way.
+// Faces of a registered mesh that are flipped.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,17 @@
 
 namespace keypose::registration {
 
-/// A target as a set of face centres, which is how a flipped face is told.
+/// The target as a set of face centres and normals, to find flipped faces.
 struct TargetFaces {
   /// @throws InputError  no faces
   TargetFaces(const PointsX3& points, const FacesX3& faces);
 
-  /// 1 for each face whose normal points away (dot < 0) from those of all target faces with
-  /// centres at most `slack` farther from its own than the nearest.
-  /// @param slack  >= 0 [length]; 0: the nearest alone; in a crease that is as narrow as the
-  /// surfaces are exact, the nearest centre may be the opposite wall's Same bits for any thread
-  /// count.
+  /// Finds faces whose normal opposes (dot < 0) the normals of all nearby target faces. Nearby are
+  /// the target face with the nearest centre, and those at most `slack` farther.
+  /// @param slack  >= 0 [length]; 0: the nearest face alone. In a narrow crease the nearest face
+  ///               may belong to the opposite wall.
+  /// @return one per face, 1 for a flipped face
+  /// Same bits for any thread count.
   std::vector<char> Opposed(const PointsX3& points, const FacesX3& faces, double slack) const;
 
   PointsX3 centres, normals;  ///< of the target's faces

@@ -21,13 +21,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// of the target's diagonal: beyond, a point of the target has no counterpart
+// A target point farther away than this has no counterpart, over the target's diagonal.
 constexpr double kTooFar = 0.05;
 constexpr double kElevation_deg = 12;
-constexpr double kSlab = 0.04;  // of the height: the lowest points, on which a figure stands
+constexpr double kSlab = 0.04;  // share of the height that may contain the feet
 const Vector3d kBackground(246, 247, 249), kGrey(150, 150, 150);
 
-/// A surface with what is asked of it at each pixel.
+/// A surface with the data that rendering needs.
 struct Surface {
   PointsX3 points, normals;
   const FacesX3& faces;
@@ -42,19 +42,19 @@ struct Surface {
   }
 };
 
-/// Smooth colours of position times a checker with soft borders.
+/// Smooth colours by position, times a checker with soft borders.
 class Pattern {
  public:
   Pattern(const PointsX3& points, int cells)
       : low_(points.colwise().minCoeff()), cell_(BoundingDiagonal(points) / cells) {
     extent_ = (points.colwise().maxCoeff().transpose() - low_).cwiseMax(1e-9 * cell_ * cells);
-    // Oblique cells: flat sides and mirror planes never lie in a border.
+    // The cells are oblique, so that flat sides and mirror planes do not coincide with a border.
     axes_ =
         (Eigen::AngleAxisd(0.61, Vector3d::UnitX()) * Eigen::AngleAxisd(0.47, Vector3d::UnitY()) *
          Eigen::AngleAxisd(0.83, Vector3d::UnitZ()))
             .toRotationMatrix();
   }
-  /// @param footprint  size of a pixel on the surface, over which borders are softened
+  /// @param footprint  size of a pixel on the surface; borders are softened over this width
   Vector3d At(const Vector3d& p, double footprint) const {
     const Vector3d share = (p - low_).cwiseQuotient(extent_), q = axes_ * p / cell_;
     const double soft = std::max(footprint / cell_, 1e-6);
@@ -107,8 +107,8 @@ std::uint8_t ToByte(double x) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(x, 0.0, 255.0)));
 }
 
-/// A picture for each shade (at most two). One ray a pixel; outlines, where neighbours differ in
-/// depth, get a few more.
+/// Renders one picture for each shade (at most two). One ray per pixel, and a few more where
+/// neighbouring pixels differ in depth.
 std::vector<Image8> Draw(const Surface& surface, const View& view,
                          const std::vector<Shade>& shades) {
   const Camera& c = view.camera;
@@ -155,7 +155,7 @@ std::vector<Image8> Draw(const Surface& surface, const View& view,
   return images;
 }
 
-/// White dots with a dark rim where the points can be seen.
+/// Draws white dots with a dark border at the points that are visible.
 void DrawDots(const Surface& surface, const View& view, const std::vector<Vector3d>& points,
               Image8& image) {
   const double near = 0.01 * BoundingDiagonal(surface.points),
@@ -178,8 +178,9 @@ void DrawDots(const Surface& surface, const View& view, const std::vector<Vector
   }
 }
 
-/// A turn of the world after which x is right, y is away from the camera and z is up: the shortest
-/// side in depth, and standing on what looks most like feet, since meshes come with y or z up.
+/// A rotation after which x is right, y points away from the camera and z is up. The shortest side
+/// becomes the depth. Meshes may have y or z up, so the up axis is guessed: the one whose lowest
+/// points spread most, like feet.
 Matrix3d Upright(const PointsX3& points) {
   const Vector3d low = points.colwise().minCoeff(),
                  extent = points.colwise().maxCoeff().transpose() - low;
@@ -206,7 +207,7 @@ Matrix3d Upright(const PointsX3& points) {
   return turned;
 }
 
-/// A bar of the error colours at the right edge, no error at the bottom.
+/// Draws a bar of the error colours at the right edge, with no error at the bottom.
 void DrawScale(Image8& image) {
   const int width = std::max(3, image.width / 40), margin = image.height / 12;
   for (int y = margin; y < image.height - margin; ++y) {
@@ -251,7 +252,7 @@ Image8 DrawCorrespondence(const Mesh& source, const PointsX3& registered, const 
   Check(source, registered, target, options);
   const Matrix3d upright = Upright(target.points);
   const double diagonal = BoundingDiagonal(target.points);
-  // The source is turned and scaled as the registered mesh is, so that the panels can be compared.
+  // The source is aligned to the registered mesh, so that the panels can be compared.
   Similarity3 aligned;
   if (source.vertex_count() >= 3 && BoundingDiagonal(source.points) > 0)
     aligned = FitSimilarity(source.points, registered);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kPanel = 64, kGap = 4;
 
-/// Mean difference of two panels of a sheet, where both show a surface.
+/// Mean difference between two panels of a sheet, at pixels where both show a surface.
 double PanelDifference(const Image8& sheet, int row, int a, int b) {
   double sum = 0, count = 0;
   for (int y = 0; y < kPanel; ++y)
@@ -50,7 +50,7 @@ TEST(DrawCorrespondence, APerfectResultShowsTheSamePatternThreeTimes) {
 
 TEST(DrawCorrespondence, ASlideAlongTheSurfaceIsSeenThoughTheErrorPanelSeesNone) {
   const Mesh mesh = Figure(5);
-  // Turned about its long axis as an ellipsoid of revolution: the surface is the same, the
+  // An ellipsoid of revolution, rotated about its long axis. The surface is the same, but the
   // correspondence is not.
   Mesh round = mesh;
   round.points.col(1) /= 0.7;
@@ -61,7 +61,7 @@ TEST(DrawCorrespondence, ASlideAlongTheSurfaceIsSeenThoughTheErrorPanelSeesNone)
   const PictureOptions options{.panel = kPanel, .error_at_red = 0.1};
   const Image8 right = DrawCorrespondence(round, round.points, round, {}, options),
                wrong = DrawCorrespondence(round, slid, round, {}, options);
-  // The target's own panel changes, since its colours come through the registered mesh.
+  // The target's panel changes, because its colours come from the registered mesh.
   double target_changes = 0, error_changes = 0;
   for (int y = 0; y < kPanel; ++y)
     for (int x = 0; x < kPanel; ++x) {

@@ -18,10 +18,10 @@ namespace {
 
 constexpr int kQualitySamples = 6000;
 constexpr double kCovered = 0.01;  // of the diagonal
-// of the diagonal: about how exact a good registration's surface is, so that a wall of a crease
-// this much farther may be a face's own
+// Over the diagonal: the accuracy of a good registration. In a crease, a wall that is farther by
+// less than this may be the right one for a face.
 constexpr double kFlipSlack = 0.002;
-constexpr double kWorstRatio = 1e6;  // where a face has collapsed to a line
+constexpr double kWorstRatio = 1e6;  // for a face that has collapsed to a line
 
 using FootList = std::vector<RayScene::Foot>;
 
@@ -43,9 +43,9 @@ double UnitRandom(std::uint64_t n) {  // SplitMix64 of Steele et al., 2014
   return static_cast<double>((n ^ (n >> 31)) >> 11) * 0x1.0p-53;
 }
 
-/// One sample in each of kSamples parts of equal area, face after face: less variance than
-/// independent samples, and the samples come in the order of the surface, so that each search can
-/// start from its neighbour's answer.
+/// One sample in each of kQualitySamples parts of equal area, face after face. This has less
+/// variance than independent samples. Consecutive samples are also near each other, so that a
+/// search can start from the result of the one before.
 SurfaceSamples Stratified(const PointsX3& points, const FacesX3& faces, std::uint64_t seed) {
   const Eigen::VectorXd areas = FaceAreas(points, faces);
   const double total = areas.sum();
@@ -67,7 +67,7 @@ SurfaceSamples Stratified(const PointsX3& points, const FacesX3& faces, std::uin
   return samples;
 }
 
-/// Sum of distances, sum of their squares, and the largest.
+/// Mean distance and mean squared distance of samples, and the largest of samples and vertices.
 struct Distances {
   double mean = 0, mean_square = 0, largest = 0;
   Distances(const FootList& samples, const FootList& vertices) {
@@ -81,21 +81,21 @@ struct Distances {
   }
 };
 
-/// Squares of the singular values of the map between two triangles, smaller first; false for a
-/// source without area.
+/// Squares of the two singular values of the map between two triangles.
+/// @return false for a source triangle without area
 bool SquaredStretches(const PointsX3& from, const PointsX3& to, const Eigen::Vector3i& f,
                       double& small, double& large) {
   const Eigen::Vector3d u = from.row(f[1]) - from.row(f[0]), v = from.row(f[2]) - from.row(f[0]);
   const Eigen::Vector3d p = to.row(f[1]) - to.row(f[0]), q = to.row(f[2]) - to.row(f[0]);
-  // The source in its own plane: u = (ux, 0), v = (vx, vy). The map has the columns p / ux and (q -
-  // vx p / ux) / vy.
+  // In the plane of the source triangle, u = (ux, 0) and v = (vx, vy). The columns of the map are
+  // p / ux and (q - vx p / ux) / vy.
   const double ux = u.norm();
   const double vx = ux > 0 ? u.dot(v) / ux : 0, vy = ux > 0 ? u.cross(v).norm() / ux : 0;
   if (!(ux > 0) || !(vy > 1e-12 * v.norm())) return false;
   const Eigen::Vector3d x = p / ux, y = (q - vx * x) / vy;
   const double a = x.squaredNorm(), b = x.dot(y), c = y.squaredNorm();
   large = (a + c) / 2 + std::hypot((a - c) / 2, b);
-  // The product of both is the determinant; the difference would cancel.
+  // The product of both singular values is the determinant. A difference would lose precision.
   small = large > 0 ? std::min(large, x.cross(y).squaredNorm() / large) : 0;
   return true;
 }

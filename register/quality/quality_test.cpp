@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -51,8 +52,7 @@ TEST(MeasureRegistration, AnInvertedSurfaceIsAllFlippedAndCoversNothing) {
   EXPECT_EQ(q.coverage, 0);
 }
 
-/// Two square sheets, their outsides facing away from each other, the upper one at `height`, the
-/// lower one at 0.
+/// Two square sheets whose outer sides face away from each other: one at z = `height`, one at 0.
 Mesh TwoSheets(double height) {
   constexpr int kSide = 21;
   Mesh mesh;
@@ -75,7 +75,8 @@ TEST(MeasureRegistration, AFaceIsClearlyFlippedWhereItsOwnWallIsClearlyFarther) 
   constexpr double kGap = 0.1;
   const Mesh target = TwoSheets(kGap);
   const double slack = 0.002 * BoundingDiagonal(target.points);
-  // The upper sheet lies so low that the lower one is nearer by less, and by more, than the slack.
+  // The upper sheet is so low that the lower one is nearer, once by less and once by more than the
+  // slack.
   const Mesh doubtful = TwoSheets(kGap / 2 - 0.49 * slack),
              flipped = TwoSheets(kGap / 2 - 0.51 * slack);
   EXPECT_EQ(MeasureRegistration(target, target.points, target).flipped_clearly, 0);
@@ -96,15 +97,15 @@ TEST(MeasureRegistration, HalfTheTargetIsHalfCovered) {
                      sphere.points(sphere.faces(f, 2), 2);
     if (z > 0) upper.push_back(f);
   }
-  half.faces.resize(static_cast<Eigen::Index>(upper.size()), 3);
+  half.faces.resize(std::ssize(upper), 3);
   for (std::size_t i = 0; i < upper.size(); ++i) half.faces.row(i) = sphere.faces.row(upper[i]);
-  // 1 % of the diagonal is 0.035 radii, a band that widens the covered share by 0.017.
+  // 1 % of the diagonal is 0.035 radii. This band increases the covered share by 0.017.
   EXPECT_NEAR(MeasureRegistration(half, half.points, sphere).coverage, 0.5 + 0.0173, 0.01);
 }
 
 TEST(MeasureRegistration, SelfIntersectionsAreCountedAgainstTheSource) {
   const Mesh tube = MakeCylinder(0.2, 4, 16, 40);
-  // Folding the tube back through itself: the part beyond the middle is mirrored.
+  // The tube is folded back through itself: the part beyond the middle is mirrored.
   PointsX3 folded = tube.points;
   for (Eigen::Index i = 0; i < folded.rows(); ++i)
     if (folded(i, 2) > 2) {
@@ -175,7 +176,7 @@ TEST(MeasureRegistration, AnotherVertexCountThrows) {
   EXPECT_THROW(AdviseLandmarks(sphere, bad, sphere, {}), InputError);
 }
 
-/// A tube whose far half bends away sideways, and a registration that left that half where it was.
+/// A tube whose far half bends sideways, and a registration that left that half where it was.
 struct LeftBehind {
   Mesh source, target;
   explicit LeftBehind(int around = 20, int along = 80)

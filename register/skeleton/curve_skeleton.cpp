@@ -1,7 +1,7 @@
 #include "register/skeleton/curve_skeleton.h"
 
-// Before the allocator below is named, so that it reaches the halfedge list alone and no other
-// class of CGAL's.
+// These are included before CGAL_ALLOCATOR is redefined, so that only the halfedge list uses our
+// allocator, and no other class of CGAL.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/bbox.h>
@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstddef>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <type_traits>
@@ -25,7 +26,8 @@
 
 #include "core/ordered_memory.h"
 
-// CGAL's contraction keeps edges in sets ordered by address.
+// CGAL's contraction keeps edges in sets ordered by address. So addresses must be in order for
+// results to be repeatable.
 #undef CGAL_ALLOCATOR
 #define CGAL_ALLOCATOR(T) keypose::OrderedAllocator<T>
 #include <CGAL/Polyhedron_3.h>
@@ -40,22 +42,22 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// many times what it takes; only what is used becomes real
+// Many times the memory needed. Only pages that are used take real memory.
 constexpr std::size_t kLeastBytes = 16 << 20, kBytesAFace = 8 << 10;
 
-/// CGAL asks whether a point is inside by a ray, and casts others as long as the last one only
-/// touched an edge. All do for a point that lies on an edge itself, as it may where vertices lie on
-/// a grid: then this kernel, which makes the rays, ends it.
+/// CGAL tests whether a point is inside by casting a ray. It casts another one whenever the last
+/// one only touched an edge. For a point on an edge, as with vertices on a grid, every ray does,
+/// and CGAL would not end. This kernel makes the rays and throws after too many.
 struct PatientKernel : Kernel {
   struct Construct_ray_3 : Kernel::Construct_ray_3 {
     using Base = Kernel::Construct_ray_3;
     Kernel::Ray_3 operator()(const Kernel::Point_3& from, const Kernel::Vector_3& along) const {
       const bool first =
           along.x() == 0 &&
-          along.y() == 0;  // goes straight up or down; all others are drawn from the sphere
+          along.y() == 0;  // the first ray is vertical; others have random directions
       others = first ? 0 : others + 1;
       if (others > kMostOthers)
-        throw std::runtime_error("a point on an edge is neither inside nor outside");
+        throw std::runtime_error("CGAL cannot decide whether a point on an edge is inside");
       return Base::operator()(from, along);
     }
     static constexpr int kMostOthers = 100;
@@ -66,8 +68,8 @@ struct PatientKernel : Kernel {
 thread_local int PatientKernel::Construct_ray_3::others = 0;
 
 constexpr double kMedial = 1;
-constexpr double kLeastVolume = 1e-9;   // over the diagonal's cube
-constexpr std::size_t kMostGrowth = 4;  // of the vertices while they contract
+constexpr double kLeastVolume = 1e-9;   // over the cube of the diagonal
+constexpr std::size_t kMostGrowth = 4;  // factor on the vertex count during contraction
 
 template <class T>
 constexpr bool kOrdered = false;
@@ -76,7 +78,8 @@ constexpr bool kOrdered<CGAL::Polyhedron_3<Traits, Items, Hds, OrderedAllocator<
 
 Eigen::RowVector3d ToEigen(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Says what is wrong, or nothing.
+/// Builds the surface mesh.
+/// @return what is wrong with it, or an empty string
 std::string Build(const PointsX3& points, const FacesX3& faces, Surface& surface) {
   std::vector<Surface::Vertex_index> vertex(static_cast<std::size_t>(points.rows()));
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
@@ -94,12 +97,12 @@ std::string Build(const PointsX3& points, const FacesX3& faces, Surface& surface
   return "";
 }
 
-/// A fan over each hole: the skeleton does not need a better cap.
+/// Closes each hole with a fan. The skeleton does not need a better cap.
 void CapHoles(Surface& surface) {
   std::vector<Surface::Halfedge_index> holes;
   for (Surface::Halfedge_index h : surface.halfedges()) {
     if (!surface.is_border(h)) continue;
-    // One halfedge stands for its hole: the first of its cycle.
+    // Each hole is handled once, at the first halfedge of its cycle.
     Surface::Halfedge_index least = h;
     for (Surface::Halfedge_index g = surface.next(h); g != h; g = surface.next(g))
       least = std::min(least, g);
@@ -163,28 +166,29 @@ std::string Prepare(const PointsX3& points, const FacesX3& faces, int proxy_face
   const long euler = count(surface.number_of_vertices()) - count(surface.number_of_edges()) +
                      count(surface.number_of_faces());
   if (euler != 2)
-    return "has " + std::to_string((2 - euler) / 2) + " handles (parts that touch and are merged?)";
+    return "has " + std::to_string((2 - euler) / 2) + " handles (are touching parts merged?)";
   if (std::string fault = Decimate(surface, proxy_faces); !fault.empty()) return fault;
-  // Without volume there are no centres of balls within, and CGAL goes on with what was in memory
-  // where they should be.
+  // A mesh without volume has no inscribed balls, and CGAL would read uninitialised memory in place
+  // of their centres.
   const auto box = CGAL::Polygon_mesh_processing::bbox(surface);
   const double diagonal = Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
   const double volume = CGAL::Polygon_mesh_processing::volume(surface);
   return std::abs(volume) > kLeastVolume * diagonal * diagonal * diagonal ? "" : "is flat";
 }
 
-/// CGAL asks whether points are inside by rays, and casts new ones as long as none gives an answer:
-/// none ever does for what is no number.
+/// Throws if a point is not finite. CGAL's inside test casts rays until one gives an answer, which
+/// never happens for such a point.
 template <class Polyhedron>
 void RequireFinite(const Polyhedron& meso_skeleton) {
   for (auto v = meso_skeleton.points_begin(); v != meso_skeleton.points_end(); ++v)
     if (!std::isfinite(v->x()) || !std::isfinite(v->y()) || !std::isfinite(v->z()))
-      throw std::runtime_error("its places are not finite");
+      throw std::runtime_error("its positions are not finite");
 }
 
-/// As CGAL's contract_until_convergence, step by step: it can be stopped, and ends where faces
+/// The same as CGAL's contract_until_convergence, but it can be cancelled. It also stops when faces
 /// split faster than they collapse, as on shapes without volume.
-/// @throws Cancelled @throws std::runtime_error  it does not converge
+/// @throws Cancelled
+/// @throws std::runtime_error  it does not converge
 template <class Flow>
 void Contract(Flow& flow, Progress* progress) {
   const auto area = [&] { return CGAL::Polygon_mesh_processing::area(flow.meso_skeleton()); };
@@ -201,7 +205,7 @@ void Contract(Flow& flow, Progress* progress) {
     const double now = area();
     if (std::abs(before - now) / whole < flow.area_variation_factor()) return;
     if (num_vertices(flow.meso_skeleton()) > most_vertices)
-      throw std::runtime_error("its faces split without end");
+      throw std::runtime_error("its faces are split without end");
     before = now;
   }
 }
@@ -220,13 +224,13 @@ CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces,
   Flow::Skeleton skeleton;
   try {
     Flow flow(surface);
-    // At the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
+    // With the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
     flow.set_medially_centered_speed_tradeoff(kMedial);
     Contract(flow, progress);
     flow.convert_to_skeleton(skeleton);
   } catch (const Cancelled&) {
     throw;
-  } catch (const std::exception& e) {  // of CGAL's own checks, where they are compiled in
+  } catch (const std::exception& e) {  // ours above, and CGAL's own checks if compiled in
     result.fault = std::string("could not be contracted: ") + e.what();
     return result;
   }
@@ -243,9 +247,8 @@ CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces,
   for (const auto edge : CGAL::make_range(edges(skeleton)))
     result.edges.push_back(
         {static_cast<int>(source(edge, skeleton)), static_cast<int>(target(edge, skeleton))});
-  if (result.nodes.rows() < 4 ||
-      static_cast<Eigen::Index>(result.edges.size()) + 1 != result.nodes.rows())
-    result.fault = "has no tree as its skeleton";
+  if (result.nodes.rows() < 4 || std::ssize(result.edges) + 1 != result.nodes.rows())
+    result.fault = "has a skeleton that is not a tree";
   if (!result.nodes.allFinite()) result.fault = "could not be contracted";
   return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <iterator>
 #include <limits>
 
 #include "core/geometry.h"
@@ -17,12 +18,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kAttempts = 8;  // matchings of limbs that are carried out to be compared
-constexpr int kProbes = 400;  // vertices by which they are compared
-// times the cost of the best, above which a matching is not tried
+constexpr int kAttempts = 8;  // most matchings of limbs that are computed and compared
+constexpr int kProbes = 400;  // number of vertices at which they are compared
+// A matching with a higher cost than this factor times the best is not tried.
 constexpr double kWorthTrying = 4;
-constexpr double kUnsure = 1.25;  // a second matching of limbs that costs less than this much more
-                                  // makes the first doubtful
+constexpr double kUnsure = 1.25;  // the best matching is ambiguous if the second scores within
+                                  // this factor
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -32,7 +33,7 @@ std::string PercentText(double share) {
   return text.substr(0, text.find('.') + 2) + " %";
 }
 
-/// Mean distance to the target's surface, over its diagonal.
+/// Mean distance to the target's surface, over the target's diagonal.
 double Misfit(const PointsX3& points, const LimbedBody& target) {
   double sum = 0;
   for (Eigen::Index v = 0; v < points.rows(); ++v)
@@ -59,8 +60,8 @@ SkeletonStart Refused(const std::string& why) {
   return start;
 }
 
-/// Throws away the joint numbers of a match, which change when trees are pruned, for the tips'
-/// nodes and back.
+/// Renumbers the joints of a match after the trees were changed. Joint numbers change, but the
+/// nodes of tips do not.
 TipMatch Renumbered(const TipMatch& match, const SkeletonTree& source_before,
                     const SkeletonTree& target_before, const SkeletonTree& source,
                     const SkeletonTree& target) {
@@ -79,8 +80,8 @@ TipMatch Renumbered(const TipMatch& match, const SkeletonTree& source_before,
   return result;
 }
 
-/// Both start in the ball at the thick end, or neither. Where one has a clear ball the other's may
-/// be less clear.
+/// Moves the start of both trees into the ball at their thick end, where they have one. If only one
+/// of them has a clear ball, the other is accepted with weaker limits.
 void RootBoth(LimbedBody& source, LimbedBody& target) {
   const bool first = source.tree->RootThickEnd(source.scene, 1.6, 1.6),
              second = target.tree->RootThickEnd(target.scene, 1.6, 1.6);
@@ -96,18 +97,18 @@ PointsX3 SomeVertices(const PointsX3& points) {
   return some;
 }
 
-/// One matching of limbs, carried out.
+/// The result of one matching of limbs.
 struct Attempt {
   std::string fault;
   double misfit = 0,
-         /// of some vertices to the target and of the landmarks, means over the diagonal
+         /// misfit of some vertices and residual of landmarks, both means over the diagonal
       residual = 0;
   PointsX3 points;
   int limbs = 0;
   double Score() const { return misfit + residual; }
 };
 
-/// The bodies' trees are made alike for this matching, and left as they were.
+/// Computes the motion for one matching. Both trees are changed for it and restored afterwards.
 Attempt Try(LimbedBody& source, LimbedBody& target, const TipMatch& match,
             const std::vector<MarkPair>& marks, const Similarity3& coarse, double scale) {
   Attempt attempt;
@@ -117,13 +118,13 @@ Attempt Try(LimbedBody& source, LimbedBody& target, const TipMatch& match,
     const TipMatch now =
         Renumbered(match, source_before, target_before, *source.tree, *target.tree);
     if (now.pairs.size() < match.pairs.size())
-      attempt.fault = "a limb vanished while the two were made alike";
+      attempt.fault = "a limb was lost when the two trees were simplified";
     if (attempt.fault.empty()) {
       const SkeletonMotion motion(source, target, now, marks, coarse, scale);
       attempt.points = motion.Apply(source.mesh.points);
       attempt.limbs = motion.limb_count();
       attempt.misfit = Misfit(SomeVertices(attempt.points), target);
-      PointsX3 from(static_cast<Eigen::Index>(marks.size()), 3);
+      PointsX3 from(std::ssize(marks), 3);
       for (std::size_t i = 0; i < marks.size(); ++i) from.row(i) = marks[i].first.transpose();
       const PointsX3 moved = motion.Apply(from);
       for (std::size_t i = 0; i < marks.size(); ++i)
@@ -146,13 +147,13 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
   const std::string counts = std::to_string(tips) + " ends of limbs on the source and " +
                              std::to_string(other_tips) + " on the target";
   if (static_cast<int>(std::max(tips, other_tips)) > options.max_tips)
-    return Refused("skeletons: too many branches: " + counts);
+    return Refused("skeletons: too many limbs: " + counts);
   if (std::min(tips, other_tips) < 2 || (std::min(tips, other_tips) == 2 && tips != other_tips))
-    return Refused("skeletons: the branches differ: " + counts +
+    return Refused("skeletons: the limbs differ: " + counts +
                    "; a landmark on each end of a limb would help other starts");
   const TreeEvidence evidence = Evidence(source, target, marks, coarse);
-  // Distances along limbs cannot tell left from right; how the whole comes to lie on the target
-  // can.
+  // Distances along limbs cannot distinguish left from right, so the best matchings are computed
+  // and compared by their fit to the target.
   Attempt best;
   double second = std::numeric_limits<double>::infinity();
   const std::vector<TipMatch> matches =
@@ -184,7 +185,7 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
   if (!marks.empty()) start.words += ", landmarks " + PercentText(best.residual);
   if (start.ambiguous)
     start.words +=
-        "; another matching fits nearly as well: a landmark on the end of a limb would settle it";
+        "; another matching fits nearly as well: a landmark on the end of a limb would decide";
   return start;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::registration {
 
@@ -14,11 +15,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr int kAxisSamples = LimbAxis::kSamples;
-constexpr int kSmoothing = 6;   // rounds over the samples of a limb
-constexpr int kCentering = 3;   // rounds
-constexpr int kSpokes = 6;      // chords of a section
-constexpr double kPrior = 0.1;  // weight of the known turn against one limb's direction
-// of the radius: nearer to the axis a landmark says nothing of the turn about it
+constexpr int kSmoothing = 6;   // rounds of smoothing of a limb's samples
+constexpr int kCentering = 3;   // rounds of centring
+constexpr int kSpokes = 6;      // chords of a cross-section
+constexpr double kPrior = 0.1;  // weight of the prior rotation; the direction of a limb has 1
+// A landmark nearer to the axis than this share of the radius does not determine a twist.
 constexpr double kOffAxis = 0.6;
 
 PointsX3 Resampled(const std::vector<Vector3d>& line, double& length) {
@@ -46,10 +47,10 @@ void Smooth(PointsX3& points) {
   }
 }
 
-/// The contraction ends nearer to the inner side of a bend: samples move to the middle between the
-/// walls, square to the line.
-/// @param first  samples before this one stay, since they lie inside a joint
-/// @param thick  radius of the limb, about
+/// Moves the samples of a limb to the middle of its cross-sections. In bends, the contraction ends
+/// too near to the inner side.
+/// @param first  samples before this one are inside a joint and do not move
+/// @param thick  approximate radius of the limb
 void Center(const RayScene& surface, int first, double thick, PointsX3& points) {
   for (int round = 0; round < kCentering; ++round) {
     PointsX3 moved = points;
@@ -68,7 +69,8 @@ void Center(const RayScene& surface, int first, double thick, PointsX3& points) 
         shift += (there.distance - back.distance) / 2 * way;
         ++used;
       }
-      // In a round section the chords' middles lie, on average, half way to the centre.
+      // In a round cross-section the middles of the chords are on average half way to the centre,
+      // hence the factor of 2.
       if (2 * used > kSpokes) moved.row(i) += (2.0 / used * shift).transpose() * 0.8;
     }
     points = moved;
@@ -84,8 +86,8 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
   axis.points = Resampled(line, axis.length);
   Smooth(axis.points);
   const double ball = body.tree->joints()[backwards ? limb.to : limb.from].radius;
-  // Where the line strayed to a wall its own distance says little; the limb's thicker places tell
-  // how far the walls can be.
+  // Where the line is too near to a wall, its distance to the surface is too small. So the radius
+  // comes from the thicker places of the limb.
   std::vector<double> radii;
   for (int n : limb.nodes)
     if (body.tree->radius()[n] < 0.8 * ball || limb.nodes.size() < 8)
@@ -97,8 +99,8 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
   line.clear();
   for (int i = 0; i <= kAxisSamples; ++i) line.emplace_back(axis.points.row(i));
   if (to_tip) {
-    // The contraction stops short of the surface by another bit in each pose; the surface itself is
-    // the better end.
+    // The contraction stops before the surface, at a different distance in each pose. So the limb
+    // is extended to the surface.
     const double radius = body.tree->radius()[backwards ? limb.nodes.front() : limb.nodes.back()];
     const Vector3d tangent = (line[kAxisSamples] - line[kAxisSamples - 5]).normalized();
     const RayScene::Hit hit = body.scene.Cast(line.back(), tangent);
@@ -113,7 +115,7 @@ Matrix3d LeastTurn(const Vector3d& from, const Vector3d& to) {
   return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
 }
 
-/// The rotation that best takes directions to directions, near a known one.
+/// The rotation that best maps the first directions to the second, with a prior rotation.
 Matrix3d FitTurn(const std::vector<std::pair<Vector3d, Vector3d>>& directions,
                  const std::vector<double>& weights, const Matrix3d& prior, double prior_weight) {
   Matrix3d sum = prior_weight * prior;
@@ -125,7 +127,7 @@ Matrix3d FitTurn(const std::vector<std::pair<Vector3d, Vector3d>>& directions,
   return svd.matrixU() * sign * svd.matrixV().transpose();
 }
 
-/// Frames along a line that turn no more than they must.
+/// Rotation minimising frames along a line.
 /// Source: Wang et al., Computation of Rotation Minimizing Frames, 2008 (double reflection).
 std::vector<Matrix3d> Frames(const std::vector<Vector3d>& points,
                              const std::vector<Vector3d>& tangents, const Matrix3d& first) {
@@ -167,7 +169,7 @@ SkeletonMotion::SkeletonMotion(const LimbedBody& source, const LimbedBody& targe
   int root = 0;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = source.tree->joints()[j];
-    // A thick fork; where there is none, the thick end of the only limb.
+    // The root is the thickest fork, or the thick end of the only limb.
     const auto rank = [](const Joint& a) { return std::pair(!a.tip(), a.radius); };
     if (rank(joint) > rank(source.tree->joints()[root])) root = static_cast<int>(j);
   }
@@ -197,7 +199,7 @@ void SkeletonMotion::PairJoints(const TipMatch& match) {
   }
 }
 
-/// Limb pairs in order from the root.
+/// Adds the limb pairs beyond a joint, in order from the root.
 void SkeletonMotion::AddLimbs(int joint, int came_by) {
   const SkeletonTree &s = *source_.tree, &t = *target_.tree;
   for (int l : s.joints()[joint].limbs) {
@@ -214,14 +216,14 @@ void SkeletonMotion::AddLimbs(int joint, int came_by) {
                            pair.backwards != (limb_match_[l][1] == 1), tip);
     pair.quiet = std::min(0.4, s.joints()[joint].radius / std::max(pair.source.length, 1e-300));
     PlaceMarks(pair);
-    pair_of_limb_[l] = static_cast<int>(pairs_.size());
+    pair_of_limb_[l] = SizeOf(pairs_);
     pairs_.push_back(std::move(pair));
     AddLimbs(pairs_.back().to, l);
   }
 }
 
-/// Landmarks on this limb; those that agree with an orderly stretch become knots between the arc
-/// lengths.
+/// Finds the landmarks on this limb. Those that imply a moderate stretch become knots of the map
+/// between arc lengths.
 void SkeletonMotion::PlaceMarks(LimbPair& pair) {
   for (const auto& [from, to] : marks_) {
     const NodePlace place = source_.tree->PlaceOf(source_.NodeOf(from)),
@@ -294,7 +296,8 @@ void SkeletonMotion::TurnJoint(int joint, int came_by, const Matrix3d& prior, do
   m.known = true;
 }
 
-/// What landmarks off the axis say of the turn about it: linear along the limb, none at its root.
+/// Adds the twist about the axis that landmarks off the axis imply. It is zero at the root of the
+/// limb and grows linearly.
 void SkeletonMotion::Twist(LimbPair& pair, const std::vector<Vector3d>& tangents) {
   double sum_uu = 0.02, sum_ua = 0, radius = 0;
   const std::vector<int>& run = source_.tree->limbs()[pair.source_limb].nodes;
@@ -330,7 +333,7 @@ void SkeletonMotion::TurnLimb(LimbPair& pair) {
     tp.push_back(pair.target.At(t));
     tt.push_back(pair.target.Tangent(t));
   }
-  // Inside the joint's ball the line wanders: the frames start where it leaves.
+  // Inside the joint's ball the line is not reliable, so the frames start where it leaves the ball.
   const int start =
       std::min(kAxisSamples - 4, static_cast<int>(std::lround(pair.quiet * kAxisSamples)));
   const Matrix3d& joint = joints_[pair.from].turn;
@@ -357,7 +360,7 @@ void SkeletonMotion::Walk(int root) {
   pair_of_limb_.assign(source_.tree->limbs().size(), -1);
   AddLimbs(root, -1);
   TurnJoint(root, -1, coarse_.rotation, kPrior);
-  // Pairs come parents first.
+  // Parents come before their children.
   for (LimbPair& pair : pairs_) {
     TurnLimb(pair);
     if (!source_.tree->joints()[pair.to].tip())
@@ -365,7 +368,7 @@ void SkeletonMotion::Walk(int root) {
   }
 }
 
-/// SkeletonMotion at a share of a limb, averaged over a stretch as long as the limb is thick.
+/// The motion of point x at a share of a limb, averaged over a length about the limb's thickness.
 Vector3d SkeletonMotion::Moved(const LimbPair& pair, double share, const Vector3d& x) const {
   const double reach =
       std::clamp(0.5 * (x - pair.source.At(share)).norm() / std::max(pair.source.length, 1e-300),
@@ -417,7 +420,7 @@ PointsX3 SkeletonMotion::Apply(const PointsX3& points) const {
       share = pair->source.Project(x, std::max(0.0, share - 0.05 - thick),
                                    std::min(1.0, share + 0.05 + thick));
       Vector3d p = Moved(*pair, share, x);
-      // Within a joint's ball the limb gives way to the joint.
+      // Inside a joint's ball, blend from the motion of the limb to that of the joint.
       for (int j : {pair->from, pair->to}) {
         const JointMotion& joint = joints_[j];
         if (!joint.known || !(joint.radius > 0)) continue;

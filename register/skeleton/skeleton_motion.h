@@ -1,4 +1,4 @@
-// How the limbs of one body come to lie along the limbs of another, given which is which.
+// Moves the limbs of one body onto the matched limbs of another.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,6 +13,7 @@
 #include "core/kd_tree.h"
 #include "core/mesh.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/curve_skeleton.h"
 #include "register/skeleton/skeleton_tree.h"
@@ -22,7 +23,7 @@ namespace keypose::registration {
 using MarkPair = std::pair<Eigen::Vector3d, Eigen::Vector3d>;  ///< a landmark's place on the source
                                                                ///< and on the target
 
-/// One mesh without its loose parts, and all that is derived of it.
+/// One mesh without its loose parts, with its skeleton.
 struct LimbedBody {
   LooseParts loose;
   Mesh mesh;
@@ -45,7 +46,7 @@ struct LimbedBody {
   }
 };
 
-/// A limb of one body as equally spaced samples, from the joint nearer to the root outwards.
+/// The axis of a limb as equally spaced samples, starting at the joint nearer to the root.
 struct LimbAxis {
   static constexpr int kSamples = 48;
 
@@ -60,7 +61,7 @@ struct LimbAxis {
   Eigen::Vector3d Tangent(double share) const {
     return (At(share + 0.03) - At(share - 0.03)).normalized();
   }
-  /// Share of the length at the sample that is nearest to p, between two shares.
+  /// Share of the length at the point of the axis nearest to p, searched between two shares.
   double Project(const Eigen::Vector3d& p, double low = 0, double high = 1) const {
     double best = std::numeric_limits<double>::infinity(), share = low;
     for (int k = 0; k < kSamples; ++k) {
@@ -76,23 +77,23 @@ struct LimbAxis {
   }
 };
 
-/// A landmark on its limb.
+/// A landmark on a limb.
 struct LimbMark {
   double source_share = 0, target_share = 0;
   Eigen::Vector3d source, target;
 };
 
-/// A limb of the source beside its counterpart.
+/// A limb of the source and its counterpart on the target.
 struct LimbPair {
   int source_limb = -1;
-  bool backwards = false;  // the source limb's own order against the order from the root
-  int from = -1, to = -1;  // source joints, from nearer to the root
+  bool backwards = false;  // whether the source limb's node order runs towards the root
+  int from = -1, to = -1;  // source joints; `from` is nearer to the root
   LimbAxis source, target;
-  // shares of the source's and the target's length, ascending in both
+  // corresponding shares of the source's and the target's length, ascending in both
   std::vector<std::pair<double, double>> knots;
   std::vector<LimbMark> marks;
   std::vector<Eigen::Matrix3d> turns;  // kSamples + 1: target from source
-  double quiet = 0;                    // share of the length that lies inside the joint's ball
+  double quiet = 0;                    // share of the length inside the joint's ball, at most 0.4
 
   double TargetShare(double share) const {
     std::size_t k = 1;
@@ -103,7 +104,7 @@ struct LimbPair {
   }
 };
 
-/// How a joint moves.
+/// The motion of a joint.
 struct JointMotion {
   Eigen::Vector3d source = Eigen::Vector3d::Zero(), target = Eigen::Vector3d::Zero();
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -111,15 +112,15 @@ struct JointMotion {
   bool known = false;
 };
 
-/// The source's motion, worked out joint by joint from the root.
+/// The motion of the source, computed joint by joint from the root.
 class SkeletonMotion {
  public:
   SkeletonMotion(const LimbedBody& source, const LimbedBody& target, const TipMatch& match,
                  const std::vector<MarkPair>& landmarks, const Similarity3& coarse, double scale);
 
-  /// Points on the source's surface, moved.
+  /// Moves points on the source's surface.
   PointsX3 Apply(const PointsX3& points) const;
-  int limb_count() const { return static_cast<int>(pairs_.size()); }
+  int limb_count() const { return SizeOf(pairs_); }
 
  private:
   void PairJoints(const TipMatch& match);
@@ -137,7 +138,7 @@ class SkeletonMotion {
   double scale_;
   std::vector<JointMotion> joints_;  // by source joint
   std::vector<int> target_joint_;    // by source joint
-  // source limb -> target limb, 1 when it runs the other way
+  // source limb -> target limb, and 1 when the target limb runs the other way
   std::vector<std::array<int, 2>> limb_match_;
   std::vector<LimbPair> pairs_;
   std::vector<int> pair_of_limb_;

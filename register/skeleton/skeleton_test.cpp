@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "core/errors.h"
 #include "core/geometry.h"
@@ -30,17 +31,17 @@ Mesh Tentacle(int segments, int rings) {
     const double bulb = kThick * std::sqrt(std::max(0.0, 1 - u * u)),
                  tip = std::sqrt(std::clamp((kLength - z) / kThin, 0.0, 1.0));
     const double r = std::max(bulb, (z > 0.3 ? kThin : 0.02) * tip) + 1e-3;
-    // The ends stay round enough to be no needles; the bulb is a little wider one way, so that its
-    // turn can be seen.
+    // The ends are round, not needles. The bulb is a little wider in one direction, so that its
+    // rotation is visible.
     mesh.points(v, 0) *= r * (1 + 0.1 * bulb);
     mesh.points(v, 1) *= r;
   }
   return mesh;
 }
 
-/// Bends the tentacle by `angle` beyond the neck in the xz plane, drifting along y so that it never
-/// meets itself. Sections turn against the helix's torsion, so that the tentacle bends without
-/// twisting.
+/// Bends the tentacle beyond the neck by `angle` in the xz plane. It drifts along y, so that it
+/// never meets itself. Cross-sections turn against the torsion of the helix, so that it bends
+/// without twist.
 PointsX3 Bent(const PointsX3& points, double angle) {
   PointsX3 bent = points;
   const double radius = (kLength - kNeck) / std::max(angle, 1e-9);
@@ -130,7 +131,7 @@ TEST(StartFromSkeletons, HolesInTheTargetAndLoosePartsDoNotStopIt) {
   std::vector<int> kept;
   for (int f = 0; f < pair.target.face_count(); ++f)
     if (f % 500 > 6) kept.push_back(f);
-  FacesX3 faces(static_cast<Eigen::Index>(kept.size()), 3);
+  FacesX3 faces(std::ssize(kept), 3);
   for (std::size_t i = 0; i < kept.size(); ++i) faces.row(i) = pair.target.faces.row(kept[i]);
   pair.target.faces = faces;
   const Mesh eye = MakeIcosphere(1);
@@ -191,8 +192,8 @@ TEST(StartFromSkeletons, AShapelessLumpGivesNoNan) {
   }
 }
 
-/// A cylinder of nine units on the grid of whole numbers, where vertices lie on each other and
-/// centres of balls on edges.
+/// A cylinder of nine units with integer coordinates, so that vertices coincide and centres of
+/// balls are on edges.
 Mesh OnGrid(double radius) {
   Mesh mesh = MakeCylinder(radius, 9, 20, 24);
   mesh.points = mesh.points.array().round();
@@ -229,7 +230,7 @@ TEST(StartFromSkeletons, SameBitsAtAnyThreadCountAndAnyState) {
   SetThreadCount(1);
   const PointsX3 first = StartFromSkeletons(pair.source, pair.target, {}).points;
   SetThreadCount(3);
-  // Another heap: what was done before must not change the contraction.
+  // A different heap: earlier allocations must not change the contraction.
   std::vector<std::vector<double>> clutter;
   for (int i = 0; i < 1000; ++i) clutter.emplace_back(static_cast<std::size_t>(i * 7 % 300 + 1));
   for (std::size_t i = 0; i < clutter.size(); i += 2) clutter[i] = {};

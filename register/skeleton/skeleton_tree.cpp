@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+
+#include "core/size_of.h"
 
 namespace keypose::registration {
 
@@ -11,15 +14,15 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// a twig whose end lies within an inscribed ball grown by this is no limb
+// A branch is pruned when its end is inside an inscribed ball enlarged by this factor.
 constexpr double kInside = 1.3;
-// of the tip's radius: what contracted nearer than this counts as contracted to it
+// Points that contracted within this share of the tip's radius belong to the tip.
 constexpr double kNearTip = 0.5;
-constexpr double kBallGrowth = 1.5;  // a ball is so much thicker than the tip
+constexpr double kBallGrowth = 1.5;  // least radius of a ball, over that of the tip
 constexpr int kGrownNodes = 6;
-// of a limb's length from its end, over which its thickness is compared
+// The thickness of a limb is compared over this share of its length, from the tip.
 constexpr double kTipShare = 0.3;
-// of the tree's length between tips: longer limbs are never merged away
+// Limbs longer than this share of the tree's total length are never merged.
 constexpr double kMergeLimit = 0.25;
 constexpr double kLandmarkWeight = 4, kThicknessWeight = 0.2, kPlaceWeight = 0.15;
 
@@ -46,8 +49,8 @@ SkeletonTree::SkeletonTree(const CurveSkeleton& skeleton, const RayScene& surfac
   MergeCloseForks();
 }
 
-/// A ball at the end of a limb may contract into its neck: then what contracted there has its
-/// middle elsewhere, in a thicker place.
+/// A ball at the end of a limb may contract into its neck. This shows when the mean of the points
+/// that contracted to the tip is elsewhere, in a thicker place. Then the limb is extended to there.
 void SkeletonTree::GrowIntoBalls(const CurveSkeleton& skeleton, const RayScene& surface) {
   const Eigen::Index count = nodes_.rows();
   for (Eigen::Index tip = 0; tip < count; ++tip) {
@@ -80,7 +83,7 @@ void SkeletonTree::GrowIntoBalls(const CurveSkeleton& skeleton, const RayScene& 
   }
 }
 
-/// Forks nearer to each other than the body is thick are one joint.
+/// Merges forks that are closer together than the body is thick.
 void SkeletonTree::MergeCloseForks() {
   for (bool merged = true; merged;) {
     merged = false;
@@ -141,7 +144,7 @@ void SkeletonTree::Prune() {
   }
 }
 
-/// Limbs and joints anew from the neighbours and the merged groups.
+/// Rebuilds limbs and joints from the neighbours and the merged groups.
 void SkeletonTree::Rebuild() {
   limbs_.clear();
   joints_.clear();
@@ -150,7 +153,7 @@ void SkeletonTree::Rebuild() {
     if (neighbors_[i].empty() || (merged_[i] < 0 && neighbors_[i].size() == 2)) continue;
     int& id = merged_[i] < 0 ? joint[i] : of_group[merged_[i]];
     if (id < 0) {
-      id = static_cast<int>(joints_.size());
+      id = SizeOf(joints_);
       joints_.emplace_back();
     }
     joint[i] = id;
@@ -170,11 +173,11 @@ void SkeletonTree::Rebuild() {
                                                              : neighbors_[here][0]);
         }
         limb.to = joint[limb.nodes.back()];
-        if (limb.to < limb.from) continue;  // each limb once
+        if (limb.to < limb.from) continue;  // count each limb once
         for (std::size_t k = 1; k < limb.nodes.size(); ++k)
           limb.length += (nodes_.row(limb.nodes[k]) - nodes_.row(limb.nodes[k - 1])).norm();
-        joints_[limb.from].limbs.push_back(static_cast<int>(limbs_.size()));
-        joints_[limb.to].limbs.push_back(static_cast<int>(limbs_.size()));
+        joints_[limb.from].limbs.push_back(SizeOf(limbs_));
+        joints_[limb.to].limbs.push_back(SizeOf(limbs_));
         limbs_.push_back(std::move(limb));
       }
 }
@@ -259,7 +262,7 @@ void SkeletonTree::DropTip(int joint) {
   for (int n : joints_[joint].nodes)
     if (std::find(branch.begin(), branch.end(), n) == branch.end()) branch.push_back(n);
   Cut(branch, at);
-  // With a limb less, merged forks may be no fork any more.
+  // Without this limb, merged forks may no longer be a fork.
   if (merged_[at] >= 0) std::replace(merged_.begin(), merged_.end(), int{merged_[at]}, -1);
   Prune();
   Rebuild();
@@ -291,8 +294,8 @@ bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double 
   if (radius_[ball] < thicker * sorted[sorted.size() / 2] ||
       (nodes_.row(ball) - nodes_.row(end)).norm() > reach * radius_[ball])
     return false;
-  // The contraction leaves the middle of a ball only roughly; its centre is where the inscribed
-  // radius peaks.
+  // The contraction gives the centre of a ball only roughly. Improve it: the inscribed radius is
+  // largest at the centre.
   Vector3d centre = nodes_.row(ball);
   for (double step = 0.3; step > 0.01;) {
     const RayScene::Foot foot = surface.ClosestPoint(centre);
@@ -310,7 +313,7 @@ bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double 
       at_front
           ? std::vector<int>(run.begin(), run.begin() + static_cast<std::ptrdiff_t>(thickest))
           : std::vector<int>(run.begin() + static_cast<std::ptrdiff_t>(thickest) + 1, run.end());
-  // What of the limb still runs inside the ball wanders; the way out is straight.
+  // The part of the limb between the ball's centre and the end is not reliable, so remove it.
   if (!cut.empty()) Cut(cut, ball);
   Rebuild();
   return true;
@@ -318,14 +321,13 @@ bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double 
 
 namespace {
 
-/// What one assignment of tips costs.
+/// The cost of an assignment of tips.
 class TipCosts {
  public:
   TipCosts(const SkeletonTree& s, const SkeletonTree& t, const TreeEvidence& e)
       : source_tips(s.Tips()), target_tips(t.Tips()) {
-    const auto rows = static_cast<Eigen::Index>(source_tips.size()),
-               cols = static_cast<Eigen::Index>(target_tips.size());
-    const auto marks = static_cast<Eigen::Index>(e.source_nodes.size());
+    const auto rows = std::ssize(source_tips), cols = std::ssize(target_tips);
+    const auto marks = std::ssize(e.source_nodes);
     between_source_.resize(rows, rows);
     between_target_.resize(cols, cols);
     single_.setZero(rows, cols);
@@ -375,7 +377,7 @@ class TipCosts {
     between_target_ /= reach;
   }
 
-  /// Of tip i when the tips before it are assigned.
+  /// The cost that tip i adds when the tips before it are assigned.
   double Of(const std::vector<int>& target_of, int i) const {
     double cost = single_(i, target_of[i]);
     for (int k = 0; k < i; ++k)
@@ -445,7 +447,7 @@ std::vector<TipMatch> MatchTreeTips(const SkeletonTree& source, const SkeletonTr
 
 namespace {
 
-/// Cuts off all tips but the given nodes, one at a time, since cutting renumbers joints.
+/// Removes all tips except those at the given nodes, one at a time, because joints are renumbered.
 void KeepTips(SkeletonTree& tree, const std::vector<int>& nodes) {
   for (bool dropped = true; dropped;) {
     dropped = false;
@@ -468,7 +470,7 @@ std::vector<int> Labels(const SkeletonTree& tree, const std::vector<int>& tip_no
   return label;
 }
 
-/// Splits of the tips by each limb; the side without tip 0.
+/// For each limb, how it divides the tips into two sets, as the bits of the set without tip 0.
 std::vector<std::uint32_t> Splits(const SkeletonTree& tree, const std::vector<int>& tip_nodes) {
   const std::vector<int> label = Labels(tree, tip_nodes);
   const std::uint32_t all = (1u << tip_nodes.size()) - 1;
@@ -480,7 +482,8 @@ std::vector<std::uint32_t> Splits(const SkeletonTree& tree, const std::vector<in
   return splits;
 }
 
-/// Merges limbs whose split the other tree lacks; false when one of them is too long for that.
+/// Merges limbs whose division of the tips does not occur in the other tree.
+/// @return false when such a limb is too long to merge
 bool MergeUnknown(SkeletonTree& tree, const std::vector<int>& tips, const SkeletonTree& other,
                   const std::vector<int>& other_tips) {
   const std::vector<std::uint32_t> known = Splits(other, other_tips);
@@ -509,7 +512,7 @@ std::string Reconcile(SkeletonTree& source, SkeletonTree& target, const TipMatch
   KeepTips(target, target_tips);
   if (!MergeUnknown(source, source_tips, target, target_tips) ||
       !MergeUnknown(target, target_tips, source, source_tips))
-    return "the limbs of the two branch off in another order";
+    return "the limbs of the two branch off in a different order";
   if (source.limbs().size() != target.limbs().size())
     return "the two have different numbers of limbs";
   return "";

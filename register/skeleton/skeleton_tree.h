@@ -1,4 +1,4 @@
-// A curve skeleton as a tree of limbs and joints, and which limb of one pose is which of the other.
+// A curve skeleton as a tree of limbs and joints, and the matching of two such trees.
 #pragma once
 
 #include <cstdint>
@@ -11,31 +11,33 @@
 
 namespace keypose::registration {
 
-/// A run of skeleton nodes between two joints.
+/// A chain of skeleton nodes between two joints.
 struct Limb {
   int from = -1, to = -1;  ///< joints
   std::vector<int> nodes;  ///< from the node at `from` to the node at `to`, both included
   double length = 0;
 };
 
-/// The end of a limb, or where limbs meet; may hold several nodes where close forks were merged.
+/// The end of a limb, or the place where limbs meet. It has several nodes where close forks were
+/// merged.
 struct Joint {
   std::vector<int> nodes;
   std::vector<int> limbs;
-  double radius = 0;  ///< of the largest ball inside the surface around its nodes
+  double radius = 0;  ///< of the largest ball around one of its nodes that is inside the surface
   bool tip() const { return limbs.size() == 1; }
 };
 
-/// Where a node lies: on a limb, or (limb -1) in a joint.
+/// The place of a node: on a limb, or in a joint (then limb is -1).
 struct NodePlace {
   int limb = -1, joint = -1;
   double arc = 0;  ///< from the limb's `from` end, along its nodes
 };
 
+/// A tree of limbs and joints.
 class SkeletonTree {
  public:
-  /// Prunes twigs that stay inside the body and merges forks that are closer together than the body
-  /// is thick.
+  /// Builds the tree. Removes short branches that stay inside the body, and merges forks that are
+  /// closer together than the body is thick.
   SkeletonTree(const CurveSkeleton& skeleton, const RayScene& surface);
 
   const std::vector<Limb>& limbs() const { return limbs_; }
@@ -46,19 +48,20 @@ class SkeletonTree {
   }                               ///< of the largest ball inside the surface at each node
   std::vector<int> Tips() const;  ///< joints at the end of one limb
   double total_length() const;
-  /// Distance along the skeleton from a tip to every node; pruned nodes count as the place where
-  /// they were cut off.
+  /// Distance along the skeleton from a tip to every node. A pruned node has the distance of the
+  /// node where it was cut off.
   Eigen::VectorXd DistancesFrom(int joint) const;
   NodePlace PlaceOf(int node) const;
-  /// Bits of the tips (numbered as `label` says, by joint) that lie beyond `limb`, seen from its
-  /// `from` end.
+  /// The tips beyond `limb`, seen from its `from` end, as a set of bits. label[joint] is the tip's
+  /// bit number.
   std::uint32_t TipsBeyond(int limb, const std::vector<int>& label) const;
 
-  void DropTip(int joint);   ///< cuts the limb of that tip off
-  void MergeLimb(int limb);  ///< makes one joint of its two ends and all between
-  /// For a single limb: starts it in the middle of the ball at its thick end. False where there is
-  /// none: where no place is `thicker` times as thick as the middle of the limb and within `reach`
-  /// times that place's radius from an end.
+  void DropTip(int joint);   ///< removes the limb of that tip
+  void MergeLimb(int limb);  ///< merges the limb and its two ends into one joint
+  /// For a tree with a single limb: moves its start to the centre of the ball at its thick end.
+  /// @param thicker  least radius of the ball, over the median radius of the limb
+  /// @param reach    largest distance of the ball from an end, over the ball's radius
+  /// @return false when there is no such ball
   bool RootThickEnd(const RayScene& surface, double thicker, double reach);
 
  private:
@@ -72,35 +75,36 @@ class SkeletonTree {
   PointsX3 nodes_;
   Eigen::VectorXd radius_;
   std::vector<std::vector<int>> neighbors_;
-  std::vector<int> alias_;   // where a cut node was cut off; itself otherwise
+  std::vector<int> alias_;   // the node where a removed node was cut off; itself otherwise
   std::vector<int> merged_;  // label of the group of nodes that form one joint, or -1
   int groups_ = 0;
   std::vector<Limb> limbs_;
   std::vector<Joint> joints_;
 };
 
-/// Which tip of the source is which of the target; joints of both trees.
+/// An assignment of the source's tips to the target's.
 struct TipMatch {
-  std::vector<std::pair<int, int>> pairs;
+  std::vector<std::pair<int, int>> pairs;  ///< joints of the source and of the target
   double cost = 0;
 };
 
-/// What else is known of a pair of tips or of points: see MatchTreeTips.
+/// More data for MatchTreeTips.
 struct TreeEvidence {
   double scale = 1;                             ///< target size over source size
   std::vector<int> source_nodes, target_nodes;  ///< skeleton nodes nearest to each landmark
   PointsX3 source_in_target;                    ///< nodes of the source, coarsely aligned
 };
 
-/// The `keep` assignments of tips with the least disagreement in distances along the skeletons
-/// (among tips and to landmarks), in thickness, and, weakly, in place after coarse alignment, best
-/// first. All assignments are tried; tips that are left over on one side stay unmatched.
+/// The `keep` assignments of tips with the lowest cost, best first. The cost is the difference in
+/// distances along the skeletons (between tips and to landmarks), in thickness and, with a low
+/// weight, in position after coarse alignment. All assignments are tried. Tips left over on one
+/// side stay unmatched.
 std::vector<TipMatch> MatchTreeTips(const SkeletonTree& source, const SkeletonTree& target,
                                     const TreeEvidence& evidence, int keep);
 
-/// Makes both trees branch alike, given the tips: cuts unmatched tips off and merges short limbs
-/// that only one of them has.
-/// @return why that is impossible, or nothing
+/// Gives both trees the same structure for a given assignment: removes unmatched tips, and merges
+/// short limbs that only one of the trees has.
+/// @return why that is impossible, or an empty string
 std::string Reconcile(SkeletonTree& source, SkeletonTree& target, const TipMatch& match);
 
 }  // namespace keypose::registration

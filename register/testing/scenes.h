@@ -1,4 +1,4 @@
-// What the tests of several files bend, join and mark.
+// Test scenes that several test files share.
 #pragma once
 
 #include <cmath>
@@ -10,6 +10,7 @@
 
 namespace keypose::registration {
 
+/// A landmark on a vertex.
 inline LandmarkGoal At(int vertex, const Eigen::Vector3d& target) {
   LandmarkGoal goal;
   goal.name = std::to_string(vertex);
@@ -36,6 +37,7 @@ inline PointsX3 Bent(const PointsX3& points, double length, double angle) {
   return bent;
 }
 
+/// Both meshes in one, unconnected.
 inline Mesh Joined(const Mesh& a, const Mesh& b) {
   Mesh both;
   both.points.resize(a.vertex_count() + b.vertex_count(), 3);

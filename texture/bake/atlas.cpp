@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
@@ -135,7 +136,7 @@ void Grow(int size, Painting& painting, std::vector<char>& done, int rings, floa
   for (const int texel : ring) state[texel] = kQueued;
   for (int round = 0; round < rings && !ring.empty(); ++round) {
     ParallelFor(
-        static_cast<std::int64_t>(ring.size()),
+        std::ssize(ring),
         [&](std::int64_t i) {
           Vector3f sum = Vector3f::Zero();
           int count = 0;
@@ -394,7 +395,7 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
       atlas.size, painting, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
       grain);
   ParallelFor(
-      static_cast<std::int64_t>(atlas.face.size()),
+      std::ssize(atlas.face),
       [&](std::int64_t texel) {
         if (atlas.face[texel] >= 0 && kept(texel) < 1)
           painting.At(texel) = (smooth(texel) + painting.At(texel)).cwiseMax(0.0f);
@@ -413,7 +414,7 @@ ImageF FinishTexture(const Atlas& atlas, Painting&& given, int gutter) {
       atlas.size, painting, done, gutter, 1.0f, [](int) { return true; },
       [&](int texel) -> Vector3f { return painting.At(texel); });
   ParallelFor(
-      static_cast<std::int64_t>(done.size()),
+      std::ssize(done),
       [&](std::int64_t texel) {
         if (!done[texel]) painting.At(texel) = rest;
       },
@@ -423,10 +424,9 @@ ImageF FinishTexture(const Atlas& atlas, Painting&& given, int gutter) {
 
 Image8 SrgbImage(const ImageF& linear) {
   Image8 srgb(linear.width, linear.height, linear.channels);
-  ParallelBlocks(static_cast<std::int64_t>(linear.data.size()), 1 << 16,
-                 [&](std::int64_t begin, std::int64_t end) {
-                   for (std::int64_t i = begin; i < end; ++i) srgb.data[i] = SrgbOf(linear.data[i]);
-                 });
+  ParallelBlocks(std::ssize(linear.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) srgb.data[i] = SrgbOf(linear.data[i]);
+  });
   return srgb;
 }
 

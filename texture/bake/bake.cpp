@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "texture/bake/atlas.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/gain.h"
@@ -41,7 +43,7 @@ std::vector<BakeView> LoadViews(const Mesh& mesh, const std::vector<View>& views
   view_options.edge_guard_px = options.edge_guard;
   view_options.edge_feather_px = options.edge_feather;
   view_options.texels = 0.5 * static_cast<double>(texels);
-  const int count = static_cast<int>(views.size());
+  const int count = SizeOf(views);
   std::vector<std::optional<BakeView>> loaded(count);
   std::mutex mutex;
   int done = 0;
@@ -124,7 +126,7 @@ std::vector<Comparison> Compare(const Studio& studio, const Image8& texture,
                                 const std::vector<char>& which) {
   const TextureLevels levels(texture);
   std::vector<Comparison> comparisons(studio.views.size());
-  ParallelFor(static_cast<std::int64_t>(studio.views.size()), [&](std::int64_t v) {
+  ParallelFor(std::ssize(studio.views), [&](std::int64_t v) {
     if (which[v])
       comparisons[v] = CompareToPhotograph(studio.mesh, levels, texture.width, studio.views[v]);
   });

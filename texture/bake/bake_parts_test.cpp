@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "texture/bake/face_split.h"
 #include "texture/bake/labels.h"
 #include "texture/bake/lattice.h"
@@ -130,7 +131,7 @@ TEST(FaceLattice, GivesLinearFunctionsBackAndCutsTheTriangleWithoutGaps) {
     const FaceLattice lattice(parts);
     std::vector<float> values;
     lattice.ForNodes([&](const Vector3f& w) { values.push_back(linear(w)); });
-    ASSERT_EQ(static_cast<int>(values.size()), FaceLattice::CountOf(parts));
+    ASSERT_EQ(SizeOf(values), FaceLattice::CountOf(parts));
     // Corners, sides, nodes, and points a rounding outside are among these.
     for (int i = 0; i <= 60; ++i)
       for (int j = 0; i + j <= 60; ++j) {

@@ -335,6 +335,65 @@ std::string InputErrorOf(const Function& function) {
   return "no InputError";
 }
 
+TEST(Bake, AWiderGuardLeavesMoreTexelsUnseen) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240, 3);
+  const std::vector<Photograph> photographs = Shoot(mesh, views, Smooth);
+  BakeOptions wide = Small();
+  wide.edge_guard = 60;
+  EXPECT_GT(BakeAll(mesh, views, photographs, wide).unseen_texels(),
+            BakeAll(mesh, views, photographs, Small()).unseen_texels());
+}
+
+TEST(Bake, ExposuresAreEvenedOnlyWhereAsked) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  std::vector<Photograph> photographs = SharedPhotographs(false);
+  for (std::size_t v = 0; v < photographs.size(); v += 2)
+    for (std::uint8_t& value : photographs[v].image.data) value = value * 9 / 10;
+  BakeOptions as_they_are = Small();
+  as_they_are.harmonize = false;
+  const BakeResult even = BakeAll(mesh, views, photographs, Small()),
+                   uneven = BakeAll(mesh, views, photographs, as_they_are);
+  const auto spread = [](const BakeResult& result) {
+    double low = 1, high = 1;
+    for (const Vector3f& gain : result.gains) {
+      low = std::min<double>(low, gain.minCoeff());
+      high = std::max<double>(high, gain.maxCoeff());
+    }
+    return high / low;
+  };
+  EXPECT_GT(spread(even), 1.15) << "the darker half of the views is brightened";
+  EXPECT_EQ(spread(uneven), 1);
+}
+
+// A bright spot that wanders with the camera is detail of single photographs. With a large step it
+// is painted from the photograph that sees a face best, with none it is left to the mean of all.
+TEST(Bake, LightAndDetailComeFromWhereTheOptionsSay) {
+  const Mesh mesh = PatchSphere(12);
+  const std::vector<View> views = AllRound(240);
+  const std::vector<Photograph> photographs =
+      Shoot(mesh, views, [](const Vector3d& x, const Vector3d& eye) {
+        const double facing = x.normalized().dot(eye.normalized());
+        return Vector3f::Constant(0.2f + 0.3f * static_cast<float>(std::pow(facing, 40)));
+      });
+  const auto energy = [&](const BakeOptions& options) {
+    return EdgeEnergy(mesh, BakeAll(mesh, views, photographs, options).texture);
+  };
+  BakeOptions options = Small();
+  options.detail_step = 10;
+  const double step = energy(options);
+  options.detail_step = 0;
+  EXPECT_LT(energy(options), step);
+  options = Small();
+  options.common_light = false;
+  EXPECT_GT(energy(options), energy(Small()));
+  options = Small();
+  options.edge_feather = 1000;
+  EXPECT_NE(BakeAll(mesh, views, photographs, options).texture.data,
+            BakeAll(mesh, views, photographs, Small()).texture.data);
+}
+
 TEST(Bake, MeshWithoutUsableUvsIsAnInputError) {
   const std::vector<View> views = {At({4, 0, 0}, 60)};
   Mesh mesh = PatchSphere(4);

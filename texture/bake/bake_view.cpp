@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 #include "core/srgb.h"
 
 namespace keypose::texture {
@@ -233,7 +234,7 @@ Sighting BakeView::See(const Vector3d& x_in_world) const {
 ImageF BakeView::Detail(int level) const {
   constexpr int kBandLevels = 3;
   const Image8& fine = levels_[level];
-  const int low = std::min(level + kBandLevels, static_cast<int>(levels_.size()) - 1);
+  const int low = std::min(level + kBandLevels, SizeOf(levels_) - 1);
   const double size = 1 << (base_level_ + level);
   ImageF detail(fine.width, fine.height, 1, std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < fine.height; ++y)

@@ -14,6 +14,7 @@
 #include "core/mesh.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 
@@ -188,7 +189,7 @@ inline Sample BakeView::Bilinear(int level, const Eigen::Vector2f& pixel) const 
 }
 
 inline Sample BakeView::ColorAt(const Eigen::Vector2f& pixel, float level) const {
-  const int coarsest = static_cast<int>(levels_.size()) - 1;
+  const int coarsest = SizeOf(levels_) - 1;
   const float stored =
       std::clamp(level - static_cast<float>(base_level_), 0.0f, static_cast<float>(coarsest));
   const int fine = static_cast<int>(stored);

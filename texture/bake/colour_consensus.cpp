@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -78,7 +79,7 @@ Shows Look(const Mesh& mesh, const std::vector<BakeView>& views,
           list.push_back(
               {v, sighting.pixel, before.head<2>(), root.normalized(), std::log(root.norm())});
         }
-        if (static_cast<int>(list.size()) < kLeastViews)
+        if (SizeOf(list) < kLeastViews)
           list.clear();
         else
           CompareToMedian(list);
@@ -215,7 +216,7 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
   std::vector<ViewColors> colors(views.size());
   std::vector<double> constants(views.size(), 0);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    colors[v].places = static_cast<int>(of_view[v].size());
+    colors[v].places = SizeOf(of_view[v]);
     if (colors[v].places >= kLeastForLight) colors[v].light = LightOf(of_view[v], &constants[v]);
   }
   FindOtherLights(options, colors);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 #include "texture/bake/bake_view.h"
 #include "texture/bake/labels.h"
 #include "texture/bake/view_alignment.h"
@@ -87,7 +88,7 @@ class ColorSampler {
   /// The views that see each face, evaluated at four points of it.
   std::vector<FaceViews> LookAtFaces() const;
   const Mesh& mesh() const { return mesh_; }
-  int view_count() const { return static_cast<int>(views_.size()); }
+  int view_count() const { return SizeOf(views_); }
 
  private:
   void FindViews(const std::vector<char>& used);

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -36,11 +37,10 @@ constexpr int kRings = 3;
 Painting PaintingOf(const PoseTexture& pose) {
   Painting painting(pose.texture.width);
   painting.sure = pose.confidence.data;
-  ParallelBlocks(static_cast<std::int64_t>(pose.texture.data.size()), 1 << 16,
-                 [&](std::int64_t begin, std::int64_t end) {
-                   for (std::int64_t i = begin; i < end; ++i)
-                     painting.color.data[i] = LinearOf(pose.texture.data[i]);
-                 });
+  ParallelBlocks(std::ssize(pose.texture.data), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      painting.color.data[i] = LinearOf(pose.texture.data[i]);
+  });
   return painting;
 }
 
@@ -81,7 +81,7 @@ Ratios CompareVertices(const VertexColors& own, const VertexColors& other) {
   Ratios ratios;
   for (int v = 0; v < std::ssize(own.sure); ++v)
     if (own.sure[v] > kBothSure && other.sure[v] > kBothSure) ratios.vertices.push_back(v);
-  ratios.logs.resize(static_cast<Eigen::Index>(ratios.vertices.size()), 3);
+  ratios.logs.resize(std::ssize(ratios.vertices), 3);
   for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
     const int v = ratios.vertices[i];
     ratios.logs.row(i) =
@@ -119,7 +119,7 @@ Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
 /// Rounds of least squares with robust weights (Cauchy) for vertices that differ from their
 /// surroundings.
 Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) {
-  Eigen::VectorXd inlier_weight(static_cast<Eigen::Index>(ratios.vertices.size()));
+  Eigen::VectorXd inlier_weight(std::ssize(ratios.vertices));
   const auto weigh = [&](const auto& expected) {
     for (Eigen::Index i = 0; i < inlier_weight.size(); ++i)
       inlier_weight[i] =
@@ -145,7 +145,7 @@ std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
 }
 
 /// One of the other poses, prepared as a source.
-struct Giver {
+struct SourcePose {
   Painting painting;
   Factors factors;              ///< one row per vertex
   std::vector<float> gathered;  ///< for each vertex
@@ -153,7 +153,7 @@ struct Giver {
 };
 
 /// The best source for each vertex; -1: none.
-std::vector<int> BestGivers(const std::vector<Giver>& givers, int vertex_count) {
+std::vector<int> BestGivers(const std::vector<SourcePose>& givers, int vertex_count) {
   std::vector<int> best(vertex_count, -1);
   for (int v = 0; v < vertex_count; ++v)
     for (int g = 0; g < std::ssize(givers); ++g)
@@ -169,7 +169,7 @@ struct Filling {
 
 class Filler {
  public:
-  Filler(const Mesh& mesh, const Atlas& atlas, const std::vector<Giver>& givers)
+  Filler(const Mesh& mesh, const Atlas& atlas, const std::vector<SourcePose>& givers)
       : mesh_(mesh),
         atlas_(atlas),
         givers_(givers),
@@ -199,7 +199,7 @@ class Filler {
 
  private:
   template <class Face>
-  static Vector3f ColorOf(const Giver& giver, std::size_t texel, const Vector3f& w,
+  static Vector3f ColorOf(const SourcePose& giver, std::size_t texel, const Vector3f& w,
                           const Face& face) {
     Eigen::RowVector3d log = Eigen::RowVector3d::Zero();
     for (int k = 0; k < 3; ++k) log += static_cast<double>(w[k]) * giver.factors.row(face[k]);
@@ -213,7 +213,7 @@ class Filler {
 
   const Mesh& mesh_;
   const Atlas& atlas_;
-  const std::vector<Giver>& givers_;
+  const std::vector<SourcePose>& givers_;
   std::vector<int> best_;
 };
 
@@ -222,7 +222,7 @@ class Filler {
 std::vector<int> Fill(const Atlas& atlas, const Filler& filler, Painting& own) {
   std::vector<int> from(own.sure.size(), -1);
   ParallelFor(
-      static_cast<std::int64_t>(own.sure.size()),
+      std::ssize(own.sure),
       [&](std::int64_t texel) {
         if (atlas.face[texel] < 0 || own.sure[texel] == 255) return;
         const Filling filling = filler.At(texel);
@@ -238,17 +238,17 @@ std::vector<int> Fill(const Atlas& atlas, const Filler& filler, Painting& own) {
   return from;
 }
 
-std::vector<Giver> GiversOf(const Mesh& mesh, const Atlas& atlas, const PoseTexture& own_pose,
-                            const Painting& own, const std::vector<PoseTexture>& others) {
+std::vector<SourcePose> GiversOf(const Mesh& mesh, const Atlas& atlas, const PoseTexture& own_pose,
+                                 const Painting& own, const std::vector<PoseTexture>& others) {
   const Edges edges = UndirectedEdges(mesh.faces);
   const VertexColors mine = ReadVertices(mesh, atlas, own);
-  std::vector<Giver> givers;
+  std::vector<SourcePose> givers;
   for (std::size_t i = 0; i < others.size(); ++i) {
     RequireSquare(others[i], atlas.size, "texture " + std::to_string(i + 1) + " of the others");
     if (others[i].texture.data == own_pose.texture.data &&
         others[i].confidence.data == own_pose.confidence.data)
       continue;
-    Giver giver{PaintingOf(others[i]), {}, {}, static_cast<int>(i)};
+    SourcePose giver{PaintingOf(others[i]), {}, {}, static_cast<int>(i)};
     const VertexColors theirs = ReadVertices(mesh, atlas, giver.painting);
     giver.factors = FindFactors(edges, CompareVertices(mine, theirs), mesh.vertex_count());
     giver.gathered = Gathered(edges, theirs.sure);
@@ -266,7 +266,7 @@ Completed CompleteTexture(const Mesh& mesh, const PoseTexture& own,
   RequireSquare(own, size, "the pose's own texture");
   const Atlas atlas = RasterizeAtlas(mesh, size);
   Painting painting = PaintingOf(own);
-  const std::vector<Giver> givers = GiversOf(mesh, atlas, own, painting, others);
+  const std::vector<SourcePose> givers = GiversOf(mesh, atlas, own, painting, others);
   Completed completed;
   completed.texels = atlas.texels;
   completed.taken.assign(others.size(), 0);

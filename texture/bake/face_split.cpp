@@ -1,6 +1,7 @@
 #include "texture/bake/face_split.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/geometry.h"
@@ -20,7 +21,7 @@ template <class Rows>
 void SplitAtMiddles(Rows& rows, FacesX3& faces) {
   const auto edges = UndirectedEdges(faces);
   const auto first = rows.rows();
-  rows.conservativeResize(first + static_cast<Eigen::Index>(edges.size()), rows.cols());
+  rows.conservativeResize(first + std::ssize(edges), rows.cols());
   for (std::size_t e = 0; e < edges.size(); ++e)
     rows.row(first + static_cast<Eigen::Index>(e)) =
         0.5 * (rows.row(edges[e].first) + rows.row(edges[e].second));

@@ -6,6 +6,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -94,7 +95,7 @@ void Weigh(const std::vector<GainObservation>& list, int channel, const Unknowns
 /// One round of weighted least squares, with each point's own colour eliminated.
 Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& before,
                     double scale) {
-  const int n = static_cast<int>(before.log_gain.size());
+  const int n = SizeOf(before.log_gain);
   MatrixXd matrix = MatrixXd::Zero(n + kLights, n + kLights);
   VectorXd right = VectorXd::Zero(n + kLights);
   std::vector<double> weights;
@@ -136,7 +137,7 @@ Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& 
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views,
                                             const std::vector<char>& used, int samples) {
   const GainObservations lists = Observe(mesh, views, used, samples);
-  const int n = static_cast<int>(views.size());
+  const int n = SizeOf(views);
   MatrixXd log_gains(n, 3);
   for (int channel = 0; channel < 3; ++channel) {
     Unknowns unknowns{VectorXd::Zero(n), Lights::Zero()};

@@ -9,6 +9,7 @@
 
 #include "core/geometry.h"
 #include "core/max_flow.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -81,11 +82,11 @@ class Expansion {
     std::vector<int> faces;
     for (const int f : faces_of_[view]) {
       if (labels_[f] == view) continue;
-      node_[f] = static_cast<int>(faces.size());
+      node_[f] = SizeOf(faces);
       faces.push_back(f);
     }
     if (faces.empty()) return false;
-    MinCut cut(static_cast<int>(faces.size()));
+    MinCut cut(SizeOf(faces));
     // Faces on the source's side change to the view; undecided ones keep their label. The cut
     // separates the source from faces that keep their label, so that edge has the cost of keeping
     // it.
@@ -159,7 +160,7 @@ void KeepBest(int most, std::vector<LabelCandidate>& list) {
   std::sort(list.begin(), list.end(), [](const LabelCandidate& a, const LabelCandidate& b) {
     return std::pair(-a.quality, a.view) < std::pair(-b.quality, b.view);
   });
-  if (static_cast<int>(list.size()) > most) list.resize(most);
+  if (SizeOf(list) > most) list.resize(most);
   std::sort(list.begin(), list.end(),
             [](const LabelCandidate& a, const LabelCandidate& b) { return a.view < b.view; });
 }

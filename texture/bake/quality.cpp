@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -36,12 +37,12 @@ struct Pair {
 };
 
 /// Intersection of a ray with the plane of a face that it is known to meet.
-struct Meeting {
+struct RayHit {
   double distance = 0;  ///< in lengths of the direction
   double u = 0, v = 0;  ///< weights of the second and third corner, within [0, 1] but for rounding
 };
-Meeting Meet(const Mesh& mesh, const Eigen::RowVector3i& face, const Vector3d& origin,
-             const Vector3d& direction) {
+RayHit Meet(const Mesh& mesh, const Eigen::RowVector3i& face, const Vector3d& origin,
+            const Vector3d& direction) {
   const Vector3d a = mesh.points.row(face[0]), ab = mesh.points.row(face[1]).transpose() - a,
                  ac = mesh.points.row(face[2]).transpose() - a;
   const Vector3d across = direction.cross(ac), from_a = origin - a, around = from_a.cross(ab);
@@ -62,7 +63,7 @@ Pair RenderInto(const Mesh& mesh, const TextureLevels& texture, int size, const 
     for (int x = 0; x < width; ++x) {
       if (!view.RayIsGood(x, y)) continue;
       const auto f = mesh.faces.row(view.RayFace(x, y)), t = mesh.uv_faces.row(view.RayFace(x, y));
-      const Meeting hit = Meet(mesh, f, view.center(), view.RayInWorld(x, y));
+      const RayHit hit = Meet(mesh, f, view.center(), view.RayInWorld(x, y));
       const Vector2d uv = (1 - hit.u - hit.v) * mesh.uvs.row(t[0]) + hit.u * mesh.uvs.row(t[1]) +
                           hit.v * mesh.uvs.row(t[2]);
       // Texels under a pixel, in each direction, for a frontal surface; on a slanted one there are
@@ -89,7 +90,7 @@ TextureLevels::TextureLevels(Image8 texture) {
 Vector3d TextureLevels::Sample(const Vector2d& uv, double texels) const {
   const double level =
       std::clamp(std::log2(std::max(texels, 1e-6)), 0.0, static_cast<double>(levels_.size() - 1));
-  const int below = std::min(static_cast<int>(level), static_cast<int>(levels_.size()) - 1);
+  const int below = std::min(static_cast<int>(level), SizeOf(levels_) - 1);
   const double t = level - below;
   const Vector3d fine = SampleTexture(levels_[below], uv);
   if (t < 0.02) return fine;

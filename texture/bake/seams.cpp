@@ -5,6 +5,7 @@
 
 #include "core/cholesky.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -77,8 +78,7 @@ std::vector<std::vector<Shift>> LevelSeams(const Mesh& mesh, const std::vector<F
                                            const std::vector<int>& labels, const Shares& shares,
                                            double to_mean) {
   std::vector<int> first(mesh.vertex_count() + 1, 0);
-  for (int v = 0; v < mesh.vertex_count(); ++v)
-    first[v + 1] = first[v] + static_cast<int>(shares[v].size());
+  for (int v = 0; v < mesh.vertex_count(); ++v) first[v + 1] = first[v] + SizeOf(shares[v]);
   const int unknowns = first.back();
   std::vector<std::vector<Shift>> shifts(mesh.vertex_count());
   if (unknowns == 0) return shifts;

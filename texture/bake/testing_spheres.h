@@ -14,6 +14,7 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/render.h"
+#include "core/size_of.h"
 #include "texture/bake/atlas.h"
 #include "texture/bake/bake.h"
 #include "texture/bake/quality.h"
@@ -34,7 +35,7 @@ inline Mesh PatchSphere(int n, double radius = 1, const Vector3d& center = Vecto
   const auto vertex = [&](const Vector3d& cube) {
     const std::array<long, 3> key = {std::lround(cube.x() * 1e6), std::lround(cube.y() * 1e6),
                                      std::lround(cube.z() * 1e6)};
-    const auto [it, added] = known.try_emplace(key, static_cast<int>(points.size()));
+    const auto [it, added] = known.try_emplace(key, SizeOf(points));
     if (added) points.push_back(center + radius * cube.normalized());
     return it->second;
   };
@@ -51,7 +52,7 @@ inline Mesh PatchSphere(int n, double radius = 1, const Vector3d& center = Vecto
         cube[(axis + 1) % 3] = std::tan((2.0 * i / n - 1) * M_PI / 4) * sign;
         cube[(axis + 2) % 3] = std::tan((2.0 * j / n - 1) * M_PI / 4);
         v.push_back(vertex(cube));
-        t.push_back(static_cast<int>(uvs.size()));
+        t.push_back(SizeOf(uvs));
         uvs.emplace_back((side % 3 + 0.06 + 0.88 * i / n) / 3,
                          (side / 3 + 0.06 + 0.88 * j / n) / 2);
       }

@@ -3,10 +3,12 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -77,7 +79,7 @@ class Aligner {
     const SurfaceSamples surface = SampleSurface(mesh.points, mesh.faces, options.samples, 21);
     const PointsX3 normals = FaceNormals(mesh.points, mesh.faces);
     points_ = static_cast<int>(surface.points.rows());
-    ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t v) {
+    ParallelFor(std::ssize(views), [&](std::int64_t v) {
       if (!used[v] || views[v].sees_nothing()) return;
       for (int i = 0; i < points_; ++i) {
         const Vector3d x = surface.points.row(i), n = normals.row(surface.faces[i]);
@@ -97,14 +99,14 @@ class Aligner {
     for (std::size_t l = 0; l < std::size(kLevels); ++l) {
       round.level = kLevels[l];
       round.details.assign(views_.size(), ImageF());
-      ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t v) {
+      ParallelFor(std::ssize(views_), [&](std::int64_t v) {
         if (warps_[v].wide > 0) round.details[v] = views_[v].Detail(round.level);
       });
       round.mean.assign(points_, 0);
       round.weight.assign(points_, 0);
       for (int step = 0; step < kSteps[l]; ++step) {
         MeasureMeans(round);
-        ParallelFor(static_cast<std::int64_t>(views_.size()), [&](std::int64_t v) {
+        ParallelFor(std::ssize(views_), [&](std::int64_t v) {
           if (warps_[v].wide > 0) StepView(static_cast<int>(v), round);
         });
       }
@@ -177,7 +179,7 @@ class Aligner {
     const Warp& warp = warps_[v];
     Normal normal;
     normal.blocks.assign(warp.nodes.size() * 9, Eigen::Matrix2d::Zero());
-    normal.right.setZero(2 * static_cast<Eigen::Index>(warp.nodes.size()));
+    normal.right.setZero(2 * std::ssize(warp.nodes));
     for (const Observation& o : seen_[v]) {
       Read read;
       // With a single photograph the mean is that photograph.
@@ -218,7 +220,7 @@ class Aligner {
   /// One Gauss-Newton step of one lattice.
   void StepView(int v, const Round& round) {
     Warp& warp = warps_[v];
-    const int count = static_cast<int>(warp.nodes.size());
+    const int count = SizeOf(warp.nodes);
     Normal normal = Collect(v, round);
     if (!(normal.information > 0)) return;
     const double unit = normal.information / (2.0 * count),
@@ -253,7 +255,7 @@ class Aligner {
 
   static void AddPriors(const Warp& warp, double smooth, double stiff,
                         std::vector<Eigen::Triplet<double>>& entries, Eigen::VectorXd& right) {
-    const int count = static_cast<int>(warp.nodes.size());
+    const int count = SizeOf(warp.nodes);
     for (int a = 0; a < count; ++a) {
       for (int i = 0; i < 2; ++i) entries.emplace_back(2 * a + i, 2 * a + i, stiff);
       right.segment<2>(2 * a) -= stiff * warp.nodes[a];

@@ -1,6 +1,7 @@
 #include "texture/charts/charts.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <queue>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 
 namespace keypose::texture {
@@ -47,7 +49,7 @@ Flood Grow(const Surface& s, const std::vector<int>& seeds, const PointsX3& norm
 
 // Mean normal of each region, and the face nearest to its centroid.
 void Recenter(const Surface& s, const Flood& flood, std::vector<int>& seeds, PointsX3& normals) {
-  const int count = static_cast<int>(seeds.size());
+  const int count = SizeOf(seeds);
   PointsX3 centers = PointsX3::Zero(count, 3);
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(count);
   normals.setZero(count, 3);
@@ -77,7 +79,7 @@ void Recenter(const Surface& s, const Flood& flood, std::vector<int>& seeds, Poi
 }
 
 PointsX3 NormalsOf(const Surface& s, const std::vector<int>& seeds) {
-  PointsX3 normals(static_cast<Eigen::Index>(seeds.size()), 3);
+  PointsX3 normals(std::ssize(seeds), 3);
   for (int i = 0; i < std::ssize(seeds); ++i) normals.row(i) = s.normals.row(seeds[i]);
   return normals;
 }
@@ -93,7 +95,7 @@ int Farthest(const Flood& flood, const std::vector<char>& allowed) {
 // Follows the boundary; returns the number of loops and the first one.
 int Loops(const Surface& s, const Chart& chart, const std::vector<int>& local,
           std::vector<int>& rim) {
-  const int vertex_count = static_cast<int>(chart.vertices.size());
+  const int vertex_count = SizeOf(chart.vertices);
   std::vector<int> next(vertex_count, -1);
   for (int i = 0; i < std::ssize(chart.faces); ++i)
     for (int k = 0; k < 3; ++k)
@@ -114,7 +116,7 @@ int Loops(const Surface& s, const Chart& chart, const std::vector<int>& local,
 
 // Corners that chart faces share over an edge become one local vertex.
 void NumberCorners(const Surface& s, const std::vector<int>& local, Chart& chart) {
-  const int count = static_cast<int>(chart.faces.size());
+  const int count = SizeOf(chart.faces);
   UnionFind joined(3 * count);
   for (int i = 0; i < count; ++i) {
     const int f = chart.faces[i];
@@ -134,7 +136,7 @@ void NumberCorners(const Surface& s, const std::vector<int>& local, Chart& chart
     for (int k = 0; k < 3; ++k) {
       int& v = id[joined.Find(3 * i + k)];
       if (v < 0) {
-        v = static_cast<int>(chart.vertices.size());
+        v = SizeOf(chart.vertices);
         chart.vertices.push_back(s.faces(chart.faces[i], k));
       }
       chart.corners(i, k) = v;
@@ -228,7 +230,7 @@ std::vector<int> CutIntoCharts(const Surface& surface, int count, int rounds) {
   std::vector<int> seeds = {0};
   Flood flood = Grow(surface, seeds, NormalsOf(surface, seeds), all);
   PointsX3 normals;
-  while (static_cast<int>(seeds.size()) < count || Farthest(flood, all) < 0 ||
+  while (SizeOf(seeds) < count || Farthest(flood, all) < 0 ||
          flood.label[Farthest(flood, all)] < 0) {
     seeds.push_back(Farthest(flood, all));
     flood = Grow(surface, seeds, NormalsOf(surface, seeds), all);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/size_of.h"
+
 namespace keypose::texture {
 namespace {
 
@@ -83,7 +85,7 @@ bool Upright(const Surface& s, const Chart& chart, const UvsX2& uvs, double leas
 
 Sheet::Sheet(const Surface& surface, const Chart& chart, double hold)
     : chart_(chart), rest_(RestShapeOf(surface, chart)), hold_(hold) {
-  const int count = static_cast<int>(chart.vertices.size());
+  const int count = SizeOf(chart.vertices);
   std::vector<int> column(count);
   for (int v = 0; v < count; ++v) column[v] = hold > 0 ? v : v - 1;
   const int size = hold > 0 ? count : count - 1;

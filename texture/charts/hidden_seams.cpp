@@ -10,6 +10,7 @@
 #include "core/max_flow.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -193,11 +194,11 @@ std::vector<int> BetterBorder(const Surface& s, const PointsX3& costs,
   std::unordered_map<int, int> node;
   double mean = 0;
   for (const int f : faces) {
-    node.emplace(f, static_cast<int>(node.size()));
+    node.emplace(f, SizeOf(node));
     mean += costs.row(f).mean() / static_cast<double>(faces.size());
   }
   constexpr std::int64_t kNever = std::int64_t{1} << 50;
-  MinCut cut(static_cast<int>(faces.size()));
+  MinCut cut(SizeOf(faces));
   for (const int f : faces) {
     const int side = label[f] == b;
     // The last ring stays with its chart, so that neither chart disappears.

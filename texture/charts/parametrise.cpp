@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "core/cholesky.h"
+#include "core/size_of.h"
 #include "texture/charts/elastic_sheet.h"
 
 namespace keypose::texture {
@@ -26,7 +28,7 @@ UvsX2 Projected(const Surface& s, const Chart& chart) {
   Vector3d normal = Vector3d::Zero();
   for (const int f : chart.faces) normal += s.areas[f] * s.normals.row(f).transpose();
   const Vector3d x = normal.unitOrthogonal(), y = normal.normalized().cross(x);
-  UvsX2 uvs(static_cast<Eigen::Index>(chart.vertices.size()), 2);
+  UvsX2 uvs(std::ssize(chart.vertices), 2);
   for (int v = 0; v < std::ssize(chart.vertices); ++v) {
     const Vector3d p = s.points.row(chart.vertices[v]);
     uvs.row(v) << x.dot(p), y.dot(p);
@@ -37,7 +39,7 @@ UvsX2 Projected(const Surface& s, const Chart& chart) {
 // The boundary on a circle by arc length, every other vertex at the weighted mean of its
 // neighbours: no triangle can flip.
 UvsX2 Tutte(const Surface& s, const Chart& chart, const RestShape& rest) {
-  const int count = static_cast<int>(chart.vertices.size());
+  const int count = SizeOf(chart.vertices);
   UvsX2 uvs = UvsX2::Zero(count, 2);
   std::vector<int> column(count, 0);
   double length = 0;

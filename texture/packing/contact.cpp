@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "core/parallel.h"
 
@@ -180,7 +181,7 @@ class Finder {
 Contacts FindContacts(const std::vector<UvsX2>& rims, double gap, double reach) {
   const Finder finder(rims, gap, reach);
   std::vector<std::vector<VertexContacts>> found(rims.size());
-  ParallelFor(static_cast<std::int64_t>(rims.size()), [&](std::int64_t r) {
+  ParallelFor(std::ssize(rims), [&](std::int64_t r) {
     for (int v = 0; v < static_cast<int>(rims[r].rows()); ++v)
       found[r].push_back(finder.At(static_cast<int>(r), v));
   });

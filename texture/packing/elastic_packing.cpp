@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -56,7 +57,7 @@ void Follow(const UvsX2& rim, const UvsX2& push, Placement& place) {
 std::vector<UvsX2> RimsOf(const std::vector<const Chart*>& charts, const std::vector<UvsX2>& uvs) {
   std::vector<UvsX2> rims(charts.size());
   for (std::size_t c = 0; c < charts.size(); ++c) {
-    rims[c].resize(static_cast<Eigen::Index>(charts[c]->rim.size()), 2);
+    rims[c].resize(std::ssize(charts[c]->rim), 2);
     for (std::size_t i = 0; i < charts[c]->rim.size(); ++i)
       rims[c].row(i) = uvs[c].row(charts[c]->rim[i]);
   }
@@ -99,11 +100,10 @@ class ElasticPacking {
         best_(layout),
         ease_(charts.size(), 1.0) {
     sheets_.resize(charts.size());
-    ParallelFor(static_cast<std::int64_t>(charts.size()),
+    ParallelFor(std::ssize(charts),
                 [&](std::int64_t c) { sheets_[c].emplace(surface, *charts[c], kHold); });
     best_area_ = Covered(charts, layout.uvs);
-    for (const Chart* chart : charts)
-      pressure_.push_back(UvsX2::Zero(static_cast<Eigen::Index>(chart->rim.size()), 2));
+    for (const Chart* chart : charts) pressure_.push_back(UvsX2::Zero(std::ssize(chart->rim), 2));
   }
 
   Layout Run() {
@@ -129,7 +129,7 @@ class ElasticPacking {
     const std::vector<UvsX2> rims = RimsOf(charts_, now_.uvs);
     const Contacts contacts = FindContacts(rims, aim_ * options_.gap, ReachOf(options_.gap));
     gap_ = contacts.least_gap;
-    ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t c) {
+    ParallelFor(std::ssize(charts_), [&](std::int64_t c) {
       const UvsX2 push = contacts.push[c].cwiseMax(-kDepth).cwiseMin(kDepth);
       for (Eigen::Index v = 0; v < push.rows(); ++v) {
         if (push.row(v).isZero(0)) {
@@ -151,7 +151,7 @@ class ElasticPacking {
     const double flat = Covered(charts_, now_.uvs);
     double whole = 0;
     for (const auto& sheet : sheets_) whole += sheet->rest().area;
-    ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t c) {
+    ParallelFor(std::ssize(charts_), [&](std::int64_t c) {
       for (int i = 0; i < std::ssize(charts_[c]->faces); ++i) {
         const double rest = surface_.areas[charts_[c]->faces[i]];
         conformal[c] += rest * ConformalRatio(surface_, *charts_[c], now_.uvs[c], i);
@@ -168,7 +168,7 @@ class ElasticPacking {
   void Keep() {
     if (gap_ < options_.gap) return;
     std::vector<char> good(charts_.size());
-    ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t c) {
+    ParallelFor(std::ssize(charts_), [&](std::int64_t c) {
       good[c] = Upright(surface_, *charts_[c], now_.uvs[c], kLeastStressedArea, now_.scale) &&
                 RimIsSimple(*charts_[c], now_.uvs[c]);
       if (!good[c]) ease_[c] *= kEase;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose::texture {
 namespace {
@@ -164,9 +166,9 @@ class Stamps {
 
 // For the bottom-left start: the last occupied cell at or before each cell, which gives the next
 // possible position after a collision.
-class Taken {
+class OccupiedCells {
  public:
-  explicit Taken(int n) : n_(n), last_(static_cast<std::size_t>(n) * n, -1) {}
+  explicit OccupiedCells(int n) : n_(n), last_(static_cast<std::size_t>(n) * n, -1) {}
   void Add(const Stamp& stamp, int x, int y) {
     for (const Stamp::Span& span : stamp.spans) {
       std::int16_t* row = &last_[static_cast<std::size_t>(y + span.row) * n_];
@@ -177,7 +179,7 @@ class Taken {
   }
   /// First free x at or after `x` in the rows from y, or -1.
   int FirstFree(const Stamp& stamp, int x, int y) const {
-    const int count = static_cast<int>(stamp.spans.size());
+    const int count = SizeOf(stamp.spans);
     for (int clear = 0, at = 0; x + stamp.width <= n_;) {
       const Stamp::Span& span = stamp.spans[at];
       const int last = last_[static_cast<std::size_t>(y + span.row) * n_ + x + span.end - 1];
@@ -270,7 +272,7 @@ class NestingSearch {
     std::int64_t cells = 0;
     for (const int item : order_) cells += stamps.Get(item, 0).cells;
     if (cells > static_cast<std::int64_t>(n_) * n_) return false;
-    Taken taken(n_);
+    OccupiedCells taken(n_);
     std::vector<Spot> spots(laid_.size());
     for (const int item : order_) {
       double best = std::numeric_limits<double>::infinity();
@@ -293,7 +295,7 @@ class NestingSearch {
 
   // Prefix sums along the rows of the item's cost for overlapping each cell.
   void BuildCosts(int item, const std::vector<Spot>& spots, Stamps& stamps) {
-    const int stride = n_ + 1, count = static_cast<int>(spots.size());
+    const int stride = n_ + 1, count = SizeOf(spots);
     costs_.assign(static_cast<std::size_t>(stride) * n_, 0);
     for (int j = 0; j < count; ++j) {
       if (j == item) continue;
@@ -379,14 +381,13 @@ class NestingSearch {
     std::vector<Candidate> found;
     const auto take = [&](const std::optional<Spot>& spot) {
       if (!spot) return;
-      const std::int64_t limit =
-          static_cast<int>(found.size()) < kDescents ? kAny : found.back().cost;
+      const std::int64_t limit = SizeOf(found) < kDescents ? kAny : found.back().cost;
       const std::int64_t cost = Cost(stamps.Get(item, spot->turn), spot->x, spot->y, limit);
       if (cost >= limit) return;
       found.push_back({cost, *spot});
       std::stable_sort(found.begin(), found.end(),
                        [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-      if (static_cast<int>(found.size()) > kDescents) found.pop_back();
+      if (SizeOf(found) > kDescents) found.pop_back();
     };
     const Spot here = spots[item];
     const std::optional<Spot> stay = Clamped(item, here, stamps);
@@ -440,7 +441,7 @@ class NestingSearch {
 
   // The items that overlap; the weights of pairs increase as long as they overlap.
   std::vector<int> Overlapping(const std::vector<Spot>& spots, Stamps& stamps) {
-    const int count = static_cast<int>(spots.size());
+    const int count = SizeOf(spots);
     std::vector<int> overlap(static_cast<std::size_t>(count) * count, 0);
     std::vector<char> moves(count, 0);
     int worst = 0;
@@ -476,10 +477,9 @@ class NestingSearch {
     for (int sweep = 0; sweep < kPatience && moves_ > 0; ++sweep) {
       std::vector<int> items = Overlapping(spots, stamps);
       if (items.empty()) return true;
-      for (int k = static_cast<int>(items.size()); k > 1; --k)
-        std::swap(items[k - 1], items[random_.Below(k)]);
+      for (int k = SizeOf(items); k > 1; --k) std::swap(items[k - 1], items[random_.Below(k)]);
       for (const int item : items) Move(item, spots, stamps);
-      moves_ -= static_cast<std::int64_t>(items.size());
+      moves_ -= std::ssize(items);
     }
     return false;
   }

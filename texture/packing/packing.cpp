@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,7 +23,7 @@ UvsX2 RimOf(const Shape& shape) {
   std::map<int, int> next;
   for (const auto& [edge, count] : edges)
     if (!edges.contains({edge.second, edge.first})) next[edge.first] = edge.second;
-  UvsX2 rim(static_cast<Eigen::Index>(next.size()), 2);
+  UvsX2 rim(std::ssize(next), 2);
   int at = next.begin()->first;
   for (Eigen::Index i = 0; i < rim.rows(); ++i, at = next.at(at)) rim.row(i) = shape.points.row(at);
   return rim;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "core/errors.h"
@@ -219,7 +220,7 @@ TEST(PackElastically, SheetsBulgeIntoTheGapsAndKeepTheGutter) {
   for (std::size_t c = 0; c < charts.size(); ++c) {
     EXPECT_TRUE(Upright(domes.surface, *charts[c], layout.uvs[c], 0));
     EXPECT_TRUE(RimIsSimple(*charts[c], layout.uvs[c]));
-    rims.emplace_back(static_cast<Eigen::Index>(charts[c]->rim.size()), 2);
+    rims.emplace_back(std::ssize(charts[c]->rim), 2);
     for (std::size_t i = 0; i < charts[c]->rim.size(); ++i)
       rims.back().row(i) = layout.uvs[c].row(charts[c]->rim[i]);
     area += OutlineArea(rims.back());

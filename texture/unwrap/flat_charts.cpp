@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string>
 #include <tuple>
 
@@ -56,8 +57,7 @@ void ChartAtlas::Settle(std::vector<std::vector<int>> work) {
   while (!work.empty()) {
     ReportProgress(progress_, 0.2, "flattening " + std::to_string(work.size()) + " charts");
     std::vector<std::optional<FlatChart>> flats(work.size());
-    ParallelFor(static_cast<std::int64_t>(work.size()),
-                [&](std::int64_t i) { flats[i] = TryFlat(work[i], kRounds); });
+    ParallelFor(std::ssize(work), [&](std::int64_t i) { flats[i] = TryFlat(work[i], kRounds); });
     std::vector<std::vector<int>> next;
     for (std::size_t i = 0; i < work.size(); ++i) {
       if (flats[i]) {
@@ -217,7 +217,7 @@ void ChartAtlas::Hide() {
 
 // More rounds for the final charts; where they lead to a fold, the earlier result is kept.
 void ChartAtlas::Refine() {
-  ParallelFor(static_cast<std::int64_t>(charts_.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(charts_), [&](std::int64_t i) {
     const Chart& chart = charts_[i].chart;
     std::optional<UvsX2> uvs = Flattened(surface_, chart, kFinalRounds);
     if (uvs && MeasureDistortion(surface_, chart, *uvs).max <= kWorstDistortion)

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/size_of.h"
 #include "core/union_find.h"
 #include "texture/charts/parametrise.h"
 
@@ -60,9 +61,9 @@ void NumberCharts(const Mesh& mesh, Atlas& atlas) {
   for (int f = 0; f < mesh.face_count(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int v = mesh.uv_faces(f, k);
-      atlas.chart[v] = id.emplace(joined.Find(v), static_cast<int>(id.size())).first->second;
+      atlas.chart[v] = id.emplace(joined.Find(v), SizeOf(id)).first->second;
     }
-  atlas.charts = static_cast<int>(id.size());
+  atlas.charts = SizeOf(id);
 }
 
 // Follows each chart's boundary. A chart is a disk when it is a manifold with one loop and V - E +
@@ -94,14 +95,13 @@ int NonDisks(const Mesh& mesh, Atlas& atlas) {
     ++euler[chart];
     if (next[v] < 0 || !atlas.rims[chart].empty()) continue;
     for (int w = v; w >= 0 && (w != v || atlas.rims[chart].empty()) &&
-                    static_cast<int>(atlas.rims[chart].size()) <= boundary[chart];
+                    SizeOf(atlas.rims[chart]) <= boundary[chart];
          w = next[w])
       atlas.rims[chart].push_back(w);
   }
   int count = 0;
   for (int c = 0; c < atlas.charts; ++c)
-    count += bad[c] || euler[c] != 1 || boundary[c] < 3 ||
-             static_cast<int>(atlas.rims[c].size()) != boundary[c];
+    count += bad[c] || euler[c] != 1 || boundary[c] < 3 || SizeOf(atlas.rims[c]) != boundary[c];
   return count;
 }
 

@@ -8,6 +8,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
+#include "core/size_of.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/packing/elastic_packing.h"
 #include "texture/packing/packing.h"
@@ -106,7 +107,7 @@ UnwrapResult LaidOut(const Mesh& clean, const Surface& surface, const ChartAtlas
   const Packing packing = Pack(shapes, {options.texture_size, options.gutter, options.effort});
   Layout layout{packing.uvs, packing.scale};
   ReportProgress(progress, 0.85, "pressing");
-  if (options.press) {
+  if (options.elastic_packing) {
     ElasticPackingOptions elastic;
     elastic.gap = static_cast<double>(options.gutter) / options.texture_size;
     layout = PackElastically(surface, charts, layout, elastic);
@@ -114,7 +115,7 @@ UnwrapResult LaidOut(const Mesh& clean, const Surface& surface, const ChartAtlas
   UnwrapResult result;
   result.mesh = Assembled(clean, atlas.charts(), layout.uvs);
   RequireProven(result.mesh);
-  result.charts = static_cast<int>(shapes.size());
+  result.charts = SizeOf(shapes);
   result.stretch = MeasureAtlasStretch(result.mesh);
   return result;
 }
@@ -132,7 +133,8 @@ void UnwrapOptions::Describe(OptionVisitor& visit) {
          0,
          100000,
          {}});
-  visit("press", press, {"deform charts a little where that fills gaps between them"});
+  visit("elastic_packing", elastic_packing,
+        {"deform charts a little where that fills gaps between them"});
   visit(
       "hide_seams", hide_seams,
       {"seams are placed where they are least visible: creases, below, behind (up is +z, the front "

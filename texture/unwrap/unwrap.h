@@ -16,9 +16,9 @@ struct UnwrapOptions {
   int effort = 600;  ///< moves in the search for places, in units of 16; cost grows with it
   /// smaller charts are tried while a smaller share of the texture is covered
   double enough_utilisation = 0.82;
-  bool press = true;       ///< charts deform a little where that fills gaps between them
-  bool hide_seams = true;  ///< seams are placed where they are least visible: creases, below,
-                           ///< behind (up is +z, the front -y)
+  bool elastic_packing = true;  ///< charts deform a little where that fills gaps between them
+  bool hide_seams = true;       ///< seams are placed where they are least visible: creases, below,
+                                ///< behind (up is +z, the front -y)
   void Describe(OptionVisitor& visit);
 };
 

@@ -67,7 +67,7 @@ UnwrapOptions Small() {
 
 UnwrapOptions Rigid() {
   UnwrapOptions options = Small();
-  options.press = false;
+  options.elastic_packing = false;
   options.enough_utilisation = 0;
   return options;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/size_of.h"
+
 namespace keypose {
 namespace {
 
@@ -61,7 +63,7 @@ Eigen::Vector2f Slope(const ImageF& nearest, int x, int y, float largest_jump) {
 }  // namespace
 
 DepthBounds HullDepthBounds(const VisualHull& hull, const PreparedView& view) {
-  const int level = static_cast<int>(view.levels.size()) - 1;
+  const int level = SizeOf(view.levels) - 1;
   const Entries entries = MarchAll(hull, view, level);
   const int width = entries.nearest.width, height = entries.nearest.height;
   DepthBounds bounds{level, ImageF(width, height, 1), ImageF(width, height, 1),

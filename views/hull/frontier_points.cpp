@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/parallel.h"
@@ -83,7 +84,7 @@ std::vector<FrontierPoint> FindFrontierPoints(const VisualHull& hull,
                                               const std::vector<PreparedView>& views,
                                               const FrontierPointOptions& options) {
   std::vector<std::vector<FrontierPoint>> frontier(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(views), [&](std::int64_t i) {
     frontier[i] = FrontierPointsOf(hull, silhouettes, views[i], static_cast<int>(i), options);
   });
   std::vector<FrontierPoint> all;

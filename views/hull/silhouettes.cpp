@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "core/parallel.h"
 
@@ -83,8 +84,7 @@ double OverlapOf(const PreparedView& view, const RayGrid& grid, const Silhouette
 
 Silhouettes::Silhouettes(const std::vector<PreparedView>& views, int outside_votes)
     : fields_(views.size()), votes_(std::clamp(outside_votes, 1, kMostVotes)) {
-  ParallelFor(static_cast<std::int64_t>(views.size()),
-              [&](std::int64_t i) { fields_[i] = MakeMaskField(views[i], 0); });
+  ParallelFor(std::ssize(views), [&](std::int64_t i) { fields_[i] = MakeMaskField(views[i], 0); });
 }
 
 double Silhouettes::DistanceAt(int view, double x, double y) const {
@@ -215,7 +215,7 @@ HullCheck CheckAgainstHull(const std::vector<PreparedView>& views, const VisualH
   out.iou.resize(views.size());
   RayGrid grid{hull, hull};
   grid.deep.inside = DeepVoxels(hull);
-  ParallelFor(static_cast<std::int64_t>(views.size()),
+  ParallelFor(std::ssize(views),
               [&](std::int64_t i) { out.iou[i] = OverlapOf(views[i], grid, silhouettes); });
   for (const double iou : out.iou) out.mean += iou / static_cast<double>(views.size());
   std::vector<double> sorted = out.iou;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/size_of.h"
 #include "views/hull/mask_field.h"
 #include "views/hull/visual_hull.h"
 #include "views/prepared/prepared_view.h"
@@ -39,7 +40,7 @@ class Silhouettes {
   /// nearest to the projection of x; zero where the outline has no direction.
   Eigen::Vector3d OutlineNormal(int view, const Eigen::Vector3d& x) const;
 
-  int views() const { return static_cast<int>(fields_.size()); }
+  int views() const { return SizeOf(fields_); }
   const MaskField& field(int view) const { return fields_[view]; }
   int outside_votes() const { return votes_; }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -102,7 +104,7 @@ std::vector<int> Best(const std::vector<PreparedView>& views, int view,
   for (std::size_t s = 0; s < views.size(); ++s)
     if (score[s] > 0) order.push_back(static_cast<int>(s));
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return score[i] > score[j]; });
-  if (static_cast<int>(order.size()) > count) order.resize(count);
+  if (SizeOf(order) > count) order.resize(count);
   return order;
 }
 
@@ -113,13 +115,12 @@ std::vector<std::vector<int>> SelectSourceViews(const std::vector<PreparedView>&
                                                 const Scene& scene, int count) {
   const std::vector<std::vector<Sight>> sparse = SparseSights(views, scene);
   std::vector<std::vector<int>> sources(views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(views), [&](std::int64_t i) {
     const int view = static_cast<int>(i);
-    if (static_cast<int>(sparse[view].size()) >= kFewPoints)
-      sources[view] = Best(views, view, sparse[view], count);
-    if (static_cast<int>(sources[view].size()) >= count) return;
+    if (SizeOf(sparse[view]) >= kFewPoints) sources[view] = Best(views, view, sparse[view], count);
+    if (SizeOf(sources[view]) >= count) return;
     for (const int s : Best(views, view, HullSights(views, bounds, view), count))
-      if (static_cast<int>(sources[view].size()) < count &&
+      if (SizeOf(sources[view]) < count &&
           std::find(sources[view].begin(), sources[view].end(), s) == sources[view].end())
         sources[view].push_back(s);
   });

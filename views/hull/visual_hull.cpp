@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/size_of.h"
 #include "views/hull/mask_field.h"
 
 namespace keypose {
@@ -16,7 +18,7 @@ namespace {
 // Half of the working resolution is still finer than the grid, and makes the distance transforms
 // cheap.
 MaskField GrownField(const PreparedView& view, double margin_px) {
-  const int level = std::min<int>(1, static_cast<int>(view.levels.size()) - 1);
+  const int level = std::min<int>(1, SizeOf(view.levels) - 1);
   MaskField field = MakeMaskField(view, level);
   const float margin = static_cast<float>(margin_px / (1 << level)) - 0.5f;
   for (float& distance : field.distance) distance -= margin;
@@ -75,7 +77,7 @@ class Carver {
  public:
   Carver(const std::vector<PreparedView>& views, const VisualHullOptions& options)
       : options_(options), fields_(views.size()) {
-    ParallelFor(static_cast<std::int64_t>(views.size()),
+    ParallelFor(std::ssize(views),
                 [&](std::int64_t i) { fields_[i] = GrownField(views[i], options.mask_margin_px); });
   }
 
@@ -311,8 +313,8 @@ PointCloud HullSurface(const VisualHull& hull) {
         normals.push_back(normal.normalized());
       }
   PointCloud cloud;
-  cloud.points.resize(static_cast<int>(points.size()), 3);
-  cloud.normals.resize(static_cast<int>(points.size()), 3);
+  cloud.points.resize(SizeOf(points), 3);
+  cloud.normals.resize(SizeOf(points), 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
     cloud.points.row(static_cast<int>(i)) = points[i];
     cloud.normals.row(static_cast<int>(i)) = normals[i];

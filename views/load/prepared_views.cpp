@@ -1,6 +1,7 @@
 #include "views/load/prepared_views.h"
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
@@ -47,7 +48,7 @@ std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::stri
     longest = std::max({longest, view.camera.width, view.camera.height});
   const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
   std::vector<PreparedView> views(scene.views.size());
-  ParallelFor(static_cast<std::int64_t>(views.size()), [&](std::int64_t i) {
+  ParallelFor(std::ssize(views), [&](std::int64_t i) {
     if (!set.images[image_of[i]].trusted) return;
     const Image8 image = ReadImage(set.ImagePath(image_of[i]), 3),
                  mask = ReadImage(set.MaskPath(image_of[i]), 1);
@@ -72,9 +73,9 @@ std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::stri
   if (views.size() < 3)
     throw InputError(stage_name + ": only " + std::to_string(views.size()) + " of " +
                      std::to_string(scene.views.size()) +
-                     " images have a mask with anything in it (empty: " + NameList(empty) +
-                     ") and agree with the others (contrary: " + NameList(doubted) +
-                     "); look at the masks of capture");
+                     " images have a mask that is not empty (empty: " + NameList(empty) +
+                     ") and agree with the others (contradicting: " + NameList(doubted) +
+                     "); check the masks of capture");
   return views;
 }
 

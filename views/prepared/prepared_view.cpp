@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/errors.h"
+#include "core/size_of.h"
 
 namespace keypose {
 namespace {
@@ -262,8 +263,7 @@ PreparedView PrepareView(const View& view, int scene_index, const Image8& image,
   if (box.x1 - box.x0 + 1 < least || box.y1 - box.y0 + 1 < least) return out;
   FillLevelZero(BoxScaled(image, width, height), straight_mask, camera, box, &out);
   out.noise = NoiseLevel(out.levels[0].grey);
-  while (static_cast<int>(out.levels.size()) < levels)
-    out.levels.push_back(Halved(out.levels.back()));
+  while (SizeOf(out.levels) < levels) out.levels.push_back(Halved(out.levels.back()));
   for (PreparedView::Level& level : out.levels) level = WithoutShading(level);
   return out;
 }

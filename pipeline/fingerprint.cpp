@@ -1,4 +1,4 @@
-#include "pipeline/recipe.h"
+#include "pipeline/fingerprint.h"
 
 #include <fmt/format.h>
 
