@@ -22,7 +22,7 @@ void CleanupOptions::Describe(OptionVisitor& visit) {
          .min = -2,
          .max = 1000});
   visit("support", support,
-        {.help = "auto cuts off a level turntable, plate or cloth that the figure stands on (z "
+        {.help = "auto cuts off a level turntable, base or cloth that the figure stands on (z "
                  "up); keep leaves it",
          .unit = "",
          .choices = {"auto", "keep"}});
