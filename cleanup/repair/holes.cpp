@@ -51,6 +51,8 @@ constexpr std::size_t kCubicLimit = 400;
 
 // many times the memory of a triangulation of the rim; only used pages take memory
 constexpr std::size_t kLeastBytes = 1 << 20, kBytesAVertex = 16 << 10;
+// A rim can have a tetrahedron for every second pair of its vertices.
+constexpr std::size_t kBytesAPair = 64, kMostBytes = 1 << 30;
 
 struct Rim {
   std::size_t vertices = 0;
@@ -145,7 +147,8 @@ void FillByFan(RepairMesh& mesh, Halfedge border, const Eigen::Vector3d& center)
 bool FillSmoothly(RepairMesh& mesh, Halfedge border, const Rim& rim, bool large) {
   std::vector<Face> faces;
   std::vector<Vertex> vertices;
-  const OrderedMemory memory(kLeastBytes + kBytesAVertex * rim.vertices);
+  const OrderedMemory memory(std::min(kMostBytes, kLeastBytes + kBytesAVertex * rim.vertices +
+                                                      kBytesAPair * rim.vertices * rim.vertices));
   const bool no_cubic = rim.vertices > kCubicLimit;
   PMP::triangulate_hole(
       mesh, border, std::back_inserter(faces),

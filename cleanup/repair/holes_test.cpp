@@ -88,6 +88,17 @@ TEST(Holes, AreFilledAlikeWhereverTheHeapPutsTheTriangulation) {
   }
 }
 
+// Between two lines that pass each other every pair of edges makes a tetrahedron.
+TEST(Holes, ARimOfVeryManyTetrahedraHasRoom) {
+  constexpr int kSide = 600;
+  Ring rim;
+  for (int i = 0; i < kSide; ++i) rim.emplace_back(0.05 * i, 0, 0);
+  for (int i = 0; i < kSide; ++i) rim.emplace_back(0, 0.05 * i, 30);
+  const HolesResult filled = FillHoles(Bell(rim), nullptr);
+  EXPECT_EQ(filled.filled, 1);
+  EXPECT_TRUE(CheckClosed(filled.mesh).finite);
+}
+
 // As where soles are cut at the ground.
 TEST(Holes, ALevelRimIsFilledWithinItsPlaneByWellShapedTriangles) {
   const int n = 190;
