@@ -6,6 +6,11 @@ add_library(keypose_flags INTERFACE)
 target_include_directories(keypose_flags INTERFACE ${CMAKE_SOURCE_DIR})
 # Fuzz programs, made by clang, which has warnings of its own that are not kept clean here.
 option(KEYPOSE_FUZZ "libFuzzer programs for the readers; see tests/fuzz" OFF)
+# Constants of core/tuned.h can be set from outside; only for bench/sensitivity.py.
+option(KEYPOSE_SENSITIVITY "tuned constants can be replaced by an environment variable" OFF)
+if(KEYPOSE_SENSITIVITY)
+  target_compile_definitions(keypose_flags INTERFACE KEYPOSE_SENSITIVITY)
+endif()
 # Contraction off: a fused multiply-add would give other bits on other processors.
 target_compile_options(keypose_flags INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor $<IF:$<BOOL:${KEYPOSE_FUZZ}>,-w,-Werror> -ffp-contract=off)
 target_link_libraries(keypose_flags INTERFACE Eigen3::Eigen Threads::Threads)

@@ -2,6 +2,7 @@
 // error of core/errors.h.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -46,5 +47,9 @@ ExitCode VersionCommand();
 
 /// The text that `explain` prints for one step.
 std::string Explanation(const Plan& plan, int step);
+
+class Session;
+/// The log of a step's last end: of its failure, if it failed. Empty if there is none.
+std::filesystem::path StepLog(Session& session, const std::string& step_id);
 
 }  // namespace keypose::pipeline

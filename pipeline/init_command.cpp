@@ -6,6 +6,7 @@
 
 #include "core/io/photograph_files.h"
 #include "pipeline/commands.h"
+#include "pipeline/new_project.h"
 #include "pipeline/pipeline_file.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
@@ -77,30 +78,6 @@ void RequireFoldersOfTheirOwn(const std::vector<NewPose>& poses) {
     throw UsageError("--pose: " + fault);
 }
 
-/// The folder's name without characters that YAML would need to escape.
-std::string SafeName(const fs::path& folder) {
-  std::string name =
-      folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
-  std::erase_if(name, [](unsigned char c) { return c < 32 || c == '"' || c == '\\'; });
-  return name;
-}
-
-std::string PipelineText(const std::string& name, const std::vector<NewPose>& poses,
-                         const std::string& template_pose) {
-  std::string text =
-      "# The poses and settings of this project. What is not set here is as in the default "
-      "pipeline; see docs/pipeline.md.\n";
-  text += fmt::format("name: \"{}\"\nposes:\n", name);
-  for (const NewPose& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose.name);
-  text += fmt::format("template: {}\n", template_pose);
-  if (poses.size() > 1) {
-    text += "timeline: [";
-    for (std::size_t i = 0; i < poses.size(); ++i) text += (i ? ", " : "") + poses[i].name;
-    text += "]\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 ExitCode InitCommand(const InitOptions& options) {
@@ -139,7 +116,9 @@ ExitCode InitCommand(const InitOptions& options) {
                  KindsOf(pose.ignored));
   }
   // Written last, so that a folder with a pipeline.yaml is a complete project.
-  disk.Write(folder / "pipeline.yaml", PipelineText(SafeName(folder), poses, template_pose));
+  std::vector<std::string> names;
+  for (const NewPose& pose : poses) names.push_back(pose.name);
+  disk.Write(folder / "pipeline.yaml", NewPipelineText(folder, names, template_pose));
   fmt::print("your original photographs were not changed\nnext: keypose run -C {}\n",
              ShellWord(options.folder));
   return ExitCode::kOk;

@@ -22,12 +22,12 @@ namespace fs = std::filesystem;
 
 const std::vector<std::string> kCommands = {"init",   "run",    "status", "explain", "log",
                                             "graph",  "gc",     "verify", "unlock",  "pack",
-                                            "report", "studio", "doctor"};
+                                            "report", "doctor"};
 
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;
   for (const std::string& name : RealDisk().Children(ProgramFolder())) {
-    if (name.starts_with("keypose-")) names.push_back(name.substr(8));
+    if (name.starts_with("keypose-") && name != "keypose-studio") names.push_back(name.substr(8));
   }
   return names;
 }
@@ -53,6 +53,7 @@ bool MeansStage(int argc, char** argv) {
   const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
   if (access(program.c_str(), X_OK) != 0) {
     std::vector<std::string> known = kCommands;
+    known.push_back("studio");
     for (const std::string& stage : StageNames()) known.push_back(stage);
     throw UsageError(
         fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1],
@@ -207,11 +208,12 @@ class CommandLine {
   }
 
   void AddLater() {
-    for (const std::string name : {"pack", "studio"}) {
-      Command(name, "not part of this version", [name]() -> ExitCode {
-        throw UsageError(fmt::format("this version of keypose has no `{}` yet", name));
-      })->allow_extras();
-    }
+    Command("pack", "not part of this version", []() -> ExitCode {
+      throw UsageError("this version of keypose has no `pack` yet");
+    })->allow_extras();
+    Command("studio", "open the project in a web page", []() -> ExitCode {
+      throw ToolError("keypose-studio is missing; install keypose again");
+    })->allow_extras();
   }
 
   CLI::App app_;

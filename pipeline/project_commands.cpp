@@ -139,19 +139,25 @@ ExitCode ExplainCommand(const std::string& folder, const std::string& step,
   return ExitCode::kOk;
 }
 
+fs::path StepLog(Session& session, const std::string& id) {
+  const auto last = session.records().Last(id);
+  if (!last) return {};
+  const fs::path failed = session.state() / "failed" / FolderName(id) / "log.txt";
+  if (last->failed && fs::exists(failed)) return failed;
+  if (last->fingerprint.empty()) return {};
+  const fs::path good = session.store().FolderOf(last->fingerprint) / "log.txt";
+  return fs::exists(good) ? good : fs::path();
+}
+
 ExitCode LogCommand(const std::string& folder, const std::string& step) {
   Session session = Open(folder);
   for (const int i : session.graph().Find(step)) {
     const std::string& id = session.graph().steps[i].id;
     const auto last = session.records().Last(id);
-    const fs::path failed = session.state() / "failed" / FolderName(id) / "log.txt";
-    const fs::path good = last && !last->fingerprint.empty()
-                              ? session.store().FolderOf(last->fingerprint) / "log.txt"
-                              : fs::path();
-    const fs::path log = last && last->failed && fs::exists(failed) ? failed : good;
+    const fs::path log = StepLog(session, id);
     if (!last) {
       fmt::print("--- {} has never run\n", id);
-    } else if (log.empty() || !fs::exists(log)) {
+    } else if (log.empty()) {
       fmt::print("--- {} has no log any more{}\n", id,
                  last->failed ? "; it failed with\n" + last->error : "");
     } else {

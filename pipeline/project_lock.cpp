@@ -112,6 +112,14 @@ ProjectLock::~ProjectLock() {
   close(fd_);
 }
 
+std::string LockHolder(const fs::path& state_folder) {
+  const int fd = open((state_folder / "lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return "";
+  const Holder holder = ReadHolder(fd);
+  close(fd);
+  return holder.known() && !IsDead(holder) ? holder.Text() : "";
+}
+
 std::string Unlock(const fs::path& state_folder, bool force) {
   const fs::path file = state_folder / "lock";
   if (!fs::exists(file)) return "the project is not locked";

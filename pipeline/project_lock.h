@@ -25,6 +25,10 @@ class ProjectLock {
   int fd_ = -1;
 };
 
+/// Words on who holds the lock; empty if nobody does. Only reads, so it never keeps a run from
+/// taking the lock.
+std::string LockHolder(const std::filesystem::path& state_folder);
+
 /// `keypose unlock`: reports who holds the lock, or clears the lock of a dead process.
 /// @param force  remove the lock although it is held (by a machine that no longer exists, on a
 /// shared file system)

@@ -138,15 +138,16 @@ std::vector<Flow> References::ResolveWord(const Setting& reference, const Step& 
     return {flow};
   }
   if (word == "$landmarks") return Landmarks(reference, step);
-  if (word == "$regions") {
-    flow = Source({"regions.json", reference.where});
+  if (word == "$regions" || word == "$stiffness") {
+    flow = Source({word.substr(1) + ".json", reference.where});
     return disk_.Stat(project_ / flow.path) ? std::vector<Flow>{flow} : std::vector<Flow>{};
   }
   if (word != "$photos" && word != "$masks" && word != "$background" && word != "$cameras") {
     Refuse(reference.where,
            fmt::format("step '{}': '{}' is not known{}", step.rule, word,
                        Suggestion(word, {"$photos", "$masks", "$background", "$cameras",
-                                         "$landmarks", "$regions", "$timeline", "$run"})));
+                                         "$landmarks", "$stiffness", "$regions", "$timeline",
+                                         "$run"})));
   }
   const PoseRule* pose = file_.FindPose(step.pose);
   if (!pose)

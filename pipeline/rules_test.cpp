@@ -298,6 +298,17 @@ TEST(Rules, LandmarksOfBothPosesAreTakenUpWhenTheyAppear) {
   EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(landmarks rest picks bent picks)"));
 }
 
+TEST(Rules, APaintedStiffnessIsTakenUpWhenItAppearsAndLeftOutWhenItIsGone) {
+  FakeHouse house;
+  house.Run();
+  house.disk.Write(house.project / "stiffness.json", "stiff hand");
+  EXPECT_EQ(house.Run().ran, (Names{"blend", "match/bent", "tell"}));
+  EXPECT_THAT(house.Out("animation/frame_1"), HasSubstr("(stiffness stiff hand)"));
+  house.disk.Remove(house.project / "stiffness.json");
+  EXPECT_THAT(house.Run().ran, IsEmpty()) << "the earlier result is in the cache";
+  EXPECT_THAT(house.Out("animation/frame_1"), Not(HasSubstr("stiffness")));
+}
+
 TEST(Rules, PickedPointsOfMeshLabAreTakenUpWhereNoJsonIs) {
   FakeHouse house;
   house.disk.Write(house.project / "landmarks/rest.pp", "rest points");

@@ -73,6 +73,9 @@ TEST(IncludeRules, StageRoomsDoNotIncludeEachOtherOrLookUp) {
   ExpectBreach("core/stage/stage.cpp", "#include \"core/io/mesh_io.h\"", true);
   ExpectBreach("core/stage/stage.cpp", "#include \"core/io/files.h\"", false);
   ExpectBreach("pipeline/graph.cpp", "#include \"core/stage/stage.h\"", true);
+  ExpectBreach("pipeline/graph.cpp", "#include \"studio/server/server.h\"", true);
+  ExpectBreach("studio/server/routes.cpp", "#include \"pipeline/graph.h\"", false);
+  ExpectBreach("studio/server/routes.cpp", "#include \"register/nricp/nricp.h\"", true);
   ExpectBreach("pipeline/graph.cpp", "#include \"core/io/files.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"core/geometry.h\"", false);
   ExpectBreach("register/nricp/nricp.cpp", "#include \"register/nricp/nricp.h\"", false);

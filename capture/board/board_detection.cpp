@@ -9,15 +9,25 @@
 
 #include "capture/board/board_print.h"
 #include "core/errors.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
 constexpr double kSearch_px = 2000;  // longer side at which markers are searched
-constexpr double kContrast = 20;     // least difference of grey levels between paper and ink
 constexpr double kLeastSquare_px = 6;
-// least correlation with the print around a corner; an occluding figure lowers it
-constexpr double kCorrelation = 0.9;
+
+// Chosen on the rendered boards of board_test.cpp; kEven by the masks of a set with the board
+// (docs/algorithms/capture.md), which the record does not name. Sensitivity:
+// docs/results/sensitivity.md.
+struct BoardDetectionTuning {
+  KEYPOSE_TUNED(double, kContrast, 20);  // grey levels; least difference between paper and ink
+  // least correlation with the print around a corner; an occluding figure lowers it
+  KEYPOSE_TUNED(double, kCorrelation, 0.9);
+  // grey levels over three channels; distance from the print at which print and object are equally
+  // likely
+  KEYPOSE_TUNED(double, kEven, 30);
+};
 
 cv::Mat GreyOf(const Image8& image) {
   const cv::Mat view(image.height, image.width, CV_8UC(image.channels),
@@ -248,7 +258,7 @@ Fit FitPatch(const cv::Mat& grey, const Patch& patch, double most_px) {
     const cv::Matx44d inverse = normal.inv(cv::DECOMP_CHOLESKY, &solved);
     if (!solved) return {};
     const cv::Vec4d x = inverse * right;
-    if (x[1] > -kContrast) return {};  // ink must be darker than paper
+    if (x[1] > -BoardDetectionTuning::kContrast) return {};  // ink must be darker than paper
     // The photograph shows expected(p - d) = expected - gradient . d.
     const cv::Point2d step(-x[2] / x[1], -x[3] / x[1]);
     fit.offset += step;
@@ -269,7 +279,7 @@ std::vector<BoardCorner> FitCorners(const cv::Mat& grey, const BoardMap& map, co
     const Patch patch = ExpectedPatch(grey, map, ink, board, {at.x(), at.y()});
     if (patch.expected.empty()) continue;
     const Fit fit = FitPatch(grey, patch, std::max(2.0, 0.15 * size));
-    if (fit.correlation < kCorrelation) continue;
+    if (fit.correlation < BoardDetectionTuning::kCorrelation) continue;
     const cv::Point2d pixel = map({at.x(), at.y()}) + fit.offset;
     corners.push_back({id, Eigen::Vector2d(pixel.x + 0.5, pixel.y + 0.5)});
   }
@@ -393,8 +403,6 @@ std::vector<BoardCorner> FindBoard(const Image8& image, const BoardLayout& board
 
 BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corners, double factor,
                       const BoardLayout& board, double limit) {
-  // distance, over three channels, at which print and object are equally likely [grey levels]
-  constexpr double kEven = 30;
   BoardOdds known;
   const BoardMap map(PointsOf(corners, board), board.square_m);
   if (!map.found()) return known;
@@ -405,7 +413,7 @@ BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corne
                 near = NextToCorners(rgb.size(), corners, factor, map, board);
   const cv::Vec3f paper = MedianColor(rgb, near & (ink >= 0) & (ink < 0.05)),
                   black = MedianColor(rgb, near & (ink > 0.95));
-  if (!(cv::norm(paper) > cv::norm(black) + kContrast)) return known;
+  if (!(cv::norm(paper) > cv::norm(black) + BoardDetectionTuning::kContrast)) return known;
   const cv::Mat distance = DistanceToPrint(rgb, ink, paper, black);
   known.on_board = Image8(image.width, image.height, 1);
   known.odds = ImageF(image.width, image.height, 1);
@@ -413,8 +421,8 @@ BoardOdds OddsOfBoard(const Image8& image, const std::vector<BoardCorner>& corne
     for (int x = 0; x < image.width; ++x) {
       if (ink.at<float>(y, x) < 0) continue;
       *known.on_board.at(x, y) = 255;
-      *known.odds.at(x, y) =
-          static_cast<float>(std::clamp(4 * (distance.at<float>(y, x) / kEven - 1), -limit, limit));
+      *known.odds.at(x, y) = static_cast<float>(std::clamp(
+          4 * (distance.at<float>(y, x) / BoardDetectionTuning::kEven - 1), -limit, limit));
     }
   return known;
 }

@@ -10,19 +10,26 @@
 
 #include "capture/pictures/cv_image.h"
 #include "core/srgb.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
-constexpr float kBand = 1.5F;              // pixels beside the border that are decided again
 constexpr float kPure = 1, kFarthest = 5;  // distances outside of the border, in pixels, between
                                            // which the background is unmixed and still near
 // The same inside of it: a surface that curves away from the light gets dark towards its border.
 constexpr float kOwn = 0.6F, kShaded = 2.1F;
-constexpr int kWindowReach = 5;                // of the window of samples
-constexpr double kSigma = 1.5;                 // of the window's weights, pixels
-constexpr double kLeastContrast = 15.0 / 255;  // of linear light
-constexpr double kLeastRatio = 4;              // squared contrast over the variances of both sides
+constexpr int kWindowReach = 5;  // of the window of samples
+constexpr double kSigma = 1.5;   // of the window's weights, pixels
+
+// Tuned on the synthetic rings of weak and rich texture, 36 photographs of 1440 x 1080
+// (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity: docs/results/sensitivity.md.
+struct BoundaryMattingTuning {
+  KEYPOSE_TUNED(float, kBand, 1.5F);  // px beside the border, decided again
+  // between the two sides, as a share of full linear light
+  KEYPOSE_TUNED(double, kLeastContrast, 15.0 / 255);
+  KEYPOSE_TUNED(double, kLeastRatio, 4);  // squared contrast over the variances of both sides
+};
 
 std::array<float, 256> LinearLight() {
   std::array<float, 256> table{};
@@ -60,7 +67,9 @@ class Boundary {
     for (int k = 0; k <= kWindowReach; ++k) window_[k] = std::exp(-0.5 * k * k / (kSigma * kSigma));
   }
 
-  bool Near(int x, int y) const { return std::abs(distance_.at<float>(y, x)) < kBand; }
+  bool Near(int x, int y) const {
+    return std::abs(distance_.at<float>(y, x)) < BoundaryMattingTuning::kBand;
+  }
 
   /// Whether the object covers more than half of a pixel; `now` if that is not determined.
   bool Covered(int x, int y, bool now) const {
@@ -79,8 +88,8 @@ class Boundary {
     if (object.weight <= 0 || background.weight <= 0) return now;
     const Eigen::Vector3d way = object.Mean() - background.Mean();
     const double contrast = way.squaredNorm();
-    if (contrast < kLeastContrast * kLeastContrast ||
-        contrast < kLeastRatio * (object.Variance() + background.Variance()))
+    if (contrast < BoundaryMattingTuning::kLeastContrast * BoundaryMattingTuning::kLeastContrast ||
+        contrast < BoundaryMattingTuning::kLeastRatio * (object.Variance() + background.Variance()))
       return now;
     return (Color(x, y) - background.Mean()).dot(way) > 0.5 * contrast;
   }

@@ -6,6 +6,7 @@
 
 #include "capture/segmentation/pixel_classifier.h"
 #include "core/image.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 
@@ -47,8 +48,13 @@ double Misfit(const Image8& lab, const Image8& empty_lab, const Image8& trimap);
 std::array<int, 3> UsualDifference(const Image8& lab, const Image8& empty_lab,
                                    const Image8& trimap);
 
-/// If at least this share of a figure looks like the empty set, the figure itself has such colours.
-inline constexpr double kManyAlike = 1.5e-3;
+/// Tuned on the skull and the plush dog, of which 0.7 and 1.4 % look like the empty set, and the
+/// synthetic weak ring (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity:
+/// docs/results/sensitivity.md.
+struct EmptySetTuning {
+  /// share of a figure; if at least so much looks like the empty set, the figure has such colours
+  KEYPOSE_TUNED(double, kManyAlike, 1.5e-3);
+};
 
 /// The same pixels without the features that depend on the empty set.
 std::vector<PixelFeatures> WithoutEmptySet(std::vector<PixelFeatures> features);

@@ -11,32 +11,42 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/segmentation/trimap.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
-// least share of the empty set's lightness in the figure's shadow
-constexpr double kShade = 0.88;
-constexpr int kNoise = 4;  // of single pixels' lightness, in addition to the background's usual
-                           // difference; half of it in colour
-constexpr int kLooseNoise = 8;
 constexpr int kLeastArea = 16;         // pixels
 constexpr double kLeastDepth = 1.4;    // pixels from a hole's middle to its side
 constexpr double kLargestShare = 0.3;  // of the mask
-// 8 bit Lab distance of the figure beside a hole; a smooth shadow has less
-constexpr double kSetOff = 22;
-constexpr double kSmoothSide = 0.2;  // largest share of the surroundings of a hole that may be
-                                     // closer: an eye's shadow has a pupil on the other sides
-// least share of figure around a hole; strips along the outline have less
-constexpr double kEnclosed = 0.6;
-constexpr int kThinHole = 9;  // per cent of the hull's longest side; rays through the figure itself
-                              // are several times longer
-constexpr int kAround = 5;    // pixels around a hole that are used
+constexpr int kAround = 5;             // pixels around a hole that are used
+
+// Tuned on the holes, eyes and mouths of the synthetic rings of weak and rich texture, 36
+// photographs of 1440 x 1080 (docs/decisions/mask-holes-and-boundary-matting.md). Sensitivity:
+// docs/results/sensitivity.md.
+struct MaskHoleTuning {
+  // least share of the empty set's lightness in the figure's shadow
+  KEYPOSE_TUNED(double, kShade, 0.88);
+  // 8 bit Lab; of single pixels' lightness, in addition to the background's usual difference; half
+  // of it in colour
+  KEYPOSE_TUNED(int, kNoise, 4);
+  KEYPOSE_TUNED(int, kLooseNoise, 8);  // the same for a loose match to the empty set
+  // 8 bit Lab distance of the figure beside a hole; a smooth shadow has less
+  KEYPOSE_TUNED(double, kSetOff, 22);
+  // largest share of the surroundings of a hole that may be closer: an eye's shadow has a pupil on
+  // the other sides
+  KEYPOSE_TUNED(double, kSmoothSide, 0.2);
+  // least share of figure around a hole; strips along the outline have less
+  KEYPOSE_TUNED(double, kEnclosed, 0.6);
+  // per cent of the hull's longest side; rays through the figure itself are several times longer
+  KEYPOSE_TUNED(int, kThinHole, 9);
+};
 
 using Lab = const std::uint8_t*;
 
 bool Like(Lab pixel, Lab empty, const std::array<int, 3>& usual, int noise) {
-  const int light = usual[0] + noise, darkest = static_cast<int>(kShade * empty[0]) - light;
+  const int light = usual[0] + noise,
+            darkest = static_cast<int>(MaskHoleTuning::kShade * empty[0]) - light;
   return pixel[0] <= empty[0] + light && pixel[0] >= darkest &&
          std::abs(pixel[1] - empty[1]) <= usual[1] + noise / 2 &&
          std::abs(pixel[2] - empty[2]) <= usual[2] + noise / 2;
@@ -93,9 +103,10 @@ class MaskHole {
           distances.push_back(
               Eigen::Vector3d(c[0] - mean[0], c[1] - mean[1], c[2] - mean[2]).norm());
       }
-    if (distances.empty() || static_cast<double>(distances.size()) < kEnclosed * round)
+    if (distances.empty() ||
+        static_cast<double>(distances.size()) < MaskHoleTuning::kEnclosed * round)
       return false;
-    return Quantile(distances, kSmoothSide) >= kSetOff;
+    return Quantile(distances, MaskHoleTuning::kSmoothSide) >= MaskHoleTuning::kSetOff;
   }
 
   /// @param corner  in the image, of the mask's part that this was made from
@@ -111,7 +122,7 @@ class MaskHole {
             *thickness.at(std::min(static_cast<int>((at.x + 0.5) * scale), thickness.width - 1),
                           std::min(static_cast<int>((at.y + 0.5) * scale), thickness.height - 1)));
       }
-    return Quantile(values, 0.5) <= kThinHole;
+    return Quantile(values, 0.5) <= MaskHoleTuning::kThinHole;
   }
 
   /// Removes the region and its border, which mixes hole and figure; boundary matting then locates
@@ -202,7 +213,8 @@ Backdrops BackdropsOf(const std::vector<Image8>& lab, const std::vector<Image8>&
 std::vector<Region> FindMaskHoles(const Image8& image, const Backdrop& backdrop, const Image8& mask,
                                   bool loosely) {
   std::vector<Region> regions;
-  ForEachMaskHole(image, backdrop, MatOf(mask), loosely ? kLooseNoise : kNoise,
+  ForEachMaskHole(image, backdrop, MatOf(mask),
+                  loosely ? MaskHoleTuning::kLooseNoise : MaskHoleTuning::kNoise,
                   [&](const MaskHole& hole, const cv::Point& corner, double) {
                     if (hole.Wide() && hole.SetOff())
                       regions.push_back(hole.Pixels(corner, mask.width));
@@ -213,7 +225,7 @@ std::vector<Region> FindMaskHoles(const Image8& image, const Backdrop& backdrop,
 void OpenMaskHoles(const Image8& image, const Backdrop& backdrop, Image8& mask) {
   cv::Mat whole = MatOf(mask).clone();
   ForEachMaskHole(
-      image, backdrop, MatOf(mask), kNoise,
+      image, backdrop, MatOf(mask), MaskHoleTuning::kNoise,
       [&](const MaskHole& hole, const cv::Point& corner, double scale) {
         if (hole.Wide() && hole.Thin(backdrop.thickness, corner, scale) && hole.SetOff())
           hole.Open(corner, whole);

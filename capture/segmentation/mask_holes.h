@@ -26,7 +26,7 @@ struct Backdrops {
 
   /// Whether the figure itself has the empty set's colours (bone in the dark in front of a black
   /// cloth, a white chin in front of white paper).
-  bool Confusing() const { return alike > kManyAlike; }
+  bool Confusing() const { return alike > EmptySetTuning::kManyAlike; }
 };
 
 /// The empty set behind each image of a set.

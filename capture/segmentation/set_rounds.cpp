@@ -12,6 +12,7 @@
 #include "capture/segmentation/pixel_classifier.h"
 #include "capture/segmentation/region_cut.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
@@ -27,13 +28,22 @@ void AddBoard(ImageF& odds, const BoardOdds& board, double limit) {
   }
 }
 
-// of the largest depth of a mask, from which a pixel is well inside
-constexpr double kDepth = 0.33;
-constexpr double kHole = 1;  // mean odds against the figure from which a hole stays open
-// pixels with lower odds are shadow, or background seen past the figure
-constexpr float kShadow = -1;
-// of the limit: other photographs' evidence in space has nearly as much weight
-constexpr double kSeenPast = 0.8;
+// Tuned on the plush dog, the skull and the synthetic weak ring
+// (docs/decisions/mask-holes-and-boundary-matting.md and masks-twice.md); of kHole there is no
+// record. Sensitivity: docs/results/sensitivity.md.
+struct SetRoundTuning {
+  // of the largest depth of a mask, from which a pixel is well inside
+  KEYPOSE_TUNED(double, kDepth, 0.33);
+  KEYPOSE_TUNED(double, kHole, 1);  // mean log odds against the figure from which a hole stays open
+  // log odds; pixels with lower ones are shadow, or background seen past the figure
+  KEYPOSE_TUNED(float, kShadow, -1);
+  // of the limit of the log odds: other photographs' evidence in space has nearly as much weight
+  KEYPOSE_TUNED(double, kSeenPast, 0.8);
+  // Up to this share of the figure that looks like the empty set, such pixels are holes; from
+  // EmptySetTuning::kManyAlike on the figure has such colours.
+  KEYPOSE_TUNED(double, kFewAlike, 7e-4);
+};
+
 constexpr std::size_t kSamplesPerImage = 2000;  // of each kind
 
 /// Pixels of an image with a label in its trimap, evenly spread.
@@ -69,8 +79,9 @@ std::vector<float> ShadowOdds(const Round& round, const std::vector<Image8>& kin
     cv::distanceTransform(padded, depth, cv::DIST_L2, 3);
     double deepest = 0;
     cv::minMaxLoc(depth, nullptr, &deepest);
-    const Image8 deep = ImageOf(
-        depth(cv::Rect(1, 1, round.trimaps[i].width, round.trimaps[i].height)) > kDepth * deepest);
+    const Image8 deep =
+        ImageOf(depth(cv::Rect(1, 1, round.trimaps[i].width, round.trimaps[i].height)) >
+                SetRoundTuning::kDepth * deepest);
     for (std::size_t p = 0; p < deep.data.size(); ++p) {
       if (round.trimaps[i].data[p] != kObject) continue;
       (deep.data[p] ? inside : rim)[kinds[i].data[p]] += 1;
@@ -96,10 +107,6 @@ struct EmptySetMatch {
     return pixels[image].empty() || !pixels[image][pixel] ? 0 : odds;
   }
 };
-
-/// Up to this share of the figure that looks like the empty set, such pixels are holes; from
-/// kManyAlike on the figure has such colours.
-constexpr double kFewAlike = 7e-4;
 
 /// A classifier learned from masks with a filled hole classifies background as figure there, and
 /// the hull of such masks is filled as well. The empty set, where other photographs of the take
@@ -130,7 +137,9 @@ EmptySetMatch FindSeenPast(const Round& round, const std::vector<Image8>& emptie
   // shadow in front of white paper) has the same appearance.
   const double share = (sum(like) + 1) / (sum(figure) + 1);
   const double chance =
-      std::clamp(std::log(kManyAlike / share) / std::log(kManyAlike / kFewAlike), 0.0, 1.0);
+      std::clamp(std::log(EmptySetTuning::kManyAlike / share) /
+                     std::log(EmptySetTuning::kManyAlike / SetRoundTuning::kFewAlike),
+                 0.0, 1.0);
   past.odds = static_cast<float>(chance * std::max(std::log(share), -limit));
   return past;
 }
@@ -192,7 +201,7 @@ std::vector<Image8> SegmentByColor(const std::vector<Image8>& images,
     odds.Finish();
     ImageF known = odds.Of(images[i], options.odds_limit);
     AddBoard(known, boards[i], options.odds_limit);
-    masks[i] = CutRegion(images[i], known, options.smoothness, kHole);
+    masks[i] = CutRegion(images[i], known, options.smoothness, SetRoundTuning::kHole);
   });
   return masks;
 }
@@ -212,13 +221,14 @@ std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<Bo
                            : Image8(round.lab[i].width, round.lab[i].height, 1, 0);
   });
   const std::vector<float> shadow_odds = ShadowOdds(round, kinds);
-  const EmptySetMatch past = FindSeenPast(round, empties, foretold, kSeenPast * options.odds_limit);
+  const EmptySetMatch past =
+      FindSeenPast(round, empties, foretold, SetRoundTuning::kSeenPast * options.odds_limit);
   ParallelFor(each, [&](std::int64_t k) {
     const auto i = static_cast<std::size_t>(k);
     Image8 trimap = round.trimaps[i];
     for (std::size_t p = 0; p < trimap.data.size(); ++p)
-      if (trimap.data[p] == kObject &&
-          (shadow_odds[kinds[i].data[p]] < kShadow || past.At(i, p) < kShadow))
+      if (trimap.data[p] == kObject && (shadow_odds[kinds[i].data[p]] < SetRoundTuning::kShadow ||
+                                        past.At(i, p) < SetRoundTuning::kShadow))
         trimap.data[p] = kUnknown;
     plain[i] = SamplesOf(FeaturesOf(round.lab[i], empties[i]), trimap);
     if (foretold[i]) related[i] = plain[i];
@@ -235,14 +245,14 @@ std::vector<Image8> SegmentByClassifier(const Round& round, const std::vector<Bo
     for (std::size_t p = 0; p < features.size(); ++p) {
       odds.data[p] = classifier.Odds(features[p], static_cast<float>(options.odds_limit));
       const float shadow = std::min(shadow_odds[kinds[i].data[p]], past.At(i, p));
-      if (shadow < kShadow)
+      if (shadow < SetRoundTuning::kShadow)
         odds.data[p] =
             std::min(odds.data[p], std::max(shadow, -static_cast<float>(options.odds_limit)));
     }
     for (std::size_t p = 0; round.told && p < features.size(); ++p)
       odds.data[p] += round.odds_told[(*round.told)[i].data[p]];
     AddBoard(odds, boards[i], options.odds_limit);
-    masks[i] = CutRegion(round.images[i], odds, options.smoothness, kHole);
+    masks[i] = CutRegion(round.images[i], odds, options.smoothness, SetRoundTuning::kHole);
   });
   return masks;
 }

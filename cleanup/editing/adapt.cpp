@@ -16,6 +16,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/ray_scene.h"
+#include "core/tuned.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -28,6 +29,23 @@ constexpr double
              5;  // of the wanted length: chosen so that splits and collapses do not undo each other
 constexpr int kRounds = 6, kFits = 14,
               kLastFlips = 12;  // fits after which edges are not flipped any more
+
+// Tuned on the surfaces of the skull and the plush dog at 20,000 faces, by the distance in pixel
+// footprints and the least angles (docs/results/cleanup.md).
+struct RemeshTuning {
+  // Of the fits.
+  KEYPOSE_TUNED(double, kPull, 0.02);          // share of the system's trace that holds a vertex
+  KEYPOSE_TUNED(double, kDamping, 0.5);        // share of a vertex's move that is made
+  KEYPOSE_TUNED(double, kMostOverSize, 0.25);  // longest move, of the wanted edge length
+  KEYPOSE_TUNED(double, kSlide, 2);          // strength of the slide, in moves to the fan's centre
+  KEYPOSE_TUNED(double, kThinDeg, 35);       // degrees: vertices at smaller angles slide
+  KEYPOSE_TUNED(double, kThinRangeDeg, 15);  // degrees below kThinDeg where the slide is full
+  // Of the flips.
+  KEYPOSE_TUNED(double, kGain, 0.9);        // share of the cost that a flip must come below
+  KEYPOSE_TUNED(double, kAngleWeight, 40);  // cost of an angle of 0, in median squared distances
+  KEYPOSE_TUNED(double, kGoodAngle, 35 * EIGEN_PI / 180);   // rad: larger angles cost nothing
+  KEYPOSE_TUNED(double, kLeastAngle, 20 * EIGEN_PI / 180);  // rad: no flip makes a smaller one
+};
 
 // Distance of a point of a face from the surface, along the surface's normal there.
 struct SurfaceOffset {
@@ -192,10 +210,7 @@ std::vector<std::array<SurfaceOffset, 4>> Remesher::SurfaceOffsets() const {
 // and the position of the vertex on it does not matter.
 Vector3d Remesher::FittedPlace(Vertex v,
                                const std::vector<std::array<SurfaceOffset, 4>>& offsets) const {
-  constexpr double kPull = 0.02, kDamping = 0.5, kMostOverSize = 0.25, kSlide = 2;
-  constexpr double kThinDeg = 35,
-                   kThinRangeDeg =
-                       15;  // the pull begins at kThinDeg and is full at kThinRangeDeg below
+  using Tuning = RemeshTuning;
   Eigen::Matrix3d system = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
   for (const Halfedge h : CGAL::halfedges_around_target(mesh_.halfedge(v), mesh_)) {
@@ -209,15 +224,15 @@ Vector3d Remesher::FittedPlace(Vertex v,
       right += area * share * offset.distance * offset.normal;
     }
   }
-  const double pull = kPull * system.trace() + 1e-30;
+  const double pull = Tuning::kPull * system.trace() + 1e-30;
   system += pull * Eigen::Matrix3d::Identity();
-  const double thin =
-      std::clamp<double>((kThinDeg - editor_.Angle(v) * 180 / EIGEN_PI) / kThinRangeDeg, 0, 1);
+  const double thin = std::clamp<double>(
+      (Tuning::kThinDeg - editor_.Angle(v) * 180 / EIGEN_PI) / Tuning::kThinRangeDeg, 0, 1);
   const auto solver = system.ldlt();
   // Applied through the inverse twice, so that a vertex on a sharp edge only moves along it.
-  if (thin > 0) right += pull * pull * kSlide * thin * solver.solve(ToMiddle(v));
-  Vector3d move = kDamping * solver.solve(right);
-  const double most = kMostOverSize * editor_.sizes[v];
+  if (thin > 0) right += pull * pull * Tuning::kSlide * thin * solver.solve(ToMiddle(v));
+  Vector3d move = Tuning::kDamping * solver.solve(right);
+  const double most = Tuning::kMostOverSize * editor_.sizes[v];
   if (move.norm() > most) move *= most / move.norm();
   return mesh_.point(v) + move;
 }
@@ -251,16 +266,15 @@ std::vector<std::array<double, 2>> Remesher::DiagonalOffsets(const std::vector<E
 // An edge is flipped if that lowers its cost: the squared distance from the surface plus a penalty
 // for small angles, which is scaled by the median distance.
 void Remesher::FlipForShape() {
-  constexpr double kGain = 0.9, kAngleWeight = 40, kGoodAngle = 35 * EIGEN_PI / 180,
-                   kLeastAngle = 20 * EIGEN_PI / 180;
+  using Tuning = RemeshTuning;
   const std::vector<Edge> edges(mesh_.edges().begin(), mesh_.edges().end());
   const std::vector<std::array<double, 2>> offsets = DiagonalOffsets(edges);
   std::vector<double> now(edges.size());
   for (std::size_t i = 0; i < edges.size(); ++i) now[i] = offsets[i][0];
   std::nth_element(now.begin(), now.begin() + now.size() / 2, now.end());
-  const double weight = kAngleWeight * now[now.size() / 2];
+  const double weight = Tuning::kAngleWeight * now[now.size() / 2];
   const auto lack = [&](double angle) {
-    return weight * std::pow(std::max(0.0, 1 - angle / kGoodAngle), 2);
+    return weight * std::pow(std::max(0.0, 1 - angle / Tuning::kGoodAngle), 2);
   };
   std::vector<char> touched(mesh_.num_faces(), 0);
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -270,9 +284,10 @@ void Remesher::FlipForShape() {
     const auto [a, b, c, d] = Diamond(edges[i]);
     const double left = MinAngle(a, b, c), right = MinAngle(b, a, d);
     const double cost = offsets[i][0] + lack(left) + lack(right);
-    if (!(offsets[i][1] + lack(MinAngle(c, d, b)) + lack(MinAngle(d, c, a)) < kGain * cost))
+    if (!(offsets[i][1] + lack(MinAngle(c, d, b)) + lack(MinAngle(d, c, a)) < Tuning::kGain * cost))
       continue;
-    if (editor_.FlipTo(edges[i], std::min({kLeastAngle, left, right}))) touched[f] = touched[g] = 1;
+    if (editor_.FlipTo(edges[i], std::min({Tuning::kLeastAngle, left, right})))
+      touched[f] = touched[g] = 1;
   }
 }
 

@@ -16,9 +16,6 @@ namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr double kFieldCountTolerance = 1e-3;
-// of the thickness; the chord of an eighth of a circle is 0.38 of the diameter
-constexpr double kLimbShare = 0.36;
-constexpr double kRound = 0.4;  // curvature times half the thickness: 1 on a rod, 0 on a sheet
 
 using Edges = std::vector<std::pair<int, int>>;
 
@@ -129,14 +126,16 @@ Eigen::VectorXd Thickness(const Mesh& surface) {
 }
 
 Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
+  using Tuning = EdgeSizeTuning;
   const Eigen::VectorXd areas = FaceAreas(surface.points, surface.faces);
   const double even = std::sqrt(4 / std::sqrt(3.0) * areas.sum() / rules.faces);
   const Eigen::VectorXd curvature = MaxCurvature(surface), thickness = Thickness(surface);
   const Adjacency near(surface.vertex_count(), UndirectedEdges(surface.faces));
   Eigen::VectorXd limb(surface.vertex_count());
   for (int v = 0; v < surface.vertex_count(); ++v) {
-    const bool round = curvature[v] * thickness[v] / 2 >= kRound;
-    limb[v] = round ? std::max(kLimbShare * thickness[v], rules.limb_smallest * even) : kUnbounded;
+    const bool round = curvature[v] * thickness[v] / 2 >= Tuning::kRound;
+    limb[v] = round ? std::max(Tuning::kLimbShare * thickness[v], Tuning::kLimbSmallest * even)
+                    : kUnbounded;
   }
   const auto sizes_for = [&](double scale) {
     Eigen::VectorXd sizes(surface.vertex_count());
@@ -145,7 +144,8 @@ Eigen::VectorXd EdgeSizes(const Mesh& surface, const SizeRules& rules) {
       // / size^2. The exponents 1/3 and 1/2 follow from this.
       const double bent = std::pow(std::max(curvature[v] * even, 1e-9), -rules.exponent) * scale;
       sizes[v] = std::min(
-          even * (rules.follow_curvature ? std::clamp(bent, rules.smallest, rules.largest) : scale),
+          even * (rules.follow_curvature ? std::clamp(bent, Tuning::kSmallest, Tuning::kLargest)
+                                         : scale),
           limb[v]);
     }
     LimitGrowth(surface, near, rules.growth, sizes);

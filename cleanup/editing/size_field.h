@@ -5,19 +5,32 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/tuned.h"
 
 namespace keypose::cleanup {
 
+/// kExponent and kGrowth: tuned on the plush dog
+/// (docs/decisions/edges-by-the-third-root-of-curvature.md). The others: no record of the data;
+/// those of limbs are for eight faces around a rod.
+struct EdgeSizeTuning {
+  KEYPOSE_TUNED(double, kExponent, 1.0 / 3);  ///< sizes are proportional to curvature^-kExponent
+  KEYPOSE_TUNED(double, kGrowth, 0.6);  ///< largest change of size per length along the surface
+  /// smallest size in curved places, of the edge length of equal triangles
+  KEYPOSE_TUNED(double, kSmallest, 0.3);
+  KEYPOSE_TUNED(double, kLargest, 2);  ///< largest size in flat places, likewise
+  /// smallest size on limbs that are thinner than the triangles, likewise
+  KEYPOSE_TUNED(double, kLimbSmallest, 0.15);
+  /// size on limbs, of the thickness; the chord of an eighth of a circle is 0.38 of the diameter
+  KEYPOSE_TUNED(double, kLimbShare, 0.36);
+  /// curvature times half the thickness from which on a place is a limb: 1 on a rod, 0 on a sheet
+  KEYPOSE_TUNED(double, kRound, 0.4);
+};
+
 struct SizeRules {
-  int faces = 20000;             ///< number of faces that the sizes should give
-  bool follow_curvature = true;  ///< false: equal sizes, except on thin limbs
-  double exponent = 1.0 / 3;     ///< sizes are proportional to curvature^-exponent
-  double smallest =
-      0.3;  ///< lower limit in curved places, relative to the edge length of equal triangles
-  double largest = 2;  ///< upper limit in flat places, likewise
-  double limb_smallest =
-      0.15;             ///< lower limit on limbs that are thinner than the triangles, likewise
-  double growth = 0.6;  ///< largest change of size per length along the surface
+  int faces = 20000;                            ///< number of faces that the sizes should give
+  bool follow_curvature = true;                 ///< false: equal sizes, except on thin limbs
+  double exponent = EdgeSizeTuning::kExponent;  ///< see there
+  double growth = EdgeSizeTuning::kGrowth;
 };
 
 /// The larger absolute principal curvature at each vertex, measured over about one edge length.

@@ -22,12 +22,12 @@
 #include "cleanup/support/support_plane.h"
 #include "core/errors.h"
 #include "core/geometry.h"
+#include "core/tuned.h"
 
 namespace keypose::cleanup {
 namespace {
 
 constexpr double kWeld = 1e-7;    // of the diagonal
-constexpr double kTouch = 0.005;  // of the diagonal: pieces this near belong together
 constexpr int kWorkingFaces = 5;  // times the wanted faces: limit of the mesh that is repaired
 constexpr double kStartFaces =
     2.5;  // times the wanted faces: limit of the mesh where remeshing starts
@@ -35,14 +35,24 @@ constexpr int kIntersectionRounds = 8;
 // later ones have smaller triangles where earlier results intersected themselves
 constexpr int kRemeshings = 3;
 constexpr double kStrategyCountTolerance = 0.01;
-// share of intersecting faces above which local repair is slow and does not succeed
-constexpr double kTangle = 0.02;
-constexpr int kTangleFaces = 300;  // up to this number, local repair is always tried
-// share of the surface that may be farther than kLostDistance from a local repair
-constexpr double kLostShare = 0.01;
-constexpr double kLostDistance = 0.02;
 constexpr double kLeastAngleDeg = 2;
-constexpr double kGoodAngleDeg = 12;  // wanted for remeshed surfaces
+
+// Chosen on the collection of bad meshes and the thousand mutilated ones (docs/results/cleanup.md);
+// no record of the trials.
+struct RepairTuning {
+  KEYPOSE_TUNED(double, kTouch, 0.005);  // of the diagonal: pieces this near belong together
+  // share of intersecting faces above which local repair is slow and does not succeed
+  KEYPOSE_TUNED(double, kTangle, 0.02);
+  KEYPOSE_TUNED(int, kTangleFaces, 300);  // faces: up to this number, local repair is always tried
+  // share of the surface that may be farther than kLostDistance from a local repair
+  KEYPOSE_TUNED(double, kLostShare, 0.01);
+  KEYPOSE_TUNED(double, kLostDistance, 0.02);  // of the diagonal
+  KEYPOSE_TUNED(double, kGoodAngleDeg, 12);    // degrees: wanted for remeshed surfaces
+  // EdgeSizeTuning's kExponent and kGrowth for wraps: the rims of a wrapped sheet shrink unless
+  // their triangles are much smaller
+  KEYPOSE_TUNED(double, kWrapExponent, 0.5);
+  KEYPOSE_TUNED(double, kWrapGrowth, 0.4);
+};
 
 PointsX3 FaceCenters(const Mesh& mesh, const std::vector<int>& faces) {
   PointsX3 centers(std::ssize(faces), 3);
@@ -116,7 +126,7 @@ void RepairStrategies::Weld() {
   RemoveSupport();
   CutAtGround();
   if (options_.keep_components == 1)
-    kept_ = WithTouchingPieces(kept_, kTouch, &result_.components_removed);
+    kept_ = WithTouchingPieces(kept_, RepairTuning::kTouch, &result_.components_removed);
 }
 
 // Searches again after each cut, because there can be a second, lower sheet below a cloth. What a
@@ -170,7 +180,7 @@ std::optional<Mesh> RepairStrategies::Mended(const Mesh& mesh) {
   if (Acceptable(mesh)) return mesh;
   if (mesh.face_count() == 0 || !CheckClosed(mesh).finite) return std::nullopt;
   if (static_cast<double>(IntersectingFaces(mesh).size()) >
-      std::max<double>(kTangleFaces, kTangle * mesh.face_count()))
+      std::max<double>(RepairTuning::kTangleFaces, RepairTuning::kTangle * mesh.face_count()))
     return std::nullopt;
   Mesh mended = WithoutIntersections(mesh, kIntersectionRounds);
   if (mended.face_count() > 0 && CheckClosed(mended).zero_area_faces > 0)
@@ -201,8 +211,8 @@ Mesh RepairStrategies::WithGenus(const Mesh& mesh) {
 Mesh RepairStrategies::WithBetterAngles(const Mesh& mesh, double enough_deg) {
   const double least_deg = LeastAngleDeg(mesh);
   if (least_deg >= enough_deg) return mesh;
-  for (const double wanted_deg :
-       {kGoodAngleDeg, 4 * kLeastAngleDeg, 2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
+  for (const double wanted_deg : {RepairTuning::kGoodAngleDeg, 4 * kLeastAngleDeg,
+                                  2 * kLeastAngleDeg, 1.1 * kLeastAngleDeg}) {
     if (wanted_deg > 2 * enough_deg || wanted_deg <= least_deg) continue;
     const Mesh better = WithoutThinAngles(mesh, wanted_deg);
     if (LeastAngleDeg(better) > least_deg && MayStay(better.face_count()) && Acceptable(better))
@@ -215,8 +225,8 @@ std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
   SizeRules rules;
   rules.faces = options_.faces;
   rules.follow_curvature = options_.remesh == "adaptive";
-  // The rims of a wrapped sheet shrink unless their triangles are much smaller.
-  if (wrapped_) rules.exponent = 0.5, rules.growth = 0.4;
+  if (wrapped_)
+    rules.exponent = RepairTuning::kWrapExponent, rules.growth = RepairTuning::kWrapGrowth;
   Eigen::VectorXd sizes = EdgeSizes(base, rules);
   const Mesh start = base.face_count() > kStartFaces * rules.faces
                          ? Decimated(base, static_cast<int>(kStartFaces * rules.faces))
@@ -230,7 +240,7 @@ std::optional<Mesh> RepairStrategies::AtWantedSize(const Mesh& base) {
     const Mesh mesh = Remeshed(start, base, sizes, rules.faces);
     if (!GoodSize(mesh.face_count())) break;
     if (const std::optional<Mesh> mended = Mended(mesh); mended && GoodSize(mended->face_count())) {
-      Mesh better = WithBetterAngles(*mended, kGoodAngleDeg);
+      Mesh better = WithBetterAngles(*mended, RepairTuning::kGoodAngleDeg);
       if (LeastAngleDeg(better) >= kLeastAngleDeg) return better;
       if (!with_slivers) with_slivers = std::move(better), result_with_slivers = result_;
     }
@@ -327,7 +337,7 @@ std::optional<Mesh> RepairStrategies::Welded() {
 std::optional<Mesh> RepairStrategies::MendedWhole() {
   const std::optional<Mesh> mended = Mended(filled_);
   if (!mended) return std::nullopt;
-  if (ShareFartherThan(kept_, *mended, kLostDistance) > kLostShare) {
+  if (ShareFartherThan(kept_, *mended, RepairTuning::kLostDistance) > RepairTuning::kLostShare) {
     last_fault_ = "R3 intersections: local repair lost a part of the surface";
     return std::nullopt;
   }

@@ -11,6 +11,7 @@
 
 #include "core/geometry.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::cleanup {
 namespace {
@@ -18,19 +19,25 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Lengths are shares of the diagonal.
-constexpr double kBin = 0.0025;
-constexpr double kFlat = 0.006;    // half the thickness of a flat sheet
-constexpr double kLowest = 0.35;   // of the height: sheets above this belong to the figure
-constexpr double kDeepest = 0.12;  // largest thickness of a support
-constexpr double kAbove = 0.015;   // height of the figure's cross-section above the sheet
-constexpr double kTall = 0.1;      // smallest height of the figure
-// of the cut above the sheet: also removes the part that Poisson reconstruction rounds off
-constexpr double kCutMargin = 0.005;
-constexpr double kSpread = 1.5;   // area of the sheet over that of the cross-section
-constexpr double kCover = 0.5;    // covered share of the sheet's area beyond the cross-section
-constexpr double kLevel = 0.966;  // cosine of 15 degrees
-constexpr double kTilt = 0.978;   // cosine of 12 degrees
+// Chosen on the shapes of support_plane_test; none of the collection of bad meshes, the plush dog
+// and the skull may be taken for a support.
+struct SupportTuning {
+  KEYPOSE_TUNED(double, kFlat, 0.006);    // of the diagonal: half the thickness of a flat sheet
+  KEYPOSE_TUNED(double, kLowest, 0.35);   // of the height: sheets above this belong to the figure
+  KEYPOSE_TUNED(double, kDeepest, 0.12);  // of the diagonal: largest thickness of a support
+  // of the diagonal: height of the figure's cross-section above the sheet
+  KEYPOSE_TUNED(double, kAbove, 0.015);
+  KEYPOSE_TUNED(double, kTall, 0.1);  // of the diagonal: smallest height of the figure
+  // of the diagonal: height of the cut above the sheet; also removes the part that Poisson
+  // reconstruction rounds off
+  KEYPOSE_TUNED(double, kCutMargin, 0.005);
+  KEYPOSE_TUNED(double, kSpread, 1.5);  // area of the sheet over that of the cross-section
+  // share of the sheet's area beyond the cross-section that must be covered
+  KEYPOSE_TUNED(double, kCover, 0.5);
+  KEYPOSE_TUNED(double, kLevel, 0.966);  // cosine of 15 degrees: the steepest faces of a sheet
+  KEYPOSE_TUNED(double, kTilt, 0.978);   // cosine of 12 degrees: the steepest sheet
+};
+constexpr double kBin = 0.0025;  // of the diagonal
 constexpr int kPeaks = 4;
 
 double HullArea(std::vector<Vector2d> points) {
@@ -71,9 +78,9 @@ class Search {
 
  private:
   bool OnSheet(int f, const CutPlane& sheet) const {
-    return std::abs(normals_.row(f).dot(sheet.normal.transpose())) > kLevel &&
+    return std::abs(normals_.row(f).dot(sheet.normal.transpose())) > SupportTuning::kLevel &&
            std::abs(centers_.row(f).dot(sheet.normal.transpose()) - sheet.offset) <
-               kFlat * diagonal_;
+               SupportTuning::kFlat * diagonal_;
   }
 
   const Mesh& mesh_;
@@ -101,11 +108,12 @@ Search::Search(const Mesh& mesh)
 // relevant one.
 std::vector<double> Search::Peaks() const {
   const double bin = kBin * diagonal_;
-  const int count = static_cast<int>(kLowest * height_ / bin) + 1;
+  const int count = static_cast<int>(SupportTuning::kLowest * height_ / bin) + 1;
   std::vector<double> level(count, 0), piled(count, 0);
   for (int f = 0; f < mesh_.face_count(); ++f) {
     const double at = (centers_(f, 2) - bottom_) / bin;
-    if (std::abs(normals_(f, 2)) > kLevel && at < count) level[static_cast<int>(at)] += areas_[f];
+    if (std::abs(normals_(f, 2)) > SupportTuning::kLevel && at < count)
+      level[static_cast<int>(at)] += areas_[f];
   }
   for (int i = 0; i < count; ++i)
     for (int j = std::max(0, i - 2); j <= std::min(count - 1, i + 2); ++j) piled[i] += level[j];
@@ -147,21 +155,22 @@ std::optional<CutPlane> Search::Fit(double height) const {
     }
     Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
     if (normal.z() < 0) normal = -normal;
-    if (normal.z() < kTilt) return std::nullopt;
+    if (normal.z() < SupportTuning::kTilt) return std::nullopt;
     sheet = {normal, normal.dot(mean.transpose())};
   }
   return sheet;
 }
 
 bool Search::IsStand(const CutPlane& sheet) const {
+  using Tuning = SupportTuning;
   const Vector3d u = sheet.normal.cross(Vector3d::UnitX()).normalized(), v = sheet.normal.cross(u);
   const auto flat = [&](const Eigen::RowVector3d& x) {
     return Vector2d(x.dot(u.transpose()), x.dot(v.transpose()));
   };
   const Eigen::VectorXd heights = (mesh_.points * sheet.normal).array() - sheet.offset;
-  const double above = kAbove * diagonal_;
-  if (heights.minCoeff() < -kDeepest * diagonal_ ||
-      heights.maxCoeff() < std::max(kTall * diagonal_, -2 * heights.minCoeff()))
+  const double above = Tuning::kAbove * diagonal_;
+  if (heights.minCoeff() < -Tuning::kDeepest * diagonal_ ||
+      heights.maxCoeff() < std::max(Tuning::kTall * diagonal_, -2 * heights.minCoeff()))
     return false;
   std::vector<Vector2d> on_sheet, section;
   double area = 0;
@@ -178,7 +187,8 @@ bool Search::IsStand(const CutPlane& sheet) const {
     }
   }
   const double spread = HullArea(on_sheet), figure = HullArea(section);
-  return figure > 0 && spread > kSpread * figure && area > kCover * (spread - figure);
+  return figure > 0 && spread > Tuning::kSpread * figure &&
+         area > Tuning::kCover * (spread - figure);
 }
 
 }  // namespace
@@ -188,7 +198,7 @@ std::optional<CutPlane> FindSupport(const Mesh& mesh) {
   for (const double height : search.Peaks()) {
     std::optional<CutPlane> sheet = search.Fit(height);
     if (!sheet || !search.IsStand(*sheet)) continue;
-    sheet->offset += kCutMargin * search.diagonal();
+    sheet->offset += SupportTuning::kCutMargin * search.diagonal();
     return sheet;
   }
   return std::nullopt;

@@ -10,16 +10,22 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose {
 
 namespace {
 
-constexpr double kFoldCosine =
-    0.2;  // smallest cosine of the angle by which a collapse may turn a face
-// weight of the squared edge length, so that flat regions are decimated evenly
-constexpr double kLengthWeight = 1e-3;
-constexpr double kNeedle = 0.05;  // lower limit of twice the area over the longest side squared
+// No record of the data; judged by the registration that the levels give on the seven registration
+// pairs (docs/results/registration.md); sensitivity: docs/results/sensitivity.md.
+struct EdgeCollapseTuning {
+  KEYPOSE_TUNED(double, kFoldCosine, 0.2);  // least cosine of a face's turn in a collapse
+  // of the squared edge length, so that flat regions are decimated evenly
+  KEYPOSE_TUNED(double, kLengthWeight, 1e-3);
+  // least ratio of twice the area to the square of the longest side
+  KEYPOSE_TUNED(double, kNeedle, 0.05);
+};
+
 constexpr int kLargestValence = 16;
 constexpr std::int64_t kDecimationGrain = 4096;
 constexpr double kShare = 0.5;  // of the vertices: candidates for collapse in a round
@@ -34,7 +40,7 @@ bool Has(const Face& face, int v) { return face[0] == v || face[1] == v || face[
 double Cost(const DecimatedMesh& mesh, const Quadric& quadric, int v, int w) {
   const Eigen::Vector3d x = mesh.points.row(w);
   const double length2 = (mesh.points.row(v) - mesh.points.row(w)).squaredNorm();
-  return quadric.At(x) + kLengthWeight * length2 * length2;
+  return quadric.At(x) + EdgeCollapseTuning::kLengthWeight * length2 * length2;
 }
 
 /// Whether the faces `around` v neither fold over nor become too thin when v moves to w.
@@ -47,11 +53,12 @@ bool KeepsNormals(const DecimatedMesh& mesh, const FacesAround& around, int v, i
     const int k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
     const Eigen::Vector3d a = mesh.points.row(c[(k + 1) % 3]), b = mesh.points.row(c[(k + 2) % 3]);
     const Eigen::Vector3d before = (a - from).cross(b - from), after = (a - to).cross(b - to);
-    if (!(before.dot(after) > kFoldCosine * before.norm() * after.norm())) return false;
+    if (!(before.dot(after) > EdgeCollapseTuning::kFoldCosine * before.norm() * after.norm()))
+      return false;
     // Very thin faces would make the Laplacian of the coarse mesh useless.
     const double longest2 =
         std::max({(a - to).squaredNorm(), (b - to).squaredNorm(), (a - b).squaredNorm()});
-    if (after.norm() < kNeedle * longest2) return false;
+    if (after.norm() < EdgeCollapseTuning::kNeedle * longest2) return false;
   }
   return true;
 }

@@ -6,16 +6,25 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "deform/levels/geodesics.h"
 
 namespace keypose {
 
 namespace {
-// of the source's extent: keeps relative differences finite near a landmark
-constexpr float kNear = 0.05F;
+
+// kNear was chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md), kGrowthQuantile on 42
+// damaged registration pairs (docs/decisions/scale-of-cut-targets.md); sensitivity:
+// docs/results/sensitivity.md.
+struct LandmarkCoordinatesTuning {
+  // of the source's diagonal: keeps relative differences finite near a landmark
+  KEYPOSE_TUNED(float, kNear, 0.05F);
+  // quantile: paths along the inside of a bend get shorter, and hardly any get longer
+  KEYPOSE_TUNED(double, kGrowthQuantile, 0.7);
+};
+
 constexpr int kBlock = 64;
-// quantile: paths along the inside of a bend get shorter, and hardly any get longer
-constexpr double kGrowthQuantile = 0.7;
+
 }  // namespace
 
 LandmarkCoordinates::LandmarkCoordinates(const PointsX3& source, const FacesX3& source_faces,
@@ -42,7 +51,8 @@ std::vector<LandmarkCoordinates::Match> LandmarkCoordinates::MatchVertices(
     Eigen::VectorXf constants(end - begin);
     for (std::int64_t k = begin; k < end; ++k) {
       const Eigen::ArrayXf s = source_.col(vertices[k]).array(),
-                           w = 1 / (s.square() + kNear * kNear);
+                           w = 1 / (s.square() + LandmarkCoordinatesTuning::kNear *
+                                                     LandmarkCoordinatesTuning::kNear);
       queries.row(k - begin).head(marks) = (-2 * w * s).matrix();
       queries.row(k - begin).tail(marks) = w.matrix();
       constants[k - begin] = (w * s.square()).sum();
@@ -67,8 +77,9 @@ double LandmarkCoordinates::Growth() const {
       if (ours > 0 && theirs > 0) ratios.push_back(theirs / ours);
     }
   if (ratios.empty()) return 1;
-  const auto at = ratios.begin() +
-                  static_cast<std::ptrdiff_t>(kGrowthQuantile * static_cast<double>(ratios.size()));
+  const auto at =
+      ratios.begin() + static_cast<std::ptrdiff_t>(LandmarkCoordinatesTuning::kGrowthQuantile *
+                                                   static_cast<double>(ratios.size()));
   std::nth_element(ratios.begin(), at, ratios.end());
   return *at;
 }

@@ -11,12 +11,19 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "core/union_find.h"
 #include "deform/poisson/poisson_impl.h"
 
 namespace keypose {
 
 namespace {
+
+// Chosen on the bends and twists with known answers (docs/results/interpolation.md); sensitivity:
+// docs/results/sensitivity.md.
+struct PoissonTuning {
+  KEYPOSE_TUNED(double, kScreening, 0.1);  // 1 / sqrt(kappa), over the mean diagonal of the keys
+};
 
 constexpr double kSliverTriangle = 1e-6;  // as in FaceMapsOf
 
@@ -128,7 +135,7 @@ void PoissonSystem::Impl::Weigh(const KeyRefs& keys) {
   for (const PointsX3& key : keys)
     diagonal += BoundingDiagonal(key) / static_cast<double>(keys.size());
   screening_length =
-      std::max(options.screening_over_diagonal * diagonal, std::numeric_limits<double>::min());
+      std::max(PoissonTuning::kScreening * diagonal, std::numeric_limits<double>::min());
 }
 
 Eigen::SparseMatrix<double> PoissonSystem::Impl::LowerLaplacian() const {

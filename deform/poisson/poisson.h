@@ -71,7 +71,6 @@ using RowTargets = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 struct PoissonOptions {
   /// also factor H + kappa M, for SolveScreened, SmoothOverVertices and WithoutRows
   bool screened = true;
-  double screening_over_diagonal = 0.1;  ///< 1 / sqrt(kappa), over the mean diagonal of the keys
 };
 
 /// Minimises the sum over keys, faces and edges of cot/2 |x_j - x_i - wanted edge|^2 under linear

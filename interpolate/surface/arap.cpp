@@ -10,6 +10,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "interpolate/maps/face_crossings.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/surface/loose_parts.h"
@@ -23,8 +24,14 @@ namespace keypose::interpolation {
 
 namespace {
 
-// so that a region wider than a limb counts, and a bend's inside and outside cancel
-constexpr int kGrowthPasses = 4;
+// Chosen on the bends and twists with known answers (docs/results/interpolation.md); sensitivity:
+// docs/results/sensitivity.md.
+struct GrowthTuning {
+  // passes over the screening length each, so that a region wider than a limb counts, and a bend's
+  // inside and outside cancel
+  KEYPOSE_TUNED(int, kGrowthPasses, 4);
+};
+
 // of the diagonal: frames with larger steps to the wanted volume are computed singly
 constexpr double kNearStep = 0.05;
 // of the diagonal: constraints that move a key by less leave it as it is
@@ -81,7 +88,7 @@ void SetGrowth(const PoissonSystem& system, SegmentMaps& maps) {
   for (Eigen::Index f = 0; f < growth.rows(); ++f)
     growth(f, 0) =
         maps.faces[f].degenerate ? 0.0 : 0.5 * std::log(maps.faces[f].stretch.determinant());
-  const Eigen::MatrixXd smooth = system.SmoothOverVertices(growth, kGrowthPasses);
+  const Eigen::MatrixXd smooth = system.SmoothOverVertices(growth, GrowthTuning::kGrowthPasses);
   const FacesX3& faces = system.faces();
   for (Eigen::Index f = 0; f < growth.rows(); ++f)
     maps.faces[f].growth =

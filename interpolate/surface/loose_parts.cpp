@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tuned.h"
+
 namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kSmall = 0.2, kNear = 1.5;
+// No record of the data; sensitivity: docs/results/sensitivity.md.
+struct LoosePartsTuning {
+  KEYPOSE_TUNED(double, kSmall, 0.2);  // of the body's area: larger parts move on their own
+  KEYPOSE_TUNED(double, kNear, 1.5);   // of the part's radius: from its centroid to the body
+};
+
 constexpr std::size_t kPatch = 24;
 
 Eigen::Vector3d MeanOf(const PointsX3& points, const std::vector<int>& vertices) {
@@ -30,7 +37,9 @@ std::vector<int> NearestPatch(const PointsX3& points, const std::vector<int>& pa
                       return std::make_pair(distance(a), a) < std::make_pair(distance(b), b);
                     });
   patch.resize(count);
-  if (patch.empty() || distance(patch[0]) > kNear * kNear * radius) patch.clear();
+  if (patch.empty() ||
+      distance(patch[0]) > LoosePartsTuning::kNear * LoosePartsTuning::kNear * radius)
+    patch.clear();
   return patch;
 }
 
@@ -49,7 +58,7 @@ LooseParts::LooseParts(const PoissonSystem& system, const PointsX3& v, const Poi
   const Eigen::Matrix3d back = ExpOf(body_turn_).transpose();
   for (const int source : system.row_sources()) {
     const int part = -1 - source;
-    if (source >= 0 || part == body || area[part] >= kSmall * area[body])
+    if (source >= 0 || part == body || area[part] >= LoosePartsTuning::kSmall * area[body])
       continue;  // only parts that are placed by their centroid
     std::vector<int> patch = NearestPatch(v, members[part], members[body]);
     const std::vector<int> patch_u = NearestPatch(u, members[part], members[body]);

@@ -12,29 +12,38 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::interpolation {
 
 namespace {
 
+// Chosen on bends and twists with known answers and on real keys (docs/results/interpolation.md,
+// docs/decisions/turn-by-twist-and-swing.md); sensitivity: docs/results/sensitivity.md.
+struct TurnsTuning {
+  // rad: smaller smooth turns fade out, their axis is noise
+  KEYPOSE_TUNED(double, kSmallTurn, 0.1);
+  // rad: below it, a rotation vector amplifies noise less than twofold
+  KEYPOSE_TUNED(double, kTrustedTurn, 3.5);
+  KEYPOSE_TUNED(double, kSlack, 0.3);       // rad: beyond twice the difference of two rotations
+  KEYPOSE_TUNED(double, kDamping, 0.5);     // sin x / x that halves the step across the axis
+  KEYPOSE_TUNED(int, kSmoothingPasses, 3);  // over the screening length each
+  KEYPOSE_TUNED(double, kLargestRemainder, 1.5);   // rad: a face with more is far from its turn
+  KEYPOSE_TUNED(double, kTear, 0.5);               // rad: beyond the difference of two rotations
+  KEYPOSE_TUNED(double, kFewFaces, 0.005);         // share of far faces that turns may have
+  KEYPOSE_TUNED(double, kFewEdges, 0.01);          // share of torn edges that turns may have
+  KEYPOSE_TUNED(double, kEnoughSupport, 0.45);     // of the largest support, for a root
+  KEYPOSE_TUNED(double, kBodySine2, 0.0302);       // sin^2 of half of 20 degrees: the same body
+  KEYPOSE_TUNED(double, kClusterSine2, 0.0076);    // of half of 10 degrees: the same rigid cluster
+  KEYPOSE_TUNED(double, kHalfTurnSine2, 0.99931);  // of half of 177 degrees: either way round
+  KEYPOSE_TUNED(double, kLimbArea, 0.002);         // share of the area: less is a fold, not a limb
+};
+
 constexpr double kWholeTurn = 6.283185307179586;
 constexpr double kAxisless = 1e-6;  // rotations below this have no usable axis
-constexpr double kSmallTurn = 0.1;  // smaller smooth turns fade out: their axis is noise
-// [rad]: below it, a rotation vector amplifies noise less than twofold
-constexpr double kTrustedTurn = 3.5;
-constexpr double kSlack = 0.3;  // [rad]: beyond the difference of neighbours' rotations
-constexpr double kDamping = 0.5;
-constexpr double kLargestRemainder = 1.5;
-constexpr double kTear = 0.5;
-constexpr double kFewFaces = 0.005, kFewEdges = 0.01;
-constexpr double kClusterSine2 = 0.0076;    // sin^2 of half of 10 degrees
-constexpr double kBodySine2 = 0.0302;       // sin^2 of half of 20 degrees
-constexpr double kHalfTurnSine2 = 0.99931;  // of half of 177 degrees
-constexpr double kLimbArea = 0.002;
 constexpr std::size_t kMostHalfTurns = 4;
 constexpr int kCandidates = 32, kSamples = 512;
 constexpr int kBuckets = 160;
-constexpr int kSmoothingPasses = 3;
 constexpr double kLeastWeight = 1e-3;
 
 /// sin^2 of half the angle between two rotations. It orders rotations as the angle does, without
@@ -109,7 +118,7 @@ class TurnLift {
       Eigen::Vector3d& turn = maps_.faces[f].turn;
       const double angle = turn.norm();
       const Eigen::Vector3d own =
-          angle > kSmallTurn ? (turn.dot(axis) < 0 ? -turn : turn).eval() / angle : axis;
+          angle > Tuning::kSmallTurn ? (turn.dot(axis) < 0 ? -turn : turn).eval() / angle : axis;
       turn += kWholeTurn * limb.extra_turns * own;
     }
   }
@@ -129,7 +138,7 @@ class TurnLift {
           weighted.row(f) << weight * turn.transpose(), weight;
         },
         1024);
-    const Eigen::MatrixXd smooth = system_.SmoothOverVertices(weighted, kSmoothingPasses);
+    const Eigen::MatrixXd smooth = system_.SmoothOverVertices(weighted, Tuning::kSmoothingPasses);
     maps_.vertex_turns.resize(smooth.rows(), 3);
     for (Eigen::Index i = 0; i < smooth.rows(); ++i)
       maps_.vertex_turns.row(i) = smooth.row(i).head<3>() / std::max(smooth(i, 3), kLeastWeight);
@@ -148,7 +157,7 @@ class TurnLift {
           if (length < kAxisless) return SetTurn(map, f, Eigen::Vector3d::Zero());
           const Eigen::Vector3d axis = mean / length;
           const double twist = TwistNear(relative_[f], axis, map.turn.dot(axis));
-          SetTurn(map, f, twist * std::min(1.0, length / kSmallTurn) * axis);
+          SetTurn(map, f, twist * std::min(1.0, length / Tuning::kSmallTurn) * axis);
         },
         256);
   }
@@ -163,7 +172,8 @@ class TurnLift {
   /// regions.
   bool Holds(const TurnReport& report) const {
     const double faces = static_cast<double>(maps_.faces.size());
-    return report.far_faces <= kFewFaces * faces && report.torn_edges <= kFewEdges * 1.5 * faces;
+    return report.far_faces <= Tuning::kFewFaces * faces &&
+           report.torn_edges <= Tuning::kFewEdges * 1.5 * faces;
   }
 
   std::vector<Eigen::Vector3d> Turns() const {
@@ -182,7 +192,7 @@ class TurnLift {
       if (map.degenerate) continue;
       report.largest_turn = std::max(report.largest_turn, map.turn.norm());
       report.largest_remainder = std::max(report.largest_remainder, map.remainder.norm());
-      report.far_faces += map.remainder.norm() > kLargestRemainder;
+      report.far_faces += map.remainder.norm() > Tuning::kLargestRemainder;
     }
     std::vector<Eigen::Quaterniond> middle(maps_.faces.size());
     ParallelFor(
@@ -198,14 +208,16 @@ class TurnLift {
         const double half = Difference(middle[f], middle[g]);
         if (half < 0.04) continue;  // under 0.4 rad: no tear, whatever the rotations at the ends
         const double whole = AngleOf(Difference(relative_[f], relative_[g]));
-        if (AngleOf(half) <= whole + kTear) continue;
+        if (AngleOf(half) <= whole + Tuning::kTear) continue;
         ++report.torn_edges;
-        report.loops_that_do_not_close += whole < kTear;
+        report.loops_that_do_not_close += whole < Tuning::kTear;
       }
     return report;
   }
 
  private:
+  using Tuning = TurnsTuning;
+
   void FacesByPart() {
     faces_of_part_.resize(system_.part_count());
     for (Eigen::Index f = 0; f < system_.faces().rows(); ++f)
@@ -219,7 +231,7 @@ class TurnLift {
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kSamples);
     double area = 0;
     for (std::size_t k = stride / 2; k < faces.size(); k += stride)
-      if (Difference(rotations[faces[k]], rotation) < kBodySine2)
+      if (Difference(rotations[faces[k]], rotation) < Tuning::kBodySine2)
         area += system_.face_areas()[faces[k]];
     return area;
   }
@@ -237,7 +249,8 @@ class TurnLift {
     }));
     std::vector<double> support;
     for (int f : candidates) support.push_back(Support(faces, rotations[f], rotations));
-    const double enough = 0.45 * *std::max_element(support.begin(), support.end());
+    const double enough =
+        Tuning::kEnoughSupport * *std::max_element(support.begin(), support.end());
     int root = -1;
     for (std::size_t k = 0; k < candidates.size(); ++k)
       if (support[k] >= enough && (root < 0 || Difference(rotations[candidates[k]], still) <
@@ -258,7 +271,7 @@ class TurnLift {
     for (int pass = 0; pass < 3; ++pass) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (int f : faces_of_part_[body])
-        if (Difference(relative_[f], body_) < kBodySine2)
+        if (Difference(relative_[f], body_) < Tuning::kBodySine2)
           sum += system_.face_areas()[f] * maps_.faces[f].rotation;
       body_ = NearestRotation(sum);
     }
@@ -289,7 +302,7 @@ class TurnLift {
     for (const auto& [face, parent] : tree.steps) {
       if (face == parent) continue;
       const bool half = !loose[face] && !loose[parent] &&
-                        Difference(relative_[parent], relative_[face]) > kHalfTurnSine2;
+                        Difference(relative_[parent], relative_[face]) > Tuning::kHalfTurnSine2;
       if (half) limbs.emplace_back();
       limb_of[face] = half ? SizeOf(limbs) - 1 : limb_of[parent];
       if (limb_of[face] >= 0) limbs[limb_of[face]].push_back(face);
@@ -297,7 +310,8 @@ class TurnLift {
     for (const std::vector<int>& limb : limbs) {
       double area = 0;
       for (int f : limb) area += system_.face_areas()[f];
-      if (area > kLimbArea * system_.face_areas().sum() && half_turns_.size() < kMostHalfTurns)
+      if (area > Tuning::kLimbArea * system_.face_areas().sum() &&
+          half_turns_.size() < kMostHalfTurns)
         half_turns_.push_back(limb);
     }
   }
@@ -313,8 +327,9 @@ class TurnLift {
       nearest = (angle + kWholeTurn * std::round((parent.dot(axis) - angle) / kWholeTurn)) * axis;
     }
     if (before < kAxisless) return nearest;
-    if (before < kTrustedTurn && nearest.norm() < kTrustedTurn &&
-        (nearest - parent).norm() <= 2 * AngleOf(Difference(parent_rotation, rotation)) + kSlack)
+    if (before < Tuning::kTrustedTurn && nearest.norm() < Tuning::kTrustedTurn &&
+        (nearest - parent).norm() <=
+            2 * AngleOf(Difference(parent_rotation, rotation)) + Tuning::kSlack)
       return nearest;
     // Towards whole turns the axis of a rotation vector becomes uncertain. From the parent's
     // vector, the angle takes the full step and the axis as much as is certain: Newton's step for
@@ -323,7 +338,7 @@ class TurnLift {
     const Eigen::Vector3d axis = parent / before, step = LogOf(QuaternionOf(-parent) * rotation),
                           across = step - step.dot(axis) * axis;
     const double x = 0.5 * before, s = std::sin(x) / x,
-                 damping = s * s / (s * s + kDamping * kDamping);
+                 damping = s * s / (s * s + Tuning::kDamping * Tuning::kDamping);
     const double x_cot_x = std::abs(s) > 1e-9 ? std::cos(x) / s : 0.0;
     return parent + step.dot(axis) * axis + damping * (x_cot_x * across + x * axis.cross(across));
   }
@@ -349,7 +364,7 @@ class TurnLift {
     for (std::size_t at = 0; at < cluster.size(); ++at)
       for (int next : neighbours_[cluster[at]])
         if (next >= 0 && !in[next] &&
-            Difference(relative_[cluster[at]], relative_[next]) < kClusterSine2)
+            Difference(relative_[cluster[at]], relative_[next]) < Tuning::kClusterSine2)
           in[next] = 1, cluster.push_back(next);
     return cluster;
   }

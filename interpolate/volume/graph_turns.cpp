@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/volume/tet_maps.h"
 
@@ -19,16 +20,23 @@ namespace keypose::interpolation {
 
 namespace {
 
+// Chosen on the twisted bars (docs/results/interpolation.md); sensitivity:
+// docs/results/sensitivity.md.
+struct GraphTurnsTuning {
+  KEYPOSE_TUNED(double, kSingularZone, 0.3);  // rad: beyond twice the difference of two rotations
+  KEYPOSE_TUNED(int, kSmoothings, 100);       // rounds over neighbours, for smooth axes
+  // rad: rotations nearer than this enter the mean rotation of the body
+  KEYPOSE_TUNED(double, kSurroundings, 30 * std::numbers::pi / 180);
+  // rad: rotations nearer than this count as the same body
+  KEYPOSE_TUNED(double, kSameRotation, 10 * std::numbers::pi / 180);
+};
+
 constexpr double kFullTurn = 2 * std::numbers::pi;
 constexpr double kNoAxis = 1e-6;  // rotations below this have no usable axis
-constexpr double kSingularZone = 0.3;
-constexpr double kLast = 10;  // more than any angle between rotations
-constexpr int kSmoothings = 100;
+constexpr double kLast = 10;      // more than any angle between rotations
 constexpr double kLeastKnown = 1e-6;
 constexpr std::int64_t kSeeds = 32;
 constexpr int kMeanShifts = 10;
-constexpr double kSurroundings = 30 * std::numbers::pi / 180;
-constexpr double kSameRotation = 10 * std::numbers::pi / 180;
 
 double AngleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   // Angle of a^T b from the chord, which is accurate near 0.
@@ -60,7 +68,8 @@ Eigen::Vector3d NearestTurn(const Eigen::Matrix3d& rotation, const Eigen::Vector
     const Eigen::Vector3d axis = principal / angle;
     best = WholeTurnsTo(angle, axis.dot(parent)) * axis;
   }
-  if ((best - parent).norm() <= 2 * difference + kSingularZone || parent.norm() < kNoAxis)
+  if ((best - parent).norm() <= 2 * difference + GraphTurnsTuning::kSingularZone ||
+      parent.norm() < kNoAxis)
     return best;
   const Eigen::Vector3d axis = parent.normalized();
   return AngleAbout(axis, rotation, parent.norm()) * axis;
@@ -78,7 +87,7 @@ std::vector<Eigen::Vector3d> Smoothed(const Neighbours& neighbours,
                  known = turns[i].norm() < std::numbers::pi ? 1 : sine * sine + kLeastKnown;
     sums[i] << known * turns[i], known;
   }
-  for (int round = 0; round < kSmoothings; ++round) {
+  for (int round = 0; round < GraphTurnsTuning::kSmoothings; ++round) {
     ParallelFor(
         std::ssize(turns),
         [&](std::int64_t i) {
@@ -177,7 +186,7 @@ LiftedTurns LiftTurns(const std::vector<Eigen::Matrix3d>& rotations, int root,
 Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<double>& weights) {
   const std::int64_t count = std::ssize(rotations), seeds = std::min<std::int64_t>(count, kSeeds);
   std::vector<double> shared(seeds, 0.0);
-  const double chord = ChordOf(kSameRotation);
+  const double chord = ChordOf(GraphTurnsTuning::kSameRotation);
   ParallelFor(seeds, [&](std::int64_t s) {
     const Eigen::Matrix3d& seed = rotations[s * count / seeds];
     for (std::int64_t i = 0; i < count; ++i)
@@ -191,7 +200,7 @@ Body BodyOf(const std::vector<Eigen::Matrix3d>& rotations, const std::vector<dou
 Eigen::Matrix3d MeanAround(int node, const std::vector<Eigen::Matrix3d>& rotations,
                            const std::vector<double>& weights) {
   Eigen::Matrix3d mean = rotations[node];
-  const double chord = ChordOf(kSurroundings);
+  const double chord = ChordOf(GraphTurnsTuning::kSurroundings);
   for (int round = 0; round < kMeanShifts; ++round) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < rotations.size(); ++i)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/volume/tet_maps.h"
 
@@ -11,8 +12,13 @@ namespace keypose::interpolation {
 
 namespace {
 
-// [rad]: near half a turn the logarithm may take the other direction than the neighbours'
-constexpr double kFarFromRegion = 2.5;
+// Chosen on the twisted bars (docs/results/interpolation.md); sensitivity:
+// docs/results/sensitivity.md.
+struct TetPathsTuning {
+  // rad: near half a turn the logarithm may take the other direction than the neighbours'
+  KEYPOSE_TUNED(double, kFarFromRegion, 2.5);
+};
+
 constexpr double kFlatGrowth = 1e-9;  // of the mean edge growth cubed
 
 }  // namespace
@@ -23,7 +29,8 @@ TetPath::TetPath(const Eigen::Matrix3d& map, const Eigen::Vector3d& turn, double
   remainder_ = LogOf(rotation);
   const double size = f.norm();
   std::optional<Eigen::Matrix3d> log;
-  if (f.determinant() > kFlatGrowth * size * size * size && remainder_.norm() < kFarFromRegion)
+  if (f.determinant() > kFlatGrowth * size * size * size &&
+      remainder_.norm() < TetPathsTuning::kFarFromRegion)
     log = LogOfMatrix(f);
   has_power_ = log.has_value();
   if (!has_power_) {

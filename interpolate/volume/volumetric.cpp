@@ -15,6 +15,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "interpolate/maps/face_maps.h"
 #include "interpolate/maps/key_pair.h"
 #include "interpolate/volume/graph_turns.h"
@@ -28,16 +29,21 @@ namespace keypose::interpolation {
 
 namespace {
 
-// largest weight of the second key's energy over the first's, for flattened tetrahedra
-constexpr double kStiffest = 1e4;
+// Chosen on the twisted bars (docs/results/interpolation.md); sensitivity:
+// docs/results/sensitivity.md.
+struct VolumetricTuning {
+  // largest weight of the second key's energy over the first's, for flattened tetrahedra
+  KEYPOSE_TUNED(double, kStiffest, 1e4);
+  // of a tetrahedron's volume in the smoothed shape: with less it counts as inverted
+  KEYPOSE_TUNED(double, kCrossed, 0.02);
+  // of the volume: the least share of the body to which other turns are relative
+  KEYPOSE_TUNED(double, kRigidShare, 0.25);
+  // of volume over area, half a limb's radius: how far regions and the volume correction spread
+  KEYPOSE_TUNED(double, kReach, 4);
+};
+
 constexpr double kVolumeTolerance = 1e-10;
 constexpr int kVolumeRounds = 30;
-// of a tetrahedron's volume in the smoothed shape: with less it counts as inverted
-constexpr double kCrossed = 0.02;
-// of the volume: the least share of the body to which other turns are relative
-constexpr double kRigidShare = 0.25;
-constexpr double kReach = 4;  // of volume over area, half a limb's radius: how far regions and the
-                              // volume correction spread
 
 /// Path of each body's centroid: the whole solid's centroid moves on a straight line, the bodies'
 /// offsets from it turn with the whole.
@@ -231,7 +237,7 @@ void FilledKey::ReturnParted() {
   starts_.resize(shapes.size());
   for (std::size_t t = 0; t < shapes.size(); ++t) {
     starts_[t] = MapOf(shapes_[t], start, solid_.tets, static_cast<Eigen::Index>(t));
-    crossed_[t] = !(shapes[t].volume > kCrossed * shapes_[t].volume);
+    crossed_[t] = !(shapes[t].volume > VolumetricTuning::kCrossed * shapes_[t].volume);
     if (!crossed_[t]) shapes_[t] = shapes[t];
   }
 }
@@ -251,8 +257,8 @@ void FilledKey::Lift() {
     for (const Eigen::Matrix3d& rotation : rotations) turns_.push_back(LogOf(rotation));
   } else {
     LiftedTurns lifted = LiftTurns(rotations, body.node, solid_.opposite, doubtful);
-    if (body.share <
-        kRigidShare) {  // no large rigid body: turns are shortest relative to the middle
+    // Without a large rigid body, turns are shortest relative to the middle.
+    if (body.share < VolumetricTuning::kRigidShare) {
       const int middle = MiddleOf(lifted.turns, weights);
       body_turn_ = LogOf(ExpOf(body_turn_) * TurnAgainst(middle, weights, rotations));
       lifted = LiftTurns(rotations, middle, solid_.opposite, doubtful);
@@ -287,7 +293,8 @@ Eigen::Matrix3d FilledKey::WeightOf(std::int64_t t) const {
   Eigen::Vector3d weight = Eigen::Vector3d::Constant(shapes_[t].volume);
   const Eigen::Vector3d& s = maps_[t].stretch;
   if (!maps_[t].inverted)
-    weight += shapes_[t].volume * (s.prod() * s.array().square().inverse()).min(kStiffest).matrix();
+    weight += shapes_[t].volume *
+              (s.prod() * s.array().square().inverse()).min(VolumetricTuning::kStiffest).matrix();
   return maps_[t].axes * weight.asDiagonal() * maps_[t].axes.transpose();
 }
 
@@ -335,7 +342,7 @@ void FilledKey::Factor() {
   for (Eigen::Index t = 0; t < solid_.tets.rows(); ++t)
     for (int k = 0; k < 4; ++k)
       mass[solid_.tets(t, k)] += 0.25 * shapes_[t].volume * (1 + std::abs(maps_[t].stretch.prod()));
-  const double reach = kReach * start_volumes_.sum() / SurfaceArea(from_, faces_);
+  const double reach = VolumetricTuning::kReach * start_volumes_.sum() / SurfaceArea(from_, faces_);
   double trace = 0;
   for (Eigen::Index i = 0; i < n; ++i) trace += h.coeff(i, i);
   const double ground = trace / static_cast<double>(n);

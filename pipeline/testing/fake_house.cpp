@@ -120,7 +120,7 @@ const char* const kFakePipeline = R"(steps:
   match:
     stage: match
     for: pair
-    inputs: {source: shape.mesh@template, target: shape.mesh, landmarks: $landmarks}
+    inputs: {source: shape.mesh@template, target: shape.mesh, landmarks: $landmarks, stiffness: $stiffness}
   blend:
     stage: blend
     for: animation
@@ -171,10 +171,10 @@ FakeHouse::FakeHouse() {
       [](const FakeCall& call, MemoryDisk& d) { return Concatenate(call, d, "mesh", {"model"}); });
   add("match",
       list(Port("source", "file"), Port("target", "file"),
-           Many(Optional(Port("landmarks", "file")))),
+           Many(Optional(Port("landmarks", "file"))), Optional(Port("stiffness", "file"))),
       list(Port("matched", "file", "matched.txt")), json::array(),
       [](const FakeCall& call, MemoryDisk& d) {
-        return Concatenate(call, d, "matched", {"source", "target", "landmarks"});
+        return Concatenate(call, d, "matched", {"source", "target", "landmarks", "stiffness"});
       });
   add("blend", list(Many(Port("keys", "file")), Optional(Port("timeline", "file"))),
       list(Port("frames", "folder", "frames")), json::array(),

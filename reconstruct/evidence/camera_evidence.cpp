@@ -67,13 +67,15 @@ double CameraEvidence::Score() const {
 }
 
 bool IsPlausible(const CameraEvidence& evidence) {
-  return evidence.placed > 0 && (!evidence.outlines || evidence.hull_iou >= kLeastHullOverlap);
+  return evidence.placed > 0 &&
+         (!evidence.outlines || evidence.hull_iou >= CameraEvidenceTuning::kLeastHullOverlap);
 }
 
 bool IsSure(const CameraEvidence& evidence) {
   if (!evidence.outlines) return evidence.placed > 0;
-  return evidence.hull_iou >= kSureHullOverlap &&
-         (evidence.pairs < kFewestPairs || evidence.pairs_agree_share() >= kSurePairShare);
+  return evidence.hull_iou >= CameraEvidenceTuning::kSureHullOverlap &&
+         (evidence.pairs < kFewestPairs ||
+          evidence.pairs_agree_share() >= CameraEvidenceTuning::kSurePairShare);
 }
 
 bool IsBetter(const CameraEvidence& other, const CameraEvidence& best) {

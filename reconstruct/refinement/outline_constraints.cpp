@@ -11,6 +11,7 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -19,17 +20,25 @@ constexpr int kFine = 2;  // cells of a view's picture per pixel and axis
 // pixels around the mask's crop, since the surface may extend beyond it
 constexpr int kMargin = 24;
 constexpr double kBeyond = 0.75;  // pixels beyond an edge without any other surface
-// pixels: largest distance of a contour inside of its neighbours on the outline
-constexpr double kOutermost = 0.2;
-// cosine between the surface's normal and the outline's plane
-constexpr double kConstraintFacing = 0.7;
-constexpr double kFullLength = 0.5;     // pixels of outline for the full weight of a constraint
-constexpr double kHullSlack = 1;        // pixels by which a constraint may leave the hull
-constexpr double kViolationFrom = 0.5;  // pixels outside of a mask, at least
-constexpr double kViolationErrors = 3;  // and at least this many times the masks' usual error
-constexpr double kLeastViolationFacing = 0.4;  // as kConstraintFacing, for violations
-// mean distance [pixels] of contours from exact masks: violations then have full weight
-constexpr double kExactMiss = 0.15;
+constexpr double kHullSlack = 1;  // pixels by which a constraint may leave the hull
+
+// Tuned on the synthetic rings of weak and rich texture, the plush dog and the skull
+// (docs/decisions/occluding-contour-terms.md, frontier-points-and-silhouette-violations.md).
+// Sensitivity: docs/results/sensitivity.md.
+struct OutlineConstraintTuning {
+  // px; largest distance of a contour inside of its neighbours on the outline
+  KEYPOSE_TUNED(double, kOutermost, 0.2);
+  // cosine between the surface's normal and the outline's plane
+  KEYPOSE_TUNED(double, kConstraintFacing, 0.7);
+  KEYPOSE_TUNED(double, kFullLength, 0.5);     // px of outline for the full weight of a constraint
+  KEYPOSE_TUNED(double, kViolationFrom, 0.5);  // px outside of a mask, at least
+  // times the masks' usual error, at least, that a violation lies outside of a mask
+  KEYPOSE_TUNED(double, kViolationErrors, 3);
+  KEYPOSE_TUNED(double, kLeastViolationFacing, 0.4);  // as kConstraintFacing, for violations
+  // px; mean distance of contours from exact masks: violations then have full weight
+  KEYPOSE_TUNED(double, kExactMiss, 0.15);
+};
+
 constexpr int kFrontierNeighbors = 32;
 // largest distance of a vertex beside a frontier point, pixels
 constexpr double kFrontierReach = 6;
@@ -205,7 +214,7 @@ class Outline {
     const Eigen::Vector2d away = step.head<2>() - pixel * step.z();
     if (picture_.Covered(pixel + kBeyond * away.normalized())) return;
     const double facing = silhouettes_.OutlineNormal(view_, x).dot(normal);
-    if (facing < kConstraintFacing) return;
+    if (facing < OutlineConstraintTuning::kConstraintFacing) return;
     const double offset = -sighting.distance * sighting.footprint / facing;
     if (offset > 0 && !silhouettes_.Within(x + offset * normal, kHullSlack)) return;
     const Eigen::Vector2d foot = pixel - sighting.distance * away.normalized();
@@ -234,7 +243,7 @@ class Outline {
       for (const std::ptrdiff_t y : {-row, std::ptrdiff_t{0}, row})
         for (const std::ptrdiff_t x : {-1, 0, 1})
           most = std::max(most, outermost[sample.bin + static_cast<std::size_t>(x + y)]);
-      if (sample.distance < most - kOutermost) continue;
+      if (sample.distance < most - OutlineConstraintTuning::kOutermost) continue;
       constraints_.push_back(
           {sample.a, view_, sample.offset, (1 - sample.t) * sample.length, sample.footprint});
       constraints_.push_back(
@@ -260,7 +269,7 @@ class Outline {
         sum.offset += constraints_[end].weight * constraints_[end].offset,
             sum.weight += constraints_[end].weight;
       sum.offset /= sum.weight;
-      sum.weight = std::min(1.0, sum.weight / kFullLength);
+      sum.weight = std::min(1.0, sum.weight / OutlineConstraintTuning::kFullLength);
       merged.push_back(sum);
     }
     return merged;
@@ -324,7 +333,9 @@ std::vector<Constraint> FrontierTerms(const Surface& surface,
               touch.point - Eigen::Vector3d(surface.mesh.points.row(near.index));
           const double facing = touch.normal.dot(surface.normals.row(near.index)),
                        height = way.dot(touch.normal);
-          if (facing < kConstraintFacing || std::abs(height) > reach_px * touch.footprint) continue;
+          if (facing < OutlineConstraintTuning::kConstraintFacing ||
+              std::abs(height) > reach_px * touch.footprint)
+            continue;
           const double aside = (way - height * touch.normal).norm();
           if (aside >= least || aside > kFrontierReach * touch.footprint) continue;
           least = aside;
@@ -359,7 +370,7 @@ std::vector<Constraint> SilhouetteViolations(const Surface& surface, const Silho
           if (!sighting.seen || sighting.distance < from_px || sighting.distance > reach_px)
             continue;
           const double facing = silhouettes.OutlineNormal(view, x).dot(surface.normals.row(v));
-          if (facing < kLeastViolationFacing) continue;
+          if (facing < OutlineConstraintTuning::kLeastViolationFacing) continue;
           const double offset = -sighting.distance * sighting.footprint / facing;
           if (constraints[v].vertex < 0 || offset < constraints[v].offset)
             constraints[v] = {static_cast<int>(v), view, offset, weight, sighting.footprint};
@@ -401,10 +412,13 @@ OutlineConstraints FindOutlineConstraints(const Mesh& mesh, const PointsX3& norm
     const double miss = UsualMiss(constraints.contour);
     // The weight of a violation depends on the accuracy of these masks: inaccurate masks cut off
     // parts of the figure somewhere.
-    const double trust = std::pow(std::min(1.0, kExactMiss / std::max(miss, 1e-6)), 4);
+    const double trust =
+        std::pow(std::min(1.0, OutlineConstraintTuning::kExactMiss / std::max(miss, 1e-6)), 4);
     constraints.violations =
         SilhouetteViolations(surface, silhouettes, violation_weight * trust,
-                             std::max(kViolationFrom, kViolationErrors * miss), reach_px);
+                             std::max(OutlineConstraintTuning::kViolationFrom,
+                                      OutlineConstraintTuning::kViolationErrors * miss),
+                             reach_px);
   }
   return constraints;
 }

@@ -8,18 +8,25 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "reconstruct/numerics/weighted_median.h"
 #include "reconstruct/refinement/outline_constraints.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kNeighbourFacing = 0.7;  // cosine between neighbours' normals
-constexpr double kLeastSpread = 0.5;      // pixels: outlines of masks are not more accurate
+// Tuned on the plush dog with 34 views and the synthetic rings
+// (docs/decisions/occluding-contour-terms.md); of kNeighbourFacing there is no record. Sensitivity:
+// docs/results/sensitivity.md.
+struct OutlineTuning {
+  KEYPOSE_TUNED(double, kNeighbourFacing, 0.7);  // cosine between neighbours' normals
+  KEYPOSE_TUNED(double, kLeastSpread, 0.5);      // px; outlines of masks are not more accurate
+  // ratio; a view up to this factor worse than the typical view keeps its full weight
+  KEYPOSE_TUNED(double, kUsualMisses, 1.5);
+};
+
 constexpr int kNeighbors = 48;
 constexpr int kRounds = 2;
-// a view up to this factor worse than the typical view keeps its full weight
-constexpr double kUsualMisses = 1.5;
 constexpr int kOutlineGrain = 256;
 
 using Constraint = OutlineConstraint;
@@ -65,11 +72,11 @@ class Consensus {
 
   // Inlier weight of a constraint, in [0, 1]: Tukey's biweight of its residual.
   double InlierWeight(const Place& place, const Constraint& constraint) const {
-    const double miss =
-        Miss(place, constraint) / (options_.errors * std::max(place.spread, kLeastSpread));
+    const double miss = Miss(place, constraint) /
+                        (options_.errors * std::max(place.spread, OutlineTuning::kLeastSpread));
     const double rest = std::max(0.0, 1 - miss * miss);
     // Constraints from fur scatter, so each has less weight.
-    const double scatter = std::max(place.spread / kLeastSpread, 1.0);
+    const double scatter = std::max(place.spread / OutlineTuning::kLeastSpread, 1.0);
     return trust_[constraint.view] * rest * rest / (scatter * scatter);
   }
 
@@ -96,7 +103,7 @@ class Consensus {
           for (const KdTree::Neighbor& near : tree.Nearest(points.row(place.begin), kNeighbors)) {
             const double facing = normal.dot(normals_.row(constraints_[near.index].vertex));
             const double distance = near.squared_distance / (reach * reach);
-            if (facing < kNeighbourFacing || distance > 9) continue;
+            if (facing < OutlineTuning::kNeighbourFacing || distance > 9) continue;
             place.around.push_back(
                 {near.index, static_cast<float>(facing * facing * std::exp(-0.5 * distance))});
           }
@@ -132,10 +139,11 @@ class Consensus {
     std::vector<Weighed> typical;
     std::vector<double> miss(trust_.size(), 0);
     for (std::size_t v = 0; v < trust_.size(); ++v) {
-      miss[v] = std::max(WeightedMedian(&misses[v]), 0.1 * kLeastSpread);
+      miss[v] = std::max(WeightedMedian(&misses[v]), 0.1 * OutlineTuning::kLeastSpread);
       if (!misses[v].empty()) typical.push_back({miss[v], 1});
     }
-    const double limit = kUsualMisses * std::max(WeightedMedian(&typical), 0.1 * kLeastSpread);
+    const double limit = OutlineTuning::kUsualMisses *
+                         std::max(WeightedMedian(&typical), 0.1 * OutlineTuning::kLeastSpread);
     for (std::size_t v = 0; v < trust_.size(); ++v)
       trust_[v] = std::min(1.0, std::pow(limit / miss[v], 2));
   }

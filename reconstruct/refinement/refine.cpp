@@ -7,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "reconstruct/refinement/displacement_solve.h"
 #include "reconstruct/refinement/outlines.h"
 #include "reconstruct/refinement/photo_profile.h"
@@ -24,15 +25,22 @@ constexpr int kSteps = 8;           // offsets to each side
 constexpr double kStep = 0.5;       // pixels of the level, at levels above 0
 constexpr double kFineStep = 0.25;  // at level 0
 constexpr int kSearches = 4;        // searches and solutions of one set of profiles
-constexpr float kFaint = 0.01f;     // smaller weights are reduced more than proportionally
-// a minimum this much below its profile's mean has half of the full agreement
-constexpr float kContrast = 0.05f;
-constexpr int kRelax = 2;  // rounds of tangential smoothing before each search
+constexpr int kRelax = 2;           // rounds of tangential smoothing before each search
 constexpr int kSmoothNormals = 2, kMostSmoothNormals = 60;
 constexpr int kUnfoldings = 5;
 constexpr double kLeastEvidence = 0.02;
 constexpr int kHullResolution = 200;  // it only bounds rays
 constexpr int kGrain = 1024;
+
+// No record of the data; the room's tests are on rendered balls, its results on the synthetic rings
+// and the plush dog (docs/decisions/profiles-not-gradients.md). Sensitivity:
+// docs/results/sensitivity.md.
+struct ProfileTuning {
+  // smaller weights are reduced more than proportionally [of a minimum: cost per squared footprint]
+  KEYPOSE_TUNED(float, kFaint, 0.01f);
+  // of the cost; a minimum this much below its profile's mean has half of the full agreement
+  KEYPOSE_TUNED(float, kContrast, 0.05f);
+};
 
 double Quantile(Values values, double share) {
   if (values.empty()) return 0;
@@ -64,7 +72,8 @@ ProfileMinimum Search(const float* cost, int count, float step, float at, float 
   float usual = 0;
   for (int k = 0; k < count; ++k) usual += cost[k] / static_cast<float>(count);
   const float contrast = std::max(0.0f, usual - cost[best]),
-              agreement = std::max(0.0f, 1 - cost[best]) * contrast / (contrast + kContrast);
+              agreement =
+                  std::max(0.0f, 1 - cost[best]) * contrast / (contrast + ProfileTuning::kContrast);
   // the minimum is out of range: move towards it, with less weight
   if (best == 0 || best == count - 1) {
     const float slope = std::abs(cost[best] - cost[best == 0 ? 1 : count - 2]);
@@ -221,7 +230,7 @@ class Refiner {
                                                       (*shift)[v], window, pull);
                          // Shading that moves over smooth clay gives small weights everywhere,
                          // texture gives large ones.
-                         wish.weight *= wish.weight / (wish.weight + kFaint);
+                         wish.weight *= wish.weight / (wish.weight + ProfileTuning::kFaint);
                          const float outline =
                              static_cast<float>(options_.outlines) * outlines_.weight[v];
                          energy.weight[v] = wish.weight + outline;

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -16,11 +17,16 @@ using Basis = Eigen::Matrix<double, 9, 1>;
 using Eigen::Vector3d;
 
 constexpr int kShadingGrain = 256;
-constexpr int kFits = 3;                 // alternating fits of light and albedo
-constexpr int kTurns = 4;                // Gauss-Newton steps of a normal
-constexpr double kRelativeError = 0.03;  // typical error, as a share of the brightness
-constexpr double kPrior = 0.25;          // radians; larger rotations are unlikely
+constexpr int kFits = 3;   // alternating fits of light and albedo
+constexpr int kTurns = 4;  // Gauss-Newton steps of a normal
 constexpr int kLeastViews = 5;
+
+// No record of the data; the results are on the synthetic rings (docs/results/rings.md).
+// Sensitivity: docs/results/sensitivity.md.
+struct ShadingTuning {
+  KEYPOSE_TUNED(double, kRelativeError, 0.03);  // typical error, as a share of the brightness
+  KEYPOSE_TUNED(double, kPrior, 0.25);          // rad; larger rotations of normals are unlikely
+};
 
 Basis Harmonics(const Vector3d& n) {
   Basis b;
@@ -107,7 +113,7 @@ class Shading {
         if (seen <= 0) continue;
         const double light = light_[i].dot(Harmonics(n));
         const Vector3d slope = Slope(light_[i], n);
-        const double sigma = kRelativeError * own * std::max(0.1, light_[i][0]),
+        const double sigma = ShadingTuning::kRelativeError * own * std::max(0.1, light_[i][0]),
                      error = (seen - own * light) / sigma;
         const Vector3d row =
             Vector3d(own * slope.dot(first), own * slope.dot(second), light) / sigma;
@@ -118,20 +124,22 @@ class Shading {
       information = a.topLeftCorner<2, 2>() - a.topRightCorner<2, 1>() *
                                                   a.bottomLeftCorner<1, 2>() /
                                                   std::max(a(2, 2), 1e-12);
-      a(0, 0) += 1 / (kPrior * kPrior), a(1, 1) += 1 / (kPrior * kPrior);
-      b.head<2>() -= turn / (kPrior * kPrior);
+      a(0, 0) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior),
+          a(1, 1) += 1 / (ShadingTuning::kPrior * ShadingTuning::kPrior);
+      b.head<2>() -= turn / (ShadingTuning::kPrior * ShadingTuning::kPrior);
       const Vector3d change = a.ldlt().solve(b);
       if (!change.allFinite()) return;
       turn += change.head<2>();
-      if (turn.norm() > 2 * kPrior) turn *= 2 * kPrior / turn.norm();
+      if (turn.norm() > 2 * ShadingTuning::kPrior) turn *= 2 * ShadingTuning::kPrior / turn.norm();
       own = std::max(own + change.z(), 1e-6);
     }
     *normal = (start + turn.x() * first + turn.y() * second).normalized();
     *after = Error(v, *normal, own);
     const double least =
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(information).eigenvalues().x();
-    *weight =
-        static_cast<float>(std::max(0.0, least) / (std::max(0.0, least) + 20 / (kPrior * kPrior)));
+    *weight = static_cast<float>(
+        std::max(0.0, least) /
+        (std::max(0.0, least) + 20 / (ShadingTuning::kPrior * ShadingTuning::kPrior)));
   }
 
  private:

@@ -7,12 +7,19 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kViewFacing = 0.3;         // cosine to the view's direction
-constexpr double kApart = 12 * M_PI / 180;  // views closer together than this have less weight
+// No record of the data; the results are on the synthetic rings (docs/results/rings.md).
+// Sensitivity: docs/results/sensitivity.md.
+struct VertexViewTuning {
+  KEYPOSE_TUNED(double, kViewFacing, 0.3);  // least cosine between normal and the view's direction
+  // rad; views closer together than this have less weight
+  KEYPOSE_TUNED(double, kApart, 12 * M_PI / 180);
+};
+
 constexpr int kViewGrain = 256;
 
 // Depths of the nearest faces at the picture's pixels; infinite where there are none.
@@ -91,7 +98,7 @@ std::vector<float> Sights(const Mesh& mesh, const PointsX3& normals, const Prepa
         turn * mesh.points.row(v).transpose() + view.camera_from_world.translation;
     if (x.z() <= 0) continue;
     const double facing = -(turn * normals.row(v).transpose()).dot(x) / x.norm();
-    if (facing < kViewFacing) continue;
+    if (facing < VertexViewTuning::kViewFacing) continue;
     const Eigen::Vector2d p = camera.Project(x);
     if (!(p.x() >= 0 && p.y() >= 0 && p.x() < camera.width - 1 && p.y() < camera.height - 1))
       continue;
@@ -126,7 +133,7 @@ VertexViews Choose(const Eigen::Vector3d& x, const std::vector<std::vector<float
     largest = std::max(largest, focals[view] / (centers[view] - x).norm());
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       const double angle = std::acos(std::clamp(directions[best].dot(directions[c]), -1.0, 1.0));
-      candidates[c].second *= std::min(1.0, angle / kApart);
+      candidates[c].second *= std::min(1.0, angle / VertexViewTuning::kApart);
     }
     candidates[best].second = 0;
   }

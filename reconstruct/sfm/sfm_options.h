@@ -39,7 +39,7 @@ struct SfmOptions {
   int adjusted_points = 6000;  ///< points in the bundle adjustments, spread over the figure
   double min_placed = 0.6;
   /// of masks and their hull under the estimated cameras
-  double min_hull_overlap = kLeastHullOverlap;
+  double min_hull_overlap = CameraEvidenceTuning::kLeastHullOverlap;
   bool level = true;
   bool board = true;          ///< use the printed calibration board if photographs show it
   int min_board_corners = 8;  ///< corners that a photograph must show to be placed by the board

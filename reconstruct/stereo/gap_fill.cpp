@@ -8,16 +8,25 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "reconstruct/stereo/patch_match_sweep.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 constexpr int kLeastConfirmed = 4, kLeastMasked = 16;  // pixels of a cell, of 16
-// largest depth change by the quadratic terms over the reach, pixels of depth
-constexpr double kSteepestBend = 30;
-constexpr double kLeastNoise = 0.5;  // of a cell's depth, pixels
-constexpr double kSlack = 3;  // a known cell stores one depth, even where the surface is steep
+
+// Tuned on the synthetic weak ring (docs/decisions/gap-fill-by-quadrics.md). Sensitivity:
+// docs/results/sensitivity.md.
+struct GapFillTuning {
+  // px of depth; largest depth change by the quadratic terms over the reach
+  KEYPOSE_TUNED(double, kSteepestBend, 30);
+  KEYPOSE_TUNED(double, kLeastNoise, 0.5);  // px; of a cell's depth
+  // times `agreement`, by which a surface nearer than a known cell contradicts it; a known cell
+  // stores one depth, even where the surface is steep
+  KEYPOSE_TUNED(double, kSlack, 3);
+};
+
 constexpr double kMiddle = 0.5 * (kCellPixels - 1);
 constexpr float kGap = 0, kNothing = -1;
 
@@ -83,8 +92,8 @@ class Bridge {
     const Eigen::LDLT<Matrix> ldlt(a);
     const Row c = ldlt.solve(b);
     const double residual = std::sqrt(std::max(0.0, (squares - c.dot(b)) / weights));
-    const double error =
-        std::max(kLeastNoise, residual) * std::sqrt(std::max(0.0, ldlt.solve(Row::Unit(0))[0]));
+    const double error = std::max(GapFillTuning::kLeastNoise, residual) *
+                         std::sqrt(std::max(0.0, ldlt.solve(Row::Unit(0))[0]));
     if (!(residual <= options.largest_residual && error <= options.largest_error)) return {};
     const double per_pixel = 1 / (scale * reach_ * kCellPixels);
     return {static_cast<float>(reference + c[0] / scale), static_cast<float>(c[1] * per_pixel),
@@ -94,7 +103,9 @@ class Bridge {
  private:
   using Row = Eigen::Matrix<double, 6, 1>;
   using Matrix = Eigen::Matrix<double, 6, 6>;
-  static constexpr double kBendWeight = kLeastNoise * kLeastNoise / (kSteepestBend * kSteepestBend);
+  static inline const double kBendWeight =
+      GapFillTuning::kLeastNoise * GapFillTuning::kLeastNoise /
+      (GapFillTuning::kSteepestBend * GapFillTuning::kSteepestBend);
   struct Spot {
     int dx, dy, sector;
     double weight;
@@ -225,7 +236,7 @@ class Filler {
     const double nearer = (1 / x.z() - w) * camera.fx /
                           w;  // pixels on the surface, positive in front of the view's own depth
     if (std::abs(nearer) <= options_.agreement) return Opinion::kAgrees;
-    return nearer > kSlack * options_.agreement && !(plane.inverse_depth > 0)
+    return nearer > GapFillTuning::kSlack * options_.agreement && !(plane.inverse_depth > 0)
                ? Opinion::kContradicts
                : Opinion::kNone;
   }

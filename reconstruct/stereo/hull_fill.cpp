@@ -8,16 +8,25 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kStereoVoxels = 3;
-constexpr double kConfirmedShare = 0.1;
-constexpr float kSure = 0.3f;  // stereo points below this do not replace hull points
-// The unseen underside is only added as a band along the border of the seen surface, so that the
-// surface turns inwards where the outlines end. Farther in, the hull is a cone below the true base.
-constexpr double kRimFrom = 1, kRimTo = 14;
+// No record of the data; the tests are on the rendered balls of dense_test.cpp. Sensitivity:
+// docs/results/sensitivity.md.
+struct HullFillTuning {
+  KEYPOSE_TUNED(double, kStereoVoxels, 3);  // voxels; no hull points nearer to stereo points
+  // largest share of pixels with a confirmed depth around a hull point that is added
+  KEYPOSE_TUNED(double, kConfirmedShare, 0.1);
+  KEYPOSE_TUNED(float, kSure, 0.3f);  // confidence; stereo points below do not replace hull points
+  // The unseen underside is only added as a band along the border of the seen surface, so that the
+  // surface turns inwards where the outlines end. Farther in, the hull is a cone below the true
+  // base. [voxels from the nearest stereo point]
+  KEYPOSE_TUNED(double, kRimTo, 14);
+};
+
+constexpr double kRimFrom = 1;  // voxels
 constexpr double kUnseenGrey = 128;
 
 // Statistics over the views that see a point of the hull.
@@ -64,16 +73,16 @@ void Ask(const PreparedView& view, const DepthBounds& bounds, const std::vector<
 // that no view sees.
 bool Wanted(const ViewStatistics& witness, double stereo_distance, double cell) {
   if (witness.views >= 2)
-    return stereo_distance > kStereoVoxels * cell &&
-           witness.confirmed <= kConfirmedShare * witness.pixels;
+    return stereo_distance > HullFillTuning::kStereoVoxels * cell &&
+           witness.confirmed <= HullFillTuning::kConfirmedShare * witness.pixels;
   return witness.facing == 0 && stereo_distance > kRimFrom * cell &&
-         stereo_distance < kRimTo * cell;
+         stereo_distance < HullFillTuning::kRimTo * cell;
 }
 
 PointCloud SureRows(const PointCloud& stereo) {
   std::vector<int> sure;
   for (int i = 0; i < stereo.points.rows(); ++i)
-    if (stereo.confidence[i] >= kSure) sure.push_back(i);
+    if (stereo.confidence[i] >= HullFillTuning::kSure) sure.push_back(i);
   PointCloud out;
   out.points = stereo.points(sure, Eigen::all);
   return out;

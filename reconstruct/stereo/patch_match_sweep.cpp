@@ -7,18 +7,28 @@
 #include <limits>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/stereo/patch_match_areas.h"
 #include "reconstruct/stereo/patch_match_random.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-// so that a single source with a highlight or an occluder cannot exclude a plane
-constexpr float kCostCap = 1.2f;
-// cost per pixel of distance from a source's own depth
-constexpr float kGeometricWeight = 0.2f;
-constexpr float kGeometricCap = 3.0f;  // pixels
-constexpr float kPriorWeight = 0.3f;
+// No record of the data: kCostCap, kGeometricWeight and kGeometricCap are starting values, and none
+// has changed since the first version; tests are on rendered balls and planes. Sensitivity:
+// docs/results/sensitivity.md.
+struct SweepTuning {
+  // of a source, in units of 1 - correlation, so that a single source with a highlight or an
+  // occluder cannot exclude a plane
+  KEYPOSE_TUNED(float, kCostCap, 1.2f);
+  // cost per pixel of distance from a source's own depth
+  KEYPOSE_TUNED(float, kGeometricWeight, 0.2f);
+  KEYPOSE_TUNED(float, kGeometricCap, 3.0f);  // px; larger distances cost no more
+  // weight of the distance from the coarser level's depth, where a window has no texture
+  KEYPOSE_TUNED(float, kPriorWeight, 0.3f);
+  KEYPOSE_TUNED(float, kColorScale, 18.0f);  // grey levels at which a sample's weight falls to 1/e
+};
+
 constexpr float kPairMargin = 0.02f;  // a plane whose cost in the first two sources exceeds the
                                       // present one's by this is rejected
 constexpr float kSame = 0.1f, kSameInTheEnd = 0.15f;  // pixels
@@ -154,7 +164,7 @@ class Sweeper {
     bounds_ = BoundsAt(x, y);
     prior_ = in_.prior ? PriorAt(*in_.prior, x, y) : 0;
     const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
-    prior_weight_ = prior_ > 0 ? kPriorWeight * (1 - trust) : 0;
+    prior_weight_ = prior_ > 0 ? SweepTuning::kPriorWeight * (1 - trust) : 0;
   }
 
   // Interpolated between the four pixels of the coarser level around; across a depth edge, the one
@@ -191,9 +201,10 @@ class Sweeper {
     const Lanes inverse = 1.0f / (t.x[2] * sx + t.y[2] * sy + t.one[2] + t.depth[2] * w);
     const Lanes dx = (t.x[0] * sx + t.y[0] * sy + t.one[0] + t.depth[0] * w) * inverse - x_;
     const Lanes dy = (t.x[1] * sx + t.y[1] * sy + t.one[1] + t.depth[1] * w) * inverse - y_;
-    const Lanes square = dx * dx + dy * dy, worst = Lanes{} + kGeometricCap * kGeometricCap;
+    const Lanes square = dx * dx + dy * dy,
+                worst = Lanes{} + SweepTuning::kGeometricCap * SweepTuning::kGeometricCap;
     const Lanes used = (w > 0.0f) & (square < worst) ? square : worst;
-    return kGeometricWeight * SquareRoots(used);
+    return SweepTuning::kGeometricWeight * SquareRoots(used);
   }
 
   float PriorCost(const PlaneHypothesis& plane) const {
@@ -228,7 +239,8 @@ class Sweeper {
     }
     for (int h = 0; h < kept; ++h) {
       cost_(patch_, chosen_.images, trials_[h].warps, 0, pair, costs);
-      for (int k = 0; k < pair; ++k) trials_[h].sum += std::min(costs[k], kCostCap) * scale;
+      for (int k = 0; k < pair; ++k)
+        trials_[h].sum += std::min(costs[k], SweepTuning::kCostCap) * scale;
       trials_[h].pair = trials_[h].sum;
     }
     evaluations_ += static_cast<std::int64_t>(kept) * pair;
@@ -241,7 +253,8 @@ class Sweeper {
     const float scale = 1.0f / static_cast<float>(chosen_.count);
     float costs[kLanes];
     cost_(patch_, chosen_.images, trial->warps, 2, rest, costs);
-    for (int k = 2; k < 2 + rest; ++k) trial->sum += std::min(costs[k], kCostCap) * scale;
+    for (int k = 2; k < 2 + rest; ++k)
+      trial->sum += std::min(costs[k], SweepTuning::kCostCap) * scale;
     evaluations_ += rest;
   }
 
@@ -334,7 +347,8 @@ class Sweeper {
       cost_(patch_, lanes.images, Warps(lanes.to, AtPixel(lanes.to, x_, y_), plane), 0, lanes.count,
             costs);
       evaluations_ += lanes.count;
-      for (int k = 0; k < lanes.count; ++k) row[lanes.ids[k]] = std::min(costs[k], kCostCap);
+      for (int k = 0; k < lanes.count; ++k)
+        row[lanes.ids[k]] = std::min(costs[k], SweepTuning::kCostCap);
     }
   }
 
@@ -483,7 +497,7 @@ class Sweeper {
   const Pinhole camera_;
   const PatchCostFunction cost_;
   const bool geometric_;
-  const BilateralTable bilateral_{kColorScale};
+  const BilateralTable bilateral_{SweepTuning::kColorScale};
   const int count_;
   float px_per_inverse_depth_ = 1;
   std::array<Transfer, kMaxSources> to_source_, from_source_;

@@ -50,7 +50,6 @@ struct SweepSettings {
 
 constexpr int kMaxSources = 16;
 constexpr int kSourcesUsed = 4;
-constexpr float kColorScale = 18.0f;
 
 /// Displacement in the sources (pixels of the level, mean) per unit of inverse depth at the object.
 double PixelsPerInverseDepth(const SweepInputs& inputs);

@@ -3,18 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tuned.h"
+
 namespace keypose::registration {
 
 namespace {
 
+// Chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md) and the seven registration pairs
+// (docs/results/registration.md); sensitivity: docs/results/sensitivity.md.
+// Weights are in units of the shape term; lengths assume a target whose diagonal is 2.
+struct AutoFitTuning {
+  KEYPOSE_TUNED(double, kMatchWeight, 1000);     // of all matches together in FitToMatches
+  KEYPOSE_TUNED(double, kMatchRobust, 0.3);      // length at which a match has a quarter of it
+  KEYPOSE_TUNED(double, kMatchTolerance, 0.01);  // squared mismatch, likewise
+  // weight of the whole surface at stiffness 1: about 1 per vertex of the middle level
+  KEYPOSE_TUNED(double, kSurfaceWeight, 1700);
+};
+
 constexpr int kMostLandmarkTurns = 500, kMatchRounds = 8, kMatchTurns = 8, kSolverSteps = 10;
-constexpr double kPinned = 1e5;           // weight that holds a vertex of a rigid piece
-constexpr double kStill = 2e-4;           // landmark turns end below this movement
-constexpr double kMatchWeight = 1000;     // of all matches together in FitToMatches
-constexpr double kMatchRobust = 0.3;      // distance at which a match has a quarter of its weight
-constexpr double kMatchTolerance = 0.01;  // squared mismatch, likewise
-// Weight of the whole surface at stiffness 1: about 1 per vertex of the middle level
-constexpr double kSurfaceWeight = 1700;
+constexpr double kPinned = 1e5;  // weight that holds a vertex of a rigid piece
+constexpr double kStill = 2e-4;  // landmark turns end below this movement
 
 double Square(double x) { return x * x; }
 
@@ -32,7 +40,8 @@ void AddMatches(const Level& level, const PointsX3& points, double weight, doubl
     const Eigen::Index v = static_cast<Eigen::Index>(i);
     const double r2 = (points.row(match.vertex) - level.moved.row(v)).squaredNorm();
     const double belief = Square(robust * robust / (robust * robust + r2)) *
-                          Square(kMatchTolerance / (kMatchTolerance + Square(match.mismatch)));
+                          Square(AutoFitTuning::kMatchTolerance /
+                                 (AutoFitTuning::kMatchTolerance + Square(match.mismatch)));
     pulls.AddPoint(v, belief * per_area * level.fit->vertex_areas()[v],
                    points.row(match.vertex).transpose());
   }
@@ -84,8 +93,8 @@ void FitToMatches(Level& level, const PointsX3& match_points, double landmark_we
   double robust = 2;
   for (int round = 0; round < kMatchRounds; ++round) {
     Pulls pulls(level.rest.rows());
-    AddMatches(level, match_points, kMatchWeight, robust, pulls);
-    robust = round == 0 ? 0.5 : std::max(robust * 0.8, kMatchRobust);
+    AddMatches(level, match_points, AutoFitTuning::kMatchWeight, robust, pulls);
+    robust = round == 0 ? 0.5 : std::max(robust * 0.8, AutoFitTuning::kMatchRobust);
     Turn(level, pulls, landmark_weight, kMatchTurns, 1, 0);
   }
 }
@@ -94,7 +103,7 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
                         const FitTerms& terms, Eigen::VectorXd* seen) {
   Pulls pulls(level.rest.rows());
   SurfacePullTerms surface;
-  surface.weight = kSurfaceWeight / terms.stiffness;
+  surface.weight = AutoFitTuning::kSurfaceWeight / terms.stiffness;
   surface.robust = terms.robust;
   surface.samples = terms.samples;
   surface.measure = terms.measure;
@@ -108,7 +117,8 @@ SurfaceGap FitToSurface(Level& level, const SurfacePull& target, const PointsX3&
     const Eigen::ArrayXd held = pulls.MeanWeights().array();
     *seen = held / (held + full / 6 + 1e-300);
   }
-  if (terms.matches > 0) AddMatches(level, match_points, terms.matches, kMatchRobust, pulls);
+  if (terms.matches > 0)
+    AddMatches(level, match_points, terms.matches, AutoFitTuning::kMatchRobust, pulls);
   Turn(level, pulls, terms.landmarks, terms.turns, kSolverSteps, 0);
   HoldPieces(level, pulls, terms.landmarks);
   return gap;

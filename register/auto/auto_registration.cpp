@@ -8,6 +8,7 @@
 
 #include "core/geometry.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "deform/solvers/sparse_pattern.h"
 #include "register/auto/auto_fit.h"
 #include "register/intrinsic/suggest.h"
@@ -17,20 +18,49 @@ namespace keypose::registration {
 
 namespace {
 
+// Chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md) and the seven registration pairs
+// (docs/results/registration.md), the scale on damaged copies of these pairs
+// (docs/decisions/scale-of-cut-targets.md); sensitivity: docs/results/sensitivity.md.
+// Lengths assume a target whose diagonal is 2.
+struct AutoRegistrationTuning {
+  // Stiffness of the shape term, relative to the surface.
+  KEYPOSE_TUNED(double, kFirstStiffness, 3);     // in the first round on the coarse level
+  KEYPOSE_TUNED(double, kCoarseStiffness, 1);    // in the last round on the coarse level
+  KEYPOSE_TUNED(double, kMiddleStiffness, 0.5);  // at the end of a rigid shape on the middle level
+  KEYPOSE_TUNED(double, kSoftStiffness, 0.02);   // at the end of a softened shape
+  KEYPOSE_TUNED(double, kFineStiffness, 0.2);    // on the finer levels, when the shape stays rigid
+  // Rigidity, see ArapFit.
+  KEYPOSE_TUNED(double, kSofter, 0.3);  // of the softer starts
+  KEYPOSE_TUNED(double, kSoft, 0.1);    // of a softened shape
+  // Distance at which a surface pull has a quarter of its weight, in the first and the last round.
+  KEYPOSE_TUNED(double, kRobustFirst, 0.4);
+  KEYPOSE_TUNED(double, kRobustLast, 0.02);
+  KEYPOSE_TUNED(double, kMatchesFirst, 150);  // weight of all matches together in the first round
+  KEYPOSE_TUNED(double, kMatchesFall, 0.7);   // its factor from round to round
+  KEYPOSE_TUNED(double, kDoubt, 0.2);         // mismatch of an intrinsic match without confidence
+  // Share of the last movement that is repeated when maps are soft, since sliding along the surface
+  // converges slowly.
+  KEYPOSE_TUNED(double, kMomentum, 0.95);
+  // Weights in the score of a start. The gap over the diagonal has weight 1.
+  KEYPOSE_TUNED(double, kStrainWeight, 0.02);    // of the mean squared strain
+  KEYPOSE_TUNED(double, kRejectedWeight, 0.02);  // of the share of area that faces nothing
+  KEYPOSE_TUNED(double, kHopeless, 1.3);  // of poor_fit: even a softer shape came nowhere near
+  // Share of the area from which on rigid pieces alone decide the scale, as the rest may stretch.
+  KEYPOSE_TUNED(double, kPiecesDecide, 0.1);
+  // Area of discs over the boundary loops, as a share; above this the surface counts as open.
+  KEYPOSE_TUNED(double, kOpenShare, 0.06);
+  // A target whose share of discs is this much larger, with landmarks this factor further apart, is
+  // cut.
+  KEYPOSE_TUNED(double, kCutShare, 0.01);
+  KEYPOSE_TUNED(double, kCutGrowth, 1.04);
+};
+
 // Distances along the surface are measured on meshes of about this size.
 constexpr int kProxyVertices = 3000;
 constexpr int kFewestForDistances = 4;  // landmarks that tell places apart by distance
 // The middle level has at least this share of middle_vertices.
 constexpr double kMiddleOfCoarse = 0.5;
-constexpr double kSofter = 0.3, kSoft = 0.1;  // rigidity, see ArapFit
 constexpr double kRigid = 1e300;
-constexpr double kHopeless = 1.3;  // times poor_fit: even a softer shape came nowhere near
-// Share of the area from which on rigid pieces alone decide the scale, as the rest may stretch.
-constexpr double kPiecesDecide = 0.1;
-// Area of discs over the boundary loops, as a share; above this the surface counts as open.
-constexpr double kOpenShare = 0.06;
-constexpr double kCutShare = 0.01, kCutGrowth = 1.04;  // a target that is this much more open, with
-                                                       // landmarks this much further apart, is cut
 constexpr int kCoarseSamples = 1500, kSamples = 6000;  // target vertices that pull back
 // Above this number of vertices a level gets two searches instead of four.
 constexpr int kLargeLevel = 30000;
@@ -41,13 +71,15 @@ struct Schedule {
   int rounds, searches, turns;
   double from, to;  ///< stiffness
 };
-constexpr Schedule kCoarse{6, 4, 6, 3, 1}, kMiddle{3, 2, 6, 1, 0.5}, kSoftened{5, 4, 2, 0.5, 0.02},
-    kSettled{5, 2, 3, 0.5, 0.5};
-constexpr int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
-constexpr double kRobustFirst = 0.4, kRobustLast = 0.02, kMatchesFirst = 150, kMatchesFall = 0.7;
-constexpr double kFineStiffness = 0.2;  // on the finer levels, when the shape stays rigid
-constexpr double kMomentum = 0.95;      // share of the last movement that is repeated when maps are
-                                        // soft, since sliding along the surface converges slowly
+const Schedule kCoarse{6, 4, 6, AutoRegistrationTuning::kFirstStiffness,
+                       AutoRegistrationTuning::kCoarseStiffness};
+const Schedule kMiddle{3, 2, 6, AutoRegistrationTuning::kCoarseStiffness,
+                       AutoRegistrationTuning::kMiddleStiffness};
+const Schedule kSoftened{5, 4, 2, AutoRegistrationTuning::kMiddleStiffness,
+                         AutoRegistrationTuning::kSoftStiffness};
+const Schedule kSettled{5, 2, 3, AutoRegistrationTuning::kMiddleStiffness,
+                        AutoRegistrationTuning::kMiddleStiffness};
+const int kAllRounds = kCoarse.rounds + kMiddle.rounds + kSoftened.rounds;
 
 /// Repeats a share of the last movement of each vertex. Only vertices held by the surface move;
 /// others would oscillate.
@@ -57,7 +89,7 @@ class Momentum {
       : before_(level.moved), seen_(Eigen::VectorXd::Zero(level.moved.rows())) {}
   void CarryOn(Level& level) {
     PointsX3 now = level.moved;
-    level.moved += (kMomentum * seen_).asDiagonal() * (now - before_);
+    level.moved += (AutoRegistrationTuning::kMomentum * seen_).asDiagonal() * (now - before_);
     before_ = std::move(now);
   }
   Eigen::VectorXd* seen() { return &seen_; }
@@ -117,6 +149,7 @@ class AutoRegistration {
   AutoResult Run();
 
  private:
+  using Tuning = AutoRegistrationTuning;
   struct Start {
     PointsX3 moved;
     std::vector<Eigen::Matrix3d> maps;
@@ -181,7 +214,7 @@ void AutoRegistration::Align() {
   double filled_source = 0, filled_target = 0;
   const double areas = WholeArea(target_, filled_target) / WholeArea(source_, filled_source);
   more_open_ = filled_target - filled_source;
-  if (filled_target > kOpenShare && landmarks_.size() == 3) return;
+  if (filled_target > Tuning::kOpenShare && landmarks_.size() == 3) return;
   // Folded limbs bring landmarks closer together, so Procrustes would shrink the source. The area
   // hardly changes, so it gives the size.
   const PointsX3 pivots =
@@ -238,7 +271,8 @@ void AutoRegistration::MeasureDistances() {
   LandmarkCoordinates coordinates(level.rest, level.faces, from, proxy.points, proxy.faces, to);
   // When a part of the target is cut off, its area is too small, but distances between landmarks
   // are right. When it only has holes, the discs replace the lost area, and both agree.
-  if (const double growth = coordinates.Growth(); more_open_ > kCutShare && growth > kCutGrowth) {
+  if (const double growth = coordinates.Growth();
+      more_open_ > Tuning::kCutShare && growth > Tuning::kCutGrowth) {
     first_scale_ = growth;
     coordinates.GrowSource(growth);
   }
@@ -277,7 +311,8 @@ AutoRegistration::Attempt AutoRegistration::BendCoarse(Start start, StartTrial t
   trial.gap = (gap.forward + gap.backward) / 4;
   trial.strain = level.fit->Strain(level.moved).dot(level.fit->vertex_areas()) /
                  level.fit->vertex_areas().sum();
-  trial.score = trial.gap + 0.02 * trial.strain + 0.02 * gap.rejected;
+  trial.score =
+      trial.gap + Tuning::kStrainWeight * trial.strain + Tuning::kRejectedWeight * gap.rejected;
   start.moved = level.moved;
   start.maps = level.fit->maps();
   start.scale = rest_scale_;
@@ -334,7 +369,8 @@ AutoRegistration::Attempt AutoRegistration::FromIntrinsicMap(double rigidity,
   const int levels[2] = {levels_->count() - 1, middle_};
   for (int k = 0; k < 2; ++k)
     for (int v : (*levels_)[levels[k]].fine)
-      start.matches[k].push_back({suggestion.dense[v], 0.2 * (1 - suggestion.confidence[v])});
+      start.matches[k].push_back(
+          {suggestion.dense[v], Tuning::kDoubt * (1 - suggestion.confidence[v])});
   Level& level = coarse();
   Reset(level);
   level.matches = start.matches[0];
@@ -369,10 +405,10 @@ void AutoRegistration::TryStarts() {
   ReportProgress(progress_, 0.5, "start");
   if (options_.skeleton && SizeOf(goals_) < kFewestForDistances && poor()) Compete(FromSkeleton());
   ReportProgress(progress_, 0.55, "start");
-  if (poor() && !goals_.empty()) Compete(FromLandmarks(kSofter, "landmarks, softer"));
+  if (poor() && !goals_.empty()) Compete(FromLandmarks(Tuning::kSofter, "landmarks, softer"));
   if (!goals_.empty() && options_.suggest &&
-      result_.starts[result_.chosen].gap > kHopeless * options_.poor_fit)
-    Compete(FromIntrinsicMap(kSofter, "intrinsic map, softer"));
+      result_.starts[result_.chosen].gap > Tuning::kHopeless * options_.poor_fit)
+    Compete(FromIntrinsicMap(Tuning::kSofter, "intrinsic map, softer"));
 }
 
 SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rounds_before,
@@ -388,11 +424,11 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
                                           : static_cast<double>(k + 1) / schedule.rounds;
     FitTerms terms;
     terms.stiffness = Between(schedule.from, schedule.to, own);
-    terms.robust = Between(kRobustFirst, kRobustLast, all);
+    terms.robust = Between(Tuning::kRobustFirst, Tuning::kRobustLast, all);
     terms.landmarks = Between(options_.landmark_weight, options_.landmark_weight_end, all);
     terms.matches = level.matches.empty() || !match_points
                         ? 0
-                        : kMatchesFirst * std::pow(kMatchesFall, rounds_before + k);
+                        : Tuning::kMatchesFirst * std::pow(Tuning::kMatchesFall, rounds_before + k);
     terms.turns = schedule.turns;
     terms.samples = at == middle_ ? kSamples : kCoarseSamples;
     for (int i = 0; i < schedule.searches; ++i) {
@@ -402,7 +438,7 @@ SurfaceGap AutoRegistration::RunRounds(int at, const Schedule& schedule, int rou
                          momentum.seen());
     }
     // Noise and ragged holes change the areas, so the first scale is not exact; refine it.
-    if (level.fit->pieces().area_share() > kPiecesDecide)
+    if (level.fit->pieces().area_share() > Tuning::kPiecesDecide)
       SetRestScale(rest_scale_ * level.growth);
     else if (level.fit->rigid())
       SetRestScale(rest_scale_ * level.fit->BestScale(level.moved));
@@ -424,20 +460,20 @@ void AutoRegistration::Finish() {
   result_.softened =
       best_->rigidity < kRigid || (gap.forward + gap.backward) / 4 > options_.good_fit;
   if (result_.softened) {
-    level.fit->SetRigidity(kSoft);
+    level.fit->SetRigidity(Tuning::kSoft);
     gap = RunRounds(middle_, kSoftened, kCoarse.rounds + kMiddle.rounds, best_->match_points);
   } else {
     gap = RunRounds(middle_, kSettled, kCoarse.rounds + kMiddle.rounds, best_->match_points);
   }
   FitTerms terms;
-  terms.stiffness = result_.softened ? kSoftened.to : kFineStiffness;
-  terms.robust = kRobustLast;
+  terms.stiffness = result_.softened ? kSoftened.to : Tuning::kFineStiffness;
+  terms.robust = Tuning::kRobustLast;
   terms.landmarks = options_.landmark_weight_end;
   terms.samples = kSamples;
   for (int l = middle_; l-- > 0;) {
     levels_->Descend(l + 1);
     Level& finer = (*levels_)[l];
-    if (result_.softened) finer.fit->SetRigidity(kSoft);
+    if (result_.softened) finer.fit->SetRigidity(Tuning::kSoft);
     const int searches = finer.rest.rows() > kLargeLevel ? 2 : 4;
     Momentum momentum(finer);
     for (int k = 0; k < searches; ++k) {

@@ -10,11 +10,20 @@
 #include "core/geometry.h"
 #include "core/kd_tree.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "register/nricp/correspondence.h"
 
 namespace keypose::registration {
 
 namespace {
+
+// Chosen on tentacle seeds 0 to 9 (docs/results/tentacle.md) and the seven registration pairs
+// (docs/results/registration.md); sensitivity: docs/results/sensitivity.md.
+struct SurfacePullTuning {
+  // A pull goes to a plane. With this share of its weight it also goes to the point.
+  KEYPOSE_TUNED(double, kPointShare, 0.03);
+  KEYPOSE_TUNED(double, kLeastCosine, 0.5);  // between the normals of two matched points
+};
 
 constexpr int kFirstChoices = 4, kSecondChoices = 24, kNearVertices = 4;
 constexpr std::int64_t kPullGrain = 256;
@@ -50,12 +59,13 @@ struct SurfacePull::Impl {
       : points(p), normals(VertexNormals(p, faces)), surface(p, faces), tree(p) {}
 
   Pull Forward(int vertex, bool rim, const Eigen::Vector3d& at, const Eigen::Vector3d& normal,
-               const Feet& feet, double min_cosine) const {
+               const Feet& feet) const {
     Pull pull;
     // The source's own boundary may belong on the target's boundary. If such points did not pull,
     // an open source would shrink with every search.
-    if (feet.allowed[vertex] || (rim && feet.faces[vertex] >= 0 &&
-                                 normal.dot(feet.normals.row(vertex).normalized()) >= min_cosine)) {
+    if (feet.allowed[vertex] ||
+        (rim && feet.faces[vertex] >= 0 &&
+         normal.dot(feet.normals.row(vertex).normalized()) >= SurfacePullTuning::kLeastCosine)) {
       pull.goal = feet.points.row(vertex);
       pull.normal = feet.normals.row(vertex).normalized();
       pull.vertex = vertex;
@@ -65,7 +75,9 @@ struct SurfacePull::Impl {
            from = to, to = kSecondChoices) {
         const std::vector<KdTree::Neighbor> near = tree.Nearest(at, to);
         for (std::size_t k = from; k < near.size() && pull.vertex < 0; ++k) {
-          if (normal.dot(normals.row(near[k].index)) < min_cosine || open[near[k].index]) continue;
+          if (normal.dot(normals.row(near[k].index)) < SurfacePullTuning::kLeastCosine ||
+              open[near[k].index])
+            continue;
           pull.goal = points.row(near[k].index);
           pull.normal = normals.row(near[k].index);
           pull.vertex = vertex;
@@ -86,7 +98,7 @@ struct SurfacePull::Impl {
 
   /// Finds for each target sample the mesh vertex that it pulls.
   void PullBack(const PointsX3& moved, const PointsX3& moved_normals,
-                const std::vector<int>& samples, double min_cosine, std::span<Pull> pulls) const {
+                const std::vector<int>& samples, std::span<Pull> pulls) const {
     const KdTree moved_tree(moved);
     ParallelBlocks(std::ssize(samples), kPullGrain, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t k = begin; k < end; ++k) {
@@ -94,7 +106,8 @@ struct SurfacePull::Impl {
         pull.goal = points.row(samples[k]);
         pull.normal = normals.row(samples[k]);
         const auto take = [&](const KdTree::Neighbor& close) {
-          if (moved_normals.row(close.index).dot(pull.normal) < min_cosine) return false;
+          if (moved_normals.row(close.index).dot(pull.normal) < SurfacePullTuning::kLeastCosine)
+            return false;
           pull.vertex = close.index;
           pull.squared_distance = close.squared_distance;
           return true;
@@ -124,7 +137,7 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces,
                             const SurfacePullTerms& terms, PointsX3& last_feet,
                             Pulls& pulls) const {
   const PointsX3 normals = VertexNormals(moved, faces);
-  Feet feet = impl_->surface.FindFeet(moved, normals, terms.min_cosine,
+  Feet feet = impl_->surface.FindFeet(moved, normals, SurfacePullTuning::kLeastCosine,
                                       last_feet.rows() == moved.rows() ? &last_feet : nullptr);
   const double total = areas.sum(), per_area = terms.weight / total;
   const std::vector<int> samples = impl_->Samples(terms.samples);
@@ -132,11 +145,10 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces,
   ParallelBlocks(moved.rows(), kPullGrain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
       found[i] = impl_->Forward(static_cast<int>(i), !rim.empty() && rim[i], moved.row(i),
-                                normals.row(i), feet, terms.min_cosine);
+                                normals.row(i), feet);
   });
   last_feet = std::move(feet.points);
-  impl_->PullBack(moved, normals, samples, terms.min_cosine,
-                  std::span(found).subspan(moved.rows()));
+  impl_->PullBack(moved, normals, samples, std::span(found).subspan(moved.rows()));
   SurfaceGap gap;
   std::vector<std::pair<double, double>> forward, backward;
   const double each = terms.weight / static_cast<double>(std::max<std::size_t>(1, samples.size()));
@@ -152,7 +164,7 @@ SurfaceGap SurfacePull::Add(const PointsX3& moved, const FacesX3& faces,
     pulls.AddPlane(pull.vertex, weight, pull.normal, pull.goal);
     const double across = pull.normal.dot(pull.goal - moved.row(pull.vertex).transpose());
     if (ahead) {
-      pulls.AddPoint(pull.vertex, terms.point_share * weight, pull.goal);
+      pulls.AddPoint(pull.vertex, SurfacePullTuning::kPointShare * weight, pull.goal);
       forward.emplace_back(pull.squared_distance, areas[pull.vertex]);
     } else {
       backward.emplace_back(across * across, 1.0);

@@ -14,11 +14,8 @@ struct SurfacePullTerms {
                       ///< vertices by area
   double robust = 0.1;  ///< distance at which a pull has a quarter of its weight (Geman-McClure)
                         ///< [length]
-  /// A pull goes to a plane. With this share of its weight it also goes to the point.
-  double point_share = 0.03;
-  int samples = 3000;       ///< about how many target vertices pull back
-  double min_cosine = 0.5;  ///< least cosine between the normals of two matched points
-  bool measure = true;      ///< whether to compute the distances in SurfaceGap
+  int samples = 3000;   ///< about how many target vertices pull back
+  bool measure = true;  ///< whether to compute the distances in SurfaceGap
 };
 
 /// The distance between the two surfaces. Both distances use the closest 95 % only.

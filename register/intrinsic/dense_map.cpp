@@ -7,13 +7,20 @@
 #include <limits>
 
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::registration {
 
 namespace {
 
-// Errors at which the confidence has fallen to 1/e. Lengths are over the square root of the area.
-constexpr double kReturnError = 0.06, kDistanceError = 0.12, kStretchError = 0.7;
+// Chosen on the seven registration pairs (docs/results/landmarks.md); sensitivity:
+// docs/results/sensitivity.md.
+struct DenseMapTuning {
+  // Errors at which the confidence has fallen to 1/e. Lengths are over the square root of the area.
+  KEYPOSE_TUNED(double, kReturnError, 0.06);    // distance of a point mapped there and back
+  KEYPOSE_TUNED(double, kDistanceError, 0.12);  // mean change of the distances to the samples
+  KEYPOSE_TUNED(double, kStretchError, 0.7);    // mean change of edges over the sum of lengths
+};
 
 std::vector<std::vector<int>> FacesAround(const Mesh& mesh) {
   std::vector<std::vector<int>> around(static_cast<std::size_t>(mesh.vertex_count()));
@@ -176,8 +183,9 @@ Eigen::VectorXd MapConfidence(const IntrinsicShape& source, const IntrinsicShape
       stretch +=
           std::abs(after - before) / (after + before + 1e-12) / static_cast<double>(ring.size());
     }
-    confidence[v] =
-        fall(away, kReturnError) * fall(changed, kDistanceError) * fall(stretch, kStretchError);
+    confidence[v] = fall(away, DenseMapTuning::kReturnError) *
+                    fall(changed, DenseMapTuning::kDistanceError) *
+                    fall(stretch, DenseMapTuning::kStretchError);
   }
   return confidence;
 }

@@ -10,6 +10,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "core/union_find.h"
 #include "deform/levels/hierarchy.h"
 
@@ -17,16 +18,23 @@ namespace keypose::registration {
 
 namespace {
 
-// Over the square root of the area. Smaller bumps depend on the pose. Tips closer together, such as
-// the fingers of a hand, would only increase the number of assignments.
-constexpr double kLeastPersistence = 0.03, kLeastSeparation = 0.2;
+// Chosen on the seven registration pairs (docs/results/landmarks.md), which have no colours: no
+// record of the data for kColorWeight. Sensitivity: docs/results/sensitivity.md.
+struct IntrinsicShapeTuning {
+  // Over the square root of the area. Smaller bumps depend on the pose. Tips closer together, such
+  // as the fingers of a hand, would only increase the number of assignments.
+  KEYPOSE_TUNED(double, kLeastPersistence, 0.03);
+  KEYPOSE_TUNED(double, kLeastSeparation, 0.2);
+  KEYPOSE_TUNED(double, kNormalTime, 0.001);  // area: smoothing before normals are taken
+  // The descriptor for nearness to a landmark: its weight, and its range over the square root of
+  // the area. At larger distances it would change too much with the pose.
+  KEYPOSE_TUNED(double, kKnownWeight, 2);
+  KEYPOSE_TUNED(double, kKnownReach, 0.2);
+  KEYPOSE_TUNED(double, kColorWeight, 2);    // weight of colours from 0 to 1
+  KEYPOSE_TUNED(double, kBulgeSpread, 0.3);  // about the spread of the other descriptors
+};
+
 constexpr std::size_t kLeastTips = 5;
-constexpr double kNormalTime = 0.001;
-// The descriptor for nearness to a landmark: its weight and its range. At larger distances it would
-// change too much with the pose.
-constexpr double kKnownWeight = 2, kKnownReach = 0.2;
-constexpr double kColorWeight = 2;    // of colours from 0 to 1
-constexpr double kBulgeSpread = 0.3;  // about the spread of the other descriptors
 
 /// Marks the faces of the piece with the largest area. Faces belong to one piece when they share an
 /// edge. A shared vertex is not enough: pieces that touch in one vertex, as at ragged holes, would
@@ -127,7 +135,7 @@ Eigen::VectorXd Bulge(const IntrinsicShape& shape, double finer, double coarser)
                                   .rowwise()
                                   .sum();
   const double spread = std::sqrt(shape.spectrum.areas.dot(out.cwiseAbs2()));
-  return out * (kBulgeSpread / std::max(spread, 1e-12));
+  return out * (IntrinsicShapeTuning::kBulgeSpread / std::max(spread, 1e-12));
 }
 
 /// Fills the descriptors: mean distance, and heat kernel signature and bulge at three scales.
@@ -188,7 +196,8 @@ IntrinsicShape MakeIntrinsicShape(const Mesh& mesh, const IntrinsicOptions& opti
   BuildDescriptors(shape);
   // Normals of a smoothed surface. Noisy normals would spoil the measures that compare directions
   // about the normal.
-  shape.proxy.normals = VertexNormals(Smoothed(shape, kNormalTime), shape.proxy.faces);
+  shape.proxy.normals =
+      VertexNormals(Smoothed(shape, IntrinsicShapeTuning::kNormalTime), shape.proxy.faces);
   return shape;
 }
 
@@ -198,15 +207,16 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
   Eigen::VectorXd nearest = Eigen::VectorXd::Constant(shape.proxy.vertex_count(), 1e9);
   if (!known.empty()) nearest = shape.graph->From(known);
   for (const Peak& peak : FindPeaks(shape.graph->neighbors(), shape.mean_distance)) {
-    if (peak.persistence < kLeastPersistence || shape.tips.size() >= limit) break;
-    if (nearest[peak.vertex] < kLeastSeparation) continue;
+    if (peak.persistence < IntrinsicShapeTuning::kLeastPersistence || shape.tips.size() >= limit)
+      break;
+    if (nearest[peak.vertex] < IntrinsicShapeTuning::kLeastSeparation) continue;
     shape.tips.push_back(peak.vertex);
     nearest = nearest.cwiseMin(shape.graph->From({peak.vertex}));
   }
   // A shape without limbs has too few peaks. Then farthest points serve as tips.
   for (const int sample : shape.samples) {
     if (shape.tips.size() >= std::min(limit, known.size() + kLeastTips)) break;
-    if (nearest[sample] < kLeastSeparation) continue;
+    if (nearest[sample] < IntrinsicShapeTuning::kLeastSeparation) continue;
     shape.tips.push_back(sample);
     nearest = nearest.cwiseMin(shape.graph->From({sample}));
   }
@@ -215,8 +225,11 @@ void FindTips(const std::vector<int>& known, int most, IntrinsicShape& shape) {
   const Eigen::Index plain = shape.descriptors.cols();
   shape.descriptors.conservativeResize(Eigen::NoChange, plain + shape.known);
   shape.descriptors.rightCols(shape.known) =
-      kKnownWeight *
-      (-shape.tip_distances.topRows(shape.known).transpose().array() / kKnownReach).exp().matrix();
+      IntrinsicShapeTuning::kKnownWeight *
+      (-shape.tip_distances.topRows(shape.known).transpose().array() /
+       IntrinsicShapeTuning::kKnownReach)
+          .exp()
+          .matrix();
 }
 
 void AddColors(const ColorsX3& colors, IntrinsicShape& shape) {
@@ -233,7 +246,7 @@ void AddColors(const ColorsX3& colors, IntrinsicShape& shape) {
   const Eigen::RowVector3d mean = shape.spectrum.areas.transpose() * sum;
   sum.rowwise() -= mean;
   shape.descriptors.conservativeResize(Eigen::NoChange, plain + 3);
-  shape.descriptors.rightCols(3) = kColorWeight * sum;
+  shape.descriptors.rightCols(3) = IntrinsicShapeTuning::kColorWeight * sum;
 }
 
 std::vector<PointsX3> RisesAtSamples(const IntrinsicShape& shape,

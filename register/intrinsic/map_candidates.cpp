@@ -7,19 +7,31 @@
 
 #include "core/camera.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "register/intrinsic/tip_matching.h"
 
 namespace keypose::registration {
 
 namespace {
 
-// Weights of start rows. Distances (over the square root of the area) have weight 1.
-// Turns are up to 1, descriptors of the order of 1.
-constexpr double kTurnWeight = 0.15;
-constexpr double kDescriptorWeight = 0.05;
+// Chosen on the seven registration pairs (docs/results/landmarks.md); sensitivity:
+// docs/results/sensitivity.md.
+struct MapCandidatesTuning {
+  // Weights of start rows. Distances (over the square root of the area) have weight 1.
+  KEYPOSE_TUNED(double, kTurnWeight, 0.15);        // of turns, which are up to 1
+  KEYPOSE_TUNED(double, kDescriptorWeight, 0.05);  // of descriptors, of the order of 1
+  // Weights during refinement. Eigenfunctions have weight 1.
+  KEYPOSE_TUNED(double, kHintWeight, 0.5);          // of the start rows while functions are few
+  KEYPOSE_TUNED(double, kLikenessAfterwards, 0.5);  // of descriptors in the rounds without hints
+  // Weights in the score. The mean change of distances (over the square root of the area) has 1.
+  KEYPOSE_TUNED(double, kMissedWeight, 0.5);      // of the known landmarks' mean error, likewise
+  KEYPOSE_TUNED(double, kUnfitWeight, 0.1);       // of the best similarity's error, likewise
+  KEYPOSE_TUNED(double, kMirroredWeight, 0.05);   // of 1 - correlation of turns
+  KEYPOSE_TUNED(double, kUncoveredWeight, 0.05);  // of the share of area that nothing maps to
+  KEYPOSE_TUNED(double, kUnlikeWeight, 0.1);      // of the mean difference of descriptors
+};
+
 constexpr Eigen::Index kMarks = 12;
-constexpr double kLikenessAfterwards = 0.5;  // weight of descriptors in the rounds without hints
-constexpr double kHintWeight = 0.5;          // weight of the start rows while functions are few
 
 /// Candidates are refined in stages, and each stage keeps only the best. The score at the start
 /// already predicts the result: the final best were nearly always among the first third.
@@ -135,11 +147,13 @@ Eigen::MatrixXf StartRows(const IntrinsicShape& shape, const std::vector<int>& t
       rows(s, t) = static_cast<float>(shape.tip_distances(tips[t], shape.samples[s]));
   const double turn_weight =
       turns.cols() > 0
-          ? kTurnWeight * std::sqrt(static_cast<double>(count) / static_cast<double>(turns.cols()))
+          ? MapCandidatesTuning::kTurnWeight *
+                std::sqrt(static_cast<double>(count) / static_cast<double>(turns.cols()))
           : 0;
   rows.middleCols(count, turns.cols()) = (turn_weight * turns).cast<float>();
   rows.rightCols(descriptors.cols()) =
-      (kDescriptorWeight * std::sqrt(static_cast<double>(count)) * descriptors).cast<float>();
+      (MapCandidatesTuning::kDescriptorWeight * std::sqrt(static_cast<double>(count)) * descriptors)
+          .cast<float>();
   return rows;
 }
 
@@ -220,8 +234,11 @@ void SetScore(const Pair& pair, MapCandidate& c) {
   const Similarity3 fit = FitSimilarity(pair.source_places, image, ws);
   c.unfit =
       std::sqrt(ws.dot((Transformed(fit, pair.source_places) - image).rowwise().squaredNorm()));
-  c.score = 0.5 * MissedLandmarks(pair, c.maps.forward) + 0.1 * c.unfit + c.distortion +
-            0.05 * (1 - c.orientation) + 0.05 * (1 - c.coverage) + 0.1 * c.unlike;
+  using Tuning = MapCandidatesTuning;
+  c.score = Tuning::kMissedWeight * MissedLandmarks(pair, c.maps.forward) +
+            Tuning::kUnfitWeight * c.unfit + c.distortion +
+            Tuning::kMirroredWeight * (1 - c.orientation) +
+            Tuning::kUncoveredWeight * (1 - c.coverage) + Tuning::kUnlikeWeight * c.unlike;
 }
 
 /// A candidate during refinement, with the start rows as hints.
@@ -244,7 +261,7 @@ StartedCandidate Started(const Pair& pair, const TipAssignment& assignment) {
       TurnsBetween(pair.target_tip_rises, c.target_tips, pair.target_normals);
   start.hints = {StartRows(pair.source, c.source_tips, pair.source_descriptors, source_turns),
                  StartRows(pair.target, c.target_tips, pair.target_descriptors, target_turns),
-                 kHintWeight};
+                 MapCandidatesTuning::kHintWeight};
   c.maps = NearestRows(start.hints.source, start.hints.target);
   SetScore(pair, c);
   return start;
@@ -256,7 +273,8 @@ void Refine(const Pair& pair, const Stage& stage, StartedCandidate& start) {
       RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.hinted_sizes, start.hints);
   if (!stage.free_sizes.empty()) {
     const MatchHints likeness{pair.source_descriptors.cast<float>(),
-                              pair.target_descriptors.cast<float>(), kLikenessAfterwards};
+                              pair.target_descriptors.cast<float>(),
+                              MapCandidatesTuning::kLikenessAfterwards};
     maps = RefineMaps(pair.source.sampled, pair.target.sampled, maps, stage.free_sizes, likeness);
   }
   SetScore(pair, start.candidate);

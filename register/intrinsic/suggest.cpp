@@ -9,6 +9,7 @@
 #include "core/kd_tree.h"
 #include "core/mesh_checks.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "register/intrinsic/dense_map.h"
 #include "register/intrinsic/intrinsic_shape.h"
 #include "register/intrinsic/map_candidates.h"
@@ -17,17 +18,21 @@ namespace keypose::registration {
 
 namespace {
 
-// Largest distance of a matched tip from its image in the refined map.
-constexpr double kTipAgrees = 0.06;
+// Chosen on the seven registration pairs (docs/results/landmarks.md); sensitivity:
+// docs/results/sensitivity.md.
+struct SuggestTuning {
+  // over the square root of the area: largest distance of a matched tip from its refined image
+  KEYPOSE_TUNED(double, kTipAgrees, 0.06);
+  KEYPOSE_TUNED(double, kLikeness, 1);  // weight of descriptors relative to eigenfunctions
+  // over the square root of the area: mean distance of images above which maps are different
+  KEYPOSE_TUNED(double, kDifferent, 0.12);
+  KEYPOSE_TUNED(double, kTurnedOver, 0.2);  // score of a map that turns all of the surface over
+  // score over that of the best candidate: worse ones are not refined
+  KEYPOSE_TUNED(double, kHopelessScore, 1.25);
+};
+
 constexpr int kMostTips = 9;
-// Weight of descriptors relative to eigenfunctions.
-constexpr double kLikeness = 1;
-// Two maps are different when the mean distance between their images is above this.
-constexpr double kDifferent = 0.12;
 constexpr std::size_t kRefined = 3;
-constexpr double kTurnedOver = 0.2;
-// Candidates whose score is worse than this factor times the best are not refined.
-constexpr double kHopelessScore = 1.25;
 constexpr int kFirstSize = 32;
 const std::vector<int> kFinalSizes = {14, 20, 26, 32, 40, 50, 60, 80, 100, 120};
 
@@ -89,7 +94,7 @@ std::vector<MapCandidate> DifferentCandidates(const SuggestionSearch& search, st
   for (const MapCandidate& candidate : search.candidates) {
     if (different.size() >= most) break;
     if (std::all_of(different.begin(), different.end(), [&](const MapCandidate& d) {
-          return Apart(search, d, candidate) > kDifferent;
+          return Apart(search, d, candidate) > SuggestTuning::kDifferent;
         }))
       different.push_back(candidate);
   }
@@ -107,7 +112,8 @@ PointMaps RefinedOnProxies(const SuggestionSearch& search, const PointMaps& samp
   for (const int size : kFinalSizes)
     if (size <= most) sizes.push_back(size);
   if (sizes.empty()) sizes = {most};
-  const MatchHints hints{a.descriptors.cast<float>(), b.descriptors.cast<float>(), kLikeness};
+  const MatchHints hints{a.descriptors.cast<float>(), b.descriptors.cast<float>(),
+                         SuggestTuning::kLikeness};
   return RefineMaps(a.all, b.all, maps, sizes, hints);
 }
 
@@ -118,7 +124,7 @@ void RefineBest(const MapSearch& candidates, SuggestionSearch& search, double& m
   margin = 1;
   for (std::size_t k = 0; k < different.size(); ++k) {
     MapCandidate& candidate = different[k];
-    if (k > 0 && candidate.score > kHopelessScore * different[0].score) break;
+    if (k > 0 && candidate.score > SuggestTuning::kHopelessScore * different[0].score) break;
     const PointMaps maps = RefinedOnProxies(search, candidate.maps);
     PointMaps sampled;
     for (const int v : search.source.samples)
@@ -127,8 +133,8 @@ void RefineBest(const MapSearch& candidates, SuggestionSearch& search, double& m
       sampled.backward.push_back(search.source.sample_of[maps.backward[v]]);
     MapCandidate scored = candidates.Scored(candidate.source_tips, candidate.target_tips, sampled);
     // A mirror image can preserve distances, but it turns a large part of the surface inside out.
-    scored.score +=
-        kTurnedOver * (1 - OrientationShare(search.source, search.target, maps.forward));
+    scored.score += SuggestTuning::kTurnedOver *
+                    (1 - OrientationShare(search.source, search.target, maps.forward));
     if (k == 0 || scored.score < search.best.score) {
       if (k > 0) margin = search.best.score / scored.score - 1;
       search.best = scored;
@@ -173,8 +179,8 @@ std::vector<ProxyPair> TipPairs(const SuggestionSearch& search) {
     // Where the assigned tip and the refined map disagree, one of them is wrong; do not suggest it.
     const double off = search.target.tip_distances(t, search.maps.forward[vs]);
     const double back = search.source.tip_distances(s, search.maps.backward[vt]);
-    if (std::max(off, back) > kTipAgrees) continue;
-    const double agreement = 1 - std::max(off, back) / kTipAgrees;
+    if (std::max(off, back) > SuggestTuning::kTipAgrees) continue;
+    const double agreement = 1 - std::max(off, back) / SuggestTuning::kTipAgrees;
     pairs.push_back({vs, vt, std::max(search.confidence[vs], 0.5 + 0.5 * agreement), "tip"});
   }
   return pairs;

@@ -3,14 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/tuned.h"
+
 namespace keypose::registration {
 
 namespace {
 
-// Reward for each pair of assigned tips, so that leaving tips out does not pay.
-constexpr double kReward = 0.45;
-constexpr double kToleratedRatio = 0.5;  // relative change of distance with the full cost of 1
-constexpr double kUnlikeWeight = 1.0;
+// Chosen on the seven registration pairs (docs/results/landmarks.md); sensitivity:
+// docs/results/sensitivity.md.
+struct TipMatchingTuning {
+  // cost: reward for each pair of assigned tips, so that leaving tips out does not pay
+  KEYPOSE_TUNED(double, kReward, 0.45);
+  KEYPOSE_TUNED(double, kToleratedRatio, 0.5);  // relative change of distance that costs 1
+  KEYPOSE_TUNED(double, kUnlikeWeight, 1.0);    // cost of a pair with the least alike descriptors
+};
+
 constexpr long kMostSteps = 2'000'000;
 
 class TipSearch {
@@ -30,6 +37,7 @@ class TipSearch {
   }
 
  private:
+  using Tuning = TipMatchingTuning;
   static bool Better(const TipAssignment& a, const TipAssignment& b) {
     return a.score != b.score ? a.score < b.score : a.target_of > b.target_of;
   }
@@ -37,12 +45,12 @@ class TipSearch {
   double PairCost(int a, int b, int ta, int tb) const {
     const double d1 = p_.source_distances(a, b), d2 = p_.target_distances(ta, tb);
     const double ratio = std::abs(d1 - d2) / (0.5 * (d1 + d2) + 0.05);
-    return std::min(1.0, ratio / kToleratedRatio) - kReward;
+    return std::min(1.0, ratio / Tuning::kToleratedRatio) - Tuning::kReward;
   }
 
   /// What assigning source tip s to t adds to the score.
   double Added(int s, int t) const {
-    double added = kUnlikeWeight * p_.unlike(s, t);
+    double added = Tuning::kUnlikeWeight * p_.unlike(s, t);
     for (int a = 0; a < s; ++a)
       if (target_of_[a] >= 0) added += PairCost(a, s, target_of_[a], t);
     return added;
@@ -51,7 +59,7 @@ class TipSearch {
   void Descend(int s, int assigned, double score) {
     if (s == sources_) return Keep(score);
     const int left = sources_ - s;
-    const double most_gain = kReward * (assigned * left + 0.5 * left * (left - 1));
+    const double most_gain = Tuning::kReward * (assigned * left + 0.5 * left * (left - 1));
     if (best_.size() == keep_ && score - most_gain >= best_.front().score) return;
     if (++steps_ > kMostSteps) return;
     if (s < p_.known) return Assign(s, s, assigned, score);

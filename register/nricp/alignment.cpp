@@ -14,13 +14,21 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::registration {
 
 namespace {
 
 constexpr int kAlignmentSamples = 500, kCoarseRounds = 15, kFineRounds = 60, kYawStarts = 24;
-constexpr double kTrim = 0.8, kBetterBy = 0.95;
+
+// Chosen on synthetic shapes and the registration pairs that the tests use
+// (register/nricp_test.cpp, register/pairs_test.cpp); sensitivity: docs/results/sensitivity.md.
+struct AlignmentTuning {
+  KEYPOSE_TUNED(double, kTrim, 0.8);  // share of the pairs, the closest, that ICP fits
+  // factor on the distance that a turned start must reach to be taken instead of the unturned one
+  KEYPOSE_TUNED(double, kBetterBy, 0.95);
+};
 
 PointsX3 AreaSamples(const Mesh& mesh, std::uint64_t seed) {
   if (SurfaceArea(mesh.points, mesh.faces) > 0)
@@ -100,7 +108,7 @@ class SimilarityIcp {
       return x.squared_distance < y.squared_distance;
     });
     pairs.resize(std::max<std::size_t>(
-        3, static_cast<std::size_t>(kTrim * static_cast<double>(pairs.size()))));
+        3, static_cast<std::size_t>(AlignmentTuning::kTrim * static_cast<double>(pairs.size()))));
     return pairs;
   }
 
@@ -159,7 +167,9 @@ Alignment AlignByIcp(const Mesh& source, const Mesh& target, const PointsX3& sou
   });
   std::size_t best = 0;
   for (std::size_t s = 1; s < starts.size(); ++s)
-    if (costs[s] < (best == 0 ? kBetterBy * kBetterBy : 1.0) * costs[best]) best = s;
+    if (costs[s] <
+        (best == 0 ? AlignmentTuning::kBetterBy * AlignmentTuning::kBetterBy : 1.0) * costs[best])
+      best = s;
   Alignment result;
   result.target_from_source = fits[best];
   const double cost = icp.Run(result.target_from_source, kFineRounds, true);

@@ -11,6 +11,7 @@
 #include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "texture/bake/bake_view.h"
 
 namespace keypose::texture {
@@ -92,6 +93,22 @@ class Band {
   Atlas& atlas_;
   int y0_, y1_;
   std::int64_t texels_ = 0;
+};
+
+/// Chosen on the painted spheres of bake_parts_test and the demo character; no record of the
+/// trials.
+struct InpaintTuning {
+  /// square root of linear light: hues that differ by this conduct half
+  KEYPOSE_TUNED(float, kSameHue, 0.02f);
+  /// share of full confidence from which on a vertex keeps its colour
+  KEYPOSE_TUNED(float, kKept, 0.9f);
+  /// weight of an unsure vertex's own colour at half confidence, in edges that conduct fully
+  KEYPOSE_TUNED(double, kPull, 0.2);
+  /// one over the share of full confidence from which on a texel keeps all of its detail: colours
+  /// seen only near photographs' edges may be background
+  KEYPOSE_TUNED(float, kKeptOfSure, 8);
+  /// factor of the painted part's detail per texel into the unseen part
+  KEYPOSE_TUNED(float, kDecay, 0.85f);
 };
 
 /// Rows per task of a thread.
@@ -183,10 +200,10 @@ CornerSums SumCorners(const Atlas& atlas, const Painting& painting, int face) {
 /// paints at the border of the unseen part do not mix to grey within it. Differences of brightness
 /// do not reduce it.
 double Flow(const Vector3f& a, const Vector3f& b) {
-  constexpr float kSameHue = 0.02f;  // square root of linear light
+  const float same_hue = InpaintTuning::kSameHue;
   const Vector3f root = a.cwiseMax(0.0f).cwiseSqrt() - b.cwiseMax(0.0f).cwiseSqrt();
   const float apart = (root.array() - root.mean()).matrix().squaredNorm();
-  return kSameHue * kSameHue / (kSameHue * kSameHue + apart);
+  return same_hue * same_hue / (same_hue * same_hue + apart);
 }
 
 /// Colours with low confidence become the weighted mean of their neighbours (a harmonic function on
@@ -194,20 +211,18 @@ double Flow(const Vector3f& a, const Vector3f& b) {
 void SpreadOverSurface(const Mesh& mesh, const std::vector<std::pair<int, int>>& edges,
                        const std::vector<double>& flows, const Vector3f& fallback,
                        VertexColors& colors) {
-  // Vertices with a higher confidence are kept. A small weight of the fallback makes parts without
-  // known neighbours non-singular.
-  constexpr float kKept = 0.9f;
-  constexpr double kGrain = 1e-6, kPull = 0.2;
+  // A small weight of the fallback makes parts without known neighbours non-singular.
+  constexpr double kGrain = 1e-6;
   std::vector<int> row(mesh.vertex_count(), -1);
   int unknowns = 0;
   for (int v = 0; v < mesh.vertex_count(); ++v)
-    if (colors.sure[v] < kKept) row[v] = unknowns++;
+    if (colors.sure[v] < InpaintTuning::kKept) row[v] = unknowns++;
   if (unknowns == 0) return;
   Eigen::MatrixXd right = (kGrain * fallback.cast<double>().transpose()).replicate(unknowns, 1);
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(unknowns, kGrain);
   for (int v = 0; v < mesh.vertex_count(); ++v) {
     if (row[v] < 0) continue;
-    const double pull = kPull * colors.sure[v] / (1 - colors.sure[v]);
+    const double pull = InpaintTuning::kPull * colors.sure[v] / (1 - colors.sure[v]);
     diagonal[row[v]] += pull;
     right.row(row[v]) += pull * colors.color[v].cast<double>().transpose();
   }
@@ -370,11 +385,9 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
     return (w[0] * vertices.color[f[0]] + w[1] * vertices.color[f[1]] + w[2] * vertices.color[f[2]])
         .eval();
   };
-  // Colours seen only near photographs' edges may be background. Texels with more confidence than
-  // this keep all of their detail.
-  constexpr float kKeptOfSure = 8;
   const auto kept = [&](std::size_t texel) {
-    return std::min(1.0f, kKeptOfSure * static_cast<float>(painting.sure[texel]) / 255);
+    return std::min(1.0f,
+                    InpaintTuning::kKeptOfSure * static_cast<float>(painting.sure[texel]) / 255);
   };
   // The difference of a painted texel from the smooth colour is continued a little way into the
   // unseen part, so that no edge is visible. Up to the end unseen texels contain this difference
@@ -392,8 +405,8 @@ void InpaintUnseen(const Mesh& mesh, const Atlas& atlas, Painting& painting) {
                             : Vector3f(painting.At(texel));
   };
   Grow(
-      atlas.size, painting, done, 24, 0.85f, [&](int texel) { return atlas.face[texel] >= 0; },
-      grain);
+      atlas.size, painting, done, 24, InpaintTuning::kDecay,
+      [&](int texel) { return atlas.face[texel] >= 0; }, grain);
   ParallelFor(
       std::ssize(atlas.face),
       [&](std::int64_t texel) {

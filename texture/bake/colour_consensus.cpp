@@ -15,7 +15,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kLeastViews = 4;  // fewer have no majority
+constexpr int kConsensusSamples = 20000;  // evenly distributed points on the surface
+constexpr int kLeastViews = 4;            // fewer have no majority
 constexpr double kLeastCosine = 0.35;
 constexpr float kLevel = 2;  // colours are means over 4 pixels in each direction
 constexpr int kLeastInBlock = 4;
@@ -56,12 +57,12 @@ void CompareToMedian(std::vector<Show>& list) {
 }
 
 Shows Look(const Mesh& mesh, const std::vector<BakeView>& views,
-           const std::vector<Eigen::Vector3f>& gains, const std::vector<char>& used, int samples) {
-  const SurfaceSamples surface = SampleSurface(mesh.points, mesh.faces, samples, 21);
+           const std::vector<Eigen::Vector3f>& gains, const std::vector<char>& used) {
+  const SurfaceSamples surface = SampleSurface(mesh.points, mesh.faces, kConsensusSamples, 21);
   const PointsX3 normals = FaceNormals(mesh.points, mesh.faces);
-  Shows shows(static_cast<std::size_t>(samples));
+  Shows shows(static_cast<std::size_t>(kConsensusSamples));
   ParallelFor(
-      samples,
+      kConsensusSamples,
       [&](std::int64_t i) {
         std::vector<Show>& list = shows[i];
         const Vector3d x = surface.points.row(i), n = normals.row(surface.faces[i]);
@@ -155,10 +156,10 @@ Image8 Believed(const Blocks& blocks, const std::vector<char>& contrary,
 }
 
 void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view,
-                const std::vector<char>& contrary, const ConsensusOptions& options,
-                ViewColors* out) {
+                const std::vector<char>& contrary, ViewColors* out) {
+  using Tuning = ConsensusTuning;
   const Camera& camera = view.view().camera;
-  const double side = options.block * std::max(camera.width, camera.height);
+  const double side = Tuning::kBlock * std::max(camera.width, camera.height);
   const Blocks blocks{side, static_cast<int>(camera.width / side) + 1,
                       static_cast<int>(camera.height / side) + 1};
   std::vector<int> all(static_cast<std::size_t>(blocks.width) * blocks.height, 0), against(all);
@@ -169,13 +170,13 @@ void FindHidden(const BakeView& view, const std::vector<const Show*>& of_view,
   }
   std::vector<char> bad(all.size(), 0);
   for (std::size_t b = 0; b < all.size(); ++b)
-    bad[b] = all[b] >= kLeastInBlock && against[b] >= options.contrary_block * all[b];
+    bad[b] = all[b] >= kLeastInBlock && against[b] >= Tuning::kContraryBlock * all[b];
   double held = 0;
   out->hidden =
-      Believed(blocks, bad, all, options.least_hidden * static_cast<double>(of_view.size()), &held);
+      Believed(blocks, bad, all, Tuning::kLeastHidden * static_cast<double>(of_view.size()), &held);
   out->block_px = side;
   out->hidden_share = held / static_cast<double>(of_view.size());
-  out->told = !out->hidden.empty() && out->hidden_share >= options.told_hidden;
+  out->told = !out->hidden.empty() && out->hidden_share >= Tuning::kToldHidden;
 }
 
 /// The centre of the closest half of the values: the majority's value, if a minority lies on one
@@ -190,7 +191,7 @@ double MiddleOfHalf(std::vector<double> values) {
 }
 
 /// Marks the views whose lamp is elsewhere than in most views.
-void FindOtherLights(const ConsensusOptions& options, std::vector<ViewColors>& colors) {
+void FindOtherLights(std::vector<ViewColors>& colors) {
   std::vector<double> x, y, away;
   for (const ViewColors& c : colors)
     if (c.places >= kLeastForLight) x.push_back(c.light.x()), y.push_back(c.light.y());
@@ -198,7 +199,7 @@ void FindOtherLights(const ConsensusOptions& options, std::vector<ViewColors>& c
   const Vector2d usual(MiddleOfHalf(x), MiddleOfHalf(y));
   for (const ViewColors& c : colors)
     if (c.places >= kLeastForLight) away.push_back((c.light - usual).norm());
-  const double limit = std::max(options.light, options.spread * MedianOf(away));
+  const double limit = std::max(ConsensusTuning::kLight, ConsensusTuning::kSpread * MedianOf(away));
   for (ViewColors& c : colors)
     c.other_light = c.places >= kLeastForLight && (c.light - usual).norm() > limit;
 }
@@ -207,9 +208,9 @@ void FindOtherLights(const ConsensusOptions& options, std::vector<ViewColors>& c
 
 std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView>& views,
                                     const std::vector<Eigen::Vector3f>& gains,
-                                    const std::vector<char>& used,
-                                    const ConsensusOptions& options) {
-  Shows shows = Look(mesh, views, gains, used, options.samples);
+                                    const std::vector<char>& used) {
+  using Tuning = ConsensusTuning;
+  Shows shows = Look(mesh, views, gains, used);
   std::vector<std::vector<const Show*>> of_view(views.size());
   for (const std::vector<Show>& list : shows)
     for (const Show& s : list) of_view[s.view].push_back(&s);
@@ -219,7 +220,7 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
     colors[v].places = SizeOf(of_view[v]);
     if (colors[v].places >= kLeastForLight) colors[v].light = LightOf(of_view[v], &constants[v]);
   }
-  FindOtherLights(options, colors);
+  FindOtherLights(colors);
   // Differences between the views at a point, after correction for each one's lamp.
   std::vector<std::vector<char>> contrary(views.size());
   for (const std::vector<Show>& list : shows) {
@@ -228,18 +229,18 @@ std::vector<ViewColors> JudgeColors(const Mesh& mesh, const std::vector<BakeView
     for (const Show& s : list) {
       const auto v = static_cast<std::size_t>(s.view);
       const double lit = s.brightness_off - constants[v] - colors[v].light.dot(s.normal);
-      off.push_back(std::hypot(s.hue_off / options.hue, lit / options.brightness));
+      off.push_back(std::hypot(s.hue_off / Tuning::kHue, lit / Tuning::kBrightness));
     }
     std::vector<double> sorted = off;
-    const double limit = std::max(1.0, options.spread * MedianOf(sorted));
+    const double limit = std::max(1.0, Tuning::kSpread * MedianOf(sorted));
     for (std::size_t i = 0; i < list.size(); ++i) contrary[list[i].view].push_back(off[i] > limit);
   }
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (colors[v].places < kLeastForLight) continue;
     const auto against = std::count(contrary[v].begin(), contrary[v].end(), 1);
     colors[v].contrary = static_cast<double>(against) / colors[v].places;
-    colors[v].distrusted = colors[v].contrary > options.most_contrary;
-    if (!colors[v].distrusted) FindHidden(views[v], of_view[v], contrary[v], options, &colors[v]);
+    colors[v].distrusted = colors[v].contrary > Tuning::kMostContrary;
+    if (!colors[v].distrusted) FindHidden(views[v], of_view[v], contrary[v], &colors[v]);
   }
   return colors;
 }

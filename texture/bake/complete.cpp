@@ -11,6 +11,7 @@
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "texture/bake/atlas.h"
 #include "texture/bake/bake_view.h"
 
@@ -19,20 +20,23 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Least confidence of both at a vertex for a comparison of their colours.
-constexpr float kBothSure = 0.9f;
-/// Added to linear light before logarithms: black consists of noise only.
-constexpr float kDarkColor = 0.01f;
-/// Weight of a vertex's own factor relative to the smoothness along an edge. Low, so that a factor
-/// depends on many faces.
-constexpr double kHold = 0.1;
-/// Larger differences of logarithms are not caused by light.
-constexpr double kSameThing = 0.12;
+/// Chosen on the painted spheres of complete_test and the demo character (docs/results/texture.md).
+struct CompletionTuning {
+  /// least confidence (share of full) of both at a vertex for a comparison of their colours
+  KEYPOSE_TUNED(float, kBothSure, 0.9f);
+  /// linear light, added before logarithms: black consists of noise only
+  KEYPOSE_TUNED(float, kDarkColor, 0.01f);
+  /// weight of a vertex's own factor, in smoothness along one edge; low, so that a factor depends
+  /// on many faces
+  KEYPOSE_TUNED(double, kHold, 0.1);
+  /// larger differences of logarithms of linear light are not caused by light
+  KEYPOSE_TUNED(double, kSameThing, 0.12);
+  /// rings of vertices over which confidence is averaged before the best pose is chosen
+  KEYPOSE_TUNED(int, kRings, 3);
+};
 /// Weight of the overall factor, for regions without observations nearby.
 constexpr double kSmoothingGrain = 1e-4;
 constexpr int kRobustRounds = 4;
-/// Rings of vertices over which confidence is averaged before the best pose is chosen.
-constexpr int kRings = 3;
 
 Painting PaintingOf(const PoseTexture& pose) {
   Painting painting(pose.texture.width);
@@ -78,18 +82,20 @@ struct Ratios {
 };
 
 Ratios CompareVertices(const VertexColors& own, const VertexColors& other) {
+  using Tuning = CompletionTuning;
   Ratios ratios;
   for (int v = 0; v < std::ssize(own.sure); ++v)
-    if (own.sure[v] > kBothSure && other.sure[v] > kBothSure) ratios.vertices.push_back(v);
+    if (own.sure[v] > Tuning::kBothSure && other.sure[v] > Tuning::kBothSure)
+      ratios.vertices.push_back(v);
   ratios.logs.resize(std::ssize(ratios.vertices), 3);
   for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
     const int v = ratios.vertices[i];
-    ratios.logs.row(i) =
-        ((own.color[v].array() + kDarkColor) / (other.color[v].array() + kDarkColor))
-            .log()
-            .matrix()
-            .transpose()
-            .cast<double>();
+    ratios.logs.row(i) = ((own.color[v].array() + Tuning::kDarkColor) /
+                          (other.color[v].array() + Tuning::kDarkColor))
+                             .log()
+                             .matrix()
+                             .transpose()
+                             .cast<double>();
   }
   if (ratios.vertices.empty()) return ratios;
   for (int c = 0; c < 3; ++c)
@@ -102,8 +108,9 @@ Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(vertex_count, kSmoothingGrain);
   Factors right = (kSmoothingGrain * ratios.median).replicate(vertex_count, 1);
   for (std::size_t i = 0; i < ratios.vertices.size(); ++i) {
-    diagonal[ratios.vertices[i]] += kHold * inlier_weight[i];
-    right.row(ratios.vertices[i]) += kHold * inlier_weight[i] * ratios.logs.row(i);
+    diagonal[ratios.vertices[i]] += CompletionTuning::kHold * inlier_weight[i];
+    right.row(ratios.vertices[i]) +=
+        CompletionTuning::kHold * inlier_weight[i] * ratios.logs.row(i);
   }
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& [a, b] : edges) {
@@ -119,11 +126,12 @@ Factors SmoothFactors(const Edges& edges, const Ratios& ratios,
 /// Rounds of least squares with robust weights (Cauchy) for vertices that differ from their
 /// surroundings.
 Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) {
+  using Tuning = CompletionTuning;
   Eigen::VectorXd inlier_weight(std::ssize(ratios.vertices));
   const auto weigh = [&](const auto& expected) {
     for (Eigen::Index i = 0; i < inlier_weight.size(); ++i)
-      inlier_weight[i] =
-          1 / (1 + (ratios.logs.row(i) - expected(i)).squaredNorm() / (kSameThing * kSameThing));
+      inlier_weight[i] = 1 / (1 + (ratios.logs.row(i) - expected(i)).squaredNorm() /
+                                      (Tuning::kSameThing * Tuning::kSameThing));
   };
   weigh([&](Eigen::Index) { return ratios.median; });
   Factors factors;
@@ -136,7 +144,7 @@ Factors FindFactors(const Edges& edges, const Ratios& ratios, int vertex_count) 
 
 /// Confidence averaged over the surroundings: high well within the seen part, low at its border.
 std::vector<float> Gathered(const Edges& edges, std::vector<float> sure) {
-  for (int ring = 0; ring < kRings; ++ring) {
+  for (int ring = 0; ring < CompletionTuning::kRings; ++ring) {
     std::vector<float> sum = sure, count(sure.size(), 1);
     for (const auto& [a, b] : edges) sum[a] += sure[b], sum[b] += sure[a], ++count[a], ++count[b];
     for (std::size_t v = 0; v < sure.size(); ++v) sure[v] = sum[v] / count[v];
@@ -206,8 +214,9 @@ class Filler {
     const Vector3f factor = log.array().exp().matrix().transpose().cast<float>();
     // The factor applies to the colour plus the constant that was added to it, so that black stays
     // black.
+    const float dark = CompletionTuning::kDarkColor;
     const Vector3f raised =
-        ((giver.painting.At(texel).array() + kDarkColor) * factor.array() - kDarkColor).matrix();
+        ((giver.painting.At(texel).array() + dark) * factor.array() - dark).matrix();
     return raised.cwiseMax(0.0f).cwiseMin(1.0f);
   }
 

@@ -7,6 +7,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::texture {
 namespace {
@@ -15,13 +16,22 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// A larger gain between two photographs of one pose is an error of this estimate.
-constexpr double kMostGain = 3;
-/// Weight of the prior "no gain" relative to the observations.
-constexpr double kBelief = 0.05;
-/// The same for light: with two photographs a lamp and an exposure are ambiguous, with thirty they
-/// are not.
-double LightBelief(int photographs) { return kBelief + 3.0 / (photographs * photographs); }
+/// Tuned on held-out photographs of the skull, whose exposures differ threefold, the plush dog,
+/// whose do not, and the synthetic character (docs/decisions/one-photograph-in-common-light.md).
+struct GainTuning {
+  /// factor: a larger gain between two photographs of one pose is an error of this estimate
+  KEYPOSE_TUNED(double, kMostGain, 3);
+  /// weight of the prior "no gain", of the views' mean weight of observations
+  KEYPOSE_TUNED(double, kBelief, 0.05);
+  /// the same for light, over the squared number of photographs and in addition: with two
+  /// photographs a lamp and an exposure are ambiguous, with thirty they are not
+  KEYPOSE_TUNED(double, kLightBelief, 3);
+  /// logarithm of linear light: larger differences are outliers in the last rounds
+  KEYPOSE_TUNED(double, kOutlier, 0.15);
+};
+double LightBelief(int photographs) {
+  return GainTuning::kBelief + GainTuning::kLightBelief / (photographs * photographs);
+}
 
 /// Dependence of the surface's light on its normal in the camera's frame: a flash on the camera
 /// (the logarithm of the cosine), and a fixed lamp beside it (the normal's component to the right).
@@ -126,7 +136,7 @@ Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& 
   // neighbours, at zero. Shading outside of the model slightly biases whole rings of views, so the
   // prior also limits gains with weak evidence.
   const double view = std::max(matrix.diagonal().head(n).mean(), 1e-9);
-  matrix.diagonal().head(n).array() += kBelief * view;
+  matrix.diagonal().head(n).array() += GainTuning::kBelief * view;
   matrix.diagonal().tail(kLights).array() += LightBelief(n) * view;
   const VectorXd solved = matrix.ldlt().solve(right);
   return {solved.head(n), solved.tail<kLights>()};
@@ -136,6 +146,7 @@ Unknowns SolveRound(const GainObservations& lists, int channel, const Unknowns& 
 
 std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<BakeView>& views,
                                             const std::vector<char>& used, int samples) {
+  using Tuning = GainTuning;
   const GainObservations lists = Observe(mesh, views, used, samples);
   const int n = SizeOf(views);
   MatrixXd log_gains(n, 3);
@@ -143,7 +154,8 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
     Unknowns unknowns{VectorXd::Zero(n), Lights::Zero()};
     // Graduated scale: first nearly plain least squares, then only differences within a few per
     // cent have full weight.
-    for (const double scale : {2.0, 0.6, 0.3, 0.15, 0.15, 0.15, 0.15})
+    for (const double scale :
+         {2.0, 0.6, 0.3, Tuning::kOutlier, Tuning::kOutlier, Tuning::kOutlier, Tuning::kOutlier})
       unknowns = SolveRound(lists, channel, unknowns, scale);
     log_gains.col(channel) = unknowns.log_gain;
   }
@@ -158,8 +170,8 @@ std::vector<Eigen::Vector3f> HarmonizeGains(const Mesh& mesh, const std::vector<
       gains[v] = (log_gains.row(v) - reference)
                      .array()
                      .exp()
-                     .max(1.0 / kMostGain)
-                     .min(kMostGain)
+                     .max(1.0 / Tuning::kMostGain)
+                     .min(Tuning::kMostGain)
                      .cast<float>()
                      .matrix()
                      .transpose();

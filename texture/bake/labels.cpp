@@ -10,12 +10,24 @@
 #include "core/geometry.h"
 #include "core/max_flow.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::texture {
 namespace {
 
 using Eigen::Vector3f;
 using Candidates = std::vector<std::vector<LabelCandidate>>;
+
+/// Chosen on held-out photographs of the synthetic character, the plush dog and the skull
+/// (docs/decisions/one-photograph-in-common-light.md); no record of single values.
+struct LabelTuning {
+  /// cost of a border of one mean edge length, in faces painted from a view of 1/e of the best
+  /// quality
+  KEYPOSE_TUNED(double, kSmoothness, 1);
+  /// square root of linear light: where the two photographs differ by this, a border costs twice as
+  /// much
+  KEYPOSE_TUNED(double, kColorStep, 0.1);
+};
 
 struct Border {
   int a, b;     ///< the faces on both sides
@@ -24,7 +36,7 @@ struct Border {
 
 /// Edges between two faces that both have candidates; an edge of three faces or more gives
 /// consecutive pairs.
-std::vector<Border> FindBorders(const Mesh& mesh, const Candidates& candidates, double smoothness) {
+std::vector<Border> FindBorders(const Mesh& mesh, const Candidates& candidates) {
   std::vector<std::array<int, 3>> sides;  // low vertex, high vertex, face
   sides.reserve(3 * static_cast<std::size_t>(mesh.face_count()));
   for (int f = 0; f < mesh.face_count(); ++f)
@@ -43,7 +55,7 @@ std::vector<Border> FindBorders(const Mesh& mesh, const Candidates& candidates, 
     if (s[0] != before[0] || s[1] != before[1] || s[2] == before[2]) continue;
     if (candidates[s[2]].empty() || candidates[before[2]].empty()) continue;
     const double length = (mesh.points.row(s[0]) - mesh.points.row(s[1])).norm();
-    borders.push_back({before[2], s[2], smoothness * length * mean_length});
+    borders.push_back({before[2], s[2], LabelTuning::kSmoothness * length * mean_length});
   }
   return borders;
 }
@@ -51,10 +63,9 @@ std::vector<Border> FindBorders(const Mesh& mesh, const Candidates& candidates, 
 /// The energy in integers, and labels with decreasing energy.
 class Expansion {
  public:
-  Expansion(const Mesh& mesh, const Candidates& candidates, const LabelOptions& options)
+  Expansion(const Mesh& mesh, const Candidates& candidates)
       : candidates_(candidates),
-        borders_(FindBorders(mesh, candidates, options.smoothness)),
-        color_step_(options.color_step),
+        borders_(FindBorders(mesh, candidates)),
         areas_(FaceAreas(mesh.points, mesh.faces)) {
     // The total data cost over the whole surface is far below 2^63, and the cost of one face of a
     // million is far above 1.
@@ -130,8 +141,9 @@ class Expansion {
   }
   std::int64_t Gap(const Border& border, int l, int m) const {
     if (l == m) return 0;
-    return std::llround(unit_ * border.cost *
-                        (1 + (ColorAlong(border, l) - ColorAlong(border, m)).norm() / color_step_));
+    return std::llround(
+        unit_ * border.cost *
+        (1 + (ColorAlong(border, l) - ColorAlong(border, m)).norm() / LabelTuning::kColorStep));
   }
   void AddBorder(const Border& border, int view, MinCut& cut) const {
     const int p = node_[border.a], q = node_[border.b];
@@ -149,7 +161,7 @@ class Expansion {
 
   const Candidates& candidates_;
   std::vector<Border> borders_;
-  double color_step_, unit_ = 1;
+  double unit_ = 1;
   Eigen::VectorXd areas_;
   std::vector<double> best_;
   std::vector<int> labels_, node_;
@@ -180,7 +192,7 @@ std::vector<int> ChooseLabels(const Mesh& mesh, std::vector<std::vector<LabelCan
     KeepBest(options.most_candidates, list);
     if (!list.empty()) views = std::max(views, list.back().view + 1);
   }
-  Expansion expansion(mesh, candidates, options);
+  Expansion expansion(mesh, candidates);
   // A view without changes is only tried again after another one had some.
   int idle = 0;
   for (int step = 0; step < options.sweeps * views && idle < views; ++step)

@@ -21,17 +21,13 @@ struct LabelCandidate {
 
 struct LabelOptions {
   int most_candidates = 8;  ///< at most this many best views per face
-  double smoothness = 1;    ///< cost of a border of one mean edge length, in faces painted from a
-                            ///< view of 1/e of the best quality
-  double color_step = 0.1;  ///< where the two photographs differ by this (square root of linear
-                            ///< light), a border costs twice as much
   int sweeps = 4;           ///< largest number of rounds over all views
 };
 
 /// The view of each face, -1 where there is no candidate.
 ///
-/// Minimises  sum_f area_f ln(best_f / quality_f)  +  smoothness sum_e length_e h (1 + |colour
-/// difference along e| / color_step)  over labelings, with h the mean edge, by alpha-expansion;
+/// Minimises  sum_f area_f ln(best_f / quality_f)  +  kSmoothness sum_e length_e h (1 + |colour
+/// difference along e| / kColorStep)  over labelings, with h the mean edge, by alpha-expansion;
 /// each step is an exact minimum cut. Never worse than each face's best view by itself.
 /// Same bits for any thread count.
 /// Source: Boykov, Veksler, Zabih, PAMI 2001; Kolmogorov, Zabih, PAMI 2004 (the graph); Lempitsky,

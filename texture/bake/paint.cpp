@@ -7,6 +7,7 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "texture/bake/lattice.h"
 #include "texture/bake/seams.h"
 
@@ -15,18 +16,24 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// If a chosen view's agreement is lower on a face or beside it, every texel is compared with all
-/// views.
-constexpr float kSure = 0.15f;
-/// Weight of the mean of all views there: negligible where the chosen view agrees, dominant where
-/// it does not.
-constexpr float kMeanWeight = 0.02f;
+/// kSure and kMeanWeight: chosen on held-out photographs of the synthetic character, the plush dog
+/// and the skull and on the glossy sphere of bake_test
+/// (docs/decisions/one-photograph-in-common-light.md). kSureTrust: no record of the data.
+struct PaintTuning {
+  /// agreement in (0, 1]: if a chosen view's is lower on a face or beside it, every texel is
+  /// compared with all views
+  KEYPOSE_TUNED(float, kSure, 0.15f);
+  /// weight of the mean of all views there, in shares of the chosen views: negligible where these
+  /// agree, dominant where they do not
+  KEYPOSE_TUNED(float, kMeanWeight, 0.02f);
+  /// share of full trust: a texel with at least this in some view is fully confident; points closer
+  /// to edges in all photographs may be background
+  KEYPOSE_TUNED(float, kSureTrust, 0.5f);
+};
 
-/// A texel with at least this trust in some view is fully confident; points closer to edges in all
-/// photographs may be background.
-constexpr float kSureTrust = 0.5f;
 std::uint8_t SureOf(float trust) {
-  return static_cast<std::uint8_t>(1 + std::lround(254 * std::min(1.0f, trust / kSureTrust)));
+  return static_cast<std::uint8_t>(
+      1 + std::lround(254 * std::min(1.0f, trust / PaintTuning::kSureTrust)));
 }
 
 /// Photographs are bilinear between their pixels: with this distance of nodes nothing visible is
@@ -185,9 +192,9 @@ class Painter {
     for (PointWork& point : work.points) {
       point.seen = point.mean_sum > 0 || Rest({face, point.weights}, point, used, work.samples);
       if (point.mean_sum > 0)
-        point.color =
-            Mixed(point.mean / point.mean_sum, point.detail, point.detail_sum,
-                  kMeanWeight * work.share.dot(point.weights) * work.doubt.dot(point.weights));
+        point.color = Mixed(point.mean / point.mean_sum, point.detail, point.detail_sum,
+                            PaintTuning::kMeanWeight * work.share.dot(point.weights) *
+                                work.doubt.dot(point.weights));
     }
   }
 
@@ -259,7 +266,7 @@ class Painter {
       for (int k = 0; k < 3; ++k)
         for (const LabelShare& share : shares_[mesh_.faces(f, k)]) {
           const LabelCandidate* here = FindCandidate(faces_[f].candidates, share.view);
-          if (here && here->agreement < kSure) contradicted[mesh_.faces(f, k)] = 1;
+          if (here && here->agreement < PaintTuning::kSure) contradicted[mesh_.faces(f, k)] = 1;
         }
     doubt_.assign(shares_.size(), 0);
     for (int f = 0; f < mesh_.face_count(); ++f) {

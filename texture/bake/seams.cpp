@@ -6,6 +6,7 @@
 #include "core/cholesky.h"
 #include "core/geometry.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::texture {
 namespace {
@@ -14,7 +15,13 @@ using Eigen::RowVector3d;
 using Eigen::Vector3f;
 using Shares = std::vector<std::vector<LabelShare>>;
 
-constexpr double kSmooth = 0.1, kSmall = 1e-4;
+/// The value of shared/recipes.md, E.5 (after Lempitsky, Ivanov and Waechter et al.); no record of
+/// other values.
+struct SeamTuning {
+  /// weight of the smoothness of shifts along an edge, in squared jumps between views
+  KEYPOSE_TUNED(double, kSmooth, 0.1);
+};
+constexpr double kSmall = 1e-4;
 
 /// The quadratic form, lower triangle, and its right-hand sides.
 struct Quadratic {
@@ -97,7 +104,8 @@ std::vector<std::vector<Shift>> LevelSeams(const Mesh& mesh, const std::vector<F
       const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
       // Each inner edge occurs twice, once from each side.
       form.AddDifference(first[a] + Find(shares[a], labels[f]),
-                         first[b] + Find(shares[b], labels[f]), kSmooth / 2, RowVector3d::Zero());
+                         first[b] + Find(shares[b], labels[f]), SeamTuning::kSmooth / 2,
+                         RowVector3d::Zero());
     }
   Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
   matrix.setFromTriplets(form.entries.begin(), form.entries.end());

@@ -24,10 +24,6 @@ struct Warp {
 struct AlignOptions {
   int samples = 60000;  ///< points of the surface at which photographs are compared
   int nodes = 14;       ///< number of nodes along the longer side of the photograph's used part
-  /// of the lattice, relative to the mean information of the photographs per node
-  double smoothness = 0.5;
-  double stiffness = 0.02;  ///< weight of zero displacement, relative to the same
-  double most_px = 12;      ///< largest displacement of a node
 };
 
 /// One warp per view.

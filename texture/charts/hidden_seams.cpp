@@ -11,22 +11,28 @@
 #include "core/parallel.h"
 #include "core/ray_scene.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::texture {
 namespace {
 
 using Eigen::Vector3d;
 
+// Chosen on the meshes of docs/results/texture.md (armadillo, ogre, spot, skull, plush dog, limbed
+// figure) by the seams' exposure; no record of the trials.
+struct HiddenSeamTuning {
+  // cost per length of an invisible seam, of that of a fully visible one
+  KEYPOSE_TUNED(double, kLeastCost, 0.12);
+  // mean edge lengths below the smoothed surface, where a seam has half the cost
+  KEYPOSE_TUNED(double, kCreaseDepth, 0.15);
+  KEYPOSE_TUNED(double, kSightPower, 1.5);   // exponent of the visible share in the cost
+  KEYPOSE_TUNED(double, kFrontFactor, 1.5);  // factor of the cost where the front is in view
+  KEYPOSE_TUNED(int, kSmoothing, 8);         // rounds of the smoothing that creases lie below
+  // of the cost: for a smaller gain two charts are not flattened again
+  KEYPOSE_TUNED(double, kLeastGain, 0.02);
+};
+
 constexpr int kDirections = 60;
-// cost per length of an invisible seam, relative to a fully visible one
-constexpr double kLeastCost = 0.12;
-// [mean edge lengths] below the smoothed surface, where a seam has half the cost
-constexpr double kCreaseDepth = 0.15;
-constexpr double kSightPower = 1.5;
-constexpr double kFrontFactor = 1.5;
-constexpr int kSmoothing = 8;
-// of the cost: for a smaller gain two charts are not flattened again
-constexpr double kLeastGain = 0.02;
 // costs in a cut are integers, for an exact result
 constexpr double kWeightScale = 1e4;
 
@@ -78,7 +84,7 @@ PointsX3 Smoothed(const Surface& s, PointsX3 points, int rounds) {
 
 // Depth of each vertex below the smoothed surface, in mean edge lengths; negative on ridges.
 Eigen::VectorXd CreaseDepth(const Surface& s, const PointsX3& normals) {
-  const PointsX3 smooth = Smoothed(s, s.points, kSmoothing);
+  const PointsX3 smooth = Smoothed(s, s.points, HiddenSeamTuning::kSmoothing);
   double length = 0;
   for (int f = 0; f < static_cast<int>(s.faces.rows()); ++f)
     for (int k = 0; k < 3; ++k)
@@ -129,13 +135,14 @@ std::vector<int> WorthChanging(const Surface& s, const PointsX3& costs,
       if (cut.WithSource(other->second) != with_a) after += costs(f, k);
     }
   }
-  if (after > (1 - kLeastGain) * before) changed.clear();
+  if (after > (1 - HiddenSeamTuning::kLeastGain) * before) changed.clear();
   return changed;
 }
 
 }  // namespace
 
 Exposure FindExposure(const Surface& s, const Viewers& viewers) {
+  using Tuning = HiddenSeamTuning;
   const PointsX3 normals = VertexNormals(s);
   const Eigen::VectorXd depth = CreaseDepth(s, normals);
   const std::vector<View> views = ViewsOf(viewers);
@@ -160,10 +167,11 @@ Exposure FindExposure(const Surface& s, const Viewers& viewers) {
           if (cosine > 0 && free(view.direction)) seen += view.weight * cosine;
         }
         out.seen[v] = std::min(1.0, seen / most);
-        const double crease = std::max(0.0, depth[v]) / kCreaseDepth;
+        const double crease = std::max(0.0, depth[v]) / Tuning::kCreaseDepth;
         out.front[v] = normal.dot(front) > 0.5 && free(front);
-        const double sight = std::pow(out.seen[v], kSightPower) / (1 + crease);
-        out.cost[v] = (kLeastCost + (1 - kLeastCost) * sight) * (out.front[v] ? kFrontFactor : 1);
+        const double sight = std::pow(out.seen[v], Tuning::kSightPower) / (1 + crease);
+        out.cost[v] = (Tuning::kLeastCost + (1 - Tuning::kLeastCost) * sight) *
+                      (out.front[v] ? Tuning::kFrontFactor : 1);
       },
       64);
   return out;

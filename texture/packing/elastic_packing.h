@@ -20,12 +20,8 @@ UvsX2 Placed(const UvsX2& points, double scale, const Placement& place);
 std::optional<Nesting> SetApart(const std::vector<UvsX2>& outlines, Nesting nesting, double gap);
 
 struct ElasticPackingOptions {
-  double gap = 0;              ///< [side of the square] between charts; half of it to the border
-  int rounds = 200;            ///< rounds of growth, by a thousandth each; cost grows with it
-  double straightening = 0.1;  ///< strength of the straightening of boundaries, 0: none
-  /// growth ends when the mean of s1 / s2 over all faces exceeds it
-  double most_conformal = 1.13;
-  double most_deviation = 0.088;  ///< ... or when the mean relative deviation of areas exceeds it
+  double gap = 0;    ///< [side of the square] between charts; half of it to the border
+  int rounds = 200;  ///< rounds of growth, by a thousandth each; cost grows with it
 };
 
 /// Charts laid out in the unit square, each as an elastic sheet.

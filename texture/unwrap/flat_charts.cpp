@@ -8,28 +8,37 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "texture/charts/hidden_seams.h"
 #include "texture/charts/parametrise.h"
 
 namespace keypose::texture {
 namespace {
 
-constexpr int kFacesPerChart = 300;  // initially, before charts are merged
+// Chosen on the meshes of docs/results/texture.md (armadillo, ogre, spot, skull, plush dog, limbed
+// figure); no record of the trials.
+struct FlatChartTuning {
+  KEYPOSE_TUNED(int, kFacesPerChart, 300);  // faces, initially, before charts are merged
+  KEYPOSE_TUNED(int, kEarlyBand, 5);        // rings by which a border of the small charts may move
+  KEYPOSE_TUNED(int, kLateBand, 20);        // ... of the large ones
+  // share of the smaller chart's rim cost, times the mean cost per length: merges with a lower
+  // score are not tried
+  KEYPOSE_TUNED(double, kLeastScore, 0.03);
+  // |sum of normals| / area: merges with less are not tried
+  KEYPOSE_TUNED(double, kLeastFlatness, 0.35);
+  // largest stretch max(s1, 1 / s2) within a chart: of 99 % of the area, and of any face
+  KEYPOSE_TUNED(double, kP99Distortion, 2);
+  KEYPOSE_TUNED(double, kWorstDistortion, 8);
+};
+
 constexpr int kLloydRounds = 6;
 constexpr int kRounds = 25;  // of flattening while charts are cut and merged
 constexpr int kFinalRounds = 200;
 constexpr int kEarlyHidingRounds = 2;
-constexpr int kEarlyBand = 5;         // rings by which a border of the small charts may move
-constexpr int kLateBand = 20;         // ... of the large ones
-constexpr double kLeastScore = 0.03;  // merges with a lower score are not tried
 // faces: charts of at most this size are merged with a neighbour even with a little too much
 // distortion
 constexpr std::size_t kCrumb = 12;
 constexpr double kCrumbSlack = 1.05;
-constexpr double kP99Distortion = 2;  // within a chart
-constexpr double kWorstDistortion = 8;
-// |sum of normals| / area: merges with less are not tried
-constexpr double kLeastFlatness = 0.35;
 
 }  // namespace
 
@@ -43,8 +52,8 @@ std::optional<FlatChart> ChartAtlas::TryFlat(std::vector<int> faces, int rounds,
   if (flat.chart.faces.size() > 1) {
     const Distortion distortion = MeasureDistortion(surface_, flat.chart, *uvs);
     if (!(distortion.mean <= slack * max_distortion_) ||
-        !(distortion.p99 <= slack * kP99Distortion) ||
-        !(distortion.max <= slack * kWorstDistortion))
+        !(distortion.p99 <= slack * FlatChartTuning::kP99Distortion) ||
+        !(distortion.max <= slack * FlatChartTuning::kWorstDistortion))
       return std::nullopt;
   }
   flat.uvs = std::move(*uvs);
@@ -75,12 +84,13 @@ void ChartAtlas::Settle(std::vector<std::vector<int>> work) {
 
 void ChartAtlas::Cut() {
   const int faces = static_cast<int>(surface_.faces.rows());
-  std::vector<int> label =
-      CutIntoCharts(surface_, std::clamp(faces / kFacesPerChart, 1, 120), kLloydRounds);
+  std::vector<int> label = CutIntoCharts(
+      surface_, std::clamp(faces / FlatChartTuning::kFacesPerChart, 1, 120), kLloydRounds);
   const int count = *std::max_element(label.begin(), label.end()) + 1;
   for (int round = 0; round < kEarlyHidingRounds; ++round) {
     for (const auto& [pair, cost] : Shared(label, costs_))
-      for (const int f : BetterBorder(surface_, costs_, label, pair.first, pair.second, kEarlyBand))
+      for (const int f : BetterBorder(surface_, costs_, label, pair.first, pair.second,
+                                      FlatChartTuning::kEarlyBand))
         label[f] = pair.first + pair.second - label[f];
   }
   std::vector<std::vector<int>> work(count);
@@ -126,7 +136,8 @@ bool ChartAtlas::WorthJoining(const FlatChart& a, const FlatChart& b) const {
       area += surface_.areas[f];
     }
   }
-  return area <= largest_share_ * surface_.areas.sum() && sum.norm() >= kLeastFlatness * area;
+  return area <= largest_share_ * surface_.areas.sum() &&
+         sum.norm() >= FlatChartTuning::kLeastFlatness * area;
 }
 
 // One pass over the pairs, those with the largest and most visible shared borders first. Each chart
@@ -154,7 +165,7 @@ bool ChartAtlas::JoinRound(std::set<std::pair<int, int>>& failed) {
     std::optional<FlatChart> both;
     const bool crumb =
         std::min(charts_[a].chart.faces.size(), charts_[b].chart.faces.size()) <= kCrumb;
-    if (crumb || (-score > kLeastScore && WorthJoining(charts_[a], charts_[b]))) {
+    if (crumb || (-score > FlatChartTuning::kLeastScore && WorthJoining(charts_[a], charts_[b]))) {
       std::vector<int> faces = charts_[a].chart.faces;
       faces.insert(faces.end(), charts_[b].chart.faces.begin(), charts_[b].chart.faces.end());
       both = TryFlat(std::move(faces), kRounds, crumb ? kCrumbSlack : 1);
@@ -196,7 +207,8 @@ void ChartAtlas::Hide() {
   std::sort(pairs.begin(), pairs.end());
   for (const auto& [cost, a, b] : pairs) {
     ReportProgress(progress_, 0.6, "hiding seams");
-    const std::vector<int> changed = BetterBorder(surface_, costs_, label, a, b, kLateBand);
+    const std::vector<int> changed =
+        BetterBorder(surface_, costs_, label, a, b, FlatChartTuning::kLateBand);
     if (changed.empty()) continue;
     for (const int f : changed) label[f] = a + b - label[f];
     std::array<std::optional<FlatChart>, 2> flats;
@@ -220,7 +232,7 @@ void ChartAtlas::Refine() {
   ParallelFor(std::ssize(charts_), [&](std::int64_t i) {
     const Chart& chart = charts_[i].chart;
     std::optional<UvsX2> uvs = Flattened(surface_, chart, kFinalRounds);
-    if (uvs && MeasureDistortion(surface_, chart, *uvs).max <= kWorstDistortion)
+    if (uvs && MeasureDistortion(surface_, chart, *uvs).max <= FlatChartTuning::kWorstDistortion)
       charts_[i].uvs = std::move(*uvs);
   });
 }

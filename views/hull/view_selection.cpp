@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose {
 namespace {
@@ -13,15 +14,28 @@ namespace {
 constexpr int kFewPoints = 100;
 constexpr int kHullPoints = 500;
 
+// Angles between the rays of two views to a point. Least, best and most are OpenMVS's defaults, the
+// spreads starting values; there is no record that others were tried. Sensitivity:
+// docs/results/sensitivity.md.
+struct SourceAngleTuning {
+  KEYPOSE_TUNED(double, kLeast_deg, 3);   // below, a pair has no weight
+  KEYPOSE_TUNED(double, kBest_deg, 12);   // full weight
+  KEYPOSE_TUNED(double, kMost_deg, 65);   // above, a pair has no weight
+  KEYPOSE_TUNED(double, kBelow_deg, 5);   // spread of the weights below the best angle
+  KEYPOSE_TUNED(double, kAbove_deg, 15);  // spread of the weights above it
+};
+
 struct Sight {
   Eigen::Vector3d point;
   std::vector<int> others;  // views that see it too
 };
 
 double AngleWeight(double degrees) {
-  if (degrees < 3 || degrees > 65) return 0;
-  const double sigma = degrees < 12 ? 5 : 15;
-  return std::exp(-(degrees - 12) * (degrees - 12) / (2 * sigma * sigma));
+  using Tuning = SourceAngleTuning;
+  if (degrees < Tuning::kLeast_deg || degrees > Tuning::kMost_deg) return 0;
+  const double sigma = degrees < Tuning::kBest_deg ? Tuning::kBelow_deg : Tuning::kAbove_deg;
+  return std::exp(-(degrees - Tuning::kBest_deg) * (degrees - Tuning::kBest_deg) /
+                  (2 * sigma * sigma));
 }
 
 bool InMaskAt(const PreparedView& view, const Eigen::Vector3d& point) {

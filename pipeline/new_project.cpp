@@ -1,0 +1,33 @@
+#include "pipeline/new_project.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace keypose::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The folder's name without characters that YAML would need to escape.
+std::string SafeName(const fs::path& folder) {
+  std::string name =
+      folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+  std::erase_if(name, [](unsigned char c) { return c < 32 || c == '"' || c == '\\'; });
+  return name;
+}
+
+}  // namespace
+
+std::string NewPipelineText(const fs::path& folder, const std::vector<std::string>& poses,
+                            const std::string& template_pose) {
+  std::string text =
+      "# The poses and settings of this project. What is not set here is as in the default "
+      "pipeline; see docs/pipeline.md.\n";
+  text += fmt::format("name: \"{}\"\nposes:\n", SafeName(folder));
+  for (const std::string& pose : poses) text += fmt::format("  {0}: photos/{0}\n", pose);
+  text += fmt::format("template: {}\n", template_pose);
+  if (poses.size() > 1) text += fmt::format("timeline: [{}]\n", fmt::join(poses, ", "));
+  return text;
+}
+
+}  // namespace keypose::pipeline

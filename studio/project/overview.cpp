@@ -1,0 +1,235 @@
+#include "studio/project/overview.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/io/files.h"
+#include "core/io/photograph_files.h"
+#include "pipeline/builder.h"
+#include "pipeline/collect_ending.h"
+#include "pipeline/commands.h"
+#include "pipeline/real_disk.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using pipeline::Step;
+using pipeline::StepPlan;
+
+namespace {
+
+int PhotographCount(const fs::path& folder) {
+  int count = 0;
+  for (const fs::path file : pipeline::RealDisk().Children(folder))
+    count += IsPhotographName(file) && !IsLitterName(file);
+  return count;
+}
+
+json PoseJson(Snapshot& snapshot, const std::string& pose) {
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  json meshes = json::array();
+  for (const MeshKind kind : {MeshKind::kMesh, MeshKind::kClean, MeshKind::kRefined,
+                              MeshKind::kSurface, MeshKind::kCloud})
+    if (snapshot.MeshPath(pose, kind)) meshes.push_back(NameOf(kind));
+  const fs::path photos = snapshot.PhotoFolder(pose);
+  return {{"name", pose},
+          {"template", snapshot.IsTemplate(pose)},
+          {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
+          {"photographs", PhotographCount(photos)},
+          {"masks", rule && rule->masks ? rule->masks->text : ""},
+          {"has_landmarks", fs::exists(snapshot.project() / "landmarks" / (pose + ".json"))},
+          {"meshes", meshes},
+          {"has_texture", snapshot.TexturePath(pose).has_value()},
+          {"has_cameras", snapshot.ResultPath("sfm", pose, "model").has_value()}};
+}
+
+json NameAndFolder(const fs::path& folder) {
+  return {{"name", folder.filename().string()},
+          {"folder", folder.string()},
+          {"poses", json::array()},
+          {"template", ""},
+          {"fps", 24},
+          {"revision", ""},
+          {"problem", ""},
+          {"has_frames", false},
+          {"has_report", false},
+          {"empty", false}};
+}
+
+std::string StateOf(const StepPlan& step) {
+  const bool failed = step.last && step.last->failed;
+  switch (step.state) {
+    case StepPlan::State::kDone:
+      return "done";
+    case StepPlan::State::kReady:
+      if (failed && step.last->failed_fingerprint == step.fingerprint) return "failed";
+      return step.last ? "would_run" : "never";
+    case StepPlan::State::kMissing:
+      return "missing";
+    default:
+      return step.last ? "waits" : "never";
+  }
+}
+
+void AddSet(const pipeline::StepOptionSettings& settings, const std::string& rule, bool pose,
+            json* set) {
+  const auto found = settings.find(rule);
+  if (found == settings.end()) return;
+  for (const auto& [option, setting] : found->second.options)
+    (*set)[option] = {{"text", setting.text}, {"line", setting.where.line}, {"pose", pose}};
+}
+
+json StepJson(Snapshot& snapshot, int i) {
+  const Step& step = snapshot.graph().steps[i];
+  const StepPlan& planned = snapshot.plan()[i];
+  json set = json::object();
+  AddSet(snapshot.file().options, step.rule, false, &set);
+  if (const auto* pose = snapshot.file().FindPose(step.pose))
+    AddSet(pose->options, step.rule, true, &set);
+  const bool waits = planned.state == StepPlan::State::kWaiting;
+  return {{"id", step.id},
+          {"step", step.rule},
+          {"stage", step.info->stage},
+          {"pose", step.pose},
+          {"state", StateOf(planned)},
+          {"seconds", planned.last ? planned.last->seconds : 0.0},
+          {"reasons", planned.reasons},
+          {"waits_for", waits ? snapshot.plan().WaitsFor(i) : std::vector<std::string>{}},
+          {"error", planned.last && planned.last->failed ? planned.last->error : ""},
+          {"exit_code", planned.last && planned.last->failed ? planned.last->exit_code : 0},
+          {"options", step.options},
+          {"set", set}};
+}
+
+/// The result's file with its label, if the pipeline shows it at a run's end.
+std::string LabelOf(Snapshot& snapshot, const fs::path& path) {
+  for (const Step& step : snapshot.graph().steps)
+    for (const pipeline::ShownResult& shown : step.shown)
+      if (shown.path == path) return shown.label;
+  return "";
+}
+
+}  // namespace
+
+json EmptyProjectJson(const fs::path& folder) {
+  json project = NameAndFolder(folder);
+  project["empty"] = true;
+  return project;
+}
+
+json BrokenProjectJson(const fs::path& folder, const std::string& problem) {
+  json project = NameAndFolder(folder);
+  project["problem"] = problem;
+  project["revision"] = RevisionOf(folder / "pipeline.yaml");
+  return project;
+}
+
+json ProjectJson(Snapshot& snapshot) {
+  json project = NameAndFolder(snapshot.project());
+  project["name"] = snapshot.graph().name;
+  project["template"] = snapshot.graph().template_pose;
+  project["fps"] = snapshot.file().fps;
+  project["revision"] = RevisionOf(snapshot.project() / "pipeline.yaml");
+  project["has_frames"] = snapshot.ResultPath("interpolate", "", "frames").has_value();
+  project["has_report"] = fs::exists(snapshot.project() / "out/report/index.html");
+  for (const std::string& pose : snapshot.graph().poses)
+    project["poses"].push_back(PoseJson(snapshot, pose));
+  return project;
+}
+
+json NoStepsJson(bool running, const std::string& locked_by) {
+  return {{"steps", json::array()},
+          {"warnings", json::array()},
+          {"verdicts", json::array()},
+          {"running", running},
+          {"locked_by", locked_by}};
+}
+
+json StepsJson(Snapshot& snapshot, bool running, const std::string& locked_by) {
+  json all = NoStepsJson(running, locked_by);
+  for (int i = 0; i < snapshot.plan().size(); ++i) all["steps"].push_back(StepJson(snapshot, i));
+  const pipeline::Ending ending =
+      pipeline::EndingOf(snapshot.plan(), snapshot.session().disk(), snapshot.session().out());
+  for (const auto& warning : ending.warnings)
+    all["warnings"].push_back(
+        {{"steps", warning.steps}, {"poses", warning.poses}, {"text", warning.text}});
+  for (const auto& verdict : ending.verdicts)
+    all["verdicts"].push_back({{"about", verdict.about},
+                               {"grade", verdict.grade},
+                               {"why", verdict.why},
+                               {"step", verdict.step}});
+  return all;
+}
+
+json StageJson(const std::string& describe) {
+  const json value = json::parse(describe);
+  json stage = {{"stage", value.at("stage")}, {"summary", value.value("summary", "")}};
+  stage["options"] = json::array();
+  for (const json& option : value.value("options", json::array())) {
+    const std::string type = option.at("type");
+    json one = {{"name", option.at("name")},
+                {"type", type},
+                {"unit", option.value("unit", "")},
+                {"help", option.value("help", "")},
+                {"common", option.value("common", false)}};
+    const json& standard = option.at("default");
+    one["default"] = standard.is_string() ? standard.get<std::string>() : standard.dump();
+    for (const char* bound : {"min", "max"})
+      if ((type == "int" || type == "double") && option.value(bound, json()).is_number())
+        one[bound] = option[bound];
+    if (option.contains("choices") && !option["choices"].empty())
+      one["choices"] = option["choices"];
+    stage["options"].push_back(one);
+  }
+  return stage;
+}
+
+std::string ExplanationText(Snapshot& snapshot, const std::string& step) {
+  std::string text;
+  std::set<int> seen;
+  for (const int i : snapshot.graph().Find(step)) {
+    text += pipeline::Explanation(snapshot.plan(), i);
+    std::vector<int> above = {i};
+    while (!above.empty()) {
+      const int one = above.back();
+      above.pop_back();
+      for (const int need : snapshot.graph().steps[one].needs) {
+        const auto state = snapshot.plan()[need].state;
+        if (state == StepPlan::State::kDone || !seen.insert(need).second) continue;
+        if (state == StepPlan::State::kReady) text += pipeline::Explanation(snapshot.plan(), need);
+        above.push_back(need);
+      }
+    }
+  }
+  return text;
+}
+
+std::string LogText(Snapshot& snapshot, const std::string& step) {
+  constexpr std::size_t kMost = 1 << 20;
+  const std::vector<int> found = snapshot.graph().Find(step);
+  const std::string& id = snapshot.graph().steps[found.front()].id;
+  // A step at work writes its log where the runner makes its results.
+  fs::path log =
+      snapshot.session().state() / "tmp" / pipeline::FolderName(id) / "made" / "log.txt";
+  if (!fs::is_regular_file(log)) log = pipeline::StepLog(snapshot.session(), id);
+  return log.empty() ? "" : WithoutOddBytes(snapshot.session().disk().ReadEnd(log, kMost));
+}
+
+json ResultsJson(Snapshot& snapshot) {
+  const fs::path out = snapshot.session().out();
+  json results = json::array();
+  std::error_code ignored;
+  for (const fs::path file : snapshot.session().disk().FilesBelow(out)) {
+    if (snapshot.session().disk().LeadsOutside(out / file, out)) continue;
+    results.push_back({{"path", file.generic_string()},
+                       {"label", LabelOf(snapshot, file)},
+                       {"bytes", fs::file_size(out / file, ignored)}});
+  }
+  return results;
+}
+
+}  // namespace keypose::studio

@@ -1,0 +1,188 @@
+#include "studio/project/photographs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/file_names.h"
+#include "core/io/colmap_io.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/image_set.h"
+#include "core/io/photograph_files.h"
+#include "core/sha256.h"
+#include "pipeline/real_disk.h"
+#include "studio/project/changes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kLargestThumbnail = 4096;
+
+std::optional<ImageSet> SetOf(Snapshot& snapshot, const std::string& pose, bool agreed) {
+  const auto folder = agreed ? snapshot.ResultPath("masks", pose, "masked")
+                             : snapshot.ResultPath("capture", pose, "images");
+  if (!folder) return std::nullopt;
+  return ReadImageSet(*folder);
+}
+
+json PhotographJson(const CapturedImage& image) {
+  return {{"name", image.name},
+          {"width", image.width},
+          {"height", image.height},
+          {"sharpness", image.sharpness},
+          {"exposure", image.exposure},
+          {"mask_fraction", image.mask_fraction},
+          {"mask_given", image.mask_given},
+          {"trusted", image.trusted},
+          {"why", image.why},
+          {"captured", true}};
+}
+
+[[noreturn]] void NoPhotograph(const std::string& pose, const std::string& name) {
+  throw NotFound(fmt::format("pose '{}' has no photograph '{}'", pose, name));
+}
+
+/// A picture made from a file, kept under the file's stamp and the picture's name.
+template <class Make>
+fs::path Kept(const fs::path& folder, const fs::path& source, const std::string& what,
+              const char* extension, const Make& make) {
+  const auto stat = pipeline::RealDisk().Stat(source);
+  if (!stat) throw NotFound(source.filename().string() + " is gone");
+  const std::string key =
+      Sha256Of(fmt::format("{} {} {} {}", source.string(), stat->size, stat->mtime_ns, what));
+  const fs::path file = folder / (key.substr(0, 32) + extension);
+  if (fs::exists(file)) return file;
+  fs::create_directories(folder);
+  // Two requests for one picture may come at once: each writes a file of its own.
+  static std::atomic<int> number = 0;
+  const fs::path writing = folder / fmt::format("writing_{}_{}{}", getpid(), number++, extension);
+  make(writing);
+  fs::rename(writing, file);
+  return file;
+}
+
+}  // namespace
+
+json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
+  std::map<std::string, json> by_name;
+  const auto captured = SetOf(snapshot, pose, false), agreed = SetOf(snapshot, pose, true);
+  if (captured)
+    for (const CapturedImage& image : captured->images) by_name[image.name] = PhotographJson(image);
+  if (agreed) {
+    for (const CapturedImage& image : agreed->images) {
+      if (!by_name.contains(image.name)) continue;
+      json& one = by_name[image.name];
+      one["mask_fraction"] = image.mask_fraction;
+      one["trusted"] = image.trusted;
+      one["why"] = image.why;
+    }
+  }
+  for (const fs::path file : pipeline::RealDisk().Children(snapshot.PhotoFolder(pose))) {
+    if (!IsPhotographName(file) || IsLitterName(file) || !IsValidUtf8(file.string())) continue;
+    if (by_name.contains(file.string())) continue;
+    CapturedImage image;
+    image.name = file.string();
+    by_name[image.name] = PhotographJson(image);
+    by_name[image.name]["captured"] = false;
+  }
+  json all = json::array();
+  for (auto& [name, one] : by_name) {
+    // A mask that capture has not seen yet is one's own as well.
+    if (!OwnMaskFile(snapshot, pose, name).empty()) one["mask_given"] = true;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+fs::path PhotographSource(Snapshot& snapshot, const std::string& pose, const std::string& name) {
+  if (!snapshot.HasPose(pose) || !IsOneName(name)) NoPhotograph(pose, name);
+  if (const auto set = SetOf(snapshot, pose, false))
+    if (const int i = set->Find(name); i >= 0) return set->ImagePath(i);
+  const fs::path folder = snapshot.PhotoFolder(pose);
+  const fs::path file = folder / name;
+  if (!IsPhotographName(file) || !fs::is_regular_file(file) ||
+      pipeline::RealDisk().LeadsOutside(file, folder))
+    NoPhotograph(pose, name);
+  return file;
+}
+
+fs::path PictureFile(const fs::path& folder, const fs::path& photograph, int width) {
+  const std::string format = ReadImageInfo(photograph).format;
+  if (width <= 0 && (format == "jpeg" || format == "png")) return photograph;
+  const int most = std::min(width, kLargestThumbnail);
+  return Kept(folder, photograph, std::to_string(most), ".jpg", [&](const fs::path& file) {
+    Image8 image = ReadImage(photograph, 3);
+    const double share = most > 0 && most < image.width ? 1.0 * most / image.width : 1;
+    if (share < 1)
+      image = Resized(image, most, std::max(1, static_cast<int>(image.height * share)));
+    WriteImage(file, image, most > 0 ? 82 : 92);
+  });
+}
+
+fs::path MaskPicture(const fs::path& folder, const fs::path& mask, int width, int height) {
+  const ImageInfo info = ReadImageInfo(mask);
+  if (info.format == "png" && (width == 0 || (info.width == width && info.height == height)))
+    return mask;
+  return Kept(folder, mask, fmt::format("mask {} {}", width, height), ".png",
+              [&](const fs::path& file) {
+                Image8 image = ReadImage(mask, 1);
+                if (width > 0) image = Resized(image, width, height);
+                for (auto& value : image.data) value = value >= 128 ? 255 : 0;
+                WriteImage(file, image);
+              });
+}
+
+fs::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                  const std::string& stage) {
+  if (!snapshot.HasPose(pose)) NoPhotograph(pose, name);
+  if (const fs::path own = OwnMaskFile(snapshot, pose, name); !own.empty()) return own;
+  for (const bool agreed : {true, false}) {
+    if (agreed && stage != "masks") continue;
+    const auto set = SetOf(snapshot, pose, agreed);
+    if (!set) continue;
+    if (const int i = set->Find(name); i >= 0) return set->MaskPath(i);
+  }
+  throw NotFound(fmt::format("photograph '{}' of pose '{}' has no mask yet", name, pose));
+}
+
+std::pair<int, int> PhotographSize(Snapshot& snapshot, const std::string& pose,
+                                   const std::string& name) {
+  const auto set = SetOf(snapshot, pose, false);
+  const int i = set ? set->Find(name) : -1;
+  return i < 0 ? std::pair{0, 0} : std::pair{set->images[i].width, set->images[i].height};
+}
+
+json CamerasJson(Snapshot& snapshot, const std::string& pose) {
+  const auto model = snapshot.ResultPath("sfm", pose, "model");
+  json cameras = json::array();
+  if (!model) return cameras;
+  for (const View& view : ReadColmapModel(*model).views) {
+    const Rigid3 world_from_camera = view.camera_from_world.Inverse();
+    const Eigen::Matrix3d r = world_from_camera.rotation.toRotationMatrix();
+    json rows = json::array();
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) rows.push_back(r(i, k));
+      rows.push_back(world_from_camera.translation[i]);
+    }
+    cameras.push_back({{"name", view.name},
+                       {"pose", rows},
+                       {"focal_px", view.camera.fy},
+                       {"width", view.camera.width},
+                       {"height", view.camera.height},
+                       {"cx", view.camera.cx},
+                       {"cy", view.camera.cy}});
+  }
+  return cameras;
+}
+
+}  // namespace keypose::studio

@@ -1,0 +1,51 @@
+// A pose's photographs, their masks and cameras.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "studio/project/snapshot.h"
+
+namespace keypose::studio {
+
+/// All photographs of a pose: what capture and masks measured, and those that are not made yet.
+nlohmann::json PhotographsJson(Snapshot& snapshot, const std::string& pose);
+
+/// The file of a photograph: as captured, else the original.
+/// @throws NotFound  no such photograph
+std::filesystem::path PhotographSource(Snapshot& snapshot, const std::string& pose,
+                                       const std::string& name);
+
+/// A JPEG or PNG of a photograph, upright, at most `width` pixels wide (0: full size). Made once,
+/// and kept. Safe to call from many threads.
+/// @param folder  where pictures are kept
+std::filesystem::path PictureFile(const std::filesystem::path& folder,
+                                  const std::filesystem::path& photograph, int width);
+
+/// Nothing of that name is there (yet).
+struct NotFound : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The mask that a person has made, else the computed one.
+/// @param stage  "capture", or "masks" for those that agree with all views
+/// @throws NotFound
+std::filesystem::path MaskFile(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                               const std::string& stage);
+
+/// Width and height as captured [px]; 0 if it is not captured yet.
+std::pair<int, int> PhotographSize(Snapshot& snapshot, const std::string& pose,
+                                   const std::string& name);
+
+/// A mask as a PNG of the photograph's size, which the page lays over it.
+/// @param folder  where pictures are kept
+std::filesystem::path MaskPicture(const std::filesystem::path& folder,
+                                  const std::filesystem::path& mask, int width, int height);
+
+/// Where the photographs were taken.
+nlohmann::json CamerasJson(Snapshot& snapshot, const std::string& pose);
+
+}  // namespace keypose::studio

@@ -1,0 +1,328 @@
+#include "studio/project/picks.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/landmarks_io.h"
+#include "core/io/mesh_io.h"
+#include "core/io/regions_io.h"
+#include "core/io/stiffness_io.h"
+#include "pipeline/real_disk.h"
+#include "studio/project/changes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+fs::path PicksFile(Snapshot& snapshot, const std::string& pose) {
+  return snapshot.project() / "landmarks" / (pose + ".json");
+}
+
+/// The file with a pose's picks: ours, else MeshLab's; empty if there is none.
+fs::path ExistingPicks(Snapshot& snapshot, const std::string& pose) {
+  const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
+  std::vector<fs::path> places;
+  if (rule && rule->landmarks) places.push_back(snapshot.project() / rule->landmarks->text);
+  places.push_back(PicksFile(snapshot, pose));
+  places.push_back(snapshot.project() / "landmarks" / (pose + ".pp"));
+  for (const fs::path& place : places)
+    if (fs::is_regular_file(place)) return place;
+  return {};
+}
+
+Mesh PickedMeshOf(Snapshot& snapshot, const std::string& pose) {
+  if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
+  const auto path = snapshot.PickedMesh(pose);
+  if (!path)
+    throw UsageError(
+        fmt::format("pose '{}' has no mesh to pick on yet; run the steps up to {} first", pose,
+                    snapshot.IsTemplate(pose) ? "unwrap" : "cleanup"));
+  return ReadMesh(*path);
+}
+
+json PickJson(const Landmark& pick) {
+  return {{"name", pick.name},
+          {"face", pick.face},
+          {"barycentric", {pick.barycentric[0], pick.barycentric[1], pick.barycentric[2]}}};
+}
+
+void RequirePick(const Landmark& pick, const Mesh& mesh) {
+  const double sum = pick.barycentric.sum();
+  if (pick.face < 0 || pick.face >= mesh.face_count())
+    throw UsageError(fmt::format(
+        "landmark '{}' is on face {}, but the mesh has {}; the page shows an older mesh", pick.name,
+        pick.face, mesh.face_count()));
+  if (!pick.barycentric.allFinite() || pick.barycentric.minCoeff() < -1e-6 ||
+      std::abs(sum - 1) > 1e-6)
+    throw UsageError(fmt::format("landmark '{}' is not on its face", pick.name));
+}
+
+Landmark PickFrom(const json& value, const Mesh& mesh) {
+  Landmark pick;
+  pick.name = value.at("name");
+  pick.face = value.at("face");
+  const json& weights = value.at("barycentric");
+  for (std::size_t k = 0; k < 3; ++k) pick.barycentric[static_cast<int>(k)] = weights.at(k);
+  RequirePick(pick, mesh);
+  if (pick.name.empty() || !IsValidUtf8(pick.name)) throw UsageError("a landmark has no name");
+  return pick;
+}
+
+void RequireNamesOnce(const std::vector<Landmark>& picks) {
+  std::map<std::string, int> count;
+  for (const Landmark& pick : picks)
+    if (++count[pick.name] > 1)
+      throw UsageError(fmt::format("two landmarks are called '{}'", pick.name));
+}
+
+/// Our files are written beside others of the pose, so the pipeline must not see two.
+void WritePicks(Snapshot& snapshot, const std::string& pose, const Mesh& mesh,
+                const std::vector<Landmark>& picks) {
+  const fs::path file = PicksFile(snapshot, pose);
+  pipeline::RealDisk disk(snapshot.project() / ".keypose/studio");
+  if (picks.empty()) return disk.Remove(file);
+  const fs::path writing = snapshot.project() / ".keypose/studio/picks.json";
+  disk.MakeFolder(writing.parent_path());
+  WriteLandmarks(writing, mesh, picks);
+  disk.Copy(writing, file);
+  disk.Remove(writing);
+}
+
+/// Wrap counts faces as we do, and gives two of the three weights: P = A u + B v + C (1 - u - v).
+/// Both of its forms: {"name": [face, u, v]} and [[face, u, v]].
+std::vector<Landmark> WrapPoints(const std::string& text, const Mesh& mesh) {
+  const json value = json::parse(text);
+  std::vector<Landmark> picks;
+  const auto add = [&](const std::string& name, const json& point) {
+    const double u = point.at(1), v = point.at(2);
+    Landmark pick{name, point.at(0).get<int>(), {u, v, 1 - u - v}};
+    RequirePick(pick, mesh);
+    picks.push_back(pick);
+  };
+  if (value.is_object())
+    for (const auto& [name, point] : value.items()) add(name, point);
+  else
+    for (std::size_t i = 0; i < value.size(); ++i) add(std::to_string(i + 1), value[i]);
+  return picks;
+}
+
+bool IsWrap(const std::string& text) {
+  const json value = json::parse(text, nullptr, false);
+  if (value.is_discarded() || value.empty()) return false;
+  if (value.is_object() && value.contains("landmarks")) return false;
+  const json& first = *value.begin();
+  return first.is_array() && first.size() == 3;
+}
+
+std::string XmlText(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '&')
+      out += "&amp;";
+    else if (c == '<')
+      out += "&lt;";
+    else if (c == '>')
+      out += "&gt;";
+    else if (c == '"')
+      out += "&quot;";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string AsMeshLab(const std::vector<Landmark>& picks, const Mesh& mesh) {
+  std::string text = "<!DOCTYPE PickedPoints>\n<PickedPoints>\n";
+  for (const Landmark& pick : picks) {
+    const Eigen::Vector3d p = PositionOf(pick, mesh);
+    text += fmt::format(" <point name=\"{}\" active=\"1\" x=\"{}\" y=\"{}\" z=\"{}\"/>\n",
+                        XmlText(pick.name), p.x(), p.y(), p.z());
+  }
+  return text + "</PickedPoints>\n";
+}
+
+std::string AsWrap(const std::vector<Landmark>& picks) {
+  json points = json::object();
+  for (const Landmark& pick : picks)
+    points[pick.name] = {pick.face, pick.barycentric[0], pick.barycentric[1]};
+  return points.dump(1) + "\n";
+}
+
+/// Picks without a partner, and what the pipeline would say of the file.
+json ProblemsOf(const CarryLog& log) {
+  json problems = json::array();
+  for (const std::string& warning : log.warnings)
+    problems.push_back({{"name", ""}, {"text", warning}});
+  return problems;
+}
+
+void RequireRevision(const fs::path& file, const json& body) {
+  if (RevisionOf(file) != body.at("revision").get<std::string>())
+    throw ChangedMeanwhile(
+        fmt::format("{} was changed elsewhere; it was read again", file.filename().string()));
+}
+
+std::string TemplatePose(Snapshot& snapshot) { return snapshot.graph().template_pose; }
+
+}  // namespace
+
+json PicksJson(Snapshot& snapshot, const std::string& pose) {
+  const Mesh mesh = PickedMeshOf(snapshot, pose);
+  const fs::path file = ExistingPicks(snapshot, pose);
+  json picks = {{"pose", pose},
+                {"revision", RevisionOf(PicksFile(snapshot, pose))},
+                {"picks", json::array()},
+                {"problems", json::array()}};
+  if (file.empty()) return picks;
+  CarryLog log;
+  try {
+    for (const Landmark& pick : ReadPicks(file, mesh, &log, pose))
+      picks["picks"].push_back(PickJson(pick));
+    picks["problems"] = ProblemsOf(log);
+  } catch (const Error& error) {
+    picks["problems"].push_back({{"name", ""}, {"text", error.what()}});
+  }
+  return picks;
+}
+
+void SavePicks(Snapshot& snapshot, const std::string& pose, const json& body) {
+  const Mesh mesh = PickedMeshOf(snapshot, pose);
+  RequireRevision(PicksFile(snapshot, pose), body);
+  std::vector<Landmark> picks;
+  for (const json& value : body.at("picks")) picks.push_back(PickFrom(value, mesh));
+  RequireNamesOnce(picks);
+  WritePicks(snapshot, pose, mesh, picks);
+}
+
+void ImportPicks(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                 const std::string& text) {
+  const Mesh mesh = PickedMeshOf(snapshot, pose);
+  RequireShallowJson(text, name);
+  std::vector<Landmark> picks;
+  if (IsWrap(text)) {
+    picks = WrapPoints(text, mesh);
+  } else {
+    const bool xml = text.find('<') == text.find_first_not_of(" \t\r\n");
+    const fs::path file =
+        snapshot.project() / (xml ? ".keypose/studio/import.pp" : ".keypose/studio/import.json");
+    fs::create_directories(file.parent_path());
+    WriteFile(file, text);
+    try {
+      picks = ReadPicks(file, mesh, nullptr, pose);
+    } catch (const Error& error) {
+      // The person knows the file by its own name.
+      std::string words = error.what();
+      if (const auto at = words.find(file.string()); at != std::string::npos)
+        words.replace(at, file.string().size(), name);
+      throw InputError(words);
+    }
+  }
+  RequireNamesOnce(picks);
+  WritePicks(snapshot, pose, mesh, picks);
+}
+
+std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::string& format) {
+  const Mesh mesh = PickedMeshOf(snapshot, pose);
+  const fs::path file = ExistingPicks(snapshot, pose);
+  if (file.empty()) throw UsageError(fmt::format("pose '{}' has no landmarks yet", pose));
+  const std::vector<Landmark> picks = ReadPicks(file, mesh, nullptr, pose);
+  if (format == "pp") return AsMeshLab(picks, mesh);
+  if (format == "wrap") return AsWrap(picks);
+  if (format == "json") return ReadFile(file);
+  throw UsageError(fmt::format("landmarks are written as json, pp or wrap, not as {}", format));
+}
+
+json AdviceJson(Snapshot& snapshot, const std::string& pose) {
+  json advice = json::array();
+  const auto result = snapshot.Result("register", pose);
+  if (!result) return advice;
+  const json report = json::parse(ReadFile(result->folder / "report.json"), nullptr, false);
+  if (!report.contains("measurements")) return advice;
+  for (const json& one : report["measurements"].value("landmark_advice", json::array()))
+    advice.push_back({{"vertex", one.at("vertex")},
+                      {"place", one.at("position")},
+                      {"need", one.at("score")},
+                      {"reason", one.value("reason", "")}});
+  return advice;
+}
+
+json SuggestionsJson(Snapshot& snapshot, const std::string& pose, const fs::path& suggested) {
+  const Mesh source = PickedMeshOf(snapshot, TemplatePose(snapshot));
+  const Mesh target = PickedMeshOf(snapshot, pose);
+  json all = json::array();
+  for (const LandmarkPair& pair : ReadLandmarkPairs({suggested}, source, target)) {
+    if (pair.confirmed) continue;
+    all.push_back({{"name", pair.name},
+                   {"source", PickJson(pair.source)},
+                   {"target", PickJson(pair.target)},
+                   {"confidence", pair.confidence}});
+  }
+  return all;
+}
+
+json StiffnessJson(Snapshot& snapshot) {
+  const Mesh mesh = PickedMeshOf(snapshot, TemplatePose(snapshot));
+  const fs::path file = snapshot.project() / "stiffness.json";
+  json body = {{"revision", RevisionOf(file)}, {"values", nullptr}};
+  if (!fs::is_regular_file(file)) return body;
+  const Eigen::VectorXd values = StiffnessOn(mesh, ReadFile(file), {}, "stiffness.json", nullptr);
+  body["values"] = std::vector<double>(values.begin(), values.end());
+  return body;
+}
+
+void SaveStiffness(Snapshot& snapshot, const json& body) {
+  const Mesh mesh = PickedMeshOf(snapshot, TemplatePose(snapshot));
+  const fs::path file = snapshot.project() / "stiffness.json";
+  RequireRevision(file, body);
+  if (body.at("values").is_null()) return pipeline::RealDisk().Remove(file);
+  const std::vector<double> values = body.at("values");
+  if (static_cast<int>(values.size()) != mesh.vertex_count())
+    throw UsageError(fmt::format("{} values for {} vertices; the page shows an older mesh",
+                                 values.size(), mesh.vertex_count()));
+  Eigen::VectorXd factors(mesh.vertex_count());
+  for (int i = 0; i < mesh.vertex_count(); ++i) {
+    factors[i] = values[static_cast<std::size_t>(i)];
+    if (!(factors[i] > 0) || factors[i] > 1e6)
+      throw UsageError(fmt::format("vertex {} has the stiffness {}", i, factors[i]));
+  }
+  WriteFileAtomically(file, BoundStiffnessText(mesh, factors));
+}
+
+json RegionsJson(Snapshot& snapshot) {
+  const fs::path file = snapshot.project() / "regions.json";
+  json body = {{"revision", RevisionOf(file)}, {"regions", json::object()}};
+  if (!fs::is_regular_file(file)) return body;
+  const json parsed = json::parse(ReadFile(file), nullptr, false);
+  if (!parsed.is_object()) return body;
+  for (const json& region : parsed.value("regions", json::array()))
+    if (region.contains("vertices")) body["regions"][region.at("name")] = region.at("vertices");
+  return body;
+}
+
+void SaveRegions(Snapshot& snapshot, const json& body) {
+  const Mesh mesh = PickedMeshOf(snapshot, TemplatePose(snapshot));
+  const fs::path file = snapshot.project() / "regions.json";
+  RequireRevision(file, body);
+  std::vector<TimelineRegion> regions;
+  for (const auto& [name, vertices] : body.at("regions").items()) {
+    TimelineRegion region;
+    region.name = name;
+    region.vertices = vertices.get<std::vector<int>>();
+    regions.push_back(region);
+  }
+  if (regions.empty()) return pipeline::RealDisk().Remove(file);
+  const fs::path writing = snapshot.project() / ".keypose/studio/regions.json";
+  fs::create_directories(writing.parent_path());
+  WriteRegions(writing, mesh, regions);
+  fs::rename(writing, file);
+}
+
+}  // namespace keypose::studio

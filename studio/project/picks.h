@@ -1,0 +1,45 @@
+// Landmarks of the page: read, checked, saved, imported, exported.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "studio/project/snapshot.h"
+
+namespace keypose::studio {
+
+/// A pose's picks on the mesh that they are picked on, with what is wrong with them.
+/// @throws UsageError  no such pose, or its mesh is not made yet
+nlohmann::json PicksJson(Snapshot& snapshot, const std::string& pose);
+
+/// Writes landmarks/POSE.json; without picks, removes it.
+/// @param body  {"picks": [{name, face, barycentric}], "revision": ...}
+/// @throws ChangedMeanwhile, UsageError, InputError
+void SavePicks(Snapshot& snapshot, const std::string& pose, const nlohmann::json& body);
+
+/// Replaces a pose's picks by those of a file: MeshLab's .pp, Wrap's points, or our JSON.
+/// @param name  the file's name, for messages and its kind
+void ImportPicks(Snapshot& snapshot, const std::string& pose, const std::string& name,
+                 const std::string& text);
+
+/// @param format  "json", "pp" or "wrap"
+std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::string& format);
+
+/// The last registration's advice on where one more landmark helps most.
+nlohmann::json AdviceJson(Snapshot& snapshot, const std::string& pose);
+
+/// Pairs from the file that `keypose landmarks suggest` writes.
+nlohmann::json SuggestionsJson(Snapshot& snapshot, const std::string& pose,
+                               const std::filesystem::path& suggested);
+
+/// A factor for each of the template's vertices, or null when nothing is painted.
+nlohmann::json StiffnessJson(Snapshot& snapshot);
+/// Writes stiffness.json, which `register` takes; without values, removes it.
+/// @param body  {"values": [...] or null, "revision": ...}
+void SaveStiffness(Snapshot& snapshot, const nlohmann::json& body);
+/// Vertex lists of the timeline's regions, by name.
+nlohmann::json RegionsJson(Snapshot& snapshot);
+void SaveRegions(Snapshot& snapshot, const nlohmann::json& body);
+
+}  // namespace keypose::studio

@@ -1,0 +1,107 @@
+#include "studio/project/snapshot.h"
+
+#include <algorithm>
+
+#include "core/io/files.h"
+#include "core/sha256.h"
+#include "pipeline/project_paths.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using pipeline::Step;
+
+namespace {
+
+struct KindRow {
+  MeshKind kind;
+  const char* name;
+  const char* rule;
+  const char* port;
+};
+constexpr KindRow kKinds[] = {
+    {MeshKind::kMesh, "mesh", "register", "registered"},
+    {MeshKind::kClean, "clean", "cleanup", "clean"},
+    {MeshKind::kRefined, "refined", "refine", "refined"},
+    {MeshKind::kSurface, "surface", "mesh", "surface"},
+    {MeshKind::kCloud, "cloud", "dense", "cloud"},
+};
+
+const KindRow& RowOf(MeshKind kind) {
+  return *std::find_if(std::begin(kKinds), std::end(kKinds),
+                       [&](const KindRow& row) { return row.kind == kind; });
+}
+
+}  // namespace
+
+std::optional<MeshKind> MeshKindNamed(const std::string& name) {
+  for (const KindRow& row : kKinds)
+    if (name == row.name) return row.kind;
+  return std::nullopt;
+}
+
+std::string NameOf(MeshKind kind) { return RowOf(kind).name; }
+
+Snapshot::Snapshot(const fs::path& project)
+    : session_(project, {}),
+      file_(pipeline::ParsePipelineFile(ReadFile(project / "pipeline.yaml"), "pipeline.yaml")),
+      plan_(std::make_unique<pipeline::Plan>(session_.graph(), session_.workshop(),
+                                             pipeline::Selection{})) {
+  session_.workshop().hasher.Save();
+}
+
+bool Snapshot::HasPose(const std::string& pose) const {
+  const auto& poses = graph().poses;
+  return std::find(poses.begin(), poses.end(), pose) != poses.end();
+}
+
+const Step* Snapshot::FindStep(const std::string& rule, const std::string& pose) const {
+  for (const Step& step : graph().steps)
+    if (step.rule == rule && (pose.empty() || step.pose == pose)) return &step;
+  return nullptr;
+}
+
+std::optional<pipeline::Artifact> Snapshot::Result(const std::string& rule,
+                                                   const std::string& pose) {
+  const Step* step = FindStep(rule, pose);
+  if (step == nullptr) return std::nullopt;
+  const auto& planned = plan()[static_cast<int>(step - graph().steps.data())];
+  if (planned.artifact) return planned.artifact;
+  if (!planned.last || planned.last->fingerprint.empty()) return std::nullopt;
+  return session_.store().Find(planned.last->fingerprint);
+}
+
+std::optional<fs::path> Snapshot::ResultPath(const std::string& rule, const std::string& pose,
+                                             const std::string& port) {
+  const auto result = Result(rule, pose);
+  if (!result || !result->outputs.contains(port)) return std::nullopt;
+  return result->Path(port);
+}
+
+std::optional<fs::path> Snapshot::MeshPath(const std::string& pose, MeshKind kind) {
+  if (kind == MeshKind::kMesh && IsTemplate(pose)) return ResultPath("unwrap", pose, "unwrapped");
+  return ResultPath(RowOf(kind).rule, pose, RowOf(kind).port);
+}
+
+std::optional<fs::path> Snapshot::TexturePath(const std::string& pose) {
+  if (auto completed = ResultPath("complete", pose, "completed")) return completed;
+  return ResultPath("bake", pose, "texture");
+}
+
+std::optional<fs::path> Snapshot::PickedMesh(const std::string& pose) {
+  return MeshPath(pose, IsTemplate(pose) ? MeshKind::kMesh : MeshKind::kClean);
+}
+
+fs::path Snapshot::PhotoFolder(const std::string& pose) const {
+  const pipeline::PoseRule* rule = file_.FindPose(pose);
+  const fs::path written =
+      rule && rule->photos ? pipeline::WithHome(rule->photos->text) : "photos/" + pose;
+  return project() / pipeline::OnDisk(pipeline::RealDisk(), project(), written);
+}
+
+std::string RevisionOf(const fs::path& file) {
+  std::error_code ignored;
+  return fs::is_regular_file(file, ignored) ? Sha256Of(ReadFile(file)).substr(0, 16) : "";
+}
+
+}  // namespace keypose::studio

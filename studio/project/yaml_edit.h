@@ -1,0 +1,38 @@
+// Changes single values of a YAML file and keeps every other byte: comments, order, quotes.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace keypose::studio {
+
+/// Thrown when a file is written in a way that cannot be changed safely, such as by anchors.
+struct YamlEditError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A key for each level of maps: {"options", "dense", "levels"}.
+using YamlPath = std::vector<std::string>;
+
+/// `text` with the value at `path`. Missing maps on the way are made.
+/// @param value  YAML in flow style: a scalar as YamlScalar writes it, [..] or {..}
+/// @throws YamlEditError  `text` is not YAML, something on the way is no map, or the result would
+/// not be as wanted
+std::string WithValue(const std::string& text, const YamlPath& path, const std::string& value);
+
+/// `text` without the value at `path`, and without the maps that are empty then. The same text if
+/// there is none.
+/// @throws YamlEditError  as above
+std::string WithoutValue(const std::string& text, const YamlPath& path);
+
+/// `text` with a list at `path`, an item a line. Items that stay keep their line and its comment.
+/// @param items  YAML in flow style
+/// @throws YamlEditError  as above
+std::string WithItems(const std::string& text, const YamlPath& path,
+                      const std::vector<std::string>& items);
+
+/// A text as a scalar, quoted where YAML would read it as something else.
+std::string YamlScalar(const std::string& value);
+
+}  // namespace keypose::studio

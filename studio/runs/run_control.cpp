@@ -1,0 +1,141 @@
+#include "studio/runs/run_control.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "studio/runs/children.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr auto kPause = std::chrono::milliseconds(100);
+
+/// Hands over the whole lines that were added to a file since the last call.
+class Tail {
+ public:
+  explicit Tail(fs::path file) : file_(std::move(file)) {}
+  template <class Take>
+  void Read(const Take& take) {
+    std::ifstream in(file_, std::ios::binary);
+    in.seekg(at_);
+    std::string line;
+    while (std::getline(in, line) && !in.eof()) {
+      at_ += static_cast<std::streamoff>(line.size()) + 1;
+      if (nlohmann::json::accept(line)) take(line);
+    }
+  }
+
+ private:
+  fs::path file_;
+  std::streamoff at_ = 0;
+};
+
+/// Whether the process is at work; a child that has ended is collected.
+bool IsAlive(int pid, bool own, int* exit_code) {
+  if (!own) return kill(pid, 0) == 0;
+  int status = 0;
+  const pid_t done = waitpid(pid, &status, WNOHANG);
+  if (done == 0) return true;
+  if (done == pid) *exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return false;
+}
+
+/// What a failed run said, without the lines that only a terminal needs.
+std::string Message(const fs::path& error, int exit_code) {
+  std::string text;
+  try {
+    text = WithoutOddBytes(ReadFile(error));
+  } catch (const Error&) {
+    // the file is gone: the exit code says something
+  }
+  const std::string mark = "keypose: error: ";
+  if (const auto at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.empty() && exit_code != 0 ? fmt::format("the run ended with exit code {}", exit_code)
+                                        : text;
+}
+
+void Add(std::vector<std::string>& words, const char* flag, const std::vector<std::string>& steps) {
+  for (const std::string& step : steps) {
+    words.push_back(flag);
+    words.push_back(step);
+  }
+}
+
+}  // namespace
+
+RunControl::RunControl(fs::path project, Listener listener)
+    : project_(std::move(project)), listener_(std::move(listener)) {}
+
+RunControl::~RunControl() {
+  Stop();
+  leave_ = true;
+  if (follower_.joinable()) follower_.join();
+}
+
+fs::path RunControl::File(const char* name) const { return project_ / ".keypose/studio" / name; }
+
+void RunControl::Start(const RunSelection& selection) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (running_) throw LockedError("a run is at work already; stop it first");
+  if (follower_.joinable()) follower_.join();
+  fs::create_directories(File(""));
+  std::vector<std::string> words = {
+      (OwnFolder() / "keypose").string(), "run", "-C", project_.string(), "--progress", "jsonl"};
+  Add(words, "--from", selection.from);
+  Add(words, "--until", selection.until);
+  Add(words, "--only", selection.only);
+  Add(words, "--force", selection.force);
+  pid_ = StartChild(words, project_, File("run.jsonl"), File("run.txt"));
+  WriteFileAtomically(File("run.json"), nlohmann::json{{"pid", pid_.load()}}.dump());
+  running_ = true;
+  follower_ = std::thread([this, pid = pid_.load()] { Follow(pid, true); });
+}
+
+void RunControl::Stop() {
+  if (running_ && pid_ > 0) kill(pid_, SIGINT);
+}
+
+void RunControl::TakeUp() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (running_ || !fs::exists(File("run.json"))) return;
+  const auto value = nlohmann::json::parse(ReadFile(File("run.json")), nullptr, false);
+  const int pid = value.is_object() ? value.value("pid", 0) : 0;
+  std::error_code ignored;
+  const std::string program =
+      fs::read_symlink(fmt::format("/proc/{}/exe", pid), ignored).filename().string();
+  if (pid <= 0 || program != "keypose") return;
+  pid_ = pid;
+  running_ = true;
+  follower_ = std::thread([this, pid] { Follow(pid, false); });
+}
+
+void RunControl::Follow(int pid, bool own) {
+  Tail lines(File("run.jsonl"));
+  int exit_code = 0;
+  bool alive = true;
+  while (alive) {
+    alive = IsAlive(pid, own, &exit_code);
+    lines.Read(listener_.line);
+    if (!own && leave_) return;  // it goes on without this studio
+    if (alive) std::this_thread::sleep_for(kPause);
+  }
+  std::error_code ignored;
+  fs::remove(File("run.json"), ignored);
+  running_ = false;
+  const std::string message = Message(File("run.txt"), exit_code);
+  if (!own && !message.empty()) exit_code = 1;
+  listener_.ended(exit_code, message);
+}
+
+}  // namespace keypose::studio

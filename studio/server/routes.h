@@ -1,0 +1,82 @@
+// What the server answers: one function for each request of docs/studio-api.md.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "studio/project/snapshot.h"
+#include "studio/runs/run_control.h"
+#include "studio/server/event_hub.h"
+#include "studio/server/project_watch.h"
+
+namespace keypose::studio {
+
+/// A request, free of the HTTP library.
+struct Question {
+  std::string method, path;
+  std::map<std::string, std::string> query;
+  std::string body;
+
+  /// @throws UsageError  the query lacks it
+  const std::string& Need(const std::string& name) const;
+  std::string Get(const std::string& name, const std::string& otherwise = "") const;
+  /// The body as JSON. @throws UsageError  it is none, or nested too deep
+  nlohmann::json Json() const;
+};
+
+struct Answer {
+  int status = 200;
+  std::string type = "application/json";
+  std::string bytes;
+  std::filesystem::path file;  ///< sent instead of `bytes`
+  std::string download;        ///< name under which the browser saves it
+};
+
+class Routes {
+ public:
+  explicit Routes(std::filesystem::path folder);
+  ~Routes();
+
+  /// Never throws: faults are answers with {"error": words}.
+  Answer Handle(const Question& question);
+  EventHub& hub() { return hub_; }
+
+ private:
+  using Handler = std::function<Answer(const Question&)>;
+  void AddProject();
+  void AddRuns();
+  void AddPhotographs();
+  void AddMeshes();
+  void AddLandmarks();
+  void AddTimeline();
+  void AddResults();
+  void Add(const std::string& method, const std::string& path, Handler handler);
+  /// Calls `use` with the project as it is now; one caller at a time.
+  template <class Use>
+  auto With(const Use& use);
+  Answer Stages();
+  Answer Suggest(const Question& question);
+  Answer ResultFile(const Question& question);
+  void Changed();
+  void Begin();
+  bool HasProject() const;
+  std::string LockedBy();
+  std::filesystem::path PictureFolder() const;
+
+  const std::filesystem::path folder_;
+  std::map<std::string, Handler> handlers_;  ///< by "GET /api/project"
+  EventHub hub_;
+  std::mutex mutex_;
+  std::unique_ptr<Snapshot> snapshot_;  ///< null: read again
+  std::atomic<bool> stale_ = true;
+  std::mutex described_mutex_, described_inner_;
+  std::map<std::string, nlohmann::json> described_;  ///< stages, by program and its stamp
+  std::unique_ptr<RunControl> run_;
+  std::unique_ptr<ProjectWatch> watch_;
+};
+
+}  // namespace keypose::studio

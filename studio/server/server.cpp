@@ -1,0 +1,292 @@
+#include "studio/server/server.h"
+
+#include <fmt/format.h>
+#include <httplib.h>
+#include <netinet/tcp.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "studio/server/guard.h"
+#include "studio/server/page_files.h"
+#include "studio/server/routes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kUsualPort = 4777, kOtherPorts = 20;
+// A client that says nothing, and a tab that listens for events, each hold a thread.
+constexpr int kThreads = 256, kWaiting = 256;
+constexpr std::size_t kMostBody = 512u << 20;
+// Nothing but the studio's own files; no inline script; nobody may frame it.
+constexpr char kPagePolicy[] =
+    "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' blob: data:; media-src 'self' blob:; connect-src 'self' blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+// The report has its script and pictures in itself. It gets no access to the studio.
+constexpr char kReportPolicy[] =
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline' blob:; "
+    "style-src 'unsafe-inline'; img-src data: blob:; connect-src data: blob:; media-src data: "
+    "blob:; "
+    "frame-ancestors 'self'";
+
+fs::path SessionFile(const fs::path& folder) { return folder / ".keypose/studio/session"; }
+
+/// Keeps the session's secret, so that a tab goes on after the studio was started again. A folder
+/// without a project stays empty.
+void KeepSession(const fs::path& folder, const std::string& secret) {
+  const fs::path file = SessionFile(folder);
+  if (!fs::exists(folder / "pipeline.yaml") || fs::exists(file)) return;
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  WriteFileAtomically(file, secret);
+  chmod(file.c_str(), 0600);
+}
+
+/// The secret of the last session here, or a new one.
+std::string SessionSecret(const fs::path& folder) {
+  const fs::path file = SessionFile(folder);
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) {
+    const std::string secret = ReadFile(file);
+    if (secret.size() == 64) return secret;
+    fs::remove(file, error);
+  }
+  const std::string secret = RandomDigits(256);
+  KeepSession(folder, secret);
+  return secret;
+}
+
+std::string PathOf(const httplib::Request& request) { return request.path; }
+
+RequestHead HeadOf(const httplib::Request& request) {
+  RequestHead head;
+  head.method = request.method;
+  head.path = PathOf(request);
+  head.host = request.get_header_value("Host");
+  head.origin = request.get_header_value("Origin");
+  head.cookies = request.get_header_value("Cookie");
+  head.fetch_site = request.get_header_value("Sec-Fetch-Site");
+  head.own_header = request.get_header_value("X-Keypose");
+  const std::string length = request.get_header_value("Content-Length");
+  if (!length.empty() && length.find_first_not_of("0123456789") == std::string::npos)
+    head.body_bytes = length.size() > 18 ? ~std::uint64_t{0} : std::stoull(length);
+  return head;
+}
+
+void SetCommonHeaders(httplib::Response& response) {
+  response.set_header("X-Content-Type-Options", "nosniff");
+  response.set_header("Referrer-Policy", "no-referrer");
+  response.set_header("Cross-Origin-Resource-Policy", "same-origin");
+  response.set_header("Cross-Origin-Opener-Policy", "same-origin");
+  response.set_header("Cache-Control", "no-store");
+}
+
+void Refuse(const Refusal& refusal, httplib::Response& response) {
+  response.status = refusal.status;
+  response.set_content("{\"error\": \"" + refusal.words + "\"}", "application/json");
+}
+
+Question QuestionOf(const httplib::Request& request) {
+  Question question{request.method, PathOf(request), {}, request.body};
+  for (const auto& [name, value] : request.params) question.query[name] = value;
+  return question;
+}
+
+/// What a browser keeps a file under, to ask only whether it has changed.
+std::string TagOf(const fs::path& file) {
+  struct stat stat;
+  if (::stat(file.c_str(), &stat) != 0) return "";
+  return fmt::format("\"{:x}-{:x}-{:x}{:x}\"", stat.st_ino, stat.st_size, stat.st_mtim.tv_sec,
+                     stat.st_mtim.tv_nsec);
+}
+
+/// A file in pieces, so that a film of a gigabyte is not held in memory.
+void SendFile(const Answer& answer, const httplib::Request& request, httplib::Response& response) {
+  const std::string tag = TagOf(answer.file);
+  response.set_header("ETag", tag);
+  response.headers.erase("Cache-Control");
+  response.set_header("Cache-Control", "private, no-cache");
+  if (!tag.empty() && request.get_header_value("If-None-Match") == tag) {
+    response.status = 304;
+    return;
+  }
+  auto in = std::make_shared<std::ifstream>(answer.file, std::ios::binary);
+  std::error_code error;
+  const auto size = fs::file_size(answer.file, error);
+  if (!*in || error) {
+    response.status = 404;
+    response.set_content("{\"error\": \"the file is gone\"}", "application/json");
+    return;
+  }
+  response.set_content_provider(
+      size, answer.type.c_str(),
+      [in](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        char buffer[64 << 10];
+        in->seekg(static_cast<std::streamoff>(offset));
+        in->read(buffer, static_cast<std::streamsize>(std::min(length, sizeof buffer)));
+        return in->gcount() > 0 && sink.write(buffer, static_cast<std::size_t>(in->gcount()));
+      });
+}
+
+/// For a header: every byte that is not a letter or digit of ASCII as %XX.
+std::string PercentEncoded(const std::string& text) {
+  std::string encoded;
+  for (const char c : text) {
+    const bool plain =
+        std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '_' || c == '-';
+    encoded += plain && static_cast<signed char>(c) > 0
+                   ? std::string(1, c)
+                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return encoded;
+}
+
+void Send(const Question& question, const Answer& answer, const httplib::Request& request,
+          httplib::Response& response) {
+  response.status = answer.status;
+  if (!answer.download.empty())
+    response.set_header("Content-Disposition",
+                        "attachment; filename*=UTF-8''" + PercentEncoded(answer.download));
+  if (question.path.starts_with("/report/"))
+    response.set_header("Content-Security-Policy", kReportPolicy);
+  if (!answer.file.empty())
+    SendFile(answer, request, response);
+  else
+    response.set_content(answer.bytes, answer.type.c_str());
+}
+
+std::string PageType(const std::string& name) {
+  if (name.ends_with(".html")) return "text/html; charset=utf-8";
+  if (name.ends_with(".css")) return "text/css";
+  if (name.ends_with(".js")) return "text/javascript";
+  return "application/octet-stream";
+}
+
+bool SendPage(const std::vector<PageFile>& page, const std::string& path,
+              httplib::Response& response) {
+  const std::string name = path == "/" ? "index.html" : path.substr(1);
+  for (const PageFile& file : page) {
+    if (file.name != name) continue;
+    response.set_header("Content-Security-Policy", kPagePolicy);
+    response.set_content(file.bytes.data(), file.bytes.size(), PageType(name).c_str());
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+struct StudioServer::Impl {
+  explicit Impl(const ServerOptions& options)
+      : folder(options.folder),
+        session(SessionSecret(folder)),
+        routes(options.folder),
+        page(*options.page) {
+    server.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server.set_payload_max_length(kMostBody);
+    server.set_keep_alive_max_count(1000);
+    server.set_read_timeout(5, 0);
+    server.set_write_timeout(10, 0);
+    port = Bind(options.port);
+  }
+
+  int Bind(int wanted) {
+    const int first = wanted > 0 ? wanted : kUsualPort;
+    const int tries = wanted > 0 ? 1 : kOtherPorts;
+    server.set_socket_options([this](socket_t socket) {
+      const int on = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+      setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+      listener = socket;
+    });
+    for (int i = 0; i < tries; ++i) {
+      if (!server.bind_to_port("127.0.0.1", first + i)) continue;
+      // The library lets five callers wait; tabs with many pictures are more.
+      listen(listener, kWaiting);
+      return first + i;
+    }
+    throw UsageError(fmt::format("port {} is taken; leave --port out, or choose another", first));
+  }
+
+  void SetUp() {
+    server.set_pre_routing_handler([this](const auto& request, auto& response) {
+      SetCommonHeaders(response);
+      const auto refusal = guard->Judge(HeadOf(request));
+      if (!refusal) return httplib::Server::HandlerResponse::Unhandled;
+      Refuse(*refusal, response);
+      // What a refused request still sends is not read.
+      response.set_header("Connection", "close");
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_exception_handler([](const auto&, auto& response, std::exception_ptr) {
+      response.status = 500;
+      response.set_content("{\"error\": \"a bug in the studio\"}", "application/json");
+    });
+    server.Get("/enter", [this](const auto& request, auto& response) { Enter(request, response); });
+    server.Get("/api/events", [this](const auto&, auto& response) { SendEvents(response); });
+    const auto any = [this](const httplib::Request& request, httplib::Response& response) {
+      if (request.method == "GET" && SendPage(page, PathOf(request), response)) return;
+      const Question question = QuestionOf(request);
+      const Answer answer = routes.Handle(question);
+      if (question.method == "POST" && question.path == "/api/project" && answer.status == 200)
+        KeepSession(folder, session);
+      Send(question, answer, request, response);
+    };
+    server.Get(".*", any);
+    server.Post(".*", any);
+    server.Put(".*", any);
+  }
+
+  void Enter(const httplib::Request& request, httplib::Response& response) {
+    const auto cookie = guard->Enter(request.get_param_value("token"));
+    if (!cookie) {
+      Refuse({403, "this address was used already; start the studio again for a new one"},
+             response);
+      return;
+    }
+    response.set_header("Set-Cookie", *cookie);
+    response.set_redirect("/");
+  }
+
+  void SendEvents(httplib::Response& response) {
+    auto tab = std::make_shared<EventHub::Tab>(routes.hub());
+    response.set_chunked_content_provider(
+        "text/event-stream", [tab](std::size_t, httplib::DataSink& sink) {
+          const std::string text = tab->Next();
+          return !text.empty() && sink.write(text.data(), text.size());
+        });
+  }
+
+  const fs::path folder;
+  const std::string session;
+  Routes routes;
+  const std::vector<PageFile>& page;
+  httplib::Server server;
+  std::unique_ptr<Guard> guard;
+  socket_t listener = INVALID_SOCKET;
+  int port = 0;
+};
+
+StudioServer::StudioServer(const ServerOptions& options) : impl_(std::make_unique<Impl>(options)) {
+  const std::string token = RandomDigits(128);
+  impl_->guard = std::make_unique<Guard>(token, impl_->session, impl_->port);
+  impl_->SetUp();
+  address_ = fmt::format("http://127.0.0.1:{}/enter?token={}", impl_->port, token);
+}
+
+StudioServer::~StudioServer() = default;
+
+void StudioServer::Serve() { impl_->server.listen_after_bind(); }
+
+void StudioServer::Stop() {
+  impl_->routes.hub().Close();
+  impl_->server.stop();
+}
+
+}  // namespace keypose::studio

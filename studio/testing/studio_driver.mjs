@@ -1,0 +1,137 @@
+// Starts a studio and a browser for walk_test.mjs, and the checks that all its parts share.
+import { spawn } from 'node:child_process';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+
+import { chromium } from 'playwright-core';
+
+const kBrowser = '/usr/bin/chromium';
+const kArguments = ['--headless', '--no-sandbox', '--disable-gpu', '--use-gl=angle', '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync'];
+const kAxe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+
+/** @throws Error with these words */
+export function check(condition, words) {
+  if (!condition) throw new Error(words);
+}
+
+/** Asks again and again; the first answer that is not false, null or ''. */
+export async function until(words, probe, seconds = 30) {
+  const end = Date.now() + 1000 * seconds;
+  let last = '';
+  while (Date.now() < end) {
+    try {
+      const answer = await probe();
+      if (answer) return answer;
+    } catch (error) {
+      last = ` (${error.message})`;
+    }
+    await new Promise((go) => setTimeout(go, 150));
+  }
+  throw new Error(`not within ${seconds} s: ${words}${last}`);
+}
+
+/** The program `keypose studio` of one folder. */
+export class StudioProgram {
+  constructor(bin, folder) {
+    this.bin = bin;
+    this.folder = folder;
+    this.port = 0;
+  }
+
+  /** The address to enter at. Started again, it listens on the same port. */
+  async start() {
+    const words = ['studio', '-C', this.folder, '--no-browser', ...(this.port ? ['--port', String(this.port)] : [])];
+    this.program = spawn(join(this.bin, 'keypose'), words, { stdio: ['ignore', 'pipe', 'inherit'] });
+    this.ended = new Promise((resolve) => this.program.once('exit', (code, signal) => resolve(signal ?? code)));
+    const line = await new Promise((resolve, reject) => {
+      let text = '';
+      this.program.stdout.on('data', (piece) => {
+        text += piece;
+        if (text.includes('\n')) resolve(text.split('\n')[0]);
+      });
+      this.program.once('exit', (code) => reject(new Error(`keypose studio ended with ${code} before it gave an address`)));
+    });
+    check(/^http:\/\/127\.0\.0\.1:\d+\/enter\?token=[0-9a-f]{32}$/.test(line), `the first line is no address: ${line}`);
+    this.port = Number(new URL(line).port);
+    return line;
+  }
+
+  /** The exit code, or the name of the signal. */
+  async end(signal) {
+    this.program.kill(signal);
+    return Promise.race([this.ended, new Promise((resolve) => setTimeout(resolve, 20000, 'it goes on after 20 s'))]);
+  }
+}
+
+/** A browser that keeps what goes wrong in its pages. */
+export class Browser {
+  /** what must be empty at the end */
+  faults = [];
+  /** while true, a server that does not answer is no fault */
+  away = false;
+
+  async start() {
+    this.browser = await chromium.launch({ executablePath: kBrowser, args: kArguments });
+    this.context = await this.browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'light' });
+  }
+
+  async tab() {
+    const page = await this.context.newPage();
+    page.on('pageerror', (error) => this.faults.push(`${page.url()}: ${error.stack ?? error.message}`));
+    page.on('console', (message) => {
+      const text = message.text();
+      if (message.type() === 'error' && !this.away && !/the server responded with a status of/.test(text))
+        this.faults.push(`${page.url()}: ${text}`);
+    });
+    page.on('response', (response) => {
+      if (response.status() >= 400 && !this.expected?.test(response.url()))
+        this.faults.push(`${page.url()}: ${response.status()} for ${response.request().method()} ${response.url()}`);
+    });
+    page.on('request', (request) => {
+      const url = new URL(request.url());
+      if (/^https?:$/.test(url.protocol) && url.hostname !== '127.0.0.1')
+        this.faults.push(`${page.url()} asks another machine: ${request.url()}`);
+    });
+    page.on('dialog', (dialog) => {
+      if (dialog.type() !== 'beforeunload') this.faults.push(`a script ran: ${dialog.message()}`);
+      dialog.accept().catch(() => undefined);
+    });
+    return page;
+  }
+
+  async end() {
+    await this.browser?.close();
+  }
+}
+
+/** @throws Error with each thing that axe-core finds on the page */
+export async function checkAccess(page, name) {
+  await page.evaluate(kAxe);
+  const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
+  const lines = found.violations.flatMap((rule) =>
+    rule.nodes.map((node) => `  ${rule.id}: ${rule.help}\n    ${node.html.slice(0, 200)}\n    ${node.failureSummary?.split('\n').slice(1, 3).join(' ')}`));
+  check(lines.length === 0, `axe-core on ${name}:\n${lines.join('\n')}`);
+}
+
+const kSizes = [
+  { width: 1280, height: 800, colours: 'light' },
+  { width: 1920, height: 1080, colours: 'dark' },
+];
+
+/** Pictures of a page in both sizes, if somebody wants them; axe-core looks at both colours. */
+export async function record(page, name, pictures) {
+  if (pictures) mkdirSync(pictures, { recursive: true });
+  for (const { width, height, colours } of kSizes) {
+    await page.setViewportSize({ width, height });
+    await page.emulateMedia({ colorScheme: colours });
+    await page.waitForTimeout(pictures ? 900 : 300);
+    await checkAccess(page, `${name}, ${colours}`);
+    if (pictures) await page.screenshot({ path: join(pictures, `${name}_${colours}.png`) });
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await page.emulateMedia({ colorScheme: 'light' });
+  await page.waitForTimeout(200);
+}

@@ -1,0 +1,112 @@
+// The walk's part on the timeline: keys by keyboard, an ease, twos, new frames, scrub, play, onion skin.
+import { check, record, until } from './studio_driver.mjs';
+
+const kPlay_ms = 3000;
+const kFramesSeconds = 400;
+
+/** "bent, frame 14 · 0.58 s": 14 */
+const frameIn = (label) => Number(/frame (\d+)/.exec(label)?.[1]);
+
+class Timeline {
+  constructor(context) {
+    Object.assign(this, context);
+  }
+
+  block = (index) => this.page.locator(`.tl-block[data-key="${index}"]`);
+  frameOf = async (index) => frameIn(await this.block(index).getAttribute('aria-label'));
+  button = (name) => this.page.getByRole('button', { name, exact: true });
+  counter = async () => Number(await this.page.locator('.tl-now').textContent());
+
+  async written(words, pattern) {
+    await until(`${words} is in pipeline.yaml; it is\n${this.pipeline()}`, () => pattern.test(this.pipeline()), 15);
+  }
+
+  async edit() {
+    const { page } = this;
+    const before = await this.frameOf(1);
+    await this.block(1).focus();
+    await page.keyboard.press('Shift+ArrowRight');
+    await page.keyboard.press('ArrowRight');
+    await page.keyboard.press('ArrowRight');
+    await until('the key has moved by twelve frames', async () => (await this.frameOf(1)) === before + 12);
+    this.seconds = (before + 12) / 24;
+    await this.written('the time of the key', new RegExp(`\\{pose: bent, at: ${String(Number(this.seconds.toFixed(4))).replace('.', '\\.')}`));
+    await page.keyboard.press('ArrowUp');
+    await page.keyboard.press('Alt+ArrowRight');
+    await this.button('In-out').click();
+    await this.button('Twos').first().click();
+    await this.written('the ease', /pose: rest, at: 0, .*ease: in-out/);
+    await this.written('the hold', /pose: rest, at: 0, .*hold: 0\.04/);
+    await this.written('the pictures on twos', /^ {2}step: 2$/m);
+    await page.keyboard.press('Control+z');
+    await until('undo takes the twos back', () => !/^ {2}step: 2$/m.test(this.pipeline()));
+    await page.keyboard.press('Control+Shift+z');
+    await this.written('the pictures on twos, done again', /^ {2}step: 2$/m);
+    check(this.pipeline().startsWith('#'), 'pipeline.yaml has lost its comment');
+  }
+
+  async makeFrames() {
+    const { page } = this;
+    await page.getByText('the timeline has changed since').waitFor();
+    await this.button('Make frames').click();
+    await page.getByText('the timeline has changed since').waitFor({ state: 'detached', timeout: 1000 * kFramesSeconds });
+    const frames = await (await page.request.get(new URL('/api/frames', page.url()).href)).json();
+    const last = Number((await page.locator('.tl-counter .soft').textContent()).replace('/', ''));
+    check(frames.count === last + 1, `${frames.count} frames were made, the ruler has ${last + 1}`);
+  }
+
+  async scrub() {
+    const { page } = this;
+    const box = await page.getByRole('slider', { name: 'Playhead' }).boundingBox();
+    const y = box.y + box.height / 2;
+    await page.mouse.move(box.x + 30, y);
+    await page.mouse.down();
+    const seen = new Set();
+    for (let i = 1; i <= 12; ++i) {
+      await page.mouse.move(box.x + 30 + i * (box.width / 30), y);
+      seen.add(await this.counter());
+    }
+    await page.mouse.up();
+    check(seen.size > 5, `scrubbing showed only the frames ${[...seen]}`);
+    const at = await this.counter();
+    await page.keyboard.press(',');
+    await until('the comma goes a frame back', async () => (await this.counter()) === at - 1);
+  }
+
+  async play() {
+    const { page } = this;
+    await page.keyboard.press('Home');
+    await this.button('Play').click();
+    const seen = new Set();
+    for (const end = Date.now() + kPlay_ms; Date.now() < end; await page.waitForTimeout(40)) seen.add(await this.counter());
+    await this.button('Pause').click();
+    const dropped = await page.locator('main').getAttribute('data-dropped');
+    console.log(`    ${kPlay_ms / 1000} s played, ${seen.size} frames seen here, ${dropped} dropped`);
+    check(seen.size > 3, `playing showed only the frames ${[...seen]}`);
+    check(/^\d+$/.test(dropped), `data-dropped is '${dropped}'`);
+  }
+
+  async onion() {
+    const { page } = this;
+    await page.keyboard.press('Home');
+    for (let i = 0; i < 8; ++i) await page.keyboard.press('.');
+    await page.keyboard.press('o');
+    check((await this.button('Onion skin').getAttribute('aria-pressed')) === 'true', 'the key O does not switch the onion skin on');
+    await page.getByRole('button', { name: 'Frames after: one more' }).waitFor();
+    await page.waitForTimeout(600);
+    await this.block(0).focus();
+    await record(page, 'timeline', this.pictures);
+  }
+}
+
+export async function walkTimeline(context) {
+  const { page, go } = context;
+  await go('#/timeline');
+  await page.getByRole('group', { name: 'Keys', exact: true }).waitFor();
+  const timeline = new Timeline(context);
+  await timeline.edit();
+  await timeline.makeFrames();
+  await timeline.scrub();
+  await timeline.play();
+  await timeline.onion();
+}

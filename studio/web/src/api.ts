@@ -1,0 +1,337 @@
+// The studio's server, as the page sees it. docs/studio-api.md describes each request.
+
+/** A request that the server refused, with the words that it gave. */
+export class ApiError extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+  ) {
+    super(message)
+  }
+}
+
+/** What kind of end a step's last result or plan has. */
+export type StepState = 'done' | 'would_run' | 'waits' | 'failed' | 'never' | 'missing'
+
+export interface Pose {
+  name: string
+  template: boolean
+  photos: string
+  /** number of photographs in the pose's folder */
+  photographs: number
+  /** the folder of masks that the project names, or '' */
+  masks: string
+  has_landmarks: boolean
+  /** which meshes exist by now: 'mesh', 'clean', 'refined', 'surface', 'cloud' */
+  meshes: string[]
+  has_texture: boolean
+  has_cameras: boolean
+}
+
+export interface Project {
+  name: string
+  folder: string
+  poses: Pose[]
+  template: string
+  fps: number
+  /** hash of pipeline.yaml; sent back with each change */
+  revision: string
+  /** what is wrong with pipeline.yaml, or '' */
+  problem: string
+  has_frames: boolean
+  has_report: boolean
+  /** true: no pipeline.yaml in the folder yet */
+  empty: boolean
+}
+
+export interface Step {
+  id: string
+  step: string
+  stage: string
+  pose: string
+  state: StepState
+  /** of the last success [s]; 0: none */
+  seconds: number
+  reasons: string[]
+  waits_for: string[]
+  error: string
+  exit_code: number
+  /** as used, text by option */
+  options: Record<string, string>
+  /** the options that pipeline.yaml sets, by name, with their line */
+  set: Record<string, { text: string; line: number; pose: boolean }>
+}
+
+export interface Warning {
+  steps: string[]
+  poses: string[]
+  text: string
+}
+export interface Verdict {
+  about: string
+  grade: 'good' | 'look' | 'wrong'
+  why: string
+  step: string
+}
+
+export interface Steps {
+  steps: Step[]
+  warnings: Warning[]
+  verdicts: Verdict[]
+  /** a run that the studio started */
+  running: boolean
+  /** words on who else holds the project's lock, or '' */
+  locked_by: string
+}
+
+export interface StageOption {
+  name: string
+  type: 'bool' | 'int' | 'double' | 'string'
+  default: string
+  unit: string
+  help: string
+  min?: number
+  max?: number
+  choices?: string[]
+}
+export interface Stage {
+  stage: string
+  summary: string
+  options: StageOption[]
+}
+
+export interface Photograph {
+  name: string
+  width: number
+  height: number
+  sharpness: number
+  exposure: number
+  mask_fraction: number
+  mask_given: boolean
+  trusted: boolean
+  why: string
+  /** false: in the folder, but capture has not made it yet */
+  captured: boolean
+}
+
+export interface CameraView {
+  name: string
+  /** world_from_camera, row-major 3 x 4: x right, y down, z forward */
+  pose: number[]
+  focal_px: number
+  width: number
+  height: number
+  /** principal point [px] */
+  cx: number
+  cy: number
+}
+
+export interface Pick {
+  name: string
+  face: number
+  barycentric: [number, number, number]
+}
+export interface Picks {
+  pose: string
+  /** 0: no file yet */
+  revision: string
+  picks: Pick[]
+  /** what is wrong with single picks, by name */
+  problems: { name: string; text: string }[]
+}
+
+export interface Suggestion {
+  name: string
+  source: Pick
+  target: Pick
+  confidence: number
+}
+export interface Advice {
+  /** a vertex of the template where one more landmark would help */
+  vertex: number
+  place: [number, number, number]
+  need: number
+}
+
+export interface TimelineKey {
+  pose: string
+  at: number
+  hold?: number
+  ease?: string | number[]
+}
+export interface Timeline {
+  revision: string
+  /** false: the file only gives the order of poses, and the times are those of the next frames */
+  timed: boolean
+  fps: number
+  keys: TimelineKey[]
+  loop: boolean
+  /** frames for which each picture stays: 1, 2 or 3 */
+  step: number
+  /** fields that the page does not edit, kept as they are */
+  other: Record<string, unknown>
+}
+
+export interface Frames {
+  count: number
+  fps: number
+  vertices: number
+  /** relative to the first key, per frame */
+  area: number[]
+  volume: number[]
+  linear_area: number[]
+  linear_volume: number[]
+  /** the pose that a frame shows exactly, or '' */
+  keys: string[]
+}
+
+/** Sends the session's cookie by itself; throws ApiError with the server's words. */
+async function ask(path: string, init?: RequestInit): Promise<Response> {
+  let answer: Response
+  try {
+    answer = await fetch(path, { ...init, headers: { 'X-Keypose': '1', ...init?.headers } })
+  } catch {
+    throw new ApiError(0, 'The studio does not answer. Is `keypose studio` still running?')
+  }
+  if (answer.ok) return answer
+  let words = `${answer.status} ${answer.statusText}`
+  try {
+    words = ((await answer.json()) as { error: string }).error
+  } catch {
+    // not JSON: the status says it
+  }
+  throw new ApiError(answer.status, words)
+}
+
+const get = async <T>(path: string): Promise<T> => (await ask(path)).json() as Promise<T>
+const send = async <T>(method: string, path: string, body: unknown): Promise<T> =>
+  (
+    await ask(path, {
+      method,
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(body),
+    })
+  ).json() as Promise<T>
+
+const q = (values: Record<string, string>): string => new URLSearchParams(values).toString()
+
+export const api = {
+  project: () => get<Project>('/api/project'),
+  /** Makes a project; only while there is none. */
+  createProject: (poses: string[], template: string) =>
+    send<Project>('POST', '/api/project', { poses, template }),
+  /** Adds one photograph to a pose's folder (only while no run is at work). */
+  addPhotograph: (pose: string, name: string, bytes: Blob) =>
+    ask(`/api/photos?${q({ pose, name })}`, { method: 'PUT', body: bytes }),
+
+  steps: () => get<Steps>('/api/steps'),
+  stages: () => get<Stage[]>('/api/stages'),
+  explain: (step: string) => get<{ text: string }>(`/api/explain?${q({ step })}`),
+  log: async (step: string) => (await ask(`/api/log?${q({ step })}`)).text(),
+  run: (selection: { until?: string[]; from?: string[]; only?: string[]; force?: string[] }) =>
+    send<{ started: boolean }>('POST', '/api/run', selection),
+  stop: () => send<{ stopping: boolean }>('POST', '/api/stop', {}),
+  /** value null: back to the default. pose '': for all poses. */
+  setOption: (change: {
+    step: string
+    pose: string
+    option: string
+    value: string | null
+    revision: string
+  }) => send<{ revision: string }>('POST', '/api/options', change),
+
+  photos: (pose: string) => get<Photograph[]>(`/api/photos?${q({ pose })}`),
+  /** width 0: full size */
+  photoUrl: (pose: string, name: string, width = 0) =>
+    `/api/photo?${q({ pose, name, width: String(width) })}`,
+  /** stage: 'capture' (before cameras are known) or 'masks' (the final ones) */
+  maskUrl: (pose: string, name: string, stage: 'capture' | 'masks' = 'masks') =>
+    `/api/mask?${q({ pose, name, stage })}`,
+  /** An 8-bit PNG of the photograph's size, white where the figure is. */
+  saveMask: (pose: string, name: string, png: Blob) =>
+    ask(`/api/mask?${q({ pose, name })}`, {
+      method: 'PUT',
+      headers: { 'Content-Type': 'image/png' },
+      body: png,
+    }),
+  cameras: (pose: string) => get<CameraView[]>(`/api/cameras?${q({ pose })}`),
+
+  /** See view/mesh_data.ts for the bytes. */
+  mesh: async (pose: string, what: string) =>
+    (await ask(`/api/mesh?${q({ pose, what })}`)).arrayBuffer(),
+  textureUrl: (pose: string) => `/api/texture?${q({ pose })}`,
+  /** Distance of each vertex of the registered template to the pose's scan, over the diagonal. */
+  fit: async (pose: string) =>
+    new Float32Array(await (await ask(`/api/fit?${q({ pose })}`)).arrayBuffer()),
+
+  picks: (pose: string) => get<Picks>(`/api/landmarks?${q({ pose })}`),
+  savePicks: (pose: string, picks: Pick[], revision: string) =>
+    send<Picks>('PUT', `/api/landmarks?${q({ pose })}`, { picks, revision }),
+  /** Takes MeshLab's .pp, Wrap's landmarks, or our JSON. */
+  importPicks: (pose: string, name: string, text: string) =>
+    send<Picks>('POST', `/api/landmarks/import?${q({ pose })}`, { name, text }),
+  exportPicksUrl: (pose: string, format: 'pp' | 'wrap' | 'json') =>
+    `/api/landmarks/export?${q({ pose, format })}`,
+  suggest: (pose: string, count: number) =>
+    send<Suggestion[]>('POST', '/api/landmarks/suggest', { pose, count }),
+  /** Where one more landmark would help most; empty before the pose was registered. */
+  advice: (pose: string) => get<Advice[]>(`/api/landmarks/advice?${q({ pose })}`),
+
+  timeline: () => get<Timeline>('/api/timeline'),
+  saveTimeline: (timeline: Timeline) => send<Timeline>('PUT', '/api/timeline', timeline),
+  frames: () => get<Frames>('/api/frames'),
+  /** count x vertices x 3, in the order of the template's vertices */
+  positions: async () =>
+    new Float32Array(await (await ask('/api/frames/positions')).arrayBuffer()),
+  results: () => get<{ path: string; label: string; bytes: number }[]>('/api/results'),
+  /** Shows the folder in the desktop's file manager. */
+  reveal: (path: string) => send<{ shown: boolean }>('POST', '/api/reveal', { path }),
+
+  // Painted on the template's 'mesh'. GET and PUT answer alike; 409 if the revision is not the
+  // file's. values: one positive factor a vertex, 1 as by default; null: nothing painted.
+  stiffness: () => get<{ revision: string; values: number[] | null }>('/api/stiffness'),
+  saveStiffness: (values: number[] | null, revision: string) =>
+    send<{ revision: string }>('PUT', '/api/stiffness', { values, revision }),
+  /** Vertices by the region's name. */
+  regions: () =>
+    get<{ revision: string; regions: Record<string, number[]> }>('/api/regions'),
+  saveRegions: (regions: Record<string, number[]>, revision: string) =>
+    send<{ revision: string }>('PUT', '/api/regions', { regions, revision }),
+}
+
+/** What the server tells by itself. */
+export type StudioEvent =
+  | { type: 'run'; line: RunLine }
+  | { type: 'run_ended'; exit_code: number; message: string }
+  | { type: 'project' } // pipeline.yaml or another file of the project has changed
+  | { type: 'writers'; count: number } // tabs that have the project open
+  | { type: 'connection'; open: boolean }
+
+/** One line of `keypose run --progress jsonl`. */
+export interface RunLine {
+  event: string
+  step?: string
+  status?: string
+  fraction?: number
+  what?: string
+  text?: string
+  seconds?: number
+  overall?: number
+  seconds_left?: number
+  reasons?: string[]
+  [key: string]: unknown
+}
+
+/** Calls `listen` with every event until the returned function is called. Connects again by itself. */
+export function events(listen: (event: StudioEvent) => void): () => void {
+  const source = new EventSource('/api/events')
+  for (const type of ['run', 'run_ended', 'project', 'writers']) {
+    source.addEventListener(type, (message) => {
+      const data = JSON.parse((message as MessageEvent<string>).data) as object
+      listen((type === 'run' ? { type, line: data } : { type, ...data }) as StudioEvent)
+    })
+  }
+  source.onopen = () => listen({ type: 'connection', open: true })
+  source.onerror = () => listen({ type: 'connection', open: false })
+  return () => source.close()
+}

@@ -1,0 +1,156 @@
+// The bar at the top, and the page that the address names.
+import type { FunctionComponent } from 'preact'
+import { useEffect, useState } from 'preact/hooks'
+
+import { api } from './api'
+import { ExportPage } from './pages/export'
+import { LandmarksPage } from './pages/landmarks'
+import { NewProjectPage } from './pages/new_project'
+import { useUpload } from './pages/new_project/upload'
+import { PosesPage } from './pages/poses'
+import { RunPage } from './pages/run'
+import { TimelinePage } from './pages/timeline'
+import { StudioState, useStudio } from './state'
+import { cssShare, duration, percent } from './words'
+
+const kPages: { path: string; name: string; page: FunctionComponent }[] = [
+  { path: 'poses', name: 'Poses', page: PosesPage },
+  { path: 'run', name: 'Run', page: RunPage },
+  { path: 'landmarks', name: 'Landmarks', page: LandmarksPage },
+  { path: 'timeline', name: 'Timeline', page: TimelinePage },
+  { path: 'export', name: 'Report & export', page: ExportPage },
+]
+
+function useRoute(): string {
+  const read = () => location.hash.replace(/^#\/?/, '').split('/')[0] || 'poses'
+  const [route, setRoute] = useState(read)
+  useEffect(() => {
+    const changed = () => setRoute(read())
+    addEventListener('hashchange', changed)
+    return () => removeEventListener('hashchange', changed)
+  }, [])
+  return route
+}
+
+/** Light, dark, or as the system is; kept in the browser. */
+function ThemeButton() {
+  const [theme, setTheme] = useState(localStorage.getItem('theme') ?? 'system')
+  useEffect(() => {
+    localStorage.setItem('theme', theme)
+    if (theme === 'system') delete document.documentElement.dataset.theme
+    else document.documentElement.dataset.theme = theme
+  }, [theme])
+  const next = { system: 'dark', dark: 'light', light: 'system' }[theme] ?? 'system'
+  const signs: Record<string, string> = { system: '◐', dark: '●', light: '○' }
+  return (
+    <button
+      class="quiet"
+      title={`Colours: ${theme}`}
+      aria-label={`Colours: ${theme}. Change to ${next}`}
+      onClick={() => setTheme(next)}
+    >
+      {signs[theme]}
+    </button>
+  )
+}
+
+function RunState() {
+  const { steps, running, connected, tabs, complain, reload } = useStudio()
+  if (!connected) return <span class="bad">The studio does not answer</span>
+  if (running) {
+    const left = running.seconds_left === null ? '' : `, ${duration(running.seconds_left)} left`
+    return (
+      <>
+        <a href="#/run" class="soft number" style="text-decoration:none">
+          {percent(running.overall)}
+          {left}
+        </a>
+        <div
+          class="bar"
+          role="progressbar"
+          aria-label="The run"
+          aria-valuemin={0}
+          aria-valuemax={100}
+          aria-valuenow={Math.round(100 * running.overall)}
+        >
+          <div style={{ width: cssShare(running.overall) }} />
+        </div>
+        <button onClick={() => api.stop().catch(complain)}>Stop</button>
+      </>
+    )
+  }
+  const waiting = steps.steps.filter((step) => step.state !== 'done' && step.state !== 'missing')
+  return (
+    <>
+      {tabs > 1 && <span class="tag warn">open in {tabs} tabs</span>}
+      {steps.locked_by ? (
+        <span class="warn" title={steps.locked_by}>
+          Another program runs this project
+        </span>
+      ) : (
+        <button
+          class={waiting.length > 0 ? 'main' : ''}
+          disabled={waiting.length === 0}
+          onClick={() => api.run({}).then(reload).catch(complain)}
+        >
+          {waiting.length > 0 ? 'Run' : 'Up to date'}
+        </button>
+      )}
+    </>
+  )
+}
+
+function Shell() {
+  const { project } = useStudio()
+  const route = useRoute()
+  const current = kPages.find((one) => one.path === route) ?? kPages[0]
+  useEffect(() => {
+    document.title = `${current.name} · ${project.name || 'Keypose studio'}`
+  }, [current, project.name])
+  // A project exists from its first photograph on; the page that sends them stays until the last.
+  const isNew = useUpload() !== null || project.empty
+  const Page = isNew ? NewProjectPage : current.page
+  return (
+    <>
+      <header class="top">
+        <div class="brand">
+          Keypose <span title={project.folder}>{project.name}</span>
+        </div>
+        {!isNew && (
+          <nav class="pages" aria-label="Pages">
+            {kPages.map((one) => (
+              <a
+                key={one.path}
+                href={`#/${one.path}`}
+                aria-current={one === current ? 'page' : undefined}
+              >
+                {one.name}
+              </a>
+            ))}
+          </nav>
+        )}
+        <div class="state">
+          {!isNew && <RunState />}
+          <ThemeButton />
+        </div>
+      </header>
+      {project.problem && !isNew ? (
+        <main class="empty">
+          <h2>pipeline.yaml has a mistake</h2>
+          <pre>{project.problem}</pre>
+          <p>Mend it in an editor; this page notices at once.</p>
+        </main>
+      ) : (
+        <Page />
+      )}
+    </>
+  )
+}
+
+export function App() {
+  return (
+    <StudioState>
+      <Shell />
+    </StudioState>
+  )
+}

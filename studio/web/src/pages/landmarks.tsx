@@ -1,0 +1,77 @@
+// Landmarks: pairs of places on the template and a pose, and what is painted on the template.
+import { useState } from 'preact/hooks'
+
+import { useStudio } from '../state'
+import './landmarks/landmarks.css'
+import { PaintBench } from './landmarks/paint_bench'
+import { PickBench } from './landmarks/pick_bench'
+
+type Mode = 'pick' | 'paint'
+
+/** The pose in the address '#/landmarks/POSE', so that other pages can link to it. */
+function poseOfAddress(): string {
+  const name = location.hash.split('/')[2] ?? ''
+  try {
+    return decodeURIComponent(name)
+  } catch {
+    return name
+  }
+}
+
+function ModeChoice(props: { mode: Mode; onMode: (mode: Mode) => void }) {
+  const button = (mode: Mode, name: string, title: string) => (
+    <button aria-pressed={props.mode === mode} title={title} onClick={() => props.onMode(mode)}>
+      {name}
+    </button>
+  )
+  return (
+    <div class="choice lm-modes" role="group" aria-label="Mode">
+      {button('pick', 'Pick', 'Pairs of places on template and pose')}
+      {button('paint', 'Paint', 'Stiffness and regions on the template')}
+    </div>
+  )
+}
+
+export function LandmarksPage() {
+  const { project } = useStudio()
+  const [mode, setMode] = useState<Mode>('pick')
+  const [wanted, setWanted] = useState(poseOfAddress)
+  const template = project.poses.find((pose) => pose.template)
+  const poses = project.poses.filter((pose) => !pose.template)
+  const pose = poses.find((one) => one.name === wanted) ?? poses[0]
+  const choose = (name: string) => {
+    history.replaceState(null, '', `#/landmarks/${encodeURIComponent(name)}`)
+    setWanted(name)
+  }
+  if (!template)
+    return (
+      <main class="empty lm-none">
+        <h1>No template yet</h1>
+        <p>Choose the template pose in pipeline.yaml; landmarks go from it to the other poses.</p>
+      </main>
+    )
+  const modes = <ModeChoice mode={mode} onMode={setMode} />
+  if (mode === 'paint') return <PaintBench template={template} modes={modes} />
+  if (!pose)
+    return (
+      <main class="empty lm-none">
+        <h1>Landmarks need a second pose</h1>
+        <p>They join the template with another pose; this project has only {template.name}.</p>
+        <p>
+          <a class="button" href="#/poses">
+            Add a pose
+          </a>{' '}
+          <button onClick={() => setMode('paint')}>Paint {template.name} instead</button>
+        </p>
+      </main>
+    )
+  return (
+    <PickBench
+      template={template}
+      pose={pose}
+      poses={poses}
+      onPose={choose}
+      modes={modes}
+    />
+  )
+}

@@ -1,0 +1,152 @@
+// Poses: their photographs with masks, what was made of them, and how well it fits.
+import type { ComponentProps } from 'preact'
+import { useMemo, useRef, useState } from 'preact/hooks'
+
+import { api } from '../api'
+import type { Pose } from '../api'
+import { useStudio } from '../state'
+import { ContactSheet } from './poses/contact_sheet'
+import { FitView } from './poses/fit_view'
+import { nextByKey } from './poses/keys'
+import { resultsOf, useLoaded } from './poses/load'
+import { MaskBrush } from './poses/mask_brush'
+import { PoseSide } from './poses/pose_side'
+import { PoseView } from './poses/pose_view'
+import './poses/poses.css'
+import { judge, ordered } from './poses/quality'
+import type { Order } from './poses/quality'
+import { kTabs, usePlace } from './poses/route'
+import type { Place, Tab } from './poses/route'
+import { Wipe } from './poses/wipe'
+
+const kTabWords: Record<Tab, string> = {
+  photographs: 'Photographs',
+  '3d': '3D',
+  fit: 'Fit',
+  wipe: 'Wipe',
+}
+
+export function PosesPage() {
+  const { project } = useStudio()
+  const [place, go] = usePlace()
+  const pose = project.poses.find((one) => one.name === place.pose) ?? project.poses[0]
+  if (!pose)
+    return (
+      <main class="empty">
+        <h2>No poses</h2>
+        <p>Name a pose and its folder of photographs under `poses` in pipeline.yaml.</p>
+      </main>
+    )
+  // The key: nothing of one pose is shown for another while it loads.
+  return <PosePage key={pose.name} pose={pose} place={{ ...place, pose: pose.name }} go={go} />
+}
+
+function PosePage({ pose, place, go }: { pose: Pose; place: Place; go: (place: Place) => void }) {
+  const { steps, version } = useStudio()
+  const results = resultsOf(steps, pose.name)
+  const photos = useLoaded(() => api.photos(pose.name), [pose.name, version])
+  const judged = useMemo(() => judge(photos.value ?? []), [photos.value])
+  const tab = place.tab === 'fit' && pose.template ? '3d' : place.tab
+  const [order, setOrder] = useState<Order>('name')
+  const brushed = useRef('')
+  if (tab === 'photographs' && place.item) brushed.current = place.item
+  const open = (item: string) => go({ ...place, tab: 'photographs', item })
+  if (tab === 'photographs' && place.item && photos.value)
+    return (
+      <MaskBrush
+        pose={pose}
+        judged={ordered(judged, 'name')}
+        name={place.item}
+        open={open}
+        close={() => open('')}
+      />
+    )
+  return (
+    <main class="page poses">
+      <h1 class="hidden">Pose {pose.name}</h1>
+      <PoseSide current={pose} choose={(name) => go({ pose: name, tab, item: '' })} />
+      <div class="work">
+        <Tabs
+          pose={pose}
+          tab={tab}
+          choose={(next) => go({ pose: pose.name, tab: next, item: '' })}
+        />
+        <div class="panel" role="tabpanel" id="pose-panel" aria-labelledby={`tab-${tab}`}>
+          {tab === 'photographs' && (
+            <Photographs
+              photos={photos}
+              {...{ pose, judged, results, open, order, setOrder, cameFrom: brushed.current }}
+            />
+          )}
+          {tab === '3d' && <PoseView pose={pose} results={results} />}
+          {tab === 'fit' && <FitView pose={pose} results={results} />}
+          {tab === 'wipe' && (
+            <Wipe
+              pose={pose}
+              results={results}
+              item={place.item}
+              choose={(item) => go({ ...place, tab: 'wipe', item })}
+            />
+          )}
+        </div>
+      </div>
+    </main>
+  )
+}
+
+function Photographs(
+  props: ComponentProps<typeof ContactSheet> & {
+    photos: { value: unknown[] | null; error: string }
+  },
+) {
+  const { photos, ...sheet } = props
+  const { pose } = sheet
+  if (photos.error) return <div class="empty">{photos.error}</div>
+  if (!photos.value) return <div class="empty">Looks through the photographs …</div>
+  if (photos.value.length === 0)
+    return (
+      <div class="empty">
+        <h2>No photographs of {pose.name}</h2>
+        <p>
+          Put them into <code>{pose.photos}</code>; they show here at once.
+        </p>
+      </div>
+    )
+  return <ContactSheet {...sheet} />
+}
+
+function Tabs({ pose, tab, choose }: { pose: Pose; tab: Tab; choose: (tab: Tab) => void }) {
+  const list = useRef<HTMLDivElement>(null)
+  const tabs = kTabs.filter((one) => one !== 'fit' || !pose.template)
+  const move = (event: KeyboardEvent) => {
+    const next = nextByKey(event, tabs.length, tabs.indexOf(tab), 1)
+    if (next === null) return
+    event.preventDefault()
+    choose(tabs[next])
+    list.current!.querySelectorAll('button')[next].focus()
+  }
+  return (
+    <div
+      ref={list}
+      class="tabs"
+      role="tablist"
+      aria-label={`Views of ${pose.name}`}
+      onKeyDown={move}
+    >
+      {tabs.map((one) => (
+        <button
+          key={one}
+          id={`tab-${one}`}
+          role="tab"
+          aria-selected={one === tab}
+          aria-controls="pose-panel"
+          tabIndex={one === tab ? 0 : -1}
+          onClick={() => choose(one)}
+        >
+          {kTabWords[one]}
+          {one === 'photographs' && <span class="number soft">{pose.photographs}</span>}
+        </button>
+      ))}
+    </div>
+  )
+}

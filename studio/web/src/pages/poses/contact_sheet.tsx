@@ -1,0 +1,216 @@
+// All photographs of a pose, with what capture measured; choosing one opens the brush.
+import { useEffect, useMemo, useRef, useState } from 'preact/hooks'
+
+import { api } from '../../api'
+import type { Pose, Warning } from '../../api'
+import { useStudio } from '../../state'
+import { count, percent } from '../../words'
+import { Flags } from './flags'
+import { nextByKey } from './keys'
+import { drawVeil } from './mask_picture'
+import { ordered, signedPercent } from './quality'
+import type { Judged, Order } from './quality'
+
+export function ContactSheet(props: {
+  pose: Pose
+  judged: Judged[]
+  results: string
+  open: (name: string) => void
+  order: Order
+  setOrder: (order: Order) => void
+  /** the photograph that was under the brush, or '' */
+  cameFrom: string
+}) {
+  const { steps } = useStudio()
+  const { order, setOrder } = props
+  const [veiled, setVeiled] = useState(true)
+  const shown = useMemo(() => ordered(props.judged, order), [props.judged, order])
+  const warnings = steps.warnings.filter((one) => one.poses.includes(props.pose.name))
+  return (
+    <>
+      <div class="tools row">
+        <p class="soft small">{summaryOf(props.judged)}</p>
+        <div class="row end">
+          <button aria-pressed={veiled} onClick={() => setVeiled(!veiled)}>
+            Masks
+          </button>
+          <div class="choice" role="group" aria-label="Order">
+            <button aria-pressed={order === 'name'} onClick={() => setOrder('name')}>
+              By name
+            </button>
+            <button aria-pressed={order === 'worst'} onClick={() => setOrder('worst')}>
+              Worst first
+            </button>
+          </div>
+        </div>
+      </div>
+      <div class="scroll">
+        <Warnings warnings={warnings} />
+        <Grid {...props} shown={shown} veiled={veiled} />
+      </div>
+    </>
+  )
+}
+
+function summaryOf(judged: Judged[]): string {
+  const having = (text: string) =>
+    judged.filter((one) => one.flags.some((flag) => flag.text === text)).length
+  const parts = [count(judged.length, 'photograph')]
+  const waiting = judged.filter((one) => !one.photograph.captured).length
+  const given = judged.filter((one) => one.photograph.mask_given).length
+  const dark = having('dark') + having('bright')
+  if (waiting > 0) parts.push(`${waiting} not captured yet`)
+  if (having('mask') > 0) parts.push(`${count(having('mask'), 'mask')} to look at`)
+  if (having('blurred') > 0) parts.push(`${having('blurred')} blurred`)
+  if (dark > 0) parts.push(`${dark} off in exposure`)
+  if (given > 0) parts.push(`${given} with a mask of your own`)
+  return parts.join(' · ')
+}
+
+function Warnings({ warnings }: { warnings: Warning[] }) {
+  if (warnings.length === 0) return null
+  return (
+    <details class="warnings" open>
+      <summary>
+        {count(warnings.length, 'warning')} <span class="soft">from the steps of this pose</span>
+      </summary>
+      <ul>
+        {warnings.map((one, i) => (
+          <li key={i}>
+            <span class="mono soft">{one.steps.join(', ')}</span>
+            <span>{one.text}</span>
+          </li>
+        ))}
+      </ul>
+    </details>
+  )
+}
+
+function Grid(props: {
+  pose: Pose
+  shown: Judged[]
+  veiled: boolean
+  results: string
+  open: (name: string) => void
+  cameFrom: string
+}) {
+  const list = useRef<HTMLUListElement>(null)
+  const names = props.shown.map((one) => one.photograph.name)
+  const [current, setCurrent] = useState(() => Math.max(0, names.indexOf(props.cameFrom)))
+  useEffect(() => {
+    if (props.cameFrom) list.current!.querySelectorAll('button')[current]?.focus()
+  }, [])
+  const move = (event: KeyboardEvent) => {
+    const buttons = [...list.current!.querySelectorAll('button')]
+    const at = buttons.indexOf(event.target as HTMLButtonElement)
+    const next = nextByKey(event, buttons.length, at, columnsOf(buttons))
+    if (next === null) return
+    event.preventDefault()
+    setCurrent(next)
+    buttons[next].focus()
+  }
+  return (
+    <ul
+      ref={list}
+      class={`sheet ${props.veiled ? 'veiled' : ''}`}
+      aria-label={`Photographs of ${props.pose.name}`}
+      onKeyDown={move}
+    >
+      {props.shown.map((one, i) => (
+        <Tile
+          key={one.photograph.name}
+          pose={props.pose.name}
+          judged={one}
+          results={props.results}
+          reached={i === Math.min(current, props.shown.length - 1)}
+          open={() => props.open(one.photograph.name)}
+        />
+      ))}
+    </ul>
+  )
+}
+
+/** How many tiles the browser has put into the first row. */
+function columnsOf(buttons: HTMLElement[]): number {
+  const tops = buttons.map((one) => one.getBoundingClientRect().top)
+  const second = tops.findIndex((top) => top !== tops[0])
+  return second < 0 ? buttons.length : second
+}
+
+function Tile(props: {
+  pose: string
+  judged: Judged
+  results: string
+  reached: boolean
+  open: () => void
+}) {
+  const { judged, pose } = props
+  const { photograph } = judged
+  const veil = useVeil(pose, judged, props.results)
+  const shape = photograph.width ? `${photograph.width} / ${photograph.height}` : '4 / 3'
+  return (
+    <li>
+      <button class="tile" tabIndex={props.reached ? 0 : -1} onClick={props.open}>
+        <span class="thumb" style={{ aspectRatio: shape }}>
+          <img src={api.photoUrl(pose, photograph.name, 320)} alt="" loading="lazy" />
+          <canvas ref={veil} width={1} height={1} />
+          {judged.flags.length > 0 && (
+            <span class="marks">
+              <Flags judged={judged} />
+            </span>
+          )}
+        </span>
+        <span class="caption">
+          <span class="name">{photograph.name}</span>
+          {photograph.mask_given && (
+            <span class="given" title="This mask is your own">
+              own mask
+            </span>
+          )}
+        </span>
+        <Figures judged={judged} />
+      </button>
+    </li>
+  )
+}
+
+function Figures({ judged }: { judged: Judged }) {
+  if (!judged.photograph.captured) return <span class="figures">not captured yet</span>
+  const has = (...texts: string[]) => judged.flags.find((flag) => texts.includes(flag.text))
+  return (
+    <span class="figures number">
+      <span class={has('blurred')?.grade} title="Sharpness, against the middle of the set">
+        <span class="hidden">sharpness </span>
+        <i aria-hidden="true">◎</i> {percent(judged.sharpness)}
+      </span>
+      <span class={has('dark', 'bright')?.grade} title="Exposure, against the middle of the set">
+        <span class="hidden">exposure </span>
+        <i aria-hidden="true">☀</i> {signedPercent(judged.exposure)}
+      </span>
+    </span>
+  )
+}
+
+/** Draws the mask when the tile comes near the window, and again when the pose was made anew. */
+function useVeil(pose: string, judged: Judged, results: string) {
+  const canvas = useRef<HTMLCanvasElement>(null)
+  const { name, captured, mask_given: given } = judged.photograph
+  useEffect(() => {
+    if (!captured && !given) return
+    let wanted = true
+    const observer = new IntersectionObserver(
+      (entries) => {
+        if (!entries.some((one) => one.isIntersecting)) return
+        observer.disconnect()
+        void drawVeil(canvas.current!, pose, name, () => wanted)
+      },
+      { rootMargin: '200px' },
+    )
+    observer.observe(canvas.current!)
+    return () => {
+      wanted = false
+      observer.disconnect()
+    }
+  }, [pose, name, captured, given, results])
+  return canvas
+}

@@ -1,0 +1,98 @@
+// The poses, and what the chosen one has.
+import type { Pose, Steps } from '../../api'
+import { useStudio } from '../../state'
+import { count } from '../../words'
+
+export function PoseSide({ current, choose }: { current: Pose; choose: (name: string) => void }) {
+  const { project } = useStudio()
+  return (
+    <aside class="side" aria-label="Poses">
+      <nav aria-labelledby="poses-title" class="stack">
+        <h2 class="label" id="poses-title">Poses</h2>
+        <ul class="list">
+          {project.poses.map((pose) => (
+            <li key={pose.name}>
+              <button
+                aria-current={pose === current ? 'true' : undefined}
+                onClick={() => choose(pose.name)}
+              >
+                <span class="name">{pose.name}</span>
+                <span class="row facts-end">
+                  {pose.template && <span class="tag soft">template</span>}
+                  <span class="number small soft" title={count(pose.photographs, 'photograph')}>
+                    {pose.photographs}
+                    <span class="hidden"> photographs</span>
+                  </span>
+                </span>
+              </button>
+            </li>
+          ))}
+        </ul>
+      </nav>
+      <Has pose={current} />
+      <Next pose={current} />
+    </aside>
+  )
+}
+
+function Has({ pose }: { pose: Pose }) {
+  const rows: [string, boolean, string][] = [
+    ['Photographs', pose.photographs > 0, String(pose.photographs)],
+    ['Masks of your own', pose.masks !== '', pose.masks || 'none'],
+    ['Cameras', pose.has_cameras, ''],
+    ['Surface', pose.meshes.includes('clean'), ''],
+    ...(pose.template
+      ? []
+      : ([['Landmarks', pose.has_landmarks, '']] as [string, boolean, string][])),
+    [pose.template ? 'Mesh' : 'Registered mesh', pose.meshes.includes('mesh'), ''],
+    ['Texture', pose.has_texture, ''],
+  ]
+  return (
+    <section class="stack" aria-labelledby="has-title">
+      <h2 class="label" id="has-title">{pose.name} has</h2>
+      <ul class="has">
+        {rows.map(([what, there, words]) => (
+          <li key={what} class={there ? '' : 'soft'}>
+            <span aria-hidden="true" class={there ? 'good' : 'soft'}>
+              {there ? '✓' : '·'}
+            </span>
+            <span>{what}</span>
+            <span class="small soft number">{words || (there ? '' : 'not yet')}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  )
+}
+
+function Next({ pose }: { pose: Pose }) {
+  const { steps } = useStudio()
+  const { text, page } = nextOf(pose, steps)
+  return (
+    <section class="next" aria-labelledby="next-title">
+      <h2 class="label" id="next-title">Next</h2>
+      <p>{text}</p>
+      {page && <a href={`#/${page}`}>Open {page === 'run' ? 'Run' : 'Landmarks'} ›</a>}
+    </section>
+  )
+}
+
+/** What the person does next with a pose. */
+function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landmarks' } {
+  const own = steps.steps.filter((step) => step.pose === pose.name)
+  const failed = own.find((step) => step.state === 'failed')
+  const open = own.filter((step) => step.state === 'would_run' || step.state === 'never')
+  const first = own.find((step) => step.state !== 'done' && step.state !== 'missing')
+  if (pose.photographs === 0) return { text: `Put photographs of this pose into ${pose.photos}.` }
+  if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
+  if (steps.running && first) return { text: `A run is at work; ${first.id} is still to come.` }
+  if (first?.stage === 'register' && !pose.has_landmarks)
+    return { text: 'Pick a few landmarks, then register this pose.', page: 'landmarks' }
+  if (open.length > 0)
+    return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }
+  if (pose.template) return { text: 'All is made. Look over the mesh in 3D and in the wipe.' }
+  return {
+    text: 'All is made. Look at the fit; a landmark helps where it is yellow.',
+    page: 'landmarks',
+  }
+}

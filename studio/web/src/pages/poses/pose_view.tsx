@@ -1,0 +1,166 @@
+// The results of a pose in 3D, with the cameras round them.
+import { useEffect, useRef, useState } from 'preact/hooks'
+
+import { api } from '../../api'
+import type { CameraView, Pose } from '../../api'
+import { useStudio } from '../../state'
+import { parseMesh } from '../../view/mesh_data'
+import type { MeshData } from '../../view/mesh_data'
+import { ViewerStage } from '../../view/stage'
+import type { Look, Viewer } from '../../view/viewer'
+import { CameraList } from './camera_list'
+import { useLoaded } from './load'
+
+/** In the order in which they are made, with the words for the person. */
+const kKinds: [string, string, string][] = [
+  ['cloud', 'Cloud', 'Points that several photographs agree on'],
+  ['surface', 'Surface', 'The first surface through the cloud'],
+  ['refined', 'Refined', 'The surface pulled to the outlines in the photographs'],
+  ['clean', 'Clean', 'Closed, without base, in few faces'],
+  ['mesh', 'Mesh', 'What is animated: the template, or the template in this pose'],
+]
+
+/** Which looks a mesh can have. */
+function looksOf(pose: Pose, kind: string, data: MeshData | null): Look[] {
+  const looks: Look[] = data?.faces === 0 ? [] : ['plain']
+  if (kind === 'mesh' && pose.has_texture) looks.push('texture')
+  if (data?.colors) looks.push('colors')
+  return looks
+}
+
+const kLookWords: Partial<Record<Look, string>> = {
+  plain: 'Plain',
+  texture: 'Textured',
+  colors: 'Colours',
+}
+
+export function PoseView({ pose, results }: { pose: Pose; results: string }) {
+  const there = kKinds.filter(([kind]) => pose.meshes.includes(kind))
+  const [wanted, setWanted] = useState('mesh')
+  const kind = there.some(([one]) => one === wanted) ? wanted : (there[there.length - 1]?.[0] ?? '')
+  const [look, setLook] = useState<Look>(pose.has_texture ? 'texture' : 'plain')
+  const [framed, setFramed] = useState(true)
+  const [through, setThrough] = useState('')
+  const [viewer, setViewer] = useState<Viewer | null>(null)
+  const mesh = useMesh(pose.name, kind, results)
+  const cameras = useCameras(pose, results)
+  const data = mesh.value?.kind === kind ? mesh.value.data : null
+  const looks = looksOf(pose, kind, data)
+  const used = looks.includes(look) ? look : (looks[looks.length - 1] ?? 'plain')
+  useShown(viewer, pose.name, data, used)
+  useEffect(() => {
+    if (viewer && data) viewer.showCameras(framed ? cameras : [], through)
+  }, [viewer, data, cameras, framed, through])
+  const lookFrom = (name: string) => {
+    setThrough(name)
+    const camera = cameras.find((one) => one.name === name)
+    if (camera) viewer?.lookThrough(camera)
+    else viewer?.lookFreely()
+  }
+  if (there.length === 0)
+    return (
+      <div class="empty">
+        <h2>No surface yet</h2>
+        <p>Press Run: the cloud shows here as soon as the photographs are matched.</p>
+      </div>
+    )
+  return (
+    <>
+      <div class="tools row">
+        <div class="choice" role="group" aria-label="What to show">
+          {there.map(([one, words, why]) => (
+            <button
+              key={one}
+              title={why}
+              aria-pressed={one === kind}
+              onClick={() => setWanted(one)}
+            >
+              {words}
+            </button>
+          ))}
+        </div>
+        {looks.length > 1 && (
+          <div class="choice" role="group" aria-label="Look">
+            {looks.map((one) => (
+              <button key={one} aria-pressed={one === used} onClick={() => setLook(one)}>
+                {kLookWords[one]}
+              </button>
+            ))}
+          </div>
+        )}
+        <div class="row end">
+          <button
+            aria-pressed={framed && cameras.length > 0}
+            disabled={cameras.length === 0}
+            onClick={() => setFramed(!framed)}
+          >
+            Show cameras
+          </button>
+        </div>
+      </div>
+      <div class={cameras.length > 0 ? 'beside' : 'alone'}>
+        <ViewerStage label={`${pose.name} in 3D`} ready={setViewer}>
+          <div class="over">
+            <p class="caption-chip number" role="status">
+              {mesh.error || (data ? sizeOf(data) : 'Loads …')}
+            </p>
+          </div>
+        </ViewerStage>
+        {cameras.length > 0 && (
+          <CameraList cameras={cameras} current={through} choose={lookFrom} />
+        )}
+      </div>
+    </>
+  )
+}
+
+function sizeOf(data: MeshData): string {
+  const vertices = data.vertices.toLocaleString('en')
+  if (data.faces === 0) return `${vertices} points`
+  return `${data.faces.toLocaleString('en')} faces · ${vertices} vertices`
+}
+
+/** Loads one of the pose's meshes; those seen before are kept until the pose is made anew. */
+export function useMesh(pose: string, kind: string, results: string) {
+  const kept = useRef(new Map<string, MeshData>())
+  const keptFor = useRef('')
+  return useLoaded(async () => {
+    const now = `${pose} ${results}`
+    if (keptFor.current !== now) kept.current.clear()
+    keptFor.current = now
+    if (!kind) return { kind, data: null }
+    const data = kept.current.get(kind) ?? parseMesh(await api.mesh(pose, kind))
+    kept.current.set(kind, data)
+    return { kind, data }
+  }, [pose, kind, results])
+}
+
+export function useCameras(pose: Pose, results: string): CameraView[] {
+  const none = useRef<CameraView[]>([])
+  const load = () => (pose.has_cameras ? api.cameras(pose.name) : Promise.resolve([]))
+  return useLoaded(load, [pose.name, pose.has_cameras, results]).value ?? none.current
+}
+
+/** Shows the mesh; the view stays turned as it is while the pose stays the same. */
+function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, look: Look): void {
+  const { complain } = useStudio()
+  const shown = useRef<{ viewer: Viewer; pose: string } | null>(null)
+  const textured = useRef<MeshData | null>(null)
+  useEffect(() => {
+    if (!viewer || !data) return
+    let wanted = true
+    const show = () => {
+      if (!wanted) return
+      const same = shown.current?.viewer === viewer && shown.current.pose === pose
+      viewer.show(data, look, same)
+      shown.current = { viewer, pose }
+    }
+    if (look === 'texture' && textured.current !== data)
+      viewer.loadTexture(api.textureUrl(pose)).then(() => {
+        textured.current = data
+        show()
+      }, complain)
+    else show()
+    return () => void (wanted = false)
+  }, [viewer, pose, data, look])
+}

@@ -1,0 +1,127 @@
+// The playing character, its onion skin, and what to do while there are no frames.
+import { useEffect, useRef, useState } from 'preact/hooks'
+import type { ComponentChildren } from 'preact'
+
+import { api } from '../../api'
+import { useStudio } from '../../state'
+import { parseMesh } from '../../view/mesh_data'
+import { ViewerStage } from '../../view/stage'
+import type { Viewer } from '../../view/viewer'
+import { useFrame, usePlaying } from './desk'
+import { OnionControls, skins } from './onion'
+import type { Onion } from './onion'
+import type { Player } from './player'
+import { madeFrame } from './timeline_model'
+import type { Made } from './use_frames'
+
+const kSlowDetail = 0.5
+const kLeastDetail = 0.35
+
+/** Shows the template's mesh; true once frames with so many vertices can be put on it. */
+function useTemplate(viewer: { current: Viewer | null }, made: Made | null): boolean {
+  const { project, complain } = useStudio()
+  const [shown, setShown] = useState(false)
+  const template = project.poses.find((pose) => pose.name === project.template)
+  const name = template?.meshes.includes('mesh') ? template.name : ''
+  const textured = template?.has_texture ?? false
+  useEffect(() => {
+    let current = true
+    const load = async () => {
+      const data = parseMesh(await api.mesh(name, 'mesh'))
+      if (!current || !viewer.current) return
+      if (made && data.vertices !== made.frames.vertices)
+        throw new Error('The frames were made from another mesh of the template: make them again.')
+      viewer.current.show(data, textured && data.uvs ? 'texture' : 'plain', true)
+      setShown(true)
+      if (textured) await viewer.current.loadTexture(api.textureUrl(name))
+    }
+    setShown(false)
+    const failed = (error: unknown) => {
+      if (current) complain(error)
+    }
+    if (name) load().catch(failed)
+    return () => {
+      current = false
+    }
+  }, [name, textured, made, viewer, complain])
+  return shown
+}
+
+interface Showing {
+  viewer: { current: Viewer | null }
+  made: Made | null
+  player: Player
+  fps: number
+  onion: Onion
+}
+
+/**
+ * While playing, time counts more than sharpness: where frames drop, fewer pixels are drawn. What
+ * was found out is kept for the next time.
+ */
+function useDetail(viewer: { current: Viewer | null }, player: Player): void {
+  useEffect(() => {
+    let share = 1
+    let drops = 0
+    return player.watchState(() => {
+      if (!viewer.current) return
+      if (!player.playing) return viewer.current.setDetail(1)
+      if (viewer.current.slow) share = Math.min(share, kSlowDetail)
+      if (player.dropped === 0) drops = 0
+      else if (player.dropped > drops + 1) {
+        share = Math.max(kLeastDetail, 0.8 * share)
+        drops = player.dropped
+      }
+      viewer.current.setDetail(share)
+    })
+  }, [viewer, player])
+}
+
+/** The frame at the playhead, and once it rests, its neighbours. */
+function useShownFrame({ viewer, made, player, fps, onion }: Showing, shown: boolean): void {
+  const playing = usePlaying(player)
+  const asked = useRef(0)
+  const drawSkins = () => {
+    asked.current = 0
+    if (!viewer.current || !made || !shown) return
+    const wanted = onion.on && !player.playing
+    const at = madeFrame(made.frames, fps, player.frame)
+    const found = wanted ? [...skins(onion, at, made.frames.count)] : []
+    viewer.current.setGhosts(
+      found.map(([frame, color]) => ({ positions: made.positions[frame], color })),
+    )
+  }
+  useFrame(player, (frame) => {
+    if (!made || !shown) return
+    viewer.current?.setPositions(made.positions[madeFrame(made.frames, fps, frame)])
+    // Scrubbing passes many frames between two repaints; the skins of the last are enough.
+    if (onion.on && !player.playing && asked.current === 0)
+      asked.current = requestAnimationFrame(drawSkins)
+  })
+  useEffect(drawSkins, [onion, playing, made, fps, shown])
+  useEffect(() => () => cancelAnimationFrame(asked.current), [])
+}
+
+export function Stage(props: {
+  made: Made | null
+  player: Player
+  fps: number
+  onion: Onion
+  setOnion: (onion: Onion) => void
+  children?: ComponentChildren
+}) {
+  const viewer = useRef<Viewer | null>(null)
+  const shown = useTemplate(viewer, props.made)
+  useShownFrame({ ...props, viewer }, shown)
+  useDetail(viewer, props.player)
+  return (
+    <ViewerStage label="The animation" ready={(one) => (viewer.current = one)}>
+      {props.children}
+      {props.made && (
+        <div class="over">
+          <OnionControls onion={props.onion} player={props.player} change={props.setOnion} />
+        </div>
+      )}
+    </ViewerStage>
+  )
+}

@@ -1,0 +1,32 @@
+// Numbers and states in words.
+
+/** "3 s", "2 min 05 s", "1 h 12 min" */
+export function duration(seconds: number): string {
+  const whole = Math.round(seconds)
+  if (seconds < 9.95) return `${seconds.toFixed(1)} s`
+  if (whole < 60) return `${whole} s`
+  const two = (value: number) => String(Math.floor(value)).padStart(2, '0')
+  if (whole < 3600) return `${Math.floor(whole / 60)} min ${two(whole % 60)} s`
+  return `${Math.floor(whole / 3600)} h ${two((whole % 3600) / 60)} min`
+}
+
+/** "1.2 MB" */
+export function bytes(count: number): string {
+  if (count >= 1e9) return `${(count / 1e9).toFixed(1)} GB`
+  if (count >= 1e6) return `${(count / 1e6).toFixed(1)} MB`
+  return `${Math.ceil(count / 1e3)} kB`
+}
+
+export function percent(share: number, digits = 0): string {
+  return `${(100 * share).toFixed(digits)} %`
+}
+
+/** "1 photograph", "3 photographs" */
+export function count(number: number, noun: string): string {
+  return `${number} ${noun}${number === 1 ? '' : 's'}`
+}
+
+/** A share as a width for CSS: "45%". The text of `percent` has a space, which CSS does not take. */
+export function cssShare(share: number): string {
+  return `${(100 * Math.min(1, Math.max(0, share))).toFixed(1)}%`
+}
