@@ -49,7 +49,7 @@ function Has({ pose }: { pose: Pose }) {
   ]
   return (
     <section class="stack" aria-labelledby="has-title">
-      <h2 class="label" id="has-title">{pose.name} has</h2>
+      <h2 class="label" id="has-title">So far</h2>
       <ul class="has">
         {rows.map(([what, there, words]) => (
           <li key={what} class={there ? '' : 'soft'}>

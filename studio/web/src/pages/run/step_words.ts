@@ -1,6 +1,6 @@
 // Steps and their states in words.
 import type { Step, StepState } from '../../api'
-import type { Running } from '../../state'
+import type { Running } from '../../run_lines'
 
 /** What an artist calls the work of a stage. Stages of a project's own have only their name. */
 const kTitles: Record<string, string> = {
