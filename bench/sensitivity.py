@@ -132,7 +132,7 @@ class Scenes:
 
     def bake(self, to, setting):
         self.stage('bake', to, setting, mesh=self.base / 'mesh.obj', images=self.base / 'masked', model=self.truth / 'cameras',
-                   texture=to / 'texture.png', size=1024)
+                   texture=to / 'texture.png', texture_size=1024, hold_out=0)
 
     # The figures: smaller is better.
     def mask_error(self, to):

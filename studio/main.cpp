@@ -1,9 +1,11 @@
 // The program `keypose studio`: serves the studio's page for one project.
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <thread>
@@ -45,29 +47,41 @@ void OpenBrowser(const std::string& address) {
   std::thread([address, program] { RunChild({program, address}, "/", 10); }).detach();
 }
 
-/// Waits for Ctrl-C or the end of the terminal in a thread of its own.
-std::thread StopOnSignal(StudioServer& server, const sigset_t& signals) {
-  return std::thread([&server, signals] {
-    int signal = 0;
-    sigwait(&signals, &signal);
+/// Counts up when the studio shall end. A handler may do little more than write to it.
+int stop_event = -1;
+
+void AskToStop(int) { eventfd_write(stop_event, 1); }
+
+/// Ctrl-C, `kill`, or the end of the terminal. A handler and not sigwait: libraries have threads of
+/// their own, which would get the signal unblocked and end the program.
+void HandleSignals() {
+  stop_event = eventfd(0, EFD_CLOEXEC);
+  struct sigaction action = {};
+  action.sa_handler = AskToStop;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+std::thread StopWhenAsked(StudioServer& server) {
+  return std::thread([&server] {
+    eventfd_t count = 0;
+    while (eventfd_read(stop_event, &count) != 0 && errno == EINTR) {
+    }
     server.Stop();
   });
 }
 
 ExitCode Serve(const Options& options) {
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
+  HandleSignals();
   StudioServer server({FolderOf(options.folder), options.port, &PageFiles()});
   fmt::print("{}\n", server.address());
   fmt::print("open it in a browser on this machine; Ctrl-C ends the studio\n");
   std::fflush(stdout);
   if (!options.no_browser) OpenBrowser(server.address());
-  std::thread stopper = StopOnSignal(server, signals);
+  std::thread stopper = StopWhenAsked(server);
   server.Serve();
-  kill(getpid(), SIGTERM);  // wakes the thread if the server ended by itself
+  eventfd_write(stop_event, 1);  // the server may have ended by itself
   stopper.join();
   return ExitCode::kOk;
 }

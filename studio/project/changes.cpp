@@ -8,6 +8,7 @@
 #include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
+#include "core/io/image_kind.h"
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
 #include "pipeline/new_project.h"
@@ -202,6 +203,10 @@ void AddPhotograph(Snapshot& snapshot, const std::string& pose, const std::strin
   if (!IsPhotographName(name))
     throw UsageError(
         fmt::format("'{}' is no photograph that can be read ({})", name, kReadablePhotographs));
+  if (const std::string kind = ImageKindOf(std::string_view(bytes).substr(0, 4096));
+      kind.empty() || !IsWholeImage(bytes, kind))
+    throw UsageError(fmt::format("'{}' is not a whole picture that can be read ({})", name,
+                                 kReadablePhotographs));
   const fs::path folder = snapshot.PhotoFolder(pose), file = folder / name;
   if (!IsWithin(fs::weakly_canonical(folder), fs::canonical(snapshot.project())))
     throw UsageError(

@@ -213,8 +213,7 @@ std::string LogText(Snapshot& snapshot, const std::string& step) {
   const std::vector<int> found = snapshot.graph().Find(step);
   const std::string& id = snapshot.graph().steps[found.front()].id;
   // A step at work writes its log where the runner makes its results.
-  fs::path log =
-      snapshot.session().state() / "tmp" / pipeline::FolderName(id) / "made" / "log.txt";
+  fs::path log = snapshot.session().state() / "tmp" / pipeline::FolderName(id) / "made" / "log.txt";
   if (!fs::is_regular_file(log)) log = pipeline::StepLog(snapshot.session(), id);
   return log.empty() ? "" : WithoutOddBytes(snapshot.session().disk().ReadEnd(log, kMost));
 }

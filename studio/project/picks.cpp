@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -65,10 +66,18 @@ void RequirePick(const Landmark& pick, const Mesh& mesh) {
     throw UsageError(fmt::format("landmark '{}' is not on its face", pick.name));
 }
 
+/// A number from a request as an index. Another number than a whole one, or a very large one, is
+/// no index of any mesh: -1.
+int IndexOf(const json& value) {
+  const double number = value;
+  return number >= 0 && number <= 2e9 && number == std::floor(number) ? static_cast<int>(number)
+                                                                      : -1;
+}
+
 Landmark PickFrom(const json& value, const Mesh& mesh) {
   Landmark pick;
   pick.name = value.at("name");
-  pick.face = value.at("face");
+  pick.face = IndexOf(value.at("face"));
   const json& weights = value.at("barycentric");
   for (std::size_t k = 0; k < 3; ++k) pick.barycentric[static_cast<int>(k)] = weights.at(k);
   RequirePick(pick, mesh);
@@ -103,7 +112,7 @@ std::vector<Landmark> WrapPoints(const std::string& text, const Mesh& mesh) {
   std::vector<Landmark> picks;
   const auto add = [&](const std::string& name, const json& point) {
     const double u = point.at(1), v = point.at(2);
-    Landmark pick{name, point.at(0).get<int>(), {u, v, 1 - u - v}};
+    Landmark pick{name, IndexOf(point.at(0)), {u, v, 1 - u - v}};
     RequirePick(pick, mesh);
     picks.push_back(pick);
   };
@@ -315,7 +324,7 @@ void SaveRegions(Snapshot& snapshot, const json& body) {
   for (const auto& [name, vertices] : body.at("regions").items()) {
     TimelineRegion region;
     region.name = name;
-    region.vertices = vertices.get<std::vector<int>>();
+    for (const json& vertex : vertices) region.vertices.push_back(IndexOf(vertex));
     regions.push_back(region);
   }
   if (regions.empty()) return pipeline::RealDisk().Remove(file);

@@ -117,7 +117,7 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddLandmarks();
   AddTimeline();
   AddResults();
-  if (HasProject()) Begin();
+  Follow();
 }
 
 Routes::~Routes() {
@@ -131,12 +131,12 @@ bool Routes::HasProject() const { return fs::is_regular_file(folder_ / "pipeline
 fs::path Routes::PictureFolder() const { return folder_ / ".keypose/studio/pictures"; }
 
 std::string Routes::LockedBy() {
-  if (run_ && run_->running()) return "";
+  if (run_->running()) return "";
   return pipeline::LockHolder(folder_ / ".keypose");
 }
 
-/// Follows the project's runs and files, once there is a project.
-void Routes::Begin() {
+/// Follows the runs and files of the project, also of one that is made later.
+void Routes::Follow() {
   RunControl::Listener listener;
   listener.line = [this](const std::string& line) {
     stale_ = true;
@@ -148,12 +148,21 @@ void Routes::Begin() {
   };
   run_ = std::make_unique<RunControl>(folder_, listener);
   watch_ = std::make_unique<ProjectWatch>(folder_, [this] { Changed(); });
-  run_->TakeUp();
+  if (HasProject()) run_->TakeUp();
 }
 
 void Routes::Changed() {
   stale_ = true;
   hub_.Send("project", "{}");
+}
+
+/// What somebody has asked to change must be seen by the next question, and by the other tabs.
+void Routes::Tell(const std::string& path) {
+  stale_ = true;
+  // Photographs come by the hundred; the watch tells of all of them together.
+  if (path == "/api/photos") return;
+  watch_->Forget();
+  if (path != "/api/run" && path != "/api/stop") hub_.Send("project", "{}");
 }
 
 void Routes::Add(const std::string& method, const std::string& path, Handler handler) {
@@ -177,12 +186,7 @@ Answer Routes::Handle(const Question& question) {
     const auto handler = handlers_.find(question.method + " " + question.path);
     if (handler == handlers_.end()) return ErrorAnswer(404, "there is nothing at this address");
     Answer answer = handler->second(question);
-    // What somebody has asked to change must be seen by the next question.
-    if (question.method != "GET") {
-      stale_ = true;
-      if (watch_) watch_->Forget();
-      if (question.path != "/api/run" && question.path != "/api/stop") hub_.Send("project", "{}");
-    }
+    if (question.method != "GET") Tell(question.path);
     return answer;
   } catch (const ChangedMeanwhile& error) {
     return ErrorAnswer(409, error.what());
@@ -213,11 +217,10 @@ void Routes::AddProject() {
   Add("POST", "/api/project", [this](const Question& question) {
     const json body = question.Json();
     CreateProject(folder_, body.at("poses"), body.at("template"));
-    Begin();
     return JsonAnswer(With([](Snapshot& now) { return ProjectJson(now); }));
   });
   Add("GET", "/api/steps", [this](const Question&) {
-    const bool running = run_ && run_->running();
+    const bool running = run_->running();
     const std::string locked = LockedBy();
     if (!HasProject()) return JsonAnswer(NoStepsJson(false, ""));
     try {
@@ -281,13 +284,13 @@ void Routes::AddRuns() {
     const json body = question.Json();
     if (const std::string holder = LockedBy(); !holder.empty())
       throw LockedError("the project is in use by " + holder);
-    if (!run_) throw UsageError("there is no project in this folder yet");
+    if (!HasProject()) throw UsageError("there is no project in this folder yet");
     run_->Start(
         {Steps(body, "from"), Steps(body, "until"), Steps(body, "only"), Steps(body, "force")});
     return JsonAnswer({{"started", true}});
   });
   Add("POST", "/api/stop", [this](const Question&) {
-    if (run_) run_->Stop();
+    run_->Stop();
     return JsonAnswer({{"stopping", true}});
   });
 }
@@ -301,8 +304,7 @@ void Routes::AddPhotographs() {
     }));
   });
   Add("PUT", "/api/photos", [this](const Question& question) {
-    if (run_ && run_->running())
-      throw LockedError("a run is at work; add photographs when it is done");
+    if (run_->running()) throw LockedError("a run is at work; add photographs when it is done");
     With([&](Snapshot& now) {
       AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
       return 0;
@@ -428,15 +430,15 @@ void Routes::AddLandmarks() {
 Answer Routes::Suggest(const Question& question) {
   const json body = question.Json();
   const std::string pose = body.at("pose");
-  const int count = body.at("count");
-  if (count < 1 || count > 100) throw UsageError("suggest 1 to 100 landmarks");
+  const double count = body.at("count");
+  if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
   const fs::path suggested = folder_ / ".keypose/studio/suggested.json";
   std::vector<std::string> words = {(OwnFolder() / "keypose-landmarks").string(),
                                     "suggest",
                                     "--suggested",
                                     suggested.string(),
                                     "--count",
-                                    std::to_string(count)};
+                                    std::to_string(static_cast<int>(count))};
   With([&](Snapshot& now) {
     const std::string whole = now.graph().template_pose;
     for (const auto& [flag, of] : {std::pair{"--source", whole}, std::pair{"--target", pose}}) {

@@ -62,7 +62,8 @@ class Routes {
   Answer Suggest(const Question& question);
   Answer ResultFile(const Question& question);
   void Changed();
-  void Begin();
+  void Tell(const std::string& path);
+  void Follow();
   bool HasProject() const;
   std::string LockedBy();
   std::filesystem::path PictureFolder() const;

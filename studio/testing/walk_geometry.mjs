@@ -50,6 +50,8 @@ export function firstHit(mesh, from, towards) {
 const kFov = (35 * Math.PI) / 180;
 const kWhole = { direction: unit([0.35, -0.9, 0.28]), distance: 1.62 };
 const kTurn = 0.12;
+/** Some pixels, of the figure's size: a click must not just miss. */
+const kRound = 0.01;
 
 /** A view of the page as it stands after `turns` presses of the right arrow key. */
 export class View {
@@ -73,11 +75,14 @@ export class View {
     return { x: this.box.x + this.box.width / 2 + scale * dot(p, this.right), y: this.box.y + this.box.height / 2 - scale * dot(p, this.up) };
   }
 
-  /** How squarely the place is seen, 0: not at all. Thin things may lie in front of it, within `slack`. */
+  /** Whether the place and what is round it is in front; `slack`: how far the surface may be from it. */
   sees(place, slack) {
-    const p = sub(place, this.eye);
-    const hit = firstHit(this.mesh, this.eye, unit(p));
-    return Math.abs(hit - length(p)) < slack;
+    const round = [[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]].map(([x, y]) =>
+      add(place, add(scaled(this.right, kRound * x * this.mesh.size), scaled(this.up, kRound * y * this.mesh.size))));
+    return round.every((one) => {
+      const p = sub(one, this.eye);
+      return Math.abs(firstHit(this.mesh, this.eye, unit(p)) - length(p)) < slack;
+    });
   }
 }
 

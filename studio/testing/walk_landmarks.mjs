@@ -10,6 +10,8 @@ const kMost_ms = 5;
 const kSides = { rest: 'mesh', bent: 'clean' };
 /** Of the figure's size: how far the scan may be from the truth. */
 const kSlack = 0.03;
+/** So that no click meets another marker. */
+const kApart = 0.1;
 
 const pairsIn = (title) => Number(/Pairs · (\d+)/.exec(title)?.[1]);
 
@@ -97,13 +99,23 @@ class Landmarks {
 
   pairs = async () => pairsIn(await this.page.locator('.lm-pairs h2').textContent());
 
-  async pickPairs() {
+  /** Landmarks that are seen on both, far from each other and from the places that the page marks as advice. */
+  async choose() {
+    const taken = (await (await this.ask('/api/landmarks/advice?pose=bent')).json()).map((advice) => advice.place);
     const names = [];
-    for (const name of this.places.rest.keys())
-      if ((await this.turnsFor('rest', name)) !== null && (await this.turnsFor('bent', name)) !== null) names.push(name);
+    for (const [name, place] of this.places.rest) {
+      const far = taken.every((other) => length(sub(other, place)) > kApart * this.meshes.rest.size);
+      const seen = far && (await this.turnsFor('rest', name)) !== null && (await this.turnsFor('bent', name)) !== null;
+      if (!seen || names.length === kPairs) continue;
+      names.push(name);
+      taken.push(place);
+    }
     check(names.length >= 4, `only ${names} are seen on both`);
-    // Far from each other, in the order of the truth.
-    const chosen = names.filter((_, i) => i % Math.max(1, Math.floor(names.length / kPairs)) === 0).slice(0, kPairs);
+    return names;
+  }
+
+  async pickPairs() {
+    const chosen = await this.choose();
     for (const [i, name] of chosen.entries()) {
       const first = await this.click('rest', name);
       await this.page.getByText(`now click the same place on bent`).waitFor();
@@ -162,7 +174,7 @@ class Landmarks {
   async nearestSeen(pose, place) {
     for (let by = 0; by <= 26; ++by)
       for (const turns of [by, -by])
-        if ((await this.view(pose, turns)).sees(place, 1e-3 * this.meshes[pose].size)) return turns;
+        if ((await this.view(pose, turns)).sees(place, kSlack * this.meshes[pose].size)) return turns;
     throw new Error('a pick is seen from nowhere');
   }
 

@@ -7,6 +7,10 @@ const kFramesSeconds = 400;
 /** "bent, frame 14 · 0.58 s": 14 */
 const frameIn = (label) => Number(/frame (\d+)/.exec(label)?.[1]);
 
+/** The button for ones, twos or threes of the whole timeline. */
+export const picturesStand = (page, name) =>
+  page.getByRole('group', { name: 'Frames that each picture stands' }).getByRole('button', { name });
+
 class Timeline {
   constructor(context) {
     Object.assign(this, context);
@@ -34,7 +38,7 @@ class Timeline {
     await page.keyboard.press('ArrowUp');
     await page.keyboard.press('Alt+ArrowRight');
     await this.button('In-out').click();
-    await this.button('Twos').first().click();
+    await picturesStand(page, 'Twos').click();
     await this.written('the ease', /pose: rest, at: 0, .*ease: in-out/);
     await this.written('the hold', /pose: rest, at: 0, .*hold: 0\.04/);
     await this.written('the pictures on twos', /^ {2}step: 2$/m);

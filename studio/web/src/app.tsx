@@ -136,7 +136,7 @@ function Shell() {
       </header>
       {project.problem && !isNew ? (
         <main class="empty">
-          <h2>pipeline.yaml has a mistake</h2>
+          <h1>pipeline.yaml has a mistake</h1>
           <pre>{project.problem}</pre>
           <p>Mend it in an editor; this page notices at once.</p>
         </main>

@@ -12,6 +12,8 @@ interface Notice {
   id: number
   text: string
   bad: boolean
+  /** said because the studio did not answer; goes when it does */
+  away: boolean
 }
 
 export interface Studio {
@@ -38,6 +40,15 @@ export function useStudio(): Studio {
   return studio
 }
 
+/** As in index.html, which shows before this program runs. */
+function Waiting() {
+  return (
+    <header class="top">
+      <div class="brand">Keypose</div>
+    </header>
+  )
+}
+
 export function StudioState({ children }: { children: ComponentChildren }) {
   const [project, setProject] = useState<Project | null>(null)
   const [steps, setSteps] = useState<Steps | null>(null)
@@ -49,14 +60,18 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   const [fatal, setFatal] = useState('')
   const nextNotice = useRef(1)
 
-  const notice = useCallback((text: string, bad: boolean) => {
+  const notice = useCallback((text: string, bad: boolean, away = false) => {
     const id = nextNotice.current++
-    setNotices((old) => [...old.filter((one) => one.text !== text), { id, text, bad }].slice(-4))
+    const added: Notice = { id, text, bad, away }
+    setNotices((old) => [...old.filter((one) => one.text !== text), added].slice(-4))
     if (!bad) setTimeout(() => setNotices((old) => old.filter((one) => one.id !== id)), 5000)
   }, [])
   const tell = useCallback((text: string) => notice(text, false), [notice])
   const complain = useCallback(
-    (error: unknown) => notice(error instanceof Error ? error.message : String(error), true),
+    (error: unknown) => {
+      const away = error instanceof ApiError && error.status === 0
+      notice(error instanceof Error ? error.message : String(error), true, away)
+    },
     [notice],
   )
   const reload = useCallback(async () => {
@@ -90,7 +105,9 @@ export function StudioState({ children }: { children: ComponentChildren }) {
         setTabs(event.count)
       } else {
         setConnected(event.open)
-        if (event.open) void reload()
+        if (!event.open) return
+        setNotices((old) => old.filter((one) => !one.away))
+        void reload()
       }
     })
   }, [reload, tell, complain])
@@ -105,13 +122,13 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   if (fatal)
     return (
       <main class="empty">
-        <h2>This tab is not let in</h2>
+        <h1>This tab is not let in</h1>
         <p>{fatal}</p>
       </main>
     )
   return (
     <Context.Provider value={studio}>
-      {studio ? children : null}
+      {studio ? children : <Waiting />}
       <div class="notices" role="status" aria-live="polite">
         {notices.map((one) => (
           <div key={one.id} class={one.bad ? 'bad' : ''}>

@@ -45,7 +45,7 @@ export function LandmarksPage() {
   }
   if (!template)
     return (
-      <main class="empty lm-none">
+      <main class="empty">
         <h1>No template yet</h1>
         <p>Choose the template pose in pipeline.yaml; landmarks go from it to the other poses.</p>
       </main>
@@ -54,7 +54,7 @@ export function LandmarksPage() {
   if (mode === 'paint') return <PaintBench template={template} modes={modes} />
   if (!pose)
     return (
-      <main class="empty lm-none">
+      <main class="empty">
         <h1>Landmarks need a second pose</h1>
         <p>They join the template with another pose; this project has only {template.name}.</p>
         <p>

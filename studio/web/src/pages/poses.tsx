@@ -33,7 +33,7 @@ export function PosesPage() {
   if (!pose)
     return (
       <main class="empty">
-        <h2>No poses</h2>
+        <h1>No poses</h1>
         <p>Name a pose and its folder of photographs under `poses` in pipeline.yaml.</p>
       </main>
     )

@@ -108,7 +108,7 @@ export function RunPage() {
           {step ? (
             <Detail
               step={step}
-              stage={stages?.find((one) => one.stage === step.stage)}
+              stage={stages && (stages.find((one) => one.stage === step.stage) ?? 'unknown')}
               query={query}
               setChange={setChange}
               open={open}

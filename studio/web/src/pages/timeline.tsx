@@ -86,17 +86,19 @@ function keyPressed(event: KeyboardEvent, index: number, desk: Desk): void {
   const along = { ArrowUp: -1, ArrowDown: 1 }[event.key] ?? 0
   if (sideways === 0 && along === 0) return
   event.preventDefault()
-  if (along !== 0) return focusKey(index + along)
+  if (along !== 0) return blockOf(index + along)?.focus()
   const by = sideways * (event.shiftKey ? 10 : 1)
   if (event.altKey)
     desk.edit((now) => setHold(now, index, holdOf(now, index) + by), `hold ${index}`)
   else desk.edit((now) => moveKey(now, index, framesOf(now)[index] + by), `move ${index}`)
 }
 
+const blockOf = (index: number) =>
+  document.querySelector<HTMLElement>(`.tl-block[data-key="${index}"]`)
+
+/** Once the block is drawn, which may be new. */
 function focusKey(index: number): void {
-  requestAnimationFrame(() =>
-    document.querySelector<HTMLElement>(`.tl-block[data-key="${index}"]`)?.focus(),
-  )
+  requestAnimationFrame(() => blockOf(index)?.focus())
 }
 
 /** The edits of the page: refusals in words, drags as previews, new keys selected. */
@@ -260,7 +262,7 @@ function Desktop({ editing, made }: { editing: Editing; made: Made | null }) {
 
 function OnePose() {
   return (
-    <main class="empty tl-empty">
+    <main class="empty">
       <h1>An animation needs a second pose</h1>
       <p>It goes from one pose of the figure to another. Photograph the next pose and add it.</p>
       <a class="button" href="#/poses">
@@ -278,7 +280,7 @@ function NoKeys({ editing }: { editing: Editing }) {
     { pose: second, at: 1 },
   ]
   return (
-    <main class="empty tl-empty">
+    <main class="empty">
       <h1>No keys yet</h1>
       <p>Begin with the first two poses, one second apart; the rest is done on the ruler.</p>
       <button class="main" onClick={() => editing.commit({ ...editing.timeline, keys })}>

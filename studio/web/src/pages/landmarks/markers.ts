@@ -1,6 +1,7 @@
 // Which markers a view shows, and what each of them stands for.
 import type { Advice, Pick, Suggestion } from '../../api'
 import type { Marker, Viewer } from '../../view/viewer'
+import { percent } from '../../words'
 import type { Pair } from './pick_history'
 
 export type Side = 'template' | 'pose'
@@ -43,7 +44,7 @@ export function pickOn(item: Item, side: Side): Pick | null {
 
 export function labelOf(item: Item): string {
   if (item.kind === 'pair') return item.pair.name
-  return `${item.number} · ${Math.round(100 * item.suggestion.confidence)}%`
+  return `${item.number} · ${percent(item.suggestion.confidence)}`
 }
 
 function kindOf(item: Item, chosen: string, problems: Set<string>): Marker['kind'] {

@@ -1,6 +1,6 @@
 // The suggestions and the pairs as lists to go through by keyboard.
 import type { ComponentChildren } from 'preact'
-import { useEffect, useLayoutEffect, useRef } from 'preact/hooks'
+import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks'
 
 import { cssShare, percent } from '../../words'
 import type { Item } from './markers'
@@ -46,6 +46,8 @@ function RowButton(props: {
 function RenameField({ from, picking }: { from: string; picking: Picking }) {
   const field = useRef<HTMLInputElement>(null)
   const given_up = useRef(false)
+  // Kept here: the list is drawn again at each event, and would put the old name back.
+  const [name, setName] = useState(from)
   // Before the next key comes, however long a frame takes.
   useLayoutEffect(() => {
     field.current?.focus()
@@ -56,8 +58,9 @@ function RenameField({ from, picking }: { from: string; picking: Picking }) {
       ref={field}
       class="lm-rename"
       aria-label={`New name of ${from}`}
-      value={from}
+      value={name}
       maxLength={64}
+      onInput={(event) => setName(event.currentTarget.value)}
       onBlur={(event) => !given_up.current && picking.rename(from, event.currentTarget.value)}
       onKeyDown={(event) => {
         if (event.key === 'Escape') given_up.current = true

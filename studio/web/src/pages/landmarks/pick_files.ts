@@ -126,7 +126,8 @@ export class PickFiles {
 
   private take(pose: string, file: Picks): void {
     const old = this.saved.get(pose) ?? kUnknown
-    const same = this.saved.has(pose) && JSON.stringify(old.picks) === JSON.stringify(file.picks)
+    // By the file's hash: the server's picks may have their fields in another order.
+    const same = this.saved.has(pose) && old.revision === file.revision
     const picks = same ? old.picks : file.picks
     this.saved.set(pose, { revision: file.revision, picks, problems: file.problems })
     if (!same || this.isUnsaved(pose))

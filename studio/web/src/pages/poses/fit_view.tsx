@@ -7,6 +7,8 @@ import { percent } from '../../words'
 import { kScaleGradient } from '../../view/colors'
 import { ViewerStage } from '../../view/stage'
 import type { Viewer } from '../../view/viewer'
+import { figuresOf } from '../landmarks/fit_figures'
+import type { FitFigures } from '../landmarks/fit_figures'
 import { useLoaded } from './load'
 import { useMesh } from './pose_view'
 
@@ -14,29 +16,27 @@ import { useMesh } from './pose_view'
 const kWorst = 0.01
 const kBins = 40
 
-interface Fit {
-  median: number
-  most: number
+interface Fit extends FitFigures {
   /** the share of vertices that lie farther than the scale's end */
   beyond: number
   /** the share of vertices in each part of the scale */
   bins: number[]
 }
 
-function summaryOf(values: Float32Array): Fit {
-  const sorted = values.filter(Number.isFinite).sort()
-  const at = (share: number) => sorted[Math.min(sorted.length - 1, (share * sorted.length) | 0)]
+function summaryOf(values: Float32Array): Fit | null {
+  const figures = figuresOf(values)
+  if (!figures) return null
+  const known = values.filter(Number.isFinite)
   const bins = new Array<number>(kBins).fill(0)
   let beyond = 0
-  for (const value of sorted) {
+  for (const value of known) {
     if (value > kWorst) ++beyond
     else ++bins[Math.min(kBins - 1, Math.floor((value / kWorst) * kBins))]
   }
   return {
-    median: at(0.5) ?? NaN,
-    most: at(0.95) ?? NaN,
-    beyond: beyond / sorted.length,
-    bins: bins.map((number) => number / sorted.length),
+    ...figures,
+    beyond: beyond / known.length,
+    bins: bins.map((number) => number / known.length),
   }
 }
 

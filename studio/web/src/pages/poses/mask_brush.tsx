@@ -47,7 +47,7 @@ export function MaskBrush(sheet: Sheet) {
   if (!judged)
     return (
       <main class="empty">
-        <h2>No photograph of this name</h2>
+        <h1>No photograph of this name</h1>
         <button onClick={sheet.close}>Back to the photographs</button>
       </main>
     )

@@ -81,12 +81,13 @@ function Next({ pose }: { pose: Pose }) {
 function nextOf(pose: Pose, steps: Steps): { text: string; page?: 'run' | 'landmarks' } {
   const own = steps.steps.filter((step) => step.pose === pose.name)
   const failed = own.find((step) => step.state === 'failed')
-  const open = own.filter((step) => step.state === 'would_run' || step.state === 'never')
+  const open = own.filter((step) => ['would_run', 'never', 'waits'].includes(step.state))
+  const registered = pose.meshes.includes('mesh')
   const first = own.find((step) => step.state !== 'done' && step.state !== 'missing')
   if (pose.photographs === 0) return { text: `Put photographs of this pose into ${pose.photos}.` }
   if (failed) return { text: `${failed.id} failed. Its log says why.`, page: 'run' }
   if (steps.running && first) return { text: `A run is at work; ${first.id} is still to come.` }
-  if (first?.stage === 'register' && !pose.has_landmarks)
+  if (first?.stage === 'register' && !pose.has_landmarks && !registered)
     return { text: 'Pick a few landmarks, then register this pose.', page: 'landmarks' }
   if (open.length > 0)
     return { text: `Press Run: ${count(open.length, 'step')} from ${open[0].id} on.`, page: 'run' }

@@ -151,14 +151,16 @@ function Failure({ step }: { step: Step }) {
 
 export function Detail(props: {
   step: Step
-  stage: Stage | undefined
+  /** null: not yet read; 'unknown': a program that does not describe itself */
+  stage: Stage | 'unknown' | null
   query: string
   setChange: (change: Change | null) => void
   open: (id: string) => void
   heading: RefObject<HTMLHeadingElement>
 }) {
   const { running } = useStudio()
-  const { step, stage } = props
+  const { step } = props
+  const stage = props.stage === 'unknown' ? null : props.stage
   const isRunning = running?.steps[step.id] !== undefined
   const wantsLog = isRunning || step.state === 'failed'
   const [tab, setTab] = useState<Tab>(wantsLog ? 'log' : 'options')
@@ -203,7 +205,11 @@ export function Detail(props: {
           />
         )}
         {tab === 'options' && !stage && (
-          <p class="soft">This step is a program of the project’s own; it tells no options.</p>
+          <p class="soft">
+            {props.stage === 'unknown'
+              ? 'This step is a program of the project’s own; it tells no options.'
+              : 'Reads the options …'}
+          </p>
         )}
       </div>
     </div>
