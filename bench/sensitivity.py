@@ -150,7 +150,7 @@ class Scenes:
     def bake_error(self, to):
         self.call('score_views', '--mesh', self.base / 'mesh.obj', '--texture', to / 'texture.png', '--model', self.truth / 'cameras',
                   '--photographs', self.base / 'masked', '--masks', self.base / 'masked/masks', '--json', to / 'score.json')
-        return 10 ** (-json.loads((to / 'score.json').read_text())['all']['psnr'] / 20)
+        return 10 ** (-json.loads((to / 'score.json').read_text())['all']['psnr_db'] / 20)
 
     def register_error(self, setting, to):
         env = dict(os.environ)
