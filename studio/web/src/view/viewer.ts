@@ -419,6 +419,8 @@ export class Viewer {
     this.controls.target.copy(this.center).add(aside)
     this.camera.position.copy(this.controls.target).add(away)
     this.controls.update()
+    // A click may come before the next frame is drawn, and must meet what will be shown.
+    this.camera.updateMatrixWorld()
     this.draw()
   }
 
@@ -630,6 +632,7 @@ export class Viewer {
   private rayAt(x: number, y: number): Raycaster {
     const box = this.renderer.domElement.getBoundingClientRect()
     const ray = new Raycaster()
+    this.camera.updateMatrixWorld()
     ray.setFromCamera(
       new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2),
       this.camera,
