@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "core/errors.h"
 #include "core/file_names.h"
@@ -87,6 +89,20 @@ int WholeNumber(const std::string& text, int least, int most) {
   if (end != text.size() || value < least || value > most)
     throw UsageError(fmt::format("'{}' must be a whole number from {} to {}", text, least, most));
   return value;
+}
+
+/// Editors often empty a file before they write it: what cannot be read is read again a moment
+/// later.
+std::unique_ptr<Snapshot> OpenSnapshot(const fs::path& folder) {
+  constexpr int kTries = 3;
+  for (int i = 1; i < kTries; ++i) {
+    try {
+      return std::make_unique<Snapshot>(folder);
+    } catch (const Error&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+  return std::make_unique<Snapshot>(folder);
 }
 
 }  // namespace
@@ -174,7 +190,7 @@ auto Routes::With(const Use& use) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!HasProject()) throw UsageError("there is no project in this folder yet");
   if (stale_.exchange(false)) snapshot_.reset();
-  if (!snapshot_) snapshot_ = std::make_unique<Snapshot>(folder_);
+  if (!snapshot_) snapshot_ = OpenSnapshot(folder_);
   return use(*snapshot_);
 }
 
