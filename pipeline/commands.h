@@ -47,6 +47,9 @@ ExitCode VersionCommand();
 
 /// The text that `explain` prints for one step.
 std::string Explanation(const Plan& plan, int step);
+/// The same for all steps of STEP or STEP/POSE, with the steps above them where a change begins.
+/// @throws UsageError  no step matches
+std::string ExplanationWithCauses(const Plan& plan, const std::string& step);
 
 class Session;
 /// The log of a step's last end: of its failure, if it failed. Empty if there is none.

@@ -115,27 +115,32 @@ std::string Explanation(const Plan& plan, int i) {
   return text;
 }
 
-ExitCode ExplainCommand(const std::string& folder, const std::string& step,
-                        const std::vector<std::string>& set) {
-  Session session = Open(folder, set);
-  const Plan plan(session.graph(), session.workshop(), {});
-  session.workshop().hasher.Save();
-  std::vector<int> shown;
-  for (int i : session.graph().Find(step)) {
-    fmt::print("{}", Explanation(plan, i));
+std::string ExplanationWithCauses(const Plan& plan, const std::string& step) {
+  std::string text;
+  for (const int i : plan.graph().Find(step)) {
+    text += Explanation(plan, i);
     // A waiting step gives no reason of its own: go up to the steps where the change begins.
     std::vector<int> above = {i};
     std::set<int> seen;
     while (!above.empty()) {
       const int one = above.back();
       above.pop_back();
-      for (const int need : session.graph().steps[one].needs) {
+      for (const int need : plan.graph().steps[one].needs) {
         if (plan[need].state == StepPlan::State::kDone || !seen.insert(need).second) continue;
-        if (plan[need].state == StepPlan::State::kReady) fmt::print("{}", Explanation(plan, need));
+        if (plan[need].state == StepPlan::State::kReady) text += Explanation(plan, need);
         above.push_back(need);
       }
     }
   }
+  return text;
+}
+
+ExitCode ExplainCommand(const std::string& folder, const std::string& step,
+                        const std::vector<std::string>& set) {
+  Session session = Open(folder, set);
+  const Plan plan(session.graph(), session.workshop(), {});
+  session.workshop().hasher.Save();
+  fmt::print("{}", ExplanationWithCauses(plan, step));
   return ExitCode::kOk;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "core/io/files.h"
 #include "core/io/photograph_files.h"
@@ -186,26 +185,6 @@ json StageJson(const std::string& describe) {
     stage["options"].push_back(one);
   }
   return stage;
-}
-
-std::string ExplanationText(Snapshot& snapshot, const std::string& step) {
-  std::string text;
-  std::set<int> seen;
-  for (const int i : snapshot.graph().Find(step)) {
-    text += pipeline::Explanation(snapshot.plan(), i);
-    std::vector<int> above = {i};
-    while (!above.empty()) {
-      const int one = above.back();
-      above.pop_back();
-      for (const int need : snapshot.graph().steps[one].needs) {
-        const auto state = snapshot.plan()[need].state;
-        if (state == StepPlan::State::kDone || !seen.insert(need).second) continue;
-        if (state == StepPlan::State::kReady) text += pipeline::Explanation(snapshot.plan(), need);
-        above.push_back(need);
-      }
-    }
-  }
-  return text;
 }
 
 std::string LogText(Snapshot& snapshot, const std::string& step) {

@@ -21,8 +21,6 @@ nlohmann::json StepsJson(Snapshot& snapshot, bool running, const std::string& lo
 nlohmann::json NoStepsJson(bool running, const std::string& locked_by);
 /// @param describe  a stage program's --describe text
 nlohmann::json StageJson(const std::string& describe);
-/// Why a step would run or last ran, with the steps above it where a change begins.
-std::string ExplanationText(Snapshot& snapshot, const std::string& step);
 /// The step's last log, at most its last megabyte.
 /// @throws UsageError  no such step
 std::string LogText(Snapshot& snapshot, const std::string& step);

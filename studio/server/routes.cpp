@@ -11,9 +11,10 @@
 #include "core/file_names.h"
 #include "core/io/files.h"
 #include "core/io/mesh_io.h"
-#include "core/parallel.h"
+#include "pipeline/commands.h"
 #include "pipeline/project_lock.h"
 #include "pipeline/real_disk.h"
+#include "pipeline/real_process.h"
 #include "studio/meshes/frames.h"
 #include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
@@ -267,21 +268,20 @@ Answer Routes::Stages() {
   });
   // A program says the same until it is replaced; asking all of them takes seconds.
   const std::lock_guard<std::mutex> lock(described_mutex_);
-  ParallelFor(static_cast<std::int64_t>(programs.size()), [&](std::int64_t i) {
-    const fs::path& program = programs[static_cast<std::size_t>(i)];
+  std::vector<std::vector<std::string>> commands;
+  std::vector<std::string> keys;
+  for (const fs::path& program : programs) {
     const auto stat = pipeline::RealDisk().Stat(program);
-    const std::string key =
-        fmt::format("{} {} {}", program.string(), stat ? stat->mtime_ns : 0, stat ? stat->size : 0);
-    {
-      const std::lock_guard<std::mutex> inner(described_inner_);
-      if (described_.contains(key)) return;
-    }
-    const ChildResult asked = RunChild({program.string(), "--describe"}, folder_, 20);
-    if (asked.exit_code != 0) return;
-    const json stage = StageJson(asked.output);
-    const std::lock_guard<std::mutex> inner(described_inner_);
-    described_[key] = stage;
-  });
+    keys.push_back(fmt::format("{} {} {}", program.string(), stat ? stat->mtime_ns : 0,
+                               stat ? stat->size : 0));
+    if (described_.contains(keys.back()))
+      keys.pop_back();
+    else
+      commands.push_back({program.string(), "--describe"});
+  }
+  const auto answers = pipeline::RealProcessRunner().Ask(commands);
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    if (answers[i].exit_code == 0) described_[keys[i]] = StageJson(answers[i].output);
   json stages = json::array();
   for (const auto& [key, stage] : described_) stages.push_back(stage);
   return JsonAnswer(stages);
@@ -290,7 +290,9 @@ Answer Routes::Stages() {
 void Routes::AddRuns() {
   Add("GET", "/api/explain", [this](const Question& question) {
     const std::string step = question.Need("step");
-    return JsonAnswer({{"text", With([&](Snapshot& now) { return ExplanationText(now, step); })}});
+    return JsonAnswer({{"text", With([&](Snapshot& now) {
+                          return pipeline::ExplanationWithCauses(now.plan(), step);
+                        })}});
   });
   Add("GET", "/api/log", [this](const Question& question) {
     const std::string step = question.Need("step");

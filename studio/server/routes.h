@@ -74,7 +74,7 @@ class Routes {
   std::mutex mutex_;
   std::unique_ptr<Snapshot> snapshot_;  ///< null: read again
   std::atomic<bool> stale_ = true;
-  std::mutex described_mutex_, described_inner_;
+  std::mutex described_mutex_;
   std::map<std::string, nlohmann::json> described_;  ///< stages, by program and its stamp
   std::unique_ptr<RunControl> run_;
   std::unique_ptr<ProjectWatch> watch_;
