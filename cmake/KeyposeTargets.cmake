@@ -110,3 +110,13 @@ function(keypose_bench name)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} ${KEYPOSE_BENCHMARK})
   set_property(GLOBAL APPEND PROPERTY KEYPOSE_BENCHES ${name})
 endfunction()
+
+# keypose_npm_packages(): the packages of package-lock.json in node_modules, for the rooms that bundle a page.
+function(keypose_npm_packages)
+  set(lock ${CMAKE_SOURCE_DIR}/package-lock.json)
+  set(installed ${CMAKE_SOURCE_DIR}/node_modules/.package-lock.json)
+  if(NOT EXISTS ${installed} OR ${lock} IS_NEWER_THAN ${installed})
+    message(STATUS "Installing the npm packages of package-lock.json")
+    execute_process(COMMAND npm ci --no-audit --no-fund --silent WORKING_DIRECTORY ${CMAKE_SOURCE_DIR} COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+endfunction()
