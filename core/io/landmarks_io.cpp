@@ -331,6 +331,22 @@ std::vector<Landmark> ReadLandmarks(const fs::path& path, const Mesh& mesh, Carr
   return landmarks;
 }
 
+std::string PickedPointsText(const std::vector<Landmark>& landmarks, const Mesh& mesh) {
+  boost::property_tree::ptree tree;
+  boost::property_tree::ptree& points = tree.put("PickedPoints", "");
+  for (const Landmark& landmark : landmarks) {
+    const Eigen::Vector3d place = PositionOf(landmark, mesh);
+    boost::property_tree::ptree& point = points.add("point", "");
+    point.put("<xmlattr>.name", landmark.name);
+    point.put("<xmlattr>.active", 1);
+    for (int k = 0; k < 3; ++k)
+      point.put(fmt::format("<xmlattr>.{}", "xyz"[k]), fmt::format("{}", place[k]));
+  }
+  std::ostringstream out;
+  boost::property_tree::write_xml(out, tree);
+  return out.str();
+}
+
 void WriteLandmarks(const fs::path& path, const Mesh& mesh,
                     const std::vector<Landmark>& landmarks) {
   const SurfacePlaces places(mesh);

@@ -61,6 +61,9 @@ std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<std::filesystem::p
 std::vector<Landmark> ReadPicks(const std::filesystem::path& path, const Mesh& mesh,
                                 CarryLog* log = nullptr, const std::string& side = "mesh");
 
+/// Picks as MeshLab's picked points (.pp), which ReadPicks reads again.
+std::string PickedPointsText(const std::vector<Landmark>& landmarks, const Mesh& mesh);
+
 Eigen::Vector3d PositionOf(const Landmark& landmark, const Mesh& mesh);
 
 }  // namespace keypose

@@ -131,33 +131,6 @@ bool IsWrap(const std::string& text) {
   return first.is_array() && first.size() == 3;
 }
 
-std::string XmlText(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-std::string AsMeshLab(const std::vector<Landmark>& picks, const Mesh& mesh) {
-  std::string text = "<!DOCTYPE PickedPoints>\n<PickedPoints>\n";
-  for (const Landmark& pick : picks) {
-    const Eigen::Vector3d p = PositionOf(pick, mesh);
-    text += fmt::format(" <point name=\"{}\" active=\"1\" x=\"{}\" y=\"{}\" z=\"{}\"/>\n",
-                        XmlText(pick.name), p.x(), p.y(), p.z());
-  }
-  return text + "</PickedPoints>\n";
-}
-
 std::string AsWrap(const std::vector<Landmark>& picks) {
   json points = json::object();
   for (const Landmark& pick : picks)
@@ -243,7 +216,7 @@ std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::
   const fs::path file = ExistingPicks(snapshot, pose);
   if (file.empty()) throw UsageError(fmt::format("pose '{}' has no landmarks yet", pose));
   const std::vector<Landmark> picks = ReadPicks(file, mesh, nullptr, pose);
-  if (format == "pp") return AsMeshLab(picks, mesh);
+  if (format == "pp") return PickedPointsText(picks, mesh);
   if (format == "wrap") return AsWrap(picks);
   if (format == "json") return ReadFile(file);
   throw UsageError(fmt::format("landmarks are written as json, pp or wrap, not as {}", format));
