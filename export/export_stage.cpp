@@ -13,9 +13,9 @@
 #include "core/io/mesh_io.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
-#include "export/film.h"
-#include "export/gltf.h"
-#include "export/mp4.h"
+#include "export/film/film.h"
+#include "export/gltf/gltf.h"
+#include "export/film/mp4.h"
 
 namespace {
 

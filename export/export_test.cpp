@@ -9,7 +9,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 
 namespace keypose::exporting {
 namespace {

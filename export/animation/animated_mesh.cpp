@@ -1,4 +1,4 @@
-#include "export/animated_mesh.h"
+#include "export/animation/animated_mesh.h"
 
 #include <iterator>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "export/texture_blend.h"
+#include "export/animation/texture_blend.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "core/image.h"
 #include "core/mesh.h"
 #include "core/progress.h"
-#include "export/playback.h"
+#include "export/animation/playback.h"
 
 namespace keypose::exporting {
 
@@ -25,9 +25,6 @@ struct FilmScene {
   /// per frame, a weight per texture; empty: always the first texture
   std::vector<std::vector<double>> blend;
 };
-
-/// Indices of the frames that a film at `fps` shows, one per picture; held frames repeat.
-std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps);
 
 /// The azimuth [degrees] that shows most motion: the image motion of vertices that face the camera,
 /// over all frames. One of 11 azimuths within 75 degrees of -y; 20 if nothing moves.

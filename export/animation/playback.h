@@ -54,4 +54,7 @@ std::vector<Keyframe> LinearKeyframes(const std::vector<Moment>& moments, const 
 /// if any pictures blend.
 std::vector<Keyframe> StepKeyframes(const std::vector<Moment>& moments, const Clip& clip);
 
+/// Indices of the frames that a film at `fps` shows, one per picture; held frames repeat.
+std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps);
+
 }  // namespace keypose::exporting

@@ -1,4 +1,4 @@
-#include "export/mp4.h"
+#include "export/film/mp4.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

@@ -1,4 +1,4 @@
-#include "export/film.h"
+#include "export/film/film.h"
 
 #include <algorithm>
 #include <cmath>
@@ -87,22 +87,6 @@ Image8 RenderFrame(const FilmScene& scene, int frame, const View& view) {
 }
 
 }  // namespace
-
-std::vector<int> FilmFrames(const std::vector<Moment>& moments, double fps) {
-  std::vector<int> frames;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    const auto tick = [&](const Moment& moment) { return std::llround(moment.seconds * fps); };
-    // The last picture is shown for one frame, like all others. A moment that only ends its hold
-    // adds no frame.
-    const bool end_of_last = i > 0 && i + 1 == moments.size() && moments[i - 1].stands &&
-                             moments[i - 1].frame == moments[i].frame;
-    const long count = i + 1 < moments.size() ? tick(moments[i + 1]) - tick(moments[i])
-                       : end_of_last          ? 0
-                                              : 1;
-    frames.insert(frames.end(), static_cast<std::size_t>(count), moments[i].frame);
-  }
-  return frames;
-}
 
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
   std::vector<PointsX3> normals(frames.size());

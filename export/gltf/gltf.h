@@ -4,18 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "export/animated_mesh.h"
-#include "export/playback.h"
-#include "export/texture_blend.h"
+#include "export/animation/scene.h"
 
 namespace keypose::exporting {
-
-/// The content of a compressed image file.
-struct EncodedImage {
-  std::string bytes;      ///< empty: no texture
-  std::string mime_type;  ///< "image/png" or "image/jpeg"
-  std::string name;
-};
 
 /// The textures of the poses, all in the layout of the mesh.
 struct GlbTextures {

@@ -1,4 +1,4 @@
-#include "export/gltf.h"
+#include "export/gltf/gltf.h"
 
 #include <tiny_gltf.h>
 

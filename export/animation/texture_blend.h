@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "export/playback.h"
+#include "export/animation/playback.h"
 
 namespace keypose::exporting {
 

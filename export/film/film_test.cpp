@@ -13,8 +13,8 @@
 #include "core/parallel.h"
 #include "core/render.h"
 #include "core/testing_shapes.h"
-#include "export/film.h"
-#include "export/mp4.h"
+#include "export/film/film.h"
+#include "export/film/mp4.h"
 
 namespace keypose::exporting {
 namespace {

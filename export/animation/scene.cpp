@@ -1,0 +1,45 @@
+#include "export/animation/scene.h"
+
+#include <algorithm>
+
+#include "core/geometry.h"
+
+namespace keypose::exporting {
+
+std::string EncodedImage::FileName(int number) const {
+  return "texture_" + std::to_string(number) + (mime_type == "image/png" ? ".png" : ".jpg");
+}
+
+std::vector<int> ShownFrames(const Scene& scene) {
+  return FilmFrames(PlaybackMoments(scene.clip, scene.playback), scene.playback.fps);
+}
+
+std::vector<Keyframe> SceneKeyframes(const Scene& scene) {
+  return LinearKeyframes(PlaybackMoments(scene.clip, scene.playback), scene.clip,
+                         scene.playback.fps);
+}
+
+std::vector<double> KeySeconds(const Scene& scene) {
+  const auto moments = PlaybackMoments(scene.clip, scene.playback);
+  std::vector<double> seconds;
+  for (const KeyMark& key : scene.keys) {
+    const auto shown = std::find_if(moments.begin(), moments.end(), [&](const Moment& moment) {
+      return moment.frame == key.frame;
+    });
+    seconds.push_back(shown == moments.end() ? 0 : shown->seconds);
+  }
+  return seconds;
+}
+
+PointsX3 WithYUp(const PointsX3& points, bool z_up) {
+  if (!z_up) return points;
+  PointsX3 turned(points.rows(), 3);
+  turned.col(0) = points.col(0);
+  turned.col(1) = points.col(2);
+  turned.col(2) = -points.col(1);
+  return turned;
+}
+
+double SceneDiagonal(const Scene& scene) { return BoundingDiagonal(scene.frames[0].points); }
+
+}  // namespace keypose::exporting
