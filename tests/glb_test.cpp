@@ -182,11 +182,18 @@ TEST_F(ExportedGlbOnTwos, FilmLiesBesideTheGlb) {
   ASSERT_EQ(Export().exit_code, 0);
   EXPECT_GT(fs::file_size(animation_ / "character.mp4"), 1000u);
   fs::remove_all(animation_);
-  ASSERT_EQ(Export({"--video", "false"}).exit_code, 0);
+  ASSERT_EQ(Export({"--formats", "ply, glb"}).exit_code, 0);
   EXPECT_FALSE(fs::exists(animation_ / "character.mp4"));
+  EXPECT_FALSE(fs::exists(animation_ / "obj"));
+  EXPECT_TRUE(fs::exists(animation_ / "ply" / "frame_0000.ply"));
+  EXPECT_TRUE(fs::exists(animation_ / "character.glb"));
   fs::remove_all(animation_);
   const RunResult odd = Export({"--video_width", "321"});
   EXPECT_EQ(odd.exit_code, 2) << odd.output;
+  const RunResult unknown = Export({"--formats", "glb,abc"});
+  EXPECT_EQ(unknown.exit_code, 2) << unknown.output;
+  EXPECT_NE(unknown.output.find("names 'abc'"), std::string::npos) << unknown.output;
+  EXPECT_EQ(Export({"--formats", " ,"}).exit_code, 2);
 }
 
 TEST_F(ExportedGlb, SequencesHaveEveryFrameInOrderWithTheSamePositions) {

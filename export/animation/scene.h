@@ -33,6 +33,8 @@ struct Scene {
   std::vector<std::string> frame_names;  ///< "frame_0000", ...
   std::vector<Mesh> frames;              ///< of one connectivity; the UVs of the first count
   AnimatedMesh split;  ///< the same frames, vertices split along texture seams, with normals
+  std::vector<double>
+      frame_t;  ///< per frame: key number plus share of the way to the next, or empty
   Clip clip;
   PlaybackOptions playback;
   bool z_up = true;  ///< up is +z in the frames; false: +y

@@ -1,0 +1,41 @@
+// The formats that the export stage offers, and what each writes.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/stage/stage.h"
+#include "export/animation/scene.h"
+#include "export/film/film.h"
+
+namespace keypose::exporting {
+
+/// The names of all formats, in the order in which they are written.
+std::vector<std::string> FormatNames();
+
+/// Options that only some formats have.
+struct FormatOptions {
+  std::string pose_textures = "jpeg";  ///< of the GLB: "jpeg", "png" or "none"
+  FilmOptions film;
+};
+
+/// What was written for a format.
+struct WrittenFormat {
+  std::string format;
+  std::vector<std::string> files;   ///< below the animation's folder; a folder ends in '/'
+  double error_over_diagonal = -1;  ///< see FormatFiles; below 0: the format has no vertices
+  std::map<std::string, double> measured;
+};
+
+/// Writes one format into the output `animation`.
+///
+/// @param texture_names  file names of the scene's textures, in the folder textures/
+/// @throws InputError  the scene does not fit into the format
+/// @throws DiskError   a file cannot be written
+WrittenFormat WriteFormat(const std::string& format, const Scene& scene,
+                          const std::vector<std::string>& texture_names,
+                          const FormatOptions& options, StageContext& stage, Progress* progress);
+
+}  // namespace keypose::exporting

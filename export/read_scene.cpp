@@ -1,0 +1,197 @@
+#include "export/read_scene.h"
+
+#include <algorithm>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+#include <utility>
+
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/mesh_io.h"
+#include "core/size_of.h"
+
+namespace keypose::exporting {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The numbered frames of a folder, in order of their numbers.
+std::map<long, fs::path> NumberedFrames(const fs::path& folder) {
+  if (!fs::is_directory(folder))
+    throw InputError("export: " + folder.string() +
+                     " is not a folder of frames; pass the folder that `interpolate` wrote");
+  std::map<long, fs::path> numbered;
+  const std::regex pattern("frame_([0-9]{1,9})\\.ply");
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::smatch match;
+    const std::string name = entry.path().filename().string();
+    if (!std::regex_match(name, match, pattern)) continue;
+    const auto [at, inserted] = numbered.emplace(std::stol(match[1]), entry.path());
+    if (!inserted)
+      throw InputError("export: " + name + " and " + at->second.filename().string() + " in " +
+                       folder.string() + " have the same number; remove one");
+  }
+  if (numbered.empty())
+    throw InputError("export: " + folder.string() +
+                     " has no frames (frame_0000.ply, ...); run `interpolate` first");
+  return numbered;
+}
+
+void ReadFrames(const fs::path& folder, Scene& scene, Progress* progress) {
+  const std::map<long, fs::path> numbered = NumberedFrames(folder);
+  for (const auto& [number, path] : numbered) {
+    const auto index = static_cast<long>(scene.frames.size());
+    if (number != index)
+      throw InputError("export: frame " + std::to_string(index) + " is missing in " +
+                       folder.string() + " (found " + path.filename().string() +
+                       " in its place); run `interpolate` again");
+    ReportProgress(progress, static_cast<double>(index) / static_cast<double>(numbered.size()),
+                   "reading frames");
+    scene.frame_names.push_back(path.stem().string());
+    scene.frames.push_back(ReadMesh(path));
+  }
+}
+
+// PNG and JPEG files are embedded unchanged; other formats become PNG, since glTF allows only these
+// two.
+EncodedImage ReadTexture(const fs::path& path, const fs::path& scratch) {
+  EncodedImage out;
+  out.name = path.stem().string();
+  const std::string format = ReadImageInfo(path).format;
+  const Image8 pixels = ReadImage(path);  // checks that the file is complete
+  if (format == "png" || format == "jpeg") {
+    out.mime_type = "image/" + format;
+    out.bytes = ReadFile(path);
+    return out;
+  }
+  const fs::path converted = scratch / (out.name + ".png");
+  WriteImage(converted, pixels);
+  out.mime_type = "image/png";
+  out.bytes = ReadFile(converted);
+  return out;
+}
+
+/// Textures with equal content are one. @return index of the texture, per key
+std::vector<int> ReadTextures(StageContext& stage, const std::vector<std::string>& poses,
+                              Scene& scene) {
+  const std::vector<fs::path> paths = stage.Inputs("textures");
+  if (!poses.empty() && paths.size() > 1 && poses.size() != paths.size())
+    throw UsageError("export: `poses` names " + std::to_string(poses.size()) +
+                     " keys, but there are " + std::to_string(paths.size()) +
+                     " textures; give one name for each");
+  std::vector<int> of_key;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    EncodedImage image = ReadTexture(paths[i], stage.Scratch());
+    const auto same =
+        std::find_if(scene.textures.begin(), scene.textures.end(),
+                     [&](const EncodedImage& other) { return other.bytes == image.bytes; });
+    of_key.push_back(static_cast<int>(same - scene.textures.begin()));
+    if (same != scene.textures.end()) continue;
+    scene.poses.push_back(i < poses.size() ? poses[i] : "key-" + std::to_string(i));
+    scene.textures.push_back(std::move(image));
+    scene.texture_pixels.push_back(ReadImage(paths[i], 3));
+  }
+  return of_key;
+}
+
+/// What `interpolate` wrote about its frames; lists are empty if it wrote nothing.
+struct FrameNotes {
+  std::vector<char> stands;     // one per frame; empty from older versions of `interpolate`
+  std::vector<double> t;        // one per frame
+  std::vector<int> key_frames;  // one per key
+  bool loop = false;
+};
+
+nlohmann::json ReadDistortion(const fs::path& path) {
+  if (!fs::exists(path)) return {};
+  auto json = nlohmann::json::parse(ReadFile(path), nullptr, false);
+  if (json.is_discarded() || !json.is_object() || !json.contains("frames") ||
+      !json["frames"].is_array())
+    throw InputError("export: " + path.string() +
+                     " is not JSON with a list `frames`; run `interpolate` again");
+  return json;
+}
+
+FrameNotes ReadNotes(const fs::path& folder, int frame_count) {
+  FrameNotes notes;
+  const nlohmann::json json = ReadDistortion(folder / "distortion.json");
+  if (json.is_null() || SizeOf(json["frames"]) != frame_count) return notes;
+  notes.loop = json.contains("loop") && json["loop"] == true;
+  for (const auto& frame : json.value("key_frames", nlohmann::json::array()))
+    if (frame.is_number_integer() && frame >= 0 && frame < frame_count)
+      notes.key_frames.push_back(frame);
+  bool says_what_stands = false;
+  for (const auto& frame : json["frames"]) {
+    if (!frame.is_object()) continue;
+    if (frame.contains("t") && frame["t"].is_number()) notes.t.push_back(frame["t"].get<double>());
+    says_what_stands |= frame.contains("stands");
+    notes.stands.push_back(frame.value("stands", false));
+  }
+  if (SizeOf(notes.t) != frame_count) notes.t.clear();
+  if (!says_what_stands) notes.stands.clear();
+  return notes;
+}
+
+/// The weights of the textures over time; none if there is only one texture, or if they are not
+/// the textures of the keys.
+void BlendTextures(StageContext& stage, const FrameNotes& notes, const std::vector<int>& of_key,
+                   Scene& scene) {
+  const int count = SizeOf(scene.textures);
+  if (count < 2) return;
+  if (notes.t.empty() || notes.key_frames.size() != of_key.size()) {
+    stage.Warn("the animation shows only the first texture: there are " +
+               std::to_string(of_key.size()) + " textures, and " +
+               (notes.t.empty() ? "the frames have no distortion.json with a `t` for each"
+                                : "the frames were made from " +
+                                      std::to_string(notes.key_frames.size()) + " keys") +
+               "; pass one texture for each key, in the keys' order");
+    return;
+  }
+  scene.texture_moments = TextureMoments(SceneKeyframes(scene), notes.t, of_key, count);
+  for (const double t : notes.t) scene.texture_weights.push_back(TextureWeights(t, of_key, count));
+}
+
+std::vector<KeyMark> MarkKeys(const FrameNotes& notes, const std::vector<std::string>& poses) {
+  std::vector<KeyMark> marks;
+  for (std::size_t i = 0; i < notes.key_frames.size(); ++i) {
+    const bool named = poses.size() == notes.key_frames.size();
+    marks.push_back({notes.key_frames[i], named ? poses[i] : "key-" + std::to_string(i)});
+  }
+  return marks;
+}
+
+}  // namespace
+
+std::vector<std::string> SplitList(const std::string& list) {
+  std::vector<std::string> parts;
+  std::istringstream stream(list);
+  for (std::string part; std::getline(stream, part, ',');) {
+    const auto begin = part.find_first_not_of(' ');
+    if (begin == std::string::npos) continue;
+    parts.push_back(part.substr(begin, part.find_last_not_of(' ') - begin + 1));
+  }
+  return parts;
+}
+
+Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
+                const std::vector<std::string>& poses) {
+  const fs::path folder = stage.Input("frames");
+  SubProgress reading(stage.progress(), 0, 0.3);
+  Scene scene;
+  scene.playback = playback;
+  scene.z_up = z_up;
+  ReadFrames(folder, scene, &reading);
+  const FrameNotes notes = ReadNotes(folder, SizeOf(scene.frames));
+  const std::vector<int> of_key = ReadTextures(stage, poses, scene);
+  scene.split = MakeAnimatedMesh(scene.frames, scene.frame_names);
+  scene.clip = MakeClip(scene.split.points, notes.stands, notes.loop);
+  scene.frame_t = notes.t;
+  scene.keys = MarkKeys(notes, poses);
+  BlendTextures(stage, notes, of_key, scene);
+  return scene;
+}
+
+}  // namespace keypose::exporting

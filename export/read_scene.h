@@ -1,0 +1,25 @@
+// Reads the frames, textures and notes of an animation from files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/stage/stage.h"
+#include "export/animation/scene.h"
+
+namespace keypose::exporting {
+
+/// @return the parts of a list like "glb, fbx", without blanks around them and empty parts
+std::vector<std::string> SplitList(const std::string& list);
+
+/// Reads the stage's inputs `frames` and `textures`. Warns if textures cannot be blended because
+/// they do not belong to the frames' keys.
+///
+/// @param poses     names of the keys' poses, one per texture; may be empty
+/// @throws UsageError  the number of names is not that of the textures
+/// @throws InputError  no frames, a missing number, frames of different connectivity, an unreadable
+/// texture or distortion.json
+Scene ReadScene(StageContext& stage, const PlaybackOptions& playback, bool z_up,
+                const std::vector<std::string>& poses);
+
+}  // namespace keypose::exporting
