@@ -15,6 +15,7 @@
 #include "core/io/colmap_io.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "core/stage/stage.h"
 
@@ -45,6 +46,12 @@ PosedImages Load(const ImageSet& set, const Scene& scene, const MasksOptions& op
   }
   if (posed.views.size() < 3)
     throw InputError("masks: the model has fewer than 3 images; run sfm again");
+  int longest = 1;
+  for (const View& view : posed.views)
+    longest = std::max({longest, view.camera.width, view.camera.height});
+  constexpr double kBytesAPixel = 10;  // measured
+  RequireMemoryForViews("masks", posed.views, std::min(1.0, 1.0 * options.mask_px / longest),
+                        kBytesAPixel);
   posed.images.resize(posed.views.size());
   posed.masks.resize(posed.views.size());
   posed.boards.resize(posed.views.size());

@@ -12,6 +12,7 @@
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
+#include "core/memory.h"
 #include "core/mesh_checks.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -95,7 +96,12 @@ CleanupResult Cleaned(StageContext& stage, const CleanupOptions& options,
 
 void Run(StageContext& stage, const CleanupOptions& options) {
   const keypose::Mesh surface = keypose::ReadMesh(stage.Input("surface"));
-  keypose::RequireUsable(surface, stage.Input("surface").string());
+  const std::string file = stage.Input("surface").string();
+  keypose::RequireUsable(surface, file);
+  constexpr std::int64_t kBytesAFace = 200;  // measured
+  keypose::RequireMemory(
+      kBytesAFace * surface.face_count(),
+      "cleanup: the repair of " + std::to_string(surface.face_count()) + " faces (" + file + ")");
   const keypose::Sight sight = SightOf(stage);
   const std::optional<double> ground = Ground(stage, options, surface, sight);
   const CleanupResult result = Cleaned(stage, options, surface, sight, ground);

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -70,6 +71,16 @@ void RequireMemory(std::int64_t bytes, const std::string& what) {
   if (bytes > free)
     throw DiskError(what + " needs " + Gigabytes(bytes) + " of memory, and " + Gigabytes(free) +
                     " are free; close other programs, or make the pictures smaller");
+}
+
+void RequireMemoryForViews(const std::string& stage, const std::vector<View>& views, double scale,
+                           double bytes_a_pixel) {
+  double pixels = 0;
+  for (const View& view : views)
+    pixels += static_cast<double>(view.camera.width) * view.camera.height;
+  RequireMemory(std::llround(pixels * scale * scale * bytes_a_pixel),
+                stage + ": the work on " + std::to_string(views.size()) + " photographs (" +
+                    std::to_string(std::llround(pixels / 1e6)) + " megapixels)");
 }
 
 }  // namespace keypose

@@ -8,6 +8,7 @@
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
 #include "core/io/sight_io.h"
+#include "core/memory.h"
 #include "core/stage/stage.h"
 #include "reconstruct/meshing/surface.h"
 #include "views/hull/silhouettes.h"
@@ -42,6 +43,9 @@ void Run(keypose::StageContext& stage, const MeshOptions& options) {
   const auto path = stage.Input("cloud");
   keypose::PointCloud cloud = keypose::ReadPointCloud(path);
   const auto points = static_cast<std::int64_t>(cloud.points.rows());
+  constexpr std::int64_t kBytesAPoint = 800;  // measured
+  keypose::RequireMemory(kBytesAPoint * points, "mesh: the surface of " + std::to_string(points) +
+                                                    " points (" + path.string() + ")");
   const auto result = keypose::reconstruct::ReconstructSurface(
       std::move(cloud), options, path.filename().string(), stage.progress(), EvidenceOf(stage));
   keypose::WriteMesh(stage.Output("surface"), result.mesh);

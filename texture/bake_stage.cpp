@@ -8,6 +8,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/mesh_io.h"
+#include "core/memory.h"
 #include "core/mesh_checks.h"
 #include "core/size_of.h"
 #include "core/stage/stage.h"
@@ -177,6 +178,8 @@ void Run(StageContext& stage, const BakeOptions& options) {
   const Scene scene = ReadColmapModel(stage.Input("model"));
   const ImageSet images = ReadImageSet(stage.Input("images"));
   const std::vector<int> index = MatchImages(scene, images);
+  constexpr double kBytesAPixel = 5;  // measured
+  RequireMemoryForViews("bake", scene.views, 1, kBytesAPixel);
   const BakeResult result = Bake(
       mesh, scene.views, [&](int v) { return Load(images, index[v]); }, options, stage.progress());
   stage.Report("texture_size", result.texture.width);

@@ -7,6 +7,7 @@
 #include "core/errors.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 
 namespace keypose {
@@ -47,6 +48,8 @@ std::vector<PreparedView> LoadPreparedViews(StageContext& stage, const std::stri
   for (const View& view : scene.views)
     longest = std::max({longest, view.camera.width, view.camera.height});
   const double scale = std::min(1.0, static_cast<double>(max_size) / longest);
+  constexpr double kBytesAPixel = 5;  // measured in refine, which takes the least
+  RequireMemoryForViews(stage_name, scene.views, scale, kBytesAPixel);
   std::vector<PreparedView> views(scene.views.size());
   ParallelFor(std::ssize(views), [&](std::int64_t i) {
     if (!set.images[image_of[i]].trusted) return;
