@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "capture/board/board_detection.h"
@@ -13,6 +14,10 @@
 #include "capture/pictures/quality.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
+#include "capture/shoot/develop/photograph.h"
+#include "capture/shoot/develop/raw.h"
+#include "capture/shoot/develop/white_balance.h"
+#include "capture/shoot/record/side_file.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -39,7 +44,9 @@ struct Import {
   std::vector<fs::path> files;        // of all groups
   std::vector<Photograph> photographs;
   std::vector<char> quarter_turns;
-  double factor = 1;          // size written over size read
+  double factor = 1;  // size written over size read
+  // of each group's folder; none for photographs that `keypose shoot` has not made
+  std::map<fs::path, shoot::SideFile> side_files;
   std::vector<Image8> small;  // working images
   std::vector<Image8> small_masks;
   std::vector<fs::path> user_masks;
@@ -56,9 +63,33 @@ Image8 QuarterTurned(const Image8& image) {
   return turned;
 }
 
+/// What `keypose shoot` has noted of the photograph's folder; null for photographs of another
+/// origin.
+const shoot::SideFile* SideFileOf(const Import& import, std::size_t i) {
+  const auto side = import.side_files.find(import.files[i].parent_path());
+  return side == import.side_files.end() ? nullptr : &side->second;
+}
+
+/// The photograph, with the white balance of its session's grey card if there is one.
+Image8 ReadBalanced(const Import& import, std::size_t i) {
+  Image8 image = shoot::ReadPhotograph(import.files[i]);
+  const shoot::SideFile* side = SideFileOf(import, i);
+  return side && side->white ? shoot::WithGains(image, side->white->gains) : image;
+}
+
+/// The photograph's place in its session.
+std::optional<TurntablePlace> PlaceOf(const Import& import, std::size_t i) {
+  const shoot::SideFile* side = SideFileOf(import, i);
+  if (!side) return std::nullopt;
+  const auto shot = shoot::ShotNamed(side->plan, import.files[i].stem().string());
+  if (!shot) return std::nullopt;
+  return TurntablePlace{shot->ring, shoot::AngleOf(side->plan, *shot),
+                        shoot::TiltOf(side->plan, *shot), shot->flip};
+}
+
 /// Pixels as they will be written: upright, of one size.
 Image8 Load(const Import& import, std::size_t i, const fs::path& file, int channels) {
-  Image8 image = ReadImage(file, channels);
+  Image8 image = channels == 3 ? ReadBalanced(import, i) : ReadImage(file, channels);
   const Photograph& photograph = import.photographs[i];
   if (image.width != photograph.width || image.height != photograph.height)
     throw InputError("capture: mask " + file.string() + " is " + std::to_string(image.width) +
@@ -164,6 +195,9 @@ Import Open(StageContext& stage, const CaptureOptions& options) {
   const int longer = std::max(import.photographs[0].width, import.photographs[0].height);
   if (options.max_size > 0 && longer > options.max_size)
     import.factor = static_cast<double>(options.max_size) / longer;
+  for (const PhotographGroup& group : import.groups)
+    if (const fs::path side = group.folder / "shoot.json"; fs::exists(side))
+      import.side_files[group.folder] = shoot::ParseSideFile(ReadFile(side), side.string());
   if (stage.Has("masks"))
     import.masks = stage.Input("masks");
   else if (fs::is_directory(import.folder / "masks"))
@@ -255,9 +289,11 @@ Image8 MaskOf(const Import& import, std::size_t i, const Image8& image) {
 
 void WritePhotograph(const Import& import, std::size_t i, const Image8& image, const fs::path& to,
                      int quality) {
-  const ImageInfo info = ReadImageInfo(import.files[i]);
-  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 &&
-      !IsHeicName(import.files[i])) {
+  const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
+  const shoot::SideFile* side = SideFileOf(import, i);
+  const bool developed =
+      IsHeicName(import.files[i]) || shoot::IsRawName(import.files[i]) || (side && side->white);
+  if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !developed) {
     std::error_code error;
     fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);
     if (error)
@@ -293,6 +329,7 @@ Written WriteOne(const Import& import, std::size_t i, const fs::path& folder,
   entry.mask_fraction = MaskFraction(mask);
   entry.mask_given = !import.user_masks[i].empty();
   entry.group = import.photographs[i].group;
+  entry.place = PlaceOf(import, i);
   entry.board_corners = import.board_corners[i];
   // Sharpness is measured at a size at which any camera in focus is sharp.
   const Image8 grey = WorkingImage(Grey(image), options.sharpness_px),
@@ -473,8 +510,8 @@ const StageSpec kSpec = {
     .summary = "Imports and checks photographs of one pose and masks the object in each.",
     .inputs = {{.name = "photos",
                 .kind = "folder",
-                .help = "photographs of one pose: JPEG, PNG, TIFF or HEIC; or subfolders, one for "
-                        "each placement (upright, lying)",
+                .help = "photographs of one pose: JPEG, PNG, TIFF, HEIC or RAW; or subfolders, one "
+                        "for each placement (upright, lying)",
                 .file = ""},
                {.name = "masks",
                 .kind = "folder",

@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
+#include <map>
+#include <regex>
 #include <set>
 
 #include "capture/photographs.h"
+#include "capture/shoot/develop/photograph.h"
+#include "capture/shoot/develop/raw.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -28,7 +32,7 @@ std::uint64_t Fnv1a(const std::string& bytes) {
 }
 
 Photograph Inspect(const fs::path& file) {
-  const ImageInfo info = ReadImageInfo(file);
+  const ImageInfo info = shoot::ReadPhotographInfo(file);
   const std::string bytes = ReadFile(file);
   Photograph photograph;
   photograph.name = WrittenName(file);
@@ -42,19 +46,40 @@ Photograph Inspect(const fs::path& file) {
   return photograph;
 }
 
-std::vector<fs::path> PhotographsIn(const fs::path& folder) {
+/// RAW files of a folder, without those that have a photograph of the same stem beside them.
+std::vector<fs::path> RawFilesIn(const fs::path& folder, const std::vector<fs::path>& photographs) {
+  std::set<fs::path> stems;
+  for (const fs::path& file : photographs) stems.insert(file.stem());
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path& file = entry.path();
+    if (entry.is_regular_file() && shoot::IsRawName(file) && !IsLitterName(file) &&
+        !stems.contains(file.stem()))
+      files.push_back(file);
+  }
+  return files;
+}
+
+/// @param with_raw  RAW files that have no other photograph of their stem beside them count too
+std::vector<fs::path> PhotographsIn(const fs::path& folder, bool with_raw) {
   std::vector<fs::path> files = ImagesIn(folder);
+  if (with_raw) {
+    const std::vector<fs::path> raw = RawFilesIn(folder, files);
+    files.insert(files.end(), raw.begin(), raw.end());
+  }
+  std::sort(files.begin(), files.end());
   std::erase_if(files,
                 [](const fs::path& file) { return Lower(file.stem().string()) == "background"; });
   return files;
 }
 
-std::vector<PhotographGroup> GroupsBelow(const fs::path& folder) {
+std::vector<PhotographGroup> GroupsBelow(const fs::path& folder, bool with_raw) {
   std::vector<PhotographGroup> groups;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (!entry.is_directory() || name == "masks" || name.front() == '.') continue;
-    PhotographGroup group{name, entry.path(), PhotographsIn(entry.path())};
+    const bool ours = name == "masks" || name == "stacks" || name.front() == '.';
+    if (!entry.is_directory() || ours) continue;
+    PhotographGroup group{name, entry.path(), PhotographsIn(entry.path(), with_raw)};
     if (!group.files.empty()) groups.push_back(std::move(group));
   }
   std::sort(groups.begin(), groups.end(),
@@ -62,15 +87,30 @@ std::vector<PhotographGroup> GroupsBelow(const fs::path& folder) {
   return groups;
 }
 
+/// The placement that a photograph's name tells: "lying" as its first letters; `keypose shoot`
+/// names further ones lying2_r1_a045, lying3_r1_a045.
+std::string PlacementOf(const fs::path& file) {
+  static const std::regex further("(lying[2-9])_r[0-9]+_a[0-9]+\\..*");
+  const std::string name = Lower(file.filename().string());
+  std::smatch match;
+  if (std::regex_match(name, match, further)) return match[1];
+  return name.starts_with("lying") ? "lying" : "upright";
+}
+
 /// Separates photographs whose names begin with "lying" from the others.
 std::vector<PhotographGroup> SplitByName(const fs::path& folder,
                                          const std::vector<fs::path>& files) {
-  PhotographGroup lying{"lying", folder, {}}, upright{"upright", folder, {}};
-  for (const fs::path& file : files)
-    (Lower(file.filename().string()).rfind("lying", 0) == 0 ? lying : upright)
-        .files.push_back(file);
-  if (lying.files.empty() || upright.files.empty()) return {{"", folder, files}};
-  return {lying, upright};
+  std::map<std::string, PhotographGroup> by_name;
+  for (const fs::path& file : files) {
+    PhotographGroup& group = by_name[PlacementOf(file)];
+    group.name = PlacementOf(file);
+    group.folder = folder;
+    group.files.push_back(file);
+  }
+  if (by_name.size() < 2) return {{"", folder, files}};
+  std::vector<PhotographGroup> groups;
+  for (auto& [name, group] : by_name) groups.push_back(std::move(group));
+  return groups;
 }
 
 /// Names must be UTF-8, because capture.json and reports contain them.
@@ -99,13 +139,19 @@ void RequireDifferentNames(const std::vector<Photograph>& photographs) {
 /// Adds files of the folder that are not photographs, masks or the clean plate, and files of those
 /// subfolders that contain no photographs.
 void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::path>* ignored) {
+  std::set<fs::path> stems;
+  for (const fs::path& file : ImagesIn(folder)) stems.insert(file.stem());
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (IsLitterName(entry.path()) || entry.path().filename() == "masks") continue;
+    const fs::path name = entry.path().filename();
+    // What `keypose shoot` puts beside the photographs: its notes, and RAW files of the same names.
+    const bool shot = name == "shoot.json" || name == "stacks" ||
+                      (shoot::IsRawName(name) && stems.contains(name.stem()));
+    if (IsLitterName(name) || name == "masks" || shot) continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path()))
       ignored->push_back(entry.path());
     // A link to a parent folder would cause endless recursion.
     if (with_subfolders && entry.is_directory() && !entry.is_symlink() &&
-        PhotographsIn(entry.path()).empty())
+        PhotographsIn(entry.path(), false).empty())
       AddIgnored(entry.path(), true, ignored);
   }
 }
@@ -133,7 +179,8 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
 }
 
 std::string WrittenName(const fs::path& file) {
-  return IsHeicName(file) ? file.stem().string() + ".jpg" : file.filename().string();
+  const bool developed = IsHeicName(file) || shoot::IsRawName(file);
+  return developed ? file.stem().string() + ".jpg" : file.filename().string();
 }
 
 std::vector<fs::path> IgnoredFiles(const fs::path& folder,
@@ -142,13 +189,16 @@ std::vector<fs::path> IgnoredFiles(const fs::path& folder,
   AddIgnored(folder, true, &ignored);
   for (const PhotographGroup& group : groups)
     if (group.folder != folder) AddIgnored(group.folder, false, &ignored);
+  for (const PhotographGroup& group : groups)
+    for (const fs::path& file : group.files) std::erase(ignored, file);  // RAW files that are used
   std::sort(ignored.begin(), ignored.end());
   return ignored;
 }
 
 std::vector<PhotographGroup> ListPhotographs(const fs::path& folder) {
-  const std::vector<fs::path> files = PhotographsIn(folder);
-  const std::vector<PhotographGroup> below = GroupsBelow(folder);
+  const std::vector<fs::path> files = PhotographsIn(folder, true);
+  // A subfolder of RAW files beside photographs is a store, and no placement of the figure.
+  const std::vector<PhotographGroup> below = GroupsBelow(folder, files.empty());
   if (files.empty() && below.empty()) FailForWantOfPhotographs(folder);
   if (!files.empty() && !below.empty())
     throw InputError("capture: " + folder.string() + " has photographs of its own (" +

@@ -16,9 +16,10 @@ struct PhotographGroup {
   std::vector<std::filesystem::path> files;  ///< sorted
 };
 
-/// Files of a folder with names of JPEG, PNG, TIFF or HEIC, except background.*. If the folder has
-/// none, its subfolders (except `masks`) are groups, by name. If names begin with "lying" (any
-/// case), these are group "lying" and the others "upright".
+/// Files of a folder with names of JPEG, PNG, TIFF, HEIC or RAW, except background.*; of a RAW and
+/// JPEG pair the JPEG. If the folder has none, its subfolders (except `masks` and `stacks`) are
+/// groups, by name. If names begin with "lying" (any case), these are group "lying" and the others
+/// "upright".
 /// @throws InputError  no photographs, or some in the folder and some in subfolders
 std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder);
 
@@ -27,8 +28,8 @@ std::vector<PhotographGroup> ListPhotographs(const std::filesystem::path& folder
 std::vector<std::filesystem::path> IgnoredFiles(const std::filesystem::path& folder,
                                                 const std::vector<PhotographGroup>& groups);
 
-/// The name of a photograph in the images folder: HEIC becomes .jpg, because no later stage reads
-/// HEIC.
+/// The name of a photograph in the images folder: HEIC and RAW become .jpg, because no later stage
+/// reads them.
 std::string WrittenName(const std::filesystem::path& file);
 
 /// The clean plate beside the photographs (background.jpg, .png, .tif), or empty.

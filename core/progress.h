@@ -12,6 +12,7 @@ namespace keypose {
 class Progress {
  public:
   virtual ~Progress() = default;
+  /// May be called by several threads at a time.
   /// @param fraction  of the whole stage, in [0,1]
   /// @param what      a few words for a person
   virtual void Update(double fraction, std::string_view what) = 0;

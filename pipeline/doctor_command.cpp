@@ -50,6 +50,18 @@ std::string BlasText() {
   return text;
 }
 
+/// The camera library that `keypose shoot` loads.
+std::string CameraLibraryText() {
+  void* library = dlopen("libgphoto2.so.6", RTLD_NOW | RTLD_LOCAL);
+  if (!library)
+    return "libgphoto2 is missing, `keypose shoot` cannot start (Debian: apt-get install "
+           "libgphoto2-6)";
+  using VersionFunction = const char** (*)(int);
+  const auto version = reinterpret_cast<VersionFunction>(dlsym(library, "gp_library_version"));
+  const char** const lines = version ? version(0) : nullptr;
+  return std::string("libgphoto2 ") + (lines && lines[0] ? lines[0] : "");
+}
+
 std::string CpuText() {
   __builtin_cpu_init();
   std::vector<std::string> features;
@@ -109,6 +121,7 @@ ExitCode DoctorCommand() {
   VersionCommand();
   const bool stages_well = CheckStages(processes);
   const bool colmap_well = processes.FindTool("colmap").has_value();
+  fmt::print("cameras: {}\n", CameraLibraryText());
   const auto space = fs::space(fs::current_path());
   fmt::print("free on this disk: {:.1f} GB\n", static_cast<double>(space.available) / 1e9);
   const bool well = stages_well && colmap_well;

@@ -20,14 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kCommands = {"init",   "run",    "status", "explain", "log",
-                                            "graph",  "gc",     "verify", "unlock",  "pack",
-                                            "report", "doctor"};
+const std::vector<std::string> kCommands = {"init",   "run",   "status", "explain",
+                                            "log",    "graph", "gc",     "verify",
+                                            "unlock", "pack",  "report", "doctor"};
 
 std::vector<std::string> StageNames() {
   std::vector<std::string> names;
   for (const std::string& name : RealDisk().Children(ProgramFolder())) {
-    if (name.starts_with("keypose-") && name != "keypose-studio") names.push_back(name.substr(8));
+    const bool stage = name != "keypose-studio" && name != "keypose-shoot";
+    if (name.starts_with("keypose-") && stage) names.push_back(name.substr(8));
   }
   return names;
 }
@@ -53,7 +54,7 @@ bool MeansStage(int argc, char** argv) {
   const fs::path program = ProgramFolder() / (std::string("keypose-") + argv[1]);
   if (access(program.c_str(), X_OK) != 0) {
     std::vector<std::string> known = kCommands;
-    known.push_back("studio");
+    known.insert(known.end(), {"studio", "shoot"});
     for (const std::string& stage : StageNames()) known.push_back(stage);
     throw UsageError(
         fmt::format("'{}' is neither a command nor a stage{}; `keypose --help` lists all", argv[1],
@@ -213,6 +214,9 @@ class CommandLine {
     })->allow_extras();
     Command("studio", "open the project in a web page", []() -> ExitCode {
       throw ToolError("keypose-studio is missing; install keypose again");
+    })->allow_extras();
+    Command("shoot", "photograph poses with a camera and a turntable", []() -> ExitCode {
+      throw ToolError("keypose-shoot is missing; install keypose again");
     })->allow_extras();
   }
 

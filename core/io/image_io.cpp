@@ -287,6 +287,7 @@ void WriteLinearImage(const fs::path& path, const ImageF& linear, int bits) {
   if (extension == ".exr") {
     if (bits == 32) spec.set_format(TypeDesc::FLOAT);
     spec.attribute("oiio:ColorSpace", "Linear");
+    spec.attribute("DateTime", "");  // otherwise the library writes the time of day
     return WriteAll(path, spec, TypeDesc::FLOAT, linear.data.data());
   }
   const bool eight = bits == 8 || (bits == 0 && extension == ".png");

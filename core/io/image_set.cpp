@@ -1,6 +1,7 @@
 #include "core/io/image_set.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +33,22 @@ std::vector<BoardCorner> CornersFrom(const json& list, const BoardLayout& board)
     corners.push_back(corner);
   }
   return corners;
+}
+
+TurntablePlace PlaceFrom(const json& entry) {
+  const TurntablePlace place{entry.at("ring"), entry.at("angle_deg"), entry.at("tilt_deg"),
+                             entry.at("flip")};
+  if (!(std::abs(place.angle_deg) <= 360 && std::abs(place.tilt_deg) <= 90) || place.ring < 1 ||
+      place.flip < 0)
+    throw InputError("a photograph has an impossible place on the turntable");
+  return place;
+}
+
+json PlaceJson(const TurntablePlace& place) {
+  return {{"ring", place.ring},
+          {"angle_deg", place.angle_deg},
+          {"tilt_deg", place.tilt_deg},
+          {"flip", place.flip}};
 }
 
 BoardLayout BoardFrom(const json& entry) {
@@ -102,6 +119,7 @@ CapturedImage ImageFrom(const json& entry, const std::optional<BoardLayout>& boa
   image.group = entry.value("group", "");
   if (board && entry.contains("board_corners"))
     image.board_corners = CornersFrom(entry.at("board_corners"), *board);
+  if (entry.contains("turntable")) image.place = PlaceFrom(entry.at("turntable"));
   RequireUsableNumbers(image);
   return image;
 }
@@ -176,6 +194,7 @@ void WriteImageSet(const ImageSet& set) {
     if (!image.trusted) entry["trusted"] = false, entry["why"] = image.why;
     if (!image.group.empty()) entry["group"] = image.group;
     if (!image.board_corners.empty()) entry["board_corners"] = CornersJson(image.board_corners);
+    if (image.place) entry["turntable"] = PlaceJson(*image.place);
     root["images"].push_back(std::move(entry));
   }
   WriteFile(set.folder / "capture.json", root.dump(1) + "\n");

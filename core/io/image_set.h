@@ -13,6 +13,14 @@
 
 namespace keypose {
 
+/// Where a photograph belongs in a session of `keypose shoot`: a start for cameras, not measured.
+struct TurntablePlace {
+  int ring = 1;          ///< from 1, of one height of the camera
+  double angle_deg = 0;  ///< of the table; which way it turns is not known
+  double tilt_deg = 0;   ///< elevation of the camera above the table
+  int flip = 0;          ///< placement of the figure, 0 upright
+};
+
 struct CapturedImage {
   std::string name;  ///< file name in the folder, e.g. "IMG_0001.jpg"
   int width = 0, height = 0;
@@ -28,6 +36,8 @@ struct CapturedImage {
   std::string group;
   /// corners of the printed calibration board, by id; none when it was not seen
   std::vector<BoardCorner> board_corners;
+  /// from shoot.json; none for photographs of another origin
+  std::optional<TurntablePlace> place;
 };
 
 struct ImageSet {

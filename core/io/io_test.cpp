@@ -475,6 +475,63 @@ TEST_F(LandmarksIo, MeshLabPicksSnapToTheSurfaceAndJoinByName) {
 
 using Files = IoTest;
 
+/// Picks in the middle of faces, by names that XML and JSON must escape.
+std::vector<Landmark> OddlyNamedPicks() {
+  return {{"a < b & \"c\"", 3, {0.2, 0.3, 0.5}},
+          {"it's", 40, {0.6, 0.25, 0.15}},
+          {"n\u00e4se>", 79, {0.125, 0.5, 0.375}}};
+}
+
+void ExpectSamePicks(const std::vector<Landmark>& read, const std::vector<Landmark>& picks) {
+  ASSERT_EQ(read.size(), picks.size());
+  for (const Landmark& pick : picks) {
+    const auto same = std::find_if(read.begin(), read.end(),
+                                   [&](const Landmark& one) { return one.name == pick.name; });
+    ASSERT_NE(same, read.end()) << pick.name;
+    EXPECT_EQ(same->face, pick.face) << pick.name;
+    EXPECT_LT((same->barycentric - pick.barycentric).norm(), 1e-12) << pick.name;
+  }
+}
+
+TEST_F(LandmarksIo, PicksComeBackFromMeshLabsPoints) {
+  const Mesh mesh = MakeIcosphere(1);
+  CarryLog log;
+  const fs::path file = Put("p.pp", PickedPointsText(OddlyNamedPicks(), mesh));
+  ExpectSamePicks(ReadPicks(file, mesh, &log), OddlyNamedPicks());
+  EXPECT_TRUE(log.warnings.empty()) << log.warnings[0];
+}
+
+TEST_F(LandmarksIo, PicksComeBackFromWrapsPoints) {
+  const Mesh mesh = MakeIcosphere(1);
+  CarryLog log;
+  const fs::path file = Put("wrap.json", WrapPointsText(OddlyNamedPicks()));
+  ExpectSamePicks(ReadPicks(file, mesh, &log, "scan"), OddlyNamedPicks());
+  EXPECT_TRUE(log.unbound);
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_NE(log.warnings[0].find("if the scan was rebuilt"), std::string::npos) << log.warnings[0];
+}
+
+TEST_F(LandmarksIo, WrapsPointsWithoutNamesAreNumbered) {
+  const Mesh mesh = MakeIcosphere(1);
+  const fs::path file = Put("list.json", " [[3, 0.2, 0.3], [40, 1, 0]]");
+  ExpectSamePicks(ReadPicks(file, mesh), {{"1", 3, {0.2, 0.3, 0.5}}, {"2", 40, {1, 0, 0}}});
+  const auto pairs = ReadLandmarkPairs({file, file}, mesh, mesh);
+  ASSERT_EQ(pairs.size(), 2u);
+  const Eigen::Vector3d corner = mesh.points.row(mesh.faces(40, 0));
+  EXPECT_LT((PositionOf(pairs[1].target, mesh) - corner).norm(), 1e-12);
+}
+
+TEST_F(LandmarksIo, WrapsPointsOfAnotherMeshAreInputErrors) {
+  const Mesh mesh = MakeIcosphere(1);
+  for (const char* text :
+       {R"({"nose": [80, 0.2, 0.3]})", R"({"nose": [-1, 0.2, 0.3]})", R"({"nose": [1e300, 0, 1]})",
+        R"({"nose": [3.5, 0.2, 0.3]})", R"({"nose": [3, 0.7, 0.7]})",
+        R"({"nose": [3, 0.2, 0.3], "ear": [3, 0.2]})", R"([[3, 0.2, 0.3], {"face": 3}])"})
+    EXPECT_THROW(ReadPicks(Put("w.json", text), mesh), InputError) << text;
+  const fs::path one = Put("w.json", R"({"nose": [3, 0.2, 0.3]})");
+  EXPECT_THROW(ReadLandmarkPairs({one}, mesh, mesh), InputError);
+}
+
 TEST_F(Files, FullDiskGivesDiskErrorAndNoFile) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   EXPECT_THROW(WriteFile("/dev/full", std::string(1 << 20, 'x')), DiskError);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -301,14 +302,66 @@ std::vector<Landmark> ReadPickedPoints(const fs::path& path, const Mesh& mesh, C
   return landmarks;
 }
 
+/// The first character that is not a space; 0 in a file without one.
+char FirstLetterOf(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first == std::string::npos ? 0 : text[first];
+}
+
+/// Wrap's points are lists of three numbers; our files have named fields.
+bool IsWrapPoint(const json& value) {
+  return value.is_array() && value.size() == 3 &&
+         std::all_of(value.begin(), value.end(), [](const json& one) { return one.is_number(); });
+}
+
+bool HoldsWrapPoints(const std::string& text) {
+  if (!IsShallowJson(text)) return false;
+  const json root = json::parse(text, nullptr, false);
+  return !root.is_discarded() && root.is_structured() && !root.empty() &&
+         IsWrapPoint(*root.begin());
+}
+
+Landmark WrapPoint(const std::string& name, const json& value, const Mesh& mesh,
+                   const fs::path& path) {
+  if (!IsWrapPoint(value))
+    throw InputError(
+        fmt::format("{}: landmark '{}' is not [face, u, v]; write the points from Wrap again",
+                    path.string(), name));
+  const double face = value[0], u = value[1], v = value[2];
+  const bool is_index = face >= 0 && face < mesh.face_count() && face == std::floor(face);
+  const Landmark landmark{name, is_index ? static_cast<int>(face) : -1, {u, v, 1 - u - v}};
+  RequireOnMesh(landmark, mesh, path);
+  return landmark;
+}
+
+std::vector<Landmark> ReadWrapPoints(const std::string& text, const fs::path& path,
+                                     const Mesh& mesh, CarryLog* log, const std::string& side) {
+  const json root = json::parse(text);
+  std::vector<Landmark> landmarks;
+  if (root.is_object())
+    for (const auto& [name, value] : root.items())
+      landmarks.push_back(WrapPoint(name, value, mesh, path));
+  else
+    for (const json& value : root)
+      landmarks.push_back(WrapPoint(std::to_string(landmarks.size() + 1), value, mesh, path));
+  if (log) {
+    log->unbound = true;
+    log->warnings.push_back(
+        fmt::format("{} does not say on which mesh it was picked; its face numbers are used "
+                    "unchanged, which is wrong if the {} was rebuilt since then. Bind it to the "
+                    "mesh: keypose landmarks bind --help",
+                    path.string(), side));
+  }
+  return landmarks;
+}
+
 }  // namespace
 
 std::vector<Landmark> ReadPicks(const fs::path& path, const Mesh& mesh, CarryLog* log,
                                 const std::string& side) {
   const std::string text = ReadFile(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && text[first] == '<')
-    return ReadPickedPoints(path, mesh, log, side);
+  if (FirstLetterOf(text) == '<') return ReadPickedPoints(path, mesh, log, side);
+  if (HoldsWrapPoints(text)) return ReadWrapPoints(text, path, mesh, log, side);
   return ReadLandmarks(path, mesh, log, side);
 }
 
@@ -345,6 +398,13 @@ std::string PickedPointsText(const std::vector<Landmark>& landmarks, const Mesh&
   std::ostringstream out;
   boost::property_tree::write_xml(out, tree);
   return out.str();
+}
+
+std::string WrapPointsText(const std::vector<Landmark>& landmarks) {
+  json points = json::object();
+  for (const Landmark& landmark : landmarks)
+    points[landmark.name] = {landmark.face, landmark.barycentric[0], landmark.barycentric[1]};
+  return points.dump(1) + "\n";
 }
 
 void WriteLandmarks(const fs::path& path, const Mesh& mesh,
@@ -385,9 +445,11 @@ std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<fs::path>& paths, 
   if (paths.empty()) return {};
   if (paths.size() == 1) {
     const std::string text = ReadFile(paths[0]);
-    const std::size_t first = text.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && text[first] == '{')
-      return ReadJsonPairs(paths[0], text, source, target, log);
+    if (HoldsWrapPoints(text))
+      throw InputError(
+          paths[0].string() +
+          " holds the picks of one mesh; give the other mesh's picks as a second file");
+    if (FirstLetterOf(text) == '{') return ReadJsonPairs(paths[0], text, source, target, log);
     if (log) {
       log->unbound = true;
       log->warnings.push_back(paths[0].string() +

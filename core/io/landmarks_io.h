@@ -48,21 +48,27 @@ void WriteLandmarkPairs(const std::filesystem::path& path, const Mesh& source, c
 
 /// Reads pairs from one file or from two. One file: text lines `source_vertex target_vertex`,
 /// counted from 0, or the JSON of WriteLandmarkPairs. Two files: picks of the source and of the
-/// target (JSON or MeshLab .pp), matched by name. MeshLab's points are free positions; each is
-/// moved to the closest point of the mesh. They must lie on the mesh: a point more than 2 % of the
-/// diagonal away, or a median distance above 0.5 %, is an error. Unconfirmed pairs that cannot be
-/// transferred to a rebuilt mesh are left out.
+/// target (each as ReadPicks takes them), matched by name. MeshLab's points are free positions;
+/// each is moved to the closest point of the mesh. They must lie on the mesh: a point more than 2 %
+/// of the diagonal away, or a median distance above 0.5 %, is an error. Unconfirmed pairs that
+/// cannot be transferred to a rebuilt mesh are left out.
 /// @throws InputError  as above, and when the two files share no name
 std::vector<LandmarkPair> ReadLandmarkPairs(const std::vector<std::filesystem::path>& paths,
                                             const Mesh& source, const Mesh& target,
                                             CarryLog* log = nullptr);
-/// Reads the picks of one mesh, JSON or .pp.
+/// Reads the picks of one mesh: our JSON, MeshLab's .pp, or Faceform Wrap's points, which are
+/// {"name": [face, u, v]} or, numbered from 1, [[face, u, v]], at u A + v B + (1 - u - v) C of the
+/// face's corners A, B, C. Wrap's files do not say which mesh they were picked on: face numbers are
+/// used unchanged, and `log` gets a warning.
 /// @throws InputError  as above
 std::vector<Landmark> ReadPicks(const std::filesystem::path& path, const Mesh& mesh,
                                 CarryLog* log = nullptr, const std::string& side = "mesh");
 
 /// Picks as MeshLab's picked points (.pp), which ReadPicks reads again.
 std::string PickedPointsText(const std::vector<Landmark>& landmarks, const Mesh& mesh);
+/// Picks as Wrap's named points, which ReadPicks reads again.
+/// @pre names are valid UTF-8, and no two are equal
+std::string WrapPointsText(const std::vector<Landmark>& landmarks);
 
 Eigen::Vector3d PositionOf(const Landmark& landmark, const Mesh& mesh);
 

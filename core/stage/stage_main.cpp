@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
+#include <mutex>
 #include <new>
 #include <optional>
 
@@ -53,6 +54,7 @@ class StageProgress final : public Progress {
   }
   bool cancelled() const override { return g_interrupted; }
   void Update(double fraction, std::string_view what) override {
+    const std::lock_guard lock(mutex_);  // some algorithms report from each of their threads
     const auto now = std::chrono::steady_clock::now();
     if (now - last_ < std::chrono::milliseconds(100) && what == last_what_) return;
     last_ = now;
@@ -77,6 +79,7 @@ class StageProgress final : public Progress {
   bool terminal_ = false, drawn_ = false;
   std::chrono::steady_clock::time_point last_{};
   std::string last_what_;
+  std::mutex mutex_;
 };
 
 json DescribePorts(const std::vector<Port>& ports) {

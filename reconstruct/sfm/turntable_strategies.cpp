@@ -206,12 +206,27 @@ StrategyResult PlaceBySilhouettes(const StrategyContext& context, const MatchedF
   return result;
 }
 
+/// The layout that a shooting session has noted, if it has one of all photographs and the figure
+/// stood in one way: each placement has a table frame of its own.
+std::optional<RingLayout> NotedLayout(const ImageSet& set) {
+  std::vector<int> rings;
+  std::vector<double> angles_deg;
+  for (const CapturedImage& image : set.images) {
+    if (!image.place || image.place->flip != set.images[0].place->flip) return std::nullopt;
+    rings.push_back(image.place->ring);
+    angles_deg.push_back(image.place->angle_deg);
+  }
+  return LayoutOfAngles(rings, angles_deg);
+}
+
 }  // namespace
 
 StrategyResult PlaceByTurntable(const StrategyContext& context, const SfmFiles& files,
                                 const MatchedFeatures& matched, StrategyResult best) {
   const auto& [stage, set, options, check, watch] = context;
   std::vector<RingLayout> layouts = options.Layouts(NamesOf(set));
+  if (const auto noted = NotedLayout(set); noted && options.rings == "auto")
+    layouts.insert(layouts.begin(), *noted);
   std::optional<SortedRings> sorted;
   if (!context.IsSettled(best) && (options.method == "auto" || options.method == "ring")) {
     const Upright upright{matched.camera, UprightFeatures(matched)};

@@ -1,8 +1,10 @@
 #include "reconstruct/turntable/ring_model.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "core/errors.h"
@@ -97,6 +99,30 @@ std::vector<RingLayout> LikelyLayouts(const std::vector<std::string>& names) {
     if (enough) layouts.push_back(std::move(layout));
   }
   return layouts;
+}
+
+std::optional<RingLayout> LayoutOfAngles(const std::vector<int>& rings,
+                                         const std::vector<double>& angles_deg) {
+  std::map<int, std::vector<int>> images_of_ring;
+  for (std::size_t i = 0; i < rings.size(); ++i)
+    images_of_ring[rings[i]].push_back(static_cast<int>(i));
+  RingLayout layout;
+  layout.reason = "table angles of the shooting session";
+  for (auto& [ring, images] : images_of_ring) {
+    std::sort(images.begin(), images.end(),
+              [&](int a, int b) { return angles_deg[a] < angles_deg[b]; });
+    if (images.size() < 3) return std::nullopt;
+    double step_deg = 360 + angles_deg[images.front()] - angles_deg[images.back()];
+    for (std::size_t k = 1; k < images.size(); ++k)
+      step_deg = std::min(step_deg, angles_deg[images[k]] - angles_deg[images[k - 1]]);
+    if (!(step_deg > 0.1)) return std::nullopt;
+    const int positions = static_cast<int>(std::lround(360 / step_deg));
+    layout.positions.push_back(positions);
+    layout.rings.emplace_back();
+    for (const int image : images)
+      layout.rings.back().push_back({image, angles_deg[image] * positions / 360});
+  }
+  return layout;
 }
 
 }  // namespace keypose::reconstruct

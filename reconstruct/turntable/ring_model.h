@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,5 +59,12 @@ RingLayout LayoutOfSizes(int images, const std::vector<int>& sizes);
 /// the end of the names (IMG_0012.jpg) show which are missing; names without numbers count in their
 /// order.
 std::vector<RingLayout> LikelyLayouts(const std::vector<std::string>& names);
+
+/// The layout of photographs whose table angles are known; which way round the table turns stays
+/// open. Nothing if a ring has fewer than 3 photographs, or two of one angle.
+/// @param rings       each photograph's ring, any numbers
+/// @param angles_deg  each photograph's angle of the table
+std::optional<RingLayout> LayoutOfAngles(const std::vector<int>& rings,
+                                         const std::vector<double>& angles_deg);
 
 }  // namespace keypose::reconstruct

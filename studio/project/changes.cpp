@@ -11,11 +11,11 @@
 #include "core/io/image_kind.h"
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
+#include "core/io/yaml_edit.h"
 #include "pipeline/new_project.h"
 #include "pipeline/project_paths.h"
 #include "pipeline/real_disk.h"
 #include "pipeline/text.h"
-#include "studio/project/yaml_edit.h"
 
 namespace keypose::studio {
 
@@ -41,16 +41,6 @@ std::string WithPoseSetting(const Snapshot& snapshot, const std::string& text,
     edited = WithValue(WithValue(text, {"poses", pose}, as_map), path, value);
   }
   return edited;
-}
-
-/// @throws UsageError  with the yaml error as a person can act on it
-template <class Edit>
-std::string Edited(const Edit& edit) {
-  try {
-    return edit();
-  } catch (const YamlEditError& error) {
-    throw UsageError(fmt::format("pipeline.yaml cannot be changed from here: {}", error.what()));
-  }
 }
 
 void CheckOption(Snapshot& snapshot, const OptionChange& change) {
@@ -150,6 +140,14 @@ fs::path MaskFolder(Snapshot& snapshot, const std::string& pose) {
 }
 
 }  // namespace
+
+std::string Edited(const std::function<std::string()>& edit) {
+  try {
+    return edit();
+  } catch (const YamlEditError& error) {
+    throw UsageError(fmt::format("pipeline.yaml cannot be changed from here: {}", error.what()));
+  }
+}
 
 std::string WritePipelineFile(const fs::path& project, const std::string& text,
                               const std::string& revision) {

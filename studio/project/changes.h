@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <stdexcept>
 #include <string>
@@ -15,6 +16,9 @@ namespace keypose::studio {
 struct ChangedMeanwhile : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// The text that an edit of pipeline.yaml gives. @throws UsageError  it cannot be edited so
+std::string Edited(const std::function<std::string()>& edit);
 
 /// pipeline.yaml with another text. Nothing is written if the project could not be used with it.
 /// @param revision  of the text that the change was made from

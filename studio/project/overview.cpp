@@ -43,6 +43,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
           {"has_landmarks", fs::exists(snapshot.project() / "landmarks" / (pose + ".json"))},
           {"meshes", meshes},
           {"has_texture", snapshot.TexturePath(pose).has_value()},
+          {"has_confidence", snapshot.ConfidencePath(pose).has_value()},
           {"has_cameras", snapshot.ResultPath("sfm", pose, "model").has_value()}};
 }
 

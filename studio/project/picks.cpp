@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "core/geometry.h"
 #include "core/io/files.h"
 #include "core/io/landmarks_io.h"
 #include "core/io/mesh_io.h"
@@ -105,39 +106,6 @@ void WritePicks(Snapshot& snapshot, const std::string& pose, const Mesh& mesh,
   disk.Remove(writing);
 }
 
-/// Wrap counts faces as we do, and gives two of the three weights: P = A u + B v + C (1 - u - v).
-/// Both of its forms: {"name": [face, u, v]} and [[face, u, v]].
-std::vector<Landmark> WrapPoints(const std::string& text, const Mesh& mesh) {
-  const json value = json::parse(text);
-  std::vector<Landmark> picks;
-  const auto add = [&](const std::string& name, const json& point) {
-    const double u = point.at(1), v = point.at(2);
-    Landmark pick{name, IndexOf(point.at(0)), {u, v, 1 - u - v}};
-    RequirePick(pick, mesh);
-    picks.push_back(pick);
-  };
-  if (value.is_object())
-    for (const auto& [name, point] : value.items()) add(name, point);
-  else
-    for (std::size_t i = 0; i < value.size(); ++i) add(std::to_string(i + 1), value[i]);
-  return picks;
-}
-
-bool IsWrap(const std::string& text) {
-  const json value = json::parse(text, nullptr, false);
-  if (value.is_discarded() || value.empty()) return false;
-  if (value.is_object() && value.contains("landmarks")) return false;
-  const json& first = *value.begin();
-  return first.is_array() && first.size() == 3;
-}
-
-std::string AsWrap(const std::vector<Landmark>& picks) {
-  json points = json::object();
-  for (const Landmark& pick : picks)
-    points[pick.name] = {pick.face, pick.barycentric[0], pick.barycentric[1]};
-  return points.dump(1) + "\n";
-}
-
 /// Picks without a partner, and what the pipeline would say of the file.
 json ProblemsOf(const CarryLog& log) {
   json problems = json::array();
@@ -189,23 +157,17 @@ void ImportPicks(Snapshot& snapshot, const std::string& pose, const std::string&
   const Mesh mesh = PickedMeshOf(snapshot, pose);
   RequireShallowJson(text, name);
   std::vector<Landmark> picks;
-  if (IsWrap(text)) {
-    picks = WrapPoints(text, mesh);
-  } else {
-    const bool xml = text.find('<') == text.find_first_not_of(" \t\r\n");
-    const fs::path file =
-        snapshot.project() / (xml ? ".keypose/studio/import.pp" : ".keypose/studio/import.json");
-    fs::create_directories(file.parent_path());
-    WriteFile(file, text);
-    try {
-      picks = ReadPicks(file, mesh, nullptr, pose);
-    } catch (const Error& error) {
-      // The person knows the file by its own name.
-      std::string words = error.what();
-      if (const auto at = words.find(file.string()); at != std::string::npos)
-        words.replace(at, file.string().size(), name);
-      throw InputError(words);
-    }
+  const fs::path file = snapshot.project() / ".keypose/studio/import";
+  fs::create_directories(file.parent_path());
+  WriteFile(file, text);
+  try {
+    picks = ReadPicks(file, mesh, nullptr, pose);
+  } catch (const Error& error) {
+    // The person knows the file by its own name.
+    std::string words = error.what();
+    if (const auto at = words.find(file.string()); at != std::string::npos)
+      words.replace(at, file.string().size(), name);
+    throw InputError(words);
   }
   RequireNamesOnce(picks);
   WritePicks(snapshot, pose, mesh, picks);
@@ -217,7 +179,7 @@ std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::
   if (file.empty()) throw UsageError(fmt::format("pose '{}' has no landmarks yet", pose));
   const std::vector<Landmark> picks = ReadPicks(file, mesh, nullptr, pose);
   if (format == "pp") return PickedPointsText(picks, mesh);
-  if (format == "wrap") return AsWrap(picks);
+  if (format == "wrap") return WrapPointsText(picks);
   if (format == "json") return ReadFile(file);
   throw UsageError(fmt::format("landmarks are written as json, pp or wrap, not as {}", format));
 }
@@ -234,6 +196,28 @@ json AdviceJson(Snapshot& snapshot, const std::string& pose) {
                       {"need", one.at("score")},
                       {"reason", one.value("reason", "")}});
   return advice;
+}
+
+json PairFitJson(Snapshot& snapshot, const std::string& pose) {
+  json fit = {{"pairs", json::array()}};
+  const std::string whole = TemplatePose(snapshot);
+  const auto registered = snapshot.MeshPath(pose, MeshKind::kMesh);
+  const fs::path source = ExistingPicks(snapshot, whole), target = ExistingPicks(snapshot, pose);
+  if (pose == whole || !registered || source.empty() || target.empty()) return fit;
+  const Mesh scan = PickedMeshOf(snapshot, pose), bent = ReadMesh(*registered);
+  const Mesh flat = PickedMeshOf(snapshot, whole);
+  // A template that was made anew since has other faces than the registered one.
+  if (bent.face_count() != flat.face_count()) return fit;
+  const double diagonal = BoundingDiagonal(scan.points);
+  std::map<std::string, Landmark> there;
+  for (const Landmark& pick : ReadPicks(target, scan, nullptr, pose)) there[pick.name] = pick;
+  for (const Landmark& pick : ReadPicks(source, flat, nullptr, whole)) {
+    const auto other = there.find(pick.name);
+    if (other == there.end()) continue;
+    const double off = (PositionOf(pick, bent) - PositionOf(other->second, scan)).norm();
+    fit["pairs"].push_back({{"name", pick.name}, {"distance", off / diagonal}});
+  }
+  return fit;
 }
 
 json SuggestionsJson(Snapshot& snapshot, const std::string& pose, const fs::path& suggested) {

@@ -29,6 +29,10 @@ std::string ExportPicks(Snapshot& snapshot, const std::string& pose, const std::
 /// The last registration's advice on where one more landmark helps most.
 nlohmann::json AdviceJson(Snapshot& snapshot, const std::string& pose);
 
+/// How far the registered template's landmarks are from the pose's of the same name, over the
+/// pose's diagonal: {"pairs": [{"name", "distance"}]}, none before the first registration.
+nlohmann::json PairFitJson(Snapshot& snapshot, const std::string& pose);
+
 /// Pairs from the file that `keypose landmarks suggest` writes.
 nlohmann::json SuggestionsJson(Snapshot& snapshot, const std::string& pose,
                                const std::filesystem::path& suggested);

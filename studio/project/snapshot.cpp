@@ -88,6 +88,10 @@ std::optional<fs::path> Snapshot::TexturePath(const std::string& pose) {
   return ResultPath("bake", pose, "texture");
 }
 
+std::optional<fs::path> Snapshot::ConfidencePath(const std::string& pose) {
+  return ResultPath("bake", pose, "confidence");
+}
+
 std::optional<fs::path> Snapshot::PickedMesh(const std::string& pose) {
   return MeshPath(pose, IsTemplate(pose) ? MeshKind::kMesh : MeshKind::kClean);
 }

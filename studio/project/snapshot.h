@@ -42,6 +42,8 @@ class Snapshot {
   std::optional<std::filesystem::path> MeshPath(const std::string& pose, MeshKind kind);
   /// The pose's texture as export would take it.
   std::optional<std::filesystem::path> TexturePath(const std::string& pose);
+  /// How well photographs show each texel of it.
+  std::optional<std::filesystem::path> ConfidencePath(const std::string& pose);
   /// The mesh on which a pose's landmarks are picked.
   std::optional<std::filesystem::path> PickedMesh(const std::string& pose);
   /// The folder of a pose's photographs.

@@ -5,13 +5,15 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/timeline.h"
+#include "core/io/yaml_edit.h"
 #include "pipeline/timeline_yaml.h"
 #include "studio/project/changes.h"
-#include "studio/project/yaml_edit.h"
+#include "studio/project/picks.h"
 
 namespace keypose::studio {
 
@@ -88,6 +90,59 @@ std::string AsMap(const std::string& text, const std::vector<std::string>& keys)
   return without + gap + "timeline:\n  keys:" + list + "\n";
 }
 
+/// Names of the regions that pins, paths and turns are about.
+std::set<std::string> UsedRegions(const json& keys, const json& other) {
+  std::set<std::string> used;
+  for (const char* name : {"pins", "trajectories"}) {
+    const json items = other.value(name, json::array());
+    for (const json& item : items) used.insert(item.at("region"));
+  }
+  for (const json& key : keys) {
+    const json turns = key.value("turns", json::object());
+    for (const auto& [region, count] : turns.items()) used.insert(region);
+  }
+  return used;
+}
+
+/// The timeline's regions, with the painted ones that are used and without those that are not.
+json WithPainted(const json& regions, const json& painted, const std::set<std::string>& used) {
+  json all = json::array();
+  std::set<std::string> there;
+  for (json region : regions) {
+    const std::string name = region.at("name");
+    if (region.contains("vertices") && painted.contains(name)) {
+      if (!used.contains(name)) continue;
+      region["vertices"] = painted[name];
+    }
+    there.insert(name);
+    all.push_back(region);
+  }
+  for (const std::string& name : used)
+    if (!there.contains(name) && painted.contains(name))
+      all.push_back({{"name", name}, {"vertices", painted[name]}});
+  return all;
+}
+
+/// A list of the timeline; one that has not changed keeps its text.
+std::string WithList(const std::string& text, const std::string& name, const json& before,
+                     const json& after) {
+  if (before == after) return text;
+  return WithSetting(text, name, after.empty() ? json() : after);
+}
+
+/// Pins as the page has them, and the painted regions that they and the turns need.
+std::string WithRules(Snapshot& snapshot, const std::string& text, const json& timeline) {
+  const std::string& written = snapshot.graph().timeline_json;
+  const json before = written.empty() ? json::object() : json::parse(written);
+  const json none = json::array(), other = timeline.value("other", json::object());
+  const json painted = RegionsJson(snapshot).at("regions");
+  const json regions = before.value("regions", none);
+  const std::set<std::string> used = UsedRegions(timeline.at("keys"), other);
+  const std::string with_pins =
+      WithList(text, "pins", before.value("pins", none), other.value("pins", none));
+  return WithList(with_pins, "regions", regions, WithPainted(regions, painted, used));
+}
+
 void CheckTimeline(const std::string& text) {
   const YAML::Node root = YAML::Load(text);
   const double fps = root["fps"] ? root["fps"].as<double>() : 24;
@@ -113,6 +168,7 @@ std::string WithTimeline(Snapshot& snapshot, const json& timeline) {
   const int step = timeline.value("step", 1);
   text = WithSetting(text, "loop", loop ? json(true) : json());
   text = WithSetting(text, "step", step > 1 ? json(step) : json());
+  text = WithRules(snapshot, text, timeline);
   const double fps = timeline.value("fps", snapshot.file().fps);
   if (fps != snapshot.file().fps) text = WithValue(text, {"fps"}, NumberText(fps));
   return text;
@@ -149,14 +205,24 @@ json TimelineToPage(Snapshot& snapshot) {
 
 void SaveTimeline(Snapshot& snapshot, const json& timeline) {
   CheckPoses(snapshot, timeline.at("keys"));
-  std::string text;
-  try {
-    text = WithTimeline(snapshot, timeline);
-  } catch (const YamlEditError& error) {
-    throw UsageError(fmt::format("pipeline.yaml cannot be changed from here: {}", error.what()));
-  }
+  const std::string text = Edited([&] { return WithTimeline(snapshot, timeline); });
   CheckTimeline(text);
   WritePipelineFile(snapshot.project(), text, timeline.at("revision"));
+}
+
+void FollowPaintedRegions(Snapshot& snapshot, const json& painted) {
+  const std::string& written = snapshot.graph().timeline_json;
+  if (written.empty()) return;
+  const json before = json::parse(written);
+  const json regions = before.value("regions", json::array());
+  const std::set<std::string> used = UsedRegions(before.at("keys"), before);
+  const json after = WithPainted(regions, painted, used);
+  if (after == regions) return;
+  const std::filesystem::path file = snapshot.project() / "pipeline.yaml";
+  const std::string text =
+      Edited([&] { return WithList(ReadFile(file), "regions", regions, after); });
+  CheckTimeline(text);
+  WritePipelineFile(snapshot.project(), text, RevisionOf(file));
 }
 
 }  // namespace keypose::studio

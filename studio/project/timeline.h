@@ -18,4 +18,9 @@ nlohmann::json TimelineToPage(Snapshot& snapshot);
 /// @throws ChangedMeanwhile, UsageError, InputError  what is wrong with the timeline
 void SaveTimeline(Snapshot& snapshot, const nlohmann::json& timeline);
 
+/// Takes painted regions over into the timeline, where pins and turns name them. Does nothing if
+/// the timeline has none of them.
+/// @param painted  vertices by the region's name
+void FollowPaintedRegions(Snapshot& snapshot, const nlohmann::json& painted);
+
 }  // namespace keypose::studio

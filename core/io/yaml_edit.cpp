@@ -1,4 +1,4 @@
-#include "studio/project/yaml_edit.h"
+#include "core/io/yaml_edit.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
@@ -9,7 +9,7 @@
 #include <optional>
 #include <sstream>
 
-namespace keypose::studio {
+namespace keypose {
 namespace {
 
 YAML::Node Parsed(const std::string& text) {
@@ -432,4 +432,4 @@ std::string WithItems(const std::string& text, const YamlPath& path,
   return Checked(Replaced(text, {begin, entry->span.end}, lines), Wanted(text, path, &node));
 }
 
-}  // namespace keypose::studio
+}  // namespace keypose

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace keypose::studio {
+namespace keypose {
 
 /// Thrown when a file is written in a way that cannot be changed safely, such as by anchors.
 struct YamlEditError : std::runtime_error {
@@ -35,4 +35,4 @@ std::string WithItems(const std::string& text, const YamlPath& path,
 /// A text as a scalar, quoted where YAML would read it as something else.
 std::string YamlScalar(const std::string& value);
 
-}  // namespace keypose::studio
+}  // namespace keypose

@@ -1,8 +1,8 @@
-#include "studio/project/yaml_edit.h"
+#include "core/io/yaml_edit.h"
 
 #include <gtest/gtest.h>
 
-namespace keypose::studio {
+namespace keypose {
 namespace {
 
 const std::string kFile = R"(# our hero
@@ -125,4 +125,4 @@ TEST(YamlEdit, LineEndsOfWindowsAndMissingLastLineEndAreKept) {
 }
 
 }  // namespace
-}  // namespace keypose::studio
+}  // namespace keypose

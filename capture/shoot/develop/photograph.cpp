@@ -1,0 +1,39 @@
+#include "capture/shoot/develop/photograph.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include "capture/shoot/develop/raw.h"
+#include "core/io/files.h"
+
+namespace keypose::capture::shoot {
+
+namespace fs = std::filesystem;
+
+Image8 ReadPhotograph(const fs::path& file) {
+  return IsRawName(file) ? ReadRaw(file) : ReadImage(file, 3);
+}
+
+ImageInfo ReadPhotographInfo(const fs::path& file) {
+  return IsRawName(file) ? ReadRawInfo(file) : ReadImageInfo(file);
+}
+
+ExposureSettings ReadSettings(const fs::path& file) {
+  const ImageInfo info = ReadPhotographInfo(file);  // also refuses what is no photograph
+  ExposureSettings settings;
+  settings.focal_mm = info.focal_mm.value_or(0);
+  settings.focal_35mm = info.focal_35mm.value_or(0);
+  const auto input = OIIO::ImageInput::create(info.format);
+  OIIO::ImageSpec spec;
+  if (!input || info.format == "heif" || !input->open(file.string(), spec)) return settings;
+  const auto positive = [&](const char* name) {
+    const double value = spec.get_float_attribute(name, 0);
+    return value > 0 && value < 1e7 ? value : 0.0;
+  };
+  settings.exposure_s = positive("ExposureTime");
+  settings.aperture = positive("FNumber");
+  settings.iso = positive("Exif:PhotographicSensitivity");
+  if (settings.iso == 0) settings.iso = positive("Exif:ISOSpeedRatings");
+  return settings;
+}
+
+}  // namespace keypose::capture::shoot

@@ -1,0 +1,20 @@
+// The time of day, so that a simulated session can have one of its own.
+#pragma once
+
+#include <cstdint>
+
+namespace keypose::capture::shoot {
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// Seconds since 1970.
+  virtual std::int64_t Now() const = 0;
+};
+
+class SystemClock final : public Clock {
+ public:
+  std::int64_t Now() const override;
+};
+
+}  // namespace keypose::capture::shoot

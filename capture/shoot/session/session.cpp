@@ -1,0 +1,388 @@
+#include "capture/shoot/session/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "capture/shoot/develop/focus_stack.h"
+#include "capture/shoot/develop/raw.h"
+#include "capture/shoot/devices/device_fault.h"
+#include "capture/shoot/session/announcer.h"
+#include "capture/shoot/session/checks.h"
+#include "capture/shoot/session/helper.h"
+#include "capture/shoot/session/project.h"
+#include "capture/shoot/session/shot_book.h"
+#include "capture/shoot/session/wishes.h"
+#include "core/errors.h"
+#include "core/io/files.h"
+
+namespace keypose::capture::shoot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Why the files of an exposure cannot be used; "" if they can.
+std::string FaultOf(const Exposure& exposure) {
+  try {
+    for (const fs::path& file : exposure.files) ReadPhotograph(file);
+    return exposure.files.empty() ? "the camera gave no file" : "";
+  } catch (const InputError&) {
+    return "the photograph came only in part, or damaged";
+  }
+}
+
+/// The developed picture of an exposure: its JPEG if there is one, else its RAW file.
+fs::path PictureOf(const Exposure& exposure) {
+  return *std::max_element(
+      exposure.files.begin(), exposure.files.end(),
+      [](const fs::path& a, const fs::path& b) { return IsRawName(a) > IsRawName(b); });
+}
+
+/// The side file of the pose that was shot last, besides `pose`.
+std::optional<SideFile> NewestOther(const fs::path& photos, const std::string& pose) {
+  fs::path newest;
+  fs::file_time_type newest_time;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(photos, ignored)) {
+    std::error_code missing;
+    const fs::path file = entry.path() / "shoot.json";
+    const auto time = fs::last_write_time(file, missing);
+    if (missing || entry.path().filename() == pose) continue;
+    if (newest.empty() || time > newest_time) newest = file, newest_time = time;
+  }
+  if (newest.empty()) return std::nullopt;
+  try {
+    return ParseSideFile(ReadFile(newest), newest.string());
+  } catch (const InputError&) {
+    return std::nullopt;  // another pose's damage is told when that pose is shot
+  }
+}
+
+class Session {
+ public:
+  Session(const SessionOptions& options, const SessionParts& parts)
+      : options_(options),
+        parts_(parts),
+        lock_(StateFolder()),
+        announcer_(parts.talk, options.project),
+        wishes_(parts.talk, announcer_),
+        helper_(options_, parts_, announcer_, wishes_, StateFolder() / "stand.json") {
+    wishes_.paused = !options.begins_at_once;
+    wishes_.live = options.live;
+  }
+
+  bool Run() {
+    OpenPose(options_.pose, options_.plan, options_.plan_given);
+    WantAgain();
+    try {
+      Connect();
+      while (true) {
+        try {
+          Step();
+        } catch (const Rethink&) {
+        }
+      }
+    } catch (const EndAsked&) {
+    }
+    book_->Save();
+    announcer_.State("ended", *book_, wishes_.target);
+    announcer_.Ended(*book_);
+    return book_->Complete();
+  }
+
+ private:
+  fs::path StateFolder() const { return options_.project / ".keypose" / "shoot"; }
+
+  // ---- what to do next
+
+  void Connect() {
+    while (true) {
+      try {
+        helper_.ConnectAll();
+        break;
+      } catch (const Rethink&) {
+      }
+    }
+    if (book_->side().camera == parts_.camera.Name()) return;
+    book_->side().camera = parts_.camera.Name();
+    book_->Save();
+    announcer_.PoseOpened(*book_, onion_);
+  }
+
+  void WantAgain() {
+    if (options_.again.empty()) return;
+    Command again;
+    again.photograph = options_.again;
+    wishes_.target = book_->Next().shot;
+    if (const std::string refusal = wishes_.WantAgain(again); !refusal.empty())
+      throw UsageError("--again " + options_.again + ": " + refusal);
+  }
+
+  void Step() {
+    wishes_.Wait(0);
+    if (!wishes_.next_pose.empty()) return BeginNextPose();
+    if (wishes_.table_is_at_deg)
+      return helper_.TableIsAt(*std::exchange(wishes_.table_is_at_deg, std::nullopt));
+    if (wishes_.paused) return Idle("paused");
+    if (!wishes_.again.empty()) {
+      const Shot shot = wishes_.again.front();
+      Shoot(shot);
+      const auto done = std::find(wishes_.again.begin(), wishes_.again.end(), shot);
+      if (done != wishes_.again.end()) wishes_.again.erase(done);
+      return;
+    }
+    const NextThing next = book_->Next();
+    if (next.kind == NextThing::Kind::kShoot) return Shoot(next.shot);
+    if (next.kind == NextThing::Kind::kCheckRing) return CheckRing(next.shot);
+    if (!std::exchange(told_done_, true)) announcer_.PoseDone(*book_);
+    if (!options_.stays_when_complete) throw EndAsked{};
+    Idle("idle");
+  }
+
+  void Idle(const char* state) {
+    announcer_.State(state, *book_, wishes_.target);
+    if (wishes_.over()) throw EndAsked{};
+    helper_.LiveFrame();
+    wishes_.Wait(0.1);
+  }
+
+  // ---- poses
+
+  void OpenPose(const std::string& pose, const ShotPlan& plan, bool plan_given) {
+    const fs::path folder = AddPose(options_.project, pose);
+    const std::optional<SideFile> other = NewestOther(options_.project / "photos", pose);
+    book_.reset();  // its folder is tidied up first
+    book_ = std::make_unique<ShotBook>(folder, pose, plan, plan_given);
+    wishes_.SetBook(book_.get());
+    helper_.SetBook(book_.get());
+    wishes_.again.clear();
+    told_done_ = false;
+    onion_ = other ? options_.project / "photos" / other->pose : fs::path();
+    SideFile& side = book_->side();
+    side.camera = parts_.camera.Name();
+    side.turntable = options_.turntable_name;
+    if (options_.white || options_.forget_white)
+      side.white = options_.white;
+    else if (!side.white && other)
+      side.white = other->white;
+    book_->Save();
+    if (parts_.pose_begins) parts_.pose_begins(pose, side.plan);
+    wishes_.target = book_->Next().shot;
+    announcer_.PoseOpened(*book_, onion_);
+  }
+
+  void BeginNextPose() {
+    const std::string pose = std::exchange(wishes_.next_pose, "");
+    const ShotPlan plan = book_->side().plan;
+    OpenPose(pose, plan, false);
+    wishes_.paused = false;
+  }
+
+  // ---- one photograph
+
+  void Shoot(const Shot& shot) {
+    told_done_ = false;
+    wishes_.target = shot;
+    while (true) {
+      try {
+        SetUp(shot);
+        Turn(shot);
+        const std::vector<Exposure> exposures = TakeAll();
+        const Wishes::Hold hold(wishes_);  // what was exposed lands before anything else
+        const bool again = book_->Has(shot);
+        Land(shot, exposures);
+        const std::vector<Shot> changed = book_->Enter(shot);
+        book_->Save();
+        announcer_.Landed(*book_, shot, again, changed);
+        return;
+      } catch (const DiskError& error) {
+        announcer_.Fault({"disk-full", error.what(), "free some space", true});
+        helper_.Ask("disk", "free some space on the project's disk", "");
+      }
+    }
+  }
+
+  /// Camera height and figure as this photograph needs them.
+  void SetUp(const Shot& shot) {
+    Stand& stand = helper_.stand;
+    const bool other_pose = stand.pose != book_->side().pose;
+    if (stand.flip != shot.flip || (other_pose && shot.flip > 0))
+      helper_.Ask("flip",
+                  shot.flip == 0   ? "stand the figure upright"
+                  : shot.flip == 1 ? "lay the figure on its side, in the middle of the table"
+                                   : "turn the figure onto a side that was not below yet",
+                  "leave the camera where it is");
+    if (stand.ring != shot.ring || other_pose) AskForHeight(shot, other_pose);
+    if (stand.flip == shot.flip && stand.ring == shot.ring && !other_pose) return;
+    stand.flip = shot.flip, stand.ring = shot.ring, stand.pose = book_->side().pose;
+    helper_.SaveStand();
+  }
+
+  void AskForHeight(const Shot& shot, bool other_pose) {
+    const ShotPlan& plan = book_->side().plan;
+    const std::string first =
+        other_pose ? fmt::format("put the figure in its pose '{}' in the middle of the table, and ",
+                                 book_->side().pose)
+                   : "";
+    const std::string mark =
+        parts_.turntable || !other_pose
+            ? ""
+            : fmt::format("; the table's mark at {} degrees", DegreesText(helper_.stand.table_deg));
+    helper_.Ask("camera-height",
+                fmt::format("{}set the camera to {} degrees above the table{}", first,
+                            DegreesText(TiltOf(plan, shot)), mark),
+                "aim it at the figure's middle; the whole figure must stay in the picture while it "
+                "turns; leave zoom and exposure as they are");
+  }
+
+  void Turn(const Shot& shot) {
+    Stand& stand = helper_.stand;
+    const double angle_deg = AngleOf(book_->side().plan, shot);
+    if (!parts_.turntable) {
+      if (stand.table_deg != angle_deg)
+        helper_.Ask("turn", fmt::format("turn the table to {} degrees", DegreesText(angle_deg)),
+                    parts_.camera.OnlyArrives() ? "then release the camera" : "", angle_deg);
+    } else {
+      announcer_.State("turning", *book_, shot);
+      stand.turning_to = angle_deg;
+      stand.memory = parts_.turntable->Memory();
+      helper_.SaveStand();
+      helper_.WithTable([&] {
+        const Wishes::Hold hold(wishes_);
+        parts_.turntable->TurnTo(angle_deg, wishes_);
+      });
+    }
+    stand.table_deg = angle_deg;
+    stand.turning_to.reset();
+    helper_.SaveStand();
+    if (!parts_.turntable) return;
+    announcer_.State("settling", *book_, shot);
+    wishes_.Wait(options_.settle_s);
+  }
+
+  std::vector<Exposure> TakeAll() {
+    const int count = book_->side().plan.focus_stack;
+    const auto own = helper_.TakeOwnRelease();  // lies in the incoming folder
+    if (own && FaultOf(*own).empty() && count == 1) return {*own};
+    const fs::path incoming = book_->landing().Incoming();
+    std::vector<Exposure> exposures;
+    for (int i = 0; i < count; ++i) {
+      if (count > 1 && !parts_.camera.Focus(i, count, wishes_))
+        helper_.Ask(
+            "camera",
+            fmt::format("set the focus for photograph {} of {}, from near to far", i + 1, count),
+            "");
+      exposures.push_back(TakeWhole(incoming / fmt::format("f{}", i + 1)));
+    }
+    return exposures;
+  }
+
+  /// Releases the camera until a photograph is whole on the disk.
+  Exposure TakeWhole(const fs::path& into) {
+    constexpr int kByItself = 3;
+    for (int attempt = 0;; ++attempt) {
+      announcer_.State("shooting", *book_, wishes_.target);
+      const Exposure exposure = Take(into, attempt > 0);
+      announcer_.State("checking", *book_, wishes_.target);
+      const std::string fault = FaultOf(exposure);
+      if (fault.empty()) return exposure;
+      const bool by_hand = attempt + 1 >= kByItself;
+      announcer_.Fault({"cut-short", fault,
+                        by_hand ? "see whether the cable is firm and the card is sound"
+                                : "it is fetched or shot again by itself",
+                        by_hand});
+      if (by_hand) helper_.Ask("camera", "see whether the camera's cable and card are sound", "");
+    }
+  }
+
+  Exposure Take(const fs::path& into, bool fetch_again) {
+    Exposure exposure;
+    helper_.WithCamera([&] {
+      fs::remove_all(into);
+      fs::create_directories(into);
+      // Somebody else's release is waited for, and that wait may be given up. Our own is fetched.
+      const Wishes::Hold hold(wishes_, !parts_.camera.OnlyArrives());
+      exposure = parts_.camera.Take(into, fetch_again, wishes_);
+    });
+    return exposure;
+  }
+
+  void Land(const Shot& shot, const std::vector<Exposure>& exposures) {
+    const std::string name = book_->Name(shot);
+    const std::int64_t time = exposures.front().time.value_or(parts_.clock.Now());
+    if (shot.index == 0) book_->ForgetRing(shot);
+    if (exposures.size() == 1) return book_->landing().Land(name, exposures.front(), time);
+    std::vector<Image8> images;
+    for (const Exposure& exposure : exposures)
+      images.push_back(ReadPhotograph(PictureOf(exposure)));
+    const ImageInfo info = ReadPhotographInfo(PictureOf(exposures.front()));
+    ExifToWrite exif;
+    exif.focal_mm = info.focal_mm.value_or(0);
+    exif.focal_35mm = info.focal_35mm.value_or(0);
+    exif.model = info.camera_model;
+    const fs::path merged = book_->folder() / ".incoming" / "merged.jpg";
+    WriteImage(merged, MergeFocusStack(images), 97, &exif);
+    book_->landing().LandStack(name, exposures, merged, time);
+  }
+
+  // ---- a ring's end
+
+  /// Photographs the first angle once more, to see whether the figure has moved meanwhile.
+  void CheckRing(const Shot& first) {
+    std::optional<double> moved_px;
+    const bool possible = book_->Has(first) && book_->side().photographs.at(first).readable;
+    if (possible && !wishes_.skip_check) {
+      wishes_.target = first;
+      wishes_.checking = true;
+      try {
+        moved_px = MovedSince(first);
+      } catch (const Rethink&) {
+        wishes_.checking = false;
+        if (!wishes_.skip_check) throw;
+      } catch (...) {
+        wishes_.checking = false;
+        throw;
+      }
+      wishes_.checking = false;
+    }
+    wishes_.skip_check = false;
+    book_->CheckRing(first, moved_px);
+    book_->Save();
+    announcer_.RingChecked(*book_, first);
+  }
+
+  double MovedSince(const Shot& first) {
+    SetUp(first);
+    Turn(first);
+    const auto own = helper_.TakeOwnRelease();
+    const Exposure last =
+        own && FaultOf(*own).empty() ? *own : TakeWhole(book_->landing().Incoming() / "f1");
+    const fs::path file = book_->folder() / book_->side().photographs.at(first).file;
+    const Image8 before = ReadPhotograph(file), after = ReadPhotograph(PictureOf(last));
+    if (before.width == after.width && before.height == after.height)
+      return MovedBetween(before, after);
+    throw InputError(
+        "the camera's picture size has changed while the ring was shot; set it as "
+        "before, and start again");
+  }
+
+  SessionOptions options_;
+  SessionParts parts_;
+  ShootLock lock_;
+  Announcer announcer_;
+  Wishes wishes_;
+  Helper helper_;
+  std::unique_ptr<ShotBook> book_;
+  fs::path onion_;  // the folder of the pose that was shot before
+  bool told_done_ = false;
+};
+
+}  // namespace
+
+bool RunSession(const SessionOptions& options, const SessionParts& parts) {
+  return Session(options, parts).Run();
+}
+
+}  // namespace keypose::capture::shoot

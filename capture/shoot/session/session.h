@@ -1,0 +1,15 @@
+// A shooting session: one pose after the other, photograph after photograph, through faults.
+#pragma once
+
+#include "capture/shoot/session/session_parts.h"
+
+namespace keypose::capture::shoot {
+
+/// Shoots until the person ends it or all is there.
+/// @return whether the last pose is complete
+/// @throws Cancelled     Ctrl-C
+/// @throws UsageError, InputError, DiskError, LockedError
+/// @throws ToolError     a device cannot be opened at the start, and nobody is there to wait for
+bool RunSession(const SessionOptions& options, const SessionParts& parts);
+
+}  // namespace keypose::capture::shoot

@@ -1,0 +1,116 @@
+#include "capture/shoot/devices/grbl_turntable.h"
+
+#include <gtest/gtest.h>
+
+#include "capture/shoot/devices/device_fault.h"
+#include "capture/shoot/simulation/turntable_bench.h"
+
+namespace keypose::capture::shoot {
+namespace {
+
+constexpr double kClose_deg = 0.01;
+
+GrblTimes FastGrbl() {
+  GrblTimes times;
+  times.wake_up_s = 0.2, times.reply_s = 0.2, times.ask_s = 0.005, times.stall_s = 0.2;
+  return times;
+}
+
+struct GrblBench : TurntableBench {
+  explicit GrblBench(const std::string& planned = "")
+      : TurntableBench(MakeGrblFirmware(), planned),
+        table(MakeGrblTurntable(folder / "port", {}, FastGrbl())) {}
+  std::unique_ptr<Turntable> table;
+};
+
+TEST(GrblStatus, IsReadFromReportsOfBothKinds) {
+  GrblStatus status;
+  ASSERT_TRUE(
+      ParseGrblStatus("<Hold:0|MPos:1.5,-2.250,3.000|FS:0,0|WCO:0.5,1.000,0>", 'Y', &status));
+  EXPECT_EQ(status.state, "Hold");
+  EXPECT_DOUBLE_EQ(status.machine_position, -2.25);
+  EXPECT_DOUBLE_EQ(status.offset, 1);
+  ASSERT_TRUE(ParseGrblStatus("<Idle|WPos:7.000,0,0|Bf:15,128>", 'X', &status));
+  EXPECT_DOUBLE_EQ(status.work_position, 7);
+}
+
+TEST(GrblStatus, OfADamagedLineIsRefused) {
+  GrblStatus status;
+  for (const char* text :
+       {"", "ok", "<>", "<Idle", "<Idle|MPos:x,0,0>", "<Idle|MPos:nan,0,0>", ">Idle<"})
+    EXPECT_FALSE(ParseGrblStatus(text, 'X', &status)) << text;
+}
+
+TEST(GrblTurntable, StandsWhereItWasToldToAllRoundTheCircle) {
+  GrblBench bench;
+  bench.table->Connect(0, false, "", bench.patience);
+  for (int i = 0; i <= 24; ++i) {
+    bench.table->TurnTo(15.0 * (i % 24), bench.patience);
+    EXPECT_LT(bench.Off(15.0 * i), kClose_deg) << i;
+  }
+  EXPECT_NEAR(bench.world.table_deg(), 360, kClose_deg);
+}
+
+TEST(GrblTurntable, KeepsTheAngleThatItHadBeforeTheProgramStarted) {
+  GrblBench bench;
+  bench.world.SetTable(330);
+  bench.table->Connect(330, false, "", bench.patience);
+  bench.table->TurnTo(15, bench.patience);
+  EXPECT_NEAR(bench.world.table_deg(), 375, kClose_deg);
+}
+
+class GrblFaults : public testing::TestWithParam<const char*> {};
+
+TEST_P(GrblFaults, TurnTheTableOnceAndOnlyOnce) {
+  GrblBench bench(std::string(GetParam()) + "@2");
+  bench.table->Connect(0, false, "", bench.patience);
+  for (const double angle_deg : {30, 60, 90}) {
+    bench.table->TurnTo(angle_deg, bench.patience);
+    EXPECT_LT(bench.Off(angle_deg), kClose_deg);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocol, GrblFaults,
+                         testing::Values("lost-reply", "lost-line", "garbage", "stall"));
+
+TEST(GrblTurntable, GoesOnInMidTurnWhenThePulledCableIsBack) {
+  GrblBench bench("unplug@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  EXPECT_THROW(bench.table->TurnTo(120, bench.patience), DeviceFault);
+  EXPECT_THROW(bench.table->Connect(0, true, "", bench.patience), DeviceFault);  // not back yet
+  bench.patience.Wait(0.5);
+  bench.table->Connect(0, true, "", bench.patience);
+  bench.table->TurnTo(120, bench.patience);
+  EXPECT_LT(bench.Off(120), kClose_deg);
+}
+
+TEST(GrblTurntable, SaysThatItsAngleIsUnknownAfterAResetInMidTurn) {
+  GrblBench bench("reset@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  EXPECT_THROW(bench.table->TurnTo(120, bench.patience), PositionLost);
+  EXPECT_THROW(bench.table->Connect(0, true, "", bench.patience), PositionLost);
+  bench.world.SetTable(120);  // by hand
+  bench.table->Declare(120, bench.patience);
+  bench.table->TurnTo(135, bench.patience);
+  EXPECT_LT(bench.Off(135), kClose_deg);
+}
+
+TEST(GrblTurntable, InTheHandsOfANewProgramDoesNotTrustATurnThatWasUnderWay) {
+  GrblBench bench;
+  EXPECT_THROW(bench.table->Connect(15, true, "", bench.patience), PositionLost);
+}
+
+TEST(GrblTurntable, ThatStaysSilentIsAFaultThatNeedsNoHand) {
+  GrblBench bench("mute@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  try {
+    bench.table->TurnTo(120, bench.patience);
+    FAIL() << "it was not silent";
+  } catch (const DeviceFault& fault) {
+    EXPECT_EQ(fault.code, "table-silent");
+    EXPECT_FALSE(fault.needs_hand);
+  }
+}
+
+}  // namespace
+}  // namespace keypose::capture::shoot

@@ -1,0 +1,146 @@
+#include "capture/shoot/devices/steps_turntable.h"
+
+#include <gtest/gtest.h>
+
+#include "capture/shoot/devices/device_fault.h"
+#include "capture/shoot/devices/steps_lines.h"
+#include "capture/shoot/simulation/turntable_bench.h"
+
+namespace keypose::capture::shoot {
+namespace {
+
+constexpr int kSteps = 3200;
+constexpr double kStep_deg = 360.0 / kSteps;
+
+StepsTimes Fast() {
+  StepsTimes times;
+  times.reply_s = 0.05, times.ask_s = 0.005, times.stall_s = 0.2, times.wake_up_s = 0.5;
+  return times;
+}
+
+struct Bench : TurntableBench {
+  explicit Bench(const std::string& planned = "")
+      : TurntableBench(MakeStepsFirmware(kSteps), planned),
+        table(MakeStepsTurntable(folder / "port", Fast())) {}
+  std::unique_ptr<Turntable> table;
+};
+
+TEST(NearestTurn, TakesTheShorterWayAndForwardsForHalfATurn) {
+  EXPECT_DOUBLE_EQ(NearestTurn(345, 0), 360);
+  EXPECT_DOUBLE_EQ(NearestTurn(720, 345), 705);
+  EXPECT_DOUBLE_EQ(NearestTurn(0, 180), 180);
+  EXPECT_DOUBLE_EQ(NearestTurn(-15, 15), 15);
+}
+
+TEST(StepsLines, HaveTheChecksumOfTheDocumentation) {
+  EXPECT_EQ(Crc8("123456789"), 0xF4);  // the check value of CRC-8/SMBUS, the same polynomial
+  EXPECT_EQ(FormatStepsLine('>', {1, "HELLO"}), ">1 HELLO*A3");
+  const auto line =
+      ParseStepsLine('<', "\x01noise<1 OK keypose=1 boot=5 turn=3200 at=0 moving=0*AD");
+  ASSERT_TRUE(line);
+  EXPECT_EQ(StepsValues(line->text).at("turn"), 3200);
+}
+
+TEST(StepsLines, WithAnyByteChangedAreDropped) {
+  const std::string good = FormatStepsLine('>', {7, "GO 1600"});
+  for (std::size_t i = 1; i < good.size(); ++i)
+    for (const char other : {'0', '7', 'A', ' ', '*', '\x7f'}) {
+      std::string bad = good;
+      bad[i] = other;
+      if (bad != good) {
+        EXPECT_FALSE(ParseStepsLine('>', bad)) << bad;
+      }
+    }
+  for (const char* text : {"", ">", ">1*", ">256 AT*00", "AT", ">1 HELLO*A", ">1 HELLO*A3B"})
+    EXPECT_FALSE(ParseStepsLine('>', text)) << text;
+}
+
+TEST(StepsTurntable, StandsWhereItWasToldToAllRoundTheCircle) {
+  Bench bench;
+  bench.table->Connect(0, false, "", bench.patience);
+  for (int i = 0; i <= 24; ++i) {
+    bench.table->TurnTo(15.0 * (i % 24), bench.patience);
+    EXPECT_LT(bench.Off(15.0 * i), kStep_deg) << i;
+  }
+  EXPECT_NEAR(bench.world.table_deg(), 360, kStep_deg);  // once round, and not back
+}
+
+TEST(StepsTurntable, KeepsTheAngleThatItHadBeforeTheProgramStarted) {
+  Bench bench;
+  bench.world.SetTable(90);
+  bench.table->Connect(90, false, "", bench.patience);
+  bench.table->TurnTo(105, bench.patience);
+  EXPECT_LT(bench.Off(105), kStep_deg);
+}
+
+class StepsFaults : public testing::TestWithParam<const char*> {};
+
+TEST_P(StepsFaults, TurnTheTableOnceAndOnlyOnce) {
+  Bench bench(std::string(GetParam()) + "@2");
+  bench.table->Connect(0, false, "", bench.patience);
+  bench.table->TurnTo(30, bench.patience);
+  bench.table->TurnTo(60, bench.patience);
+  EXPECT_LT(bench.Off(60), kStep_deg);
+  bench.table->TurnTo(90, bench.patience);
+  EXPECT_LT(bench.Off(90), kStep_deg);
+}
+
+INSTANTIATE_TEST_SUITE_P(Protocol, StepsFaults,
+                         testing::Values("lost-reply", "lost-line", "garbage", "stall"));
+
+TEST(StepsTurntable, GoesOnInMidTurnWhenThePulledCableIsBack) {
+  Bench bench("unplug@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  const std::string memory = bench.table->Memory();
+  try {
+    bench.table->TurnTo(120, bench.patience);
+    FAIL() << "the cable was not pulled";
+  } catch (const DeviceFault& fault) {
+    EXPECT_EQ(fault.code, "table-gone");
+    EXPECT_FALSE(fault.needs_hand);
+  }
+  bench.patience.Wait(0.5);
+  bench.table->Connect(0, true, memory, bench.patience);
+  bench.table->TurnTo(120, bench.patience);
+  EXPECT_LT(bench.Off(120), kStep_deg);
+}
+
+TEST(StepsTurntable, SaysThatItsAngleIsUnknownAfterAResetInMidTurn) {
+  Bench bench("reset@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  const std::string memory = bench.table->Memory();
+  EXPECT_THROW(bench.table->TurnTo(120, bench.patience), PositionLost);
+  EXPECT_THROW(bench.table->Connect(0, true, memory, bench.patience), PositionLost);
+  bench.world.SetTable(120);  // by hand
+  bench.table->Declare(120, bench.patience);
+  bench.table->TurnTo(135, bench.patience);
+  EXPECT_LT(bench.Off(135), kStep_deg);
+}
+
+TEST(StepsTurntable, ThatStaysSilentIsAFaultThatNeedsNoHand) {
+  Bench bench("mute@1");
+  bench.table->Connect(0, false, "", bench.patience);
+  try {
+    bench.table->TurnTo(30, bench.patience);
+    FAIL() << "it was not silent";
+  } catch (const DeviceFault& fault) {
+    EXPECT_EQ(fault.code, "table-silent");
+    EXPECT_FALSE(fault.needs_hand);
+  }
+}
+
+TEST(SerialPort, ThatIsNotThereIsNamedWithWhatToDo) {
+  const auto table = MakeStepsTurntable("/dev/keypose_no_such_port");
+  PlainPatience patience;
+  try {
+    table->Connect(0, false, "", patience);
+    FAIL() << "it was opened";
+  } catch (const DeviceFault& fault) {
+    EXPECT_EQ(fault.code, "table-gone");
+    EXPECT_NE(std::string(fault.what()).find("keypose_no_such_port"), std::string::npos);
+    EXPECT_NE(fault.what_to_do.find("--turntable"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace keypose::capture::shoot

@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/shoot/talk/json_lines.h"
+#include "capture/shoot/talk/line_input.h"
+#include "capture/shoot/talk/terminal.h"
+#include "core/errors.h"
+
+namespace keypose::capture::shoot {
+namespace {
+
+using nlohmann::json;
+
+TEST(ParseWords, UnderstandsWhatTheDocumentationSays) {
+  EXPECT_EQ(ParseWords("").kind, Command::Kind::kGoOn);
+  EXPECT_EQ(ParseWords("  again   r2_a045 ").photograph, "r2_a045");
+  EXPECT_EQ(ParseWords("again 45").photograph, "45");
+  EXPECT_EQ(ParseWords("at 22.5").angle_deg, 22.5);
+  EXPECT_EQ(ParseWords("next bent").pose, "bent");
+  EXPECT_EQ(ParseWords("skip").kind, Command::Kind::kSkip);
+  EXPECT_EQ(ParseWords("pause").kind, Command::Kind::kPause);
+  EXPECT_EQ(ParseWords("go").kind, Command::Kind::kGoOn);
+  EXPECT_EQ(ParseWords("end").kind, Command::Kind::kEnd);
+}
+
+TEST(ParseWords, SaysWhatIsMeantOrMissing) {
+  for (const auto& [line, hint] : {std::pair("agian 45", "`again`"),
+                                   {"at", "at 45"},
+                                   {"at x", "no angle"},
+                                   {"next", "next bent"},
+                                   {"again", "again 45"}}) {
+    try {
+      ParseWords(line);
+      ADD_FAILURE() << line;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(hint), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(ParseJsonCommand, ReadsAllFields) {
+  const Command again = ParseJsonCommand(
+      R"({"command": "again", "angle_deg": 45, "ring": 2, "flip": 1, "id": {"n": 7}, "new": 1})");
+  EXPECT_EQ(again.kind, Command::Kind::kAgain);
+  EXPECT_EQ(again.angle_deg, 45);
+  EXPECT_EQ(again.ring, 2);
+  EXPECT_EQ(again.flip, 1);
+  EXPECT_EQ(again.id, R"({"n":7})");
+  for (const char* word : {"shoot", "done", "go-on"})
+    EXPECT_EQ(ParseJsonCommand(json{{"command", word}}.dump()).kind, Command::Kind::kGoOn);
+  EXPECT_TRUE(ParseJsonCommand(R"({"command": "live", "on": true})").on);
+}
+
+TEST(ParseJsonCommand, RefusesWhatIsNoCommand) {
+  for (const std::string& line :
+       {std::string("{"), std::string("[]"), std::string("{}"), std::string(R"({"command": 5})"),
+        std::string(R"({"command": "dance"})"), std::string(R"({"command": "again", "ring": "x"})"),
+        std::string(5000, '['), std::string("\xff")})
+    EXPECT_THROW(ParseJsonCommand(line), InputError) << line.substr(0, 40);
+}
+
+TEST(SentenceOf, TellsWhatIsWrongAndWhatToDo) {
+  const json fault = {
+      {"event", "fault"}, {"words", "the card is full"}, {"do", "empty it"}, {"needs_hand", false}};
+  EXPECT_EQ(SentenceOf(fault), "! the card is full; empty it\n");
+  const json ask = {{"event", "ask"}, {"words", "turn the table to 45 degrees"}, {"do", ""}};
+  EXPECT_EQ(SentenceOf(ask), "-> turn the table to 45 degrees, then press Enter\n");
+  EXPECT_EQ(SentenceOf({{"event", "live"}, {"frame", 3}}), "");
+}
+
+TEST(LineInput, GivesLinesAsTheyComeAndTheLastWithoutItsEnd) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  LineInput input(ends[0]);
+  EXPECT_FALSE(input.Next(0));
+  ASSERT_EQ(write(ends[1], "one\ntw", 6), 6);
+  EXPECT_EQ(input.Next(0.1), "one");
+  EXPECT_FALSE(input.Next(0));
+  ASSERT_EQ(write(ends[1], "o\n\nthree", 8), 8);
+  EXPECT_EQ(input.Next(0.1), "two");
+  EXPECT_EQ(input.Next(0.1), "");
+  close(ends[1]);
+  EXPECT_FALSE(input.over());
+  EXPECT_EQ(input.Next(0.1), "three");
+  EXPECT_FALSE(input.Next(0));
+  EXPECT_TRUE(input.over());
+  close(ends[0]);
+}
+
+TEST(LineInput, DropsALineThatNeverEnds) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  LineInput input(ends[0]);
+  const std::string much(4096, 'x');
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_EQ(write(ends[1], much.data(), much.size()), static_cast<ssize_t>(much.size()));
+    EXPECT_FALSE(input.Next(0));
+  }
+  ASSERT_EQ(write(ends[1], "\nend\n", 5), 5);
+  EXPECT_EQ(input.Next(0.1), "end");
+  close(ends[0]), close(ends[1]);
+}
+
+}  // namespace
+}  // namespace keypose::capture::shoot
