@@ -52,6 +52,15 @@ struct ExportOptions {
                    "textures; none: leave them out",
            .unit = "",
            .choices = {"jpeg", "png", "none"}});
+    visit("max_targets", format.few.max_targets, {"most morph targets of glb-few", "", 1, 255, {}});
+    visit(
+        "error_bound", format.few.error_bound,
+        {"largest error of glb-few, relative to the figure's diagonal; as few targets as keep it, "
+         "within max_targets",
+         "",
+         1e-9,
+         1,
+         {}});
     DescribeFilm(visit);
   }
 
@@ -81,6 +90,12 @@ struct ExportOptions {
            -1,
            360,
            {}});
+    visit("video_turntable", format.turntable,
+          {"what character_turntable.mp4 shows: a frame's number or a key's name; empty: the first "
+           "key",
+           ""});
+    visit("video_pictures", format.pictures,
+          {"also write every picture of the film as PNG with alpha", ""});
   }
 };
 
@@ -214,7 +229,7 @@ void Run(keypose::StageContext& stage, const ExportOptions& options) {
 int main(int argc, char** argv) {
   keypose::StageSpec spec;
   spec.name = "export";
-  spec.version = "4";
+  spec.version = "5";
   spec.summary = "Writes the animation in the formats of other programs.";
   spec.inputs = {{"frames", "folder",
                   "frame_0000.ply, ... of one connectivity, and distortion.json", "", false, false},

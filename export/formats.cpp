@@ -2,14 +2,24 @@
 
 #include <algorithm>
 #include <functional>
+#include <iomanip>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 #include "core/io/files.h"
 #include "core/io/image_io.h"
-#include "core/io/mesh_io.h"
 #include "core/size_of.h"
+#include "export/blender/blender_files.h"
+#include "export/caches/caches.h"
+#include "export/fbx/fbx.h"
+#include "export/film/gif.h"
 #include "export/film/mp4.h"
+#include "export/film/picture.h"
 #include "export/gltf/gltf.h"
+#include "export/sequences/sequences.h"
+#include "export/usd/usda.h"
+#include "export/vat/vat.h"
 
 namespace keypose::exporting {
 namespace {
@@ -72,62 +82,118 @@ WrittenFormat WriteGlb(const Job& job) {
   return Save(job, made);
 }
 
-WrittenFormat WriteSequence(const Job& job, const std::string& extension,
-                            const std::string& texture) {
-  const fs::path folder = job.folder / extension;
-  fs::create_directories(folder);
-  const auto count = job.scene.frames.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    ReportProgress(job.progress, static_cast<double>(i) / static_cast<double>(count),
-                   "writing " + extension + " files");
-    Mesh mesh = job.scene.frames[i];
-    mesh.uvs = job.scene.frames[0].uvs;
-    mesh.uv_faces = job.scene.frames[0].uv_faces;
-    WriteMesh(folder / (job.scene.frame_names[i] + "." + extension), mesh,
-              mesh.has_uvs() ? texture : "");
-  }
+WrittenFormat WriteFewTargets(const Job& job) {
+  return Save(job, MakeFewTargetsGlb(job.scene, TexturesOfGlb(job), job.options.few, job.progress));
+}
+
+WrittenFormat SavedSequence(const WrittenSequence& sequence, const std::string& folder) {
   WrittenFormat written;
-  written.files.push_back(extension + "/");
+  written.files.push_back(folder + "/");
+  written.error_over_diagonal = sequence.error_over_diagonal;
+  written.measured["pictures"] = sequence.pictures;
   return written;
 }
 
 WrittenFormat WriteObj(const Job& job) {
-  const bool textured = !job.texture_names.empty();
-  return WriteSequence(job, "obj", textured ? "../textures/" + job.texture_names[0] : "");
+  const std::string texture =
+      job.texture_names.empty() ? "" : "../textures/" + job.texture_names[0];
+  return SavedSequence(WriteObjSequence(job.scene, job.folder / "obj", texture, job.progress),
+                       "obj");
 }
 
-WrittenFormat WritePly(const Job& job) { return WriteSequence(job, "ply", ""); }
+WrittenFormat WritePly(const Job& job) {
+  return SavedSequence(WritePlySequence(job.scene, job.folder / "ply", job.progress), "ply");
+}
 
-/// The animation as a film from one direction. A single frame is no film.
+/// @return a function that writes what `make` gives
+auto Saved(FormatFiles (*make)(const Scene&, Progress*)) {
+  return [make](const Job& job) { return Save(job, make(job.scene, job.progress)); };
+}
+
+std::string PictureName(int number) {
+  std::ostringstream name;
+  name << "frame_" << std::setw(4) << std::setfill('0') << number << ".png";
+  return name.str();
+}
+
+FilmOptions OptionsOfFilm(const Job& job) {
+  FilmOptions options = job.options.film;
+  options.z_up = job.scene.z_up;
+  return options;
+}
+
+/// The film as MP4 and GIF, and its pictures if they are wanted. A single frame is no film.
+void WriteFilm(const Job& job, WrittenFormat& written) {
+  const FilmOptions options = OptionsOfFilm(job);
+  const double fps = job.scene.playback.fps;
+  const std::vector<int> order = FilmOrder(job.scene);
+  std::optional<Mp4Writer> mp4;
+  if (CanWriteMp4()) {
+    mp4.emplace(job.folder / "character.mp4", options.width, options.height, fps);
+    written.files.push_back("character.mp4");
+  }
+  GifWriter gif(job.folder / "character.gif", fps);
+  written.files.push_back("character.gif");
+  if (job.options.pictures) {
+    fs::create_directories(job.folder / "video" / "png");
+    written.files.push_back("video/");
+  }
+  int number = 0;
+  const auto take = [&](const Image8& picture) {
+    if (mp4) mp4->Add(picture);
+    gif.Add(picture);
+    if (job.options.pictures)
+      WriteFile(job.folder / "video" / "png" / PictureName(number), EncodePng(picture));
+    ++number;
+  };
+  SubProgress progress(job.progress, 0, 0.7);
+  RenderFilm(SceneOfFilm(job.scene), order, options, take, &progress);
+  if (mp4) mp4->Finish();
+  gif.Finish();
+  if (gif.Shortened())
+    job.stage.Note("export: character.gif has the first 12 seconds; the whole film is in the MP4");
+  written.measured["pictures"] = SizeOf(order);
+}
+
+void WriteTurntable(const Job& job, WrittenFormat& written) {
+  const FilmOptions options = OptionsOfFilm(job);
+  const double fps = job.scene.playback.fps;
+  const int frame = FindFrame(job.scene, job.options.turntable);
+  Mp4Writer mp4(job.folder / "character_turntable.mp4", options.width, options.height, fps);
+  SubProgress progress(job.progress, 0.7, 1);
+  RenderTurntable(
+      SceneOfFilm(job.scene), frame, fps, options, [&](const Image8& picture) { mp4.Add(picture); },
+      &progress);
+  mp4.Finish();
+  written.files.push_back("character_turntable.mp4");
+}
+
 WrittenFormat WriteVideo(const Job& job) {
   WrittenFormat written;
-  if (job.scene.frame_count() < 2) return written;
-  if (!CanWriteMp4()) {
+  FindFrame(job.scene, job.options.turntable);  // a wrong name is said before the film is rendered
+  if (!CanWriteMp4())
     job.stage.Warn(
-        "no film was written: libavcodec has no x264 here; install Debian's libavcodec59, or "
-        "leave `video` out of `formats`");
-    return written;
-  }
-  const FilmScene film{job.scene.frames, job.scene.texture_pixels, job.scene.texture_weights};
-  std::vector<int> order = ShownFrames(job.scene);
-  // When the film is looped, its last picture is the first picture of the next round.
-  const bool loops = job.scene.clip.loop || job.scene.playback.loop == "pingpong";
-  if (loops && order.size() > 1) order.pop_back();
-  Mp4Writer writer(job.folder / "character.mp4", job.options.film.width, job.options.film.height,
-                   job.scene.playback.fps);
-  RenderFilm(
-      film, order, job.options.film, [&](const Image8& picture) { writer.Add(picture); },
-      job.progress);
-  writer.Finish();
-  written.files.push_back("character.mp4");
-  written.measured["pictures"] = SizeOf(order);
+        "no MP4 was written: libavcodec has no x264 here; install Debian's libavcodec59, or leave "
+        "`video` out of `formats`");
+  if (job.scene.frame_count() > 1) WriteFilm(job, written);
+  if (CanWriteMp4()) WriteTurntable(job, written);
   return written;
 }
 
 using Write = std::function<WrittenFormat(const Job&)>;
 const std::vector<std::pair<std::string, Write>>& Formats() {
   static const std::vector<std::pair<std::string, Write>> formats = {
-      {"glb", WriteGlb}, {"video", WriteVideo}, {"obj", WriteObj}, {"ply", WritePly}};
+      {"glb", WriteGlb},
+      {"glb-few", WriteFewTargets},
+      {"video", WriteVideo},
+      {"obj", WriteObj},
+      {"ply", WritePly},
+      {"fbx", Saved(MakeFbx)},
+      {"pc2", Saved(MakePc2)},
+      {"mdd", Saved(MakeMdd)},
+      {"vat", Saved(MakeVat)},
+      {"usda", Saved(MakeUsda)},
+      {"blender", Saved(MakeBlenderFiles)}};
   return formats;
 }
 

@@ -9,6 +9,7 @@
 #include "core/stage/stage.h"
 #include "export/animation/scene.h"
 #include "export/film/film.h"
+#include "export/gltf/few_targets.h"
 
 namespace keypose::exporting {
 
@@ -18,7 +19,10 @@ std::vector<std::string> FormatNames();
 /// Options that only some formats have.
 struct FormatOptions {
   std::string pose_textures = "jpeg";  ///< of the GLB: "jpeg", "png" or "none"
+  FewTargetsOptions few;
   FilmOptions film;
+  bool pictures = false;  ///< also the film's pictures, as PNG with alpha
+  std::string turntable;  ///< frame number or name of a key; empty: the first key
 };
 
 /// What was written for a format.

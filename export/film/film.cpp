@@ -1,25 +1,30 @@
 #include "export/film/film.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 
+#include "core/errors.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/render.h"
+#include "core/size_of.h"
 
 namespace keypose::exporting {
 namespace {
 
-constexpr double kElevationDeg = 12;
+constexpr double kElevationDeg = 14;
 
 Eigen::Vector3d Up(const FilmOptions& options) {
   return options.z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
 }
 
-/// A camera whose picture contains all frames.
-View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOptions& options) {
-  Eigen::Index rows = 0;
+/// The points of all frames, and points on the table where their shadow is still seen.
+PointsX3 PointsToShow(const std::vector<Mesh>& frames, const FilmOptions& options) {
+  constexpr int kRound = 32;
+  constexpr double kShadowWidth = 1.25;
+  Eigen::Index rows = options.shadow ? kRound : 0;
   for (const Mesh& frame : frames) rows += frame.points.rows();
   PointsX3 all(rows, 3);
   rows = 0;
@@ -27,7 +32,53 @@ View CameraOf(const std::vector<Mesh>& frames, double azimuth_deg, const FilmOpt
     all.middleRows(rows, frame.points.rows()) = frame.points;
     rows += frame.points.rows();
   }
-  return FitView(all, azimuth_deg, kElevationDeg, options.width, options.height, Up(options));
+  if (!options.shadow) return all;
+  const Ground ground = GroundUnder(frames, Up(options));
+  for (int i = 0; i < kRound; ++i) {
+    const double angle = 2 * M_PI * i / kRound, radius = kShadowWidth * ground.reach;
+    all.row(rows + i) =
+        ground.origin + radius * (std::cos(angle) * ground.right + std::sin(angle) * ground.back);
+  }
+  return all;
+}
+
+/// How far a camera without position must move along its axes to see some points: the largest
+/// offset of a point from a plane through the origin and parallel to a side of the field of view.
+struct FieldOffsets {
+  double left = -INFINITY, right = -INFINITY, above = -INFINITY, below = -INFINITY;
+};
+
+/// Slopes of the field of view that is to be filled.
+Eigen::Vector2d FieldSlopes(const Camera& camera) {
+  constexpr double kFilled = 0.9;
+  return {kFilled * 0.5 * camera.width / camera.fx, kFilled * 0.5 * camera.height / camera.fy};
+}
+
+void Extend(FieldOffsets& offsets, const PointsX3& points, const View& view) {
+  const Eigen::Matrix3d rotation = view.camera_from_world.rotation.toRotationMatrix();
+  const Eigen::Vector2d slopes = FieldSlopes(view.camera);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const Eigen::Vector3d p = rotation * points.row(i).transpose();
+    offsets.right = std::max(offsets.right, p.x() - slopes.x() * p.z());
+    offsets.left = std::max(offsets.left, -p.x() - slopes.x() * p.z());
+    offsets.below = std::max(offsets.below, p.y() - slopes.y() * p.z());
+    offsets.above = std::max(offsets.above, -p.y() - slopes.y() * p.z());
+  }
+}
+
+/// Moves the view, without turning it, to where its picture is filled best.
+void Place(View& view, const FieldOffsets& offsets) {
+  const Eigen::Vector2d slopes = FieldSlopes(view.camera);
+  Eigen::Vector3d eye_in_camera_axes;
+  eye_in_camera_axes << 0.5 * (offsets.right - offsets.left), 0.5 * (offsets.below - offsets.above),
+      -0.5 * std::max((offsets.right + offsets.left) / slopes.x(),
+                      (offsets.below + offsets.above) / slopes.y());
+  view.camera_from_world.translation = -eye_in_camera_axes;
+}
+
+/// A camera that looks from this side; its position is not the final one.
+View ViewFrom(const PointsX3& points, double azimuth_deg, const FilmOptions& options) {
+  return FitView(points, azimuth_deg, kElevationDeg, options.width, options.height, Up(options));
 }
 
 /// Sum of the motion across the picture from frame to frame, over vertices that face the camera,
@@ -48,45 +99,18 @@ double MotionSeen(const std::vector<Mesh>& frames, const std::vector<PointsX3>& 
   return sum;
 }
 
-Image8 Blended(const std::vector<Image8>& textures, const std::vector<double>& weights) {
-  Image8 blended = textures[0];
-  const auto size = std::ssize(blended.data);
-  ParallelBlocks(size, 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      double sum = 0.5;
-      for (std::size_t k = 0; k < textures.size(); ++k) sum += weights[k] * textures[k].data[i];
-      blended.data[i] = static_cast<std::uint8_t>(std::clamp(sum, 0.0, 255.0));
-    }
-  });
-  return blended;
-}
-
-bool SameSize(const std::vector<Image8>& textures) {
-  return std::all_of(textures.begin(), textures.end(), [&](const Image8& texture) {
-    return texture.width == textures[0].width && texture.height == textures[0].height &&
-           texture.channels == textures[0].channels;
-  });
-}
-
-Image8 RenderFrame(const FilmScene& scene, int frame, const View& view) {
-  Mesh mesh = scene.frames[frame];
-  mesh.uvs = scene.frames[0].uvs;
-  mesh.uv_faces = scene.frames[0].uv_faces;
-  RenderOptions look;
-  look.samples = 2;
-  look.shading = 0.35;  // the texture already contains the photographs' light
-  const bool textured = mesh.has_uvs() && !scene.textures.empty();
-  const bool blends = textured && !scene.blend.empty() && SameSize(scene.textures);
-  Image8 texture;
-  if (blends) texture = Blended(scene.textures, scene.blend[frame]);
-  if (textured)
-    look.texture = blends ? &texture : &scene.textures[0];
-  else
-    look.plain = mesh.colors.rows() == 0, look.shading = 1;
-  return Render(mesh, view, look);
-}
-
 }  // namespace
+
+FilmScene SceneOfFilm(const Scene& scene) {
+  return {scene.frames, scene.texture_pixels, scene.texture_weights};
+}
+
+std::vector<int> FilmOrder(const Scene& scene) {
+  std::vector<int> order = ShownFrames(scene);
+  const bool loops = scene.clip.loop || scene.playback.loop == "pingpong";
+  if (loops && order.size() > 1) order.pop_back();
+  return order;
+}
 
 double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& options) {
   std::vector<PointsX3> normals(frames.size());
@@ -108,18 +132,91 @@ double AzimuthOfMotion(const std::vector<Mesh>& frames, const FilmOptions& optio
   return best;
 }
 
-void RenderFilm(const FilmScene& scene, const std::vector<int>& order, const FilmOptions& options,
-                const std::function<void(const Image8&)>& take, Progress* progress) {
+View FilmView(const std::vector<Mesh>& frames, const FilmOptions& options) {
   const double azimuth =
-      options.azimuth_deg >= 0 ? options.azimuth_deg : AzimuthOfMotion(scene.frames, options);
-  const View view = CameraOf(scene.frames, azimuth, options);
+      options.azimuth_deg >= 0 ? options.azimuth_deg : AzimuthOfMotion(frames, options);
+  const PointsX3 points = PointsToShow(frames, options);
+  View view = ViewFrom(points, azimuth, options);
+  FieldOffsets offsets;
+  Extend(offsets, points, view);
+  Place(view, offsets);
+  return view;
+}
+
+void RenderFilm(const FilmScene& scene, const std::vector<int>& order, const FilmOptions& options,
+                const TakePicture& take, Progress* progress) {
+  const View view = FilmView(scene.frames, options);
+  const Ground ground = GroundUnder(scene.frames, Up(options));
   Image8 picture;
   for (std::size_t i = 0; i < order.size(); ++i) {
     ReportProgress(progress, static_cast<double>(i) / static_cast<double>(order.size()),
                    "rendering the film");
-    if (i == 0 || order[i] != order[i - 1]) picture = RenderFrame(scene, order[i], view);
+    if (i == 0 || order[i] != order[i - 1])
+      picture = RenderPicture(scene, order[i], view, options.shadow ? &ground : nullptr);
     take(picture);
   }
+}
+
+std::vector<View> TurntableViews(const Mesh& frame, const FilmOptions& options, int count) {
+  PointsX3 points = PointsToShow({frame}, options);
+  // About the axis of the turn, which all cameras then have in the middle of their pictures.
+  const Eigen::Vector3d center =
+      0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
+  points.rowwise() -= center.transpose();
+  const double start =
+      options.azimuth_deg >= 0 ? options.azimuth_deg : AzimuthOfMotion({frame}, options);
+  std::vector<View> views;
+  FieldOffsets offsets;
+  for (int i = 0; i < count; ++i) {
+    // The camera goes round clockwise, so the figure seems to turn the other way.
+    views.push_back(ViewFrom(points, start - 360.0 * i / count, options));
+    Extend(offsets, points, views.back());
+  }
+  offsets.left = offsets.right = std::max(offsets.left, offsets.right);
+  for (View& view : views) {
+    Place(view, offsets);
+    view.camera_from_world.translation -= view.camera_from_world.rotation * center;
+  }
+  return views;
+}
+
+int TurntablePictures(double fps) {
+  return std::max(1, static_cast<int>(std::lround(kTurnSeconds * fps)));
+}
+
+void RenderTurntable(const FilmScene& scene, int frame, double fps, const FilmOptions& options,
+                     const TakePicture& take, Progress* progress) {
+  const Mesh& mesh = scene.frames[frame];
+  const Ground ground = GroundUnder({mesh}, Up(options));
+  const FramePainter painter(scene, frame, options.shadow ? &ground : nullptr);
+  FilmOptions first = options;
+  if (first.azimuth_deg < 0) first.azimuth_deg = AzimuthOfMotion(scene.frames, options);
+  const std::vector<View> views = TurntableViews(mesh, first, TurntablePictures(fps));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    ReportProgress(progress, static_cast<double>(i) / static_cast<double>(views.size()),
+                   "rendering the turntable");
+    take(painter.Picture(views[i]));
+  }
+}
+
+int FindFrame(const Scene& scene, const std::string& wanted) {
+  if (wanted.empty()) return scene.keys.empty() ? 0 : scene.keys[0].frame;
+  // A name goes before a number: a pose may be called "2".
+  for (const KeyMark& key : scene.keys)
+    if (key.pose == wanted) return key.frame;
+  const auto& names = scene.frame_names;
+  const auto named = std::find(names.begin(), names.end(), wanted);
+  if (named != names.end()) return static_cast<int>(named - names.begin());
+  int number = -1;
+  const char* end = wanted.data() + wanted.size();
+  const auto parsed = std::from_chars(wanted.data(), end, number);
+  const int count = SizeOf(scene.frames);
+  if (parsed.ec == std::errc() && parsed.ptr == end && number >= 0 && number < count) return number;
+  std::string keys;
+  for (const KeyMark& key : scene.keys) keys += (keys.empty() ? "" : ", ") + key.pose;
+  throw UsageError("export: the turntable's frame '" + wanted + "' is neither a number from 0 to " +
+                   std::to_string(count - 1) + " nor a key" +
+                   (keys.empty() ? "" : " (" + keys + ")") + "; give one of these");
 }
 
 }  // namespace keypose::exporting

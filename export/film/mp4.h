@@ -24,7 +24,8 @@ class Mp4Writer {
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
 
-  /// @throws InputError  not an RGB image of the writer's size
+  /// @param picture  RGB, or RGBA, which is laid over kFilmBackground
+  /// @throws InputError  not such a picture of the writer's size
   void Add(const Image8& picture);
   /// Call once, after the last picture.
   /// @throws DiskError

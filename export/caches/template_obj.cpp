@@ -1,0 +1,75 @@
+#include "export/caches/template_obj.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/size_of.h"
+
+namespace keypose::exporting {
+namespace {
+
+void AppendFloat(std::string& text, double value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, static_cast<float>(value)).ptr;
+  text += ' ';
+  text.append(digits, end);
+}
+
+template <class Rows>
+void AppendRows(std::string& text, const std::string& keyword, const Rows& rows) {
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    text += keyword;
+    for (Eigen::Index c = 0; c < rows.cols(); ++c) AppendFloat(text, rows(i, c));
+    text += '\n';
+  }
+}
+
+/// @param place  per vertex of the mesh: its place in the file, from 0
+void AppendFaces(std::string& text, const Mesh& mesh, const std::vector<int>& place) {
+  for (int f = 0; f < mesh.face_count(); ++f) {
+    text += 'f';
+    for (int k = 0; k < 3; ++k) {
+      text += ' ' + std::to_string(place[mesh.faces(f, k)] + 1);  // OBJ counts from 1
+      if (mesh.has_uvs()) text += '/' + std::to_string(mesh.uv_faces(f, k) + 1);
+    }
+    text += '\n';
+  }
+}
+
+/// Names end at a blank or a line's end in OBJ files.
+std::string OneWord(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c <= ' '; }, '_');
+  return name;
+}
+
+}  // namespace
+
+std::vector<int> VerticesWithFace(const Mesh& mesh) {
+  std::vector<char> used(mesh.vertex_count(), 0);
+  for (const int vertex : mesh.faces.reshaped()) used[vertex] = 1;
+  std::vector<int> vertices;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    if (used[v]) vertices.push_back(v);
+  return vertices;
+}
+
+std::vector<FormatFile> MakeTemplateObj(const Scene& scene, const std::string& path, int frame) {
+  const Mesh& mesh = scene.frames[0];  // faces and texture coordinates are those of the first frame
+  const std::string material = path.substr(path.rfind('/') + 1) + ".mtl";
+  std::string obj = "mtllib " + material + "\no " + OneWord(scene.name) + '\n';
+  const std::vector<int> vertices = VerticesWithFace(mesh);
+  std::vector<int> place(mesh.vertex_count(), -1);
+  for (int i = 0; i < SizeOf(vertices); ++i) place[vertices[i]] = i;
+  AppendRows(obj, "v", WithYUp(scene.frames[frame].points(vertices, Eigen::all), scene.z_up));
+  if (mesh.has_uvs()) AppendRows(obj, "vt", mesh.uvs);
+  obj += "usemtl clay\ns 1\n";  // one group with smooth normals
+  AppendFaces(obj, mesh, place);
+  std::string mtl = "newmtl clay\nKa 1 1 1\nKd 0.8 0.8 0.8\nKs 0 0 0\n";
+  if (mesh.has_uvs() && !scene.textures.empty())
+    mtl = "newmtl clay\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd ../textures/" +
+          scene.textures[0].FileName(0) + '\n';
+  return {{path + ".obj", obj}, {path + ".mtl", mtl}};
+}
+
+}  // namespace keypose::exporting

@@ -1,0 +1,59 @@
+// What the writers of films share: owners of libav's objects.
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+#include <memory>
+#include <string>
+
+namespace keypose::exporting {
+
+template <class T, void (*Free)(T**)>
+struct AvFree {
+  void operator()(T* pointer) const { Free(&pointer); }
+};
+using AvEncoder = std::unique_ptr<AVCodecContext, AvFree<AVCodecContext, avcodec_free_context>>;
+using AvFrame = std::unique_ptr<AVFrame, AvFree<AVFrame, av_frame_free>>;
+using AvPacket = std::unique_ptr<AVPacket, AvFree<AVPacket, av_packet_free>>;
+
+/// libav's words for one of its error codes.
+std::string AvText(int code);
+
+/// A file that encoded pictures are written to, without times and versions of its own.
+class AvFile {
+ public:
+  /// @param format  libavformat's name: "mp4", "gif"
+  /// @throws DiskError  the file cannot be written
+  AvFile(const std::string& path, const char* format);
+  ~AvFile();
+  AvFile(const AvFile&) = delete;
+  AvFile& operator=(const AvFile&) = delete;
+
+  /// Writes the header for what the encoder will send.
+  /// @param key, value  an option of the format; nullptr: none
+  /// @throws DiskError, ToolError
+  void Begin(const AVCodecContext& encoder, const char* key, const char* value);
+  /// Encodes and writes a picture that lasts `duration` units of the encoder's time base; nullptr:
+  /// what the encoder still holds.
+  /// @throws DiskError, ToolError
+  void Send(AVCodecContext& encoder, const AVFrame* picture, std::int64_t duration);
+  /// @throws DiskError
+  void End();
+
+  AVFormatContext* context() { return context_; }
+  /// @throws ToolError  code < 0: the encoder failed
+  void Encoded(int code) const;
+
+ private:
+  void Written(int code) const;
+
+  std::string path_;
+  AVFormatContext* context_ = nullptr;
+  AVStream* stream_ = nullptr;
+  AvPacket packet_;
+};
+
+}  // namespace keypose::exporting

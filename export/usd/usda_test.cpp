@@ -1,0 +1,132 @@
+// USD files, read by their grammar and by three.js.
+#include "export/usd/usda.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "export/caches/testing/run_reader.h"
+#include "export/caches/testing/test_scene.h"
+#include "export/usd/usda_text.h"
+
+namespace keypose::exporting {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ShortNumber, IsTheShortestTextThatReadsBack) {
+  EXPECT_EQ(ShortNumber(24), "24");
+  EXPECT_EQ(ShortNumber(0.1), "0.1");
+  EXPECT_EQ(ShortNumber(-2.999), "-2.999");
+}
+
+TEST(TupleArray, HasNumbersInSinglePrecision) {
+  PointsX3 points(2, 3);
+  points << 0.1, -1, 1e-7, 1.0 / 3, 2.5, 0;
+  EXPECT_EQ(TupleArray(points), "[(0.1, -1, 1e-07), (0.33333334, 2.5, 0)]");
+}
+
+TEST(PrimName, IsAnIdentifierWhateverTheNameIs) {
+  EXPECT_EQ(PrimName("character"), "character");
+  EXPECT_EQ(PrimName("clay cat 2"), "clay_cat_2");
+  EXPECT_EQ(PrimName("2nd"), "_2nd");
+  EXPECT_EQ(PrimName("a\"\n{}</b>"), "a______b_");
+  EXPECT_EQ(PrimName(""), "_");
+}
+
+std::string TextOf(const Scene& scene) { return MakeUsda(scene, nullptr).files.at(0).bytes; }
+
+TEST(MakeUsda, OneFrameHasNoTimeSamples) {
+  TestSceneOptions options;
+  options.bends = {1};
+  const std::string text = TextOf(TestScene(options));
+  EXPECT_THAT(text, Not(HasSubstr("timeSamples")));
+  EXPECT_THAT(text, HasSubstr("endTimeCode = 0\n"));
+}
+
+TEST(MakeUsda, AStepHasASampleAThousandthOfAFrameBefore) {
+  TestSceneOptions options;
+  options.bends = {0, 0, 3};
+  options.stands = {1, 1, 0};
+  options.playback = {30, 0, "none"};
+  const std::string text = TextOf(TestScene(options));
+  for (const char* time : {"\n            0: [", "\n            1.999: [", "\n            2: ["})
+    EXPECT_THAT(text, HasSubstr(time));
+}
+
+TEST(MakeUsda, SameBytesForAnyThreadCount) {
+  SetThreadCount(1);
+  const std::string one = TextOf(TestScene());
+  SetThreadCount(4);
+  const std::string four = TextOf(TestScene());
+  SetThreadCount(0);
+  EXPECT_EQ(one, four);
+}
+
+class StopsAtOnce : public Progress {
+ public:
+  void Update(double, std::string_view) override {}
+  bool cancelled() const override { return true; }
+};
+
+TEST(MakeUsda, StopsWhenAsked) {
+  StopsAtOnce progress;
+  EXPECT_THROW(MakeUsda(TestScene(), &progress), Cancelled);
+}
+
+ReaderResult Read(const Scene& scene) {
+  const OwnFolder folder;
+  WriteFiles(MakeUsda(scene, nullptr), scene, folder.path());
+  WriteTruth(scene, folder.path() / "truth");
+  return RunReader(
+      {"node", KEYPOSE_SOURCE_DIR "/export/usd/testing/read_usda.mjs", folder.path(), scene.name});
+}
+
+void ExpectRead(const ReaderResult& result) {
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  for (const char* figure :
+       {"error_over_diagonal", "extent_error_over_diagonal", "normal_error", "uv_error"})
+    EXPECT_LT(FigureOf(result.output, figure), 1e-7) << figure;
+  EXPECT_LT(FigureOf(result.output, "three_error_over_diagonal"), 1e-7);
+  EXPECT_LT(FigureOf(result.output, "held_error_over_diagonal"), 1e-7);
+}
+
+TEST(MakeUsda, AnotherReaderFindsEveryFrameHoldAndStep) {
+  TestSceneOptions options;
+  options.bends = {0, 0, 2, 2, 5, 6, 7};
+  options.stands = {1, 1, 1, 1, 0, 0, 0};
+  options.playback = {23.976, 2, "pingpong"};
+  const Scene scene = TestScene(options);
+  const ReaderResult result = Read(scene);
+  ExpectRead(result);
+  EXPECT_GT(FigureOf(result.output, "moved_over_diagonal"), 0.1);
+  EXPECT_EQ(FigureOf(result.output, "frames"), ShownFrames(scene).size());
+  EXPECT_GT(FigureOf(result.output, "held_frames"), 5);
+}
+
+TEST(MakeUsda, AnotherReaderFindsFramesWithYUpAndAnOddName) {
+  TestSceneOptions options;
+  options.z_up = false;
+  Scene scene = TestScene(options);
+  scene.name = "9 'clay' cats";
+  ExpectRead(Read(scene));
+}
+
+TEST(MakeUsda, AMeshWithoutTextureCoordinatesHasAPlainColour) {
+  TestSceneOptions options;
+  options.with_uvs = false;
+  ExpectRead(Read(TestScene(options)));
+}
+
+TEST(MakeUsda, VerticesWithoutAFaceHaveANormal) {
+  Scene scene = TestScene();
+  for (Mesh& frame : scene.frames) {
+    frame.points.conservativeResize(frame.points.rows() + 1, 3);
+    frame.points.bottomRows(1) << 0.5, 0.25, 2;
+  }
+  ExpectRead(Read(scene));
+  EXPECT_THAT(TextOf(scene), HasSubstr(", (0, 1, -0)]"));
+}
+
+}  // namespace
+}  // namespace keypose::exporting

@@ -1,0 +1,194 @@
+// Vertex animation textures, decoded by other programs: node with three.js, Chromium, and Khronos'
+// validator.
+#include "export/vat/vat.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/errors.h"
+#include "export/caches/testing/run_reader.h"
+#include "export/caches/testing/test_scene.h"
+#include "export/vat/vat_layout.h"
+
+namespace keypose::exporting {
+namespace {
+
+const std::string kTools = KEYPOSE_SOURCE_DIR "/export/vat/testing/";
+
+const std::string& BytesOf(const FormatFiles& made, const std::string& path) {
+  for (const FormatFile& file : made.files)
+    if (file.path == path) return file.bytes;
+  throw std::runtime_error("no file " + path);
+}
+
+TEST(MakeVatLayout, EveryVertexOfEveryFrameHasAPlaceOfItsOwn) {
+  for (const int vertices : {1, 8192, 8193, 20000}) {
+    const VatLayout layout = MakeVatLayout(vertices, 7);
+    EXPECT_LE(layout.columns, kMostVatColumns);
+    EXPECT_EQ(layout.rows_per_frame, (vertices - 1) / 8192 + 1);
+    EXPECT_LT(layout.columns * layout.rows_per_frame - vertices, layout.rows_per_frame)
+        << "no wider than needed";
+    EXPECT_LT((vertices - 1) / layout.columns, layout.rows_per_frame);
+  }
+}
+
+TEST(MakeVatLayout, TooManyFramesThrowInputErrorThatSaysHowManyFit) {
+  EXPECT_EQ(MakeVatLayout(20000, 5461).rows(), 16383);
+  try {
+    MakeVatLayout(20000, 5462);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("at most 5461 frames"));
+  }
+}
+
+TEST(MakeVat, ErrorIsBelowHalfAQuantum) {
+  const FormatFiles made = MakeVat(TestScene(), nullptr);
+  EXPECT_GT(made.error_over_diagonal, 0);
+  // The bounds are rounded to single precision.
+  EXPECT_LT(made.error_over_diagonal, made.measured.at("quantum_over_diagonal") + 2e-7);
+  EXPECT_LT(made.measured.at("exr_error_over_diagonal"), 1e-7);
+  EXPECT_LT(made.measured.at("normal_error_deg"), 0.4);
+}
+
+TEST(MakeVat, AMeshWithoutDepthHasNoErrorThere) {
+  Scene scene = TestScene();
+  for (PointsX3& points : scene.split.points) points.col(1).setConstant(0.25);
+  const FormatFiles made = MakeVat(scene, nullptr);
+  EXPECT_LT(made.error_over_diagonal, made.measured.at("quantum_over_diagonal") + 2e-7);
+}
+
+TEST(MakeVat, DescribesFramesAndKeys) {
+  TestSceneOptions options;
+  options.playback = {12, 2, "none"};
+  Scene scene = TestScene(options);
+  scene.name = "cat";
+  scene.keys = {{0, "rest"}, {3, "bent"}};
+  const auto json = nlohmann::json::parse(BytesOf(MakeVat(scene, nullptr), "vat/cat.json"));
+  EXPECT_EQ(json["fps"], 12);
+  EXPECT_EQ(json["frames"], 8) << "0 0 0 1 2 3 3 3";
+  EXPECT_EQ(json["shown"][3], "frame_0001");
+  EXPECT_EQ(json["keys"][1], (nlohmann::json{{"pose", "bent"}, {"frame", 5}}));
+  EXPECT_EQ(json["loop"], false);
+  EXPECT_EQ(json["mesh"], "cat.glb");
+}
+
+TEST(MakeVat, TheTimeOfDayIsInNoFile) {
+  const FormatFiles made = MakeVat(TestScene(), nullptr);
+  const std::string& exr = BytesOf(made, "vat/character_positions.exr");
+  const std::string key("capDate\0string\0", 15);  // then the length of the text
+  const auto at = exr.find(key);
+  const std::string length = at == std::string::npos ? "" : exr.substr(at + key.size(), 4);
+  EXPECT_THAT(length, testing::AnyOf("", std::string(4, '\0')));
+  EXPECT_EQ(BytesOf(made, "vat/character_positions.png").find("tIME"), std::string::npos);
+}
+
+TEST(MakeVat, TextureWithoutCoordinatesThrowsInputError) {
+  TestSceneOptions options;
+  options.with_uvs = false;
+  Scene scene = TestScene(options);
+  EXPECT_NO_THROW(MakeVat(scene, nullptr));
+  scene.textures = TestScene().textures;
+  EXPECT_THROW(MakeVat(scene, nullptr), InputError);
+}
+
+class VatFiles : public testing::Test {
+ protected:
+  FormatFiles Write(const TestSceneOptions& options) {
+    const Scene scene = TestScene(options);
+    const FormatFiles made = MakeVat(scene, nullptr);
+    WriteFiles(made, scene, folder_.path());
+    WriteTruth(scene, folder_.path() / "truth");
+    return made;
+  }
+  ReaderResult Decode() const {
+    return RunReader({"node", kTools + "read_vat.mjs", folder_.path(), "character"});
+  }
+  ReaderResult RunInBrowser(const std::string& page) const {
+    return RunReader({"node", kTools + "run_in_browser.mjs", folder_.path(), "character", page});
+  }
+  OwnFolder folder_;
+};
+
+void ExpectDecoded(const ReaderResult& result, const FormatFiles& made) {
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const double error = FigureOf(result.output, "error_over_diagonal");
+  EXPECT_GT(FigureOf(result.output, "moved_over_diagonal"), 0.1);
+  EXPECT_LT(error, made.measured.at("quantum_over_diagonal") + 2e-7);
+  EXPECT_NEAR(error, made.error_over_diagonal, 1e-9);
+  EXPECT_NEAR(FigureOf(result.output, "exr_error_over_diagonal"),
+              made.measured.at("exr_error_over_diagonal"), 1e-9);
+  EXPECT_NEAR(FigureOf(result.output, "normal_error_deg"), made.measured.at("normal_error_deg"),
+              1e-4);
+}
+
+TEST_F(VatFiles, NodeDecodesEveryFrameFromPngAndThreeFromExr) {
+  TestSceneOptions options;
+  options.bends = {0, 0, 2, 2, 5};
+  options.stands = {1, 1, 1, 1, 0};
+  options.playback = {12, 1, "pingpong"};
+  const FormatFiles made = Write(options);
+  ExpectDecoded(Decode(), made);
+}
+
+TEST_F(VatFiles, NodeDecodesRowsThatWrap) {
+  TestSceneOptions options;
+  options.bends = {0, 3};
+  options.segments = 160;
+  options.rings = 110;
+  options.z_up = false;
+  const FormatFiles made = Write(options);
+  const ReaderResult result = Decode();
+  ExpectDecoded(result, made);
+  EXPECT_EQ(FigureOf(result.output, "rows_per_frame"), 3);
+}
+
+TEST_F(VatFiles, TheValidatorFindsNothingWrongWithTheMesh) {
+  for (const bool with_uvs : {true, false}) {
+    TestSceneOptions options;
+    options.with_uvs = with_uvs;
+    Write(options);
+    const ReaderResult result = RunReader({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs",
+                                           folder_.path() / "vat/character.glb"});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    EXPECT_THAT(result.output, testing::HasSubstr("0 errors, 0 warnings"));
+  }
+}
+
+TEST_F(VatFiles, TheDocumentedThreeCodeDrawsEveryFrameInABrowser) {
+  if (!HasReader("chromium")) GTEST_SKIP() << "Chromium is not installed";
+  TestSceneOptions options;
+  options.bends = {0, 2, 2, 6};
+  options.segments = 48;
+  options.rings = 180;  // more than one row per frame
+  Write(options);
+  const ReaderResult result = RunInBrowser("draw_page.mjs");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_GT(FigureOf(result.output, "covers"), 0.05);
+  EXPECT_GT(FigureOf(result.output, "moves"), 0.02);
+  EXPECT_LT(FigureOf(result.output, "differs"), 0.001) << result.output;
+}
+
+// Not the engines themselves, but their code with its own arithmetic, translated word by word to
+// GLSL, on textures with the rows in the engines' order.
+TEST_F(VatFiles, TheDocumentedShadersOfGodotAndUnityGiveEveryVertex) {
+  if (!HasReader("chromium")) GTEST_SKIP() << "Chromium is not installed";
+  TestSceneOptions options;
+  options.bends = {0, 2, 2, 6};
+  options.segments = 48;
+  options.rings = 180;
+  const FormatFiles made = Write(options);
+  const ReaderResult result = RunInBrowser("engines_page.mjs");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_GT(FigureOf(result.output, "vertices"), kMostVatColumns) << "more than one row per frame";
+  EXPECT_LT(FigureOf(result.output, "godot_error_over_diagonal"), 1e-6) << result.output;
+  EXPECT_NEAR(FigureOf(result.output, "unity_error_over_diagonal"), made.error_over_diagonal, 1e-7);
+  EXPECT_LT(FigureOf(result.output, "godot_normal_error"), 0.008);
+  EXPECT_LT(FigureOf(result.output, "unity_normal_error"), 0.008);
+}
+
+}  // namespace
+}  // namespace keypose::exporting
