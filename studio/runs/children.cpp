@@ -1,6 +1,7 @@
 #include "studio/runs/children.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -11,6 +12,7 @@
 #include <cstring>
 
 #include "core/errors.h"
+#include "core/io/files.h"
 
 namespace keypose::studio {
 
@@ -26,14 +28,45 @@ std::vector<char*> Words(const std::vector<std::string>& arguments) {
   return words;
 }
 
+struct Streams {
+  int in = -1;  ///< -1: nothing to read
+  int out = -1, error = -1;
+};
+
 /// In the new process: a session of its own, so that Ctrl-C on the studio does not reach it twice.
-[[noreturn]] void Become(const std::vector<char*>& words, const char* folder, int out, int error) {
+[[noreturn]] void Become(const std::vector<char*>& words, const char* folder, Streams to) {
   setsid();
-  const int nothing = open("/dev/null", O_RDONLY);
-  if (chdir(folder) != 0 || dup2(nothing, 0) < 0 || dup2(out, 1) < 0 || dup2(error, 2) < 0)
+  if (to.in < 0) to.in = open("/dev/null", O_RDONLY);
+  if (chdir(folder) != 0 || dup2(to.in, 0) < 0 || dup2(to.out, 1) < 0 || dup2(to.error, 2) < 0)
     _exit(126);
   execv(words[0], words.data());
   _exit(127);
+}
+
+/// The exit code, or 128 and the signal.
+int CodeOf(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
+int WaitFor(pid_t pid) {
+  int status = 0;
+  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  return CodeOf(status);
+}
+
+struct Pipe {
+  int read = -1, write = -1;
+};
+
+Pipe MakePipe() {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw DiskError(std::string("cannot make a pipe: ") + std::strerror(errno));
+  return {ends[0], ends[1]};
+}
+
+void CloseIt(int& fd) {
+  if (fd >= 0) close(fd);
+  fd = -1;
 }
 
 int OpenToWrite(const fs::path& file) {
@@ -65,28 +98,22 @@ fs::path OwnFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); 
 
 ChildResult RunChild(const std::vector<std::string>& arguments, const fs::path& folder,
                      double seconds) {
-  int pipe_ends[2];
-  if (pipe2(pipe_ends, O_CLOEXEC) != 0)
-    throw DiskError(std::string("cannot make a pipe: ") + std::strerror(errno));
+  Pipe output = MakePipe();
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
   const pid_t pid = fork();
-  if (pid == 0) Become(words, where.c_str(), pipe_ends[1], pipe_ends[1]);
-  close(pipe_ends[1]);
+  if (pid == 0) Become(words, where.c_str(), {-1, output.write, output.write});
+  CloseIt(output.write);
   if (pid < 0) {
-    close(pipe_ends[0]);
+    CloseIt(output.read);
     throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
   }
   ChildResult result;
-  const bool ended = ReadAll(pipe_ends[0], seconds, &result.output);
-  close(pipe_ends[0]);
+  const bool ended = ReadAll(output.read, seconds, &result.output);
+  CloseIt(output.read);
   if (!ended) kill(-pid, SIGTERM);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  result.exit_code = !ended              ? 124
-                     : WIFEXITED(status) ? WEXITSTATUS(status)
-                                         : 128 + WTERMSIG(status);
+  const int code = WaitFor(pid);
+  result.exit_code = ended ? code : 124;
   return result;
 }
 
@@ -96,11 +123,85 @@ int StartChild(const std::vector<std::string>& arguments, const fs::path& folder
   const std::vector<char*> words = Words(arguments);
   const std::string where = folder.string();
   const pid_t pid = fork();
-  if (pid == 0) Become(words, where.c_str(), out, err);
+  if (pid == 0) Become(words, where.c_str(), {-1, out, err});
   close(out);
   close(err);
   if (pid < 0) throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
   return pid;
+}
+
+std::string WhatItSaid(const fs::path& error, int exit_code) {
+  std::string text;
+  try {
+    text = WithoutOddBytes(ReadFile(error));
+  } catch (const Error&) {
+    // the file is gone: the exit code says something
+  }
+  const std::string mark = "keypose: error: ";
+  if (const auto at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.empty() && exit_code != 0
+             ? fmt::format("the program ended with exit code {}", exit_code)
+             : text;
+}
+
+TalkingChild::TalkingChild(const std::vector<std::string>& arguments, const fs::path& folder,
+                           const fs::path& error) {
+  int err = OpenToWrite(error);
+  Pipe to = MakePipe(), from = MakePipe();
+  const std::vector<char*> words = Words(arguments);
+  const std::string where = folder.string();
+  pid_ = fork();
+  if (pid_ == 0) Become(words, where.c_str(), {to.read, from.write, err});
+  for (int* fd : {&to.read, &from.write, &err}) CloseIt(*fd);
+  input_ = to.write;
+  output_ = from.read;
+  // A program that does not read must not hold up who speaks to it.
+  fcntl(input_, F_SETFL, O_NONBLOCK);
+  if (pid_ > 0) return;
+  CloseIt(input_);
+  CloseIt(output_);
+  throw DiskError(std::string("cannot start a program: ") + std::strerror(errno));
+}
+
+TalkingChild::~TalkingChild() {
+  CloseIt(input_);
+  CloseIt(output_);
+  int status = 0;
+  if (pid_ > 0) waitpid(pid_, &status, WNOHANG);
+}
+
+bool TalkingChild::Say(const std::string& line) {
+  const std::string text = line + "\n";
+  return input_ >= 0 &&
+         write(input_, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+}
+
+TalkingChild::Heard TalkingChild::Hear(std::string* line) {
+  constexpr int kPatience_ms = 100;
+  if (const auto end = unread_.find('\n'); end != std::string::npos) {
+    *line = unread_.substr(0, end);
+    unread_.erase(0, end + 1);
+    return Heard::kLine;
+  }
+  pollfd wait{output_, POLLIN, 0};
+  if (poll(&wait, 1, kPatience_ms) <= 0) return Heard::kNothing;
+  char buffer[16 << 10];
+  const ssize_t count = read(output_, buffer, sizeof buffer);
+  if (count <= 0) return Heard::kEnd;
+  unread_.append(buffer, static_cast<std::size_t>(count));
+  return Heard::kNothing;
+}
+
+void TalkingChild::Interrupt() {
+  // Its own children too; it may not have its session yet.
+  if (pid_ > 0 && kill(-pid_, SIGINT) != 0) kill(pid_, SIGINT);
+}
+
+int TalkingChild::Wait() {
+  const int code = pid_ > 0 ? WaitFor(pid_) : 0;
+  pid_ = -1;
+  return code;
 }
 
 }  // namespace keypose::studio

@@ -25,4 +25,35 @@ ChildResult RunChild(const std::vector<std::string>& arguments, const std::files
 int StartChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                const std::filesystem::path& output, const std::filesystem::path& error);
 
+/// What a program that failed has said, without the lines that only a terminal needs.
+/// @param error  the file of its standard error
+std::string WhatItSaid(const std::filesystem::path& error, int exit_code);
+
+/// A program that is talked to in lines, through its standard input and output.
+class TalkingChild {
+ public:
+  /// @param error  the file for its standard error @throws DiskError  it cannot be started
+  TalkingChild(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+               const std::filesystem::path& error);
+  /// Closes its input and leaves it alone: it ends when it has read the end of its input.
+  ~TalkingChild();
+  TalkingChild(const TalkingChild&) = delete;
+  TalkingChild& operator=(const TalkingChild&) = delete;
+
+  /// False when it does not listen any more. May be called from another thread than Hear.
+  bool Say(const std::string& line);
+  /// What Hear has found.
+  enum class Heard { kLine, kNothing, kEnd };
+  /// Its next line, without the end of line; kNothing after a tenth of a second without one.
+  Heard Hear(std::string* line);
+  /// As Ctrl-C would.
+  void Interrupt();
+  /// Waits for its end, and returns the exit code, or 128 and the signal.
+  int Wait();
+
+ private:
+  int pid_ = -1, input_ = -1, output_ = -1;
+  std::string unread_;
+};
+
 }  // namespace keypose::studio

@@ -50,21 +50,6 @@ bool IsAlive(int pid, bool own, int* exit_code) {
   return false;
 }
 
-/// What a failed run said, without the lines that only a terminal needs.
-std::string Message(const fs::path& error, int exit_code) {
-  std::string text;
-  try {
-    text = WithoutOddBytes(ReadFile(error));
-  } catch (const Error&) {
-    // the file is gone: the exit code says something
-  }
-  const std::string mark = "keypose: error: ";
-  if (const auto at = text.find(mark); at != std::string::npos) text.erase(0, at + mark.size());
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text.empty() && exit_code != 0 ? fmt::format("the run ended with exit code {}", exit_code)
-                                        : text;
-}
-
 void Add(std::vector<std::string>& words, const char* flag, const std::vector<std::string>& steps) {
   for (const std::string& step : steps) {
     words.push_back(flag);
@@ -133,7 +118,7 @@ void RunControl::Follow(int pid, bool own) {
   std::error_code ignored;
   fs::remove(File("run.json"), ignored);
   running_ = false;
-  const std::string message = Message(File("run.txt"), exit_code);
+  const std::string message = WhatItSaid(File("run.txt"), exit_code);
   if (!own && !message.empty()) exit_code = 1;
   listener_.ended(exit_code, message);
 }

@@ -10,17 +10,13 @@
 #include "core/errors.h"
 #include "core/file_names.h"
 #include "core/io/files.h"
-#include "core/io/mesh_io.h"
 #include "pipeline/commands.h"
 #include "pipeline/project_lock.h"
 #include "pipeline/real_disk.h"
 #include "pipeline/real_process.h"
-#include "studio/meshes/frames.h"
-#include "studio/meshes/mesh_bytes.h"
 #include "studio/project/changes.h"
 #include "studio/project/overview.h"
 #include "studio/project/photographs.h"
-#include "studio/project/picks.h"
 #include "studio/project/timeline.h"
 #include "studio/runs/children.h"
 
@@ -31,65 +27,12 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kMostCloudPoints = 1'000'000;
-constexpr double kSuggestSeconds = 300;
-
-Answer JsonAnswer(const json& value) {
-  // A file's name may hold bytes that are no text.
-  return {
-      200, "application/json", value.dump(-1, ' ', false, json::error_handler_t::replace), {}, {}};
-}
-
-Answer ErrorAnswer(int status, const std::string& words) {
-  Answer answer = JsonAnswer({{"error", words}});
-  answer.status = status;
-  return answer;
-}
-
-Answer TextAnswer(std::string text) { return {200, "text/plain", std::move(text), {}, {}}; }
-Answer BytesAnswer(std::string bytes) {
-  return {200, "application/octet-stream", std::move(bytes), {}, {}};
-}
-
-std::string TypeOf(const fs::path& file) {
-  static const std::map<std::string, std::string> kTypes = {
-      {".png", "image/png"},  {".jpg", "image/jpeg"},        {".jpeg", "image/jpeg"},
-      {".html", "text/html"}, {".json", "application/json"}, {".mp4", "video/mp4"},
-      {".gif", "image/gif"},  {".glb", "model/gltf-binary"}, {".txt", "text/plain"}};
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto found = kTypes.find(extension);
-  return found == kTypes.end() ? "application/octet-stream" : found->second;
-}
-
-/// A copy or an original opens as what its bytes are; names of photographs may lie.
-Answer PictureAnswer(const fs::path& file) {
-  const std::string head = pipeline::RealDisk().Stat(file) ? ReadFile(file).substr(0, 4) : "";
-  const bool png = head.rfind("\x89PNG", 0) == 0;
-  Answer answer{200, png ? "image/png" : "image/jpeg", {}, file, {}};
-  return answer;
-}
-
 std::vector<std::string> Steps(const json& body, const char* name) {
   if (!body.contains(name)) return {};
   const std::vector<std::string> steps = body.at(name);
   for (const std::string& step : steps)
     if (step.empty() || step[0] == '-') throw UsageError("a step's name cannot begin with '-'");
   return steps;
-}
-
-int WholeNumber(const std::string& text, int least, int most) {
-  std::size_t end = 0;
-  int value = least - 1;
-  try {
-    value = std::stoi(text, &end);
-  } catch (const std::exception&) {
-    end = 0;
-  }
-  if (end != text.size() || value < least || value > most)
-    throw UsageError(fmt::format("'{}' must be a whole number from {} to {}", text, least, most));
-  return value;
 }
 
 /// Editors often empty a file before they write it: what cannot be read is read again a moment
@@ -108,24 +51,6 @@ std::unique_ptr<Snapshot> OpenSnapshot(const fs::path& folder) {
 
 }  // namespace
 
-const std::string& Question::Need(const std::string& name) const {
-  const auto found = query.find(name);
-  if (found == query.end()) throw UsageError(fmt::format("the request lacks '{}'", name));
-  return found->second;
-}
-
-std::string Question::Get(const std::string& name, const std::string& otherwise) const {
-  const auto found = query.find(name);
-  return found == query.end() ? otherwise : found->second;
-}
-
-json Question::Json() const {
-  if (!IsShallowJson(body)) throw UsageError("the request is nested too deep");
-  const json value = json::parse(body, nullptr, false);
-  if (!value.is_object()) throw UsageError("the request is not a JSON object");
-  return value;
-}
-
 Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddProject();
   AddRuns();
@@ -134,11 +59,14 @@ Routes::Routes(fs::path folder) : folder_(std::move(folder)) {
   AddLandmarks();
   AddTimeline();
   AddResults();
+  AddShoot();
   Follow();
+  FollowShoot();
 }
 
 Routes::~Routes() {
   watch_.reset();
+  shoot_.reset();
   run_.reset();
   hub_.Close();
 }
@@ -177,7 +105,7 @@ void Routes::Changed() {
 void Routes::Tell(const std::string& path) {
   stale_ = true;
   // Photographs come by the hundred; the watch tells of all of them together.
-  if (path == "/api/photos") return;
+  if (path == "/api/photos" || path.starts_with("/api/shoot")) return;
   watch_->Forget();
   if (path != "/api/run" && path != "/api/stop") hub_.Send("project", "{}");
 }
@@ -186,13 +114,11 @@ void Routes::Add(const std::string& method, const std::string& path, Handler han
   handlers_[method + " " + path] = std::move(handler);
 }
 
-template <class Use>
-auto Routes::With(const Use& use) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+Snapshot& Routes::Now() {
   if (!HasProject()) throw UsageError("there is no project in this folder yet");
   if (stale_.exchange(false)) snapshot_.reset();
   if (!snapshot_) snapshot_ = OpenSnapshot(folder_);
-  return use(*snapshot_);
+  return *snapshot_;
 }
 
 Answer Routes::Handle(const Question& question) {
@@ -311,173 +237,6 @@ void Routes::AddRuns() {
     run_->Stop();
     return JsonAnswer({{"stopping", true}});
   });
-}
-
-void Routes::AddPhotographs() {
-  Add("GET", "/api/photos", [this](const Question& question) {
-    const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) {
-      if (!now.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
-      return PhotographsJson(now, pose);
-    }));
-  });
-  Add("PUT", "/api/photos", [this](const Question& question) {
-    if (run_->running()) throw LockedError("a run is at work; add photographs when it is done");
-    With([&](Snapshot& now) {
-      AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
-      return 0;
-    });
-    return JsonAnswer({{"added", true}});
-  });
-  Add("GET", "/api/photo", [this](const Question& question) {
-    const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
-    const fs::path source = With([&](Snapshot& now) {
-      return PhotographSource(now, question.Need("pose"), question.Need("name"));
-    });
-    return PictureAnswer(PictureFile(PictureFolder(), source, width));
-  });
-  Add("GET", "/api/mask", [this](const Question& question) {
-    std::pair<int, int> size;
-    const fs::path mask = With([&](Snapshot& now) {
-      size = PhotographSize(now, question.Need("pose"), question.Need("name"));
-      return MaskFile(now, question.Need("pose"), question.Need("name"),
-                      question.Get("stage", "masks"));
-    });
-    return PictureAnswer(MaskPicture(PictureFolder(), mask, size.first, size.second));
-  });
-  Add("PUT", "/api/mask", [this](const Question& question) {
-    With([&](Snapshot& now) {
-      SaveMask(now, question.Need("pose"), question.Need("name"), question.body);
-      return 0;
-    });
-    return JsonAnswer({{"saved", true}});
-  });
-  Add("GET", "/api/cameras", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));
-  });
-}
-
-void Routes::AddMeshes() {
-  const auto mesh_path = [this](const std::string& pose, MeshKind kind) {
-    const auto path = With([&](Snapshot& now) { return now.MeshPath(pose, kind); });
-    if (!path) throw UsageError(fmt::format("pose '{}' has no {} yet", pose, NameOf(kind)));
-    return *path;
-  };
-  Add("GET", "/api/mesh", [mesh_path](const Question& question) {
-    const auto kind = MeshKindNamed(question.Need("what"));
-    if (!kind) throw UsageError("a mesh is one of mesh, clean, refined, surface, cloud");
-    const fs::path path = mesh_path(question.Need("pose"), *kind);
-    if (*kind == MeshKind::kCloud)
-      return BytesAnswer(CloudBytes(ReadPointCloud(path), kMostCloudPoints));
-    return BytesAnswer(MeshBytes(ReadMesh(path)));
-  });
-  Add("GET", "/api/texture", [this](const Question& question) {
-    const std::string pose = question.Need("pose");
-    const auto path = With([&](Snapshot& now) { return now.TexturePath(pose); });
-    if (!path) throw UsageError(fmt::format("pose '{}' has no texture yet", pose));
-    return PictureAnswer(*path);
-  });
-  Add("GET", "/api/fit", [this, mesh_path](const Question& question) {
-    const std::string pose = question.Need("pose");
-    // Before the first registration there is no fit to show, which is no fault.
-    if (With([&](Snapshot& now) { return !now.MeshPath(pose, MeshKind::kMesh); }))
-      return BytesAnswer("");
-    return BytesAnswer(FitBytes(ReadMesh(mesh_path(pose, MeshKind::kMesh)),
-                                ReadMesh(mesh_path(pose, MeshKind::kClean))));
-  });
-  Add("GET", "/api/frames", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return FramesJson(now); }));
-  });
-  Add("GET", "/api/frames/positions", [this](const Question&) {
-    return BytesAnswer(With([](Snapshot& now) { return FramePositions(now); }));
-  });
-}
-
-void Routes::AddLandmarks() {
-  const auto picks = [this](const Question& question) {
-    const std::string pose = question.Need("pose");
-    return JsonAnswer(With([&](Snapshot& now) { return PicksJson(now, pose); }));
-  };
-  Add("GET", "/api/landmarks", picks);
-  Add("PUT", "/api/landmarks", [this, picks](const Question& question) {
-    With([&](Snapshot& now) {
-      SavePicks(now, question.Need("pose"), question.Json());
-      return 0;
-    });
-    return picks(question);
-  });
-  Add("POST", "/api/landmarks/import", [this, picks](const Question& question) {
-    const json body = question.Json();
-    With([&](Snapshot& now) {
-      ImportPicks(now, question.Need("pose"), body.at("name"), body.at("text"));
-      return 0;
-    });
-    return picks(question);
-  });
-  Add("GET", "/api/landmarks/export", [this](const Question& question) {
-    const std::string pose = question.Need("pose"), format = question.Need("format");
-    Answer answer = TextAnswer(With([&](Snapshot& now) { return ExportPicks(now, pose, format); }));
-    answer.download = pose + (format == "pp" ? ".pp" : format == "wrap" ? "_wrap.json" : ".json");
-    return answer;
-  });
-  Add("GET", "/api/landmarks/advice", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) { return AdviceJson(now, question.Need("pose")); }));
-  });
-  Add("POST", "/api/landmarks/suggest",
-      [this](const Question& question) { return Suggest(question); });
-  Add("GET", "/api/stiffness", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return StiffnessJson(now); }));
-  });
-  Add("PUT", "/api/stiffness", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) {
-      SaveStiffness(now, question.Json());
-      return StiffnessJson(now);
-    }));
-  });
-  Add("GET", "/api/regions", [this](const Question&) {
-    return JsonAnswer(With([](Snapshot& now) { return RegionsJson(now); }));
-  });
-  Add("PUT", "/api/regions", [this](const Question& question) {
-    return JsonAnswer(With([&](Snapshot& now) {
-      SaveRegions(now, question.Json());
-      return RegionsJson(now);
-    }));
-  });
-}
-
-Answer Routes::Suggest(const Question& question) {
-  const json body = question.Json();
-  const std::string pose = body.at("pose");
-  const double count = body.at("count");
-  if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
-  const fs::path suggested = folder_ / ".keypose/studio/suggested.json";
-  std::vector<std::string> words = {(OwnFolder() / "keypose-landmarks").string(),
-                                    "suggest",
-                                    "--suggested",
-                                    suggested.string(),
-                                    "--count",
-                                    std::to_string(static_cast<int>(count))};
-  With([&](Snapshot& now) {
-    const std::string whole = now.graph().template_pose;
-    for (const auto& [flag, of] : {std::pair{"--source", whole}, std::pair{"--target", pose}}) {
-      const auto path = now.PickedMesh(of);
-      if (!path) throw UsageError(fmt::format("pose '{}' has no mesh to pick on yet", of));
-      words.insert(words.end(), {flag, path->string()});
-    }
-    const auto known = [&](const std::string& of) {
-      return folder_ / "landmarks" / (of + ".json");
-    };
-    if (fs::exists(known(whole)) && fs::exists(known(pose)))
-      words.insert(words.end(),
-                   {"--landmarks", known(whole).string(), "--landmarks", known(pose).string()});
-    return 0;
-  });
-  fs::create_directories(suggested.parent_path());
-  std::error_code ignored;
-  fs::remove(suggested, ignored);
-  const ChildResult result = RunChild(words, folder_, kSuggestSeconds);
-  if (result.exit_code != 0) throw InputError(result.output);
-  return JsonAnswer(With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested); }));
 }
 
 void Routes::AddTimeline() {

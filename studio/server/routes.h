@@ -10,31 +10,12 @@
 
 #include "studio/project/snapshot.h"
 #include "studio/runs/run_control.h"
+#include "studio/runs/shoot_control.h"
+#include "studio/server/answers.h"
 #include "studio/server/event_hub.h"
 #include "studio/server/project_watch.h"
 
 namespace keypose::studio {
-
-/// A request, free of the HTTP library.
-struct Question {
-  std::string method, path;
-  std::map<std::string, std::string> query;
-  std::string body;
-
-  /// @throws UsageError  the query lacks it
-  const std::string& Need(const std::string& name) const;
-  std::string Get(const std::string& name, const std::string& otherwise = "") const;
-  /// The body as JSON. @throws UsageError  it is none, or nested too deep
-  nlohmann::json Json() const;
-};
-
-struct Answer {
-  int status = 200;
-  std::string type = "application/json";
-  std::string bytes;
-  std::filesystem::path file;  ///< sent instead of `bytes`
-  std::string download;        ///< name under which the browser saves it
-};
 
 class Routes {
  public:
@@ -54,16 +35,23 @@ class Routes {
   void AddLandmarks();
   void AddTimeline();
   void AddResults();
+  void AddShoot();
   void Add(const std::string& method, const std::string& path, Handler handler);
   /// Calls `use` with the project as it is now; one caller at a time.
   template <class Use>
-  auto With(const Use& use);
+  auto With(const Use& use) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return use(Now());
+  }
+  /// @throws UsageError  there is no project yet
+  Snapshot& Now();
   Answer Stages();
   Answer Suggest(const Question& question);
   Answer ResultFile(const Question& question);
   void Changed();
   void Tell(const std::string& path);
   void Follow();
+  void FollowShoot();
   bool HasProject() const;
   std::string LockedBy();
   std::filesystem::path PictureFolder() const;
@@ -77,6 +65,7 @@ class Routes {
   std::mutex described_mutex_;
   std::map<std::string, nlohmann::json> described_;  ///< stages, by program and its stamp
   std::unique_ptr<RunControl> run_;
+  std::unique_ptr<ShootControl> shoot_;
   std::unique_ptr<ProjectWatch> watch_;
 };
 

@@ -5,7 +5,10 @@
 #include <netinet/tcp.h>
 #include <sys/stat.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
+#include <thread>
 
 #include "core/errors.h"
 #include "core/io/files.h"
@@ -161,6 +164,20 @@ void Send(const Question& question, const Answer& answer, const httplib::Request
     response.set_content(answer.bytes, answer.type.c_str());
 }
 
+/// Ends all connections to this port of this process. The library waits seconds for callers that
+/// say nothing.
+void ShutDownConnections(int port) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator("/proc/self/fd", error)) {
+    const int fd = std::atoi(entry.path().filename().c_str());
+    sockaddr_in own = {}, other = {};
+    socklen_t size = sizeof own, other_size = sizeof other;
+    if (getsockname(fd, reinterpret_cast<sockaddr*>(&own), &size) != 0) continue;
+    if (getpeername(fd, reinterpret_cast<sockaddr*>(&other), &other_size) != 0) continue;
+    if (own.sin_family == AF_INET && ntohs(own.sin_port) == port) shutdown(fd, SHUT_RDWR);
+  }
+}
+
 std::string PageType(const std::string& name) {
   if (name.ends_with(".html")) return "text/html; charset=utf-8";
   if (name.ends_with(".css")) return "text/css";
@@ -234,8 +251,8 @@ struct StudioServer::Impl {
       if (request.method == "GET" && SendPage(page, PathOf(request), response)) return;
       const Question question = QuestionOf(request);
       const Answer answer = routes.Handle(question);
-      if (question.method == "POST" && question.path == "/api/project" && answer.status == 200)
-        KeepSession(folder, session);
+      // A project is made by the page, or by `keypose shoot`; every tab then asks for it.
+      if (question.path == "/api/project") KeepSession(folder, session);
       Send(question, answer, request, response);
     };
     server.Get(".*", any);
@@ -285,8 +302,12 @@ StudioServer::~StudioServer() = default;
 void StudioServer::Serve() { impl_->server.listen_after_bind(); }
 
 void StudioServer::Stop() {
+  // Long enough for an answer that is being written.
+  constexpr auto kLastWords = std::chrono::milliseconds(200);
   impl_->routes.hub().Close();
   impl_->server.stop();
+  std::this_thread::sleep_for(kLastWords);
+  ShutDownConnections(impl_->port);
 }
 
 }  // namespace keypose::studio

@@ -53,13 +53,15 @@ const kTurn = 0.12;
 /** Some pixels, of the figure's size: a click must not just miss. */
 const kRound = 0.01;
 
-/** A view of the page as it stands after `turns` presses of the right arrow key. */
+const kSteepest = 1.5;
+
+/** A view of the page as it stands after `turns` presses of the right arrow key and `tilts` of the one upwards. */
 export class View {
-  constructor(mesh, box, turns) {
+  constructor(mesh, box, [turns, tilts]) {
     const [x, y, z] = kWhole.direction;
     const yaw = Math.atan2(y, x) + turns * kTurn;
-    const level = Math.hypot(x, y);
-    const away = [Math.cos(yaw) * level, Math.sin(yaw) * level, z];
+    const tilt = Math.max(-kSteepest, Math.min(kSteepest, Math.atan2(z, Math.hypot(x, y)) + tilts * kTurn));
+    const away = [Math.cos(yaw) * Math.cos(tilt), Math.sin(yaw) * Math.cos(tilt), Math.sin(tilt)];
     this.mesh = mesh;
     this.box = box;
     this.eye = add(mesh.middle, scaled(away, kWhole.distance * mesh.size));

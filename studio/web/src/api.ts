@@ -25,6 +25,8 @@ export interface Pose {
   /** which meshes exist by now: 'mesh', 'clean', 'refined', 'surface', 'cloud' */
   meshes: string[]
   has_texture: boolean
+  /** how well photographs show the texture */
+  has_confidence: boolean
   has_cameras: boolean
 }
 
@@ -185,6 +187,41 @@ export interface Frames {
   keys: string[]
 }
 
+/** As the flags of `keypose shoot` say. */
+export interface ShootSetup {
+  pose: string
+  /** "gphoto2", "folder:PATH", "simulated", "simulated:PATH" */
+  camera: string
+  /** "none", "grbl:DEV", "steps:DEV", "simulated" */
+  turntable: string
+  /** heights of the camera above the table [degrees] */
+  rings: number[]
+  angles: number
+  /** how often the figure is laid on another side */
+  flips: number
+}
+export interface ShootStory {
+  running: boolean
+  /** of the last event */
+  number: number
+  /** docs/shoot.md describes them */
+  events: ShootEvent[]
+  exit_code: number
+  /** what the last session said when it failed, or '' */
+  message: string
+  /** serial ports for a turntable */
+  ports: { path: string; name: string }[]
+  /** with which poses were begun, by the pose's name; a pose keeps its plan */
+  plans: Record<string, { rings_deg?: number[]; angles?: number; flips?: number }>
+  /** of the last session in this project */
+  setup: ShootSetup | null
+}
+/** One line of `keypose shoot --commands`. */
+export interface ShootEvent {
+  event: string
+  [key: string]: unknown
+}
+
 /** Sends the session's cookie by itself; throws ApiError with the server's words. */
 async function ask(path: string, init?: RequestInit): Promise<Response> {
   let answer: Response
@@ -260,9 +297,15 @@ export const api = {
   mesh: async (pose: string, what: string) =>
     (await ask(`/api/mesh?${q({ pose, what })}`)).arrayBuffer(),
   textureUrl: (pose: string) => `/api/texture?${q({ pose })}`,
+  /** A grey picture in the texture's layout: white is seen well, black is made up. */
+  confidenceUrl: (pose: string) => `/api/confidence?${q({ pose })}`,
   /** Distance of each vertex of the registered template to the pose's scan, over the diagonal. */
   fit: async (pose: string) =>
     new Float32Array(await (await ask(`/api/fit?${q({ pose })}`)).arrayBuffer()),
+
+  /** How far the registered template's landmarks are from the pose's, over the diagonal. */
+  pairFit: (pose: string) =>
+    get<{ pairs: { name: string; distance: number }[] }>(`/api/landmarks/fit?${q({ pose })}`),
 
   picks: (pose: string) => get<Picks>(`/api/landmarks?${q({ pose })}`),
   savePicks: (pose: string, picks: Pick[], revision: string) =>
@@ -276,6 +319,17 @@ export const api = {
     send<Suggestion[]>('POST', '/api/landmarks/suggest', { pose, count }),
   /** Where one more landmark would help most; empty before the pose was registered. */
   advice: (pose: string) => get<Advice[]>(`/api/landmarks/advice?${q({ pose })}`),
+
+  shoot: () => get<ShootStory>('/api/shoot'),
+  startShoot: (setup: ShootSetup) => send<{ started: boolean }>('POST', '/api/shoot/start', setup),
+  tellShoot: (command: { command: string; [field: string]: unknown }) =>
+    send<{ sent: boolean }>('POST', '/api/shoot/command', command),
+  interruptShoot: () => send<{ sent: boolean }>('POST', '/api/shoot/interrupt', {}),
+  /** Another frame has another address. */
+  liveUrl: (frame: number) => `/api/shoot/live?${q({ frame: String(frame) })}`,
+  /** A photograph as it landed; `version` when it was shot again. width 0: full size */
+  landedUrl: (path: string, version: number, width = 0) =>
+    `/api/shoot/picture?${q({ path, width: String(width), version: String(version) })}`,
 
   timeline: () => get<Timeline>('/api/timeline'),
   saveTimeline: (timeline: Timeline) => send<Timeline>('PUT', '/api/timeline', timeline),
@@ -304,6 +358,8 @@ export type StudioEvent =
   | { type: 'run'; line: RunLine }
   | { type: 'run_ended'; exit_code: number; message: string }
   | { type: 'project' } // pipeline.yaml or another file of the project has changed
+  | { type: 'shoot'; number: number; event: ShootEvent }
+  | { type: 'shoot_ended'; number: number; exit_code: number; message: string }
   | { type: 'writers'; count: number } // tabs that have the project open
   | { type: 'connection'; open: boolean }
 
@@ -325,7 +381,7 @@ export interface RunLine {
 /** Calls `listen` with every event until the returned function is called. Connects again by itself. */
 export function events(listen: (event: StudioEvent) => void): () => void {
   const source = new EventSource('/api/events')
-  for (const type of ['run', 'run_ended', 'project', 'writers']) {
+  for (const type of ['run', 'run_ended', 'project', 'writers', 'shoot', 'shoot_ended']) {
     source.addEventListener(type, (message) => {
       const data = JSON.parse((message as MessageEvent<string>).data) as object
       listen((type === 'run' ? { type, line: data } : { type, ...data }) as StudioEvent)

@@ -9,11 +9,14 @@ import { NewProjectPage } from './pages/new_project'
 import { useUpload } from './pages/new_project/upload'
 import { PosesPage } from './pages/poses'
 import { RunPage } from './pages/run'
+import { ShootPage } from './pages/shoot'
 import { TimelinePage } from './pages/timeline'
 import { StudioState, useStudio } from './state'
-import { cssShare, duration, percent } from './words'
+import { Bar } from './bar'
+import { duration, percent } from './words'
 
 const kPages: { path: string; name: string; page: FunctionComponent }[] = [
+  { path: 'shoot', name: 'Shoot', page: ShootPage },
   { path: 'poses', name: 'Poses', page: PosesPage },
   { path: 'run', name: 'Run', page: RunPage },
   { path: 'landmarks', name: 'Landmarks', page: LandmarksPage },
@@ -65,16 +68,7 @@ function RunState() {
           {percent(running.overall)}
           {left}
         </a>
-        <div
-          class="bar"
-          role="progressbar"
-          aria-label="The run"
-          aria-valuemin={0}
-          aria-valuemax={100}
-          aria-valuenow={Math.round(100 * running.overall)}
-        >
-          <div style={{ width: cssShare(running.overall) }} />
-        </div>
+        <Bar label="The run" share={running.overall} />
         <button onClick={() => api.stop().catch(complain)}>Stop</button>
       </>
     )
@@ -103,26 +97,30 @@ function RunState() {
 function Shell() {
   const { project } = useStudio()
   const route = useRoute()
-  const current = kPages.find((one) => one.path === route) ?? kPages[0]
+  const current = kPages.find((one) => one.path === route) ?? kPages[1]
   useEffect(() => {
     document.title = `${current.name} · ${project.name || 'Keypose studio'}`
   }, [current, project.name])
   // A project exists from its first photograph on; the page that sends them stays until the last.
-  const isNew = useUpload() !== null || project.empty
-  const Page = isNew ? NewProjectPage : current.page
+  const sending = useUpload() !== null
+  const isNew = sending || project.empty
+  // A folder without a project is filled from files, or by a camera.
+  const shoots = route === 'shoot' && !sending
+  const Page = isNew && !shoots ? NewProjectPage : current.page
+  const pages = isNew ? [kPages[0], { path: 'poses', name: 'From files' }] : kPages
   return (
     <>
       <header class="top">
         <div class="brand">
           Keypose <span title={project.folder}>{project.name}</span>
         </div>
-        {!isNew && (
+        {!sending && (
           <nav class="pages" aria-label="Pages">
-            {kPages.map((one) => (
+            {pages.map((one) => (
               <a
                 key={one.path}
                 href={`#/${one.path}`}
-                aria-current={one === current ? 'page' : undefined}
+                aria-current={one.path === current.path ? 'page' : undefined}
               >
                 {one.name}
               </a>

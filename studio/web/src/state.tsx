@@ -4,7 +4,7 @@ import type { ComponentChildren } from 'preact'
 import { useCallback, useContext, useEffect, useMemo, useRef, useState } from 'preact/hooks'
 
 import { api, ApiError, events } from './api'
-import type { Project, Steps } from './api'
+import type { Project, Steps, StudioEvent } from './api'
 import { afterLine, kNoRun } from './run_lines'
 import type { Running } from './run_lines'
 
@@ -30,6 +30,8 @@ export interface Studio {
   tell: (text: string) => void
   /** Shows an error in words. */
   complain: (error: unknown) => void
+  /** Calls `listen` with all that the server tells, until the returned function is called. */
+  follow: (listen: (event: StudioEvent) => void) => () => void
 }
 
 const Context = createContext<Studio | null>(null)
@@ -59,6 +61,11 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   const [notices, setNotices] = useState<Notice[]>([])
   const [fatal, setFatal] = useState('')
   const nextNotice = useRef(1)
+  const followers = useRef(new Set<(event: StudioEvent) => void>())
+  const follow = useCallback((listen: (event: StudioEvent) => void) => {
+    followers.current.add(listen)
+    return () => void followers.current.delete(listen)
+  }, [])
 
   const notice = useCallback((text: string, bad: boolean, away = false) => {
     const id = nextNotice.current++
@@ -91,6 +98,7 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   useEffect(() => {
     void reload()
     return events((event) => {
+      for (const listen of followers.current) listen(event)
       if (event.type === 'run') {
         setRunning((old) => afterLine(old ?? kNoRun, event.line))
         if (event.line.event === 'finish') void reload()
@@ -103,7 +111,7 @@ export function StudioState({ children }: { children: ComponentChildren }) {
         void reload()
       } else if (event.type === 'writers') {
         setTabs(event.count)
-      } else {
+      } else if (event.type === 'connection') {
         setConnected(event.open)
         if (!event.open) return
         setNotices((old) => old.filter((one) => !one.away))
@@ -115,9 +123,9 @@ export function StudioState({ children }: { children: ComponentChildren }) {
   const studio = useMemo(
     () =>
       project && steps
-        ? { project, steps, running, connected, tabs, version, reload, tell, complain }
+        ? { project, steps, running, connected, tabs, version, reload, tell, complain, follow }
         : null,
-    [project, steps, running, connected, tabs, version, reload, tell, complain],
+    [project, steps, running, connected, tabs, version, reload, tell, complain, follow],
   )
   if (fatal)
     return (

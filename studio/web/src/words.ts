@@ -26,6 +26,14 @@ export function count(number: number, noun: string): string {
   return `${number} ${noun}${number === 1 ? '' : 's'}`
 }
 
+/** Words of a program as a sentence: a capital first, a full stop last. */
+export function sentence(words: string): string {
+  const text = words.trim()
+  if (!text) return ''
+  const first = String.fromCodePoint(text.codePointAt(0)!)
+  return first.toLocaleUpperCase('en') + text.slice(first.length) + (/[.!?…]$/.test(text) ? '' : '.')
+}
+
 /** A share as a width for CSS: "45%". The text of `percent` has a space, which CSS does not take. */
 export function cssShare(share: number): string {
   return `${(100 * Math.min(1, Math.max(0, share))).toFixed(1)}%`

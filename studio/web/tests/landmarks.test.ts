@@ -3,7 +3,7 @@ import { test } from 'node:test'
 
 import { ApiError } from '../src/api'
 import type { Pick } from '../src/api'
-import { figuresOf } from '../src/pages/landmarks/fit_figures'
+import { figuresOf, pairsApart } from '../src/pages/landmarks/fit_figures'
 import { connected, neighboursOf, Painting } from '../src/pages/landmarks/painting'
 import { PickFiles } from '../src/pages/landmarks/pick_files'
 import type { PicksApi } from '../src/pages/landmarks/pick_files'
@@ -98,3 +98,8 @@ test('the median of a fit leaves out vertices without a distance', () => {
   assert.equal(figuresOf(new Float32Array([3, 1, NaN, 2]))?.median, 2)
 })
 
+
+test('pairs apart are a mean, and nothing without pairs', () => {
+  assert.equal(pairsApart([]), null)
+  assert.equal(pairsApart([{ distance: 0.25 }, { distance: 0.75 }]), 0.5)
+})

@@ -107,6 +107,7 @@ export function ExportPage() {
     <main class="page export-page">
       <h1 class="hidden">Report and export</h1>
       <aside class="side" aria-label="Files">
+        {step && !stages && <p class="soft">Asks which formats there are …</p>}
         {step && stage && <Formats step={step} stage={stage} results={results} />}
         {!step && <NoAnimation poses={project.poses.length} />}
         <Results results={results} />

@@ -74,7 +74,7 @@ function SidePanel({ desk, order }: { desk: Desk; order: boolean }) {
         )}
         {tab === 'Key' && <Inspector desk={desk} />}
         {tab === 'Table' && <KeyTable desk={desk} />}
-        {tab === 'Regions' && <RegionsTable timeline={desk.timeline} />}
+        {tab === 'Regions' && <RegionsTable desk={desk} />}
       </div>
     </aside>
   )

@@ -7,16 +7,19 @@ import { useStudio } from '../../state'
 import { bytes, percent } from '../../words'
 import { useSetOption } from '../run/option_form'
 import { OptionRow } from '../run/option_row'
-import { askedBy, filesOf, formatsOf, otherOptions, sizeOf } from './formats'
-import type { Format, Result } from './formats'
+import { askedBy, formatsOf, noteWords, otherOptions } from './formats'
+import type { Format, Note, Result } from './formats'
+import { useNotes } from './notes'
 
 function FormatLine(props: {
   format: Format
-  files: Result[]
+  /** null: not written by the last export */
+  note: Note | null
   wanted: boolean
   toggle: () => void
 }) {
-  const { format, files, wanted } = props
+  const { format, note, wanted } = props
+  const said = note ? noteWords(note) : ''
   const id = `format-${format.id}`
   return (
     <li class={wanted ? 'on' : ''}>
@@ -24,28 +27,25 @@ function FormatLine(props: {
         id={id}
         type="checkbox"
         checked={wanted}
-        disabled={format.always}
         aria-describedby={`${id}-use`}
         onChange={props.toggle}
       />
       <label for={id}>
         <b>{format.title}</b>
-        <span class="number">{files.length > 0 ? bytes(sizeOf(files)) : ''}</span>
+        <span class="number">{note ? bytes(note.bytes) : ''}</span>
         <small id={`${id}-use`}>
           {format.use}
-          {format.always ? '; always written' : ''}
+          {said && <span class="said number">{said}</span>}
         </small>
       </label>
     </li>
   )
 }
 
-/** Sets what has changed, one option after the other: each gives pipeline.yaml a new revision. */
-async function setAll(step: Step, asked: ReturnType<typeof askedBy>): Promise<void> {
-  for (const { option, value } of asked) {
-    const { revision } = await api.project()
-    await api.setOption({ step: step.step, pose: '', option, value, revision })
-  }
+async function setFormats(step: Step, value: string | null): Promise<void> {
+  if (value === null) return
+  const { revision } = await api.project()
+  await api.setOption({ step: step.step, pose: '', option: 'formats', value, revision })
 }
 
 function MoreOptions({ step, stage }: { step: Step; stage: Stage }) {
@@ -100,13 +100,14 @@ function StateOfExport({ step, changed }: { step: Step; changed: boolean }) {
 
 export function Formats(props: { step: Step; stage: Stage; results: Result[] }) {
   const { steps, running, reload, complain } = useStudio()
-  const { step, stage, results } = props
+  const { step, stage } = props
+  const notes = useNotes(props.results)
   const formats = formatsOf(stage, step)
   const [toggled, setToggled] = useState<Set<string>>(new Set())
   const [busy, setBusy] = useState(false)
   const isWanted = (one: Format) => one.on !== toggled.has(one.id)
   const wanted = new Set(formats.filter(isWanted).map((one) => one.id))
-  const asked = askedBy(stage, formats, wanted)
+  const asked = askedBy(formats, wanted)
 
   const toggle = (id: string) => {
     const next = new Set(toggled)
@@ -116,7 +117,7 @@ export function Formats(props: { step: Step; stage: Stage; results: Result[] }) 
   const start = async () => {
     setBusy(true)
     try {
-      await setAll(step, asked)
+      await setFormats(step, asked)
       setToggled(new Set())
       await api.run({ until: [step.id] })
     } catch (error) {
@@ -127,7 +128,7 @@ export function Formats(props: { step: Step; stage: Stage; results: Result[] }) 
     await reload()
     setBusy(false)
   }
-  const nothing = asked.length === 0 && step.state === 'done'
+  const nothing = asked === null && step.state === 'done'
   const blocked = busy || running !== null || steps.locked_by !== '' || wanted.size === 0
   return (
     <section class="export-formats" aria-label="Formats">
@@ -137,7 +138,7 @@ export function Formats(props: { step: Step; stage: Stage; results: Result[] }) 
           <FormatLine
             key={format.id}
             format={format}
-            files={filesOf(format.id, results)}
+            note={notes.find((one) => one.format === format.id) ?? null}
             wanted={wanted.has(format.id)}
             toggle={() => toggle(format.id)}
           />
@@ -152,7 +153,7 @@ export function Formats(props: { step: Step; stage: Stage; results: Result[] }) 
           {wanted.size === 0 ? (
             <p class="warn">Check one format at least.</p>
           ) : (
-            <StateOfExport step={step} changed={asked.length > 0} />
+            <StateOfExport step={step} changed={asked !== null} />
           )}
         </div>
       </div>

@@ -1,6 +1,5 @@
-// The formats of the animation: what each is for, which option asks for it, which files it makes.
+// The formats of the animation: what each is for, how it is asked for, what was written.
 import type { Stage, Step } from '../../api'
-import type { KnownOption } from '../run/use_stages'
 
 export interface Result {
   path: string
@@ -11,49 +10,40 @@ export interface Result {
 interface Known {
   title: string
   use: string
-  /** which results are of this format */
-  files: RegExp
 }
 
 const kKnown: Record<string, Known> = {
   glb: {
     title: 'glTF',
     use: 'Web pages and game engines: one file, every frame a morph target',
-    files: /(^|\/)(?!.*few)[^/]*\.glb$/,
   },
   'glb-few': {
     title: 'glTF, few targets',
     use: 'Players that blend at most 8 shapes: smaller, the error is measured',
-    files: /few[^/]*\.glb$/,
   },
-  fbx: { title: 'FBX', use: 'Blender, Unity, Unreal: blend shapes', files: /\.fbx$/ },
+  fbx: { title: 'FBX', use: 'Blender, Unity, Unreal: blend shapes' },
   obj: {
     title: 'OBJ sequence',
     use: 'Blender’s Stop-motion-OBJ: a numbered file for each frame',
-    files: /\/obj\/|\.obj$|\.mtl$/,
   },
   ply: {
     title: 'PLY sequence',
     use: 'Blender’s Stop-motion-OBJ and MeshLab: a file for each frame',
-    files: /\/ply\/|\.ply$/,
   },
-  pc2: { title: 'PC2', use: 'Point cache for Blender’s Mesh Cache', files: /\.pc2$/ },
-  mdd: { title: 'MDD', use: 'Point cache for Maya, Houdini and Blender', files: /\.mdd$/ },
+  pc2: { title: 'PC2', use: 'Point cache for Blender’s Mesh Cache' },
+  mdd: { title: 'MDD', use: 'Point cache for Maya, Houdini and Blender' },
   vat: {
     title: 'Vertex texture',
     use: 'Godot, Unity, three.js: frames in a picture, played by a shader',
-    files: /\/vat\//,
   },
-  usda: { title: 'USD', use: 'usdview, Houdini, Omniverse: time samples', files: /\.usda?$/ },
+  usda: { title: 'USD', use: 'usdview, Houdini, Omniverse: time samples' },
   video: {
     title: 'Film',
     use: 'MP4 to look at and to send round',
-    files: /\.(mp4|gif)$/,
   },
   blender: {
     title: 'Blender add-on',
     use: 'File > Import > Keypose project: character, materials, keys as markers',
-    files: /blender|addon/,
   },
 }
 
@@ -62,13 +52,17 @@ export interface Format {
   title: string
   use: string
   on: boolean
-  /** cannot be left out */
-  always: boolean
 }
 
-export interface Asked {
-  option: string
-  value: string
+/** What animation.json says of a format that was written. */
+export interface Note {
+  format: string
+  /** below out/animation; a folder ends in '/' */
+  files: string[]
+  bytes: number
+  /** the farthest that a vertex of any frame is off, over the figure's diagonal */
+  error_over_diagonal?: number
+  morph_targets?: number
 }
 
 const kListed = 'formats'
@@ -80,60 +74,54 @@ function words(id: string): { title: string; use: string } {
 const listOf = (text: string): string[] =>
   text.split(/[\s,]+/).filter((one) => one !== '')
 
-/** What `formats` can hold: its choices, or else the formats that its help or default names. */
-function namesIn(option: KnownOption, now: string): string[] {
-  if (option.choices && option.choices.length > 0) return option.choices
-  const said = listOf(`${option.help} ${option.default}`.replace(/[^\w-]/g, ' '))
-  const known = Object.keys(kKnown).filter((id) => said.includes(id))
-  return [...new Set([...known, ...listOf(now)])]
+/** What `formats` can hold, as the option's help lists it: "formats to write, ...: glb, video". */
+function namesIn(help: string, now: string): string[] {
+  const listed = help.includes(':') ? listOf(help.slice(help.lastIndexOf(':') + 1)) : []
+  return [...new Set([...listed, ...listOf(now)])]
 }
 
-/** Formats that the export stage offers: by its option `formats`, or by one switch for each. */
+/** Formats that the export stage offers. */
 export function formatsOf(stage: Stage, step: Step): Format[] {
   const list = stage.options.find((option) => option.name === kListed)
-  if (list) {
-    const now = step.options[kListed] ?? list.default
-    const on = listOf(now)
-    return namesIn(list, now).map((id) => {
-      return { id, ...words(id), on: on.includes(id), always: false }
-    })
-  }
-  const switches = stage.options.filter((one) => one.type === 'bool' && kKnown[one.name])
-  const byOption = switches.map((one) => ({
-    id: one.name,
-    ...words(one.name),
-    on: (step.options[one.name] ?? one.default) === 'true',
-    always: false,
-  }))
-  return [{ id: 'glb', ...words('glb'), on: true, always: true }, ...byOption]
+  if (!list) return []
+  const now = step.options[kListed] ?? list.default
+  const on = listOf(now)
+  return namesIn(list.help, now).map((id) => ({ id, ...words(id), on: on.includes(id) }))
 }
 
 /** The options of the stage that are no formats. */
-export function otherOptions(stage: Stage): Stage['options'] {
-  const listed = stage.options.some((option) => option.name === kListed)
-  return stage.options.filter((one) => {
-    if (one.name === kListed) return false
-    return listed || one.type !== 'bool' || !kKnown[one.name]
-  })
-}
+export const otherOptions = (stage: Stage): Stage['options'] =>
+  stage.options.filter((one) => one.name !== kListed)
 
-/** The changes of options that turn the formats as they are into those that are wanted. */
-export function askedBy(stage: Stage, formats: Format[], wanted: Set<string>): Asked[] {
-  if (formats.every((one) => one.on === wanted.has(one.id))) return []
-  if (stage.options.some((option) => option.name === kListed)) {
-    const value = formats.filter((one) => wanted.has(one.id)).map((one) => one.id)
-    return [{ option: kListed, value: value.join(',') }]
-  }
+/** The option's value for these formats; null: it is that already. */
+export function askedBy(formats: Format[], wanted: Set<string>): string | null {
+  if (formats.every((one) => one.on === wanted.has(one.id))) return null
   return formats
-    .filter((one) => !one.always && one.on !== wanted.has(one.id))
-    .map((one) => ({ option: one.id, value: String(wanted.has(one.id)) }))
+    .filter((one) => wanted.has(one.id))
+    .map((one) => one.id)
+    .join(',')
 }
 
-/** Only files of the animation count: out/POSE/mesh.obj is no export. */
-export function filesOf(id: string, results: Result[]): Result[] {
-  const pattern = kKnown[id]?.files
-  if (!pattern) return []
-  return results.filter((one) => /(^|\/)animation\//.test(one.path) && pattern.test(one.path))
+/** A figure of this size stands for those who do not think in shares. */
+const kFigure_mm = 200
+/** Nobody sees less on it. */
+const kLeast_mm = 0.001
+
+/** "Off by at most 0.02 mm on a figure of 20 cm (0.01 %)" */
+export function errorWords(error_over_diagonal: number): string {
+  const off_mm = error_over_diagonal * kFigure_mm
+  if (off_mm < kLeast_mm) return 'Exact: off by less than 0.001 mm on a figure of 20 cm'
+  const short = (value: number) =>
+    value >= 100 ? value.toFixed(0) : String(Number(value.toPrecision(2)))
+  return `Off by at most ${short(off_mm)} mm on a figure of 20 cm (${short(100 * error_over_diagonal)} %)`
+}
+
+/** Size and error of what was written, as one line. */
+export function noteWords(note: Note): string {
+  const parts: string[] = []
+  if (note.error_over_diagonal !== undefined) parts.push(errorWords(note.error_over_diagonal))
+  if (note.morph_targets !== undefined) parts.push(`${note.morph_targets} shapes`)
+  return parts.join(', ')
 }
 
 export const sizeOf = (files: Result[]): number => files.reduce((sum, one) => sum + one.bytes, 0)

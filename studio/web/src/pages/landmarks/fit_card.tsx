@@ -3,8 +3,9 @@ import { useEffect, useState } from 'preact/hooks'
 
 import { api, ApiError } from '../../api'
 import { useStudio } from '../../state'
+import { Bar } from '../../bar'
 import { cssShare, percent } from '../../words'
-import { figuresOf } from './fit_figures'
+import { figuresOf, pairsApart } from './fit_figures'
 import type { FitFigures } from './fit_figures'
 
 interface FitRecord {
@@ -22,7 +23,9 @@ const records = new Map<string, FitRecord>()
 /** null: the pose has not been registered. */
 async function measure(pose: string): Promise<FitFigures | null> {
   try {
-    return figuresOf(await api.fit(pose))
+    const figures = figuresOf(await api.fit(pose))
+    if (!figures) return null
+    return { ...figures, pairs: pairsApart((await api.pairFit(pose)).pairs) }
   } catch (error) {
     if (error instanceof ApiError && error.status === 404) return null
     throw error
@@ -95,13 +98,22 @@ function Bars(props: {
 }
 
 function verdict(before: FitFigures | null, after: FitFigures | null) {
-  if (!before || !after || before.median === 0) return null
-  const change = after.median / before.median - 1
+  if (!before || !after) return null
+  const paired = before.pairs != null && after.pairs != null
+  const [was, is] = paired ? [before.pairs!, after.pairs!] : [before.median, after.median]
+  if (was === 0) return null
+  const change = is / was - 1
   if (Math.abs(change) < 0.01) return <span class="soft">the same as before</span>
   return change < 0 ? (
-    <span class="good">{percent(-change)} closer</span>
+    <span class="good">
+      {paired ? 'pairs ' : ''}
+      {percent(-change)} closer
+    </span>
   ) : (
-    <span class="warn">{percent(change)} farther</span>
+    <span class="warn">
+      {paired ? 'pairs ' : ''}
+      {percent(change)} farther
+    </span>
   )
 }
 
@@ -114,6 +126,7 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
   const atWork = record.state !== 'idle'
   const now = running?.steps[`register/${pose}`]
   const longest = Math.max(before?.most ?? 0, after?.most ?? 0) || 1
+  const apart = [before?.pairs ?? null, after?.pairs ?? null]
   return (
     <section class="lm-fit" aria-label="Fit">
       {(before || after) && (
@@ -135,6 +148,14 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
               after={after?.most ?? null}
               longest={longest}
             />
+            {(apart[0] !== null || apart[1] !== null) && (
+              <Bars
+                name="Pairs"
+                before={apart[0]}
+                after={apart[1]}
+                longest={Math.max(apart[0] ?? 0, apart[1] ?? 0) || 1}
+              />
+            )}
           </dl>
           <p class="small soft lm-legend">
             {before && (
@@ -148,9 +169,7 @@ export function FitCard(props: { pose: string; pairs: number; save: () => Promis
       )}
       {atWork && (
         <div class="stack" style="gap:4px" role="status">
-          <div class="bar">
-            <div style={{ width: cssShare(now?.fraction ?? running?.overall ?? 0) }} />
-          </div>
+          <Bar share={now?.fraction ?? running?.overall ?? 0} />
           <span class="small soft">{now?.what || 'The steps before it run first.'}</span>
         </div>
       )}

@@ -4,6 +4,14 @@
 export interface FitFigures {
   median: number
   most: number
+  /** mean distance of the landmarks' pairs; null: no pair */
+  pairs?: number | null
+}
+
+/** How far the pairs are apart after registration, in the mean; null: there is none. */
+export function pairsApart(pairs: { distance: number }[]): number | null {
+  const sum = pairs.reduce((all, pair) => all + pair.distance, 0)
+  return pairs.length > 0 ? sum / pairs.length : null
 }
 
 /** null: no finite distance at all. `most` is the 95 % quantile. */

@@ -1,10 +1,12 @@
 // What was dropped or chosen, as photographs of poses; the rest is told, never sent.
 
-/** As core/io/photograph_files.cpp, and raw kinds: a server that cannot read one says so. */
-const kPhotographs =
-  'jpg jpeg png tif tiff heic heif hif webp dng cr2 cr3 nef arw'.split(' ')
+/** What the server takes, as core/io/photograph_files.cpp says. */
+const kPhotographs = 'jpg jpeg png tif tiff heic heif hif'.split(' ')
+/** What a camera writes beside or instead of them. */
+const kRaw = 'dng cr2 cr3 nef arw raf orf rw2'.split(' ')
+const kOtherPictures = 'webp avif bmp gif psd'.split(' ')
 /** Kinds that a browser cannot draw as thumbnails. */
-const kUndrawn = 'tif tiff heic heif hif dng cr2 cr3 nef arw'.split(' ')
+const kUndrawn = 'tif tiff heic heif hif'.split(' ')
 
 export const kAccept = kPhotographs.map((kind) => `.${kind}`).join(',')
 
@@ -76,6 +78,12 @@ export function chosen(files: FileList | null): Found[] {
   return [...(files ?? [])].map((file) => ({ file, path: file.webkitRelativePath || file.name }))
 }
 
+function whyNot(kind: string): string {
+  if (kRaw.includes(kind)) return 'RAW files go into the pose’s folder by hand; Run develops them'
+  if (kOtherPictures.includes(kind)) return 'save it as JPEG or PNG'
+  return kind ? `.${kind} is no photograph` : 'no photograph'
+}
+
 /** Photographs and what is left out, with the reason; files of the system are not worth a word. */
 export function sorted(found: Found[]): { photos: Found[]; leftOut: LeftOut[] } {
   const photos: Found[] = []
@@ -85,8 +93,7 @@ export function sorted(found: Found[]): { photos: Found[]; leftOut: LeftOut[] } 
     if (isLitter(nameOf(one.path))) continue
     if (one.path.split('/').slice(0, -1).includes('masks'))
       leftOut.push({ path: one.path, why: 'masks are mended on the page Poses' })
-    else if (!kPhotographs.includes(kind))
-      leftOut.push({ path: one.path, why: kind ? `.${kind} is no photograph` : 'no photograph' })
+    else if (!kPhotographs.includes(kind)) leftOut.push({ path: one.path, why: whyNot(kind) })
     else if (one.file.size === 0) leftOut.push({ path: one.path, why: 'it is empty' })
     else photos.push(one)
   }

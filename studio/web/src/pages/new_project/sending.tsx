@@ -1,6 +1,7 @@
 // The upload under way: how far, what failed and why, and how to go on.
 import { useStudio } from '../../state'
-import { bytes, count, cssShare } from '../../words'
+import { Bar } from '../../bar'
+import { bytes, count } from '../../words'
 import { cancel, leave, send } from './upload'
 import type { Failed, Upload } from './upload'
 
@@ -41,16 +42,7 @@ export function Sending({ upload }: { upload: Upload }) {
   return (
     <section class="make-sending" aria-label="Photographs on their way">
       <h2>{headOf(upload)}</h2>
-      <div
-        class="bar"
-        role="progressbar"
-        aria-label="Photographs sent"
-        aria-valuemin={0}
-        aria-valuemax={100}
-        aria-valuenow={Math.round(100 * share)}
-      >
-        <div style={{ width: cssShare(share) }} />
-      </div>
+      <Bar label="Photographs sent" share={share} />
       <div class="row spread number">
         <span>
           {upload.sent - failed.length} of {count(upload.total, 'photograph')}

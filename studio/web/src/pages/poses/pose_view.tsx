@@ -7,8 +7,10 @@ import { useStudio } from '../../state'
 import { parseMesh } from '../../view/mesh_data'
 import type { MeshData } from '../../view/mesh_data'
 import { ViewerStage } from '../../view/stage'
+import { areaByLevel } from '../../view/scale_picture'
 import type { Look, Viewer } from '../../view/viewer'
 import { CameraList } from './camera_list'
+import { ConfidenceLegend, kConfidenceBins } from './confidence_legend'
 import { useLoaded } from './load'
 
 /** In the order in which they are made, with the words for the person. */
@@ -24,6 +26,7 @@ const kKinds: [string, string, string][] = [
 function looksOf(pose: Pose, kind: string, data: MeshData | null): Look[] {
   const looks: Look[] = data?.faces === 0 ? [] : ['plain']
   if (kind === 'mesh' && pose.has_texture) looks.push('texture')
+  if (kind === 'mesh' && pose.has_confidence && data?.uvs) looks.push('confidence')
   if (data?.colors) looks.push('colors')
   return looks
 }
@@ -31,6 +34,7 @@ function looksOf(pose: Pose, kind: string, data: MeshData | null): Look[] {
 const kLookWords: Partial<Record<Look, string>> = {
   plain: 'Plain',
   texture: 'Textured',
+  confidence: 'Confidence',
   colors: 'Colours',
 }
 
@@ -47,7 +51,7 @@ export function PoseView({ pose, results }: { pose: Pose; results: string }) {
   const data = mesh.value?.kind === kind ? mesh.value.data : null
   const looks = looksOf(pose, kind, data)
   const used = looks.includes(look) ? look : (looks[looks.length - 1] ?? 'plain')
-  useShown(viewer, pose.name, data, used)
+  const seen = useShown(viewer, pose.name, data, used)
   useEffect(() => {
     if (viewer && data) viewer.showCameras(framed ? cameras : [], through)
   }, [viewer, data, cameras, framed, through])
@@ -104,6 +108,7 @@ export function PoseView({ pose, results }: { pose: Pose; results: string }) {
             <p class="caption-chip number" role="status">
               {mesh.error || (data ? sizeOf(data) : 'Loads …')}
             </p>
+            {used === 'confidence' && seen && <ConfidenceLegend bins={seen} />}
           </div>
         </ViewerStage>
         {cameras.length > 0 && (
@@ -141,9 +146,13 @@ export function useCameras(pose: Pose, results: string): CameraView[] {
   return useLoaded(load, [pose.name, pose.has_cameras, results]).value ?? none.current
 }
 
-/** Shows the mesh; the view stays turned as it is while the pose stays the same. */
-function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, look: Look): void {
+/**
+ * Shows the mesh; the view stays turned as it is while the pose stays the same. Returns the share of
+ * the surface by confidence, when that is shown.
+ */
+function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, look: Look) {
   const { complain } = useStudio()
+  const [seen, setSeen] = useState<{ data: MeshData; bins: number[] } | null>(null)
   const shown = useRef<{ viewer: Viewer; pose: string } | null>(null)
   const textured = useRef<MeshData | null>(null)
   useEffect(() => {
@@ -160,7 +169,13 @@ function useShown(viewer: Viewer | null, pose: string, data: MeshData | null, lo
         textured.current = data
         show()
       }, complain)
+    else if (look === 'confidence' && seen?.data !== data)
+      viewer.loadConfidence(api.confidenceUrl(pose)).then((grey) => {
+        if (wanted) setSeen({ data, bins: areaByLevel(data, grey, kConfidenceBins) })
+        show()
+      }, complain)
     else show()
     return () => void (wanted = false)
   }, [viewer, pose, data, look])
+  return seen?.data === data ? seen.bins : null
 }

@@ -5,7 +5,8 @@ import type { RefObject } from 'preact'
 import { api, ApiError } from '../../api'
 import type { Stage, Step } from '../../api'
 import { useStudio } from '../../state'
-import { cssShare, percent } from '../../words'
+import { Bar } from '../../bar'
+import { percent } from '../../words'
 import { Icon } from './icons'
 import { Log } from './log'
 import { OptionForm } from './option_form'
@@ -129,9 +130,7 @@ function Head({ step, heading }: { step: Step; heading: RefObject<HTMLHeadingEle
       </div>
       {work && (
         <div class="now">
-          <div class="bar" aria-hidden="true">
-            <div style={{ width: cssShare(work.fraction) }} />
-          </div>
+          <Bar share={work.fraction} />
           <p class="small soft">{work.what}</p>
         </div>
       )}

@@ -1,7 +1,8 @@
 // What the project's steps come to: counts, the run under way, verdicts and warnings.
 import type { Verdict, Warning } from '../../api'
 import { useStudio } from '../../state'
-import { cssShare, duration, percent } from '../../words'
+import { Bar } from '../../bar'
+import { duration, percent } from '../../words'
 import { Icon } from './icons'
 import { kStateWords, shownState } from './step_words'
 import type { Shown } from './step_words'
@@ -55,9 +56,7 @@ export function RunUnderWay() {
   return (
     <section class="run-now" aria-label="The run under way">
       <b class="number">{percent(running.overall)}</b>
-      <div class="bar" aria-hidden="true">
-        <div style={{ width: cssShare(running.overall) }} />
-      </div>
+      <Bar share={running.overall} />
       <span class="soft number">{left === null ? '' : `${duration(left)} left`}</span>
       {last && (
         <details>

@@ -1,68 +1,34 @@
-// What the file says of regions: turns, pins, paths. Shown, not edited.
+// Pins and turns of regions, to edit; and what else the file says of regions, to read.
+import { useEffect, useState } from 'preact/hooks'
+
+import { api } from '../../api'
 import type { Timeline } from '../../api'
-import { framesOf, keysOf } from './timeline_model'
+import { useStudio } from '../../state'
+import type { Desk } from './desk'
+import { addPin, addTurn, listOf, regionNames } from './region_model'
+import { PinRows, TurnRows } from './region_rows'
 
 interface Line {
   region: string
   what: string
   when: string
-  /** why it will not work as it is, or '' */
-  wrong: string
 }
 
 type Fields = Record<string, unknown>
 
-const listOf = (value: unknown): Fields[] =>
-  Array.isArray(value) ? value.filter((one) => typeof one === 'object' && one !== null) : []
 const seconds = (value: unknown) => `${Number(value).toFixed(2)} s`
-
-function turnLines(timeline: Timeline): Line[] {
-  const frames = framesOf(timeline)
-  return keysOf(timeline).flatMap((key, i) =>
-    Object.entries(key.turns ?? {}).map(([region, value]) => {
-      const fields = (typeof value === 'object' && value !== null ? value : {}) as Fields
-      const count = Number(fields.turns ?? value)
-      const axis = Array.isArray(fields.axis) ? ` about ${fields.axis.join(', ')}` : ''
-      const what = `${count} more turn${Math.abs(count) === 1 ? '' : 's'}${axis}`
-      return { region, what, when: `from frame ${frames[i]}`, wrong: '' }
-    }),
-  )
-}
-
-/** Pins run from key to key; a key that has moved on leaves them behind. */
-function pinLine(timeline: Timeline, pin: Fields): Line {
-  const lost = [pin.from, pin.to].find(
-    (time) =>
-      time !== undefined &&
-      !timeline.keys.some((key) => Math.abs(key.at - Number(time)) * timeline.fps < 0.5),
-  )
-  const from = pin.from === undefined ? 'the start' : seconds(pin.from)
-  const to = pin.to === undefined ? 'the end' : seconds(pin.to)
-  return {
-    region: String(pin.region),
-    what: 'pinned',
-    when: `${from} to ${to}`,
-    wrong: lost === undefined ? '' : `there is no key at ${seconds(lost)}`,
-  }
-}
 
 function pathLine(path: Fields): Line {
   const points = listOf(path.points)
   const when = points.map((point) => seconds(point.time)).join(', ')
   const what = `passes ${points.length} place${points.length === 1 ? '' : 's'}`
-  return { region: String(path.region), what, when, wrong: '' }
-}
-
-function regionLine(region: Fields): Line {
-  const vertices = Array.isArray(region.vertices) ? region.vertices.length : 0
-  const what = vertices > 0 ? `${vertices} vertices` : `ball of radius ${String(region.radius)}`
-  return { region: String(region.name), what, when: '', wrong: '' }
+  return { region: String(path.region), what, when }
 }
 
 function wholeLines(other: Fields): Line[] {
   const lines: Line[] = []
   const add = (what: string, when = '') =>
-    lines.push({ region: 'all of it', what, when, wrong: '' })
+    lines.push({ region: 'all of it', what, when })
   if (other.table !== undefined) add(`stays above the table at z = ${String(other.table)}`)
   if (other.overshoot === true) add('may swing a little beyond keys')
   if (typeof other.volume === 'boolean')
@@ -72,49 +38,81 @@ function wholeLines(other: Fields): Line[] {
   return lines
 }
 
-function linesOf(timeline: Timeline): Line[] {
+/** What this page shows and keeps, but does not edit. */
+function Others({ timeline }: { timeline: Timeline }) {
   const { other } = timeline
-  return [
-    ...listOf(other.regions).map(regionLine),
-    ...turnLines(timeline),
-    ...listOf(other.pins).map((pin) => pinLine(timeline, pin)),
-    ...listOf(other.trajectories).map(pathLine),
-    ...wholeLines(other),
-  ]
+  const lines = [...listOf(other.trajectories).map(pathLine), ...wholeLines(other)]
+  if (lines.length === 0) return null
+  return (
+    <table class="tl-table tl-others">
+      <caption class="small soft">
+        From <span class="mono">pipeline.yaml</span>, kept as it is
+      </caption>
+      <tbody>
+        {lines.map((line, i) => (
+          <tr key={i}>
+            <td class="tl-plain">{line.region}</td>
+            <td>{line.what}</td>
+            <td class="number">{line.when}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  )
 }
 
-export function RegionsTable({ timeline }: { timeline: Timeline }) {
-  const lines = linesOf(timeline)
+/** Names of the regions that are painted on the page Landmarks. */
+function usePainted(): string[] {
+  const { project, version, complain } = useStudio()
+  const [names, setNames] = useState<string[]>([])
+  const there = project.poses.some((pose) => pose.template && pose.meshes.includes('mesh'))
+  useEffect(() => {
+    let alive = true
+    if (there)
+      api
+        .regions()
+        .then(({ regions }) => alive && setNames(Object.keys(regions)))
+        .catch((error) => alive && complain(error))
+    return () => {
+      alive = false
+    }
+  }, [there, version, complain])
+  return names
+}
+
+export function RegionsTable({ desk }: { desk: Desk }) {
+  const painted = usePainted()
+  const [chosen, choose] = useState('')
+  const regions = regionNames(desk.timeline, painted)
+  const region = regions.includes(chosen) ? chosen : regions[0]
+  const span = Math.min(desk.selected, desk.timeline.keys.length - 2)
   return (
     <div class="stack tl-regions">
-      {lines.length > 0 && (
-        <table class="tl-table">
-          <thead>
-            <tr>
-              <th scope="col">Region</th>
-              <th scope="col">What</th>
-              <th scope="col">When</th>
-            </tr>
-          </thead>
-          <tbody>
-            {lines.map((line, i) => (
-              <tr key={i}>
-                <td class="tl-plain">{line.region}</td>
-                <td>{line.what}</td>
-                <td class="number">
-                  {line.when}
-                  {line.wrong && <span class="warn"> – {line.wrong}</span>}
-                </td>
-              </tr>
+      {regions.length === 0 ? (
+        <p class="soft">
+          Paint a region on the template, such as a foot or a propeller: it can then stay put, or
+          turn, between keys. <a href="#/landmarks">Paint one</a>
+        </p>
+      ) : (
+        <div class="row tl-add">
+          <select
+            aria-label="Region"
+            value={region}
+            onChange={(event) => choose(event.currentTarget.value)}
+          >
+            {regions.map((name) => (
+              <option key={name} value={name}>
+                {name}
+              </option>
             ))}
-          </tbody>
-        </table>
+          </select>
+          <button onClick={() => desk.edit((now) => addPin(now, region))}>Pin it</button>
+          <button onClick={() => desk.edit((now) => addTurn(now, region, span))}>Turn it</button>
+        </div>
       )}
-      <p class="soft small">
-        {lines.length === 0 && 'No turns, pins or paths yet. '}
-        Regions, turns, pins and paths are written under <span class="mono">timeline</span> in{' '}
-        <span class="mono">pipeline.yaml</span>; this page shows them and keeps them as they are.
-      </p>
+      <PinRows desk={desk} regions={regions} />
+      <TurnRows desk={desk} regions={regions} />
+      <Others timeline={desk.timeline} />
     </div>
   )
 }

@@ -3,6 +3,7 @@
 // Times are rounded to frames as interpolate does (interpolate/timing/timeline.cpp): frame 0 is
 // the first key, and a key with a hold of h frames is seen in h + 1 frames.
 import type { Frames, Timeline, TimelineKey } from '../../api'
+import { withPinsOn } from './region_model'
 
 /** A key with the fields of the file that TimelineKey does not list; the server passes them on. */
 export interface Key extends TimelineKey {
@@ -130,7 +131,8 @@ export function moveKey(timeline: Timeline, index: number, frame: number): Timel
   const { min, max } = roomOf(timeline, index)
   const target = clamp(Math.round(frame), min, max)
   if (target === framesOf(timeline)[index]) return timeline
-  return withKey(timeline, index, placed(timeline, timeline.keys[index], target))
+  const moved = withKey(timeline, index, placed(timeline, timeline.keys[index], target))
+  return withPinsOn(timeline, moved)
 }
 
 /** The same with all later keys, whose distances stay. */
@@ -144,7 +146,7 @@ export function moveKeysFrom(timeline: Timeline, index: number, frame: number): 
   const keys = keysOf(timeline).map((key, i) =>
     i < index ? key : placed(timeline, key, frames[i] + by),
   )
-  return withKeys(timeline, keys)
+  return withPinsOn(timeline, withKeys(timeline, keys))
 }
 
 /** The longest hold; reaching the next key means that the span does not move at all. */

@@ -1,0 +1,113 @@
+// Landmarks, their suggestions, and what is painted on the template.
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "studio/project/picks.h"
+#include "studio/project/timeline.h"
+#include "studio/runs/children.h"
+#include "studio/server/routes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr double kSuggestSeconds = 300;
+
+}  // namespace
+
+void Routes::AddLandmarks() {
+  const auto picks = [this](const Question& question) {
+    const std::string pose = question.Need("pose");
+    return JsonAnswer(With([&](Snapshot& now) { return PicksJson(now, pose); }));
+  };
+  Add("GET", "/api/landmarks", picks);
+  Add("PUT", "/api/landmarks", [this, picks](const Question& question) {
+    With([&](Snapshot& now) {
+      SavePicks(now, question.Need("pose"), question.Json());
+      return 0;
+    });
+    return picks(question);
+  });
+  Add("POST", "/api/landmarks/import", [this, picks](const Question& question) {
+    const json body = question.Json();
+    With([&](Snapshot& now) {
+      ImportPicks(now, question.Need("pose"), body.at("name"), body.at("text"));
+      return 0;
+    });
+    return picks(question);
+  });
+  Add("GET", "/api/landmarks/export", [this](const Question& question) {
+    const std::string pose = question.Need("pose"), format = question.Need("format");
+    Answer answer = TextAnswer(With([&](Snapshot& now) { return ExportPicks(now, pose, format); }));
+    answer.download = pose + (format == "pp" ? ".pp" : format == "wrap" ? "_wrap.json" : ".json");
+    return answer;
+  });
+  Add("GET", "/api/landmarks/advice", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) { return AdviceJson(now, question.Need("pose")); }));
+  });
+  Add("GET", "/api/landmarks/fit", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) { return PairFitJson(now, question.Need("pose")); }));
+  });
+  Add("POST", "/api/landmarks/suggest",
+      [this](const Question& question) { return Suggest(question); });
+  Add("GET", "/api/stiffness", [this](const Question&) {
+    return JsonAnswer(With([](Snapshot& now) { return StiffnessJson(now); }));
+  });
+  Add("PUT", "/api/stiffness", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) {
+      SaveStiffness(now, question.Json());
+      return StiffnessJson(now);
+    }));
+  });
+  Add("GET", "/api/regions", [this](const Question&) {
+    return JsonAnswer(With([](Snapshot& now) { return RegionsJson(now); }));
+  });
+  Add("PUT", "/api/regions", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) {
+      const json body = question.Json();
+      SaveRegions(now, body);
+      FollowPaintedRegions(now, body.at("regions"));
+      return RegionsJson(now);
+    }));
+  });
+}
+
+Answer Routes::Suggest(const Question& question) {
+  const json body = question.Json();
+  const std::string pose = body.at("pose");
+  const double count = body.at("count");
+  if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
+  const fs::path suggested = folder_ / ".keypose/studio/suggested.json";
+  std::vector<std::string> words = {(OwnFolder() / "keypose-landmarks").string(),
+                                    "suggest",
+                                    "--suggested",
+                                    suggested.string(),
+                                    "--count",
+                                    std::to_string(static_cast<int>(count))};
+  With([&](Snapshot& now) {
+    const std::string whole = now.graph().template_pose;
+    for (const auto& [flag, of] : {std::pair{"--source", whole}, std::pair{"--target", pose}}) {
+      const auto path = now.PickedMesh(of);
+      if (!path) throw UsageError(fmt::format("pose '{}' has no mesh to pick on yet", of));
+      words.insert(words.end(), {flag, path->string()});
+    }
+    const auto known = [&](const std::string& of) {
+      return folder_ / "landmarks" / (of + ".json");
+    };
+    if (fs::exists(known(whole)) && fs::exists(known(pose)))
+      words.insert(words.end(),
+                   {"--landmarks", known(whole).string(), "--landmarks", known(pose).string()});
+    return 0;
+  });
+  fs::create_directories(suggested.parent_path());
+  std::error_code ignored;
+  fs::remove(suggested, ignored);
+  const ChildResult result = RunChild(words, folder_, kSuggestSeconds);
+  if (result.exit_code != 0) throw InputError(result.output);
+  return JsonAnswer(With([&](Snapshot& now) { return SuggestionsJson(now, pose, suggested); }));
+}
+
+}  // namespace keypose::studio

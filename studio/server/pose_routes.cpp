@@ -1,0 +1,109 @@
+// Photographs, masks, cameras, meshes and frames.
+#include <fmt/format.h>
+
+#include "core/errors.h"
+#include "core/io/mesh_io.h"
+#include "studio/meshes/frames.h"
+#include "studio/meshes/mesh_bytes.h"
+#include "studio/project/changes.h"
+#include "studio/project/photographs.h"
+#include "studio/server/routes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kMostCloudPoints = 1'000'000;
+
+}  // namespace
+
+void Routes::AddPhotographs() {
+  Add("GET", "/api/photos", [this](const Question& question) {
+    const std::string pose = question.Need("pose");
+    return JsonAnswer(With([&](Snapshot& now) {
+      if (!now.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
+      return PhotographsJson(now, pose);
+    }));
+  });
+  Add("PUT", "/api/photos", [this](const Question& question) {
+    if (run_->running()) throw LockedError("a run is at work; add photographs when it is done");
+    With([&](Snapshot& now) {
+      AddPhotograph(now, question.Need("pose"), question.Need("name"), question.body);
+      return 0;
+    });
+    return JsonAnswer({{"added", true}});
+  });
+  Add("GET", "/api/photo", [this](const Question& question) {
+    const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
+    const fs::path source = With([&](Snapshot& now) {
+      return PhotographSource(now, question.Need("pose"), question.Need("name"));
+    });
+    return PictureAnswer(PictureFile(PictureFolder(), source, width));
+  });
+  Add("GET", "/api/mask", [this](const Question& question) {
+    std::pair<int, int> size;
+    const fs::path mask = With([&](Snapshot& now) {
+      size = PhotographSize(now, question.Need("pose"), question.Need("name"));
+      return MaskFile(now, question.Need("pose"), question.Need("name"),
+                      question.Get("stage", "masks"));
+    });
+    return PictureAnswer(MaskPicture(PictureFolder(), mask, size.first, size.second));
+  });
+  Add("PUT", "/api/mask", [this](const Question& question) {
+    With([&](Snapshot& now) {
+      SaveMask(now, question.Need("pose"), question.Need("name"), question.body);
+      return 0;
+    });
+    return JsonAnswer({{"saved", true}});
+  });
+  Add("GET", "/api/cameras", [this](const Question& question) {
+    return JsonAnswer(With([&](Snapshot& now) { return CamerasJson(now, question.Need("pose")); }));
+  });
+}
+
+void Routes::AddMeshes() {
+  const auto mesh_path = [this](const std::string& pose, MeshKind kind) {
+    const auto path = With([&](Snapshot& now) { return now.MeshPath(pose, kind); });
+    if (!path) throw UsageError(fmt::format("pose '{}' has no {} yet", pose, NameOf(kind)));
+    return *path;
+  };
+  Add("GET", "/api/mesh", [mesh_path](const Question& question) {
+    const auto kind = MeshKindNamed(question.Need("what"));
+    if (!kind) throw UsageError("a mesh is one of mesh, clean, refined, surface, cloud");
+    const fs::path path = mesh_path(question.Need("pose"), *kind);
+    if (*kind == MeshKind::kCloud)
+      return BytesAnswer(CloudBytes(ReadPointCloud(path), kMostCloudPoints));
+    return BytesAnswer(MeshBytes(ReadMesh(path)));
+  });
+  Add("GET", "/api/texture", [this](const Question& question) {
+    const std::string pose = question.Need("pose");
+    const auto path = With([&](Snapshot& now) { return now.TexturePath(pose); });
+    if (!path) throw UsageError(fmt::format("pose '{}' has no texture yet", pose));
+    return PictureAnswer(*path);
+  });
+  Add("GET", "/api/confidence", [this](const Question& question) {
+    const std::string pose = question.Need("pose");
+    const auto path = With([&](Snapshot& now) { return now.ConfidencePath(pose); });
+    if (!path) throw UsageError(fmt::format("pose '{}' has no confidence yet", pose));
+    return PictureAnswer(*path);
+  });
+  Add("GET", "/api/fit", [this, mesh_path](const Question& question) {
+    const std::string pose = question.Need("pose");
+    // Before the first registration there is no fit to show, which is no fault.
+    if (With([&](Snapshot& now) { return !now.MeshPath(pose, MeshKind::kMesh); }))
+      return BytesAnswer("");
+    return BytesAnswer(FitBytes(ReadMesh(mesh_path(pose, MeshKind::kMesh)),
+                                ReadMesh(mesh_path(pose, MeshKind::kClean))));
+  });
+  Add("GET", "/api/frames", [this](const Question&) {
+    return JsonAnswer(With([](Snapshot& now) { return FramesJson(now); }));
+  });
+  Add("GET", "/api/frames/positions", [this](const Question&) {
+    return BytesAnswer(With([](Snapshot& now) { return FramePositions(now); }));
+  });
+}
+
+}  // namespace keypose::studio

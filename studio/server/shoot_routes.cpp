@@ -1,0 +1,178 @@
+// Shooting: a session of `keypose shoot`, its live view, and what has landed.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/file_names.h"
+#include "core/io/files.h"
+#include "core/io/photograph_files.h"
+#include "pipeline/real_disk.h"
+#include "pipeline/text.h"
+#include "studio/project/photographs.h"
+#include "studio/server/routes.h"
+
+namespace keypose::studio {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr int kMostRings = 12, kMostAngles = 360, kMostFlips = 3;
+constexpr const char* kCommands[] = {"shoot", "again", "skip",      "pause", "go-on",
+                                     "done",  "at",    "next-pose", "live",  "end"};
+
+double NumberWithin(const json& value, double least, double most, const char* what) {
+  const double number = value;
+  if (!(number >= least && number <= most))
+    throw UsageError(fmt::format("{} is {}; it can be {} to {}", what, number, least, most));
+  return number;
+}
+
+int WholeWithin(const json& value, int least, int most, const char* what) {
+  const double number = NumberWithin(value, least, most, what);
+  if (number != std::floor(number)) throw UsageError(fmt::format("{} is no whole number", what));
+  return static_cast<int>(number);
+}
+
+/// "simulated", or one of the kinds with a place behind a colon: "grbl:/dev/ttyUSB0".
+void RequireDevice(const std::string& text, const std::vector<std::string>& plain,
+                   const std::vector<std::string>& with_place, const char* what) {
+  if (std::find(plain.begin(), plain.end(), text) != plain.end()) return;
+  const auto colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  const bool known = std::find(with_place.begin(), with_place.end(), kind) != with_place.end();
+  if (!known || colon == std::string::npos || colon + 1 == text.size())
+    throw UsageError(fmt::format("'{}' is no {}; choose one, and say where it is", text, what));
+}
+
+ShootSetup SetupFrom(const json& body) {
+  ShootSetup setup;
+  setup.pose = body.at("pose");
+  setup.camera = body.at("camera");
+  setup.turntable = body.at("turntable");
+  if (!pipeline::IsName(setup.pose))
+    throw UsageError(
+        fmt::format("a pose's name may have {}; '{}' has not", pipeline::kNameRule, setup.pose));
+  RequireDevice(setup.camera, {"gphoto2", "simulated"}, {"folder", "simulated"}, "camera");
+  RequireDevice(setup.turntable, {"none", "simulated"}, {"grbl", "steps"}, "turntable");
+  for (const json& ring : body.at("rings"))
+    setup.rings_deg.push_back(NumberWithin(ring, -90, 90, "a ring's height"));
+  if (setup.rings_deg.empty() || setup.rings_deg.size() > kMostRings)
+    throw UsageError(fmt::format("give 1 to {} rings", kMostRings));
+  setup.angles = WholeWithin(body.at("angles"), 3, kMostAngles, "the number of angles");
+  setup.flips = WholeWithin(body.at("flips"), 0, kMostFlips, "the number of flips");
+  return setup;
+}
+
+json SetupJson(const ShootSetup& setup) {
+  return {{"pose", setup.pose},       {"camera", setup.camera}, {"turntable", setup.turntable},
+          {"rings", setup.rings_deg}, {"angles", setup.angles}, {"flips", setup.flips}};
+}
+
+/// Serial ports, by the name that tells what is plugged in, if the system gives one.
+json SerialPorts() {
+  json ports = json::array();
+  std::vector<fs::path> named;
+  std::error_code error;
+  for (const auto& link : fs::directory_iterator("/dev/serial/by-id", error)) {
+    ports.push_back({{"path", link.path().string()}, {"name", link.path().filename().string()}});
+    named.push_back(fs::weakly_canonical(link.path(), error));
+  }
+  for (const auto& device : fs::directory_iterator("/dev", error)) {
+    const std::string name = device.path().filename().string();
+    if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM")) continue;
+    if (std::find(named.begin(), named.end(), device.path()) == named.end())
+      ports.push_back({{"path", device.path().string()}, {"name", name}});
+  }
+  return ports;
+}
+
+/// The plans with which poses were begun, by the pose's name: a session goes on with the same one.
+json PlansOf(const fs::path& photos) {
+  json plans = json::object();
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(photos, error)) {
+    const fs::path file = entry.path() / "shoot.json";
+    if (!fs::is_regular_file(file, error) || pipeline::RealDisk().LeadsOutside(file, photos))
+      continue;
+    const std::string text = ReadFile(file);
+    const json side = IsShallowJson(text) ? json::parse(text, nullptr, false) : json();
+    if (side.is_object() && side.value("plan", json()).is_object())
+      plans[WithoutOddBytes(entry.path().filename().string())] = side["plan"];
+  }
+  return plans;
+}
+
+json StoryJson(const ShootStory& story) {
+  json events = json::array();
+  for (const std::string& line : story.events) events.push_back(json::parse(line));
+  return {{"running", story.running},
+          {"number", story.number},
+          {"events", events},
+          {"exit_code", story.exit_code},
+          {"message", story.message}};
+}
+
+}  // namespace
+
+void Routes::FollowShoot() {
+  ShootControl::Listener listener;
+  listener.event = [this](std::uint64_t number, const std::string& event) {
+    hub_.Send("shoot", fmt::format("{{\"number\": {}, \"event\": {}}}", number, event));
+  };
+  listener.ended = [this](std::uint64_t number, int code, const std::string& message) {
+    hub_.Send("shoot_ended",
+              json{{"number", number}, {"exit_code", code}, {"message", message}}.dump());
+  };
+  shoot_ = std::make_unique<ShootControl>(folder_, listener);
+}
+
+void Routes::AddShoot() {
+  const fs::path last = folder_ / ".keypose/studio/shoot.json";
+  Add("GET", "/api/shoot", [this, last](const Question&) {
+    json answer = StoryJson(shoot_->Story());
+    answer["ports"] = SerialPorts();
+    answer["plans"] = PlansOf(folder_ / "photos");
+    answer["setup"] = nullptr;
+    if (fs::is_regular_file(last)) answer["setup"] = json::parse(ReadFile(last), nullptr, false);
+    if (answer["setup"].is_discarded()) answer["setup"] = nullptr;
+    return JsonAnswer(answer);
+  });
+  Add("POST", "/api/shoot/start", [this, last](const Question& question) {
+    const ShootSetup setup = SetupFrom(question.Json());
+    shoot_->Start(setup);
+    WriteFileAtomically(last, SetupJson(setup).dump());
+    return JsonAnswer({{"started", true}});
+  });
+  Add("POST", "/api/shoot/command", [this](const Question& question) {
+    const json body = question.Json();
+    const std::string command = body.at("command");
+    if (std::find(std::begin(kCommands), std::end(kCommands), command) == std::end(kCommands))
+      throw UsageError(fmt::format("there is no command '{}'", command));
+    shoot_->Say(body.dump());
+    return JsonAnswer({{"sent", true}});
+  });
+  Add("POST", "/api/shoot/interrupt", [this](const Question&) {
+    shoot_->Interrupt();
+    return JsonAnswer({{"sent", true}});
+  });
+  Add("GET", "/api/shoot/live", [this](const Question&) {
+    if (!fs::is_regular_file(shoot_->LiveFile())) throw NotFound("there is no live view");
+    // In one piece: the file is replaced several times a second.
+    return Answer{200, "image/jpeg", ReadFile(shoot_->LiveFile()), {}, {}};
+  });
+  Add("GET", "/api/shoot/picture", [this](const Question& question) {
+    const std::string path = question.Need("path");
+    const int width = WholeNumber(question.Get("width", "0"), 0, 100000);
+    const fs::path file = folder_ / path;
+    if (!StaysBelow(path) || !path.starts_with("photos/") || !IsPhotographName(file) ||
+        !fs::is_regular_file(file) || pipeline::RealDisk().LeadsOutside(file, folder_))
+      throw NotFound(fmt::format("there is no photograph {}", path));
+    return PictureAnswer(PictureFile(PictureFolder(), file, width));
+  });
+}
+
+}  // namespace keypose::studio

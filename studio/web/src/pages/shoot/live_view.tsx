@@ -1,0 +1,130 @@
+// What the camera sees, with the last pose over it; or a photograph that has landed.
+import { useEffect, useRef, useState } from 'preact/hooks'
+
+import { api } from '../../api'
+import { degrees, ringWords } from './ring_map'
+import type { Landed, Session } from './session'
+
+const kLarge_px = 1920
+
+/** Draws each live picture when all of it is there; those that come meanwhile are left out. */
+function useLive(frame: number) {
+  const canvas = useRef<HTMLCanvasElement>(null)
+  const wanted = useRef(0)
+  const busy = useRef(false)
+  const [shown, setShown] = useState(false)
+  useEffect(() => {
+    wanted.current = frame
+    const next = async () => {
+      if (busy.current || wanted.current === 0) return
+      busy.current = true
+      const mine = wanted.current
+      const image = new Image()
+      image.src = api.liveUrl(mine)
+      try {
+        await image.decode()
+        const target = canvas.current
+        if (target) {
+          target.width = image.naturalWidth
+          target.height = image.naturalHeight
+          target.getContext('2d')!.drawImage(image, 0, 0)
+          setShown(true)
+        }
+      } catch {
+        // no live picture any more: the last one stays
+      }
+      busy.current = false
+      if (wanted.current !== mine) void next()
+    }
+    void next()
+  }, [frame])
+  return { canvas, shown: shown && frame > 0 }
+}
+
+function Onion({ session, share }: { session: Session; share: number }) {
+  const [broken, setBroken] = useState('')
+  if (!session.onion || session.onion === broken || share === 0) return null
+  return (
+    <img
+      class="onion"
+      src={api.landedUrl(session.onion, 0, kLarge_px)}
+      alt={`${session.onionPose} from the same angle`}
+      style={{ opacity: share }}
+      onError={() => setBroken(session.onion)}
+    />
+  )
+}
+
+/** What is seen while no live picture comes. */
+function Still({ session }: { session: Session }) {
+  // Nothing is known yet: neither a picture nor that there will be none.
+  if (session.doing === 'begins') return <p class="soft">The camera gets ready …</p>
+  const last = session.photographs[session.landed[session.landed.length - 1]]
+  if (last)
+    return (
+      <img
+        src={api.landedUrl(last.path, last.version, kLarge_px)}
+        alt={`The last photograph, ${last.name}`}
+      />
+    )
+  return <p class="soft">This camera gives no live picture. Photographs show here as they land.</p>
+}
+
+export function LiveView({ session, onion }: { session: Session; onion: number }) {
+  const { canvas, shown } = useLive(session.frame)
+  const ahead =
+    session.next &&
+    `Next: ${degrees(session.angle_deg)} of ${ringWords(session.plan, session.ring)}`
+  return (
+    <div class="shoot-picture">
+      <canvas
+        ref={canvas}
+        role="img"
+        aria-label="What the camera sees"
+        style={{ display: shown ? 'block' : 'none' }}
+      />
+      {!shown && <Still session={session} />}
+      <Onion session={session} share={onion} />
+      {ahead && <p class="caption-chip number">{ahead}</p>}
+    </div>
+  )
+}
+
+export function LandedView({ one, live }: { one: Landed; live: () => void }) {
+  return (
+    <div class="shoot-picture">
+      <img src={api.landedUrl(one.path, one.version, kLarge_px)} alt={one.name} />
+      <p class="caption-chip number">
+        {degrees(one.angle_deg)}, camera at {degrees(one.tilt_deg)} · {one.file}
+      </p>
+      <button class="back" onClick={live}>
+        Back to live <kbd>Esc</kbd>
+      </button>
+    </div>
+  )
+}
+
+export function OnionSlider(props: {
+  session: Session
+  share: number
+  setShare: (share: number) => void
+}) {
+  const { session, share } = props
+  if (!session.onionPose) return null
+  return (
+    <label class="shoot-onion">
+      <span>
+        Over it: <b>{session.onionPose}</b>
+      </span>
+      <input
+        type="range"
+        min={0}
+        max={100}
+        value={Math.round(100 * share)}
+        disabled={!session.onion}
+        onInput={(event) => props.setShare(Number(event.currentTarget.value) / 100)}
+      />
+      <span class="number">{session.onion ? `${Math.round(100 * share)} %` : 'not shot'}</span>
+    </label>
+  )
+}

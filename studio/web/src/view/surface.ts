@@ -1,0 +1,281 @@
+// What is shown: a mesh in one of its looks, or a cloud of points.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  Mesh,
+  MeshBasicMaterial,
+  MeshStandardMaterial,
+  Points,
+  PointsMaterial,
+  SRGBColorSpace,
+  Vector3,
+} from 'three'
+import type { Material, Raycaster, Texture } from 'three'
+import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh'
+
+import { scaleColor } from './colors'
+import type { MeshData } from './mesh_data'
+
+Mesh.prototype.raycast = acceleratedRaycast
+
+export type Look = 'plain' | 'texture' | 'colors' | 'confidence' | 'values'
+
+/** A place on the surface under the pointer. */
+export interface Hit {
+  face: number
+  barycentric: [number, number, number]
+  place: [number, number, number]
+  /** time that the search took [ms] */
+  ms: number
+}
+
+/** Pictures in the mesh's layout, as far as they are loaded. */
+export interface Pictures {
+  texture: Texture | null
+  confidence: Texture | null
+}
+
+/** The scale's colours as the renderer takes them: 256 levels, then that of 'no value'. */
+const kLinearScale = new Float32Array(
+  Array.from({ length: 257 }, (_, level) => {
+    const [r, g, b] = level < 256 ? scaleColor(level / 255) : [0.6, 0.6, 0.6]
+    return new Color().setRGB(r, g, b, SRGBColorSpace).toArray()
+  }).flat(),
+)
+
+/** A value for each of a vertex's corners. */
+function spread(indices: Uint32Array, values: Float32Array, out: Float32Array): void {
+  for (let corner = 0; corner < indices.length; ++corner) {
+    const from = 3 * indices[corner]
+    out[3 * corner] = values[from]
+    out[3 * corner + 1] = values[from + 1]
+    out[3 * corner + 2] = values[from + 2]
+  }
+}
+
+function setSmoothNormals(geometry: BufferGeometry, data: MeshData): void {
+  const { indices, positions: p } = data
+  const sums = new Float32Array(3 * data.vertices)
+  for (let f = 0; f < indices.length; f += 3) {
+    const a = 3 * indices[f]
+    const b = 3 * indices[f + 1]
+    const c = 3 * indices[f + 2]
+    const ux = p[b] - p[a]
+    const uy = p[b + 1] - p[a + 1]
+    const uz = p[b + 2] - p[a + 2]
+    const vx = p[c] - p[a]
+    const vy = p[c + 1] - p[a + 1]
+    const vz = p[c + 2] - p[a + 2]
+    const nx = uy * vz - uz * vy
+    const ny = uz * vx - ux * vz
+    const nz = ux * vy - uy * vx
+    for (const at of [a, b, c]) {
+      sums[at] += nx
+      sums[at + 1] += ny
+      sums[at + 2] += nz
+    }
+  }
+  const normals = new Float32Array(3 * indices.length)
+  for (let corner = 0; corner < indices.length; ++corner) {
+    const from = 3 * indices[corner]
+    const length = Math.hypot(sums[from], sums[from + 1], sums[from + 2]) || 1
+    normals[3 * corner] = sums[from] / length
+    normals[3 * corner + 1] = sums[from + 1] / length
+    normals[3 * corner + 2] = sums[from + 2] / length
+  }
+  geometry.setAttribute('normal', new BufferAttribute(normals, 3))
+}
+
+/** The colours of a vertex for each of its corners, as the renderer takes them. */
+function linearColors(data: MeshData): Float32Array {
+  const colors = new Float32Array(3 * data.indices.length)
+  const color = new Color()
+  for (let corner = 0; corner < data.indices.length; ++corner) {
+    const from = 4 * data.indices[corner]
+    const part = (k: number) => data.colors![from + k] / 255
+    color.setRGB(part(0), part(1), part(2), SRGBColorSpace).toArray(colors, 3 * corner)
+  }
+  return colors
+}
+
+/** A vertex for each corner, so that the layout's seams need no splitting. */
+function geometryOf(data: MeshData): BufferGeometry {
+  const geometry = new BufferGeometry()
+  const positions = new Float32Array(3 * data.indices.length)
+  spread(data.indices, data.positions, positions)
+  geometry.setAttribute('position', new BufferAttribute(positions, 3))
+  if (data.uvs) geometry.setAttribute('uv', new BufferAttribute(data.uvs, 2))
+  setSmoothNormals(geometry, data)
+  geometry.boundsTree = new MeshBVH(geometry, { indirect: true })
+  return geometry
+}
+
+function makeCloud(data: MeshData): Points {
+  const geometry = new BufferGeometry()
+  geometry.setAttribute('position', new BufferAttribute(data.positions, 3))
+  if (data.colors) geometry.setAttribute('color', new BufferAttribute(data.colors, 4, true))
+  const material = new PointsMaterial({
+    size: 1.6,
+    sizeAttenuation: false,
+    vertexColors: data.colors !== null,
+    color: data.colors ? '#ffffff' : '#8d8574',
+  })
+  // The colours of a cloud are sRGB bytes; the renderer takes vertex colours for linear ones.
+  material.onBeforeCompile = (shader) => {
+    shader.vertexShader = shader.vertexShader.replace(
+      '#include <color_vertex>',
+      '#include <color_vertex>\n#ifdef USE_COLOR_ALPHA\n vColor = vec4(pow(vColor.rgb, vec3(2.2)), 1.0);\n#elif defined(USE_COLOR)\n vColor = pow(vColor, vec3(2.2));\n#endif',
+    )
+  }
+  return new Points(geometry, material)
+}
+
+export class Surface {
+  readonly object: Mesh | Points
+  private readonly mesh: Mesh | null
+
+  constructor(
+    public data: MeshData,
+    look: Look,
+    private readonly pictures: Pictures,
+  ) {
+    this.mesh = data.faces > 0 ? new Mesh(geometryOf(data)) : null
+    this.object = this.mesh ?? makeCloud(data)
+    // setPositions may move it out of the ball that three.js remembers.
+    if (this.mesh) this.mesh.frustumCulled = false
+    this.setLook(look)
+  }
+
+  dispose(): void {
+    this.object.geometry.dispose()
+    ;(this.object.material as Material).dispose()
+  }
+
+  setLook(look: Look): void {
+    if (!this.mesh) return
+    const old = this.mesh.material as Material
+    this.mesh.material = this.materialOf(look)
+    old.dispose()
+  }
+
+  /** The pictures have changed. */
+  showPictures(): void {
+    const shown = this.mesh?.material as MeshBasicMaterial | MeshStandardMaterial | undefined
+    const picture = shown && (shown.userData.picture as keyof Pictures | undefined)
+    if (!shown || !picture) return
+    shown.map = this.pictures[picture]
+    shown.needsUpdate = true
+  }
+
+  private materialOf(look: Look): Material {
+    const { data, pictures } = this
+    if (look === 'texture' && data.uvs) {
+      const material = new MeshBasicMaterial({ map: pictures.texture, side: DoubleSide })
+      material.userData.picture = 'texture'
+      return material
+    }
+    if (look === 'confidence' && data.uvs) {
+      const map = pictures.confidence
+      const material = new MeshStandardMaterial({ map, roughness: 0.9, side: DoubleSide })
+      material.userData.picture = 'confidence'
+      return material
+    }
+    if (look === 'colors' && data.colors) {
+      const colors = new BufferAttribute(linearColors(data), 3)
+      this.mesh!.geometry.setAttribute('color', colors)
+      return new MeshBasicMaterial({ vertexColors: true, side: DoubleSide })
+    }
+    return new MeshStandardMaterial({ color: '#c9bfae', roughness: 0.85, side: DoubleSide })
+  }
+
+  /** Vertices become a colour each: [0, 1] from low to high, or `none` where not finite. */
+  showValues(values: Float32Array, none: string): void {
+    if (!this.mesh) return
+    new Color(none).toArray(kLinearScale, 3 * 256)
+    const corners = 3 * this.data.faces
+    const old = this.mesh.geometry.getAttribute('color') as BufferAttribute | undefined
+    const colors = (old?.array as Float32Array) ?? new Float32Array(3 * corners)
+    for (let corner = 0; corner < corners; ++corner) {
+      const value = values[this.data.indices[corner]]
+      const level = Math.round(255 * Math.min(1, Math.max(0, value)))
+      const from = Number.isFinite(value) ? 3 * level : 3 * 256
+      colors[3 * corner] = kLinearScale[from]
+      colors[3 * corner + 1] = kLinearScale[from + 1]
+      colors[3 * corner + 2] = kLinearScale[from + 2]
+    }
+    if (old) old.needsUpdate = true
+    else this.mesh.geometry.setAttribute('color', new BufferAttribute(colors, 3))
+    const material = this.mesh.material
+    // A brush calls this many times a second; the material is compiled only once.
+    if (material instanceof MeshStandardMaterial && material.vertexColors) return
+    this.mesh.material = new MeshStandardMaterial({
+      vertexColors: true,
+      roughness: 0.9,
+      side: DoubleSide,
+    })
+  }
+
+  setPositions(positions: Float32Array, normals: boolean): void {
+    if (!this.mesh) return
+    const target = this.mesh.geometry.getAttribute('position') as BufferAttribute
+    spread(this.data.indices, positions, target.array as Float32Array)
+    target.needsUpdate = true
+    this.data = { ...this.data, positions }
+    if (normals && this.mesh.material instanceof MeshStandardMaterial)
+      setSmoothNormals(this.mesh.geometry, this.data)
+  }
+
+  /** The first place that the ray meets, or null. */
+  hit(ray: Raycaster): Omit<Hit, 'ms'> | null {
+    if (!this.mesh) return null
+    ray.firstHitOnly = true
+    const found = ray.intersectObject(this.mesh, false)[0]
+    if (!found || found.faceIndex == null) return null
+    return {
+      face: found.faceIndex,
+      barycentric: this.barycentricOf(found.faceIndex, found.point),
+      place: [found.point.x, found.point.y, found.point.z],
+    }
+  }
+
+  /** The place of a pick on the shown mesh. */
+  placeOf(face: number, barycentric: number[]): [number, number, number] {
+    const place: [number, number, number] = [0, 0, 0]
+    if (face < 0 || face >= this.data.faces) return place
+    for (let corner = 0; corner < 3; ++corner) {
+      const vertex = this.data.indices[3 * face + corner]
+      for (let k = 0; k < 3; ++k)
+        place[k] += barycentric[corner] * this.data.positions[3 * vertex + k]
+    }
+    return place
+  }
+
+  /** Vertices nearer to a place than `reach`, with their distance over it. */
+  verticesNear(place: [number, number, number], reach: number): { vertex: number; at: number }[] {
+    const found: { vertex: number; at: number }[] = []
+    const p = this.data.positions
+    for (let v = 0; v < this.data.vertices; ++v) {
+      const d = Math.hypot(p[3 * v] - place[0], p[3 * v + 1] - place[1], p[3 * v + 2] - place[2])
+      if (d < reach) found.push({ vertex: v, at: d / reach })
+    }
+    return found
+  }
+
+  private barycentricOf(face: number, point: Vector3): [number, number, number] {
+    const corner = (k: number) => {
+      const vertex = 3 * this.data.indices[3 * face + k]
+      const p = this.data.positions
+      return new Vector3(p[vertex], p[vertex + 1], p[vertex + 2])
+    }
+    const [a, b, c] = [corner(0), corner(1), corner(2)]
+    const normal = b.clone().sub(a).cross(c.clone().sub(a))
+    const area = normal.lengthSq() || 1
+    const share = (u: Vector3, v: Vector3) =>
+      u.clone().sub(point).cross(v.clone().sub(point)).dot(normal) / area
+    const first = Math.min(1, Math.max(0, share(b, c)))
+    const second = Math.min(1 - first, Math.max(0, share(c, a)))
+    return [first, second, 1 - first - second]
+  }
+}
