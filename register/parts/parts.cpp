@@ -19,6 +19,7 @@
 #include "core/mesh_checks.h"
 #include "core/ray_scene.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "core/union_find.h"
 
 namespace keypose::registration {
@@ -26,17 +27,31 @@ namespace keypose::registration {
 namespace {
 
 using Eigen::Vector3d;
-constexpr int kFeet = 96;            // most closest points of one part on its seat
-constexpr double kSoftFoot = 0.1;    // over the part's size: closer points have about equal weight
-constexpr double kRing = 0.5;        // over the part's size: distance to which anchors spread
-constexpr double kRingShare = 0.25;  // weight of these additional anchors
-// Largest factor between the scale of a part and that of the host.
-constexpr double kMostScale = 1.25;
-constexpr int kCounterpartFeet = 400;        // vertices of a part fitted to its counterpart
-constexpr int kCounterpartRounds = 30;       // ICP rounds of this fit
-constexpr double kCounterpartGrowth = 1.25;  // largest change of scale in this fit
-constexpr double kSizeAlike = 1.4;           // largest ratio of the sizes of counterparts
-constexpr double kCentreReach = 0.75;        // largest distance of centres, over the part's size
+constexpr int kFeet = 96;              // most closest points of one part on its seat
+constexpr int kCounterpartFeet = 400;  // vertices of a part fitted to its counterpart
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct LoosePartTuning {
+  // of the part's size
+  KEYPOSE_TUNED(double, kSoftFoot, 0.1);   // closer points have about equal weight
+  KEYPOSE_TUNED(double, kRing, 0.5);       // distance to which anchors spread
+  KEYPOSE_TUNED(double, kTouching, 0.05);  // parts farther apart do not sit on each other
+  // weight of the anchors around the feet, over the feet's
+  KEYPOSE_TUNED(double, kRingShare, 0.25);
+  // largest factor between the scale of a part and that of the host
+  KEYPOSE_TUNED(double, kMostScale, 1.25);
+};
+
+// No record of the data.
+struct CounterpartTuning {
+  KEYPOSE_TUNED(int, kCounterpartRounds, 30);       // ICP rounds of the fit to the counterpart
+  KEYPOSE_TUNED(double, kCounterpartGrowth, 1.25);  // largest change of scale in this fit
+  KEYPOSE_TUNED(double, kSizeAlike, 1.4);           // largest ratio of the sizes of counterparts
+  KEYPOSE_TUNED(double, kCentreReach, 0.75);  // of the part's size: largest distance of centres
+  KEYPOSE_TUNED(double, kFacing, 0.5);        // cosine: least between the normals of matched points
+  KEYPOSE_TUNED(double, kToPoint, 0.3);       // share of the way along the plane that is made
+  KEYPOSE_TUNED(double, kHold, 0.02);  // weight of the orientation so far; the landmarks' is 1
+};
 
 /// For each vertex the first vertex with the same position.
 std::vector<int> Places(const PointsX3& points) {
@@ -161,7 +176,8 @@ std::map<int, double> Around(const Mesh& mesh, const std::vector<std::vector<int
 void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat& seat,
           LoosePart& part) {
   std::map<int, double> weights;
-  const double soft = std::max(kSoftFoot * part.diagonal, std::numeric_limits<double>::min());
+  const double soft =
+      std::max(LoosePartTuning::kSoftFoot * part.diagonal, std::numeric_limits<double>::min());
   double total = 0;
   for (int v : SomeOf(part.vertices, kFeet)) {
     const RayScene::Foot foot = seat.Scene(mesh).ClosestPoint(mesh.points.row(v));
@@ -172,13 +188,15 @@ void Bind(const Mesh& mesh, const std::vector<std::vector<int>>& neighbors, Seat
       weights[seat.corners(foot.face, k)] += w * (foot.barycentric[k] + 0.1);
     total += 1.3 * w;
   }
-  const std::map<int, double> ring = Around(mesh, neighbors, weights, kRing * part.diagonal);
+  const std::map<int, double> ring =
+      Around(mesh, neighbors, weights, LoosePartTuning::kRing * part.diagonal);
   double ring_total = 0;
   const auto fade = [&](double d) {
-    return std::exp(-std::pow(2 * d / std::max(kRing * part.diagonal, 1e-300), 2));
+    return std::exp(-std::pow(2 * d / std::max(LoosePartTuning::kRing * part.diagonal, 1e-300), 2));
   };
   for (const auto& [v, d] : ring) ring_total += fade(d);
-  for (const auto& [v, d] : ring) weights[v] += kRingShare * total * fade(d) / ring_total;
+  for (const auto& [v, d] : ring)
+    weights[v] += LoosePartTuning::kRingShare * total * fade(d) / ring_total;
   part.weights.resize(std::ssize(weights));
   for (const auto& [v, w] : weights) {
     part.weights[std::ssize(part.anchors)] = w;
@@ -212,7 +230,8 @@ Similarity3 FitNear(const PointsX3& from, const PointsX3& to, const Eigen::Vecto
   if (BoundingDiagonal(from) > 0 && BoundingDiagonal(to) > 0 && from.rows() >= 3) {
     fit = FitSimilarity(from, to, weights);
     fit.scale = std::isfinite(fit.scale)
-                    ? std::clamp(fit.scale, scale / kMostScale, scale * kMostScale)
+                    ? std::clamp(fit.scale, scale / LoosePartTuning::kMostScale,
+                                 scale * LoosePartTuning::kMostScale)
                     : scale;
   }
   fit.translation = mean_to - fit.scale * (fit.rotation * mean_from);
@@ -284,7 +303,7 @@ LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
       // A part only sits on another part if they touch, or nearly: two eyes side by side do not sit
       // on each other.
       if (components.diagonal[order[j]] <= part.diagonal ||
-          seats[j].box.exteriorDistance(seats[i].box) > 0.05 * part.diagonal)
+          seats[j].box.exteriorDistance(seats[i].box) > LoosePartTuning::kTouching * part.diagonal)
         continue;
       const double d = MeanDistance(seats[j].Scene(mesh), mesh, some);
       if (d >= nearest) continue;
@@ -410,7 +429,8 @@ bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
   a.bottomRows(rest) = RowsOf(points, some);
   b.bottomRows(rest) = a.bottomRows(rest).rowwise() + shift.transpose();
   weights.head(marks).setOnes();
-  weights.tail(rest).setConstant(0.02 * static_cast<double>(marks) / static_cast<double>(rest));
+  weights.tail(rest).setConstant(CounterpartTuning::kHold * static_cast<double>(marks) /
+                                 static_cast<double>(rest));
   motion = FitSimilarity(a, b, weights, false);
   return true;
 }
@@ -426,25 +446,28 @@ Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const
   const KdTree tree(theirs);
   Similarity3 motion;
   double first = 0, last = 0;
-  for (int round = 0; round <= kCounterpartRounds; ++round) {
+  for (int round = 0; round <= CounterpartTuning::kCounterpartRounds; ++round) {
     PointsX3 goals = Transformed(motion, start);
     const PointsX3 at = goals;
     for (Eigen::Index i = 0; i < at.rows(); ++i)
       for (const KdTree::Neighbor& near : tree.Nearest(at.row(i).transpose(), 8)) {
         const Vector3d normal = their_normals.row(near.index);
-        if (normal.dot(motion.rotation * normals.row(i).transpose()) < 0.5) continue;
+        if (normal.dot(motion.rotation * normals.row(i).transpose()) < CounterpartTuning::kFacing)
+          continue;
         // Goes to the plane, and partly to the point, so that flat parts do not slide.
         const Vector3d way = theirs.row(near.index) - at.row(i);
-        goals.row(i) +=
-            (normal * normal.dot(way) + 0.3 * (way - normal * normal.dot(way))).transpose();
+        goals.row(i) += (normal * normal.dot(way) +
+                         CounterpartTuning::kToPoint * (way - normal * normal.dot(way)))
+                            .transpose();
         break;
       }
     last = (goals - at).squaredNorm();
     if (round == 0) first = last;
-    if (round < kCounterpartRounds)
+    if (round < CounterpartTuning::kCounterpartRounds)
       motion = FitSimilarity(start, goals, Eigen::VectorXd::Ones(start.rows()));
   }
-  const bool sized = motion.scale < kCounterpartGrowth && motion.scale > 1 / kCounterpartGrowth;
+  const bool sized = motion.scale < CounterpartTuning::kCounterpartGrowth &&
+                     motion.scale > 1 / CounterpartTuning::kCounterpartGrowth;
   return last < first && sized ? motion : Similarity3{};
 }
 
@@ -471,8 +494,9 @@ RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const
       if (other < 0 || NearestCentre(theirs[other], ours) != static_cast<int>(i)) continue;
       const double size = BoundingDiagonal(RowsOf(refined.points, part.vertices)),
                    ratio = target_parts.parts[other].diagonal / size;
-      if (!(ratio < kSizeAlike) || !(ratio > 1 / kSizeAlike) ||
-          (theirs[other] - ours[i]).norm() > kCentreReach * size)
+      if (!(ratio < CounterpartTuning::kSizeAlike) ||
+          !(ratio > 1 / CounterpartTuning::kSizeAlike) ||
+          (theirs[other] - ours[i]).norm() > CounterpartTuning::kCentreReach * size)
         continue;
       own.translation = theirs[other] - (motions[i] * ours[i]);
       PointsX3 shifted = refined.points;

@@ -25,6 +25,7 @@
 #include <utility>
 
 #include "core/ordered_memory.h"
+#include "core/tuned.h"
 
 // CGAL's contraction keeps edges in sets ordered by address. So addresses must be in order for
 // results to be repeatable.
@@ -67,7 +68,12 @@ struct PatientKernel : Kernel {
 };
 thread_local int PatientKernel::Construct_ray_3::others = 0;
 
-constexpr double kMedial = 1;
+// Chosen by the error of the start from skeletons on a tentacle bent by 270 degrees
+// (docs/decisions/ordered-memory.md). Sensitivity: docs/results/sensitivity.md.
+struct CurveSkeletonTuning {
+  KEYPOSE_TUNED(double, kMedial, 1);  // CGAL's weight of the pull to the middle
+};
+
 constexpr double kLeastVolume = 1e-9;   // over the cube of the diagonal
 constexpr std::size_t kMostGrowth = 4;  // factor on the vertex count during contraction
 
@@ -225,7 +231,7 @@ CurveSkeleton ExtractCurveSkeleton(const PointsX3& points, const FacesX3& faces,
   try {
     Flow flow(surface);
     // With the default of 0.2 the curve leaves thin limbs on the inner side of tight curls.
-    flow.set_medially_centered_speed_tradeoff(kMedial);
+    flow.set_medially_centered_speed_tradeoff(CurveSkeletonTuning::kMedial);
     Contract(flow, progress);
     flow.convert_to_skeleton(skeleton);
   } catch (const Cancelled&) {

@@ -8,6 +8,7 @@
 
 #include "core/geometry.h"
 #include "core/mesh_checks.h"
+#include "core/tuned.h"
 #include "register/parts/parts.h"
 #include "register/skeleton/skeleton_motion.h"
 #include "register/skeleton/skeleton_tree.h"
@@ -18,12 +19,24 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kAttempts = 8;  // most matchings of limbs that are computed and compared
-constexpr int kProbes = 400;  // number of vertices at which they are compared
-// A matching with a higher cost than this factor times the best is not tried.
-constexpr double kWorthTrying = 4;
-constexpr double kUnsure = 1.25;  // the best matching is ambiguous if the second scores within
-                                  // this factor
+constexpr int kProbes = 400;  // number of vertices at which matchings are compared
+
+// Measured on tentacles bent by 60 to 450 degrees and on real pairs (docs/algorithms/register.md);
+// no record of single values. Sensitivity: docs/results/sensitivity.md.
+struct SkeletonStartTuning {
+  KEYPOSE_TUNED(int, kAttempts, 8);  // most matchings of limbs that are computed and compared
+  // a matching is not tried when its cost is above kWorthTrying times the best plus kCloseCost
+  KEYPOSE_TUNED(double, kWorthTrying, 4);   // factor
+  KEYPOSE_TUNED(double, kCloseCost, 0.05);  // cost
+  // the best matching is ambiguous if the second scores below kUnsure times its score plus
+  // kCloseScore
+  KEYPOSE_TUNED(double, kUnsure, 1.25);       // factor
+  KEYPOSE_TUNED(double, kCloseScore, 0.002);  // of the diagonal
+  KEYPOSE_TUNED(double, kBall, 1.6);          // of the median radius: a clear ball at a thick end
+  KEYPOSE_TUNED(double, kBallReach, 1.6);     // of its radius: from its centre to the end
+  KEYPOSE_TUNED(double, kWeakBall, 1.2);      // the same where the other body has a clear ball
+  KEYPOSE_TUNED(double, kWeakBallReach, 3);   // likewise
+};
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -83,10 +96,14 @@ TipMatch Renumbered(const TipMatch& match, const SkeletonTree& source_before,
 /// Moves the start of both trees into the ball at their thick end, where they have one. If only one
 /// of them has a clear ball, the other is accepted with weaker limits.
 void RootBoth(LimbedBody& source, LimbedBody& target) {
-  const bool first = source.tree->RootThickEnd(source.scene, 1.6, 1.6),
-             second = target.tree->RootThickEnd(target.scene, 1.6, 1.6);
+  const bool first = source.tree->RootThickEnd(source.scene, SkeletonStartTuning::kBall,
+                                               SkeletonStartTuning::kBallReach),
+             second = target.tree->RootThickEnd(target.scene, SkeletonStartTuning::kBall,
+                                                SkeletonStartTuning::kBallReach);
   if (first == second) return;
-  (first ? target : source).tree->RootThickEnd((first ? target : source).scene, 1.2, 3);
+  (first ? target : source)
+      .tree->RootThickEnd((first ? target : source).scene, SkeletonStartTuning::kWeakBall,
+                          SkeletonStartTuning::kWeakBallReach);
 }
 
 PointsX3 SomeVertices(const PointsX3& points) {
@@ -157,9 +174,11 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
   Attempt best;
   double second = std::numeric_limits<double>::infinity();
   const std::vector<TipMatch> matches =
-      MatchTreeTips(*source.tree, *target.tree, evidence, kAttempts);
+      MatchTreeTips(*source.tree, *target.tree, evidence, SkeletonStartTuning::kAttempts);
   for (const TipMatch& match : matches) {
-    if (match.cost > kWorthTrying * matches.front().cost + 0.05) break;
+    if (match.cost >
+        SkeletonStartTuning::kWorthTrying * matches.front().cost + SkeletonStartTuning::kCloseCost)
+      break;
     Attempt attempt = Try(source, target, match, marks, coarse, evidence.scale);
     if (!attempt.fault.empty()) {
       if (best.limbs == 0 && best.fault.empty()) best.fault = attempt.fault;
@@ -178,7 +197,8 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
   SkeletonStart start;
   start.points = best.points;
   start.branches = best.limbs;
-  start.ambiguous = second < kUnsure * best.Score() + 0.002;
+  start.ambiguous =
+      second < SkeletonStartTuning::kUnsure * best.Score() + SkeletonStartTuning::kCloseScore;
   start.words = "skeletons: matched " + std::to_string(start.branches) + " limbs (" + counts +
                 "); vertices are " + PercentText(best.misfit) +
                 " of the diagonal off the target's surface";

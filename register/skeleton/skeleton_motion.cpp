@@ -6,6 +6,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::registration {
 
@@ -15,12 +16,48 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr int kAxisSamples = LimbAxis::kSamples;
-constexpr int kSmoothing = 6;   // rounds of smoothing of a limb's samples
-constexpr int kCentering = 3;   // rounds of centring
-constexpr int kSpokes = 6;      // chords of a cross-section
-constexpr double kPrior = 0.1;  // weight of the prior rotation; the direction of a limb has 1
-// A landmark nearer to the axis than this share of the radius does not determine a twist.
-constexpr double kOffAxis = 0.6;
+constexpr int kSpokes = 6;  // chords of a cross-section
+
+// Measured on tentacles bent by 60 to 450 degrees and on real pairs (docs/algorithms/register.md);
+// no record of single values. Sensitivity: docs/results/sensitivity.md.
+struct LimbAxisTuning {
+  KEYPOSE_TUNED(int, kSmoothing, 6);      // rounds of smoothing of a limb's samples
+  KEYPOSE_TUNED(int, kCentering, 3);      // rounds of centring
+  KEYPOSE_TUNED(double, kChordReach, 3);  // of the limb's radius: longer chords are of other limbs
+  KEYPOSE_TUNED(double, kCenterStep, 0.8);   // share of the way to the centre that is made
+  KEYPOSE_TUNED(double, kOutsideBall, 0.8);  // of the joint's radius: thicker nodes are in its ball
+  // of the tip's radius, and of the limb's length: longest way from the tip to the surface
+  KEYPOSE_TUNED(double, kTipRadii, 4);
+  KEYPOSE_TUNED(double, kTipLength, 0.1);
+};
+
+// On the same data; no record of single values.
+struct SkeletonMotionTuning {
+  // weights of rotations and directions; the direction of a limb has 1
+  KEYPOSE_TUNED(double, kPrior, 0.1);       // of the prior rotation at the root
+  KEYPOSE_TUNED(double, kChildPrior, 3);    // at other joints, over that at the root
+  KEYPOSE_TUNED(double, kMarkWeight, 0.7);  // of the direction to a landmark
+  // of the joint's radius
+  KEYPOSE_TUNED(double, kDirection, 1.6);   // from the joint: where a limb's direction is taken
+  KEYPOSE_TUNED(double, kSourceNear, 1.5);  // landmarks nearer turn the joint
+  KEYPOSE_TUNED(double, kTargetNear, 2);    // the same on the target
+  // of the limb's length
+  KEYPOSE_TUNED(double, kMostQuiet, 0.4);   // longest part without twist
+  KEYPOSE_TUNED(double, kMarkReach, 0.12);  // around a landmark's place, where its foot is searched
+  KEYPOSE_TUNED(double, kLeastSpan, 0.08);  // between landmarks that stretch the limb
+  KEYPOSE_TUNED(double, kMostBlurred, 0.2);  // largest spread of the mean over motions
+  KEYPOSE_TUNED(double, kSkinReach, 0.05);   // around a vertex' place, where its foot is searched
+  // of the twisted part: landmarks nearer to its start tell nothing
+  KEYPOSE_TUNED(double, kLeastTwisted, 0.05);
+  // ratios of lengths between landmarks; others are wrong
+  KEYPOSE_TUNED(double, kLeastStretch, 0.4);
+  KEYPOSE_TUNED(double, kMostStretch, 2.5);
+  // of the radius: landmarks nearer to the axis tell no twist
+  KEYPOSE_TUNED(double, kOffAxis, 0.6);
+  KEYPOSE_TUNED(double, kNoTwist, 0.02);  // weight of no twist; a landmark at the limb's end has 1
+  // of the distance to the axis: spread of the mean over motions
+  KEYPOSE_TUNED(double, kBlur, 0.5);
+};
 
 PointsX3 Resampled(const std::vector<Vector3d>& line, double& length) {
   std::vector<double> arc(line.size(), 0);
@@ -40,7 +77,7 @@ PointsX3 Resampled(const std::vector<Vector3d>& line, double& length) {
 }
 
 void Smooth(PointsX3& points) {
-  for (int round = 0; round < kSmoothing; ++round) {
+  for (int round = 0; round < LimbAxisTuning::kSmoothing; ++round) {
     const PointsX3 before = points;
     for (int i = 1; i < kAxisSamples; ++i)
       points.row(i) = (before.row(i - 1) + 2 * before.row(i) + before.row(i + 1)) / 4;
@@ -52,13 +89,14 @@ void Smooth(PointsX3& points) {
 /// @param first  samples before this one are inside a joint and do not move
 /// @param thick  approximate radius of the limb
 void Center(const RayScene& surface, int first, double thick, PointsX3& points) {
-  for (int round = 0; round < kCentering; ++round) {
+  for (int round = 0; round < LimbAxisTuning::kCentering; ++round) {
     PointsX3 moved = points;
     for (int i = std::max(1, first); i < kAxisSamples; ++i) {
       const Vector3d p = points.row(i),
                      tangent = (points.row(i + 1) - points.row(i - 1)).normalized();
       const Vector3d u = tangent.unitOrthogonal(), v = tangent.cross(u);
-      const double reach = 3 * std::max(thick, std::sqrt(surface.ClosestPoint(p).squared_distance));
+      const double reach = LimbAxisTuning::kChordReach *
+                           std::max(thick, std::sqrt(surface.ClosestPoint(p).squared_distance));
       Vector3d shift = Vector3d::Zero();
       int used = 0;
       for (int k = 0; k < kSpokes; ++k) {
@@ -71,7 +109,8 @@ void Center(const RayScene& surface, int first, double thick, PointsX3& points) 
       }
       // In a round cross-section the middles of the chords are on average half way to the centre,
       // hence the factor of 2.
-      if (2 * used > kSpokes) moved.row(i) += (2.0 / used * shift).transpose() * 0.8;
+      if (2 * used > kSpokes)
+        moved.row(i) += (2.0 / used * shift).transpose() * LimbAxisTuning::kCenterStep;
     }
     points = moved;
     Smooth(points);
@@ -90,7 +129,7 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
   // comes from the thicker places of the limb.
   std::vector<double> radii;
   for (int n : limb.nodes)
-    if (body.tree->radius()[n] < 0.8 * ball || limb.nodes.size() < 8)
+    if (body.tree->radius()[n] < LimbAxisTuning::kOutsideBall * ball || limb.nodes.size() < 8)
       radii.push_back(body.tree->radius()[n]);
   std::sort(radii.begin(), radii.end());
   const double thick = radii.empty() ? 0 : radii[radii.size() * 4 / 5];
@@ -104,7 +143,8 @@ LimbAxis MakeAxis(const LimbedBody& body, const Limb& limb, bool backwards, bool
     const double radius = body.tree->radius()[backwards ? limb.nodes.front() : limb.nodes.back()];
     const Vector3d tangent = (line[kAxisSamples] - line[kAxisSamples - 5]).normalized();
     const RayScene::Hit hit = body.scene.Cast(line.back(), tangent);
-    if (hit.face >= 0 && hit.distance < 4 * radius + 0.1 * axis.length)
+    if (hit.face >= 0 && hit.distance < LimbAxisTuning::kTipRadii * radius +
+                                            LimbAxisTuning::kTipLength * axis.length)
       line.push_back(line.back() + hit.distance * tangent);
   }
   axis.points = Resampled(line, axis.length);
@@ -214,7 +254,8 @@ void SkeletonMotion::AddLimbs(int joint, int came_by) {
     pair.source = MakeAxis(source_, limb, pair.backwards, tip);
     pair.target = MakeAxis(target_, t.limbs()[limb_match_[l][0]],
                            pair.backwards != (limb_match_[l][1] == 1), tip);
-    pair.quiet = std::min(0.4, s.joints()[joint].radius / std::max(pair.source.length, 1e-300));
+    pair.quiet = std::min(SkeletonMotionTuning::kMostQuiet,
+                          s.joints()[joint].radius / std::max(pair.source.length, 1e-300));
     PlaceMarks(pair);
     pair_of_limb_[l] = SizeOf(pairs_);
     pairs_.push_back(std::move(pair));
@@ -241,8 +282,11 @@ void SkeletonMotion::PlaceMarks(LimbPair& pair) {
     const double t = guess(other, other_length,
                            pair.backwards != (limb_match_[pair.source_limb][1] == 1), other_at_tip);
     pair.marks.push_back(
-        {pair.source.Project(from, std::max(0.0, s - 0.12), std::min(1.0, s + 0.12)),
-         pair.target.Project(to, std::max(0.0, t - 0.12), std::min(1.0, t + 0.12)), from, to});
+        {pair.source.Project(from, std::max(0.0, s - SkeletonMotionTuning::kMarkReach),
+                             std::min(1.0, s + SkeletonMotionTuning::kMarkReach)),
+         pair.target.Project(to, std::max(0.0, t - SkeletonMotionTuning::kMarkReach),
+                             std::min(1.0, t + SkeletonMotionTuning::kMarkReach)),
+         from, to});
   }
   std::sort(pair.marks.begin(), pair.marks.end(),
             [](const LimbMark& a, const LimbMark& b) { return a.source_share < b.source_share; });
@@ -251,7 +295,10 @@ void SkeletonMotion::PlaceMarks(LimbPair& pair) {
     const double ds = m.source_share - pair.knots.back().first,
                  dt = m.target_share - pair.knots.back().second;
     const double rest_s = 1 - m.source_share, rest_t = 1 - m.target_share;
-    const auto orderly = [](double a, double b) { return a > 0.08 && b > 0.4 * a && b < 2.5 * a; };
+    const auto orderly = [](double a, double b) {
+      return a > SkeletonMotionTuning::kLeastSpan && b > SkeletonMotionTuning::kLeastStretch * a &&
+             b < SkeletonMotionTuning::kMostStretch * a;
+    };
     if (orderly(ds, dt) && orderly(rest_s, rest_t))
       pair.knots.emplace_back(m.source_share, m.target_share);
   }
@@ -278,7 +325,8 @@ void SkeletonMotion::TurnJoint(int joint, int came_by, const Matrix3d& prior, do
   for (int l : source_.tree->joints()[joint].limbs) {
     if (pair_of_limb_[l] < 0) continue;
     const LimbPair& pair = pairs_[pair_of_limb_[l]];
-    const double reach = std::min(0.5, 1.6 * m.radius / std::max(pair.source.length, 1e-300));
+    const double reach = std::min(
+        0.5, SkeletonMotionTuning::kDirection * m.radius / std::max(pair.source.length, 1e-300));
     const double share = l != came_by ? reach : 1 - reach;
     directions.emplace_back((pair.source.At(share) - m.source).normalized(),
                             (pair.target.At(pair.TargetShare(share)) - m.target).normalized());
@@ -287,10 +335,11 @@ void SkeletonMotion::TurnJoint(int joint, int came_by, const Matrix3d& prior, do
   for (const auto& [from, to] : marks_) {
     const NodePlace place = source_.tree->PlaceOf(source_.NodeOf(from));
     const bool near =
-        (from - m.source).norm() < 1.5 * m.radius && (to - m.target).norm() < 2 * scale_ * m.radius;
+        (from - m.source).norm() < SkeletonMotionTuning::kSourceNear * m.radius &&
+        (to - m.target).norm() < SkeletonMotionTuning::kTargetNear * scale_ * m.radius;
     if (place.joint != joint && !near) continue;
     directions.emplace_back((from - m.source) / m.radius, (to - m.target) / (scale_ * m.radius));
-    weights.push_back(0.7);
+    weights.push_back(SkeletonMotionTuning::kMarkWeight);
   }
   m.turn = FitTurn(directions, weights, prior, prior_weight);
   m.known = true;
@@ -299,19 +348,21 @@ void SkeletonMotion::TurnJoint(int joint, int came_by, const Matrix3d& prior, do
 /// Adds the twist about the axis that landmarks off the axis imply. It is zero at the root of the
 /// limb and grows linearly.
 void SkeletonMotion::Twist(LimbPair& pair, const std::vector<Vector3d>& tangents) {
-  double sum_uu = 0.02, sum_ua = 0, radius = 0;
+  double sum_uu = SkeletonMotionTuning::kNoTwist, sum_ua = 0, radius = 0;
   const std::vector<int>& run = source_.tree->limbs()[pair.source_limb].nodes;
   for (int n : run) radius += source_.tree->radius()[n] / static_cast<double>(run.size());
   for (const LimbMark& m : pair.marks) {
     const double u = (m.source_share - pair.quiet) / (1 - pair.quiet);
-    if (u <= 0.05) continue;
+    if (u <= SkeletonMotionTuning::kLeastTwisted) continue;
     const int k = static_cast<int>(std::lround(m.source_share * kAxisSamples));
     const Vector3d t = tangents[k];
     const Vector3d place = pair.source.At(m.source_share);
     Vector3d a = pair.turns[k] * (m.source - place), b = m.target - pair.target.At(m.target_share);
     a -= a.dot(t) * t;
     b -= b.dot(t) * t;
-    if (a.norm() < kOffAxis * radius || b.norm() < kOffAxis * scale_ * radius) continue;
+    if (a.norm() < SkeletonMotionTuning::kOffAxis * radius ||
+        b.norm() < SkeletonMotionTuning::kOffAxis * scale_ * radius)
+      continue;
     const double angle = std::atan2(t.dot(a.cross(b)), a.dot(b));
     sum_uu += u * u;
     sum_ua += u * angle;
@@ -359,20 +410,21 @@ void SkeletonMotion::TurnLimb(LimbPair& pair) {
 void SkeletonMotion::Walk(int root) {
   pair_of_limb_.assign(source_.tree->limbs().size(), -1);
   AddLimbs(root, -1);
-  TurnJoint(root, -1, coarse_.rotation, kPrior);
+  TurnJoint(root, -1, coarse_.rotation, SkeletonMotionTuning::kPrior);
   // Parents come before their children.
   for (LimbPair& pair : pairs_) {
     TurnLimb(pair);
     if (!source_.tree->joints()[pair.to].tip())
-      TurnJoint(pair.to, pair.source_limb, pair.turns.back(), 3 * kPrior);
+      TurnJoint(pair.to, pair.source_limb, pair.turns.back(),
+                SkeletonMotionTuning::kChildPrior * SkeletonMotionTuning::kPrior);
   }
 }
 
 /// The motion of point x at a share of a limb, averaged over a length about the limb's thickness.
 Vector3d SkeletonMotion::Moved(const LimbPair& pair, double share, const Vector3d& x) const {
-  const double reach =
-      std::clamp(0.5 * (x - pair.source.At(share)).norm() / std::max(pair.source.length, 1e-300),
-                 0.5 / kAxisSamples, 0.2);
+  const double reach = std::clamp(SkeletonMotionTuning::kBlur * (x - pair.source.At(share)).norm() /
+                                      std::max(pair.source.length, 1e-300),
+                                  0.5 / kAxisSamples, SkeletonMotionTuning::kMostBlurred);
   const int low = std::max(0, static_cast<int>(std::floor((share - 2 * reach) * kAxisSamples)));
   const int high =
       std::min(kAxisSamples, static_cast<int>(std::ceil((share + 2 * reach) * kAxisSamples)));
@@ -417,8 +469,9 @@ PointsX3 SkeletonMotion::Apply(const PointsX3& points) const {
       }
       const double thick =
           (x - pair->source.At(share)).norm() / std::max(pair->source.length, 1e-300);
-      share = pair->source.Project(x, std::max(0.0, share - 0.05 - thick),
-                                   std::min(1.0, share + 0.05 + thick));
+      share =
+          pair->source.Project(x, std::max(0.0, share - SkeletonMotionTuning::kSkinReach - thick),
+                               std::min(1.0, share + SkeletonMotionTuning::kSkinReach + thick));
       Vector3d p = Moved(*pair, share, x);
       // Inside a joint's ball, blend from the motion of the limb to that of the joint.
       for (int j : {pair->from, pair->to}) {

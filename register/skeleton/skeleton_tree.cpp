@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::registration {
 
@@ -14,17 +15,30 @@ namespace {
 
 using Eigen::Vector3d;
 constexpr double kFar = std::numeric_limits<double>::infinity();
-// A branch is pruned when its end is inside an inscribed ball enlarged by this factor.
-constexpr double kInside = 1.3;
-// Points that contracted within this share of the tip's radius belong to the tip.
-constexpr double kNearTip = 0.5;
-constexpr double kBallGrowth = 1.5;  // least radius of a ball, over that of the tip
 constexpr int kGrownNodes = 6;
-// The thickness of a limb is compared over this share of its length, from the tip.
-constexpr double kTipShare = 0.3;
-// Limbs longer than this share of the tree's total length are never merged.
-constexpr double kMergeLimit = 0.25;
-constexpr double kLandmarkWeight = 4, kThicknessWeight = 0.2, kPlaceWeight = 0.15;
+
+// Measured on tentacles bent by 60 to 450 degrees and on real pairs (docs/algorithms/register.md);
+// no record of single values. Sensitivity: docs/results/sensitivity.md.
+struct SkeletonTreeTuning {
+  // of an inscribed ball's radius: a branch is pruned when its end is nearer to the ball's centre
+  KEYPOSE_TUNED(double, kInside, 1.3);
+  // of the tip's radius: points that contracted nearer to the tip belong to it
+  KEYPOSE_TUNED(double, kNearTip, 0.5);
+  KEYPOSE_TUNED(int, kFewestPoints, 8);     // points of a tip from which a ball there is believed
+  KEYPOSE_TUNED(double, kBallGrowth, 1.5);  // least radius of a ball, over that of the tip
+};
+
+// On the same data; no record of single values. Costs are without unit: lengths are over the
+// largest distance between the target's tips.
+struct TreeMatchTuning {
+  // of a limb's length, from the tip: the part over which thickness is compared
+  KEYPOSE_TUNED(double, kTipShare, 0.3);
+  // of the tree's total length: longer limbs are never merged
+  KEYPOSE_TUNED(double, kMergeLimit, 0.25);
+  KEYPOSE_TUNED(double, kLandmarkWeight, 4);     // of squared distances along the tree to landmarks
+  KEYPOSE_TUNED(double, kThicknessWeight, 0.2);  // of the squared log ratio of thicknesses
+  KEYPOSE_TUNED(double, kPlaceWeight, 0.15);     // of the squared distance of the tips' places
+};
 
 double InscribedRadius(const RayScene& surface, const Vector3d& p) {
   return std::sqrt(surface.ClosestPoint(p).squared_distance);
@@ -58,16 +72,17 @@ void SkeletonTree::GrowIntoBalls(const CurveSkeleton& skeleton, const RayScene& 
     Vector3d middle = Vector3d::Zero();
     int points = 0;
     for (std::size_t p = 0; p < skeleton.node_of.size(); ++p) {
-      if ((nodes_.row(skeleton.node_of[p]) - nodes_.row(tip)).norm() > kNearTip * radius_[tip])
+      if ((nodes_.row(skeleton.node_of[p]) - nodes_.row(tip)).norm() >
+          SkeletonTreeTuning::kNearTip * radius_[tip])
         continue;
       middle += skeleton.surface.row(p).transpose();
       ++points;
     }
-    if (points < 8) continue;
+    if (points < SkeletonTreeTuning::kFewestPoints) continue;
     middle /= points;
     const double way = (middle - nodes_.row(tip).transpose()).norm(),
                  radius = InscribedRadius(surface, middle);
-    if (radius < kBallGrowth * radius_[tip] || way < radius_[tip]) continue;
+    if (radius < SkeletonTreeTuning::kBallGrowth * radius_[tip] || way < radius_[tip]) continue;
     int last = static_cast<int>(tip);
     const Vector3d start = nodes_.row(tip);
     for (int k = 1; k <= kGrownNodes; ++k) {
@@ -127,9 +142,10 @@ bool SkeletonTree::PruneOne() {
     if (neighbors_[next].size() < 3 || length >= shortest) continue;
     bool inside = false;
     for (Eigen::Index q = 0; q < nodes_.rows() && !inside; ++q)
-      inside = !neighbors_[q].empty() &&
-               (nodes_.row(q) - nodes_.row(tip)).norm() < kInside * radius_[q] &&
-               std::find(branch.begin(), branch.end(), static_cast<int>(q)) == branch.end();
+      inside =
+          !neighbors_[q].empty() &&
+          (nodes_.row(q) - nodes_.row(tip)).norm() < SkeletonTreeTuning::kInside * radius_[q] &&
+          std::find(branch.begin(), branch.end(), static_cast<int>(q)) == branch.end();
     if (!inside) continue;
     shortest = length;
     twig = branch;
@@ -345,7 +361,7 @@ class TipCosts {
         double sum = 0, count = 0;
         const Limb& limb = tree.limbs()[tree.joints()[tips[i]].limbs.front()];
         for (int n : limb.nodes) {
-          if (d[n] > kTipShare * scale * limb.length) continue;
+          if (d[n] > TreeMatchTuning::kTipShare * scale * limb.length) continue;
           sum += scale * tree.radius()[n];
           ++count;
         }
@@ -359,17 +375,17 @@ class TipCosts {
     for (Eigen::Index i = 0; i < rows; ++i)
       for (Eigen::Index j = 0; j < cols; ++j) {
         if (marks > 0)
-          single_(i, j) += kLandmarkWeight *
+          single_(i, j) += TreeMatchTuning::kLandmarkWeight *
                            (source_marks.row(i) - target_marks.row(j)).squaredNorm() /
                            (reach * reach * marks);
-        single_(i, j) +=
-            kThicknessWeight * std::pow(std::log(std::max(source_thickness[i], 1e-9 * reach) /
-                                                 std::max(target_thickness[j], 1e-9 * reach)),
-                                        2);
+        single_(i, j) += TreeMatchTuning::kThicknessWeight *
+                         std::pow(std::log(std::max(source_thickness[i], 1e-9 * reach) /
+                                           std::max(target_thickness[j], 1e-9 * reach)),
+                                  2);
         const Eigen::RowVector3d from =
             e.source_in_target.row(s.joints()[source_tips[i]].nodes.front());
         single_(i, j) +=
-            kPlaceWeight *
+            TreeMatchTuning::kPlaceWeight *
             (from - t.nodes().row(t.joints()[target_tips[j]].nodes.front())).squaredNorm() /
             (reach * reach);
       }
@@ -492,7 +508,7 @@ bool MergeUnknown(SkeletonTree& tree, const std::vector<int>& tips, const Skelet
     const std::vector<std::uint32_t> splits = Splits(tree, tips);
     for (std::size_t l = 0; l < splits.size() && !merged; ++l) {
       if (std::find(known.begin(), known.end(), splits[l]) != known.end()) continue;
-      if (tree.limbs()[l].length > kMergeLimit * tree.total_length()) return false;
+      if (tree.limbs()[l].length > TreeMatchTuning::kMergeLimit * tree.total_length()) return false;
       tree.MergeLimb(static_cast<int>(l));
       merged = true;
     }
