@@ -7,6 +7,7 @@
 
 #include "core/camera.h"
 #include "core/kd_tree.h"
+#include "core/tuned.h"
 #include "deform/levels/geodesics.h"
 #include "register/nricp/alignment.h"
 
@@ -14,16 +15,21 @@ namespace keypose::registration {
 
 namespace {
 
-// The margins are wide: with correct hand-picked landmarks on squashed clay, distances change by a
-// third.
-constexpr double kSwapGain = 0.45;  // stress after the exchange over stress before
-// least stress (mean |log ratio|) of the two landmarks for a warning
-constexpr double kSwapLeast = 0.12;
-// a landmark whose distances change by a factor of 1.8 more than the rest
-constexpr double kMisplacedLog = 0.6;
-constexpr double kRestLog = 0.25;      // while the others agree within a factor of 1.3
-constexpr double kMirrorGain = 0.4;    // residual after reflection over residual before
-constexpr double kMirrorLeast = 0.08;  // residual before, over the spread of the landmarks
+// Chosen on hand-picked landmarks of squashed clay, whose distances change by a third when they are
+// correct, so the margins are wide; no record of single values. Sensitivity:
+// docs/results/sensitivity.md.
+struct LandmarkDoubtTuning {
+  KEYPOSE_TUNED(double, kSwapGain, 0.45);  // stress after the exchange over stress before
+  // mean |log ratio|: least stress of the two landmarks for a warning
+  KEYPOSE_TUNED(double, kSwapLeast, 0.12);
+  // log ratio: a landmark whose distances change by a factor of 1.8 more than the rest
+  KEYPOSE_TUNED(double, kMisplacedLog, 0.6);
+  KEYPOSE_TUNED(double, kRestLog, 0.25);      // log ratio: the others agree within a factor of 1.3
+  KEYPOSE_TUNED(double, kMirrorGain, 0.4);    // residual after reflection over residual before
+  KEYPOSE_TUNED(double, kMirrorLeast, 0.08);  // of the spread of the landmarks: residual before
+  // of the largest distance: added to all, so that near landmarks count less
+  KEYPOSE_TUNED(double, kFloor, 0.02);
+};
 
 double Median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -47,8 +53,8 @@ class Stress {
  public:
   Stress(Eigen::MatrixXd source, Eigen::MatrixXd target)
       : source_(std::move(source)), target_(std::move(target)) {
-    floor_ = 0.02 * std::max(source_.maxCoeff(), 1e-300);
-    target_floor_ = 0.02 * std::max(target_.maxCoeff(), 1e-300);
+    floor_ = LandmarkDoubtTuning::kFloor * std::max(source_.maxCoeff(), 1e-300);
+    target_floor_ = LandmarkDoubtTuning::kFloor * std::max(target_.maxCoeff(), 1e-300);
     std::vector<double> logs;
     for (Eigen::Index i = 0; i < source_.rows(); ++i)
       for (Eigen::Index j = 0; j < i; ++j) logs.push_back(Log(i, j, i, j));
@@ -98,7 +104,8 @@ void FindSwapped(const Stress& stress, const std::vector<LandmarkGoal>& goals,
   for (Eigen::Index a = 0; a < stress.count(); ++a)
     for (Eigen::Index b = a + 1; b < stress.count(); ++b) {
       const double before = stress.OfTwo(a, b, false), after = stress.OfTwo(a, b, true);
-      if (before > kSwapLeast && after < kSwapGain * before)
+      if (before > LandmarkDoubtTuning::kSwapLeast &&
+          after < LandmarkDoubtTuning::kSwapGain * before)
         exchanges.push_back({before - after, a, b});
     }
   std::stable_sort(exchanges.begin(), exchanges.end(),
@@ -117,10 +124,10 @@ void FindMisplaced(const Stress& stress, const std::vector<LandmarkGoal>& goals,
                    std::vector<char>& named, std::vector<std::string>& doubts) {
   std::vector<double> changes;
   for (Eigen::Index a = 0; a < stress.count(); ++a) changes.push_back(stress.OfOne(a));
-  if (Median(changes) > kRestLog)
+  if (Median(changes) > LandmarkDoubtTuning::kRestLog)
     return;  // nothing fits: probably another shape, not one bad landmark
   for (std::size_t a = 0; a < changes.size(); ++a) {
-    if (named[a] || changes[a] < kMisplacedLog) continue;
+    if (named[a] || changes[a] < LandmarkDoubtTuning::kMisplacedLog) continue;
     // Name the landmark that it disagrees with most, as a hint where it is wrong.
     std::size_t worst = a == 0 ? 1 : 0;
     for (std::size_t k = 0; k < changes.size(); ++k) {
@@ -148,7 +155,8 @@ void FindMirrored(const PointsX3& from, const PointsX3& to, std::vector<std::str
   PointsX3 reflected = from;
   reflected.col(0) *= -1;
   const double straight = FitResidual(from, to), mirrored = FitResidual(reflected, to);
-  if (straight > kMirrorLeast && mirrored < kMirrorGain * straight)
+  if (straight > LandmarkDoubtTuning::kMirrorLeast &&
+      mirrored < LandmarkDoubtTuning::kMirrorGain * straight)
     doubts.push_back(
         "the landmarks describe a mirror image: left and right look exchanged throughout; check "
         "the sides");

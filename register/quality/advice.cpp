@@ -11,6 +11,7 @@
 #include "core/mesh_checks.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "deform/levels/step_queue.h"
 #include "register/quality/closest_points.h"
 #include "register/quality/quality.h"
@@ -24,15 +25,23 @@ constexpr double kUnreached = std::numeric_limits<double>::infinity();
 constexpr int kPatches = 120;
 constexpr int kTargetSamples = 2500;
 constexpr int kMostFaces = 200000;  // about how many source faces are measured
-// Least distance between two places and from a landmark, over the source's diagonal.
-constexpr double kApart = 0.08;
-// Rough distance to which a landmark holds the surface, over the diagonal.
-constexpr double kReach = 0.12;
-// This misfit counts as much as a stretch by 1.5, over the target's diagonal.
-constexpr double kMisfitUnit = 0.01;
-constexpr double kLeastNeed = 0.15;  // below this nothing is wrong
-// A component with a smaller share of the area needs no landmark of its own.
-constexpr double kSmallPart = 0.05;
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct AdviceTuning {
+  // of the source's diagonal: least distance between two places and from a landmark
+  KEYPOSE_TUNED(double, kApart, 0.08);
+  // of the diagonal: roughly how far a landmark holds the surface
+  KEYPOSE_TUNED(double, kReach, 0.12);
+  // need of a landmark: 1 for each kMisfitUnit, log kStretchUnit and 1 / kFlipped
+  KEYPOSE_TUNED(double, kMisfitUnit, 0.01);  // of the target's diagonal
+  KEYPOSE_TUNED(double, kStretchUnit, 1.5);  // factor by which edges change
+  KEYPOSE_TUNED(double, kFlipped, 2);        // per share of area
+  KEYPOSE_TUNED(double, kLeastNeed, 0.15);   // below this nothing is wrong
+  // score of the middle of the body; the end of a limb has 1 more
+  KEYPOSE_TUNED(double, kMiddle, 0.5);
+  // of the area: a smaller component needs no landmark of its own
+  KEYPOSE_TUNED(double, kSmallPart, 0.05);
+};
 
 /// The source's edges: for each vertex its neighbours, and the edge lengths.
 struct Graph {
@@ -132,7 +141,8 @@ std::vector<char> LargeComponents(const Mesh& mesh, const Graph& graph) {
   for (Eigen::Index f = 0; f < areas.size(); ++f)
     share[component[mesh.faces(f, 0)]] += areas[f] / total;
   std::vector<char> large(mesh.vertex_count());
-  for (int v = 0; v < mesh.vertex_count(); ++v) large[v] = share[component[v]] >= kSmallPart;
+  for (int v = 0; v < mesh.vertex_count(); ++v)
+    large[v] = share[component[v]] >= AdviceTuning::kSmallPart;
   return large;
 }
 
@@ -290,14 +300,15 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
     Eigen::Index best_patch = -1;
     for (std::size_t n = 0; n < patches.seeds.size(); ++n) {
       const auto i = static_cast<Eigen::Index>(n);
-      const double need = signals.misfit[i] / kMisfitUnit + signals.stretch[i] / std::log(1.5) +
-                          2 * signals.flipped[i];
+      const double need = signals.misfit[i] / AdviceTuning::kMisfitUnit +
+                          signals.stretch[i] / std::log(AdviceTuning::kStretchUnit) +
+                          AdviceTuning::kFlipped * signals.flipped[i];
       const double away = held.distance[patches.seeds[n]] / diagonal;
-      if (need < kLeastNeed || away < kApart) continue;
+      if (need < AdviceTuning::kLeastNeed || away < AdviceTuning::kApart) continue;
       // The effect of a landmark falls with distance. The end of a limb is held from one side only,
       // so it gets a higher score.
-      const double score = need * (std::isfinite(away) ? away / (away + kReach) : 1) *
-                           (0.5 + patches.out[i] * patches.out[i]);
+      const double score = need * (std::isfinite(away) ? away / (away + AdviceTuning::kReach) : 1) *
+                           (AdviceTuning::kMiddle + patches.out[i] * patches.out[i]);
       if (score <= best.score) continue;
       best.vertex = patches.seeds[n];
       best.score = score;
