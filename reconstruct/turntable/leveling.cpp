@@ -10,12 +10,28 @@
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct LevelingTuning {
+  KEYPOSE_TUNED(double, kLeastTurn_deg, 8);  // rotations nearer to 0 or 180 degrees give no axis
+  KEYPOSE_TUNED(double, kSharp_deg, 3);      // spread of the axes of one turntable
+  // views of one ring: angle of their axis to the table's, and largest rise of the distance
+  KEYPOSE_TUNED(double, kOneRing_deg, 3);
+  KEYPOSE_TUNED(double, kRise, 0.1);
+  // planes of the rings: second eigenvalue over the first, and largest angle to the axis so far
+  KEYPOSE_TUNED(double, kFlat, 100);
+  KEYPOSE_TUNED(double, kPlane_deg, 3);
+  // of the distance: cameras farther from circles about the axis do not locate it
+  KEYPOSE_TUNED(double, kOffCircle, 0.03);
+  KEYPOSE_TUNED(double, kOutliers, 0.01);  // of the points, at each end
+};
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -46,7 +62,8 @@ std::vector<PairAxis> RelativeAxes(const std::vector<View>& views) {
           (views[j].camera_from_world.rotation.conjugate() * views[i].camera_from_world.rotation)
               .normalized());
       const double angle = std::abs(turn.angle());
-      if (angle > 8 * kDegree && angle < 172 * kDegree)
+      if (angle > LevelingTuning::kLeastTurn_deg * kDegree &&
+          angle < (180 - LevelingTuning::kLeastTurn_deg) * kDegree)
         axes.push_back({i, j, turn.axis(), std::sin(angle / 2)});
     }
   return axes;
@@ -66,7 +83,7 @@ Vector3d MeanAxis(const std::vector<PairAxis>& axes, const Vector3d& start, doub
 /// as a centre.
 Vector3d DensestAxis(const std::vector<PairAxis>& axes) {
   const std::size_t step = std::max<std::size_t>(1, axes.size() / 1500);
-  const double sharp = 3 * kDegree;
+  const double sharp = LevelingTuning::kSharp_deg * kDegree;
   Vector3d best = axes.front().axis;
   double best_votes = -1;
   for (std::size_t k = 0; k < axes.size(); k += step) {
@@ -93,7 +110,9 @@ std::vector<std::vector<int>> FindRings(const std::vector<View>& views,
   };
   for (const PairAxis& a : axes) {
     const double rise = std::abs(axis.dot(views[a.i].Center() - views[a.j].Center()));
-    if (std::abs(a.axis.dot(axis)) < std::cos(3 * kDegree) || rise > 0.1 * distance) continue;
+    if (std::abs(a.axis.dot(axis)) < std::cos(LevelingTuning::kOneRing_deg * kDegree) ||
+        rise > LevelingTuning::kRise * distance)
+      continue;
     const int ri = root(a.i), rj = root(a.j);
     group[std::max(ri, rj)] = std::min(ri, rj);
   }
@@ -119,9 +138,12 @@ Vector3d RefineByPlanes(const std::vector<View>& views, const std::vector<std::v
   if (scatter.trace() <= 0) return axis;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(scatter);
   const Vector3d normal = solver.eigenvectors().col(0);
-  const bool well_posed = solver.eigenvalues()(1) > 100 * std::max(solver.eigenvalues()(0), 0.0) +
-                                                        1e-12 * solver.eigenvalues()(2);
-  return well_posed && std::abs(normal.dot(axis)) > std::cos(3 * kDegree) ? normal : axis;
+  const bool well_posed =
+      solver.eigenvalues()(1) > LevelingTuning::kFlat * std::max(solver.eigenvalues()(0), 0.0) +
+                                    1e-12 * solver.eigenvalues()(2);
+  return well_posed && std::abs(normal.dot(axis)) > std::cos(LevelingTuning::kPlane_deg * kDegree)
+             ? normal
+             : axis;
 }
 
 /// Rotation whose third row is `up`.
@@ -179,8 +201,8 @@ Box ObjectBox(const Scene& scene, const Matrix3d& upright) {
     std::vector<double> values;
     for (const SparsePoint& point : scene.points)
       values.push_back(upright.row(k).dot(point.position));
-    box.low(k) = Quantile(values, 0.01);
-    box.high(k) = Quantile(values, 0.99);
+    box.low(k) = Quantile(values, LevelingTuning::kOutliers);
+    box.high(k) = Quantile(values, 1 - LevelingTuning::kOutliers);
     box.middle(k) = Median(values);
   }
   box.middle = (box.low + box.high) / 2;
@@ -251,8 +273,9 @@ Leveling LevelScene(const Scene& scene) {
   // object's centre.
   const Eigen::Vector2d half = ((box.high - box.low) / 2).head<2>();
   const Eigen::Vector2d off = (ring_center.center - box.middle.head<2>()).cwiseAbs();
-  level.centered_on_axis =
-      ring_center.valid && ring_center.rms < 0.03 * distance && (off.array() < half.array()).all();
+  level.centered_on_axis = ring_center.valid &&
+                           ring_center.rms < LevelingTuning::kOffCircle * distance &&
+                           (off.array() < half.array()).all();
   Vector3d origin(box.middle.x(), box.middle.y(), box.low.z());
   if (level.centered_on_axis) origin.head<2>() = ring_center.center;
   const Vector3d first = rotation * scene.views[0].Center() - origin;

@@ -10,12 +10,19 @@
 
 #include "core/angles.h"
 #include "core/errors.h"
+#include "core/tuned.h"
 #include "reconstruct/bundle/bundle_projection.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 using Eigen::Vector3d;
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct RingBundleTuning {
+  /// of the largest error at the end: errors that enter the first solve
+  KEYPOSE_TUNED(double, kFirstErrors, 8);
+};
 
 /// The unknown intrinsics: f and k1. The camera's other parameters are constant.
 struct SharedIntrinsics {
@@ -258,7 +265,8 @@ RingBundleResult AdjustRingBundle(const RingModel& model, const std::vector<Spar
   RingBundleResult result;
   result.model = model;
   result.points = points;
-  result.observations = Inliers(model, points, observations, 8 * options.max_error_px);
+  result.observations =
+      Inliers(model, points, observations, RingBundleTuning::kFirstErrors * options.max_error_px);
   for (int round = 0; round < 2; ++round) {
     RingProblem(result.model, result.points, result.observations, options,
                 options.focal_px > 0 ? options.focal_px : model.camera.fx)

@@ -7,11 +7,18 @@
 #include "core/angles.h"
 #include "core/errors.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 using Eigen::Vector3d;
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct RingFitTuning {
+  /// degrees: standard deviation of a view's angle from even steps, which nothing tells here
+  KEYPOSE_TUNED(double, kAnglePrior_deg, 10);
+};
 
 /// Rotation nearest to the mean of some.
 Eigen::Quaterniond MeanRotation(const std::vector<Eigen::Quaterniond>& rotations) {
@@ -98,7 +105,7 @@ RingFit AdjustOnRings(const Scene& scene, const std::vector<Observation>& observ
   // The given points: the adjustment has renumbered its own.
   std::vector<SparsePoint> points = Transformed(leveling.level_from_model, scene).points;
   RingBundleOptions ring_options = options.ring;
-  ring_options.angle_prior_deg = 10;
+  ring_options.angle_prior_deg = RingFitTuning::kAnglePrior_deg;
   ring_options.robust_px = options.bundle.robust_px;
   ring_options.max_error_px = options.bundle.max_error_px;
   const RingBundleResult ring = AdjustRingBundle(start, points, observations, ring_options);

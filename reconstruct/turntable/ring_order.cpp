@@ -11,6 +11,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/numerics/simplex_search.h"
 #include "reconstruct/turntable/leveling.h"
@@ -22,9 +23,21 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kApart = 0.6;  // of a step: positions closer together than this are the same
-// of the camera distance: largest distance of cameras of a few views from their rings
-constexpr double kMostOffAxis = 0.03;
+// Tried on 24 and 36 photographs of weak clay with shuffled names (docs/results/cameras.md); no
+// record of single values. Sensitivity: docs/results/sensitivity.md.
+struct RingOrderTuning {
+  KEYPOSE_TUNED(double, kApart, 0.6);  // of a step: positions closer together are the same
+  KEYPOSE_TUNED(double, kTaken, 0.5);  // of a step: a position nearer to a photograph is taken
+  // of the camera distance: largest distance of cameras of a few views from their rings
+  KEYPOSE_TUNED(double, kMostOffAxis, 0.03);
+  // cameras nearer and more alike are of one ring: of the camera distance, and degrees
+  KEYPOSE_TUNED(double, kSamePlace, 0.08);
+  KEYPOSE_TUNED(double, kSameTurn_deg, 5);
+  KEYPOSE_TUNED(double, kAnotherRing_deg, 6);  // least difference of the elevations of two rings
+  // of the score at a new elevation: a position on a known ring with more is preferred
+  KEYPOSE_TUNED(double, kOnRing, 0.7);
+  KEYPOSE_TUNED(double, kWide, 1.5);  // of the final epipolar limit: limit during the search
+};
 
 double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 
@@ -32,8 +45,8 @@ double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
 /// photographs, belong to the same ring.
 bool SameRing(const Rigid3& a, const Rigid3& b) {
   const Vector3d ca = a.Inverse().translation, cb = b.Inverse().translation;
-  return (ca - cb).norm() < 0.08 * ca.norm() &&
-         a.rotation.angularDistance(b.rotation) < 5 * kDegree;
+  return (ca - cb).norm() < RingOrderTuning::kSamePlace * ca.norm() &&
+         a.rotation.angularDistance(b.rotation) < RingOrderTuning::kSameTurn_deg * kDegree;
 }
 
 /// A candidate position of a photograph.
@@ -239,7 +252,7 @@ class Sorter {
     const Vector3d toward = found.best.Center().normalized();
     for (const Place& place : places)
       if (place.score > rival && std::acos(std::clamp(place.Center().normalized().dot(toward), -1.0,
-                                                      1.0)) > kApart * step_)
+                                                      1.0)) > RingOrderTuning::kApart * step_)
         rival = place.score;
     found.clear = (found.best.score - rival) / std::sqrt(found.best.score + rival + 1);
     return found;
@@ -251,7 +264,7 @@ class Sorter {
     for (int k = 0; k < kAngles; ++k) {
       Place place{ring, ring_index, 2 * kPi * k / kAngles, 0};
       if (Taken(place)) continue;
-      place.score = Score(partners, place.CameraFromTable(), 1.5 * limit_);
+      place.score = Score(partners, place.CameraFromTable(), RingOrderTuning::kWide * limit_);
       tried.push_back(place);
     }
   }
@@ -261,7 +274,8 @@ class Sorter {
     return place.ring_index >= 0 &&
            std::any_of(of_image_.begin(), of_image_.end(), [&](const Place& other) {
              return other.ring_index == place.ring_index &&
-                    std::abs(Wrapped(other.angle_rad - place.angle_rad)) < 0.5 * step_;
+                    std::abs(Wrapped(other.angle_rad - place.angle_rad)) <
+                        RingOrderTuning::kTaken * step_;
            });
   }
 
@@ -287,14 +301,15 @@ class Sorter {
     for (double elevation = -10 * kDegree; elevation < 80 * kDegree; elevation += 3 * kDegree) {
       bool is_new = true;
       for (const Rigid3& ring : rings_)
-        is_new = is_new && std::abs(Elevation(ring) - elevation) > 6 * kDegree;
+        is_new = is_new && std::abs(Elevation(ring) - elevation) >
+                               RingOrderTuning::kAnotherRing_deg * kDegree;
       // The camera rises when the table tilts towards it.
       if (is_new) TryRing(partners, Tilted(rings_[0], elevation - Elevation(rings_[0])), -1, tried);
     }
     Found found = BestOf(tried);
     // A pose close to an existing ring belongs to it: a new ring has one more unknown, and can fit
     // more matches by chance.
-    if (found.best.ring_index < 0 && on_ring > 0.7 * found.best.score) {
+    if (found.best.ring_index < 0 && on_ring > RingOrderTuning::kOnRing * found.best.score) {
       std::erase_if(tried, [](const Place& place) { return place.ring_index < 0; });
       found = BestOf(tried);
     }
@@ -329,7 +344,7 @@ class Sorter {
       return near;
     };
     Eigen::Vector4d at = Eigen::Vector4d::Zero();
-    for (const double limit : {1.5 * limit_, limit_})
+    for (const double limit : {RingOrderTuning::kWide * limit_, limit_})
       at = MinimizeSimplex(
           [&](const Eigen::VectorXd& by) {
             return -Score(partners, moved(by).CameraFromTable(), limit);
@@ -404,8 +419,9 @@ std::optional<RingOrder> OrderOnRings(const Scene& part, const std::vector<std::
                                       const RingOrderOptions& options, Progress* progress) {
   if (part.views.size() < 4 || part.points.size() < 10) return std::nullopt;
   const Leveling leveling = LevelScene(part);
-  if (leveling.rings < 1 || !leveling.centered_on_axis || leveling.plane_rms > kMostOffAxis ||
-      leveling.circle_rms > kMostOffAxis)
+  if (leveling.rings < 1 || !leveling.centered_on_axis ||
+      leveling.plane_rms > RingOrderTuning::kMostOffAxis ||
+      leveling.circle_rms > RingOrderTuning::kMostOffAxis)
     return std::nullopt;
   Sorter sorter(part, leveling, names, pairs, options);
   if (sorter.PlaceOthers(progress) == 0) return std::nullopt;

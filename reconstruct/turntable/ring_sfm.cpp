@@ -6,11 +6,28 @@
 
 #include "core/angles.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/turntable/ring_tracks.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+/// Measured on 24 photographs of weak clay (docs/results/cameras.md); no record of single values.
+/// Sensitivity: docs/results/sensitivity.md.
+struct RingSfmTuning {
+  /// px: largest distance of a raw match from its epipolar line, and of its point from both places
+  KEYPOSE_TUNED(double, kRawMatch_px, 5);
+  KEYPOSE_TUNED(double, kRawPoint_px, 12);
+  /// px: largest distances of matches along epipolar lines, in the first and second round
+  KEYPOSE_TUNED(double, kFirstMatch_px, 4);
+  KEYPOSE_TUNED(double, kSecondMatch_px, 2.5);
+  KEYPOSE_TUNED(double, kPoint_px, 6);   ///< px: of their points from both places
+  KEYPOSE_TUNED(double, kFreePoint, 4);  ///< the same with free cameras, over the match's distance
+  KEYPOSE_TUNED(double, kLeastAngle_deg, 4);  ///< between some two rays of a point
+  /// inliers of a further layout over those of the best so far
+  KEYPOSE_TUNED(double, kBetterLayout, 1.1);
+};
 
 class Reconstruction {
  public:
@@ -24,11 +41,11 @@ class Reconstruction {
     if (!result_.start.IsPlausible()) return std::move(result_);
     result_.model = result_.start.model;
     ReportProgress(progress, 0.6, "adjusting the ring model");
-    Adjust(Agreeing(matches, 5), 12);
-    for (const double error_px : {4.0, 2.5}) {
+    Adjust(Agreeing(matches, RingSfmTuning::kRawMatch_px), RingSfmTuning::kRawPoint_px);
+    for (const double error_px : {RingSfmTuning::kFirstMatch_px, RingSfmTuning::kSecondMatch_px}) {
       ReportProgress(progress, error_px > 3 ? 0.7 : 0.8,
                      "matching along the ring model's epipolar lines");
-      Adjust(GuidedMatches(SceneOf(result_.model, names_, {}), error_px), 6);
+      Adjust(GuidedMatches(SceneOf(result_.model, names_, {}), error_px), RingSfmTuning::kPoint_px);
     }
     if (bundle_.observations.size() < 3 * result_.model.views.size()) return std::move(result_);
     result_.found = true;
@@ -45,7 +62,7 @@ class Reconstruction {
       SubProgress part(progress, from, from + 0.6 / static_cast<double>(layouts.size()));
       RingStart start = FindRingModel(camera, layouts[k], points, &part);
       // A wrong layout has a few more matches only because of its additional unknowns.
-      if (k > 0 && start.inliers < 1.1 * result_.start.inliers) continue;
+      if (k > 0 && start.inliers < RingSfmTuning::kBetterLayout * result_.start.inliers) continue;
       result_.start = std::move(start);
       result_.layout = layouts[k];
     }
@@ -106,7 +123,7 @@ class Reconstruction {
   Triangulated Points(const Scene& scene, const std::vector<PairMatches>& matches,
                       double error_px) const {
     return Triangulate(scene, ViewOfImage(), BuildTracks(matches, features_), features_,
-                       {.min_angle_deg = 4, .max_error_px = error_px});
+                       {.min_angle_deg = RingSfmTuning::kLeastAngle_deg, .max_error_px = error_px});
   }
 
   void Adjust(const std::vector<PairMatches>& matches, double triangulation_error_px) {
@@ -150,8 +167,9 @@ class Reconstruction {
 
   /// Matches and adjusts again: matches that did not fit the ring may fit the free cameras.
   void Follow(Scene scene, Progress* progress) {
-    for (const double error_px : {4.0, 2.5}) {
-      const Triangulated points = Points(scene, GuidedMatches(scene, error_px), 4 * error_px);
+    for (const double error_px : {RingSfmTuning::kFirstMatch_px, RingSfmTuning::kSecondMatch_px}) {
+      const Triangulated points =
+          Points(scene, GuidedMatches(scene, error_px), RingSfmTuning::kFreePoint * error_px);
       BundleResult free =
           AdjustBundle(points.scene, points.observations, options_.bundle, progress);
       result_.free_error_px = free.after_px;

@@ -9,6 +9,7 @@
 #include "core/errors.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/numerics/simplex_search.h"
 
 namespace keypose::reconstruct {
@@ -18,8 +19,23 @@ using Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// at the search's size: for outlines farther away the gradient is not useful
-constexpr double kCap_px = 12;
+// Measured on rings of weak clay (docs/decisions/ring-after-mapper.md); no record of single values.
+// Sensitivity: docs/results/sensitivity.md.
+struct RingSilhouetteTuning {
+  // at the search's size: for outlines farther away the gradient is not useful
+  KEYPOSE_TUNED(double, kCap_px, 12);
+  // at the search's size: rays that miss by less give a point
+  KEYPOSE_TUNED(double, kTouches_px, 1.5);
+  KEYPOSE_TUNED(double, kSees_deg, 50);  // views with a larger angle between them do not see it
+  // of the square root of the outline's area: added to half its extent, as the solid's half size
+  KEYPOSE_TUNED(double, kRoom, 0.75);
+  KEYPOSE_TUNED(double, kNearest, 0.05);  // of the axis' distance: least depth of the solid
+  // cosine: axes nearer to the line of sight are not tried
+  KEYPOSE_TUNED(double, kMostAlongSight, 0.97);
+  KEYPOSE_TUNED(double, kUneven_deg, 1.5);  // largest change of a view's angle in a round
+  // share of this change that is made: two inconsistent neighbours would otherwise alternate
+  KEYPOSE_TUNED(double, kDamping, 0.5);
+};
 
 /// A mask as distances to its outline, positive outside, on a coarse raster, with rays through the
 /// outline.
@@ -143,7 +159,8 @@ class Fitter {
       outlines_[v] = MakeOutline(masks[model_.views[v].image], camera, factor_);
     });
     for (const Outline& outline : outlines_)
-      half_size_ = std::max(half_size_, 0.75 * std::sqrt(outline.area) + HalfExtent(outline));
+      half_size_ = std::max(
+          half_size_, RingSilhouetteTuning::kRoom * std::sqrt(outline.area) + HalfExtent(outline));
   }
 
   RingSilhouettes Run(Progress* progress) {
@@ -212,7 +229,7 @@ class Fitter {
   double ViewError(std::size_t v, const std::vector<std::size_t>& against, const Effort& effort,
                    std::vector<Vector3d>* touching = nullptr) const {
     const Outline& outline = outlines_[v];
-    if (outline.rays.empty()) return kCap_px;
+    if (outline.rays.empty()) return RingSilhouetteTuning::kCap_px;
     struct Other {
       const ImageF* distance;
       Matrix3d rotation;
@@ -234,7 +251,7 @@ class Fitter {
       double worst = 0;
       for (const Other& other : others) {
         const Vector3d y = other.rotation * x + other.translation;
-        if (y.z() <= 1e-6) return kCap_px;
+        if (y.z() <= 1e-6) return RingSilhouetteTuning::kCap_px;
         const Eigen::Vector2d pixel = coarse_.Project(y);
         worst =
             std::max(worst, static_cast<double>(DistanceAt(*other.distance, pixel.x(), pixel.y())));
@@ -248,7 +265,7 @@ class Fitter {
     for (int k = 0; k < rays; ++k) {
       const Vector3d& ray = outline.rays[static_cast<std::size_t>(k) * outline.rays.size() /
                                          static_cast<std::size_t>(rays)];
-      double best = kCap_px, at = distance;
+      double best = RingSilhouetteTuning::kCap_px, at = distance;
       for (int d = 0; d < effort.depths && best > 0; ++d) {
         const double depth = distance + reach * (2.0 * d / (effort.depths - 1) - 1);
         if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
@@ -258,12 +275,13 @@ class Fitter {
         for (const double depth : {at - step, at + step})
           if (const double e = outside(depth * ray, best); e < best) best = e, at = depth;
       sum += best;
-      if (touching && best < 1.5) touching->push_back(own * Vector3d(at * ray));
+      if (touching && best < RingSilhouetteTuning::kTouches_px)
+        touching->push_back(own * Vector3d(at * ray));
     }
     return sum / rays;
   }
 
-  /// A point on the outline of view v. Views within 50 degrees are assumed to see it too.
+  /// A point on the outline of view v. Views within kSees_deg are assumed to see it too.
   SparsePoint PointOf(std::size_t v, const Vector3d& x) const {
     SparsePoint point;
     point.position = x;
@@ -271,7 +289,8 @@ class Fitter {
     const Rigid3 own = model_.CameraFromTable(model_.views[v]);
     for (std::size_t j = 0; j < model_.views.size(); ++j) {
       const Rigid3 other = Compose(model_.CameraFromTable(model_.views[j]), own.Inverse());
-      if ((other.rotation * Vector3d::UnitZ()).z() > std::cos(50 * kDegree))
+      if ((other.rotation * Vector3d::UnitZ()).z() >
+          std::cos(RingSilhouetteTuning::kSees_deg * kDegree))
         point.views.push_back(static_cast<int>(j));
     }
     return point;
@@ -285,7 +304,8 @@ class Fitter {
     const Vector3d& m = outlines_[v].middle;
     // The point of the ray nearest to the axis.
     const Vector3d across = m - m.dot(axis) * axis;
-    return std::max(0.05 * foot.norm(), across.dot(foot) / std::max(across.squaredNorm(), 1e-12));
+    return std::max(RingSilhouetteTuning::kNearest * foot.norm(),
+                    across.dot(foot) / std::max(across.squaredNorm(), 1e-12));
   }
 
   static Rigid3 AxisPose(const Vector3d& direction, const Vector3d& through) {
@@ -365,7 +385,7 @@ class Fitter {
         const double turn = 2 * kPi * k / around;
         const Vector3d d(std::sin(polar) * std::cos(turn), std::cos(polar),
                          std::sin(polar) * std::sin(turn));
-        if (std::abs(d.z()) < 0.97)
+        if (std::abs(d.z()) < RingSilhouetteTuning::kMostAlongSight)
           tried.emplace_back(ErrorWith(ring, AxisPose(d, through), some, some, {6, 12}),
                              AxisPose(d, through));
       }
@@ -451,7 +471,8 @@ class Fitter {
     for (std::size_t v = 0; v < model_.views.size(); ++v) {
       RingView& view = model_.views[v];
       const double start = view.angle_rad;
-      double best = start, least = std::numeric_limits<double>::infinity(), reach = 1.5 * kDegree;
+      double best = start, least = std::numeric_limits<double>::infinity(),
+             reach = RingSilhouetteTuning::kUneven_deg * kDegree;
       for (int level = 0; level < 3; ++level, reach /= 3) {
         const double middle = best;
         for (int k = -2; k <= 2; ++k) {
@@ -463,9 +484,9 @@ class Fitter {
       angles[v] = best;
       view.angle_rad = start;
     }
-    // Half of the step: two inconsistent neighbours would otherwise alternate.
     for (std::size_t v = 0; v < model_.views.size(); ++v)
-      model_.views[v].angle_rad += 0.5 * (angles[v] - model_.views[v].angle_rad);
+      model_.views[v].angle_rad +=
+          RingSilhouetteTuning::kDamping * (angles[v] - model_.views[v].angle_rad);
   }
 
   const RingSilhouetteOptions& options_;

@@ -10,6 +10,7 @@
 #include "core/angles.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/numerics/epipolar.h"
 #include "reconstruct/numerics/simplex_search.h"
 
@@ -19,9 +20,20 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Largest epipolar errors of inliers, during the search and at the end.
-constexpr double kWide_rad = 0.005, kNarrow_rad = 0.0012;
-constexpr double kLeastTurn = 4 * kDegree, kMostTurn = 75 * kDegree;
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct RingSearchTuning {
+  KEYPOSE_TUNED(double, kWide_rad, 0.005);     // largest epipolar error of inliers in the search
+  KEYPOSE_TUNED(double, kNarrow_rad, 0.0012);  // the same at the end
+  // between the views of a pair: less has no baseline, with more nothing matches
+  KEYPOSE_TUNED(double, kLeastTurn_deg, 4);
+  KEYPOSE_TUNED(double, kMostTurn_deg, 75);
+  // cosine: axes nearer to the line of sight are not tried
+  KEYPOSE_TUNED(double, kMostAlongSight, 0.985);
+  // how far a view's angle may be from even steps: in degrees, and of a step
+  KEYPOSE_TUNED(double, kUneven_deg, 3);
+  KEYPOSE_TUNED(double, kUnevenShare, 0.4);
+  KEYPOSE_TUNED(double, kFewestJoining, 12);  // matches across rings that join them
+};
 
 /// A match as rays with z = 1.
 struct Match {
@@ -89,7 +101,9 @@ struct Axis {
   }
 };
 
-bool Sensible(const Vector3d& direction) { return std::abs(direction.z()) < 0.985; }
+bool Sensible(const Vector3d& direction) {
+  return std::abs(direction.z()) < RingSearchTuning::kMostAlongSight;
+}
 
 /// Directions over the whole sphere at a distance of about `spacing`, on rings of latitude about y.
 /// Opposite directions are both included: they differ in the direction of rotation.
@@ -144,7 +158,7 @@ class Finder {
       ReportProgress(progress, 0.6 + 0.3 * round / rings(), "connecting rings");
       result_.joined = Join(joined) && result_.joined;
     }
-    RelaxAngles(matches_, kNarrow_rad);
+    RelaxAngles(matches_, RingSearchTuning::kNarrow_rad);
     Count();
     return std::move(result_);
   }
@@ -174,7 +188,9 @@ class Finder {
     for (const Match& m : matches_) {
       if (view(m.a).ring != ring || view(m.b).ring != ring) continue;
       const double turn = WrappedTurn(view(m.a).angle_rad, view(m.b).angle_rad);
-      if (turn > kLeastTurn && turn < kMostTurn) found.push_back(m);
+      if (turn > RingSearchTuning::kLeastTurn_deg * kDegree &&
+          turn < RingSearchTuning::kMostTurn_deg * kDegree)
+        found.push_back(m);
     }
     return found;
   }
@@ -204,7 +220,8 @@ class Finder {
           best.first = 1e300;
           for (int o = 0; o < kOffsets; ++o) {
             const Axis axis{directions[k], 3 * kDegree * (o - kOffsets / 2)};
-            if (const double c = cost(few, axis, 2 * kWide_rad); c < best.first) best = {c, axis};
+            if (const double c = cost(few, axis, 2 * RingSearchTuning::kWide_rad); c < best.first)
+              best = {c, axis};
           }
         },
         8);
@@ -213,17 +230,18 @@ class Finder {
     tried.resize(std::min<std::size_t>(tried.size(), 24));
     ParallelFor(std::ssize(tried), [&](std::int64_t k) {
       auto& [c, axis] = tried[k];
-      for (const double limit : {2 * kWide_rad, kWide_rad})
+      for (const double limit : {2 * RingSearchTuning::kWide_rad, RingSearchTuning::kWide_rad})
         axis = Refined(
             axis, [&](const Axis& a) { return cost(few, a, limit); }, 120);
-      c = cost(many, axis, kWide_rad);
+      c = cost(many, axis, RingSearchTuning::kWide_rad);
     });
     Axis axis = std::min_element(tried.begin(), tried.end(), [](const auto& a, const auto& b) {
                   return a.first < b.first;
                 })->second;
     axis = Refined(
-        axis, [&](const Axis& a) { return cost(many, a, kWide_rad); }, 150);
-    for (const double limit : {kWide_rad, 0.5 * kWide_rad, kNarrow_rad}) {
+        axis, [&](const Axis& a) { return cost(many, a, RingSearchTuning::kWide_rad); }, 150);
+    for (const double limit : {RingSearchTuning::kWide_rad, 0.5 * RingSearchTuning::kWide_rad,
+                               RingSearchTuning::kNarrow_rad}) {
       result_.model.rings[ring] = axis.Pose();
       RelaxAngles(matches, limit);
       axis = Refined(
@@ -276,7 +294,9 @@ class Finder {
     };
     const double start = moving.angle_rad, least = cost(start);
     double best = start, best_cost = least;
-    double reach = std::min(3 * kDegree, 0.4 * std::abs(result_.model.step_rad[moving.ring]));
+    double reach =
+        std::min(RingSearchTuning::kUneven_deg * kDegree,
+                 RingSearchTuning::kUnevenShare * std::abs(result_.model.step_rad[moving.ring]));
     for (int level = 0; level < 4; ++level, reach /= 4) {
       const double middle = best;
       for (int k = -4; k <= 4; ++k)
@@ -337,7 +357,8 @@ class Finder {
           const Eigen::Vector3d x(2 * kPi * static_cast<double>(k) / kTurns,
                                   std::exp(scale) * middle - first + 0.04 * (h - kHeights / 2),
                                   scale);
-          if (const double c = cost(few, x, 2 * kWide_rad); c < tried[k].first) tried[k] = {c, x};
+          if (const double c = cost(few, x, 2 * RingSearchTuning::kWide_rad); c < tried[k].first)
+            tried[k] = {c, x};
         }
     });
     std::stable_sort(tried.begin(), tried.end(),
@@ -345,18 +366,19 @@ class Finder {
     tried.resize(12);
     ParallelFor(12, [&](std::int64_t k) {
       auto& [c, x] = tried[k];
-      for (const double limit : {2 * kWide_rad, kWide_rad, kNarrow_rad})
+      for (const double limit : {2 * RingSearchTuning::kWide_rad, RingSearchTuning::kWide_rad,
+                                 RingSearchTuning::kNarrow_rad})
         x = MinimizeSimplex(
             [&](const Eigen::VectorXd& y) {
-              return cost(limit == kNarrow_rad ? many : few, y, limit);
+              return cost(limit == RingSearchTuning::kNarrow_rad ? many : few, y, limit);
             },
             x, Eigen::Vector3d(2 * kDegree, 0.03, 0.06), 120);
-      c = cost(many, x, kNarrow_rad);
+      c = cost(many, x, RingSearchTuning::kNarrow_rad);
     });
     const auto best = *std::min_element(
         tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     result_.model.rings[ring] = placed(best.second);
-    return static_cast<double>(many.size()) - best.first >= 12;
+    return static_cast<double>(many.size()) - best.first >= RingSearchTuning::kFewestJoining;
   }
 
   /// Height on the axis, in units of the distance to it, of the point nearest to the camera's
@@ -379,7 +401,7 @@ class Finder {
   }
 
   void Count() {
-    const double limit = 3 / result_.model.camera.fx;
+    const double limit = RingStartTuning::kInlier_px / result_.model.camera.fx;
     for (const Match& m : matches_) {
       const Rigid3 a = result_.model.CameraFromTable(view(m.a)),
                    b = result_.model.CameraFromTable(view(m.b));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/progress.h"
+#include "core/tuned.h"
 #include "reconstruct/matching/colmap_database.h"
 #include "reconstruct/turntable/ring_model.h"
 
@@ -20,14 +21,24 @@ struct PairPoints {
 std::vector<PairPoints> PointsOf(const std::vector<PairMatches>& matches,
                                  const std::vector<Features>& features);
 
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct RingStartTuning {
+  KEYPOSE_TUNED(double, kInlier_px, 3);    ///< largest distance of an inlier from its epipolar line
+  KEYPOSE_TUNED(int, kFewestInliers, 40);  ///< a wrong model has fewer by chance
+  KEYPOSE_TUNED(double, kLeastInlierShare, 0.25);  ///< of the matches, likewise
+};
+
 struct RingStart {
   RingModel model;
   int matches = 0;  ///< number of tested matches
-  int inliers = 0;  ///< number within 3 px of their epipolar lines at the end
+  int inliers = 0;  ///< number of inliers at the end
   double inlier_share = 0;
   bool joined = true;  ///< whether matches connect the rings
   /// Whether there are more inliers than a wrong model would have by chance.
-  bool IsPlausible() const { return joined && inliers >= 40 && inlier_share > 0.25; }
+  bool IsPlausible() const {
+    return joined && inliers >= RingStartTuning::kFewestInliers &&
+           inlier_share > RingStartTuning::kLeastInlierShare;
+  }
 };
 
 /// Fits a ring model to matches. For each ring, the axis in its camera's frame is searched over the

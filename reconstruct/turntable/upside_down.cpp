@@ -6,14 +6,23 @@
 #include <numeric>
 
 #include "core/image_turns.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 constexpr int kRows = 48;  ///< of an outline's profile
-/// least correlation of a pair's matched positions, in one of the orientations
-constexpr double kLeastLikeness = 0.5;
-constexpr Eigen::Index kFewestMatches = 10;
+
+/// Tried on a ring of 16 columns with two photographs upside down (docs/results/cameras.md); no
+/// record of single values. Sensitivity: docs/results/sensitivity.md.
+struct UpsideDownTuning {
+  /// least correlation of a pair's matched positions, in one of the orientations
+  KEYPOSE_TUNED(double, kLeastLikeness, 0.5);
+  KEYPOSE_TUNED(int, kFewestMatches, 10);  ///< of a pair that is asked
+  /// a photograph is upside down if turned over its outline's distance is below this share of the
+  /// distance as it is
+  KEYPOSE_TUNED(double, kClearly, 0.6);
+};
 
 struct Tie {
   int first, second;
@@ -77,9 +86,9 @@ double UpperMedian(std::vector<double> values) {
 std::vector<int> UpsideDownByMatches(int images, const std::vector<PairPoints>& pairs) {
   std::vector<Tie> ties;
   for (const PairPoints& pair : pairs) {
-    if (pair.xy.rows() < kFewestMatches) continue;
+    if (pair.xy.rows() < UpsideDownTuning::kFewestMatches) continue;
     const double likeness = Likeness(pair);
-    if (std::abs(likeness) < kLeastLikeness) continue;
+    if (std::abs(likeness) < UpsideDownTuning::kLeastLikeness) continue;
     ties.push_back({pair.first, pair.second, likeness,
                     std::abs(likeness) * std::sqrt(static_cast<double>(pair.xy.rows()))});
   }
@@ -123,14 +132,13 @@ std::vector<int> UpsideDownByOutlines(std::vector<int> known, const std::vector<
     for (const std::size_t i : upright) row.push_back(profiles[i](r));
     usual(r) = UpperMedian(std::move(row));
   }
-  constexpr double kClearly = 0.6;
   for (std::size_t i = 0; i < masks.size(); ++i) {
     if (known[i] >= 0) continue;
     known[i] = 0;
     if (masks[i].empty()) continue;
     const double as_it_is = (profiles[i] - usual).norm(),
                  turned = (profiles[i].reverse() - usual).norm();
-    known[i] = turned < kClearly * as_it_is;
+    known[i] = turned < UpsideDownTuning::kClearly * as_it_is;
   }
   return known;
 }
