@@ -62,8 +62,10 @@ bool PairAgrees(const View& a, const View& b, const Features& first, const Featu
 double CameraEvidence::Score() const {
   const double share = images > 0 ? static_cast<double>(placed) / images : 0;
   // A few pairs are not conclusive: kFewestPairs pairs of which half agree are added.
-  const double agree = (pairs_agree + 0.5 * kFewestPairs) / (pairs + kFewestPairs);
-  return share * (outlines ? hull_iou : 1) * (0.7 + 0.3 * agree);
+  const double agree = (pairs_agree + 0.5 * CameraEvidenceTuning::kFewestPairs) /
+                       (pairs + CameraEvidenceTuning::kFewestPairs);
+  return share * (outlines ? hull_iou : 1) *
+         (1 - CameraEvidenceTuning::kPairWeight + CameraEvidenceTuning::kPairWeight * agree);
 }
 
 bool IsPlausible(const CameraEvidence& evidence) {
@@ -74,7 +76,7 @@ bool IsPlausible(const CameraEvidence& evidence) {
 bool IsSure(const CameraEvidence& evidence) {
   if (!evidence.outlines) return evidence.placed > 0;
   return evidence.hull_iou >= CameraEvidenceTuning::kSureHullOverlap &&
-         (evidence.pairs < kFewestPairs ||
+         (evidence.pairs < CameraEvidenceTuning::kFewestPairs ||
           evidence.pairs_agree_share() >= CameraEvidenceTuning::kSurePairShare);
 }
 
@@ -82,18 +84,17 @@ bool IsBetter(const CameraEvidence& other, const CameraEvidence& best) {
   if (other.placed == 0) return false;
   if (best.placed == 0) return true;
   const bool other_can = IsPlausible(other), best_can = IsPlausible(best);
-  constexpr double kClearly = 0.02;
   if (other_can != best_can) return other_can;
   if (other_can && IsSure(other) == IsSure(best) && other.placed != best.placed)
     return other.placed > best.placed;
-  return other.Score() > best.Score() + kClearly;
+  return other.Score() > best.Score() + CameraEvidenceTuning::kClearly;
 }
 
 void CountAgreeingPairs(const Scene& scene, const std::vector<int>& view_of_image,
                         const std::vector<Features>& features,
                         const std::vector<PairMatches>& verified, const HullBox& hull,
                         double max_error_px, CameraEvidence& evidence) {
-  const Vector3d margin = 0.1 * (hull.high - hull.low);
+  const Vector3d margin = CameraEvidenceTuning::kAround * (hull.high - hull.low);
   const HullBox near{hull.low - margin, hull.high + margin};
   std::vector<char> agrees(verified.size(), -1);
   ParallelFor(std::ssize(verified), [&](std::int64_t k) {

@@ -40,11 +40,14 @@ struct CameraEvidenceTuning {
   KEYPOSE_TUNED(double, kLeastHullOverlap, 0.88);
   /// IoU; from this overlap on, no other strategy is tried
   KEYPOSE_TUNED(double, kSureHullOverlap, 0.89);
-  /// Least share of agreeing pairs for cameras to be sure. On weak texture pairs are few; fewer
-  /// than kFewestPairs are not conclusive.
+  /// least share of agreeing pairs for cameras to be sure
   KEYPOSE_TUNED(double, kSurePairShare, 0.7);
+  /// On weak texture pairs are few; fewer than these are not conclusive.
+  KEYPOSE_TUNED(int, kFewestPairs, 8);
+  KEYPOSE_TUNED(double, kPairWeight, 0.3);  ///< of the agreeing pairs in the score; the rest is 1
+  KEYPOSE_TUNED(double, kClearly, 0.02);    ///< score by which other evidence is clearly better
+  KEYPOSE_TUNED(double, kAround, 0.1);  ///< of the hull's size: matches meet at most so far off it
 };
-constexpr int kFewestPairs = 8;
 
 /// Whether the cameras are consistent with the outlines; without masks always true.
 bool IsPlausible(const CameraEvidence& evidence);

@@ -8,14 +8,21 @@
 #include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kSide_px = 500;
+/// Values with which the overlaps of docs/decisions/one-evidence-for-all-cameras.md were measured;
+/// no record that others were tried. Sensitivity: docs/results/sensitivity.md.
+struct EvidenceCheckTuning {
+  KEYPOSE_TUNED(double, kSide_px, 500);  ///< longer side to which masks are reduced
+  /// of matches from their epipolar lines, as in verification
+  KEYPOSE_TUNED(double, kMaxError_px, 4);
+};
 
 double ShrinkFactor(int width, int height) {
-  return std::min(1.0, kSide_px / std::max(width, height));
+  return std::min(1.0, EvidenceCheckTuning::kSide_px / std::max(width, height));
 }
 
 std::vector<Image8> SmallMasks(const ImageSet& set) {
@@ -69,8 +76,8 @@ CameraEvidence EvidenceCheck::Evaluate(const Scene& scene, const std::vector<Fea
   for (std::size_t v = 0; v < scene.views.size(); ++v)
     if (const int i = set_.Find(scene.views[v].name); i >= 0)
       view_of_image[i] = static_cast<int>(v);
-  constexpr double kMaxError_px = 4;  // as in verification
-  CountAgreeingPairs(scene, view_of_image, features, verified, *hull, kMaxError_px, evidence);
+  CountAgreeingPairs(scene, view_of_image, features, verified, *hull,
+                     EvidenceCheckTuning::kMaxError_px, evidence);
   return evidence;
 }
 

@@ -8,6 +8,7 @@
 #include "core/io/image_set.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/bundle/corner_tracks.h"
 #include "reconstruct/bundle/patch_tracks.h"
 #include "reconstruct/bundle/track_selection.h"
@@ -16,10 +17,25 @@
 namespace keypose::reconstruct {
 namespace {
 
-constexpr int kFewestPoints = 40;
-// with fewer points, another round adds corners around those of the round before
-constexpr int kPlenty = 3000;
-constexpr int kFewestPlaces = 60;  // per view; with fewer its features are kept too
+// Measured on 36 photographs of weak and rich clay
+// (docs/decisions/sfm-coarse-features-and-patches.md); no record of single values. Sensitivity:
+// docs/results/sensitivity.md.
+struct FinalAdjustmentTuning {
+  KEYPOSE_TUNED(int, kFewestPoints, 40);  // with fewer the features' model stays
+  // with fewer points, another round adds corners around those of the round before
+  KEYPOSE_TUNED(int, kPlenty, 3000);
+  KEYPOSE_TUNED(int, kFewestPlaces, 60);  // per view; with fewer its features are kept too
+  KEYPOSE_TUNED(int, kFewestSeen, 8);     // per view; with fewer the features' model stays
+  // scales of the robust loss of the three rounds
+  KEYPOSE_TUNED(double, kFirstRobust_px, 0.5);
+  KEYPOSE_TUNED(double, kSecondRobust_px, 0.4);
+  KEYPOSE_TUNED(double, kLastRobust_px, 0.3);
+  // of the robust loss' scale: observations that err more are dropped
+  KEYPOSE_TUNED(double, kMostError, 4);
+  // relative standard deviations of a focal length from EXIF and of a guessed one
+  KEYPOSE_TUNED(double, kKnownFocal, 0.03);
+  KEYPOSE_TUNED(double, kGuessedFocal, 0.15);
+};
 
 Image8 Shrunk(const Image8& image, double scale) {
   if (scale >= 1 || image.empty()) return image;
@@ -52,7 +68,7 @@ void AddFeatures(PatchTracks& tracks, const std::vector<Observation>& features) 
   for (std::size_t p = 0; p < tracks.source.size(); ++p)
     index[tracks.source[p]] = static_cast<int>(p);
   for (const Observation& o : features) {
-    if (places[o.view] >= kFewestPlaces || o.point > most) continue;
+    if (places[o.view] >= FinalAdjustmentTuning::kFewestPlaces || o.point > most) continue;
     const int p = index[o.point];
     if (p < 0) continue;
     const std::vector<int>& views = tracks.scene.points[p].views;
@@ -64,7 +80,8 @@ void AddFeatures(PatchTracks& tracks, const std::vector<Observation>& features) 
 bool AllSeen(const Scene& scene, const std::vector<Observation>& observations) {
   std::vector<int> places(scene.views.size(), 0);
   for (const Observation& o : observations) ++places[o.view];
-  return std::all_of(places.begin(), places.end(), [](int count) { return count >= 8; });
+  return std::all_of(places.begin(), places.end(),
+                     [](int count) { return count >= FinalAdjustmentTuning::kFewestSeen; });
 }
 
 }  // namespace
@@ -88,7 +105,8 @@ void ColorPoints(const ImageSet& set, Scene& scene) {
 
 Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel& model,
                       bool focal_known, const SfmOptions& options) {
-  if (model.fixed || !options.patches || SizeOf(model.scene.points) < kFewestPoints)
+  if (model.fixed || !options.patches ||
+      SizeOf(model.scene.points) < FinalAdjustmentTuning::kFewestPoints)
     return model.scene;
   ReportProgress(stage.progress(), 0.93, "refining points by grey values");
   const PatchOptions patches;
@@ -104,25 +122,30 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
   if (!options.refine_distortion && bodies.observations.empty())
     for (View& view : current.scene.views)
       view.camera.fx = view.camera.fy = 0.5 * (view.camera.fx + view.camera.fy);
-  fitting.ring.focal_prior = focal_known ? 0.03 : 0.15;
+  fitting.ring.focal_prior =
+      focal_known ? FinalAdjustmentTuning::kKnownFocal : FinalAdjustmentTuning::kGuessedFocal;
   const bool ring =
       bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
   CornerOptions corners;
   corners.most_points = options.adjusted_points;
   RingFit fit;
   PatchTracks tracks;
-  for (const double robust_px : {0.5, 0.4, 0.3}) {
-    if (robust_px == 0.4 && SizeOf(tracks.scene.points) >= kPlenty) continue;
+  for (const double robust_px :
+       {FinalAdjustmentTuning::kFirstRobust_px, FinalAdjustmentTuning::kSecondRobust_px,
+        FinalAdjustmentTuning::kLastRobust_px}) {
+    if (robust_px == FinalAdjustmentTuning::kSecondRobust_px &&
+        SizeOf(tracks.scene.points) >= FinalAdjustmentTuning::kPlenty)
+      continue;
     tracks = TrackPatches(current.scene, images, patches, stage.progress());
     AddFeatures(tracks, current.observations);
-    if (SizeOf(tracks.scene.points) < kFewestPoints ||
+    if (SizeOf(tracks.scene.points) < FinalAdjustmentTuning::kFewestPoints ||
         !AllSeen(tracks.scene, tracks.observations)) {
       stage.Report("patch_points", 0);
       return model.scene;
     }
     fitting.bundle.robust_px = robust_px;
-    fitting.bundle.max_error_px = 4 * robust_px;
-    const bool last = robust_px == 0.3;
+    fitting.bundle.max_error_px = FinalAdjustmentTuning::kMostError * robust_px;
+    const bool last = robust_px == FinalAdjustmentTuning::kLastRobust_px;
     if (ring && last)
       fit = AdjustOnRings(tracks.scene, tracks.observations, fitting, stage.progress());
     else

@@ -4,12 +4,17 @@
 #include <vector>
 
 #include "core/io/sight_io.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
-constexpr double kOutliers = 0.01;  // of the points, at each end
-constexpr double kSpread = 0.02;    // of the height; at most 0.005 for sets with right cameras
+// Measured on 27 synthetic sets (docs/decisions/ground-by-outlines.md). Sensitivity:
+// docs/results/sensitivity.md.
+struct OutlineGroundTuning {
+  KEYPOSE_TUNED(double, kOutliers, 0.01);  // of the points, at each end
+  KEYPOSE_TUNED(double, kSpread, 0.02);  // of the height; at most 0.005 for sets with right cameras
+};
 
 Eigen::Vector3d Quantile(const Scene& scene, double share) {
   Eigen::Vector3d result;
@@ -27,9 +32,11 @@ Eigen::Vector3d Quantile(const Scene& scene, double share) {
 std::optional<GroundContact> GroundOf(const ImageSet& set, const Scene& level) {
   if (level.points.empty()) return std::nullopt;
   const Sight sight = ReadSight(set, level);
-  const Eigen::Vector3d low = Quantile(level, kOutliers), high = Quantile(level, 1 - kOutliers);
+  const Eigen::Vector3d low = Quantile(level, OutlineGroundTuning::kOutliers),
+                        high = Quantile(level, 1 - OutlineGroundTuning::kOutliers);
   const auto ground = FindGroundContact(sight.views, sight.masks, low, high);
-  if (!ground || ground->spread > kSpread * (high.z() - low.z())) return std::nullopt;
+  if (!ground || ground->spread > OutlineGroundTuning::kSpread * (high.z() - low.z()))
+    return std::nullopt;
   return ground;
 }
 

@@ -14,6 +14,7 @@
 #include "core/io/poses_io.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/known/known_cameras.h"
 #include "reconstruct/matching/guided_matching.h"
 #include "reconstruct/sfm/evidence_check.h"
@@ -25,6 +26,15 @@ using nlohmann::json;
 
 namespace {
 
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct PosedModelTuning {
+  // between the tilts of a board's views, from which the principal point is solved for
+  KEYPOSE_TUNED(double, kTilts_deg, 15);
+  // matches across placements: between the views' directions, and from the epipolar line
+  KEYPOSE_TUNED(double, kWidest_deg, 50);
+  KEYPOSE_TUNED(double, kMaxError_px, 3);
+};
+
 BundleOptions BundleOf(const SfmOptions& options, bool with_board, bool calibrate) {
   BundleOptions bundle;
   bundle.refine_principal_point = options.refine_principal_point || calibrate;
@@ -34,11 +44,10 @@ BundleOptions BundleOf(const SfmOptions& options, bool with_board, bool calibrat
   return bundle;
 }
 
-/// Whether cameras look down on the board at angles that differ by 15 degrees or more. A single
+/// Whether cameras look down on the board at angles that differ by kTilts_deg or more. A single
 /// ring of views rotates the board about its normal only, which determines the focal length and no
 /// other parameter (Zhang, TPAMI 2000, section 4).
 bool SeenUnderSeveralTilts(const Scene& scene) {
-  constexpr double kLeast_deg = 15;
   std::vector<double> tilts;
   for (const View& view : scene.views) {
     const Eigen::Vector3d forward =
@@ -47,7 +56,7 @@ bool SeenUnderSeveralTilts(const Scene& scene) {
   }
   if (tilts.size() < 8) return false;
   std::sort(tilts.begin(), tilts.end());
-  return tilts[tilts.size() * 9 / 10] - tilts[tilts.size() / 10] >= kLeast_deg;
+  return tilts[tilts.size() * 9 / 10] - tilts[tilts.size() / 10] >= PosedModelTuning::kTilts_deg;
 }
 
 Rigid3 RigidOf(const Similarity3& similarity) {
@@ -105,13 +114,13 @@ Eigen::Matrix3d Fundamental(const View& first, const View& second) {
 /// the matches to the database. These matches connect the two models in the adjustment.
 void MatchAcross(const ModelInput& in, const std::vector<View>& first,
                  const std::vector<View>& second) {
-  constexpr double kWidest_deg = 50, kMaxError_px = 3;
   std::vector<std::pair<const View*, const View*>> pairs;
   for (const View& a : first)
     for (const View& b : second) {
       const Eigen::Vector3d x = a.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ(),
                             y = b.camera_from_world.rotation.conjugate() * Eigen::Vector3d::UnitZ();
-      if (a.name == b.name || x.dot(y) < std::cos(kWidest_deg * kDegree)) continue;
+      if (a.name == b.name || x.dot(y) < std::cos(PosedModelTuning::kWidest_deg * kDegree))
+        continue;
       if (in.set.Find(a.name) < in.set.Find(b.name))
         pairs.emplace_back(&a, &b);
       else
@@ -127,7 +136,7 @@ void MatchAcross(const ModelInput& in, const std::vector<View>& first,
     pair.second = in.set.Find(b->name);
     const PairGeometry geometry{PairGeometry::kFundamental, Fundamental(*a, *b)};
     pair.features = MatchGuided(in.matched.features[pair.first], in.matched.features[pair.second],
-                                geometry, matching, kMaxError_px);
+                                geometry, matching, PosedModelTuning::kMaxError_px);
   });
   std::erase_if(found, [&](const PairMatches& pair) {
     return SizeOf(pair.features) < in.options.min_inliers;

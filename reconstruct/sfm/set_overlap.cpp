@@ -7,10 +7,16 @@
 #include "core/io/image_set.h"
 #include "core/joined_images.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/turntable/upside_down.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct OverlapTuning {
+  KEYPOSE_TUNED(int, kStrong, 60);  ///< matches of a pair with a large overlap
+};
 
 /// "a.jpg, b.jpg, c.jpg"; only the first ones of many.
 std::string Names(const ImageSet& set, const std::vector<int>& images) {
@@ -26,14 +32,13 @@ std::string Names(const ImageSet& set, const std::vector<int>& images) {
 
 void RequireOverlap(StageContext& stage, const ImageSet& set, const MatchedFeatures& matched) {
   const int images = SizeOf(set.images);
-  constexpr int kStrong = 60;  // matches of a pair with a large overlap
   std::vector<ImageTie> ties;
   for (const PairMatches& pair : matched.verified)
     ties.push_back({pair.first, pair.second, SizeOf(pair.features)});
   const auto groups = JoinedImages(images, ties);
   stage.Report("joined_groups", SizeOf(groups));
   stage.Report("largest_group", static_cast<int>(groups.at(0).size()));
-  if (!FallsApart(images, ties, kStrong)) return;
+  if (!FallsApart(images, ties, OverlapTuning::kStrong)) return;
   throw InputError(
       "sfm: the photographs are too far apart: each matches a few others, but the " +
       std::to_string(images) + " of them fall into " + std::to_string(groups.size()) +

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/io/image_set.h"
+#include "core/tuned.h"
 #include "reconstruct/bundle/track_selection.h"
 #include "reconstruct/sfm/set_overlap.h"
 #include "reconstruct/sfm/turntable_strategies.h"
@@ -15,6 +16,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
+
+/// Chosen on a ring of 20 that 57 points per view bent by 2 %; photographs with texture have
+/// several hundred. Sensitivity: docs/results/sensitivity.md.
+struct FewPointsTuning {
+  KEYPOSE_TUNED(double, kLeastObservations, 100);  ///< of a view, on average
+};
 
 /// The model after another adjustment with a robust loss. Known poses stay fixed; models without
 /// observations of points and boards stay unchanged.
@@ -123,13 +130,11 @@ StrategyResult PlaceByMatches(const StrategyContext& context, const SfmFiles& fi
 }
 
 /// Whether the model has so few points that wrong cameras can fit them: 57 per view bent a ring of
-/// 20 by 2 % and made its pixels twice as high as wide. Photographs with texture have several
-/// hundred.
+/// 20 by 2 % and made its pixels twice as high as wide.
 bool HasFewPoints(const StrategyResult& result) {
-  constexpr double kLeastObservations = 100;  // of a view, on average
   return result.method == "features" && result.views() > 0 &&
          static_cast<double>(result.model.observations.size()) <
-             kLeastObservations * static_cast<double>(result.views());
+             FewPointsTuning::kLeastObservations * static_cast<double>(result.views());
 }
 
 SfmFiles FilesOf(const ImageSet& set, const fs::path& scratch, bool fine) {

@@ -10,6 +10,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 #include "reconstruct/sfm/final_adjustment.h"
 #include "reconstruct/turntable/ring_order.h"
 #include "reconstruct/turntable/ring_sfm.h"
@@ -20,6 +21,14 @@ namespace keypose::reconstruct {
 namespace {
 
 using nlohmann::json;
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct TurntableTuning {
+  /// relative standard deviation of a focal length that was guessed
+  KEYPOSE_TUNED(double, kGuessedFocal, 0.15);
+  /// error of a layout with more rings, and so more unknowns, over the best so far
+  KEYPOSE_TUNED(double, kClearlyBetter, 0.9);
+};
 
 /// The features with all photographs upright.
 struct Upright {
@@ -112,7 +121,7 @@ RingSfmOptions RingOptionsOf(const SfmOptions& options, const MatchedFeatures& m
   ring.matching.max_ratio = options.max_ratio;
   ring.bundle.refine_principal_point = options.refine_principal_point;
   ring.bundle.refine_distortion = options.refine_distortion;
-  if (!matched.focal_known) ring.ring.focal_prior = 0.15;
+  if (!matched.focal_known) ring.ring.focal_prior = TurntableTuning::kGuessedFocal;
   return ring;
 }
 
@@ -178,7 +187,9 @@ OutlineFit FitOutlines(const StrategyContext& context, const MatchedFeatures& ma
   for (std::size_t k = 0; k < layouts.size(); ++k) {
     RingSilhouettes found = fit(k, focals[0]);
     // A layout with more rings has more unknowns, so it must be clearly better.
-    if (none(found) || (!none(best.ring) && found.error_px >= 0.9 * best.ring.error_px)) continue;
+    if (none(found) || (!none(best.ring) &&
+                        found.error_px >= TurntableTuning::kClearlyBetter * best.ring.error_px))
+      continue;
     best = {std::move(found), k};
   }
   if (none(best.ring)) return best;
