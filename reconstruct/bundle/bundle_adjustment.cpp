@@ -11,10 +11,17 @@
 
 #include "core/errors.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/bundle/bundle_projection.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct BundleTuning {
+  /// of the largest error at the end: errors that enter the first solve
+  KEYPOSE_TUNED(double, kFirstErrors, 8);
+};
 
 using Intrinsics = std::array<double, 8>;  // fx, fy over fx, cx cy k1 k2 p1 p2
 
@@ -285,7 +292,8 @@ BundleResult AdjustBundle(const Scene& scene, const std::vector<Observation>& ob
   result.scene = scene;
   result.bodies = bodies;
   result.before_px = MeanError(scene, observations);
-  std::vector<Observation> kept = Inliers(result.scene, observations, 8 * options.max_error_px);
+  std::vector<Observation> kept =
+      Inliers(result.scene, observations, BundleTuning::kFirstErrors * options.max_error_px);
   for (int round = 0; round < 2; ++round) {
     ReportProgress(progress, 0.5 * round, "bundle adjustment");
     result.iterations += Solve(result.scene, result.bodies, kept, options);

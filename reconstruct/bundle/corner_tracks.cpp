@@ -8,12 +8,19 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct CornerTuning {
+  /// cosine between directions: views that are nearer to each other see the same corner
+  KEYPOSE_TUNED(double, kSeesToo, 0.8);
+};
 
 /// Sums over squares of side 2 radius + 1, in place; a margin of `radius` is not changed.
 void SumSquares(ImageF& image, int radius) {
@@ -216,7 +223,7 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
         for (std::size_t w = 0; w < scene.views.size(); ++w)
           if ((scene.views[w].Center() - point.position)
                   .normalized()
-                  .dot((view.Center() - point.position).normalized()) > 0.8)
+                  .dot((view.Center() - point.position).normalized()) > CornerTuning::kSeesToo)
             show(point.position, w);
         more.points.push_back(std::move(point));
         break;

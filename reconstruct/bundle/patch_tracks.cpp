@@ -12,6 +12,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
@@ -19,6 +20,16 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct PatchNormalTuning {
+  KEYPOSE_TUNED(int, kNear, 16);  // nearest points to which a plane is fitted
+  // cosines: between the mean directions of the views of points on one side of a limb, and between
+  // a normal and its point's mean direction
+  KEYPOSE_TUNED(double, kSameSide, 0.5);
+  KEYPOSE_TUNED(double, kFrontal, 0.4);
+  KEYPOSE_TUNED(double, kFlat, 0.3);  // largest ratio of the two smaller spreads of the points
+};
 
 ImageF Smoothed(const Image8& image, double sigma) {
   const int reach = static_cast<int>(std::ceil(3 * sigma));
@@ -173,7 +184,6 @@ std::optional<FittedPlace> Fit(const Template& patch, const ImageF& image, const
 /// Unit normals of the planes through the nearest points, oriented towards the views that see each
 /// point.
 std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& toward) {
-  constexpr int kNear = 16;
   PointsX3 points(std::ssize(scene.points), 3);
   for (std::size_t p = 0; p < scene.points.size(); ++p) points.row(p) = scene.points[p].position;
   const KdTree tree(points);
@@ -184,8 +194,9 @@ std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& t
         const Vector3d x = points.row(i), view = toward[i];
         // Excludes points on the other side of a thin limb.
         std::vector<Vector3d> near;
-        for (const auto& [index, distance] : tree.Nearest(x, 2 * kNear)) {
-          if (toward[index].dot(view) > 0.5 && SizeOf(near) < kNear)
+        for (const auto& [index, distance] : tree.Nearest(x, 2 * PatchNormalTuning::kNear)) {
+          if (toward[index].dot(view) > PatchNormalTuning::kSameSide &&
+              SizeOf(near) < PatchNormalTuning::kNear)
             near.push_back(points.row(index).transpose());
         }
         if (near.size() < 6) return;
@@ -196,7 +207,8 @@ std::vector<Vector3d> Normals(const Scene& scene, const std::vector<Vector3d>& t
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
         Vector3d normal = axes.eigenvectors().col(0);
         if (normal.dot(view) < 0) normal = -normal;
-        if (normal.dot(view) > 0.4 && axes.eigenvalues()(0) < 0.3 * axes.eigenvalues()(1))
+        if (normal.dot(view) > PatchNormalTuning::kFrontal &&
+            axes.eigenvalues()(0) < PatchNormalTuning::kFlat * axes.eigenvalues()(1))
           normals[i] = normal;
       },
       64);

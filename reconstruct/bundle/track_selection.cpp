@@ -6,8 +6,19 @@
 #include <tuple>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
+
+namespace {
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct TrackSelectionTuning {
+  // along the object's longest side, over the middle nine tenths of its points
+  KEYPOSE_TUNED(double, kCells, 24);
+};
+
+}  // namespace
 
 PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observations,
                     const std::vector<char>& keep) {
@@ -26,8 +37,6 @@ PointSet KeepPoints(const Scene& scene, const std::vector<Observation>& observat
 
 PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observations, int count) {
   if (SizeOf(scene.points) <= count) return {scene, observations};
-  // along the object's longest side, over the middle nine tenths of its points
-  constexpr double kCells = 24;
   Eigen::Vector3d low, high;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -36,14 +45,14 @@ PointSet SpreadPoints(const Scene& scene, const std::vector<Observation>& observ
     low(axis) = values[values.size() / 20];
     high(axis) = values[values.size() - 1 - values.size() / 20];
   }
-  const double cell = std::max((high - low).maxCoeff() / kCells, 1e-12);
+  const double cell = std::max((high - low).maxCoeff() / TrackSelectionTuning::kCells, 1e-12);
   // Within a cell, points with few views come last; distant outliers share the cells at the border.
   std::map<std::array<int, 3>, std::vector<int>> cells;
   for (std::size_t p = 0; p < scene.points.size(); ++p) {
     std::array<int, 3> at{};
     for (int axis = 0; axis < 3; ++axis)
-      at[axis] = static_cast<int>(
-          std::clamp((scene.points[p].position(axis) - low(axis)) / cell, -4.0, kCells + 4.0));
+      at[axis] = static_cast<int>(std::clamp((scene.points[p].position(axis) - low(axis)) / cell,
+                                             -4.0, TrackSelectionTuning::kCells + 4.0));
     cells[at].push_back(static_cast<int>(p));
   }
   std::vector<std::pair<std::size_t, int>> by_turn;

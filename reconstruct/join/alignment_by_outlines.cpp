@@ -7,6 +7,7 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 #include "reconstruct/numerics/simplex_search.h"
@@ -14,13 +15,20 @@
 namespace keypose::reconstruct {
 namespace {
 
+/// Measured on two halves of 16 photographs (docs/decisions/join-by-outlines.md); no record of
+/// single values. Sensitivity: docs/results/sensitivity.md.
+struct JoinByOutlinesTuning {
+  KEYPOSE_TUNED(double, kMost_px, 12);  ///< farther away the gradient of the distance is not useful
+  KEYPOSE_TUNED(double, kSameTurn_deg, 10);   ///< candidates nearer to each other are one
+  KEYPOSE_TUNED(double, kAnotherTurn, 0.35);  ///< rad: a rival differs by more
+};
+
 /// Mean distance of points outside of the masks of a frame, after a motion into that frame.
 double MissOf(const PointsX3& points, const Similarity3& into, const Silhouettes& masks) {
-  constexpr double kMost_px = 12;  // farther away the gradient of the distance is not useful
   double sum = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
-    sum +=
-        std::clamp(masks.Outside(into * Eigen::Vector3d(points.row(i).transpose())), 0.0, kMost_px);
+    sum += std::clamp(masks.Outside(into * Eigen::Vector3d(points.row(i).transpose())), 0.0,
+                      JoinByOutlinesTuning::kMost_px);
   return sum / static_cast<double>(points.rows());
 }
 
@@ -76,11 +84,10 @@ void Search(const MotionComparison& comparison, double spread, double size, int 
   candidate.miss = comparison.Miss(candidate.motion);
 }
 
-/// Continues the search from all candidates, and keeps the best `kept` that differ by 10 degrees or
-/// more, best first, so that other rotations remain for comparison.
+/// Continues the search from all candidates, and keeps the best `kept` that differ by kSameTurn_deg
+/// or more, best first, so that other rotations remain for comparison.
 void SearchAll(const MotionComparison& comparison, double spread, double size, int evaluations,
                std::size_t kept, std::vector<Candidate>& candidates) {
-  constexpr double kSameTurn = 10 * kDegree;
   ParallelFor(std::ssize(candidates), [&](std::int64_t i) {
     Search(comparison, spread, size, evaluations, candidates[i]);
   });
@@ -90,7 +97,8 @@ void SearchAll(const MotionComparison& comparison, double spread, double size, i
   for (const Candidate& candidate : candidates) {
     const bool is_new =
         std::none_of(different.begin(), different.end(), [&](const Candidate& other) {
-          return AngleBetween(candidate.motion, other.motion) < kSameTurn;
+          return AngleBetween(candidate.motion, other.motion) <
+                 JoinByOutlinesTuning::kSameTurn_deg * kDegree;
         });
     if (is_new && different.size() < kept) different.push_back(candidate);
   }
@@ -121,7 +129,6 @@ double MissedOutlines(const Scene& first, const Scene& second, const HalfOutline
 ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
                                const HalfOutlines& outlines,
                                const OutlineAlignmentOptions& options) {
-  constexpr double kAnotherTurn = 0.35;  // 20 degrees
   constexpr int kPlenty = 16000;
   ModelAlignment join;
   if (first.points.size() < 100 || second.points.size() < 100) return join;
@@ -137,9 +144,9 @@ ModelAlignment AlignByOutlines(const Scene& first, const Scene& second,
   SearchAll(fine, spread, 0.25, 200, 4, candidates);
   SearchAll(fine, spread, 0.05, 200, 4, candidates);
   const Candidate& best = candidates.front();
-  join.rival_miss_px = 12;
+  join.rival_miss_px = JoinByOutlinesTuning::kMost_px;
   for (const Candidate& candidate : candidates)
-    if (AngleBetween(candidate.motion, best.motion) > kAnotherTurn)
+    if (AngleBetween(candidate.motion, best.motion) > JoinByOutlinesTuning::kAnotherTurn)
       join.rival_miss_px = std::min(join.rival_miss_px, candidate.miss);
   const KdTree tree(target.points);
   const double limit = std::max(options.max_distance * spread, 2 * Spacing(target, tree));

@@ -6,11 +6,19 @@
 #include "core/kd_tree.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/join/coloured_cloud.h"
 #include "reconstruct/join/model_alignment.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct JoinByShapeTuning {
+  KEYPOSE_TUNED(double, kAnotherTurn, 0.26);  ///< rad: a rival differs by more
+  /// of the final distance: that up to which first candidates agree
+  KEYPOSE_TUNED(double, kWide, 2);
+};
 
 /// One step of trimmed ICP.
 /// @return the mean distance of the pairs used
@@ -58,7 +66,6 @@ struct ShapeCandidate {
 ModelAlignment AlignByShape(const Scene& first, const Scene& second,
                             const ShapeAlignmentOptions& options) {
   constexpr std::size_t kRefined = 16;
-  constexpr double kAnotherTurn = 0.26;  // 15 degrees
   ModelAlignment join;
   if (first.points.size() < 100 || second.points.size() < 100) return join;
   const Cloud target = Decimated(first, 8 * options.fine_points),
@@ -74,8 +81,9 @@ ModelAlignment AlignByShape(const Scene& first, const Scene& second,
     candidate.motion.rotation = Turn(static_cast<int>(i), options.rotations);
     candidate.motion.translation = to - candidate.motion.rotation * from;
     Settle(target, tree, coarse, options.kept, 25, candidate.motion);
-    candidate.share =
-        Agreement(target, tree, coarse, candidate.motion, 2 * limit, options.max_color).first;
+    candidate.share = Agreement(target, tree, coarse, candidate.motion,
+                                JoinByShapeTuning::kWide * limit, options.max_color)
+                          .first;
   });
   std::stable_sort(
       candidates.begin(), candidates.end(),
@@ -93,7 +101,7 @@ ModelAlignment AlignByShape(const Scene& first, const Scene& second,
   const ShapeCandidate& best = candidates.front();
   double rival = 0;
   for (const ShapeCandidate& candidate : candidates)
-    if (AngleBetween(candidate.motion, best.motion) > kAnotherTurn)
+    if (AngleBetween(candidate.motion, best.motion) > JoinByShapeTuning::kAnotherTurn)
       rival = std::max(rival, candidate.share);
   join.first_from_second = best.motion;
   Polish(target, tree, Decimated(second, 8 * options.fine_points), limit, options.max_color, false,

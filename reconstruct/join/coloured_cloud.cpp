@@ -7,18 +7,25 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct CloudPolishTuning {
+  KEYPOSE_TUNED(int, kNeighbors, 12);    ///< points to which a plane is fitted
+  KEYPOSE_TUNED(double, kRobust, 0.15);  ///< of the largest distance: scale of the Cauchy weight
+};
+
 /// Normals of planes fitted to each point's neighbours, with arbitrary sign.
 PointsX3 PlaneNormals(const Cloud& cloud, const KdTree& tree) {
-  constexpr int kNeighbors = 12;
   PointsX3 normals(cloud.size(), 3);
   ParallelFor(
       cloud.size(),
       [&](std::int64_t i) {
-        const auto near = tree.Nearest(cloud.points.row(i).transpose(), kNeighbors);
+        const auto near =
+            tree.Nearest(cloud.points.row(i).transpose(), CloudPolishTuning::kNeighbors);
         Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
         for (const KdTree::Neighbor& n : near)
           mean += cloud.points.row(n.index) / static_cast<double>(near.size());
@@ -53,7 +60,8 @@ void PolishBy(const Cloud& first, const KdTree& tree, const PointsX3& normals, c
         continue;
       const Eigen::Vector3d m = normals.row(n.index).transpose();
       const double off = m.dot(x - first.points.row(n.index).transpose());
-      const double weight = 1 / (1 + std::pow(off / (0.15 * limit), 2));  // Cauchy
+      const double weight =
+          1 / (1 + std::pow(off / (CloudPolishTuning::kRobust * limit), 2));  // Cauchy
       Row row;
       row.template head<6>() << x.cross(m), m;
       if constexpr (kUnknowns == 7) row(6) = x.dot(m);

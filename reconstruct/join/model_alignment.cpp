@@ -9,9 +9,16 @@
 #include <set>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct ModelAlignmentTuning {
+  /// twice the area of a triangle over the squared spread; smaller ones tell no rotation
+  KEYPOSE_TUNED(double, kLeastTriangle, 0.02);
+};
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -55,7 +62,8 @@ bool CouldAgree(const Scene& first, const Scene& second, const Pairs& three, dou
                 double limit, bool with_scale) {
   const auto in_first = [&](int k) { return first.points[three[k % 3].first].position; };
   const auto in_second = [&](int k) { return second.points[three[k % 3].second].position; };
-  if ((in_first(1) - in_first(0)).cross(in_first(2) - in_first(0)).norm() < 0.02 * spread * spread)
+  if ((in_first(1) - in_first(0)).cross(in_first(2) - in_first(0)).norm() <
+      ModelAlignmentTuning::kLeastTriangle * spread * spread)
     return false;
   std::array<double, 3> a{}, b{};
   for (int k = 0; k < 3; ++k) {

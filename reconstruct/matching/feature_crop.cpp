@@ -5,14 +5,19 @@
 #include <string>
 
 #include "core/errors.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
 namespace {
 
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
 // Pixels around the grown mask that stay unchanged, and over which the rest then fades. The fade is
 // wide relative to a feature's window, so that it is no feature itself; features' centres are
 // inside the grown mask.
-constexpr int kKeep_px = 16, kFade_px = 24;
+struct FeatureCropTuning {
+  KEYPOSE_TUNED(int, kKeep_px, 16);  // unchanged
+  KEYPOSE_TUNED(int, kFade_px, 24);  // of the fade
+};
 
 struct CropBox {
   int x0, y0, x1, y1;
@@ -63,7 +68,7 @@ ObjectCrop CropToObject(const Image8& photo, const Image8& mask, int margin_px) 
                      " x " + std::to_string(mask.height) + "; both must be grey and of one size");
   CropBox box = BoxOf(mask);
   if (box.x0 >= box.x1) return {photo, Image8(photo.width, photo.height, 1, 0), 0, 0};
-  const int reach = margin_px + kKeep_px + kFade_px;
+  const int reach = margin_px + FeatureCropTuning::kKeep_px + FeatureCropTuning::kFade_px;
   box = {std::max(0, box.x0 - reach), std::max(0, box.y0 - reach),
          std::min(photo.width, box.x1 + reach), std::min(photo.height, box.y1 + reach)};
   ObjectCrop crop{Cut(photo, box), Cut(mask, box), box.x0, box.y0};
@@ -74,8 +79,9 @@ ObjectCrop CropToObject(const Image8& photo, const Image8& mask, int margin_px) 
       sum += crop.image.data[i], count += 1;
   const double far = count > 0 ? sum / count : 128;
   for (std::size_t i = 0; i < distance.data.size(); ++i) {
-    const double t = std::clamp(
-        (distance.data[i] - margin_px - kKeep_px) / static_cast<double>(kFade_px), 0.0, 1.0);
+    const double t = std::clamp((distance.data[i] - margin_px - FeatureCropTuning::kKeep_px) /
+                                    static_cast<double>(FeatureCropTuning::kFade_px),
+                                0.0, 1.0);
     const double share = t * t * (3 - 2 * t);
     crop.image.data[i] = static_cast<std::uint8_t>(
         std::lround(crop.image.data[i] + share * (far - crop.image.data[i])));

@@ -6,10 +6,19 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 #include "reconstruct/matching/descriptor_matching.h"
 
 namespace keypose::reconstruct {
 namespace {
+
+// A lenient ratio: the number of matches only ranks, and selected pairs are tested strictly later.
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct PreviewTuning {
+  // largest of the angles to the nearest and second descriptor
+  KEYPOSE_TUNED(double, kRatio, 0.85);
+  KEYPOSE_TUNED(double, kDistance, 0.8);  // rad: largest angle to the nearest
+};
 
 void SortUnique(std::vector<ImagePair>& pairs) {
   std::sort(pairs.begin(), pairs.end());
@@ -25,8 +34,8 @@ Eigen::MatrixXi PreviewScores(const std::vector<Features>& features, int preview
     previews[i] = LargestFeatures(features[i], preview_features);
   const std::vector<ImagePair> all = AllPairs(images);
   std::vector<int> counts(all.size());
-  // A lenient ratio: the number only ranks, and selected pairs are tested strictly later.
-  const MatchOptions lenient{.max_ratio = 0.85, .max_distance = 0.8};
+  const MatchOptions lenient{.max_ratio = PreviewTuning::kRatio,
+                             .max_distance = PreviewTuning::kDistance};
   ParallelFor(
       std::ssize(all),
       [&](std::int64_t k) {

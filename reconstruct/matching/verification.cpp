@@ -4,8 +4,20 @@
 #include <opencv2/calib3d.hpp>
 
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::reconstruct {
+
+namespace {
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct VerificationTuning {
+  KEYPOSE_TUNED(double, kConfidence, 0.9999);  // probability that the best matrix was tried
+  KEYPOSE_TUNED(int, kLocalRounds, 10);        // of each local optimisation
+  KEYPOSE_TUNED(int, kLocalSample, 40);        // matches of its samples
+};
+
+}  // namespace
 
 std::optional<Verified> VerifyPair(const Features& first, const Features& second,
                                    const PairMatches& raw, const VerificationOptions& options) {
@@ -20,7 +32,7 @@ std::optional<Verified> VerifyPair(const Features& first, const Features& second
     }
   }
   cv::UsacParams usac;
-  usac.confidence = 0.9999;
+  usac.confidence = VerificationTuning::kConfidence;
   usac.maxIterations = options.max_iterations;
   usac.threshold = options.max_error_px;
   usac.isParallel = false;
@@ -28,8 +40,8 @@ std::optional<Verified> VerifyPair(const Features& first, const Features& second
   usac.sampler = cv::SAMPLING_UNIFORM;
   usac.score = cv::SCORE_METHOD_MSAC;
   usac.loMethod = cv::LOCAL_OPTIM_INNER_LO;
-  usac.loIterations = 10;
-  usac.loSampleSize = 40;
+  usac.loIterations = VerificationTuning::kLocalRounds;
+  usac.loSampleSize = VerificationTuning::kLocalSample;
   cv::Mat matrix;
   try {
     matrix = cv::findFundamentalMat(a, b, inside, usac);
