@@ -11,9 +11,15 @@
 #include "capture/pictures/cv_image.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
+
+/// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct SharedSpaceTuning {
+  KEYPOSE_TUNED(double, kRoom, 1.5);  ///< half the space's side, over half the masks' diagonal
+};
 
 /// The point where the rays through the masks' centroids meet, and the masks' extent around it.
 struct Ball {
@@ -46,7 +52,7 @@ Ball FigureBall(const std::vector<View>& views, const std::vector<Image8>& masks
   // A quantile, so that a few masks that include half the room do not enlarge the space.
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() * 3 / 4),
                    reach.end());
-  ball.radius = 1.5 * reach[reach.size() * 3 / 4];
+  ball.radius = SharedSpaceTuning::kRoom * reach[reach.size() * 3 / 4];
   return ball;
 }
 

@@ -10,9 +10,25 @@
 #include "capture/pictures/cv_image.h"
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/set_rounds.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
+
+/// Tuned on the plush dog, the skull and synthetic sets of 16 to 36 views
+/// (docs/decisions/masks-twice.md); no record of single values. Sensitivity:
+/// docs/results/sensitivity.md.
+struct SpaceMaskTuning {
+  /// views from which odds for the figure count as much as odds against it, and the least share to
+  /// which they count with fewer
+  KEYPOSE_TUNED(double, kManyViews, 48);
+  KEYPOSE_TUNED(double, kFewViews, 0.5);
+  /// share of the pixels that is added to each frequency, so that all odds are finite
+  KEYPOSE_TUNED(double, kRare, 1e-3);
+  KEYPOSE_TUNED(double, kCoarseMargin, 0.7);  ///< at half the size, of the margin in pixels
+  /// of the figure; smaller openings do not change the other masks
+  KEYPOSE_TUNED(double, kWorthARound, 3e-4);
+};
 
 /// Log odds of the figure for each number of contradictions, from its frequency inside and just
 /// outside of the masks.
@@ -37,8 +53,9 @@ std::vector<float> OddsOfContradictions(const std::vector<Image8>& masks,
   }
   std::vector<float> odds(inside.size());
   for (std::size_t d = 0; d < odds.size(); ++d)
-    odds[d] = static_cast<float>(std::log((inside[d] / std::max(all_inside, 1.0) + 1e-3) /
-                                          (outside[d] / std::max(all_outside, 1.0) + 1e-3)));
+    odds[d] = static_cast<float>(
+        std::log((inside[d] / std::max(all_inside, 1.0) + SpaceMaskTuning::kRare) /
+                 (outside[d] / std::max(all_outside, 1.0) + SpaceMaskTuning::kRare)));
   // More contradictions never increase the odds of the figure.
   for (std::size_t d = 1; d < odds.size(); ++d) odds[d] = std::min(odds[d], odds[d - 1]);
   return odds;
@@ -52,12 +69,12 @@ std::vector<Image8> SpaceRound(const std::vector<Image8>& images, const std::vec
                                const std::vector<char>& inlier, const std::vector<char>& guided,
                                const std::vector<BoardOdds>& boards, const MaskOptions& masking,
                                const SpaceOptions& options, double weight) {
-  constexpr double kManyViews = 48;
   // A hull is larger than its figure, the more so the fewer the views. So the absence of
   // contradictions has less weight than contradictions.
   std::vector<float> leaning_of =
       OddsOfContradictions(masks, contradictions, inlier, options.most_contradictions);
-  const double sure = std::clamp(static_cast<double>(images.size()) / kManyViews, 0.5, 1.0);
+  const double sure = std::clamp(static_cast<double>(images.size()) / SpaceMaskTuning::kManyViews,
+                                 SpaceMaskTuning::kFewViews, 1.0);
   for (float& odds : leaning_of) odds *= static_cast<float>(odds < 0 ? weight : sure * weight);
   // Views without guidance get an additional kind of pixel with odds of zero.
   const auto untold = static_cast<std::uint8_t>(leaning_of.size());
@@ -138,7 +155,7 @@ CoarseMasks::CoarseMasks(const std::vector<Image8>& images, const std::vector<Im
   }
   boards_ = Halved(boards, images_);
   coarse_.resolution = std::max(16, options.resolution * 3 / 4);
-  coarse_.margin_px = 0.7 * options.margin_px;
+  coarse_.margin_px = SpaceMaskTuning::kCoarseMargin * options.margin_px;
 }
 
 Contradictions CoarseMasks::ContradictionsBy(const std::vector<char>& inlier) const {
@@ -245,12 +262,11 @@ class FineMasks {
 };
 
 void FineMasks::Run(const std::vector<Image8>& from, RefinedMasks& refined) const {
-  // of the figure; smaller openings do not change the other masks
-  constexpr double kWorthARound = 3e-4;
   refined.masks = Segmented(from);
   Backdrops backdrops = BackdropsBy(refined.masks);
   std::vector<Image8> open = refined.masks;
-  if (OpenWindows(images_, views_, backdrops.of, options_, inlier_, open) > kWorthARound) {
+  if (OpenWindows(images_, views_, backdrops.of, options_, inlier_, open) >
+      SpaceMaskTuning::kWorthARound) {
     refined.masks = Segmented(open);
     backdrops = BackdropsBy(refined.masks);
     OpenWindows(images_, views_, backdrops.of, options_, inlier_, refined.masks);

@@ -8,13 +8,21 @@
 
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
 constexpr int kLeastViews = 4;  // fewer have no majority
-constexpr double kLeastCosine = 0.4, kSlack = 2.5;
-constexpr int kWindow = 5;  // pixels in each direction over which colours are averaged
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct ViewColorTuning {
+  KEYPOSE_TUNED(double, kLeastCosine, 0.4);  // of the normal and the line of sight
+  // voxels behind the nearest point, up to which a point is seen
+  KEYPOSE_TUNED(double, kSlack, 2.5);
+  KEYPOSE_TUNED(int, kWindow, 5);    // pixels in each direction over which colours are averaged
+  KEYPOSE_TUNED(double, kDark, 25);  // grey levels: colours up to this have no hue
+};
 
 /// Mean colours of the figure, without its border.
 struct MaskedPicture {
@@ -27,8 +35,10 @@ MaskedPicture PictureOf(const Image8& image, const Image8& mask) {
   const cv::Mat figure(mask.height, mask.width, CV_8UC1,
                        const_cast<std::uint8_t*>(mask.data.data()));
   MaskedPicture picture;
-  cv::blur(rgb, picture.mean, {kWindow, kWindow});
-  cv::erode(figure, picture.inside, cv::getStructuringElement(cv::MORPH_RECT, {kWindow, kWindow}));
+  cv::blur(rgb, picture.mean, {ViewColorTuning::kWindow, ViewColorTuning::kWindow});
+  cv::erode(figure, picture.inside,
+            cv::getStructuringElement(cv::MORPH_RECT,
+                                      {ViewColorTuning::kWindow, ViewColorTuning::kWindow}));
   return picture;
 }
 
@@ -67,16 +77,17 @@ PointsX3 HuesOf(const MaskedPicture& picture, const View& view, const PointCloud
   const Eigen::Vector3d center = view.Center();
   for (Eigen::Index i = 0; i < surface.points.rows(); ++i) {
     const Eigen::Vector3d x = surface.points.row(i), at = Seen(view, x);
-    if (at.x() < 0 || surface.normals.row(i).dot((center - x).normalized()) < kLeastCosine)
+    if (at.x() < 0 ||
+        surface.normals.row(i).dot((center - x).normalized()) < ViewColorTuning::kLeastCosine)
       continue;
     const int px = static_cast<int>(at.x()), py = static_cast<int>(at.y());
     if (!picture.inside.at<std::uint8_t>(py, px) ||
-        at.z() > static_cast<double>(depths.at<float>(py, px)) + kSlack * cell)
+        at.z() > static_cast<double>(depths.at<float>(py, px)) + ViewColorTuning::kSlack * cell)
       continue;
     const auto& rgb = picture.mean.at<cv::Vec3b>(py, px);
     // sRGB values are roughly the square root of light; near black they have no hue.
     const Eigen::Vector3d root(rgb[0], rgb[1], rgb[2]);
-    if (root.maxCoeff() > 25) hues.row(i) = root.normalized();
+    if (root.maxCoeff() > ViewColorTuning::kDark) hues.row(i) = root.normalized();
   }
   return hues;
 }

@@ -8,19 +8,24 @@
 
 #include "capture/agreement/space_grid.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
-// largest remaining thickness along a window's rays, per cent of the hull's longest side
-constexpr int kThin = 9;
-constexpr double kLeft = 0.45;  // largest remaining share of the thickness, for windows with a
-                                // loose match to the empty set
-
-// largest scalar product of the directions of views from opposite sides
-constexpr double kOpposite = -0.6;
-// least share of a window's pixels whose rays another window meets
-constexpr double kFromBehind = 0.2;
+// Tuned on the synthetic figure with a hand on its hip and on columns in 16 views
+// (docs/decisions/handles-seen-through.md); no record of single values. Sensitivity:
+// docs/results/sensitivity.md.
+struct WindowTuning {
+  // largest remaining thickness along a window's rays, per cent of the hull's longest side
+  KEYPOSE_TUNED(int, kThin, 9);
+  // largest remaining share of the thickness, for windows with a loose match to the empty set
+  KEYPOSE_TUNED(double, kLeft, 0.45);
+  // largest scalar product of the directions of views from opposite sides
+  KEYPOSE_TUNED(double, kOpposite, -0.6);
+  // least share of a window's pixels whose rays another window meets
+  KEYPOSE_TUNED(double, kFromBehind, 0.2);
+};
 
 struct Window {
   std::size_t view = 0;
@@ -29,7 +34,8 @@ struct Window {
   int thick = 0;       ///< per cent of the hull's longest side, with the initial masks
 
   bool Through(int left) const {
-    return left <= (loose ? std::min<double>(kThin, kLeft * thick) : kThin);
+    return left <= (loose ? std::min<double>(WindowTuning::kThin, WindowTuning::kLeft * thick)
+                          : WindowTuning::kThin);
   }
 };
 
@@ -103,14 +109,14 @@ class WindowGroups {
       std::vector<int>& labels = labels_[windows[k].view];
       const Image8& contradicted = open.samplers[windows[k].view].contradicted;
       labels.resize(contradicted.data.size(), -1);
-      if (windows[k].thick > kThin)
+      if (windows[k].thick > WindowTuning::kThin)
         for (const std::int32_t at : windows[k].pixels) labels[at] = static_cast<int>(k);
     }
     group_.resize(windows.size());
     std::iota(group_.begin(), group_.end(), 0);
     std::vector<std::map<int, Count>> met(windows.size());
     ParallelFor(std::ssize(windows), [&](std::int64_t k) {
-      if (windows[k].thick > kThin) met[k] = MetBy(windows[k]);
+      if (windows[k].thick > WindowTuning::kThin) met[k] = MetBy(windows[k]);
     });
     for (std::size_t k = 0; k < windows.size(); ++k)
       for (const auto& [other, count] : met[k])
@@ -133,7 +139,7 @@ class WindowGroups {
   /// A sample of a window's pixels is sufficient.
   static std::size_t Stride(const Window& window) { return window.pixels.size() / 40 + 1; }
   static double Enough(const Window& window) {
-    return kFromBehind *
+    return WindowTuning::kFromBehind *
            static_cast<double>((window.pixels.size() + Stride(window) - 1) / Stride(window));
   }
 
@@ -181,7 +187,8 @@ class WindowGroups {
                                        static_cast<std::size_t>(sampler.contradicted.width) +
                                    static_cast<std::size_t>(pixel.x())];
       if (other >= 0)
-        (*met)[other] |= ray.dot((x - sampler.view->Center()).normalized()) < kOpposite;
+        (*met)[other] |=
+            ray.dot((x - sampler.view->Center()).normalized()) < WindowTuning::kOpposite;
     }
   }
 
@@ -207,8 +214,9 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
   const std::vector<int> before = Thicknesses(filled, windows);
   for (std::size_t k = 0; k < windows.size(); ++k) windows[k].thick = before[k];
   // Thin regions are not opened with loose matches.
-  std::erase_if(windows,
-                [](const Window& window) { return window.loose && window.thick <= kThin; });
+  std::erase_if(windows, [](const Window& window) {
+    return window.loose && window.thick <= WindowTuning::kThin;
+  });
   for (std::size_t count = 0; count != windows.size();) {
     count = windows.size();
     const Space open(views, Opened(masks, windows), options, inlier);
@@ -222,7 +230,8 @@ double OpenWindows(const std::vector<Image8>& images, const std::vector<View>& v
       const WindowGroups meetings(windows, filled, open);
       kept.clear();
       for (std::size_t k = 0; k < count; ++k)
-        if (windows[k].thick <= kThin || meetings.FromBothSides(k)) kept.push_back(windows[k]);
+        if (windows[k].thick <= WindowTuning::kThin || meetings.FromBothSides(k))
+          kept.push_back(windows[k]);
     }
     windows = std::move(kept);
   }

@@ -8,12 +8,20 @@
 #include "capture/pictures/cv_image.h"
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::capture {
 namespace {
 
 constexpr int kMostFeatures = 400;
-constexpr int kFewestShared = 16;
+
+// No record of the data. Sensitivity: docs/results/sensitivity.md.
+struct SharedPlacesTuning {
+  KEYPOSE_TUNED(int, kFewestShared, 16);   // places; fewer are chance
+  KEYPOSE_TUNED(double, kContrast, 0.02);  // SIFT's threshold
+  KEYPOSE_TUNED(float, kRatio, 0.8F);      // largest of the distances to the nearest and second
+  KEYPOSE_TUNED(double, kError_px, 2);     // largest distance from the epipolar line
+};
 
 struct Sighted {
   std::vector<cv::KeyPoint> places;
@@ -22,7 +30,7 @@ struct Sighted {
 
 Sighted FeaturesOf(const Preview& preview) {
   Sighted seen;
-  const auto sift = cv::SIFT::create(kMostFeatures, 3, 0.02);
+  const auto sift = cv::SIFT::create(kMostFeatures, 3, SharedPlacesTuning::kContrast);
   sift->detectAndCompute(MatOf(preview.grey), MatOf(preview.mask), seen.places, seen.descriptors);
   return seen;
 }
@@ -32,12 +40,14 @@ std::vector<cv::DMatch> RatioMatches(const cv::Mat& from, const cv::Mat& to) {
   cv::BFMatcher(cv::NORM_L2).knnMatch(from, to, nearest, 2);
   std::vector<cv::DMatch> kept;
   for (const auto& two : nearest)
-    if (two.size() == 2 && two[0].distance < 0.8F * two[1].distance) kept.push_back(two[0]);
+    if (two.size() == 2 && two[0].distance < SharedPlacesTuning::kRatio * two[1].distance)
+      kept.push_back(two[0]);
   return kept;
 }
 
 int SharedBy(const Sighted& first, const Sighted& second) {
-  if (first.places.size() < kFewestShared || second.places.size() < kFewestShared) return 0;
+  const std::size_t fewest = SharedPlacesTuning::kFewestShared;
+  if (first.places.size() < fewest || second.places.size() < fewest) return 0;
   const std::vector<cv::DMatch> there = RatioMatches(first.descriptors, second.descriptors),
                                 back = RatioMatches(second.descriptors, first.descriptors);
   std::vector<int> match_back(second.places.size(), -1);
@@ -48,11 +58,11 @@ int SharedBy(const Sighted& first, const Sighted& second) {
     x.push_back(first.places[match.queryIdx].pt);
     y.push_back(second.places[match.trainIdx].pt);
   }
-  if (x.size() < kFewestShared) return 0;
+  if (x.size() < fewest) return 0;
   cv::UsacParams usac;  // with its own random state: the same result in any order of the pairs
   usac.randomGeneratorState = 0;
   usac.isParallel = false;
-  usac.threshold = 2;
+  usac.threshold = SharedPlacesTuning::kError_px;
   usac.confidence = 0.99;
   usac.maxIterations = 1000;
   usac.sampler = cv::SAMPLING_UNIFORM;
@@ -86,7 +96,8 @@ std::vector<ImageTie> SharedPlaces(const std::vector<Preview>& previews, Progres
         tie.matches = SharedBy(seen[tie.first], seen[tie.second]);
       },
       8);
-  std::erase_if(pairs, [](const ImageTie& tie) { return tie.matches < kFewestShared; });
+  std::erase_if(
+      pairs, [](const ImageTie& tie) { return tie.matches < SharedPlacesTuning::kFewestShared; });
   return pairs;
 }
 
