@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include "core/tuned.h"
+
 namespace keypose::interpolation {
 
 namespace {
@@ -14,8 +16,14 @@ double Orientation(const Eigen::RowVector3d& a, const Eigen::RowVector3d& b,
   return (b - a).cross(c - a).dot(d - a);
 }
 
-constexpr int kSmoothingRounds = 16;
-constexpr double kMostMoved = 0.1;
+// Tried on bars that pass through themselves (volumetric_test.cpp); no record of single values.
+// Sensitivity: docs/results/sensitivity.md.
+struct FaceCrossingTuning {
+  KEYPOSE_TUNED(int, kRounds, 16);         // most rounds of smoothing until nothing crosses
+  KEYPOSE_TUNED(int, kSmoothings, 5);      // in a round
+  KEYPOSE_TUNED(int, kRoundsARing, 3);     // after which another ring of faces is smoothed
+  KEYPOSE_TUNED(double, kMostMoved, 0.1);  // share of the vertices
+};
 
 /// Whether an edge of face e passes through face f.
 bool Pierces(const PointsX3& p, const FacesX3& faces, int e, int f) {
@@ -96,14 +104,17 @@ std::vector<std::pair<int, int>> Crossings(const PointsX3& points, const FacesX3
 
 std::optional<PointsX3> WithoutCrossings(const PointsX3& points, const FacesX3& faces) {
   PointsX3 apart = points;
-  for (int round = 0; round < kSmoothingRounds; ++round) {
+  for (int round = 0; round < FaceCrossingTuning::kRounds; ++round) {
     const std::vector<std::pair<int, int>> pairs = Crossings(apart, faces);
     if (pairs.empty()) break;
-    if (round + 1 == kSmoothingRounds) return std::nullopt;
-    Smooth(faces, Surroundings(faces, points.rows(), pairs, 1 + round / 3), 5, apart);
+    if (round + 1 == FaceCrossingTuning::kRounds) return std::nullopt;
+    Smooth(faces,
+           Surroundings(faces, points.rows(), pairs, 1 + round / FaceCrossingTuning::kRoundsARing),
+           FaceCrossingTuning::kSmoothings, apart);
   }
   const auto moved = ((apart - points).rowwise().squaredNorm().array() > 0).count();
-  if (moved > kMostMoved * static_cast<double>(points.rows())) return std::nullopt;
+  if (moved > FaceCrossingTuning::kMostMoved * static_cast<double>(points.rows()))
+    return std::nullopt;
   return apart;
 }
 

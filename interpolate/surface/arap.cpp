@@ -32,8 +32,12 @@ struct GrowthTuning {
   KEYPOSE_TUNED(int, kGrowthPasses, 4);
 };
 
-// of the diagonal: frames with larger steps to the wanted volume are computed singly
-constexpr double kNearStep = 0.05;
+// No record of the data; sensitivity: docs/results/sensitivity.md.
+struct VolumeStepTuning {
+  // of the diagonal: frames with larger steps to the wanted volume are computed singly
+  KEYPOSE_TUNED(double, kNearStep, 0.05);
+};
+
 // of the diagonal: constraints that move a key by less leave it as it is
 constexpr double kAtKey = 1e-12;
 
@@ -214,7 +218,8 @@ struct ArapInterpolator::Impl {
       paths->Evaluate({times.begin() + first, times.begin() + first + edges.frames}, edges);
     });
     const std::vector<std::vector<RowFrames::PartSums>> sums = together->Sums(rows, times);
-    const double near_step = kNearStep * std::min(BoundingDiagonal(v), BoundingDiagonal(u));
+    const double near_step =
+        VolumeStepTuning::kNearStep * std::min(BoundingDiagonal(v), BoundingDiagonal(u));
     std::vector<Eigen::Matrix3d> bodies;
     std::vector<std::vector<RowFrames::Move>> moves(times.size());
     for (std::size_t k = 0; k < times.size(); ++k) {

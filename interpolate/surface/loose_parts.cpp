@@ -13,9 +13,8 @@ namespace {
 struct LoosePartsTuning {
   KEYPOSE_TUNED(double, kSmall, 0.2);  // of the body's area: larger parts move on their own
   KEYPOSE_TUNED(double, kNear, 1.5);   // of the part's radius: from its centroid to the body
+  KEYPOSE_TUNED(int, kPatch, 24);      // vertices of the body that a part follows
 };
-
-constexpr std::size_t kPatch = 24;
 
 Eigen::Vector3d MeanOf(const PointsX3& points, const std::vector<int>& vertices) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -31,7 +30,7 @@ std::vector<int> NearestPatch(const PointsX3& points, const std::vector<int>& pa
   double radius = 0;
   for (int i : part) radius = std::max(radius, distance(i));
   std::vector<int> patch = body;
-  const std::size_t count = std::min(kPatch, patch.size());
+  const std::size_t count = std::min<std::size_t>(LoosePartsTuning::kPatch, patch.size());
   std::partial_sort(patch.begin(), patch.begin() + static_cast<std::ptrdiff_t>(count), patch.end(),
                     [&](int a, int b) {
                       return std::make_pair(distance(a), a) < std::make_pair(distance(b), b);

@@ -10,12 +10,17 @@
 
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::interpolation {
 
 namespace {
 
-constexpr double kMostReach = 0.25;  // of the diagonal: largest displacement of a vertex
+// No record of the data (docs/decisions/volume-along-one-field.md); sensitivity:
+// docs/results/sensitivity.md.
+struct VolumeCorrectionTuning {
+  KEYPOSE_TUNED(double, kMostReach, 0.25);  // of the diagonal: largest displacement of a vertex
+};
 
 using CubicTerms = std::array<double, 4>;
 
@@ -151,7 +156,7 @@ VolumeCorrection::Result VolumeCorrection::Apply(PointsX3& points, PointsX3 dire
   std::vector<double> longest(cubics.size(), 0), step(cubics.size(), 0);
   for (Eigen::Index i = 0; i < z.rows(); ++i)
     longest[parts[i]] = std::max(longest[parts[i]], z.row(i).norm());
-  const double reach = kMostReach * BoundingDiagonal(points);
+  const double reach = VolumeCorrectionTuning::kMostReach * BoundingDiagonal(points);
   for (std::size_t p = 0; p < cubics.size(); ++p) {
     if (!closed_[p] || !std::isfinite(targets[p])) continue;
     const double x = StepToVolume(cubics[p], targets[p]);

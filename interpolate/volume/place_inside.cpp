@@ -9,6 +9,7 @@
 
 #include "core/cholesky.h"
 #include "core/parallel.h"
+#include "core/tuned.h"
 
 namespace keypose::interpolation {
 
@@ -18,8 +19,12 @@ constexpr int kRounds = 100;
 // largest move of a round over the mean edge of a tetrahedron, at convergence
 constexpr double kSettledMove = 1e-4;
 constexpr int kSweeps = 40;
-// tetrahedra below this determinant over the body's own growth are untangled
-constexpr double kNearlyFlat = 0.01;
+
+// No record of the data; sensitivity: docs/results/sensitivity.md.
+struct UntanglingTuning {
+  // tetrahedra below this determinant over the body's own growth are untangled
+  KEYPOSE_TUNED(double, kNearlyFlat, 0.01);
+};
 
 /// Orthonormal frame of a triangle: along its first edge, across, and its normal.
 Eigen::Matrix3d FrameOf(const PointsX3& p, const FacesX3& faces, Eigen::Index f) {
@@ -219,14 +224,14 @@ class PointUntangler {
 int Untangle(const Solid& solid, const std::vector<TetShape>& shapes, Eigen::Index fixed,
              PointsX3& points) {
   PointUntangler untangler(solid, shapes, fixed, points);
-  std::vector<int> folded = untangler.FoldedTets(kNearlyFlat);
+  std::vector<int> folded = untangler.FoldedTets(UntanglingTuning::kNearlyFlat);
   for (int sweep = 0; sweep < kSweeps && !folded.empty(); ++sweep) {
     double least = 1;
     for (int t : folded) least = std::min(least, untangler.Map(t).determinant());
     // Garanzha's rule for epsilon, from the smallest determinant.
     const FoldEnergy energy(std::sqrt(1e-8 + 0.04 * std::min(0.0, least) * std::min(0.0, least)));
     for (int i : untangler.PointsAround(folded)) untangler.Move(i, energy);
-    folded = untangler.FoldedTets(kNearlyFlat);
+    folded = untangler.FoldedTets(UntanglingTuning::kNearlyFlat);
   }
   return static_cast<int>(untangler.FoldedTets(0).size());
 }
