@@ -12,6 +12,7 @@
 #include "register/parts/parts.h"
 #include "register/skeleton/skeleton_motion.h"
 #include "register/skeleton/skeleton_tree.h"
+#include "register/skeleton/tree_matching.h"
 
 namespace keypose::registration {
 

@@ -17,6 +17,7 @@
 #include "register/parts/parts.h"
 #include "register/skeleton/curve_skeleton.h"
 #include "register/skeleton/skeleton_tree.h"
+#include "register/skeleton/tree_matching.h"
 
 namespace keypose::registration {
 
