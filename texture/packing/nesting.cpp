@@ -9,21 +9,18 @@
 #include <optional>
 #include <utility>
 
+#include "core/angles.h"
 #include "core/parallel.h"
 #include "core/size_of.h"
+#include "texture/packing/stamps.h"
 
 namespace keypose::texture {
 namespace {
 
-constexpr double kPi = EIGEN_PI;
-constexpr int kTurns = 64;
 constexpr int kFirstTurns = 16;  // of the bottom-left start
 constexpr double kScaleStep = 1.012;
 constexpr double kLeastGrowth = 1.002;
 constexpr int kPatience = 60;  // sweeps at one scale
-// an outline with fewer cells is replaced by its box: half a cell of overlap would be too much for
-// it
-constexpr int kFewCells = 60;
 constexpr int kMovesPerEffort = 16;
 constexpr int kFar = 50;   // samples anywhere
 constexpr int kNear = 16;  // samples near the present place
@@ -40,14 +37,6 @@ struct Random {
   int Below(int n) { return n > 0 ? static_cast<int>(Next() % static_cast<std::uint64_t>(n)) : 0; }
   int Between(int low, int high) { return low + Below(high - low + 1); }
 };
-
-UvsX2 Turned(const UvsX2& points, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  UvsX2 out(points.rows(), 2);
-  out.col(0) = c * points.col(0) - s * points.col(1);
-  out.col(1) = s * points.col(0) + c * points.col(1);
-  return out;
-}
 
 // The rotation with the smallest bounding box, in steps of a degree and a half.
 double LaidAngle(const UvsX2& points) {
@@ -71,133 +60,6 @@ double AreaOf(const UvsX2& p) {
   }
   return sum / 2;
 }
-
-// Moves each vertex outwards along the mean normal of its two edges.
-UvsX2 Widened(const UvsX2& p, double by) {
-  const Eigen::Index n = p.rows();
-  UvsX2 out = p;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::RowVector2d before = p.row(i) - p.row((i + n - 1) % n),
-                             after = p.row((i + 1) % n) - p.row(i);
-    const double a = before.norm(), b = after.norm();
-    if (!(a > 0) || !(b > 0)) continue;
-    const Eigen::RowVector2d along = before / a + after / b;
-    const double length = along.norm();
-    if (!(length > 0.2)) continue;  // the tip of a spike stays
-    // 2 / length: a corner moves farther so that its edges move by `by`.
-    out.row(i) +=
-        Eigen::RowVector2d(along.y(), -along.x()) / length * (by * std::min(2 / length, 1.5));
-  }
-  return out;
-}
-
-// Cells whose centres an outline covers, row by row.
-struct Stamp {
-  struct Span {
-    int row, begin, end;
-  };
-  std::vector<Span> spans;
-  int width = 0, height = 0, cells = 0;
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();  // [cells] lower corner of the rotated outline's
-                                                  // box, before the move to the origin
-};
-
-Stamp Draw(const UvsX2& outline_in_cells) {
-  Stamp stamp;
-  stamp.low = outline_in_cells.colwise().minCoeff().transpose();
-  const UvsX2 p = outline_in_cells.rowwise() - stamp.low.transpose();
-  const Eigen::RowVector2d extent = p.colwise().maxCoeff();
-  stamp.width = std::max(1, static_cast<int>(std::ceil(extent.x() - 1e-6)));
-  stamp.height = std::max(1, static_cast<int>(std::ceil(extent.y() - 1e-6)));
-  std::vector<std::vector<double>> crossings(stamp.height);
-  for (Eigen::Index i = 0; i < p.rows(); ++i) {
-    const Eigen::RowVector2d a = p.row(i), b = p.row((i + 1) % p.rows());
-    const double low = std::min(a.y(), b.y()), high = std::max(a.y(), b.y());
-    for (int row = std::max(0, static_cast<int>(std::ceil(low - 0.5)));
-         row < stamp.height && row + 0.5 < high; ++row)
-      crossings[row].push_back(a.x() + (b.x() - a.x()) * (row + 0.5 - a.y()) / (b.y() - a.y()));
-  }
-  for (int row = 0; row < stamp.height; ++row) {
-    std::vector<double>& x = crossings[row];
-    std::sort(x.begin(), x.end());
-    for (std::size_t k = 0; k + 1 < x.size(); k += 2) {
-      const int begin = std::max(0, static_cast<int>(std::ceil(x[k] - 0.5)));
-      const int end = std::min(stamp.width, static_cast<int>(std::ceil(x[k + 1] - 0.5)));
-      if (begin >= end) continue;
-      if (!stamp.spans.empty() && stamp.spans.back().row == row &&
-          stamp.spans.back().end >= begin) {
-        // widened bays may overlap themselves
-        stamp.spans.back().end = std::max(stamp.spans.back().end, end);
-      } else {
-        stamp.spans.push_back({row, begin, end});
-      }
-    }
-  }
-  for (const Stamp::Span& span : stamp.spans) stamp.cells += span.end - span.begin;
-  if (stamp.cells >= kFewCells) return stamp;
-  stamp.spans.clear();
-  stamp.cells = stamp.width * stamp.height;
-  for (int row = 0; row < stamp.height; ++row) stamp.spans.push_back({row, 0, stamp.width});
-  return stamp;
-}
-
-struct Spot {
-  int turn = 0, x = 0, y = 0;
-};
-
-// The outlines at one scale, rasterised for each rotation at first use.
-class Stamps {
- public:
-  Stamps(const std::vector<UvsX2>& laid, double cells_per_unit, double widen)
-      : laid_(laid), scale_(cells_per_unit), widen_(widen), drawn_(laid.size() * kTurns) {}
-  const Stamp& Get(int item, int turn) {
-    std::optional<Stamp>& stamp = drawn_[static_cast<std::size_t>(item) * kTurns + turn];
-    if (!stamp)
-      stamp = Draw(Widened(Turned(laid_[item] * scale_, 2 * kPi * turn / kTurns), widen_));
-    return *stamp;
-  }
-  double scale() const { return scale_; }
-
- private:
-  const std::vector<UvsX2>& laid_;
-  double scale_, widen_;
-  std::vector<std::optional<Stamp>> drawn_;
-};
-
-// For the bottom-left start: the last occupied cell at or before each cell, which gives the next
-// possible position after a collision.
-class OccupiedCells {
- public:
-  explicit OccupiedCells(int n) : n_(n), last_(static_cast<std::size_t>(n) * n, -1) {}
-  void Add(const Stamp& stamp, int x, int y) {
-    for (const Stamp::Span& span : stamp.spans) {
-      std::int16_t* row = &last_[static_cast<std::size_t>(y + span.row) * n_];
-      for (int c = x + span.begin; c < x + span.end; ++c) row[c] = static_cast<std::int16_t>(c);
-      for (int c = x + span.end; c < n_ && row[c] < x + span.end - 1; ++c)
-        row[c] = static_cast<std::int16_t>(x + span.end - 1);
-    }
-  }
-  /// First free x at or after `x` in the rows from y, or -1.
-  int FirstFree(const Stamp& stamp, int x, int y) const {
-    const int count = SizeOf(stamp.spans);
-    for (int clear = 0, at = 0; x + stamp.width <= n_;) {
-      const Stamp::Span& span = stamp.spans[at];
-      const int last = last_[static_cast<std::size_t>(y + span.row) * n_ + x + span.end - 1];
-      if (last >= x + span.begin) {
-        x = last + 1 - span.begin;
-        clear = 0;
-      } else if (++clear == count) {
-        return x;
-      }
-      at = at + 1 < count ? at + 1 : 0;
-    }
-    return -1;
-  }
-
- private:
-  int n_;
-  std::vector<std::int16_t> last_;
-};
 
 class NestingSearch {
  public:
