@@ -15,20 +15,18 @@
 #include "core/camera.h"
 #include "core/errors.h"
 #include "core/geometry.h"
-#include "core/kd_tree.h"
 #include "core/mesh_checks.h"
 #include "core/ray_scene.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
 #include "core/union_find.h"
+#include "register/parts/part_points.h"
 
 namespace keypose::registration {
 
 namespace {
 
 using Eigen::Vector3d;
-constexpr int kFeet = 96;              // most closest points of one part on its seat
-constexpr int kCounterpartFeet = 400;  // vertices of a part fitted to its counterpart
 
 // No record of the data. Sensitivity: docs/results/sensitivity.md.
 struct LoosePartTuning {
@@ -40,17 +38,6 @@ struct LoosePartTuning {
   KEYPOSE_TUNED(double, kRingShare, 0.25);
   // largest factor between the scale of a part and that of the host
   KEYPOSE_TUNED(double, kMostScale, 1.25);
-};
-
-// No record of the data.
-struct CounterpartTuning {
-  KEYPOSE_TUNED(int, kCounterpartRounds, 30);       // ICP rounds of the fit to the counterpart
-  KEYPOSE_TUNED(double, kCounterpartGrowth, 1.25);  // largest change of scale in this fit
-  KEYPOSE_TUNED(double, kSizeAlike, 1.4);           // largest ratio of the sizes of counterparts
-  KEYPOSE_TUNED(double, kCentreReach, 0.75);  // of the part's size: largest distance of centres
-  KEYPOSE_TUNED(double, kFacing, 0.5);        // cosine: least between the normals of matched points
-  KEYPOSE_TUNED(double, kToPoint, 0.3);       // share of the way along the plane that is made
-  KEYPOSE_TUNED(double, kHold, 0.02);  // weight of the orientation so far; the landmarks' is 1
 };
 
 /// For each vertex the first vertex with the same position.
@@ -132,13 +119,6 @@ struct Seat {
   }
 };
 
-std::vector<int> SomeOf(const std::vector<int>& all, int most) {
-  std::vector<int> some;
-  const std::size_t stride = std::max<std::size_t>(1, all.size() / static_cast<std::size_t>(most));
-  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
-  return some;
-}
-
 double MeanDistance(const RayScene& scene, const Mesh& mesh, const std::vector<int>& vertices) {
   double sum = 0;
   for (int v : vertices) sum += std::sqrt(scene.ClosestPoint(mesh.points.row(v)).squared_distance);
@@ -214,12 +194,6 @@ std::vector<std::vector<int>> Neighbors(const Mesh& mesh) {
   return neighbors;
 }
 
-PointsX3 RowsOf(const PointsX3& points, const std::vector<int>& rows) {
-  PointsX3 some(std::ssize(rows), 3);
-  for (std::size_t i = 0; i < rows.size(); ++i) some.row(i) = points.row(rows[i]);
-  return some;
-}
-
 /// The least squares similarity transform with its scale limited to values near `scale`.
 Similarity3 FitNear(const PointsX3& from, const PointsX3& to, const Eigen::VectorXd& weights,
                     double scale) {
@@ -253,10 +227,6 @@ double HostScale(const Mesh& source, const LooseParts& parts, const PointsX3& mo
   }
   const double ratio = after / before;
   return std::isfinite(ratio) && ratio > 0 ? std::sqrt(ratio) : 1;
-}
-
-void Apply(const Similarity3& motion, const std::vector<int>& vertices, PointsX3& points) {
-  for (int v : vertices) points.row(v) = (motion * points.row(v).transpose().eval()).transpose();
 }
 
 }  // namespace
@@ -358,159 +328,6 @@ PointsX3 MoveLoosePartsWithHost(const Mesh& source, const LooseParts& parts,
   for (std::size_t i = 0; i < parts.host_vertices.size(); ++i)
     points.row(parts.host_vertices[i]) = moved_host.row(i);
   return MoveLooseParts(source, parts, points);
-}
-
-namespace {
-
-/// The centre of each part, weighted by area.
-std::vector<Vector3d> Centres(const LooseParts& parts, const PointsX3& points,
-                              const FacesX3& faces) {
-  std::vector<int> part_of(static_cast<std::size_t>(points.rows()), -1);
-  for (std::size_t i = 0; i < parts.parts.size(); ++i)
-    for (int v : parts.parts[i].vertices) part_of[v] = static_cast<int>(i);
-  std::vector<Vector3d> centre(parts.parts.size(), Vector3d::Zero());
-  std::vector<double> area(parts.parts.size(), 0);
-  const Eigen::VectorXd areas = FaceAreas(points, faces);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const int i = part_of[faces(f, 0)];
-    if (i < 0) continue;
-    centre[i] +=
-        areas[f] *
-        (points.row(faces(f, 0)) + points.row(faces(f, 1)) + points.row(faces(f, 2))).transpose() /
-        3;
-    area[i] += areas[f];
-  }
-  for (std::size_t i = 0; i < centre.size(); ++i)
-    centre[i] = area[i] > 0 ? (centre[i] / area[i]).eval()
-                            : points.row(parts.parts[i].vertices[0]).transpose().eval();
-  return centre;
-}
-
-int NearestCentre(const Vector3d& p, const std::vector<Vector3d>& centres) {
-  int best = -1;
-  for (std::size_t i = 0; i < centres.size(); ++i)
-    if (best < 0 || (centres[i] - p).squaredNorm() < (centres[best] - p).squaredNorm())
-      best = static_cast<int>(i);
-  return best;
-}
-
-/// Finds the motion of a part onto its own landmarks.
-/// @return false when it has none
-bool OntoLandmarks(const LoosePart& part, const PointsX3& points,
-                   const std::vector<LandmarkGoal>& landmarks, Similarity3& motion) {
-  std::vector<Vector3d> from, to;
-  for (const LandmarkGoal& goal : landmarks) {
-    Eigen::Index corner = 0;
-    goal.source.weights.maxCoeff(&corner);
-    if (!std::binary_search(part.vertices.begin(), part.vertices.end(),
-                            goal.source.vertices[corner]))
-      continue;
-    from.push_back(PositionOf(goal.source, points));
-    to.push_back(goal.target);
-  }
-  if (from.empty()) return false;
-  motion = {};
-  if (from.size() == 1) {
-    motion.translation = to[0] - from[0];
-    return true;
-  }
-  // The part's current orientation has a small weight. It decides the rotation that two landmarks
-  // leave open.
-  const std::vector<int> some = SomeOf(part.vertices, kFeet);
-  const auto marks = std::ssize(from), rest = std::ssize(some);
-  PointsX3 a(marks + rest, 3), b(marks + rest, 3);
-  Eigen::VectorXd weights(marks + rest);
-  Vector3d shift = Vector3d::Zero();
-  for (Eigen::Index i = 0; i < marks; ++i) {
-    a.row(i) = from[i].transpose();
-    b.row(i) = to[i].transpose();
-    shift += (to[i] - from[i]) / static_cast<double>(marks);
-  }
-  a.bottomRows(rest) = RowsOf(points, some);
-  b.bottomRows(rest) = a.bottomRows(rest).rowwise() + shift.transpose();
-  weights.head(marks).setOnes();
-  weights.tail(rest).setConstant(CounterpartTuning::kHold * static_cast<double>(marks) /
-                                 static_cast<double>(rest));
-  motion = FitSimilarity(a, b, weights, false);
-  return true;
-}
-
-/// Fits a part that is already near its counterpart to it by similarity ICP. The identity if that
-/// brings it no closer, or changes its scale too much.
-Similarity3 OntoCounterpart(const LoosePart& part, const PointsX3& points, const FacesX3& faces,
-                            const LoosePart& other, const Mesh& target) {
-  const std::vector<int> some = SomeOf(part.vertices, kCounterpartFeet);
-  const PointsX3 start = RowsOf(points, some), theirs = RowsOf(target.points, other.vertices);
-  const PointsX3 normals = RowsOf(VertexNormals(points, faces), some);
-  const PointsX3 their_normals = RowsOf(VertexNormals(target.points, target.faces), other.vertices);
-  const KdTree tree(theirs);
-  Similarity3 motion;
-  double first = 0, last = 0;
-  for (int round = 0; round <= CounterpartTuning::kCounterpartRounds; ++round) {
-    PointsX3 goals = Transformed(motion, start);
-    const PointsX3 at = goals;
-    for (Eigen::Index i = 0; i < at.rows(); ++i)
-      for (const KdTree::Neighbor& near : tree.Nearest(at.row(i).transpose(), 8)) {
-        const Vector3d normal = their_normals.row(near.index);
-        if (normal.dot(motion.rotation * normals.row(i).transpose()) < CounterpartTuning::kFacing)
-          continue;
-        // Goes to the plane, and partly to the point, so that flat parts do not slide.
-        const Vector3d way = theirs.row(near.index) - at.row(i);
-        goals.row(i) += (normal * normal.dot(way) +
-                         CounterpartTuning::kToPoint * (way - normal * normal.dot(way)))
-                            .transpose();
-        break;
-      }
-    last = (goals - at).squaredNorm();
-    if (round == 0) first = last;
-    if (round < CounterpartTuning::kCounterpartRounds)
-      motion = FitSimilarity(start, goals, Eigen::VectorXd::Ones(start.rows()));
-  }
-  const bool sized = motion.scale < CounterpartTuning::kCounterpartGrowth &&
-                     motion.scale > 1 / CounterpartTuning::kCounterpartGrowth;
-  return last < first && sized ? motion : Similarity3{};
-}
-
-}  // namespace
-
-RefinedParts RefineLooseParts(const Mesh& source, const LooseParts& parts, const PointsX3& moved,
-                              const Mesh& target, const LooseParts& target_parts,
-                              const std::vector<LandmarkGoal>& landmarks) {
-  RefinedParts refined{moved};
-  std::vector<Similarity3> motions(parts.parts.size());
-  const std::vector<Vector3d> theirs = Centres(target_parts, target.points, target.faces);
-  const std::vector<Vector3d> ours = Centres(parts, moved, source.faces);
-  for (std::size_t i = 0; i < parts.parts.size(); ++i) {
-    const LoosePart& part = parts.parts[i];
-    Similarity3 own;
-    if (part.parent >= 0) {
-      motions[i] = motions[part.parent];
-      Apply(motions[i], part.vertices, refined.points);
-    }
-    if (OntoLandmarks(part, refined.points, landmarks, own)) {
-      ++refined.by_landmarks;
-    } else {
-      const int other = NearestCentre(ours[i], theirs);
-      if (other < 0 || NearestCentre(theirs[other], ours) != static_cast<int>(i)) continue;
-      const double size = BoundingDiagonal(RowsOf(refined.points, part.vertices)),
-                   ratio = target_parts.parts[other].diagonal / size;
-      if (!(ratio < CounterpartTuning::kSizeAlike) ||
-          !(ratio > 1 / CounterpartTuning::kSizeAlike) ||
-          (theirs[other] - ours[i]).norm() > CounterpartTuning::kCentreReach * size)
-        continue;
-      own.translation = theirs[other] - (motions[i] * ours[i]);
-      PointsX3 shifted = refined.points;
-      Apply(own, part.vertices, shifted);
-      const Similarity3 onto =
-          OntoCounterpart(part, shifted, source.faces, target_parts.parts[other], target);
-      own = {onto.scale, onto.rotation, onto * own.translation};
-      ++refined.by_counterpart;
-    }
-    Apply(own, part.vertices, refined.points);
-    motions[i] = {own.scale * motions[i].scale, own.rotation * motions[i].rotation,
-                  own * motions[i].translation};
-  }
-  return refined;
 }
 
 }  // namespace keypose::registration
