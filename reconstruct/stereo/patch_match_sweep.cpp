@@ -9,6 +9,7 @@
 #include "core/size_of.h"
 #include "core/tuned.h"
 #include "reconstruct/stereo/patch_match_areas.h"
+#include "reconstruct/stereo/patch_match_lanes.h"
 #include "reconstruct/stereo/patch_match_random.h"
 
 namespace keypose::reconstruct {
@@ -36,25 +37,6 @@ constexpr int kStripWidth = 64;  // width of strips in which pixels are visited:
                                  // that their windows read stay in the L1 cache
 constexpr float kLeastCosine = 0.17f;  // planes slanted by more than 80 degrees are rejected
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-
-// Up to four of the sources, in the layout for matching them together.
-struct SourceLanes {
-  int count = 0;
-  int ids[kLanes] = {};  // unused lanes repeat the first
-  TransferLanes to, from;
-  const SampleImage* images[kLanes] = {};
-  const DepthImage* depths[kLanes] = {};
-  Lanes depth_width{}, depth_height{};
-  LaneInts depth_stride{};
-};
-
-struct Trial {
-  PlaneHypothesis plane;
-  WarpLanes warps;
-  float sum = 0;
-  float pair = 0;   // the sum after the first two sources
-  float extra = 0;  // the part of the sum that does not come from windows
-};
 
 class Sweeper {
  public:
@@ -162,24 +144,9 @@ class Sweeper {
     ray_y_ = static_cast<float>((y - camera_.cy) / camera_.fy);
     ray_length2_ = ray_x_ * ray_x_ + ray_y_ * ray_y_ + 1;
     bounds_ = BoundsAt(x, y);
-    prior_ = in_.prior ? PriorAt(*in_.prior, x, y) : 0;
+    prior_ = in_.prior ? PriorAt(*in_.prior, x, y, px_per_inverse_depth_) : 0;
     const float trust = patch_.variance / (patch_.variance + 9 * in_.noise_variance + 1e-6f);
     prior_weight_ = prior_ > 0 ? SweepTuning::kPriorWeight * (1 - trust) : 0;
-  }
-
-  // Interpolated between the four pixels of the coarser level around; across a depth edge, the one
-  // that covers this pixel.
-  float PriorAt(const DepthImage& coarse, int x, int y) const {
-    const int px = std::min(x / 2, coarse.width - 1), py = std::min(y / 2, coarse.height - 1);
-    const int qx = std::clamp(px + (x & 1 ? 1 : -1), 0, coarse.width - 1),
-              qy = std::clamp(py + (y & 1 ? 1 : -1), 0, coarse.height - 1);
-    const float here = coarse.At(px, py);
-    if (here <= 0) return 0;
-    auto near = [&](float depth) {
-      return depth > 0 && std::abs(depth - here) * px_per_inverse_depth_ < 3 ? depth : here;
-    };
-    return 0.5625f * here + 0.1875f * (near(coarse.At(qx, py)) + near(coarse.At(px, qy))) +
-           0.0625f * near(coarse.At(qx, qy));
   }
 
   // The forward-backward reprojection error: to each source by this plane, and back by the source's
@@ -525,46 +492,6 @@ class Sweeper {
 };
 
 }  // namespace
-
-Eigen::Vector3d PlaneNormal(const Pinhole& camera, double x, double y,
-                            const PlaneHypothesis& plane) {
-  const double c = plane.inverse_depth - plane.gx * x - plane.gy * y;
-  return -Eigen::Vector3d(camera.fx * plane.gx, camera.fy * plane.gy,
-                          camera.cx * plane.gx + camera.cy * plane.gy + c)
-              .normalized();
-}
-
-bool Visited(const SweepInputs& inputs, int x, int y) {
-  const DepthBounds& b = *inputs.bounds;
-  const int shift = b.shift - inputs.level;
-  const int bx = std::min(x >> shift, b.nearest.width - 1),
-            by = std::min(y >> shift, b.nearest.height - 1);
-  return *b.nearest.at(bx, by) > 0 && InMask(*inputs.reference->levels[inputs.level].grey.at(x, y));
-}
-
-double PixelsPerInverseDepth(const SweepInputs& inputs) {
-  // For the middle of the picture, at the mean of the bounds there.
-  const DepthBounds& b = *inputs.bounds;
-  double w = 0;
-  std::int64_t n = 0;
-  for (std::size_t i = 0; i < b.nearest.data.size(); ++i)
-    if (b.nearest.data[i] > 0) w += 0.5 * (b.nearest.data[i] + b.farthest.data[i]), ++n;
-  if (n == 0 || inputs.sources.empty()) return 1;
-  w /= static_cast<double>(n);
-  const Pinhole& camera = inputs.reference->camera(inputs.level);
-  const Eigen::Vector3f p(static_cast<float>(camera.width * 0.5),
-                          static_cast<float>(camera.height * 0.5), 1);
-  double sum = 0;
-  for (const PreparedView* source : inputs.sources) {
-    const Transfer t = MakeTransfer(*inputs.reference, *source, inputs.level);
-    auto at = [&](double inverse_depth) -> Eigen::Vector2d {
-      const Eigen::Vector3d h = (t.a * p).cast<double>() + t.b.cast<double>() * inverse_depth;
-      return h.head<2>() / h.z();
-    };
-    sum += (at(w * 1.01) - at(w * 0.99)).norm() / (0.02 * w);
-  }
-  return std::max(1e-9, sum / static_cast<double>(inputs.sources.size()));
-}
 
 std::int64_t Sweep(const SweepInputs& inputs, const SweepSettings& settings, PlaneMap* map) {
   return Sweeper(inputs, settings, map).Run();
