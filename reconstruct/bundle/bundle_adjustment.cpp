@@ -187,6 +187,42 @@ double BodiesRms(const Scene& scene, const Bodies& bodies) {
              : std::sqrt(sum / static_cast<double>(bodies.observations.size()));
 }
 
+/// Parameters of the camera and the poses. One group per array, because Ceres orders a group by
+/// address, makes the sums independent of memory locations.
+/// @param gauge_is_free  nothing else fixes the frame: the first pose stays
+void AddCameras(ceres::Problem& problem, ceres::ParameterBlockOrdering& ordering, Scene& scene,
+                Intrinsics& camera, bool gauge_is_free, ceres::EigenQuaternionManifold* manifold) {
+  ordering.AddElementToGroup(camera.data(), 1);
+  bool first = gauge_is_free;
+  for (View& view : scene.views) {
+    double *rotation = view.camera_from_world.rotation.coeffs().data(),
+           *translation = view.camera_from_world.translation.data();
+    if (!problem.HasParameterBlock(rotation)) continue;
+    problem.SetManifold(rotation, manifold);
+    ordering.AddElementToGroup(rotation, 3);
+    ordering.AddElementToGroup(translation, 3);
+    if (first)
+      problem.SetParameterBlockConstant(rotation),
+          problem.SetParameterBlockConstant(translation);  // the gauge, except for scale
+    first = false;
+  }
+}
+
+ceres::Solver::Options SolverFor(const BundleOptions& options,
+                                 const std::shared_ptr<ceres::ParameterBlockOrdering>& ordering) {
+  ceres::Solver::Options solver;
+  // Eigen on one thread; the sparse solver would use a threaded BLAS
+  solver.linear_solver_type = ceres::DENSE_SCHUR;
+  solver.linear_solver_ordering = ordering;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = 1e-6;
+  // a larger radius gains nothing, and rounding would make the reduced system indefinite
+  solver.max_trust_region_radius = 1e8;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  return solver;
+}
+
 /// One solve. Poses, points and the camera are changed in place.
 /// @return number of iterations
 int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observations,
@@ -205,36 +241,11 @@ int Solve(Scene& scene, Bodies& bodies, const std::vector<Observation>& observat
     ordering->AddElementToGroup(point, 0);
   }
   AddBodies(problem, *ordering, scene, bodies, camera, loss, manifold);
-  // Ceres orders a group by address. One group per array makes the sums independent of memory
-  // locations.
-  ordering->AddElementToGroup(camera.data(), 1);
-  bool first = bodies.observations.empty();  // bodies fix the gauge
-  for (View& view : scene.views) {
-    double *rotation = view.camera_from_world.rotation.coeffs().data(),
-           *translation = view.camera_from_world.translation.data();
-    if (!problem.HasParameterBlock(rotation)) continue;
-    problem.SetManifold(rotation, manifold);
-    ordering->AddElementToGroup(rotation, 3);
-    ordering->AddElementToGroup(translation, 3);
-    if (first)
-      problem.SetParameterBlockConstant(rotation),
-          problem.SetParameterBlockConstant(translation);  // the gauge, except for scale
-    first = false;
-  }
+  AddCameras(problem, *ordering, scene, camera, bodies.observations.empty(), manifold);
   if (const auto fixed = FixedIntrinsics(options); !fixed.empty())
     problem.SetManifold(camera.data(), new ceres::SubsetManifold(8, fixed));
-  ceres::Solver::Options solver;
-  // Eigen on one thread; the sparse solver would use a threaded BLAS
-  solver.linear_solver_type = ceres::DENSE_SCHUR;
-  solver.linear_solver_ordering = ordering;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = 1e-6;
-  // a larger radius gains nothing, and rounding would make the reduced system indefinite
-  solver.max_trust_region_radius = 1e8;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
+  ceres::Solve(SolverFor(options, ordering), &problem, &summary);
   if (!summary.IsSolutionUsable())
     throw SolverError("sfm: bundle adjustment failed: " + summary.message);
   if (problem.NumResidualBlocks() == 0) return 0;

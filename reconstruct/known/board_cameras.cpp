@@ -118,21 +118,52 @@ std::vector<BodyObservation> BoardObservations(const Scene& scene, const BoardLa
   return observations;
 }
 
-BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& board,
-                        const std::vector<BoardSighting>& sightings,
-                        const BoardPosesOptions& options) {
-  BoardPoses placed;
+namespace {
+
+/// The sightings with enough corners; the names of the others go to `too_few`.
+std::vector<const BoardSighting*> UsableSightings(const BoardLayout& board,
+                                                  const std::vector<BoardSighting>& sightings,
+                                                  int min_corners,
+                                                  std::vector<std::string>& too_few) {
   std::vector<const BoardSighting*> usable;
   for (const BoardSighting& sighting : sightings) {
     for (const BoardCorner& corner : sighting.corners)
       if (corner.id < 0 || corner.id >= board.CornerCount())
         throw InputError("sfm: " + sighting.name + " shows a board corner " +
                          std::to_string(corner.id) + ", which the board does not have");
-    if (SizeOf(sighting.corners) < options.min_corners || InOneLine(board, sighting.corners))
-      placed.too_few.push_back(sighting.name);
+    if (SizeOf(sighting.corners) < min_corners || InOneLine(board, sighting.corners))
+      too_few.push_back(sighting.name);
     else
       usable.push_back(&sighting);
   }
+  return usable;
+}
+
+/// The views that fit their corners from above the board; the names of the others go to `rejected`.
+std::vector<View> FittingViews(const std::vector<View>& views, const BoardLayout& board,
+                               const std::vector<const BoardSighting*>& sightings,
+                               double max_rms_px, std::vector<std::string>& rejected) {
+  std::vector<View> kept;
+  for (const View& view : views) {
+    const auto sighting =
+        std::find_if(sightings.begin(), sightings.end(),
+                     [&](const BoardSighting* s) { return s->name == view.name; });
+    if (RmsOf(view, board, (*sighting)->corners) <= max_rms_px && view.Center().z() > 0)
+      kept.push_back(view);
+    else
+      rejected.push_back(view.name);
+  }
+  return kept;
+}
+
+}  // namespace
+
+BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayout& board,
+                        const std::vector<BoardSighting>& sightings,
+                        const BoardPosesOptions& options) {
+  BoardPoses placed;
+  const std::vector<const BoardSighting*> usable =
+      UsableSightings(board, sightings, options.min_corners, placed.too_few);
   Camera start = camera;
   if (!focal_known && !usable.empty()) start.fx = start.fy = SoughtFocal(camera, board, usable);
   // The joint solution removes errors from a wrong focal length; the remaining errors then show
@@ -156,16 +187,8 @@ BoardPoses PlaceByBoard(const Camera& camera, bool focal_known, const BoardLayou
     BundleResult result = AdjustBundle(placed.scene, {}, options.bundle, nullptr, placed.bodies);
     placed.scene = std::move(result.scene);
     placed.rms_px = result.bodies_rms_px;
-    std::vector<View> kept;
-    for (const View& view : placed.scene.views) {
-      const auto sighting = std::find_if(usable.begin(), usable.end(), [&](const BoardSighting* s) {
-        return s->name == view.name;
-      });
-      if (RmsOf(view, board, (*sighting)->corners) <= options.max_rms_px && view.Center().z() > 0)
-        kept.push_back(view);
-      else
-        placed.rejected.push_back(view.name);
-    }
+    std::vector<View> kept =
+        FittingViews(placed.scene.views, board, usable, options.max_rms_px, placed.rejected);
     if (kept.size() == placed.scene.views.size()) break;
     placed.scene.views = std::move(kept);
   }

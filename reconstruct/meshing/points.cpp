@@ -182,37 +182,27 @@ void RequireMeshable(const PointCloud& cloud, const std::string& what) {
                      " lie in one place; the reconstruction before it failed");
 }
 
-FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options, double merge_cell,
-                            const std::string& what, Progress* progress) {
-  RequireMeshable(cloud, what);
-  const Eigen::Index before = cloud.points.rows();
-  FilteredPoints out;
-  out.cloud = std::move(cloud);
-  std::vector<char> keep(before, 1);
-  for (Eigen::Index i = 0; i < before; ++i) {
-    const bool sure =
-        out.cloud.confidence.size() == 0 || out.cloud.confidence[i] >= options.min_confidence;
+namespace {
+
+void DropUnsure(double min_confidence, FilteredPoints& out) {
+  std::vector<char> keep(out.cloud.points.rows(), 1);
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    const bool sure = out.cloud.confidence.size() == 0 || out.cloud.confidence[i] >= min_confidence;
     keep[i] = sure && out.cloud.normals.row(i).norm() > 1e-6;
   }
   out.removed_unsure = Drop(out.cloud, keep);
-  RequireEnough(out.cloud, what, before);
-  out.cloud.normals.rowwise().normalize();
-  if (merge_cell > 0) {
-    const Eigen::Index unmerged = out.cloud.points.rows();
-    out.cloud = MergeWithinCells(out.cloud, merge_cell);
-    out.merged = static_cast<int>(unmerged - out.cloud.points.rows());
-    RequireEnough(out.cloud, what, before);
-  }
+}
 
-  ReportProgress(progress, 0.1, "removing outliers");
+/// Drops points far from others, some of the less sure ones where there are many, and those whose
+/// neighbours have other normals.
+void DropOutliers(const PointFilterOptions& options, double merge_cell, FilteredPoints& out) {
   Neighborhood near = Measure(out.cloud, options.neighbors);
   // Several layers of points are denser than a merged layer. With this limit, the hull's points,
   // one per voxel, are no outliers beside them.
   const double usual =
       std::max(Median(near.mean_distance), EvenMeanDistance(merge_cell, options.neighbors));
   const double limit = options.outlier_ratio > 0 ? options.outlier_ratio * usual : INFINITY;
-  keep.assign(out.cloud.points.rows(), 1);
-  std::vector<char> aligned;
+  std::vector<char> keep(out.cloud.points.rows(), 1), aligned;
   const bool graded = options.thin_unsure && out.cloud.confidence.size() > 0;
   for (std::size_t i = 0; i < keep.size(); ++i) {
     keep[i] = near.mean_distance[i] <= limit;
@@ -225,6 +215,28 @@ FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options,
   }
   Drop(out.cloud, keep);
   out.removed_contrary = Drop(out.cloud, aligned);
+}
+
+}  // namespace
+
+FilteredPoints FilterPoints(PointCloud cloud, const PointFilterOptions& options, double merge_cell,
+                            const std::string& what, Progress* progress) {
+  RequireMeshable(cloud, what);
+  const Eigen::Index before = cloud.points.rows();
+  FilteredPoints out;
+  out.cloud = std::move(cloud);
+  DropUnsure(options.min_confidence, out);
+  RequireEnough(out.cloud, what, before);
+  out.cloud.normals.rowwise().normalize();
+  if (merge_cell > 0) {
+    const Eigen::Index unmerged = out.cloud.points.rows();
+    out.cloud = MergeWithinCells(out.cloud, merge_cell);
+    out.merged = static_cast<int>(unmerged - out.cloud.points.rows());
+    RequireEnough(out.cloud, what, before);
+  }
+
+  ReportProgress(progress, 0.1, "removing outliers");
+  DropOutliers(options, merge_cell, out);
   RequireEnough(out.cloud, what, before);
 
   ReportProgress(progress, 0.6, "measuring the sampling");

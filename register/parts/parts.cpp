@@ -229,6 +229,39 @@ double HostScale(const Mesh& source, const LooseParts& parts, const PointsX3& mo
   return std::isfinite(ratio) && ratio > 0 ? std::sqrt(ratio) : 1;
 }
 
+/// The loose components, largest first.
+template <class IsLoose>
+std::vector<int> LooseComponents(const MeshParts& components, const IsLoose& is_loose) {
+  std::vector<int> order;
+  for (std::size_t c = 0; c < components.diagonal.size(); ++c)
+    if (is_loose(static_cast<int>(c))) order.push_back(static_cast<int>(c));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return components.diagonal[a] > components.diagonal[b]; });
+  return order;
+}
+
+/// Finds the part that part i sits on, among the larger ones before it.
+/// @return its index, or -1 for the host
+int ParentOf(const Mesh& mesh, const std::vector<LoosePart>& parts, std::size_t i, Seat& host,
+             std::vector<Seat>& seats) {
+  const std::vector<int> some = SomeOf(parts[i].vertices, kFeet);
+  double nearest = MeanDistance(host.Scene(mesh), mesh, some);
+  int parent = -1;
+  for (std::size_t j = 0; j < i; ++j) {
+    // A part only sits on another part if they touch, or nearly: two eyes side by side do not sit
+    // on each other.
+    if (parts[j].diagonal <= parts[i].diagonal ||
+        seats[j].box.exteriorDistance(seats[i].box) >
+            LoosePartTuning::kTouching * parts[i].diagonal)
+      continue;
+    const double d = MeanDistance(seats[j].Scene(mesh), mesh, some);
+    if (d >= nearest) continue;
+    nearest = d;
+    parent = static_cast<int>(j);
+  }
+  return parent;
+}
+
 }  // namespace
 
 LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
@@ -239,11 +272,7 @@ LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
     return c >= 0 && components.diagonal[c] < options.largest_share * largest;
   };
   LooseParts found;
-  std::vector<int> order;
-  for (std::size_t c = 0; c < components.diagonal.size(); ++c)
-    if (is_loose(static_cast<int>(c))) order.push_back(static_cast<int>(c));
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return components.diagonal[a] > components.diagonal[b]; });
+  const std::vector<int> order = LooseComponents(components, is_loose);
   std::vector<int> part_of(components.diagonal.size(), -1);
   for (std::size_t i = 0; i < order.size(); ++i) part_of[order[i]] = static_cast<int>(i);
   found.parts.resize(order.size());
@@ -267,19 +296,7 @@ LooseParts FindLooseParts(const Mesh& mesh, const LoosePartOptions& options) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     LoosePart& part = found.parts[i];
     part.diagonal = components.diagonal[order[i]];
-    const std::vector<int> some = SomeOf(part.vertices, kFeet);
-    double nearest = MeanDistance(host.Scene(mesh), mesh, some);
-    for (std::size_t j = 0; j < i; ++j) {
-      // A part only sits on another part if they touch, or nearly: two eyes side by side do not sit
-      // on each other.
-      if (components.diagonal[order[j]] <= part.diagonal ||
-          seats[j].box.exteriorDistance(seats[i].box) > LoosePartTuning::kTouching * part.diagonal)
-        continue;
-      const double d = MeanDistance(seats[j].Scene(mesh), mesh, some);
-      if (d >= nearest) continue;
-      nearest = d;
-      part.parent = static_cast<int>(j);
-    }
+    part.parent = ParentOf(mesh, found.parts, i, host, seats);
     Bind(mesh, neighbors, part.parent < 0 ? host : seats[part.parent], part);
   }
   return found;

@@ -260,7 +260,46 @@ std::string Reason(const LandmarkAdvice& a, double flipped, double out) {
 struct Held {
   VectorXd distance;
   std::vector<int> unused;
+
+  Held(const Graph& graph, const PointsX3& points, const std::vector<LandmarkGoal>& landmarks)
+      : distance(VectorXd::Constant(points.rows(), kUnreached)),
+        unused(static_cast<std::size_t>(points.rows())) {
+    for (const LandmarkGoal& goal : landmarks) {
+      std::vector<std::pair<int, double>> corners;
+      const Eigen::Vector3d place = PositionOf(goal.source, points);
+      for (int k = 0; k < 3; ++k)
+        if (goal.source.weights[k] > 0)
+          corners.emplace_back(goal.source.vertices[k],
+                               (points.row(goal.source.vertices[k]).transpose() - place).norm());
+      graph.Spread(corners, 0, distance, unused);
+    }
+  }
 };
+
+/// The patch where a landmark is needed most, -1 where none is.
+/// @param best  receives the vertex, the score and the distance to what is held
+Eigen::Index NeediestPatch(const SignalPatches& patches, const Signals& signals,
+                           const VectorXd& held, double diagonal, LandmarkAdvice& best) {
+  Eigen::Index best_patch = -1;
+  for (std::size_t n = 0; n < patches.seeds.size(); ++n) {
+    const auto i = static_cast<Eigen::Index>(n);
+    const double need = signals.misfit[i] / AdviceTuning::kMisfitUnit +
+                        signals.stretch[i] / std::log(AdviceTuning::kStretchUnit) +
+                        AdviceTuning::kFlipped * signals.flipped[i];
+    const double away = held[patches.seeds[n]] / diagonal;
+    if (need < AdviceTuning::kLeastNeed || away < AdviceTuning::kApart) continue;
+    // The effect of a landmark falls with distance. The end of a limb is held from one side only,
+    // so it gets a higher score.
+    const double score = need * (std::isfinite(away) ? away / (away + AdviceTuning::kReach) : 1) *
+                         (AdviceTuning::kMiddle + patches.out[i] * patches.out[i]);
+    if (score <= best.score) continue;
+    best.vertex = patches.seeds[n];
+    best.score = score;
+    best.landmark_distance = away;
+    best_patch = i;
+  }
+  return best_patch;
+}
 
 }  // namespace
 
@@ -282,39 +321,11 @@ std::vector<LandmarkAdvice> AdviseLandmarks(const Mesh& source, const PointsX3& 
       OverPatches(source, MeasureFaces(source, registered, target, surfaces), patches);
   const double diagonal =
       std::max(BoundingDiagonal(source.points), std::numeric_limits<double>::min());
-  Held held{VectorXd::Constant(source.vertex_count(), kUnreached),
-            std::vector<int>(source.vertex_count())};
-  for (const LandmarkGoal& goal : landmarks) {
-    std::vector<std::pair<int, double>> corners;
-    const Eigen::Vector3d place = PositionOf(goal.source, source.points);
-    for (int k = 0; k < 3; ++k)
-      if (goal.source.weights[k] > 0)
-        corners.emplace_back(
-            goal.source.vertices[k],
-            (source.points.row(goal.source.vertices[k]).transpose() - place).norm());
-    graph.Spread(corners, 0, held.distance, held.unused);
-  }
+  Held held(graph, source.points, landmarks);
   std::vector<LandmarkAdvice> advice;
   while (SizeOf(advice) < count) {
     LandmarkAdvice best;
-    Eigen::Index best_patch = -1;
-    for (std::size_t n = 0; n < patches.seeds.size(); ++n) {
-      const auto i = static_cast<Eigen::Index>(n);
-      const double need = signals.misfit[i] / AdviceTuning::kMisfitUnit +
-                          signals.stretch[i] / std::log(AdviceTuning::kStretchUnit) +
-                          AdviceTuning::kFlipped * signals.flipped[i];
-      const double away = held.distance[patches.seeds[n]] / diagonal;
-      if (need < AdviceTuning::kLeastNeed || away < AdviceTuning::kApart) continue;
-      // The effect of a landmark falls with distance. The end of a limb is held from one side only,
-      // so it gets a higher score.
-      const double score = need * (std::isfinite(away) ? away / (away + AdviceTuning::kReach) : 1) *
-                           (AdviceTuning::kMiddle + patches.out[i] * patches.out[i]);
-      if (score <= best.score) continue;
-      best.vertex = patches.seeds[n];
-      best.score = score;
-      best.landmark_distance = away;
-      best_patch = i;
-    }
+    const Eigen::Index best_patch = NeediestPatch(patches, signals, held.distance, diagonal, best);
     if (best_patch < 0) break;
     best.position = source.points.row(best.vertex);
     best.registered = registered.row(best.vertex);

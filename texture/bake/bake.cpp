@@ -211,6 +211,23 @@ int AdviseTextureSize(const Mesh& mesh, const std::vector<View>& views) {
   return size;
 }
 
+namespace {
+
+/// How well each photograph is shown again.
+void SetQuality(const std::vector<Comparison>& comparisons, const std::vector<char>& used,
+                BakeResult& result) {
+  for (std::size_t v = 0; v < comparisons.size(); ++v) {
+    ViewQuality& quality = result.quality[v];
+    quality.used = used[v];
+    quality.pixels = comparisons[v].pixels;
+    quality.psnr_db = comparisons[v].psnr_db;
+    quality.psnr_gain_db = comparisons[v].psnr_gain_db;
+    quality.ssim = comparisons[v].ssim;
+  }
+}
+
+}  // namespace
+
 BakeResult Bake(const Mesh& given, const std::vector<View>& views,
                 const std::function<Photograph(int)>& load, const BakeOptions& options,
                 Progress* progress) {
@@ -245,14 +262,7 @@ BakeResult Bake(const Mesh& given, const std::vector<View>& views,
         "the masks are black, or the faces point inwards: pass the mesh and the model of one pose");
   ReportProgress(progress, 0.8, "comparison with the photographs");
   const std::vector<Comparison> comparisons = Compare(studio, baked.texture, trusted);
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    ViewQuality& quality = result.quality[v];
-    quality.used = baked.paint.used[v];
-    quality.pixels = comparisons[v].pixels;
-    quality.psnr_db = comparisons[v].psnr_db;
-    quality.psnr_gain_db = comparisons[v].psnr_gain_db;
-    quality.ssim = comparisons[v].ssim;
-  }
+  SetQuality(comparisons, baked.paint.used, result);
   if (options.leave_out)
     SetHeldOut(comparisons, held_out, result);
   else if (std::count(held_out.begin(), held_out.end(), 1) > 0)
