@@ -167,18 +167,10 @@ std::vector<FacePaths::MotionPair> FacePaths::OwnMotions(int span,
   return motions;
 }
 
-void FacePaths::SmoothFaces(const Schedule& schedule) {
-  const int spans = SizeOf(pairs_);
-  std::vector<std::vector<EndEdges>> starts, ends;
-  for (const Pair& pair : pairs_)
-    for (Eigen::Index f = 0; f < face_count_; ++f)
-      if (pair.degenerate[f]) straight_[f];
-  std::vector<std::vector<MotionPair>> own;
-  for (int k = 0; k < spans; ++k) {
-    starts.push_back(EdgesAtEnd(k, 0));
-    ends.push_back(EdgesAtEnd(k, 1));
-    own.push_back(OwnMotions(k, starts.back(), ends.back()));
-  }
+/// Each face's motions at both ends of all spans, with one velocity at each key that spans share.
+std::vector<std::vector<FacePaths::MotionPair>> FacePaths::SmoothMotions(
+    const Schedule& schedule, const std::vector<std::vector<MotionPair>>& own) const {
+  const int spans = SizeOf(own);
   std::vector<std::vector<MotionPair>> wanted = own;
   const auto smooth = [&](auto Motion::*part, Eigen::Index f) {
     EndVelocities<std::decay_t<decltype(Motion().*part)>> velocities;
@@ -196,19 +188,40 @@ void FacePaths::SmoothFaces(const Schedule& schedule) {
             smooth(&Motion::area, f);
       },
       256);
-  for (int k = 0; k < spans; ++k) {
-    double start = 0, start_norm = 0, end = 0, end_norm = 0;
-    for (Eigen::Index f = 0; f < face_count_; ++f) {
-      const double weight = DoubledArea(starts[k][f].at) + DoubledArea(ends[k][f].at);
-      start += weight * wanted[k][f].start.Dot(own[k][f].start),
-          start_norm += weight * own[k][f].start.Dot(own[k][f].start);
-      end += weight * wanted[k][f].end.Dot(own[k][f].end),
-          end_norm += weight * own[k][f].end.Dot(own[k][f].end);
-    }
-    // Up to a slope of 3 sigma does not reverse.
-    paces_[k] = {start_norm > 0 ? std::clamp(start / start_norm, 0.0, 3.0) : 1.0,
-                 end_norm > 0 ? std::clamp(end / end_norm, 0.0, 3.0) : 1.0};
+  return wanted;
+}
+
+/// The change of pace at both ends of a span that does the part common to all faces.
+FacePaths::Pace FacePaths::PaceOf(const std::vector<EndEdges>& starts,
+                                  const std::vector<EndEdges>& ends,
+                                  const std::vector<MotionPair>& own,
+                                  const std::vector<MotionPair>& wanted) const {
+  double start = 0, start_norm = 0, end = 0, end_norm = 0;
+  for (Eigen::Index f = 0; f < face_count_; ++f) {
+    const double weight = DoubledArea(starts[f].at) + DoubledArea(ends[f].at);
+    start += weight * wanted[f].start.Dot(own[f].start),
+        start_norm += weight * own[f].start.Dot(own[f].start);
+    end += weight * wanted[f].end.Dot(own[f].end), end_norm += weight * own[f].end.Dot(own[f].end);
   }
+  // Up to a slope of 3 sigma does not reverse.
+  return {start_norm > 0 ? std::clamp(start / start_norm, 0.0, 3.0) : 1.0,
+          end_norm > 0 ? std::clamp(end / end_norm, 0.0, 3.0) : 1.0};
+}
+
+void FacePaths::SmoothFaces(const Schedule& schedule) {
+  const int spans = SizeOf(pairs_);
+  std::vector<std::vector<EndEdges>> starts, ends;
+  for (const Pair& pair : pairs_)
+    for (Eigen::Index f = 0; f < face_count_; ++f)
+      if (pair.degenerate[f]) straight_[f];
+  std::vector<std::vector<MotionPair>> own;
+  for (int k = 0; k < spans; ++k) {
+    starts.push_back(EdgesAtEnd(k, 0));
+    ends.push_back(EdgesAtEnd(k, 1));
+    own.push_back(OwnMotions(k, starts.back(), ends.back()));
+  }
+  std::vector<std::vector<MotionPair>> wanted = SmoothMotions(schedule, own);
+  for (int k = 0; k < spans; ++k) paces_[k] = PaceOf(starts[k], ends[k], own[k], wanted[k]);
   for (int k = 0; k < spans; ++k)
     ParallelFor(
         face_count_,

@@ -100,6 +100,10 @@ class FacePaths {
   void SmoothFaces(const Schedule& schedule);
   std::vector<MotionPair> OwnMotions(int span, const std::vector<EndEdges>& starts,
                                      const std::vector<EndEdges>& ends) const;
+  std::vector<std::vector<MotionPair>> SmoothMotions(
+      const Schedule& schedule, const std::vector<std::vector<MotionPair>>& own) const;
+  Pace PaceOf(const std::vector<EndEdges>& starts, const std::vector<EndEdges>& ends,
+              const std::vector<MotionPair>& own, const std::vector<MotionPair>& wanted) const;
   void SmoothStraight(const Schedule& schedule, Eigen::Index face,
                       const std::vector<std::vector<EndEdges>>& starts,
                       const std::vector<std::vector<EndEdges>>& ends);

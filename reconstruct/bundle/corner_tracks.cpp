@@ -178,6 +178,17 @@ std::optional<double> InverseDepthAt(const Vector2d& pixel,
   return plane(0);
 }
 
+/// A point that view v sees at a pixel of its patch image.
+SparsePoint PointAt(const Vector2d& pixel, double inverse_depth, const PatchImage& image,
+                    const View& view, std::size_t v) {
+  const Vector3d ray = view.camera.Unproject((pixel + image.origin) / image.scale);
+  SparsePoint point;
+  point.position = view.camera_from_world.Inverse() * Vector3d(ray / inverse_depth);
+  point.color.setConstant(160);
+  point.views = {static_cast<int>(v)};
+  return point;
+}
+
 }  // namespace
 
 Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
@@ -213,12 +224,7 @@ Scene AddCorners(const Scene& scene, const std::vector<PatchImage>& images,
             options.most_bent);
         if (!inverse_depth) continue;
         const View& view = scene.views[v];
-        const Vector3d ray =
-            view.camera.Unproject((corner.pixel + images[v].origin) / images[v].scale);
-        SparsePoint point;
-        point.position = view.camera_from_world.Inverse() * Vector3d(ray / *inverse_depth);
-        point.color.setConstant(160);
-        point.views = {static_cast<int>(v)};
+        SparsePoint point = PointAt(corner.pixel, *inverse_depth, images[v], view, v);
         // Views with similar directions see the same corner, which is added only once.
         for (std::size_t w = 0; w < scene.views.size(); ++w)
           if ((scene.views[w].Center() - point.position)

@@ -61,19 +61,9 @@ struct ShapeCandidate {
   double share = 0, rms = 0;
 };
 
-}  // namespace
-
-ModelAlignment AlignByShape(const Scene& first, const Scene& second,
-                            const ShapeAlignmentOptions& options) {
-  constexpr std::size_t kRefined = 16;
-  ModelAlignment join;
-  if (first.points.size() < 100 || second.points.size() < 100) return join;
-  const Cloud target = Decimated(first, 8 * options.fine_points),
-              coarse = Decimated(second, options.coarse_points),
-              fine = Decimated(second, options.fine_points);
-  const KdTree tree(target.points);
-  const double limit =
-      std::max(options.max_distance * Spread(target.points), 2 * Spacing(target, tree));
+/// Candidates from rotations all round, best first.
+std::vector<ShapeCandidate> Settled(const Cloud& target, const KdTree& tree, const Cloud& coarse,
+                                    double limit, const ShapeAlignmentOptions& options) {
   const Eigen::Vector3d from = coarse.points.colwise().mean(), to = target.points.colwise().mean();
   std::vector<ShapeCandidate> candidates(static_cast<std::size_t>(options.rotations));
   ParallelFor(options.rotations, [&](std::int64_t i) {
@@ -88,6 +78,23 @@ ModelAlignment AlignByShape(const Scene& first, const Scene& second,
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const ShapeCandidate& a, const ShapeCandidate& b) { return a.share > b.share; });
+  return candidates;
+}
+
+}  // namespace
+
+ModelAlignment AlignByShape(const Scene& first, const Scene& second,
+                            const ShapeAlignmentOptions& options) {
+  constexpr std::size_t kRefined = 16;
+  ModelAlignment join;
+  if (first.points.size() < 100 || second.points.size() < 100) return join;
+  const Cloud target = Decimated(first, 8 * options.fine_points),
+              coarse = Decimated(second, options.coarse_points),
+              fine = Decimated(second, options.fine_points);
+  const KdTree tree(target.points);
+  const double limit =
+      std::max(options.max_distance * Spread(target.points), 2 * Spacing(target, tree));
+  std::vector<ShapeCandidate> candidates = Settled(target, tree, coarse, limit, options);
   candidates.resize(std::min(candidates.size(), kRefined));
   ParallelFor(std::ssize(candidates), [&](std::int64_t i) {
     ShapeCandidate& candidate = candidates[i];

@@ -77,6 +77,24 @@ void AddFeatures(PatchTracks& tracks, const std::vector<Observation>& features) 
   }
 }
 
+RingFitOptions FittingFor(const PosedModel& model, bool focal_known, const SfmOptions& options) {
+  RingFitOptions fitting;
+  fitting.bundle = BundleFor(model, options);
+  fitting.bundle.keep_aspect = true;  // pixels are square
+  fitting.ring.focal_prior =
+      focal_known ? FinalAdjustmentTuning::kKnownFocal : FinalAdjustmentTuning::kGuessedFocal;
+  return fitting;
+}
+
+void ReportFit(StageContext& stage, const RingFit& fit, bool with_board) {
+  stage.Report("patch_points", SizeOf(fit.result.scene.points));
+  stage.Report("patch_observations", fit.result.observations);
+  stage.Report("patch_error_px", fit.result.after_px);
+  if (fit.tried) stage.Report("turntable_chi2_ratio", fit.chi2_ratio);
+  stage.Report("on_turntable", fit.is_ring);
+  if (with_board) stage.Report("board_rms_px", fit.result.bodies_rms_px);
+}
+
 bool AllSeen(const Scene& scene, const std::vector<Observation>& observations) {
   std::vector<int> places(scene.views.size(), 0);
   for (const Observation& o : observations) ++places[o.view];
@@ -114,16 +132,11 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
       ReadPatchImages(set, model.scene.views, options.max_image_size, patches);
   PointSet current = SpreadPoints(model.scene, model.observations, options.adjusted_points);
   Bodies bodies = model.bodies;
-  RingFitOptions fitting;
-  fitting.bundle = BundleFor(model, options);
-  // Pixels are square: with a single ring of views, the aspect ratio and the distance would be
-  // ambiguous.
-  fitting.bundle.keep_aspect = true;
+  RingFitOptions fitting = FittingFor(model, focal_known, options);
+  // With a single ring of views, the pixels' aspect ratio and the distance would be ambiguous.
   if (!options.refine_distortion && bodies.observations.empty())
     for (View& view : current.scene.views)
       view.camera.fx = view.camera.fy = 0.5 * (view.camera.fx + view.camera.fy);
-  fitting.ring.focal_prior =
-      focal_known ? FinalAdjustmentTuning::kKnownFocal : FinalAdjustmentTuning::kGuessedFocal;
   const bool ring =
       bodies.observations.empty() && !options.refine_principal_point && !options.refine_distortion;
   CornerOptions corners;
@@ -155,12 +168,7 @@ Scene RefineByPatches(StageContext& stage, const ImageSet& set, const PosedModel
     current = {last ? fit.result.scene : AddCorners(fit.result.scene, images, patches, corners),
                fit.result.kept};
   }
-  stage.Report("patch_points", SizeOf(fit.result.scene.points));
-  stage.Report("patch_observations", fit.result.observations);
-  stage.Report("patch_error_px", fit.result.after_px);
-  if (fit.tried) stage.Report("turntable_chi2_ratio", fit.chi2_ratio);
-  stage.Report("on_turntable", fit.is_ring);
-  if (!bodies.observations.empty()) stage.Report("board_rms_px", fit.result.bodies_rms_px);
+  ReportFit(stage, fit, !bodies.observations.empty());
   ColorPoints(set, fit.result.scene);
   return std::move(fit.result.scene);
 }

@@ -157,22 +157,12 @@ Attempt Try(LimbedBody& source, LimbedBody& target, const TipMatch& match,
   return attempt;
 }
 
-SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
-                          const std::vector<MarkPair>& marks, const Similarity3& coarse,
-                          const SkeletonOptions& options) {
-  RootBoth(source, target);
-  const std::size_t tips = source.tree->Tips().size(), other_tips = target.tree->Tips().size();
-  const std::string counts = std::to_string(tips) + " ends of limbs on the source and " +
-                             std::to_string(other_tips) + " on the target";
-  if (static_cast<int>(std::max(tips, other_tips)) > options.max_tips)
-    return Refused("skeletons: too many limbs: " + counts);
-  if (std::min(tips, other_tips) < 2 || (std::min(tips, other_tips) == 2 && tips != other_tips))
-    return Refused("skeletons: the limbs differ: " + counts +
-                   "; a landmark on each end of a limb would help other starts");
-  const TreeEvidence evidence = Evidence(source, target, marks, coarse);
-  // Distances along limbs cannot distinguish left from right, so the best matchings are computed
-  // and compared by their fit to the target.
-  Attempt best;
+/// Distances along limbs cannot distinguish left from right, so the best matchings are computed and
+/// compared by their fit to the target.
+/// @param best  receives the best one; without limbs, the first fault
+/// @return the second best score
+double TryMatchings(LimbedBody& source, LimbedBody& target, const std::vector<MarkPair>& marks,
+                    const Similarity3& coarse, const TreeEvidence& evidence, Attempt& best) {
   double second = std::numeric_limits<double>::infinity();
   const std::vector<TipMatch> matches =
       MatchTreeTips(*source.tree, *target.tree, evidence, SkeletonStartTuning::kAttempts);
@@ -192,6 +182,24 @@ SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
     if (best.limbs > 0) second = best.Score();
     best = std::move(attempt);
   }
+  return second;
+}
+
+SkeletonStart MatchBodies(LimbedBody& source, LimbedBody& target,
+                          const std::vector<MarkPair>& marks, const Similarity3& coarse,
+                          const SkeletonOptions& options) {
+  RootBoth(source, target);
+  const std::size_t tips = source.tree->Tips().size(), other_tips = target.tree->Tips().size();
+  const std::string counts = std::to_string(tips) + " ends of limbs on the source and " +
+                             std::to_string(other_tips) + " on the target";
+  if (static_cast<int>(std::max(tips, other_tips)) > options.max_tips)
+    return Refused("skeletons: too many limbs: " + counts);
+  if (std::min(tips, other_tips) < 2 || (std::min(tips, other_tips) == 2 && tips != other_tips))
+    return Refused("skeletons: the limbs differ: " + counts +
+                   "; a landmark on each end of a limb would help other starts");
+  const TreeEvidence evidence = Evidence(source, target, marks, coarse);
+  Attempt best;
+  const double second = TryMatchings(source, target, marks, coarse, evidence, best);
   if (best.limbs == 0)
     return Refused("skeletons: " + best.fault + " (" + counts +
                    "); a landmark on each end of a limb would help other starts");

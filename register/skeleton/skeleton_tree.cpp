@@ -32,6 +32,22 @@ double InscribedRadius(const RayScene& surface, const Vector3d& p) {
   return std::sqrt(surface.ClosestPoint(p).squared_distance);
 }
 
+/// The contraction gives the centre of a ball only roughly. Improves it: the inscribed radius is
+/// largest at the centre.
+void CenterBall(const RayScene& surface, Vector3d& centre, double& radius) {
+  for (double step = 0.3; step > 0.01;) {
+    const RayScene::Foot foot = surface.ClosestPoint(centre);
+    const Vector3d moved = centre + step * (centre - foot.point);
+    const double r = InscribedRadius(surface, moved);
+    if (r > radius) {
+      centre = moved;
+      radius = r;
+    } else {
+      step /= 2;
+    }
+  }
+}
+
 }  // namespace
 
 SkeletonTree::SkeletonTree(const CurveSkeleton& skeleton, const RayScene& surface)
@@ -298,20 +314,8 @@ bool SkeletonTree::RootThickEnd(const RayScene& surface, double thicker, double 
   if (radius_[ball] < thicker * sorted[sorted.size() / 2] ||
       (nodes_.row(ball) - nodes_.row(end)).norm() > reach * radius_[ball])
     return false;
-  // The contraction gives the centre of a ball only roughly. Improve it: the inscribed radius is
-  // largest at the centre.
   Vector3d centre = nodes_.row(ball);
-  for (double step = 0.3; step > 0.01;) {
-    const RayScene::Foot foot = surface.ClosestPoint(centre);
-    const Vector3d moved = centre + step * (centre - foot.point);
-    const double r = InscribedRadius(surface, moved);
-    if (r > radius_[ball]) {
-      centre = moved;
-      radius_[ball] = r;
-    } else {
-      step /= 2;
-    }
-  }
+  CenterBall(surface, centre, radius_[ball]);
   nodes_.row(ball) = centre;
   std::vector<int> cut =
       at_front

@@ -24,6 +24,28 @@ struct TreeMatchTuning {
   KEYPOSE_TUNED(double, kPlaceWeight, 0.15);     // of the squared distance of the tips' places
 };
 
+/// Distances along the tree between tips and from tips to landmarks, and the limbs' thickness,
+/// times `scale`.
+void MeasureTips(const SkeletonTree& tree, const std::vector<int>& tips, double scale,
+                 const std::vector<int>& mark_nodes, Eigen::MatrixXd& between,
+                 Eigen::MatrixXd& to_marks, Eigen::VectorXd& thickness) {
+  for (std::size_t i = 0; i < tips.size(); ++i) {
+    const Eigen::VectorXd d = scale * tree.DistancesFrom(tips[i]);
+    const auto row = static_cast<Eigen::Index>(i);
+    for (std::size_t j = 0; j < tips.size(); ++j)
+      between(row, static_cast<Eigen::Index>(j)) = d[tree.joints()[tips[j]].nodes.front()];
+    for (Eigen::Index m = 0; m < to_marks.cols(); ++m) to_marks(row, m) = d[mark_nodes[m]];
+    double sum = 0, count = 0;
+    const Limb& limb = tree.limbs()[tree.joints()[tips[i]].limbs.front()];
+    for (int n : limb.nodes) {
+      if (d[n] > TreeMatchTuning::kTipShare * scale * limb.length) continue;
+      sum += scale * tree.radius()[n];
+      ++count;
+    }
+    thickness[row] = sum / count;
+  }
+}
+
 /// The cost of an assignment of tips.
 class TipCosts {
  public:
@@ -36,28 +58,9 @@ class TipCosts {
     single_.setZero(rows, cols);
     Eigen::MatrixXd source_marks(rows, marks), target_marks(cols, marks);
     Eigen::VectorXd source_thickness(rows), target_thickness(cols);
-    const auto measure = [&](const SkeletonTree& tree, const std::vector<int>& tips, double scale,
-                             const std::vector<int>& mark_nodes, Eigen::MatrixXd& between,
-                             Eigen::MatrixXd& to_marks, Eigen::VectorXd& thickness) {
-      for (std::size_t i = 0; i < tips.size(); ++i) {
-        const Eigen::VectorXd d = scale * tree.DistancesFrom(tips[i]);
-        const auto row = static_cast<Eigen::Index>(i);
-        for (std::size_t j = 0; j < tips.size(); ++j)
-          between(row, static_cast<Eigen::Index>(j)) = d[tree.joints()[tips[j]].nodes.front()];
-        for (Eigen::Index m = 0; m < marks; ++m) to_marks(row, m) = d[mark_nodes[m]];
-        double sum = 0, count = 0;
-        const Limb& limb = tree.limbs()[tree.joints()[tips[i]].limbs.front()];
-        for (int n : limb.nodes) {
-          if (d[n] > TreeMatchTuning::kTipShare * scale * limb.length) continue;
-          sum += scale * tree.radius()[n];
-          ++count;
-        }
-        thickness[row] = sum / count;
-      }
-    };
-    measure(s, source_tips, e.scale, e.source_nodes, between_source_, source_marks,
-            source_thickness);
-    measure(t, target_tips, 1, e.target_nodes, between_target_, target_marks, target_thickness);
+    MeasureTips(s, source_tips, e.scale, e.source_nodes, between_source_, source_marks,
+                source_thickness);
+    MeasureTips(t, target_tips, 1, e.target_nodes, between_target_, target_marks, target_thickness);
     const double reach = std::max(between_target_.maxCoeff(), std::numeric_limits<double>::min());
     for (Eigen::Index i = 0; i < rows; ++i)
       for (Eigen::Index j = 0; j < cols; ++j) {
