@@ -111,9 +111,8 @@ PictureError MeasurePicture(const FewShapes& shapes, const Scene& scene, Eigen::
 void Measure(const FewShapes& shapes, const Scene& scene, const std::vector<int>& frames,
              FormatFiles& out) {
   std::vector<PictureError> errors(frames.size());
-  ParallelFor(std::ssize(frames), [&](std::int64_t p) {
-    errors[p] = MeasurePicture(shapes, scene, p, frames[p]);
-  });
+  ParallelFor(std::ssize(frames),
+              [&](std::int64_t p) { errors[p] = MeasurePicture(shapes, scene, p, frames[p]); });
   PictureError all;
   int worst = 0;
   for (int p = 0; p < SizeOf(errors); ++p) {
@@ -189,9 +188,8 @@ FormatFiles MakeFewTargetsGlb(const Scene& scene, const GlbTextures& textures,
   ReportProgress(progress, 0.9, "writing the GLB with few targets");
   const FewShapes shapes = InSinglePrecision(fit.basis, scene);
   FormatFiles out;
-  out.files.push_back({"character_few.glb",
-                       Bytes(scene, textures, shapes,
-                             WeightsOverTime(scene, frames, shapes.weights))});
+  out.files.push_back({"character_few.glb", Bytes(scene, textures, shapes,
+                                                  WeightsOverTime(scene, frames, shapes.weights))});
   Measure(shapes, scene, frames, out);
   out.measured["morph_targets"] = SizeOf(shapes.differences);
   out.measured["error_bound"] = options.error_bound;

@@ -43,10 +43,10 @@ Mesh Limb(double angle_rad) {
     const double x = limb.points(v, 0), along = limb.points(v, 2) - 1.5;
     const double bent = std::clamp(along, 0.0, 1.0), turn = angle_rad * bent;
     const double before = std::min(along, 0.0), after = std::max(along - 1, 0.0);
-    limb.points(v, 0) = (1 - std::cos(turn)) / angle_rad + std::sin(turn) * after +
-                        std::cos(turn) * x;
-    limb.points(v, 2) = 1.5 + std::sin(turn) / angle_rad + std::cos(turn) * after + before -
-                        std::sin(turn) * x;
+    limb.points(v, 0) =
+        (1 - std::cos(turn)) / angle_rad + std::sin(turn) * after + std::cos(turn) * x;
+    limb.points(v, 2) =
+        1.5 + std::sin(turn) / angle_rad + std::cos(turn) * after + before - std::sin(turn) * x;
   }
   return limb;
 }
@@ -125,8 +125,8 @@ class Player {
 
  private:
   Eigen::MatrixXd Read(const nlohmann::json& accessor, int columns) const {
-    const auto& view = json_["bufferViews"][json_["accessors"][accessor.get<int>()]["bufferView"]
-                                                .get<int>()];
+    const auto& view =
+        json_["bufferViews"][json_["accessors"][accessor.get<int>()]["bufferView"].get<int>()];
     std::vector<float> numbers(view["byteLength"].get<std::size_t>() / 4);
     std::memcpy(numbers.data(), binary_.data() + view.value("byteOffset", 0), 4 * numbers.size());
     using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -157,8 +157,7 @@ double WorstDistance(const Player& player, const Scene& scene, double share) {
   double worst = 0;
   for (std::size_t i = 0; i + 1 < shown.size(); ++i) {
     const auto& points = scene.split.points;
-    const PointsX3 wanted =
-        (1 - share) * points[shown[i]] + share * points[shown[i + 1]];
+    const PointsX3 wanted = (1 - share) * points[shown[i]] + share * points[shown[i + 1]];
     const double seconds = (static_cast<double>(i) + share) / scene.playback.fps;
     worst = std::max(worst, DistanceAt(player, scene, seconds, wanted));
   }
@@ -191,8 +190,7 @@ TEST(MakeFewTargetsGlb, AtMostEightTargetsAndTheErrorThatIsClaimed) {
   EXPECT_EQ(player.target_count(), 8);
   EXPECT_NEAR(WorstDistance(player, scene, 0), made.error_over_diagonal, 1e-7);
   EXPECT_GT(made.error_over_diagonal, made.measured.at("error_bound")) << "this motion is too rich";
-  EXPECT_LT(made.error_over_diagonal,
-            0.7 * made.measured.at("picture_targets_error_over_diagonal"))
+  EXPECT_LT(made.error_over_diagonal, 0.7 * made.measured.at("picture_targets_error_over_diagonal"))
       << "eight of the pictures as targets must be clearly worse";
   EXPECT_LT(made.measured.at("rms_over_diagonal"), made.error_over_diagonal);
 }
@@ -355,7 +353,8 @@ Scene MixedScene(bool with_uvs) {
 TEST_F(FewTargetsFile, PassesTheKhronosValidatorWithoutErrorsAndWarnings) {
   if (!HasReader("node") || !fs::exists(KEYPOSE_SOURCE_DIR "/node_modules/gltf-validator"))
     GTEST_SKIP() << "node or node_modules/gltf-validator is missing: run ./dev setup";
-  for (const Scene& scene : {MixedScene(true), SceneOf(CirclingBox(49)), SceneOf({MakeBox(1, 2, 3)})}) {
+  for (const Scene& scene :
+       {MixedScene(true), SceneOf(CirclingBox(49)), SceneOf({MakeBox(1, 2, 3)})}) {
     Write(scene);
     const ReaderResult read =
         RunReader({"node", KEYPOSE_SOURCE_DIR "/tests/validate_gltf.mjs", Path()});

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "export/animation/scene.h"
-#include "export/gltf/gltf.h"
+#include "export/gltf/glb_options.h"
 
 namespace keypose::exporting {
 

@@ -71,9 +71,8 @@ class Alternation {
         weights_(weights),
         distances_(weights.rows(), std::ssize(vertices)),
         multipliers_(Eigen::MatrixXd::Ones(weights.rows(), std::ssize(vertices))) {
-    ParallelFor(std::ssize(vertices), [&](std::int64_t i) {
-      paths_[i] = PathOf(pictures, vertices[i]);
-    });
+    ParallelFor(std::ssize(vertices),
+                [&](std::int64_t i) { paths_[i] = PathOf(pictures, vertices[i]); });
     FitShapes(1);
     Measure();
   }

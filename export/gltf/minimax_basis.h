@@ -1,7 +1,7 @@
 // A basis of shapes whose largest error is small, at the cost of the mean error.
 #pragma once
 
-#include "export/gltf/morph_basis.h"
+#include "export/gltf/weighted_shapes.h"
 
 namespace keypose::exporting {
 

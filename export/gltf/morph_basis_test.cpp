@@ -87,9 +87,8 @@ TEST(FitMorphBasis, SameBitsForAnyThreadCount) {
 TEST(LeastSquaresBasis, GivesBackABasisFromItsOwnPictures) {
   Eigen::MatrixXd weights(4, 2);
   weights << 0, 0, 1, 0, 0, 1, 0.5, 0.25;
-  const MorphBasis made{MakeBox(1, 2, 3).points,
-                        {MakeBox(3, 1, 2).points, MakeBox(2, 2, 0.5).points},
-                        weights};
+  const MorphBasis made{
+      MakeBox(1, 2, 3).points, {MakeBox(3, 1, 2).points, MakeBox(2, 2, 0.5).points}, weights};
   std::vector<PointsX3> points;
   for (int p = 0; p < 4; ++p) points.push_back(Blended(made, p));
   const MorphBasis found = LeastSquaresBasis(PicturesOf(points), weights);

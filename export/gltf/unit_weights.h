@@ -1,7 +1,7 @@
 // Weights of morph targets within the range of sliders.
 #pragma once
 
-#include "export/gltf/morph_basis.h"
+#include "export/gltf/weighted_shapes.h"
 
 namespace keypose::exporting {
 

@@ -44,8 +44,7 @@ TEST(WriteObjSequence, HasAFileForEachPictureOfTheFilm) {
                                       "frame_0006.obj"}));
   const std::vector<int> shown{0, 0, 1, 2, 2, 1, 0};
   for (int i = 0; i < 7; ++i) {
-    const Mesh read =
-        ReadMesh(folder.path() / "obj" / ("frame_000" + std::to_string(i) + ".obj"));
+    const Mesh read = ReadMesh(folder.path() / "obj" / ("frame_000" + std::to_string(i) + ".obj"));
     const PointsX3 wanted = WithYUp(scene.frames[shown[i]].points, true);
     ASSERT_EQ(read.points.rows(), wanted.rows());
     // tinyobjloader loses the last bits of some numbers.
@@ -119,8 +118,7 @@ TEST(WritePlySequence, KeepsEveryBitOfEveryShownFrame) {
   EXPECT_EQ(written.error_over_diagonal, 0);
   const std::vector<int> shown{0, 0, 1, 2, 2, 1, 0};
   for (int i = 0; i < 7; ++i) {
-    const Mesh read =
-        ReadMesh(folder.path() / "ply" / ("frame_000" + std::to_string(i) + ".ply"));
+    const Mesh read = ReadMesh(folder.path() / "ply" / ("frame_000" + std::to_string(i) + ".ply"));
     EXPECT_EQ(read.points, scene.frames[shown[i]].points) << i;
     EXPECT_TRUE(read.has_uvs());
   }
@@ -135,10 +133,10 @@ std::string InBlender(const Scene& scene, const std::string& kind) {
     WriteObjSequence(scene, folder.path() / kind, "../textures/texture_0.png", nullptr);
   else
     WritePlySequence(scene, folder.path() / kind, nullptr);
-  const ReaderResult read = RunReader(
-      {"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
-       KEYPOSE_SOURCE_DIR "/export/sequences/testing/check_sequence.py", "--",
-       (folder.path() / "truth").string(), (folder.path() / kind).string(), kind});
+  const ReaderResult read =
+      RunReader({"blender", "-b", "--factory-startup", "--python-exit-code", "1", "--python",
+                 KEYPOSE_SOURCE_DIR "/export/sequences/testing/check_sequence.py", "--",
+                 (folder.path() / "truth").string(), (folder.path() / kind).string(), kind});
   EXPECT_EQ(read.exit_code, 0) << read.output;
   return read.output;
 }

@@ -70,6 +70,11 @@ if len(arguments) > 2:
     camera.data.clip_end = 10 * size
     scene.collection.objects.link(camera)
     scene.camera = camera
-    scene.render.engine, scene.display.shading.color_type = "BLENDER_WORKBENCH", "TEXTURE"
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy, sun.rotation_euler = 4, (0.8, 0.2, 0.4)
+    scene.collection.objects.link(sun)
+    scene.world = bpy.data.worlds.new("world")
+    scene.render.engine, scene.cycles.samples = "CYCLES", 32
+    scene.cycles.use_denoising = False
     scene.render.resolution_x, scene.render.resolution_y, scene.render.filepath = 640, 640, arguments[2]
     bpy.ops.render.render(write_still=True)
