@@ -121,13 +121,12 @@ def cache():
 
 
 def sequence(read):
-    """One file for each frame that shows, or one for each frame of the timeline."""
+    """One file for each frame that shows."""
     files = sorted(folder().glob(f"{FORMAT}/*.{FORMAT}"))
-    frames = shown if len(files) == len(shown) else truth["frames"]
-    if len(files) != len(frames):
-        raise SystemExit(f"{len(files)} files, but {len(shown)} frames show and the timeline has {len(truth['frames'])}")
+    if len(files) != len(shown):
+        raise SystemExit(f"{len(files)} files, but {len(shown)} frames show")
     worst, uv, texture = 0, 0, True
-    for file, points in zip(files, frames):
+    for file, points in zip(files, shown):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         read(str(file))
         worst = max(worst, distance(character(), points))
@@ -138,7 +137,7 @@ def sequence(read):
 
 
 def read_obj(path):
-    bpy.ops.wm.obj_import(filepath=path, forward_axis="Y", up_axis="Z")
+    bpy.ops.wm.obj_import(filepath=path)
 
 
 def read_ply(path):
