@@ -15,7 +15,7 @@ A constant that only acts in cases that these inputs do not have shows no change
 
     masks     1 - IoU of the masks, by the true surface
     surface   distance of the refined or cleaned surface to the true one, over the diagonal
-    stereo    distance of the points of `dense` to the true surface, over the diagonal
+    stereo    the same as `surface`, from `dense` on
     unwrap    share of the texture's square that the charts leave empty
     bake      error of the photographs shown again by the textured mesh (root mean square, 0 to 1)
     register  mean error of a limb bent by 180 degrees, seeds 0 and 1 with 7 landmarks and none, exact truth; with
