@@ -79,6 +79,7 @@ WrittenFormat WriteGlb(const Job& job) {
   FormatFiles made;
   made.files.push_back({"character.glb", MakeGlb(scene.split, scene.clip, scene.frame_names,
                                                  TexturesOfGlb(job), options)});
+  made.error_over_diagonal = GlbError(scene.split) / SceneDiagonal(scene);
   return Save(job, made);
 }
 

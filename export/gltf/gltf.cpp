@@ -60,4 +60,16 @@ std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip,
   return builder.Finish(std::vector<double>(targets.size(), 0.0), textures, track);
 }
 
+double GlbError(const AnimatedMesh& mesh) {
+  using FloatsX3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const FloatsX3 base = mesh.points[0].cast<float>();
+  double worst = 0;
+  for (const PointsX3& points : mesh.points) {
+    const FloatsX3 target = points.cast<float>() - base;
+    const FloatsX3 shown = base + target;
+    worst = std::max(worst, (shown.cast<double>() - points).rowwise().norm().maxCoeff());
+  }
+  return worst;
+}
+
 }  // namespace keypose::exporting

@@ -24,4 +24,8 @@ std::string MakeGlb(const AnimatedMesh& mesh, const Clip& clip,
                     const std::vector<std::string>& frame_names, const GlbTextures& textures,
                     const GlbOptions& options);
 
+/// Largest distance of a vertex between a frame and what a player makes of the single-precision
+/// numbers of MakeGlb, in the unit of the frames.
+double GlbError(const AnimatedMesh& mesh);
+
 }  // namespace keypose::exporting

@@ -199,6 +199,7 @@ json AdviceJson(Snapshot& snapshot, const std::string& pose) {
 }
 
 json PairFitJson(Snapshot& snapshot, const std::string& pose) {
+  if (!snapshot.HasPose(pose)) throw UsageError(fmt::format("there is no pose '{}'", pose));
   json fit = {{"pairs", json::array()}};
   const std::string whole = TemplatePose(snapshot);
   const auto registered = snapshot.MeshPath(pose, MeshKind::kMesh);

@@ -31,6 +31,7 @@ nlohmann::json AdviceJson(Snapshot& snapshot, const std::string& pose);
 
 /// How far the registered template's landmarks are from the pose's of the same name, over the
 /// pose's diagonal: {"pairs": [{"name", "distance"}]}, none before the first registration.
+/// @throws UsageError  no such pose
 nlohmann::json PairFitJson(Snapshot& snapshot, const std::string& pose);
 
 /// Pairs from the file that `keypose landmarks suggest` writes.

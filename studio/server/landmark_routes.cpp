@@ -53,6 +53,10 @@ void Routes::AddLandmarks() {
   });
   Add("POST", "/api/landmarks/suggest",
       [this](const Question& question) { return Suggest(question); });
+  AddPaint();
+}
+
+void Routes::AddPaint() {
   Add("GET", "/api/stiffness", [this](const Question&) {
     return JsonAnswer(With([](Snapshot& now) { return StiffnessJson(now); }));
   });

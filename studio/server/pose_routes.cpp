@@ -43,6 +43,10 @@ void Routes::AddPhotographs() {
     });
     return PictureAnswer(PictureFile(PictureFolder(), source, width));
   });
+  AddMasks();
+}
+
+void Routes::AddMasks() {
   Add("GET", "/api/mask", [this](const Question& question) {
     std::pair<int, int> size;
     const fs::path mask = With([&](Snapshot& now) {

@@ -31,11 +31,14 @@ class Routes {
   void AddProject();
   void AddRuns();
   void AddPhotographs();
+  void AddMasks();
   void AddMeshes();
   void AddLandmarks();
+  void AddPaint();
   void AddTimeline();
   void AddResults();
   void AddShoot();
+  void AddShootPictures();
   void Add(const std::string& method, const std::string& path, Handler handler);
   /// Calls `use` with the project as it is now; one caller at a time.
   template <class Use>

@@ -159,6 +159,10 @@ void Routes::AddShoot() {
     shoot_->Interrupt();
     return JsonAnswer({{"sent", true}});
   });
+  AddShootPictures();
+}
+
+void Routes::AddShootPictures() {
   Add("GET", "/api/shoot/live", [this](const Question&) {
     if (!fs::is_regular_file(shoot_->LiveFile())) throw NotFound("there is no live view");
     // In one piece: the file is replaced several times a second.

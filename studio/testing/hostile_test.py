@@ -72,7 +72,8 @@ OUTSIDE = ['../secret.txt', '../../etc/passwd', '/etc/passwd', '..%2f..%2fetc/pa
            '..\\secret.txt', 'rest/../../secret.txt', '\x00secret', '%00', 'link/secret.txt']
 CHANGES = [('POST', '/api/run'), ('POST', '/api/stop'), ('POST', '/api/options'), ('PUT', '/api/mask?pose=rest&name=a.jpg'), ('PUT', '/api/timeline'),
            ('PUT', '/api/landmarks?pose=rest'), ('POST', '/api/landmarks/import?pose=rest'), ('POST', '/api/project'), ('POST', '/api/reveal'),
-           ('PUT', '/api/photos?pose=rest&name=b.jpg'), ('PUT', '/api/stiffness'), ('PUT', '/api/regions')]
+           ('PUT', '/api/photos?pose=rest&name=b.jpg'), ('PUT', '/api/stiffness'), ('PUT', '/api/regions'),
+           ('POST', '/api/shoot/start'), ('POST', '/api/shoot/command')]
 LOOKS = ['/api/project', '/api/steps', '/api/timeline', '/api/results', '/', '/studio.js', '/api/events', '/results/a.txt']
 
 
@@ -80,7 +81,8 @@ def path_tricks(studio, pick):
     path = pick.choice(OUTSIDE)
     ways = [('GET', f'/results/{path}'), ('GET', f'/report/{path}'), ('GET', f'/{path}'), ('GET', f'/api/photo?pose=rest&name={path}'),
             ('GET', f'/api/photo?pose={path}&name=a.jpg'), ('GET', f'/api/mask?pose=rest&name={path}'), ('GET', f'/api/mesh?pose={path}&what=mesh'),
-            ('GET', f'/api/log?step={path}')]
+            ('GET', f'/api/log?step={path}'), ('GET', f'/api/shoot/picture?path={path}'), ('GET', f'/api/shoot/picture?path=photos/rest/{path}'),
+            ('GET', f'/api/confidence?pose={path}'), ('GET', f'/api/landmarks/fit?pose={path}')]
     status, _, body = studio.ask(*pick.choice(ways))
     return status in (400, 404) and b'TOP SECRET' not in body and b'root:' not in body
 

@@ -157,12 +157,12 @@ async function nextPose() {
   for (let i = 0; i < 45; ++i) await page.keyboard.press('ArrowRight');
   check((await onion.evaluate((one) => getComputedStyle(one).opacity)) === '0.45', 'the slider does not fade the onion skin');
   await slider.evaluate((one) => one.blur());
-  await record(page, 'shoot_onion', options.pictures);
   await page.keyboard.press('Space');
   await until('the next pose lands', async () => (await rows()) >= 2);
   check((await page.locator('.shoot-page h2').first().textContent()) === 'bent', 'the page shows another pose');
   await page.keyboard.press('p');
   await page.getByText('Paused').waitFor();
+  await record(page, 'shoot_onion', options.pictures);
   await page.keyboard.press('s');
   await until('one is left out', async () => (await slots('skipped')) === 1);
 }
@@ -216,7 +216,7 @@ async function stop() {
 async function walk() {
   mkdirSync(folder);
   execFileSync(join(bin, 'keypose-synth'), ['photos', '--output', drawn, '--poses', 'rest,bent', '--views', String(kAll),
-    '--elevations', '12,40', '--width', '240', '--spacing', '0.003'], { stdio: 'ignore' });
+    '--elevations', '12,40', ...(options.pictures ? ['--width', '800'] : ['--width', '240', '--spacing', '0.003'])], { stdio: 'ignore' });
   await browser.start();
   const parts = { enter, 'set up': setUp, 'first ring': firstRing, 'open late': openLate, kill, again, 'next pose': nextPose, end,
     'comes late': comesLate, stop };

@@ -203,6 +203,10 @@ async function threeViews() {
     await page.getByRole('button', { name: kind, exact: true }).click();
     await until(`${kind} is shown`, async () => /points|faces/.test(await page.locator('.caption-chip').textContent()));
   }
+  await page.getByRole('button', { name: 'Mesh', exact: true }).click();
+  await page.getByRole('button', { name: 'Confidence', exact: true }).click();
+  await page.getByText(/Photographs show .* of the surface/).waitFor();
+  await record(page, 'confidence', pictures);
   await page.locator('.cameras').getByText('IMG_0005.jpg').click();
   await shows('bent', 'fit', /Half of the vertices lie within/);
   await shows('bent', 'wipe', /left of the edge/);

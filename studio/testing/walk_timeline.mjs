@@ -49,6 +49,23 @@ class Timeline {
     check(this.pipeline().startsWith('#'), 'pipeline.yaml has lost its comment');
   }
 
+  /** A pin and a turn of the painted region come into the file with its vertices, and go with them. */
+  async regions() {
+    const { page } = this;
+    await page.getByRole('tab', { name: 'Regions' }).click();
+    await this.button('Pin it').click();
+    await this.button('Turn it').click();
+    await page.getByLabel('Axis of turn 1').selectOption('z');
+    await this.written('the pin', /^ {2}pins: \[\{region: belly\}\]$/m);
+    await this.written('the turn', /turns: \{belly: \{axis: \[0, 0, 1\], turns: 1\}\}/);
+    await this.written('the region', /^ {2}regions: \[\{name: belly, vertices: \[\d/m);
+    await record(page, 'regions', this.pictures);
+    await page.getByLabel('Delete pin 1').click();
+    await page.getByLabel('Delete turn 1').click();
+    await until('they are gone again', () => !/belly/.test(this.pipeline()));
+    await page.getByRole('tab', { name: 'Key', exact: true }).click();
+  }
+
   async makeFrames() {
     const { page } = this;
     await page.getByText('the timeline has changed since').waitFor();
@@ -109,6 +126,7 @@ export async function walkTimeline(context) {
   await page.getByRole('group', { name: 'Keys', exact: true }).waitFor();
   const timeline = new Timeline(context);
   await timeline.edit();
+  await timeline.regions();
   await timeline.makeFrames();
   await timeline.scrub();
   await timeline.play();

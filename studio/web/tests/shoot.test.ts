@@ -3,7 +3,7 @@ import { test } from 'node:test'
 
 import type { ShootEvent, ShootStory } from '../src/api'
 import { mainAct } from '../src/pages/shoot/controls'
-import { countsOf, placeOf, radiusOf, slotsOf, spotOf } from '../src/pages/shoot/ring_map'
+import { aheadOf, countsOf, nameOf, placeOf, radiusOf, slotsOf, spotOf } from '../src/pages/shoot/ring_map'
 import { afterEnd, afterEvent, fromStory, kNoSession } from '../src/pages/shoot/session'
 import type { Session } from '../src/pages/shoot/session'
 import { draftOf, kFirstDraft, problemsOf, ringsOf, setupOf, summaryOf, withPlan } from '../src/pages/shoot/setup'
@@ -71,6 +71,19 @@ test('names of photographs say where they were taken', () => {
   assert.equal(placeOf('IMG_0001'), null)
 })
 
+test('what is next is what the program says, else the first that is missing', () => {
+  const plan = { rings_deg: [12], angles: 4, flips: 1 }
+  let session = told(begin({ plan, skipped: ['r1_a090'] }), landed('r1_a000', 1, 0))
+  assert.deepEqual(nameOf(aheadOf(session)!), 'r1_a180')
+  session = told(begin({ plan }), ...[0, 90, 180, 270].map((angle) => landed(`r1_a${angle}`, 1, angle)))
+  assert.equal(nameOf(aheadOf(session)!), 'lying_r1_a000')
+  session = afterEvent(session, { event: 'state', state: 'turning', next: 'lying_r1_a270' })
+  assert.equal(nameOf(aheadOf(session)!), 'lying_r1_a270')
+  const flips = { ...plan, flips: 0 }
+  assert.equal(aheadOf(told(begin({ plan: flips }), ...[0, 90, 180, 270].map((angle) => landed('x', 1, angle)).map((one, i) => ({ ...one, photograph: `r1_a${i}` })))), null)
+  for (const name of ['r2_a045', 'lying_r1_a000', 'lying3_r1_a007']) assert.equal(nameOf(placeOf(name)!), name)
+})
+
 test('the diagram has 0 degrees at the bottom, and high rings inside', () => {
   assert.deepEqual(spotOf(0, 10), { x: 0, y: 10 })
   assert.ok(Math.abs(spotOf(90, 10).x - 10) < 1e-9)
@@ -130,6 +143,8 @@ test('a refused command is said, until one is taken', () => {
   session = afterEvent(session, { event: 'accepted', command: 'skip' })
   assert.equal(session.refused, '')
   assert.deepEqual(session.skipped, ['r1_a090'])
+  session = afterEvent(session, { event: 'accepted', command: 'skip', id: 'r2_a000' })
+  assert.deepEqual(session.skipped, ['r1_a090', 'r2_a000'])
 })
 
 test('the next pose begins with an empty ring and the last one as onion skin', () => {

@@ -46,8 +46,8 @@ export interface Screen {
 }
 
 /**
- * Which part of a label lies on its marker, as three.js wants it: from its lower left corner. Beside
- * the marker, on the side where there is room, and within the view. All lengths in pixels.
+ * Which part of a label lies on its marker, as three.js wants it: from its lower left corner. The
+ * label is beside the marker, where there is room, and within the view. All lengths in pixels.
  */
 export function anchorOf(
   at: { x: number; y: number },

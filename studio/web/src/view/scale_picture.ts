@@ -56,7 +56,8 @@ export function areaByLevel(data: MeshData, grey: GreyPicture, bins: number): nu
       side(b, 2) * side(c, 0) - side(b, 0) * side(c, 2),
       side(b, 0) * side(c, 1) - side(b, 1) * side(c, 0),
     )
-    const middle = (k: number) => (uvs[6 * face + k] + uvs[6 * face + 2 + k] + uvs[6 * face + 4 + k]) / 3
+    const uv = (corner: number, k: number) => uvs[6 * face + 2 * corner + k]
+    const middle = (k: number) => (uv(0, k) + uv(1, k) + uv(2, k)) / 3
     const column = Math.min(grey.width - 1, Math.max(0, Math.floor(middle(0) * grey.width)))
     const row = Math.min(grey.height - 1, Math.max(0, Math.floor((1 - middle(1)) * grey.height)))
     const level = grey.values[row * grey.width + column]

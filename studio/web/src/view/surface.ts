@@ -126,7 +126,12 @@ function makeCloud(data: MeshData): Points {
   material.onBeforeCompile = (shader) => {
     shader.vertexShader = shader.vertexShader.replace(
       '#include <color_vertex>',
-      '#include <color_vertex>\n#ifdef USE_COLOR_ALPHA\n vColor = vec4(pow(vColor.rgb, vec3(2.2)), 1.0);\n#elif defined(USE_COLOR)\n vColor = pow(vColor, vec3(2.2));\n#endif',
+      `#include <color_vertex>
+#ifdef USE_COLOR_ALPHA
+ vColor = vec4(pow(vColor.rgb, vec3(2.2)), 1.0);
+#elif defined(USE_COLOR)
+ vColor = pow(vColor, vec3(2.2));
+#endif`,
     )
   }
   return new Points(geometry, material)

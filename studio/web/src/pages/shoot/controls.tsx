@@ -100,7 +100,11 @@ export function Say({ session }: { session: Session }) {
   return null
 }
 
-export function NextPose(props: { session: Session; go: (pose: string) => void; close: () => void }) {
+export function NextPose(props: {
+  session: Session
+  go: (pose: string) => void
+  close: () => void
+}) {
   const [name, setName] = useState('')
   const field = useRef<HTMLInputElement>(null)
   useEffect(() => field.current?.focus(), [])

@@ -9,7 +9,7 @@ import { Act, doingWords, isAtWork, mainAct, NextPose, Say } from './controls'
 import { Findings, LandedList } from './landed_list'
 import { LandedView, LiveView, OnionSlider } from './live_view'
 import { RingDiagram } from './ring_diagram'
-import { placeOf } from './ring_map'
+import { aheadOf, nameOf, placeOf } from './ring_map'
 import type { Session } from './session'
 
 /** All names in the order of the rings, for the arrow keys. */
@@ -49,7 +49,11 @@ export function Desk({ session }: { session: Session }) {
       if (photograph) tell('again', { photograph })
       choose('')
     },
-    skip: () => session.next && tell('skip'),
+    skip: () => {
+      const next = aheadOf(session)
+      // A pause names what was shot last; all others know better what is next than this page.
+      if (next) tell('skip', session.next ? {} : { photograph: nameOf(next), id: nameOf(next) })
+    },
     pause: () => tell(session.doing === 'paused' ? 'go-on' : 'pause'),
     next: () => setNaming(true),
     live: () => {
@@ -142,7 +146,9 @@ function EndButton({ tell }: { tell: (command: string) => void }) {
   const { complain } = useStudio()
   const [asked, setAsked] = useState(false)
   if (asked)
-    return <Act act={() => void api.interruptShoot().catch(complain)}>Ends … Press for: at once</Act>
+    return (
+      <Act act={() => void api.interruptShoot().catch(complain)}>Ends … Press again: at once</Act>
+    )
   return (
     <Act
       act={() => {
@@ -185,7 +191,7 @@ function Buttons(props: {
       <Act keys="A" disabled={session.landed.length === 0} act={acts.again}>
         Again <span class="soft">{props.again}</span>
       </Act>
-      <Act keys="S" disabled={!session.next} act={acts.skip}>
+      <Act keys="S" disabled={!aheadOf(session)} act={acts.skip}>
         Skip
       </Act>
       <Act keys="P" disabled={!paused && !isAtWork(session)} act={acts.pause}>

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from 'preact/hooks'
 
 import { api } from '../../api'
-import { degrees, ringWords } from './ring_map'
+import { aheadOf, degrees, ringWords } from './ring_map'
 import type { Landed, Session } from './session'
 
 const kLarge_px = 1920
@@ -72,9 +72,8 @@ function Still({ session }: { session: Session }) {
 
 export function LiveView({ session, onion }: { session: Session; onion: number }) {
   const { canvas, shown } = useLive(session.frame)
-  const ahead =
-    session.next &&
-    `Next: ${degrees(session.angle_deg)} of ${ringWords(session.plan, session.ring)}`
+  const next = aheadOf(session)
+  const ahead = next && `Next: ${degrees(next.angle_deg)} of ${ringWords(session.plan, next.ring)}`
   return (
     <div class="shoot-picture">
       <canvas

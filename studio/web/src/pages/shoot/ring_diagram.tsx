@@ -26,7 +26,13 @@ const kStateWords = {
   skipped: 'left out',
 }
 
-function Spot(props: { slot: Slot; radius: number; size: number; chosen: boolean; choose: () => void }) {
+function Spot(props: {
+  slot: Slot
+  radius: number
+  size: number
+  chosen: boolean
+  choose: () => void
+}) {
   const { slot, size } = props
   const { x, y } = spotOf(slot.angle_deg, props.radius)
   const words = `${degrees(slot.angle_deg)}, ${kStateWords[slot.state]}`

@@ -34,13 +34,32 @@ export function placeOf(name: string): Place | null {
   return { flip, ring: Number(parts[2]), angle_deg: Number(parts[3]) }
 }
 
+/** As `keypose shoot` calls the photograph of an angle. */
+export function nameOf({ flip, ring, angle_deg }: Place): string {
+  const lay = flip === 0 ? '' : flip === 1 ? 'lying_' : `lying${flip}_`
+  return `${lay}r${ring}_a${String(Math.round(angle_deg)).padStart(3, '0')}`
+}
+
+/** The next photograph: what the program says, else the first that is missing; null: none is. */
+export function aheadOf(session: Session): Place | null {
+  if (session.next) return placeOf(session.next)
+  for (let flip = 0; flip <= session.plan.flips; ++flip) {
+    const slot = slotsOf({ ...session, next: '' }, flip)
+      .flat()
+      .find((one) => one.state === 'missing')
+    if (slot) return slot
+  }
+  return null
+}
+
 /** All angles of one lay of the figure: ring by ring, each from 0 degrees on. */
 export function slotsOf(session: Session, flip: number): Slot[][] {
   const { plan } = session
   const rings = plan.rings_deg.map((_, r) =>
     Array.from({ length: plan.angles }, (_, index): Slot => {
       const angle_deg = (360 * index) / plan.angles
-      return { ring: r + 1, flip, index, angle_deg, state: 'missing', current: false, photograph: null }
+      const place = { ring: r + 1, flip, index, angle_deg }
+      return { ...place, state: 'missing', current: false, photograph: null }
     }),
   )
   const at = ({ flip: lay, ring, angle_deg }: Place): Slot | undefined =>
@@ -56,10 +75,9 @@ export function slotsOf(session: Session, flip: number): Slot[][] {
     const slot = place && at(place)
     if (slot && !slot.photograph) slot.state = 'skipped'
   }
-  if (session.next) {
-    const slot = at(placeOf(session.next) ?? session)
-    if (slot) slot.current = true
-  }
+  const next = session.next ? placeOf(session.next) : null
+  const slot = next && at(next)
+  if (slot) slot.current = true
   return rings
 }
 

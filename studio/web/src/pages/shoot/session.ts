@@ -263,9 +263,9 @@ export function afterEvent(session: Session, event: ShootEvent): Session {
   }
 }
 
-/** What is skipped is told by no event of its own; without a name it is the next one. */
+/** What is skipped is told by no event of its own: it was the next one, or comes back as the id. */
 function afterAccepted(session: Session, event: Fields): Session {
-  const name = String(event.photograph ?? session.next)
+  const name = String(event.id ?? session.next)
   if (event.command !== 'skip' || !name || session.skipped.includes(name)) return session
   return { ...session, skipped: [...session.skipped, name] }
 }

@@ -9,8 +9,8 @@ import { draftOf, kFirstDraft, problemsOf, setupOf, summaryOf, withPlan } from '
 import type { CameraKind, Draft, TableKind } from './setup'
 
 const kCameras: [CameraKind, string, string][] = [
-  ['gphoto2', 'On a cable', 'Focus, exposure and white balance on manual; nothing else holds the camera.'],
-  ['folder', 'A watched folder', 'Another program fills it: each new photograph is the one that is asked for.'],
+  ['gphoto2', 'On a cable', 'Focus, exposure and white balance on manual.'],
+  ['folder', 'A watched folder', 'Another program fills it: each new photograph is the next one.'],
   ['simulated', 'Simulated', 'A drawn clay figure, to try all this without a camera.'],
 ]
 const kTables: [TableKind, string, string][] = [
