@@ -73,28 +73,6 @@ Eigen::Matrix2d PowerOf(const Eigen::Matrix2d& m, double t) {
   return 0.5 * (h + l) * Eigen::Matrix2d::Identity() + (0.5 * (h - l) / r) * traceless;
 }
 
-Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation) {
-  return LogOf(Eigen::Quaterniond(rotation).normalized());
-}
-
-Eigen::Vector3d LogOf(const Eigen::Quaterniond& q) {
-  const double sine = q.vec().norm();
-  if (sine < 1e-12) return std::copysign(2.0, q.w()) * q.vec();
-  return (2 * std::atan2(std::copysign(sine, q.w()), std::abs(q.w())) / sine) * q.vec();
-}
-
-Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn) {
-  const double half = 0.5 * turn.norm();
-  const double scale = half > 1e-150 ? 0.5 * std::sin(half) / half : 0.5;
-  return {std::cos(half), scale * turn[0], scale * turn[1], scale * turn[2]};
-}
-
-Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn) {
-  const double angle = turn.norm();
-  if (angle == 0) return Eigen::Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-}
-
 double BalancedTime(double t, double x) {
   // Series of log(1 + t (e^x - 1)) / x. Each of its terms keeps tau(t, x) + tau(1-t, -x) = 1. x is
   // bounded so that tau increases with t.

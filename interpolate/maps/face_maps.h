@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh.h"
+#include "core/rotations.h"
 
 namespace keypose::interpolation {
 
@@ -51,12 +52,6 @@ struct SegmentMaps {
   /// rotations come from DifferentialTurns; turn and remainder are not valid
   bool differential = false;
 };
-
-/// Rotation vector of a rotation matrix, |w| <= pi, exact near 0 and near pi.
-Eigen::Vector3d LogOf(const Eigen::Matrix3d& rotation);
-Eigen::Vector3d LogOf(const Eigen::Quaterniond& unit);
-Eigen::Matrix3d ExpOf(const Eigen::Vector3d& turn);
-Eigen::Quaterniond QuaternionOf(const Eigen::Vector3d& turn);
 
 /// tau of Stretch::kBalanced for log-area x relative to the region: 0 at t = 0, 1 at t = 1, tau(t,
 /// x) + tau(1-t, -x) = 1.

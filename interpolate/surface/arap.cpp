@@ -16,7 +16,7 @@
 #include "interpolate/surface/loose_parts.h"
 #include "interpolate/surface/pair_paths.h"
 #include "interpolate/surface/row_frames.h"
-#include "interpolate/surface/volume_correction.h"
+#include "deform/volume/volume_correction.h"
 #include "interpolate/turns/differential_turns.h"
 #include "interpolate/turns/turning_field.h"
 

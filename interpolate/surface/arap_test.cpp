@@ -13,7 +13,7 @@
 #include "core/geometry.h"
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
-#include "interpolate/surface/volume_correction.h"
+#include "deform/volume/volume_correction.h"
 
 namespace keypose::interpolation {
 namespace {

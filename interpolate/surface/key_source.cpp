@@ -12,7 +12,7 @@
 #include "deform/poisson/poisson.h"
 #include "interpolate/surface/constraints.h"
 #include "interpolate/surface/face_paths.h"
-#include "interpolate/surface/volume_correction.h"
+#include "deform/volume/volume_correction.h"
 
 namespace keypose::interpolation {
 

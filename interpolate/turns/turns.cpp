@@ -11,6 +11,7 @@
 
 #include "core/errors.h"
 #include "core/parallel.h"
+#include "core/rotations.h"
 #include "core/size_of.h"
 #include "core/tuned.h"
 
@@ -23,11 +24,7 @@ namespace {
 struct TurnsTuning {
   // rad: smaller smooth turns fade out, their axis is noise
   KEYPOSE_TUNED(double, kSmallTurn, 0.1);
-  // rad: below it, a rotation vector amplifies noise less than twofold
-  KEYPOSE_TUNED(double, kTrustedTurn, 3.5);
-  KEYPOSE_TUNED(double, kSlack, 0.3);       // rad: beyond twice the difference of two rotations
-  KEYPOSE_TUNED(double, kDamping, 0.5);     // sin x / x that halves the step across the axis
-  KEYPOSE_TUNED(int, kSmoothingPasses, 3);  // over the screening length each
+  KEYPOSE_TUNED(int, kSmoothingPasses, 3);         // over the screening length each
   KEYPOSE_TUNED(double, kLargestRemainder, 1.5);   // rad: a face with more is far from its turn
   KEYPOSE_TUNED(double, kTear, 0.5);               // rad: beyond the difference of two rotations
   KEYPOSE_TUNED(double, kFewFaces, 0.005);         // share of far faces that turns may have
@@ -45,15 +42,6 @@ constexpr std::size_t kMostHalfTurns = 4;
 constexpr int kCandidates = 32, kSamples = 512;
 constexpr int kBuckets = 160;
 constexpr double kLeastWeight = 1e-3;
-
-/// sin^2 of half the angle between two rotations. It orders rotations as the angle does, without
-/// arccosines.
-double Difference(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
-  const double cosine = a.dot(b);
-  return std::max(0.0, 1 - cosine * cosine);
-}
-
-double AngleOf(double sine2) { return 2 * std::asin(std::min(1.0, std::sqrt(sine2))); }
 
 /// Index of the quarter octave of the difference; all below 2^-30 share one bucket.
 int BucketOf(double sine2) {
@@ -205,10 +193,10 @@ class TurnLift {
     for (int f = 0; f < std::ssize(neighbours_); ++f)
       for (int g : neighbours_[f]) {
         if (g <= f || maps_.faces[f].degenerate || maps_.faces[g].degenerate) continue;
-        const double half = Difference(middle[f], middle[g]);
+        const double half = RotationDifference(middle[f], middle[g]);
         if (half < 0.04) continue;  // under 0.4 rad: no tear, whatever the rotations at the ends
-        const double whole = AngleOf(Difference(relative_[f], relative_[g]));
-        if (AngleOf(half) <= whole + Tuning::kTear) continue;
+        const double whole = AngleOfDifference(RotationDifference(relative_[f], relative_[g]));
+        if (AngleOfDifference(half) <= whole + Tuning::kTear) continue;
         ++report.torn_edges;
         report.loops_that_do_not_close += whole < Tuning::kTear;
       }
@@ -231,7 +219,7 @@ class TurnLift {
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kSamples);
     double area = 0;
     for (std::size_t k = stride / 2; k < faces.size(); k += stride)
-      if (Difference(rotations[faces[k]], rotation) < Tuning::kBodySine2)
+      if (RotationDifference(rotations[faces[k]], rotation) < Tuning::kBodySine2)
         area += system_.face_areas()[faces[k]];
     return area;
   }
@@ -245,7 +233,7 @@ class TurnLift {
     const std::size_t stride = std::max<std::size_t>(1, faces.size() / kCandidates);
     for (std::size_t k = stride / 2; k < faces.size(); k += stride) candidates.push_back(faces[k]);
     candidates.push_back(*std::min_element(faces.begin(), faces.end(), [&](int a, int b) {
-      return Difference(rotations[a], still) < Difference(rotations[b], still);
+      return RotationDifference(rotations[a], still) < RotationDifference(rotations[b], still);
     }));
     std::vector<double> support;
     for (int f : candidates) support.push_back(Support(faces, rotations[f], rotations));
@@ -253,8 +241,8 @@ class TurnLift {
         Tuning::kEnoughSupport * *std::max_element(support.begin(), support.end());
     int root = -1;
     for (std::size_t k = 0; k < candidates.size(); ++k)
-      if (support[k] >= enough && (root < 0 || Difference(rotations[candidates[k]], still) <
-                                                   Difference(rotations[root], still)))
+      if (support[k] >= enough && (root < 0 || RotationDifference(rotations[candidates[k]], still) <
+                                                   RotationDifference(rotations[root], still)))
         root = candidates[k];
     return root;
   }
@@ -271,7 +259,7 @@ class TurnLift {
     for (int pass = 0; pass < 3; ++pass) {
       Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
       for (int f : faces_of_part_[body])
-        if (Difference(relative_[f], body_) < Tuning::kBodySine2)
+        if (RotationDifference(relative_[f], body_) < Tuning::kBodySine2)
           sum += system_.face_areas()[f] * maps_.faces[f].rotation;
       body_ = NearestRotation(sum);
     }
@@ -301,8 +289,9 @@ class TurnLift {
     std::vector<std::vector<int>> limbs;
     for (const auto& [face, parent] : tree.steps) {
       if (face == parent) continue;
-      const bool half = !loose[face] && !loose[parent] &&
-                        Difference(relative_[parent], relative_[face]) > Tuning::kHalfTurnSine2;
+      const bool half =
+          !loose[face] && !loose[parent] &&
+          RotationDifference(relative_[parent], relative_[face]) > Tuning::kHalfTurnSine2;
       if (half) limbs.emplace_back();
       limb_of[face] = half ? SizeOf(limbs) - 1 : limb_of[parent];
       if (limb_of[face] >= 0) limbs[limb_of[face]].push_back(face);
@@ -314,33 +303,6 @@ class TurnLift {
           half_turns_.size() < kMostHalfTurns)
         half_turns_.push_back(limb);
     }
-  }
-
-  static Eigen::Vector3d TurnAfter(const Eigen::Vector3d& parent,
-                                   const Eigen::Quaterniond& parent_rotation,
-                                   const Eigen::Quaterniond& rotation) {
-    const Eigen::Vector3d shortest = LogOf(rotation);
-    const double angle = shortest.norm(), before = parent.norm();
-    Eigen::Vector3d nearest = shortest;
-    if (angle > kAxisless) {
-      const Eigen::Vector3d axis = shortest / angle;
-      nearest = (angle + kWholeTurn * std::round((parent.dot(axis) - angle) / kWholeTurn)) * axis;
-    }
-    if (before < kAxisless) return nearest;
-    if (before < Tuning::kTrustedTurn && nearest.norm() < Tuning::kTrustedTurn &&
-        (nearest - parent).norm() <=
-            2 * AngleOf(Difference(parent_rotation, rotation)) + Tuning::kSlack)
-      return nearest;
-    // Towards whole turns the axis of a rotation vector becomes uncertain. From the parent's
-    // vector, the angle takes the full step and the axis as much as is certain: Newton's step for
-    // exp(turn) = rotation, damped across the axis where its derivative s = sin x / x (x half the
-    // angle) vanishes.
-    const Eigen::Vector3d axis = parent / before, step = LogOf(QuaternionOf(-parent) * rotation),
-                          across = step - step.dot(axis) * axis;
-    const double x = 0.5 * before, s = std::sin(x) / x,
-                 damping = s * s / (s * s + Tuning::kDamping * Tuning::kDamping);
-    const double x_cot_x = std::abs(s) > 1e-9 ? std::cos(x) / s : 0.0;
-    return parent + step.dot(axis) * axis + damping * (x_cot_x * across + x * axis.cross(across));
   }
 
   void SetTurn(FaceMap& map, std::size_t face, const Eigen::Vector3d& turn) const {
@@ -364,7 +326,7 @@ class TurnLift {
     for (std::size_t at = 0; at < cluster.size(); ++at)
       for (int next : neighbours_[cluster[at]])
         if (next >= 0 && !in[next] &&
-            Difference(relative_[cluster[at]], relative_[next]) < Tuning::kClusterSine2)
+            RotationDifference(relative_[cluster[at]], relative_[next]) < Tuning::kClusterSine2)
           in[next] = 1, cluster.push_back(next);
     return cluster;
   }
@@ -400,7 +362,7 @@ FaceTree GrowTree(const std::vector<std::array<int, 3>>& neighbours,
       if (next < 0 || done[next]) continue;
       const int bucket = loose[next] || loose[step.face]
                              ? kBuckets - 1
-                             : BucketOf(Difference(rotations[step.face], rotations[next]));
+                             : BucketOf(RotationDifference(rotations[step.face], rotations[next]));
       open[bucket].push_back({next, step.face});
       lowest = std::min(lowest, bucket);
     }

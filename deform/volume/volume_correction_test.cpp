@@ -1,4 +1,4 @@
-#include "interpolate/surface/volume_correction.h"
+#include "deform/volume/volume_correction.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "core/testing_shapes.h"
 
-namespace keypose::interpolation {
+namespace keypose {
 namespace {
 
 TEST(VolumeCorrection, ReachesTheVolumeToRoundingInOneStep) {
@@ -71,4 +71,4 @@ TEST(PathVolumes, AreGeometricAndLeaveOtherSignsAlone) {
 }
 
 }  // namespace
-}  // namespace keypose::interpolation
+}  // namespace keypose

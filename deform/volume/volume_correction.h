@@ -8,7 +8,7 @@
 #include "core/mesh.h"
 #include "deform/poisson/poisson.h"
 
-namespace keypose::interpolation {
+namespace keypose {
 
 /// Moves vertices along a smooth outward field until each closed part encloses the wanted volume.
 ///
@@ -62,4 +62,4 @@ double StepToVolume(std::array<double, 4> volume, double target);
 std::vector<double> PathVolumes(const std::vector<double>& v0, const std::vector<double>& v1,
                                 double t);
 
-}  // namespace keypose::interpolation
+}  // namespace keypose

@@ -1,4 +1,4 @@
-#include "interpolate/surface/volume_correction.h"
+#include "deform/volume/volume_correction.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "core/tuned.h"
 
-namespace keypose::interpolation {
+namespace keypose {
 
 namespace {
 
@@ -188,4 +188,4 @@ std::vector<double> PathVolumes(const std::vector<double>& v0, const std::vector
   return path;
 }
 
-}  // namespace keypose::interpolation
+}  // namespace keypose
