@@ -1,0 +1,374 @@
+#include "fit/bending/bend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "core/errors.h"
+#include "core/geometry.h"
+#include "core/parallel.h"
+#include "core/size_of.h"
+#include "core/tuned.h"
+#include "deform/levels/geodesics.h"
+#include "deform/levels/levels.h"
+#include "fit/bending/constraints.h"
+#include "fit/bending/feature_filter.h"
+#include "views/placement/picture_pose.h"
+
+namespace keypose::fit {
+namespace {
+
+// Chosen on the clay creature's seeds 1 to 4 (synth). Lengths are in units of half the diagonal.
+struct BendTuning {
+  // Weight of the whole surface at stiffness 1, when every vertex is held by one view.
+  KEYPOSE_TUNED(double, kSurfaceWeight, 1700);
+  KEYPOSE_TUNED(double, kOutlineWeight, 1);   // of outlines, relative to a vertex held by texture
+  KEYPOSE_TUNED(double, kLandmarkWeight, 50);
+  KEYPOSE_TUNED(double, kLeastFacing, 0.25);  // cosine at which a vertex is compared
+};
+
+constexpr int kSolverSteps = 10;
+
+/// One round: what takes part, and how strongly.
+struct Round {
+  int level;         ///< 0 fine, 1 middle, 2 coarse
+  double stiffness;  ///< of the shape
+  double features, outlines, appearance;  ///< factors of their weights; 0: not used
+  double scale;      ///< robust distance of features and outlines [half diagonals]
+  int pyramid;       ///< level of the views
+  int turns;         ///< of positions and maps
+  int repeats;       ///< of the whole round
+};
+
+// Far motion by features, then outlines, then texture from coarse to fine.
+const std::vector<Round> kSchedule = {
+    {2, 3.0, 1, 0, 0, 0.60, 1, 40, 2}, {2, 2.0, 1, 0, 0, 0.30, 1, 40, 2},
+    {2, 1.0, 1, 0, 0, 0.15, 1, 30, 2}, {2, 1.0, 1, 1, 0, 0.20, 2, 20, 3},
+    {2, 0.5, 1, 1, 0, 0.10, 2, 15, 3}, {1, 0.5, 1, 1, 1, 0.06, 2, 10, 3},
+    {1, 0.3, 0.5, 1, 1, 0.04, 1, 10, 3}, {0, 0.3, 0.2, 1, 1, 0.03, 1, 6, 2},
+    {0, 0.2, 0, 1, 1, 0.02, 0, 6, 4},
+};
+
+/// What one view gives in one round.
+struct Evidence {
+  std::vector<Constraint> constraints;
+  std::vector<int> held;  // vertices with a patch
+  Eigen::VectorXd sure;   // V, confidence of the patch
+  Rigid3 pose;
+  double gap_px = 0, correlation = 0;
+};
+
+class Bending {
+ public:
+  Bending(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
+          const std::vector<BendView>& views, const std::vector<LandmarkGoal>& landmarks,
+          const BendOptions& options, Progress* progress)
+      : mesh_(mesh),
+        texture_(mesh, texture),
+        views_(views),
+        landmarks_(landmarks),
+        options_(options),
+        progress_(progress) {
+    Prepare(stiffness);
+  }
+  BendResult Run();
+
+ private:
+  using Tuning = BendTuning;
+  struct Picture {
+    GreyPyramid grey;
+    std::vector<Outline> outlines;  // by pyramid level
+    std::vector<int> kept;          // matches
+    double noise = 1;
+  };
+
+  void Prepare(const Eigen::VectorXd& stiffness);
+  void PrepareViews();
+  PointsX3 FullPoints(int level);
+  int LevelOf(int wanted) const { return std::min(wanted, levels_->count() - 1); }
+  FitView ViewAt(int view, int pyramid) const;
+  std::vector<Constraint> RunRound(const Round& round);
+  Evidence EvidenceOf(int view, const Round& round, const PointsX3& points,
+                      const PointsX3& normals, const RayScene* scene) const;
+  void AddFeatures(int view, const Round& round, const PointsX3& points, Evidence& evidence) const;
+  void AddAppearance(int view, const Round& round, const PointsX3& points, const PointsX3& normals,
+                     const RayScene& scene, Evidence& evidence) const;
+  void Solve(int level, const std::vector<Constraint>& constraints, int turns);
+  const std::vector<int>& CoarseOf(int level);
+  double SurfaceWeight(const Round& round) const { return Tuning::kSurfaceWeight / round.stiffness; }
+  BendResult Finish();
+
+  const Mesh& mesh_;
+  SurfaceTexture texture_;
+  const std::vector<BendView>& views_;
+  const std::vector<LandmarkGoal>& landmarks_;
+  const BendOptions& options_;
+  Progress* progress_;
+
+  Eigen::RowVector3d origin_ = Eigen::RowVector3d::Zero();
+  double unit_ = 1;
+  PointsX3 rest_;           // normalised
+  Eigen::VectorXd areas_;   // of the vertices, over the whole area
+  double area_ = 0, edge_ = 0;
+  FacePairs pairs_;
+  std::optional<Levels> levels_;
+  std::map<int, std::vector<int>> coarse_of_;  // by level: the level's vertex of each fine vertex
+  std::vector<Picture> pictures_;
+  std::vector<Rigid3> poses_;  // normalised
+  std::vector<Evidence> last_;
+};
+
+Eigen::VectorXd AreaShares(const PointsX3& points, const FacesX3& faces) {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
+  const Eigen::VectorXd face_areas = FaceAreas(points, faces);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) areas[faces(f, k)] += face_areas[f] / 3;
+  return areas / areas.sum();
+}
+
+void Bending::Prepare(const Eigen::VectorXd& stiffness) {
+  if (views_.empty()) throw InputError("fit: no views");
+  unit_ = BoundingDiagonal(mesh_.points) / 2;
+  origin_ = mesh_.points.colwise().mean();
+  rest_ = (mesh_.points.rowwise() - origin_) / unit_;
+  areas_ = AreaShares(rest_, mesh_.faces);
+  area_ = SurfaceArea(rest_, mesh_.faces);
+  pairs_ = FindFacePairs(mesh_.faces);
+  for (const FacePairs::Pair& pair : pairs_.pairs)
+    edge_ += (rest_.row(pair.a) - rest_.row(pair.b)).norm() / SizeOf(pairs_.pairs);
+  std::vector<int> counts;
+  for (const int count : {options_.middle_vertices, options_.coarse_vertices})
+    if (count < 0.7 * mesh_.vertex_count()) counts.push_back(count);
+  const double smoothing = 2 * options_.smoothing;
+  std::vector<LandmarkGoal> goals = landmarks_;
+  for (LandmarkGoal& goal : goals) goal.target = (goal.target - origin_.transpose()) / unit_;
+  levels_.emplace(rest_, mesh_.faces, counts, stiffness, smoothing * smoothing, goals);
+  PrepareViews();
+}
+
+void Bending::PrepareViews() {
+  pictures_.resize(views_.size());
+  for (const BendView& view : views_) {
+    const Rigid3& pose = view.view.camera_from_world;
+    poses_.push_back({pose.rotation,
+                      (pose.rotation * origin_.transpose() + pose.translation) / unit_});
+  }
+  ParallelFor(SizeOf(views_), [&](std::int64_t v) {
+    const PreparedView& view = views_[v].view;
+    Picture& picture = pictures_[v];
+    picture.grey = MakeGreyPyramid(view.color, SizeOf(view.levels));
+    for (int level = 0; level < SizeOf(view.levels); ++level)
+      picture.outlines.push_back(MakeOutline(view, level));
+    picture.noise = std::max(view.noise, 0.5);
+    picture.kept =
+        ConsistentMatches(rest_, views_[v].matches, view.camera(), poses_[v].translation.norm());
+  });
+}
+
+const std::vector<int>& Bending::CoarseOf(int level) {
+  std::vector<int>& of = coarse_of_[level];
+  if (of.empty()) {
+    const GeodesicGraph graph(rest_, mesh_.faces, GeodesicGraph::kEdgesOnly);
+    graph.From((*levels_)[level].fine, &of);
+  }
+  return of;
+}
+
+PointsX3 Bending::FullPoints(int level) {
+  for (int l = level; l > 0; --l) levels_->Descend(l);
+  return (*levels_)[0].moved;
+}
+
+FitView Bending::ViewAt(int view, int pyramid) const {
+  const PreparedView& prepared = views_[view].view;
+  const int level = std::min(pyramid, SizeOf(prepared.levels) - 1);
+  return {prepared.camera(level), poses_[view]};
+}
+
+void Bending::AddFeatures(int view, const Round& round, const PointsX3& points,
+                          Evidence& evidence) const {
+  const FitView at = ViewAt(view, 0);
+  const std::vector<int>& cell = coarse_of_.at(LevelOf(2));
+  std::map<int, int> in_cell;
+  for (const int i : pictures_[view].kept)
+    ++in_cell[cell[views_[view].matches[i].point.vertices[0]]];
+  const double cells = static_cast<double>(std::max<std::size_t>(in_cell.size(), 1));
+  const double weight = round.features * SurfaceWeight(round) /
+                        std::max<double>(options_.coarse_vertices, cells);
+  for (const int i : pictures_[view].kept) {
+    const FeatureMatch& match = views_[view].matches[i];
+    int corner = 0;
+    match.point.weights.maxCoeff(&corner);
+    const int vertex = match.point.vertices[corner];
+    const Eigen::Vector3d arm = PositionOf(match.point, rest_) - rest_.row(vertex).transpose();
+    const double w = weight / in_cell[cell[match.point.vertices[0]]];
+    evidence.constraints.push_back(PullToPixel(at, vertex, arm, PositionOf(match.point, points),
+                                               match.pixel, w, round.scale));
+  }
+}
+
+void Bending::AddAppearance(int view, const Round& round, const PointsX3& points,
+                            const PointsX3& normals, const RayScene& scene,
+                            Evidence& evidence) const {
+  FitView at = ViewAt(view, round.pyramid);
+  const int level = std::min(round.pyramid, SizeOf(views_[view].view.levels) - 1);
+  const double footprint = at.camera_from_world.translation.norm() / at.camera.fx;
+  const TexturedRender render =
+      RenderGrey(points, mesh_.faces, texture_, texture_.LevelFor(area_, footprint), scene,
+                 at.camera, at.camera_from_world);
+  const std::vector<SeenVertex> seen = SeenVertices(points, normals, render, at.camera,
+                                                    at.camera_from_world, Tuning::kLeastFacing);
+  std::vector<PatchShift> shifts =
+      FindShifts(seen, render, pictures_[view].grey[level], views_[view].view.levels[level].grey,
+                 at.camera.fx, pictures_[view].noise, {});
+  std::vector<Eigen::Vector2d> goals;
+  std::vector<double> weights;
+  PointsX3 places(SizeOf(seen), 3);
+  int count = 0;
+  evidence.sure = Eigen::VectorXd::Zero(points.rows());
+  for (int i = 0; i < SizeOf(seen); ++i) {
+    if (!shifts[i].found) continue;
+    places.row(count++) = points.row(seen[i].vertex);
+    goals.push_back(seen[i].pixel + shifts[i].shift);
+    weights.push_back(shifts[i].confidence.trace() * areas_[seen[i].vertex]);
+    evidence.held.push_back(seen[i].vertex);
+    evidence.sure[seen[i].vertex] = shifts[i].confidence.trace() / 2;
+    evidence.correlation += shifts[i].correlation;
+  }
+  if (count > 0) evidence.correlation /= count;
+  places.conservativeResize(count, 3);
+  constexpr int kLeastForPose = 50;
+  if (options_.move_cameras && count >= kLeastForPose) {
+    at.camera_from_world = RefinePose(at.camera, at.camera_from_world, places, goals, weights, 2);
+    evidence.pose = at.camera_from_world;
+    for (int i = 0, k = 0; i < SizeOf(seen); ++i)
+      if (shifts[i].found)
+        shifts[i].shift = goals[k++] - at.camera.Project(at.camera_from_world *
+                                                         points.row(seen[i].vertex).transpose());
+  }
+  const std::vector<Constraint> found =
+      AppearanceConstraints(points, seen, shifts, areas_, at,
+                            round.appearance * SurfaceWeight(round), 6);
+  evidence.constraints.insert(evidence.constraints.end(), found.begin(), found.end());
+}
+
+Evidence Bending::EvidenceOf(int view, const Round& round, const PointsX3& points,
+                             const PointsX3& normals, const RayScene* scene) const {
+  Evidence evidence;
+  evidence.pose = poses_[view];
+  if (round.features > 0) AddFeatures(view, round, points, evidence);
+  if (round.outlines > 0) {
+    const FitView at = ViewAt(view, round.pyramid);
+    const int level = std::min(round.pyramid, SizeOf(views_[view].view.levels) - 1);
+    const std::vector<ContourPoint> contour = FindSilhouette(
+        points, mesh_.faces, pairs_, *scene, at.camera, at.camera_from_world);
+    OutlineTerms terms;
+    terms.weight = Tuning::kOutlineWeight * round.outlines * SurfaceWeight(round) /
+                   static_cast<double>(rest_.rows());
+    terms.edge = edge_;
+    terms.scale = round.scale;
+    terms.reach_px = 2 * round.scale * at.camera.fx / at.camera_from_world.translation.norm();
+    const std::vector<Constraint> found = OutlineConstraints(
+        points, contour, pictures_[view].outlines[level], at, terms, &evidence.gap_px);
+    evidence.constraints.insert(evidence.constraints.end(), found.begin(), found.end());
+  }
+  if (round.appearance > 0) AddAppearance(view, round, points, normals, *scene, evidence);
+  return evidence;
+}
+
+void Bending::Solve(int at, const std::vector<Constraint>& constraints, int turns) {
+  const std::vector<int>& coarse_of = CoarseOf(at);
+  Level& level = (*levels_)[at];
+  constexpr double kStill = 1e-5;
+  for (int turn = 0; turn < turns; ++turn) {
+    Pulls pulls(level.rest.rows());
+    for (const Constraint& c : constraints) {
+      const int v = coarse_of[c.vertex];
+      const Eigen::Vector3d arm =
+          rest_.row(c.vertex).transpose() + c.arm - level.rest.row(v).transpose();
+      pulls.q[v] += c.q;
+      pulls.b.row(v) += (c.q * (c.goal - level.fit->maps()[v] * arm)).transpose();
+    }
+    for (const Mark& mark : level.marks)
+      pulls.AddPoint(mark.vertex, Tuning::kLandmarkWeight,
+                     mark.target - level.fit->maps()[mark.vertex] * mark.arm);
+    if (turn == 0) level.fit->SetWeights(pulls.MeanWeights());
+    PointsX3 next = level.fit->FitPositions(pulls, level.moved, kSolverSteps);
+    const double move = std::sqrt((next - level.moved).rowwise().squaredNorm().maxCoeff());
+    level.moved = std::move(next);
+    level.fit->FitMaps(level.moved);
+    if (move < kStill) break;
+  }
+}
+
+std::vector<Constraint> Bending::RunRound(const Round& round) {
+  const int level = LevelOf(round.level);
+  CoarseOf(LevelOf(2));
+  const PointsX3 points = FullPoints(level);
+  std::optional<RayScene> scene;
+  PointsX3 normals;
+  if (round.outlines > 0 || round.appearance > 0) {
+    scene.emplace(points, mesh_.faces);
+    normals = VertexNormals(points, mesh_.faces);
+  }
+  last_.assign(views_.size(), {});
+  ParallelFor(SizeOf(views_), [&](std::int64_t v) {
+    last_[v] = EvidenceOf(static_cast<int>(v), round, points, normals, scene ? &*scene : nullptr);
+  });
+  std::vector<Constraint> all;
+  for (int v = 0; v < SizeOf(views_); ++v) {
+    poses_[v] = last_[v].pose;
+    all.insert(all.end(), last_[v].constraints.begin(), last_[v].constraints.end());
+  }
+  Solve(level, all, round.turns);
+  return all;
+}
+
+BendResult Bending::Finish() {
+  BendResult result;
+  const PointsX3 points = FullPoints(0);
+  result.points = (points * unit_).rowwise() + origin_;
+  result.views = Eigen::VectorXi::Zero(points.rows());
+  Eigen::VectorXd doubt = Eigen::VectorXd::Ones(points.rows());
+  for (int v = 0; v < SizeOf(views_); ++v) {
+    const Rigid3& pose = poses_[v];
+    result.cameras.push_back(
+        {pose.rotation, pose.translation * unit_ - pose.rotation * origin_.transpose()});
+    for (const int i : last_[v].held) ++result.views[i];
+    if (last_[v].sure.size() > 0) doubt.array() *= 1 - last_[v].sure.array();
+    result.matches_used += SizeOf(pictures_[v].kept);
+    result.outline_gap_px += last_[v].gap_px / SizeOf(views_);
+    result.correlation += last_[v].correlation / SizeOf(views_);
+  }
+  result.confidence = 1 - doubt.array();
+  result.volume_ratio =
+      SignedVolume(points, mesh_.faces) / std::max(1e-300, SignedVolume(rest_, mesh_.faces));
+  return result;
+}
+
+BendResult Bending::Run() {
+  int rounds = 0, done = 0;
+  for (const Round& round : kSchedule) rounds += round.repeats;
+  int at = LevelOf(kSchedule.front().level);
+  for (const Round& round : kSchedule) {
+    while (at > LevelOf(round.level)) levels_->Descend(at--);
+    for (int k = 0; k < round.repeats; ++k) {
+      ReportProgress(progress_, static_cast<double>(done++) / rounds,
+                     round.appearance > 0 ? "texture" : round.outlines > 0 ? "outlines" : "features");
+      RunRound(round);
+    }
+  }
+  return Finish();
+}
+
+}  // namespace
+
+BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
+                       const std::vector<BendView>& views,
+                       const std::vector<LandmarkGoal>& landmarks, const BendOptions& options,
+                       Progress* progress) {
+  return Bending(mesh, texture, stiffness, views, landmarks, options, progress).Run();
+}
+
+}  // namespace keypose::fit

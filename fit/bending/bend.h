@@ -1,0 +1,58 @@
+// Bends a template until it agrees with calibrated views.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/landmark_goal.h"
+#include "core/mesh.h"
+#include "core/progress.h"
+#include "views/placement/surface_features.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::fit {
+
+struct BendView {
+  PreparedView view;                  ///< with its camera's first estimate
+  std::vector<FeatureMatch> matches;  ///< pixels of level 0, points of the template
+};
+
+struct BendOptions {
+  int coarse_vertices = 500;   ///< of the level on which far motion is found
+  int middle_vertices = 1700;  ///< of the next level
+  double smoothing = 0.02;     ///< maps vary little within this distance, over the diagonal
+  bool move_cameras = true;    ///< cameras are estimates and are improved with the shape
+};
+
+struct BendResult {
+  PointsX3 points;              ///< V x 3, of the template's vertices
+  std::vector<Rigid3> cameras;  ///< camera from world, one a view
+  Eigen::VectorXi views;        ///< V: how many views hold the vertex by texture
+  Eigen::VectorXd confidence;   ///< V, 0 to 1: how firmly the views hold the vertex
+  int matches_used = 0;
+  double outline_gap_px = 0;  ///< mean distance between silhouette and masks, at level 0
+  double correlation = 0;     ///< mean over the patches found, at level 0
+  double volume_ratio = 1;    ///< over the template's
+};
+
+/// Coarse to fine. First the features alone bend a coarse level with a robust weight, so that
+/// limbs find far places; then outlines join (from the silhouette to the mask and back, which
+/// prevents shrinking), then grey values of patches around every vertex. The shape is as rigid as
+/// possible throughout, so what no view shows follows its neighbours rigidly.
+///
+/// @param mesh       the template in the world's frame, near the figure; closed, with UVs
+/// @param texture    RGB
+/// @param stiffness  V, or empty
+/// @param landmarks  3D goals, may be empty
+/// @throws InputError   no views; unusable mesh
+/// @throws SolverError  @throws Cancelled
+/// Same bits for any thread count.
+/// See docs/how-it-works/fit.md.
+BendResult BendToViews(const Mesh& mesh, const Image8& texture, const Eigen::VectorXd& stiffness,
+                       const std::vector<BendView>& views,
+                       const std::vector<LandmarkGoal>& landmarks, const BendOptions& options,
+                       Progress* progress = nullptr);
+
+}  // namespace keypose::fit

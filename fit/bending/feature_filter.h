@@ -1,0 +1,21 @@
+// Which feature matches can be true together, whatever the pose.
+#pragma once
+
+#include <vector>
+
+#include "core/mesh.h"
+#include "views/placement/surface_features.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::fit {
+
+/// Matches of one view that agree with their neighbours: two points of a surface that bends but
+/// does not stretch are never farther apart in a picture than on the surface.
+///
+/// @param rest      V x 3 of the surface, in the unit of the camera's distance
+/// @param distance  of the camera from the surface
+/// @return indices of the kept matches, ascending
+std::vector<int> ConsistentMatches(const PointsX3& rest, const std::vector<FeatureMatch>& matches,
+                                   const Pinhole& camera, double distance);
+
+}  // namespace keypose::fit

@@ -1,0 +1,34 @@
+// Where the photographs of a pose were taken from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/mesh.h"
+#include "core/progress.h"
+#include "views/placement/surface_features.h"
+#include "views/prepared/prepared_view.h"
+
+namespace keypose::fit {
+
+struct FoundCamera {
+  bool found = false;
+  Rigid3 camera_from_world;  ///< the world is the template's frame
+  int inliers = 0;           ///< matches that agree with it
+  double rms_px = 0;         ///< of these
+  std::vector<FeatureMatch> matches;  ///< all matches of the photograph, also on moved limbs
+};
+
+/// Each photograph by itself: the pose of the camera that agrees with most matches between the
+/// photograph and the textured template. The part of the figure that moved least with respect to
+/// the others decides; moved limbs are outliers.
+///
+/// @param mesh   the template
+/// @param views  prepared photographs; their poses are not used
+/// Same bits for any thread count.
+std::vector<FoundCamera> FindCameras(const Mesh& mesh, const SurfaceFeatures& features,
+                                     const std::vector<PreparedView>& views,
+                                     Progress* progress = nullptr);
+
+}  // namespace keypose::fit

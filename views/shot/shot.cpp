@@ -1,0 +1,183 @@
+#include "views/shot/shot.h"
+
+#include <algorithm>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <set>
+#include <system_error>
+
+#include "core/errors.h"
+#include "core/io/files.h"
+#include "core/io/image_io.h"
+#include "core/io/rig_calibration.h"
+#include "core/size_of.h"
+
+namespace keypose {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string LowerExtension(const fs::path& path) {
+  std::string text = path.extension().string();
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool IsPicture(const fs::path& path) {
+  static const std::set<std::string> kinds{".jpg", ".jpeg", ".png", ".tif", ".tiff"};
+  return kinds.count(LowerExtension(path)) > 0;
+}
+
+bool IsVideo(const fs::path& path) {
+  static const std::set<std::string> kinds{".mp4", ".mov", ".avi", ".mkv", ".m4v", ".mpg", ".webm"};
+  return kinds.count(LowerExtension(path)) > 0;
+}
+
+/// The content of a folder without hidden files, numbers as numbers.
+std::vector<fs::path> Content(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (!entry.path().filename().string().starts_with(".")) paths.push_back(entry.path());
+  if (error)
+    throw DiskError("cannot read the folder " + PrintableName(folder) + ": " + error.message());
+  std::sort(paths.begin(), paths.end(), [](const fs::path& a, const fs::path& b) {
+    return NumberedBefore(a.filename().string(), b.filename().string());
+  });
+  return paths;
+}
+
+FrameSource OpenVideo(const fs::path& path, double* frames_per_second) {
+  cv::VideoCapture video(path.string());
+  FrameSource source;
+  source.video = path;
+  if (video.isOpened()) {
+    source.frames = static_cast<int>(video.get(cv::CAP_PROP_FRAME_COUNT));
+    if (frames_per_second) *frames_per_second = video.get(cv::CAP_PROP_FPS);
+  }
+  if (source.frames < 1)
+    throw InputError("the video " + PrintableName(path) +
+                     " cannot be decoded; convert it to H.264 in an .mp4, or to numbered pictures");
+  return source;
+}
+
+/// The source that lies at a path: a folder with pictures, or a video. Empty when it is neither.
+FrameSource SourceAt(const fs::path& path, double* frames_per_second) {
+  FrameSource source;
+  if (fs::is_directory(path)) {
+    for (const fs::path& file : Content(path))
+      if (IsPicture(file)) source.pictures.push_back(file);
+    source.frames = SizeOf(source.pictures);
+  } else if (IsVideo(path)) {
+    source = OpenVideo(path, frames_per_second);
+  }
+  return source;
+}
+
+std::map<std::string, FrameSource> SourcesIn(const fs::path& folder, double* frames_per_second) {
+  std::map<std::string, FrameSource> sources;
+  if (!fs::is_directory(folder)) return sources;
+  for (const fs::path& path : Content(folder)) {
+    const std::string name = path.filename().string();
+    if (name == "masks" || name == "background") continue;
+    FrameSource source = SourceAt(path, frames_per_second);
+    if (source.empty()) continue;
+    const std::string camera = fs::is_directory(path) ? name : path.stem().string();
+    if (!sources.emplace(camera, std::move(source)).second)
+      throw InputError("the shot " + PrintableName(folder) + " has two sources for the camera " +
+                       camera + "; leave a folder or a video");
+  }
+  return sources;
+}
+
+fs::path PlateOf(const fs::path& folder, const std::string& camera) {
+  if (fs::is_directory(folder))
+    for (const fs::path& path : Content(folder))
+      if (path.stem() == camera && IsPicture(path)) return path;
+  return {};
+}
+
+Image8 ToImage(const cv::Mat& bgr, int channels) {
+  cv::Mat converted;
+  cv::cvtColor(bgr, converted, channels == 1 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGR2RGB);
+  Image8 image(converted.cols, converted.rows, channels);
+  const std::size_t row = static_cast<std::size_t>(image.width) * channels;
+  for (int y = 0; y < image.height; ++y)
+    std::copy_n(converted.ptr<std::uint8_t>(y), row, image.at(0, y));
+  return image;
+}
+
+}  // namespace
+
+bool Shot::has_masks() const {
+  return std::all_of(cameras.begin(), cameras.end(),
+                     [](const ShotCamera& camera) { return !camera.masks.empty(); });
+}
+
+std::vector<std::string> Shot::names() const {
+  std::vector<std::string> all;
+  for (const ShotCamera& camera : cameras) all.push_back(camera.name);
+  return all;
+}
+
+Shot OpenShot(const fs::path& folder) {
+  Shot shot;
+  std::map<std::string, FrameSource> pictures = SourcesIn(folder, &shot.frames_per_second);
+  std::map<std::string, FrameSource> masks = SourcesIn(folder / "masks", nullptr);
+  std::set<std::string> names;
+  for (const auto& [name, source] : pictures) names.insert(name);
+  if (pictures.empty())
+    for (const auto& [name, source] : masks) names.insert(name);
+  for (const std::string& name : names) {
+    ShotCamera camera{name, pictures[name], masks[name], PlateOf(folder / "background", name)};
+    if (!camera.masks.empty() && !camera.pictures.empty() &&
+        camera.masks.frames != camera.pictures.frames)
+      throw InputError("camera " + name + " has " + std::to_string(camera.pictures.frames) +
+                       " frames but " + std::to_string(camera.masks.frames) +
+                       " masks; a mask for each frame is needed");
+    shot.cameras.push_back(std::move(camera));
+  }
+  std::sort(shot.cameras.begin(), shot.cameras.end(), [](const auto& a, const auto& b) {
+    return NumberedBefore(a.name, b.name);
+  });
+  if (shot.cameras.empty())
+    throw InputError("the shot " + PrintableName(folder) +
+                     " has no camera; it needs a folder of numbered pictures, or a video, for each");
+  return shot;
+}
+
+struct FrameReader::Impl {
+  FrameSource source;
+  cv::VideoCapture video;
+  int next = 0;
+};
+
+FrameReader::FrameReader(FrameSource source) : impl_(std::make_unique<Impl>()) {
+  impl_->source = std::move(source);
+}
+FrameReader::~FrameReader() = default;
+FrameReader::FrameReader(FrameReader&&) noexcept = default;
+FrameReader& FrameReader::operator=(FrameReader&&) noexcept = default;
+
+Image8 FrameReader::Read(int frame, int channels) {
+  const FrameSource& source = impl_->source;
+  if (frame < 0 || frame >= source.frames)
+    throw UsageError("frame " + std::to_string(frame) + " was asked for, but there are " +
+                     std::to_string(source.frames));
+  if (source.video.empty()) return ReadImage(source.pictures[frame], channels);
+  if (!impl_->video.isOpened() || frame < impl_->next) {
+    impl_->video.open(source.video.string());
+    impl_->next = 0;
+  }
+  cv::Mat picture;
+  for (; impl_->next <= frame; ++impl_->next) {
+    const bool last = impl_->next == frame;
+    if (last ? !impl_->video.read(picture) : !impl_->video.grab())
+      throw InputError("frame " + std::to_string(impl_->next) + " of " +
+                       PrintableName(source.video) + " cannot be decoded; the video is damaged");
+  }
+  return ToImage(picture, channels);
+}
+
+}  // namespace keypose

@@ -1,0 +1,63 @@
+// A shot: what several fixed cameras filmed of one performance, as videos or numbered pictures.
+//
+//     shot/
+//       cam1/000.jpg ...         or cam1.mp4     a folder or a video for each camera
+//       masks/cam1/000.png ...   or masks/cam1.mp4     optional: 255 where the actor is
+//       background/cam1.jpg      optional: the set without the actor
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+
+namespace keypose {
+
+/// One camera's frames: either numbered pictures or a video.
+struct FrameSource {
+  std::vector<std::filesystem::path> pictures;  ///< sorted, numbers as numbers
+  std::filesystem::path video;
+  int frames = 0;
+  bool empty() const { return frames == 0; }
+};
+
+struct ShotCamera {
+  std::string name;
+  FrameSource pictures;         ///< empty when only masks are given
+  FrameSource masks;            ///< empty when there are none
+  std::filesystem::path plate;  ///< empty when there is none
+  int frames() const { return pictures.empty() ? masks.frames : pictures.frames; }
+};
+
+struct Shot {
+  std::vector<ShotCamera> cameras;  ///< sorted by name, numbers as numbers
+  double frames_per_second = 0;     ///< of the videos; 0: not known
+  bool has_masks() const;           ///< every camera has them
+  std::vector<std::string> names() const;
+};
+
+/// @throws InputError  no camera; a video that cannot be read; as many masks as pictures are needed
+Shot OpenShot(const std::filesystem::path& folder);
+
+/// Reads the frames of one source. Reading in order is fast; videos are decoded anew from their
+/// start when an earlier frame is asked for. Not for use in several threads at once.
+class FrameReader {
+ public:
+  explicit FrameReader(FrameSource source);
+  ~FrameReader();
+  FrameReader(FrameReader&&) noexcept;
+  FrameReader& operator=(FrameReader&&) noexcept;
+
+  /// @param channels  1 (luma) or 3 (RGB)
+  /// @throws InputError  it cannot be decoded; names the file and the frame
+  /// @throws UsageError  no such frame
+  Image8 Read(int frame, int channels);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace keypose
