@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+
+#include "core/angles.h"
+#include "core/errors.h"
+#include "core/io/bvh_io.h"
+#include "core/io/rig_calibration.h"
+#include "core/render.h"
+
+namespace keypose {
+namespace {
+namespace fs = std::filesystem;
+
+const char* const kClip =
+    "HIERARCHY\nROOT Hips\n{\n\tOFFSET 0 0 0\n"
+    "\tCHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation\n"
+    "\tJOINT Knee\n\t{\n\t\tOFFSET 0 -2 0\n\t\tCHANNELS 3 Zrotation Xrotation Yrotation\n"
+    "\t\tEnd Site\n\t\t{\n\t\t\tOFFSET 0 -1 0\n\t\t}\n\t}\n}\n"
+    "MOTION\nFrames: 2\nFrame Time: 0.04\n"
+    "1 2 3 90 0 0 0 0 0\n0 0 0 0 0 0 0 90 0\n";
+
+TEST(Bvh, ChannelsTurnInTheirOrder) {
+  const MotionClip clip = ParseBvh(kClip, "clip.bvh");
+  ASSERT_EQ(clip.joints.size(), 3u);
+  EXPECT_EQ(clip.frame_count(), 2);
+  EXPECT_DOUBLE_EQ(clip.frame_time_s, 0.04);
+  // Turned by 90 degrees about z, the leg that hangs along -y points along +x.
+  const std::vector<Rigid3> first = JointFrames(clip, 0);
+  EXPECT_LT((first[1].translation - Eigen::Vector3d(3, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((first[2].translation - Eigen::Vector3d(4, 2, 3)).norm(), 1e-12);
+  // The knee turns about x: the end, along -y, goes to -z.
+  const std::vector<Rigid3> second = JointFrames(clip, 1);
+  EXPECT_LT((second[2].translation - Eigen::Vector3d(0, -2, -1)).norm(), 1e-12);
+}
+
+TEST(Bvh, WrittenClipReadsTheSame) {
+  const MotionClip clip = ParseBvh(kClip, "clip.bvh");
+  const MotionClip again = ParseBvh(BvhText(clip), "again");
+  ASSERT_EQ(again.joints.size(), clip.joints.size());
+  for (std::size_t j = 0; j < clip.joints.size(); ++j) {
+    EXPECT_EQ(again.joints[j].name, clip.joints[j].name);
+    EXPECT_EQ(again.joints[j].parent, clip.joints[j].parent);
+    EXPECT_EQ(again.joints[j].channels, clip.joints[j].channels);
+  }
+  EXPECT_EQ(again.values, clip.values);
+}
+
+TEST(Bvh, DamagedFilesNameTheLine) {
+  const std::string text = kClip;
+  const auto fault = [](const std::string& damaged) {
+    try {
+      ParseBvh(damaged, "clip.bvh");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_NE(fault(text.substr(0, text.size() - 20)).find("line 1"), std::string::npos);
+  EXPECT_NE(fault("hello").find("HIERARCHY"), std::string::npos);
+  std::string odd = text;
+  odd.replace(odd.find("Xposition"), 9, "Xposltion");
+  EXPECT_NE(fault(odd).find("line 5: 'Xposltion' is not a channel"), std::string::npos);
+  std::string huge = text;
+  huge.replace(huge.find("Frames: 2"), 9, "Frames: 9000000");
+  EXPECT_NE(fault(huge).find("9000000"), std::string::npos);
+}
+
+TEST(EulerZyx, RotatesBack) {
+  for (const double y : {-90.0, -40.0, 0.0, 75.0, 90.0}) {
+    const Eigen::Matrix3d r =
+        (Eigen::AngleAxisd(130 * kDegree, Eigen::Vector3d::UnitZ()) *
+         Eigen::AngleAxisd(y * kDegree, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(-70 * kDegree, Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    const Eigen::Vector3d a = EulerZyx(r);
+    const Eigen::Matrix3d back = (Eigen::AngleAxisd(a[0], Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(a[1], Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(a[2], Eigen::Vector3d::UnitX()))
+                                     .toRotationMatrix();
+    EXPECT_LT((back - r).norm(), 1e-7) << y;
+  }
+}
+
+class RigTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("keypose_rig_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path Put(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+    return folder_ / name;
+  }
+  static std::vector<View> Ring() {
+    std::vector<View> views;
+    for (int i = 0; i < 4; ++i) {
+      View view;
+      view.name = "cam" + std::to_string(i + 1);
+      view.camera = {1000, 800, 900, 901, 510.25, 395.5, 0.01, -0.02, 0.001, 0.002};
+      const double a = 1.5 * i;
+      view.camera_from_world = LookAt({4 * std::cos(a), 4 * std::sin(a), 1.5}, {0, 0, 0.9});
+      views.push_back(view);
+    }
+    return views;
+  }
+  static void ExpectSame(const std::vector<View>& a, const std::vector<View>& b, double lens_px) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].name, b[i].name);
+      const Eigen::Vector3d x(0.3, -0.4, 1.1);
+      EXPECT_LT((a[i].Project(x) - b[i].Project(x)).norm(), lens_px) << i;
+      EXPECT_LT((a[i].Center() - b[i].Center()).norm(), 1e-6) << i;
+    }
+  }
+  fs::path folder_;
+};
+
+TEST_F(RigTest, OpenCvYamlReadsBack) {
+  const RigCalibration rig = ReadRigCalibration(Put("rig.yml", OpenCvYaml(Ring())));
+  EXPECT_EQ(rig.format, "OpenCV YAML");
+  EXPECT_EQ(rig.metres_per_unit, 1);
+  ExpectSame(rig.views, Ring(), 1e-9);
+}
+
+std::string Qualisys(const std::vector<View>& views, bool transposed, bool backwards) {
+  std::string text = "<?xml version=\"1.0\"?>\n<calibration><cameras>\n";
+  for (const View& view : views) {
+    const auto number = [](double x) { return "\"" + std::to_string(x) + "\""; };
+    Eigen::Matrix3d m = view.camera_from_world.rotation.toRotationMatrix();
+    if (backwards) m.row(1) *= -1, m.row(2) *= -1;
+    if (transposed) m.transposeInPlace();
+    const Eigen::Vector3d c = 1000 * view.Center();
+    text += "<camera active=\"1\" serial=\"" + view.name + "\">\n<transform x=" + number(c.x()) +
+            " y=" + number(c.y()) + " z=" + number(c.z());
+    for (int i = 0; i < 9; ++i)
+      text += " r" + std::to_string(i / 3 + 1) + std::to_string(i % 3 + 1) + "=" +
+              number(m(i / 3, i % 3));
+    const Camera& k = view.camera;
+    text += "/>\n<intrinsic sensorMinU=\"0\" sensorMaxU=" + number(64 * k.width - 1) +
+            " sensorMinV=\"0\" sensorMaxV=" + number(64 * k.height - 1) +
+            " focalLengthU=" + number(64 * k.fx) + " focalLengthV=" + number(64 * k.fy) +
+            " centerPointU=" + number(64 * (k.cx - 0.5)) +
+            " centerPointV=" + number(64 * (k.cy - 0.5)) + " radialDistortion1=" + number(k.k1) +
+            " radialDistortion2=" + number(k.k2) + " tangentalDistortion1=" + number(k.p1) +
+            " tangentalDistortion2=" + number(k.p2) + "/>\n</camera>\n";
+  }
+  return text + "</cameras></calibration>\n";
+}
+
+TEST_F(RigTest, QualisysIsReadWhicheverWayItsMatrixTurns) {
+  for (const bool transposed : {false, true})
+    for (const bool backwards : {false, true}) {
+      const RigCalibration rig =
+          ReadRigCalibration(Put("rig.qca.txt", Qualisys(Ring(), transposed, backwards)));
+      EXPECT_EQ(rig.format, "Qualisys");
+      EXPECT_EQ(rig.metres_per_unit, 1);
+      // six decimals of the text
+      ExpectSame(rig.views, Ring(), 0.01);
+    }
+}
+
+TEST_F(RigTest, MatricesAreRead) {
+  const RigCalibration rig = ReadRigCalibration(
+      Put("calib.txt", "0\n900 -1.5 500\n0 890 400\n0 0 1\n-0.04 0.06\n1 0 0 0.5\n0 1 0 0\n0 0 1 7\n"));
+  ASSERT_EQ(rig.views.size(), 1u);
+  EXPECT_EQ(rig.metres_per_unit, 0);
+  EXPECT_EQ(rig.views[0].camera.cx, 500.5);
+  EXPECT_EQ(rig.views[0].camera.k1, -0.04);
+  EXPECT_EQ(rig.views[0].camera_from_world.translation, Eigen::Vector3d(0.5, 0, 7));
+  EXPECT_EQ(rig.notes.size(), 1u) << "the skew is not used, and that is said";
+}
+
+TEST_F(RigTest, BadCalibrationsSayWhatIsWrong) {
+  EXPECT_THROW(ReadRigCalibration(Put("a.txt", "0\n900 0 500\n0 890")), InputError);
+  EXPECT_THROW(ReadRigCalibration(Put("a.yml", "%YAML:1.0\n---\nfoo: 3\n")), InputError);
+  EXPECT_THROW(ReadRigCalibration(Put("b.yml", "a: [1, 2")), InputError);
+  std::string no_rotation = OpenCvYaml(Ring());
+  no_rotation.replace(no_rotation.find("rotation: !!opencv-matrix"), 8, "rotatoin");
+  EXPECT_THROW(ReadRigCalibration(Put("c.yml", no_rotation)), InputError);
+  EXPECT_THROW(ReadRigCalibration(Put("d.txt", "<calibration></calibration>")), InputError);
+}
+
+TEST(MatchCameraNames, ByNameThenNumberThenOrder) {
+  std::vector<View> views(3);
+  views[0].name = "cam1.jpg", views[1].name = "cam2.jpg", views[2].name = "cam10.jpg";
+  EXPECT_EQ(MatchCameraNames({"cam10", "cam2"}, views), (std::vector<int>{2, 1}));
+  EXPECT_EQ(MatchCameraNames({"view_02", "view_10"}, views), (std::vector<int>{1, 2}));
+  EXPECT_EQ(MatchCameraNames({"left", "middle", "right"}, views), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(MatchCameraNames({"left", "cam2"}, views), (std::vector<int>{-1, 1}));
+}
+
+TEST(NumberedBefore, ComparesNumbers) {
+  EXPECT_TRUE(NumberedBefore("cam2", "cam10"));
+  EXPECT_FALSE(NumberedBefore("cam10", "cam2"));
+  EXPECT_TRUE(NumberedBefore("WD2_9_00020", "WD2_10_00020"));
+  EXPECT_TRUE(NumberedBefore("a", "b"));
+  EXPECT_FALSE(NumberedBefore("a1", "a1"));
+}
+
+}  // namespace
+}  // namespace keypose
