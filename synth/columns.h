@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "synth/clay.h"
+#include "synth/limb_pose.h"
 #include "synth/pose.h"
 
 namespace keypose::synth {
@@ -16,6 +17,7 @@ struct Character {
   Clay clay;
   std::vector<std::pair<std::string, Eigen::Vector3d>> places;
   std::vector<Pose> poses;
+  std::vector<PosableLimb> limbs;  ///< for random poses; none: it has no such pose
 };
 
 /// A slab with four columns, and on them a torso with a head and one arm: asymmetric, genus 3. Seed

@@ -47,9 +47,10 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
       "photos", "render turntable photographs of a clay character, with exact truth beside them");
   photos->add_option("--output", c.output, "folder to write photos/ and truth/ into")->required();
   photos
-      ->add_option("--poses", c.poses,
-                   "rest, bent, wave, bow, squash, twist, hip (hand on hip); columns: rest, bent, "
-                   "twist, squash")
+      ->add_option(
+          "--poses", c.poses,
+          "rest, bent, wave, bow, squash, twist, hip (hand on hip), limbs (all limbs moved "
+          "by 30 to 120 degrees); columns: rest, bent, twist, squash")
       ->delimiter(',')
       ->capture_default_str();
   photos
@@ -57,6 +58,13 @@ void AddPhotos(CLI::App& app, PhotosCommand& c) {
                    "creature | columns (a torso on columns that one sees through)")
       ->capture_default_str();
   photos->add_option("--seed", c.world.seed, "character; 1 is the demo's")->capture_default_str();
+  photos->add_option("--pose-seed", c.world.pose_seed, "of the pose limbs; 1 unless said");
+  photos
+      ->add_option_function<std::vector<std::string>>(
+          "--few", [&c](const std::vector<std::string>& list) { c.few = ReadFew(list); },
+          "POSE=N: only N photographs of that pose, from the rig of the first pose that is not "
+          "listed here")
+      ->delimiter(',');
   photos->add_option("--texture", c.world.texture, "rich | weak | none")->capture_default_str();
   photos->add_flag("--prints-move", c.world.prints_move,
                    "finger-prints move the surface, which needs a fine --spacing; otherwise they "

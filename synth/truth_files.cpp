@@ -64,7 +64,14 @@ Json MishapsJson(const PhotographerOptions& options, std::uint64_t world_seed) {
   return json;
 }
 
+Json LimbAngles(const World& world, const Pose& pose) {
+  Json angles = Json::object();
+  for (const PosableLimb& limb : world.limbs) angles[limb.name] = LimbAngleDeg(pose, limb);
+  return angles;
+}
+
 std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer,
+                      const std::vector<std::string>& rig_photographs,
                       const WorldOptions& world_options, const PhotographerOptions& options) {
   Json json{{"schema", 1},
             {"pose", pose.name},
@@ -89,6 +96,9 @@ std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer,
               {"table_shadow", options.table_shadow},
               {"vignetting", options.vignetting},
               {"seed", options.seed}}}};
+  if (world_options.pose_seed > 0) json["pose_seed"] = world_options.pose_seed;
+  if (pose.name == "limbs") json["limbs_deg"] = LimbAngles(world, pose);
+  if (!rig_photographs.empty()) json["rig_photographs"] = rig_photographs;
   if (options.mishaps.any()) json["mishaps"] = MishapsJson(options, world_options.seed);
   if (options.board.charuco) {
     const BoardPicture board = MakeBoardPicture(options.board);
@@ -105,7 +115,8 @@ std::string WorldJson(const World& world, const Pose& pose, const Mesh& outer,
 }  // namespace
 
 Truth ReadTruth(const std::filesystem::path& folder) {
-  Truth truth{ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}, {}};
+  Truth truth{
+      ReadColmapModel(folder / "cameras"), ReadMesh(folder / "surface.ply"), {}, {}, {}, {}};
   truth.outer = std::filesystem::exists(folder / "outer.ply") ? ReadMesh(folder / "outer.ply")
                                                               : truth.surface;
   truth.smooth = std::filesystem::exists(folder / "smooth.ply")
@@ -150,7 +161,8 @@ void WriteTruth(const std::filesystem::path& folder, const Truth& truth, const W
     WriteMesh(folder / "smooth.ply", smooth);
   }
   WriteFile(folder / "landmarks.json", LandmarksJson(truth));
-  WriteFile(folder / "world.json", WorldJson(world, pose, truth.outer, world_options, options));
+  WriteFile(folder / "world.json",
+            WorldJson(world, pose, truth.outer, truth.rig_photographs, world_options, options));
 }
 
 }  // namespace keypose::synth

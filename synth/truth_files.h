@@ -31,6 +31,9 @@ struct Truth {
   Mesh outer;       ///< its visible surface; equal to `surface` unless parts are pressed together
   PointsX3 smooth;  ///< vertices of `surface` without finger-prints
   std::vector<TruthLandmark> landmarks;
+  /// of a pose with few photographs: those of the rig that were taken from the same places; only
+  /// written
+  std::vector<std::string> rig_photographs;
 };
 
 /// @throws InputError  a file missing or malformed @throws DiskError

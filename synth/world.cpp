@@ -23,12 +23,15 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFistRadius = 0.0140, kThumbRadius = 0.0050;  // [m] of the right hand
+const Vector3d kEarRoot(0.034, 0.0, 0.172);                    // [m]
 const Vector3d kThumb(0.010, -0.010, 0.0090);                  // [m] from the middle of the fist
 
 /// Linear light from an sRGB colour, 0..255.
 Vector3d Srgb(int r, int g, int b) {
   return {LinearFromSrgb(r / 255.0), LinearFromSrgb(g / 255.0), LinearFromSrgb(b / 255.0)};
 }
+
+Vector3d Between(const Vector3d& a, const Vector3d& b, double share) { return a + share * (b - a); }
 
 struct Palette {
   Vector3d body, belly, limb, hand, scarf, horn, spot, spike;
@@ -64,6 +67,7 @@ class Sculptor {
 
   const Clay& clay() const { return clay_; }
   const std::vector<std::pair<std::string, Vector3d>>& places() const { return places_; }
+  const std::vector<PosableLimb>& limbs() const { return limbs_; }
   std::vector<Pose> Poses() const;
 
  private:
@@ -90,6 +94,8 @@ class Sculptor {
   void Head();
   void Ears();
   void Arms();
+  void LeftArm();
+  void RightArm();
   void Tail();
   void Spots();
 
@@ -98,6 +104,7 @@ class Sculptor {
   Palette palette_;
   Clay clay_;
   std::vector<std::pair<std::string, Vector3d>> places_;
+  std::vector<PosableLimb> limbs_;
   Clay trunk_, thighs_;  // the hand rests on the trunk and keeps clear of the thighs
   Vector3d shoulder_, arm_axis_, elbow_, forearm_axis_, right_shoulder_, fist_;
 };
@@ -180,8 +187,13 @@ void Sculptor::Ears() {
   // A long ear that folds over on the left, a stub of a horn on the right.
   const Vector3d fold = Vary(Vector3d(0.056, 0.004, 0.196), 0.004),
                  tip = fold + Vector3d(0.019, -0.004, Vary(-0.016, 0.3));
-  Add({0.034, 0.0, 0.172}, 0.0125, fold, 0.0100, palette_.limb, 0.008);
+  Add(kEarRoot, 0.0125, fold, 0.0100, palette_.limb, 0.008);
   Add(fold, 0.0100, tip, 0.0072, palette_.limb, 0.004);
+  const Vector3d along = (fold - kEarRoot).normalized(), down = (tip - fold).normalized();
+  const Joint at_head{kEarRoot, along, 0.012, 0.030, 60, {Between(kEarRoot, fold, 0.4), fold, tip},
+                      0.0135,   0.006};
+  const Joint at_fold{fold, down, 0.003, 0.021, 70, {Between(fold, tip, 0.2), tip}, 0.0125, 0.005};
+  limbs_.push_back({"left_ear", {at_head, at_fold}, tip + 0.007 * down});
   Name("ear_fold", fold + Vector3d(0, 0, 0.0100));
   Name("ear_tip", tip + Vector3d(0.0055, -0.001, -0.0050));
   const Vector3d horn = Vary(Vector3d(-0.043, 0.006, 0.200), 0.004);
@@ -190,6 +202,11 @@ void Sculptor::Ears() {
 }
 
 void Sculptor::Arms() {
+  LeftArm();
+  RightArm();
+}
+
+void Sculptor::LeftArm() {
   shoulder_ = Vector3d(0.026, 0.000, 0.096);
   const Vector3d hand = Vary(Vector3d(0.089, -0.008, 0.088), 0.004);
   arm_axis_ = (hand - shoulder_).normalized();
@@ -197,9 +214,17 @@ void Sculptor::Arms() {
   Ball(hand, 0.0135, palette_.hand, 0.003);
   Add(hand, 0.008, hand + Vector3d(0.004, -0.006, 0.0150), 0.0052, palette_.hand, 0.003);
   Add(hand, 0.009, hand + Vector3d(0.0155, -0.003, 0.0020), 0.0056, palette_.hand, 0.003);
+  const Vector3d thumb = hand + Vector3d(0.004, -0.006, 0.015),
+                 finger = hand + Vector3d(0.0155, -0.003, 0.002);
+  const std::vector<Vector3d> spine = {Between(shoulder_, hand, 0.3), hand, thumb, finger, hand};
+  const Joint joint{shoulder_, arm_axis_, 0.014, 0.050, 120, spine, 0.0165, 0.008};
+  limbs_.push_back({"left_arm", {joint}, hand + 0.010 * arm_axis_});
   Name("left_thumb", hand + Vector3d(0.0055, -0.0075, 0.0195));
   Name("left_finger", hand + Vector3d(0.021, -0.004, 0.0025));
   Name("left_elbow", shoulder_ + 0.5 * (hand - shoulder_) + Vector3d(0, -0.012, 0));
+}
+
+void Sculptor::RightArm() {
   const Vector3d right_shoulder(-0.026, -0.001, 0.096);
   right_shoulder_ = right_shoulder;
   const Vector3d elbow = Vary(Vector3d(-0.064, -0.010, 0.080), 0.003),
@@ -211,6 +236,13 @@ void Sculptor::Arms() {
   Add(elbow, 0.0112, fist, 0.0098, palette_.limb, 0.004);
   Ball(fist, kFistRadius, palette_.hand, 0.003);
   Add(fist, 0.008, fist + kThumb, kThumbRadius, palette_.hand, 0.003);
+  const Vector3d upper = (elbow - right_shoulder).normalized();
+  const std::vector<Vector3d> arm = {Between(right_shoulder, elbow, 0.45), elbow, fist,
+                                     fist + kThumb, fist},
+                              forearm = {elbow, fist, fist + kThumb, fist};
+  const Joint at_shoulder{right_shoulder, upper, 0.012, 0.034, 60, arm, 0.0165, 0.008};
+  const Joint at_elbow{elbow, forearm_axis_, 0.006, 0.028, 80, forearm, 0.0160, 0.008};
+  limbs_.push_back({"right_arm", {at_shoulder, at_elbow}, fist + 0.010 * forearm_axis_});
   Name("right_elbow", elbow + Vector3d(-0.0095, 0.005, 0));
   Name("right_fist", fist + Vector3d(-0.003, -0.0135, 0));
 }
@@ -223,6 +255,15 @@ void Sculptor::Tail() {
   Add(root, 0.0200, middle, 0.0145, palette_.body, 0.008);
   Add(middle, 0.0145, rise, 0.0110, palette_.body, 0.004);
   Add(rise, 0.0110, tip, 0.0065, palette_.spike, 0.004);
+  const Vector3d first = (middle - root).normalized(), second = (rise - middle).normalized(),
+                 last = (tip - rise).normalized();
+  const Joint at_root{root,   first, 0.012,
+                      0.034,  45,    {Between(root, middle, 0.5), middle, rise, tip},
+                      0.0175, 0.008};
+  const Joint at_middle{middle, second, 0.004, 0.030, 55, {Between(middle, rise, 0.1), rise, tip},
+                        0.0160, 0.008};
+  const Joint at_rise{rise, last, 0.002, 0.022, 60, {Between(rise, tip, 0.1), tip}, 0.0130, 0.006};
+  limbs_.push_back({"tail", {at_root, at_middle, at_rise}, tip + 0.006 * last});
   Name("tail_bend", middle + Vector3d(0.004, 0.009, 0.0105));
   Name("tail_tip", tip + Vector3d(0.002, -0.001, 0.0062));
 }
@@ -316,7 +357,7 @@ std::vector<Pose> Sculptor::Poses() const {
 Character SculptCreature(std::uint64_t seed) {
   Sculptor sculptor(seed);
   sculptor.Sculpt();
-  return {sculptor.clay(), sculptor.places(), sculptor.Poses()};
+  return {sculptor.clay(), sculptor.places(), sculptor.Poses(), sculptor.limbs()};
 }
 
 // The vertex nearest to each named place. If several places share a vertex, only the first name is
@@ -333,6 +374,8 @@ void RequireValid(const WorldOptions& options) {
   if (options.character != "creature" && options.character != "columns")
     throw UsageError("synth: character is '" + options.character +
                      "'; it can be creature or columns");
+  if (options.pose_seed > 0 && options.character != "creature")
+    throw UsageError("synth: the pose 'limbs' is one of the creature; leave --pose-seed out");
   if (options.texture != "rich" && options.texture != "weak" && options.texture != "none")
     throw UsageError("synth: texture is '" + options.texture + "'; it can be rich, weak or none");
   if (!(options.spacing_m > 0.0003 && options.spacing_m < 0.02))
@@ -380,6 +423,9 @@ World MakeWorld(const WorldOptions& options) {
   world.clay.ridge_height = options.print_height_m;
   world.clay.ridge_spacing = options.print_spacing_m;
   world.poses = std::move(character.poses);
+  world.limbs = std::move(character.limbs);
+  if (options.pose_seed > 0)
+    world.poses.push_back(RandomLimbPose(world.clay, world.limbs, options.pose_seed));
   Vector3d low, high;
   world.clay.Bounds(&low, &high);
   world.rest = Polygonize([&](const Vector3d& x) { return world.clay.Distance(x); }, low, high,

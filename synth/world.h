@@ -8,6 +8,7 @@
 
 #include "core/mesh.h"
 #include "synth/clay.h"
+#include "synth/limb_pose.h"
 #include "synth/pose.h"
 
 namespace keypose::synth {
@@ -24,8 +25,9 @@ struct World {
   double spacing_m = 0.002;  ///< of the rest surface
   PointsX3 smooth;           ///< its vertices without finger-prints; empty: the same as rest.points
   std::vector<TruthLandmark> landmarks;  ///< about 16
-  /// the character's poses: rest, bent, wave, bow, squash, twist, hip
+  /// the character's poses: rest, bent, wave, bow, squash, twist, hip; `limbs` if asked for
   std::vector<Pose> poses;
+  std::vector<PosableLimb> limbs;  ///< that `limbs` moves: arms, ear, tail; columns: none
 
   /// @throws UsageError  no pose of that name; lists the known ones
   const Pose& PoseNamed(const std::string& name) const;
@@ -35,6 +37,8 @@ struct WorldOptions {
   /// creature: the demo's character | columns: a torso on four columns, with windows, genus 3
   std::string character = "creature";
   std::uint64_t seed = 1;  ///< 1 is the demo's character; others vary proportions, colours, spots
+  /// of the pose `limbs`: every limb moved by 30 to 120 degrees; 0: the world has no such pose
+  std::uint64_t pose_seed = 0;
   /// of the polygonisation; 0.002 gives about 100k vertices, 0.005 about 15k
   double spacing_m = 0.002;
   /// rich | weak | none: strength of the paint's grain; none: plain lumps of clay without spots
@@ -49,8 +53,9 @@ struct WorldOptions {
 
 /// An asymmetric clay creature of random proportions: all sides differ, so that no view can be
 /// mistaken for another.
-/// @throws UsageError  unknown character or texture @throws InputError  spacing_m outside (0.0003,
-/// 0.02), or too large for prints that move the surface
+/// @throws UsageError  unknown character or texture, a pose_seed for columns
+/// @throws InputError  spacing_m outside (0.0003, 0.02), or too large for prints that move the
+/// surface; no room for a limb of the pose `limbs`
 World MakeWorld(const WorldOptions& options = {});
 
 /// The world's surface in a pose: vertex i is the same material point as vertex i of world.rest.
