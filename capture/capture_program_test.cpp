@@ -12,11 +12,11 @@
 
 #include "capture/shoot/develop/white_balance.h"
 #include "capture/shoot/record/side_file.h"
-#include "capture/shoot/testing/write_dng.h"
 #include "capture/testing/test_images.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
+#include "core/io/testing_dng.h"
 #include "core/srgb.h"
 
 namespace keypose::capture {
@@ -195,7 +195,7 @@ double MeanDifference(const Image8& a, const Image8& b) {
 
 TEST_F(CaptureProgram, RawFilesAreDeveloped) {
   for (int i = 0; i < 8; ++i)
-    shoot::WriteDng(photos / ("p" + std::to_string(i) + ".DNG"),
+    WriteDng(photos / ("p" + std::to_string(i) + ".DNG"),
                     LinearOf(MakeTestPhoto(i, 180, 120, TestWall::kDark).image),
                     {.neutral = {0.6, 1, 0.8}});
   ASSERT_EQ(Run().code, 0);

@@ -15,7 +15,6 @@
 #include "capture/pictures/working_image.h"
 #include "capture/segmentation/masking.h"
 #include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/develop/raw.h"
 #include "capture/shoot/develop/white_balance.h"
 #include "capture/shoot/record/side_file.h"
 #include "core/errors.h"
@@ -292,7 +291,7 @@ void WritePhotograph(const Import& import, std::size_t i, const Image8& image, c
   const ImageInfo info = shoot::ReadPhotographInfo(import.files[i]);
   const shoot::SideFile* side = SideFileOf(import, i);
   const bool developed =
-      IsHeicName(import.files[i]) || shoot::IsRawName(import.files[i]) || (side && side->white);
+      IsHeicName(import.files[i]) || IsRawName(import.files[i]) || (side && side->white);
   if (info.orientation == 1 && !import.quarter_turns[i] && import.factor == 1 && !developed) {
     std::error_code error;
     fs::copy_file(import.files[i], to, fs::copy_options::overwrite_existing, error);

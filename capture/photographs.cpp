@@ -7,7 +7,6 @@
 
 #include "capture/photographs.h"
 #include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/develop/raw.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/image_io.h"
@@ -53,7 +52,7 @@ std::vector<fs::path> RawFilesIn(const fs::path& folder, const std::vector<fs::p
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path& file = entry.path();
-    if (entry.is_regular_file() && shoot::IsRawName(file) && !IsLitterName(file) &&
+    if (entry.is_regular_file() && IsRawName(file) && !IsLitterName(file) &&
         !stems.contains(file.stem()))
       files.push_back(file);
   }
@@ -145,7 +144,7 @@ void AddIgnored(const fs::path& folder, bool with_subfolders, std::vector<fs::pa
     const fs::path name = entry.path().filename();
     // What `keypose shoot` puts beside the photographs: its notes, and RAW files of the same names.
     const bool shot = name == "shoot.json" || name == "stacks" ||
-                      (shoot::IsRawName(name) && stems.contains(name.stem()));
+                      (IsRawName(name) && stems.contains(name.stem()));
     if (IsLitterName(name) || name == "masks" || shot) continue;
     if (entry.is_regular_file() && !IsPhotographName(entry.path()))
       ignored->push_back(entry.path());
@@ -179,7 +178,7 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
 }
 
 std::string WrittenName(const fs::path& file) {
-  const bool developed = IsHeicName(file) || shoot::IsRawName(file);
+  const bool developed = IsHeicName(file) || IsRawName(file);
   return developed ? file.stem().string() + ".jpg" : file.filename().string();
 }
 

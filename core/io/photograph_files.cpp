@@ -24,15 +24,16 @@ bool IsOneOf(const std::string& extension, const std::array<const char*, N>& kno
 
 constexpr std::array<const char*, 3> kHeic = {".heic", ".heif", ".hif"};
 constexpr std::array<const char*, 5> kPlain = {".jpg", ".jpeg", ".png", ".tif", ".tiff"};
-constexpr std::array<const char*, 14> kRaw = {".raw", ".dng", ".cr2", ".cr3", ".crw",
-                                              ".nef", ".nrw", ".arw", ".raf", ".orf",
-                                              ".rw2", ".pef", ".srw", ".x3f"};
+constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
+                                             ".dng", ".raf", ".orf", ".rw2"};
+constexpr std::array<const char*, 6> kOtherRaw = {".raw", ".crw", ".nrw", ".pef", ".srw", ".x3f"};
 constexpr std::array<const char*, 6> kVideo = {".mov", ".mp4", ".m4v", ".avi", ".mts", ".mkv"};
 constexpr std::array<const char*, 5> kOtherPictures = {".webp", ".avif", ".bmp", ".gif", ".psd"};
 
 }  // namespace
 
 bool IsHeicName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kHeic); }
+bool IsRawName(const fs::path& file) { return IsOneOf(LowerExtensionOf(file), kRaw); }
 bool IsPhotographName(const fs::path& file) {
   return IsHeicName(file) || IsOneOf(LowerExtensionOf(file), kPlain);
 }
@@ -67,7 +68,7 @@ std::string CureFor(const std::vector<fs::path>& files) {
   };
   std::string cure;
   const auto add = [&](const std::string& text) { cure += (cure.empty() ? "" : "; ") + text; };
-  if (some(kRaw))
+  if (some(kRaw) || some(kOtherRaw))
     add("develop RAW files to JPEG or TIFF in the camera's program, all with the same settings");
   if (some(kVideo))
     add("take photographs rather than a film, or save its sharpest pictures as JPEG");

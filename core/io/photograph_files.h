@@ -15,6 +15,9 @@ inline const char* const kReadablePhotographs =
 bool IsPhotographName(const std::filesystem::path& file);
 /// Whether the extension is one of HEIC and HEIF, which phones write.
 bool IsHeicName(const std::filesystem::path& file);
+/// Whether the extension (any case) is one of .cr2 .cr3 .nef .arw .dng .raf .orf .rw2: RAW files
+/// that core/io/raw_io.h develops.
+bool IsRawName(const std::filesystem::path& file);
 /// Whether the file is one that operating systems and file managers create: hidden files,
 /// Thumbs.db, desktop.ini.
 bool IsLitterName(const std::filesystem::path& file);

@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
-#include "core/io/photograph_files.h"
 #include "pipeline/builder.h"
 #include "pipeline/collect_ending.h"
 #include "pipeline/commands.h"
 #include "pipeline/real_disk.h"
+#include "studio/project/photographs.h"
 
 namespace keypose::studio {
 
@@ -20,13 +20,6 @@ using pipeline::Step;
 using pipeline::StepPlan;
 
 namespace {
-
-int PhotographCount(const fs::path& folder) {
-  int count = 0;
-  for (const fs::path file : pipeline::RealDisk().Children(folder))
-    count += IsPhotographName(file) && !IsLitterName(file);
-  return count;
-}
 
 json PoseJson(Snapshot& snapshot, const std::string& pose) {
   const pipeline::PoseRule* rule = snapshot.file().FindPose(pose);
@@ -38,7 +31,7 @@ json PoseJson(Snapshot& snapshot, const std::string& pose) {
   return {{"name", pose},
           {"template", snapshot.IsTemplate(pose)},
           {"photos", rule && rule->photos ? rule->photos->text : "photos/" + pose},
-          {"photographs", PhotographCount(photos)},
+          {"photographs", OriginalPhotographs(photos).size()},
           {"masks", rule && rule->masks ? rule->masks->text : ""},
           {"has_landmarks", fs::exists(snapshot.project() / "landmarks" / (pose + ".json"))},
           {"meshes", meshes},

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/errors.h"
 #include "core/file_names.h"
@@ -15,6 +16,7 @@
 #include "core/io/image_io.h"
 #include "core/io/image_set.h"
 #include "core/io/photograph_files.h"
+#include "core/io/raw_io.h"
 #include "core/sha256.h"
 #include "pipeline/real_disk.h"
 #include "studio/project/changes.h"
@@ -71,7 +73,33 @@ fs::path Kept(const fs::path& folder, const fs::path& source, const std::string&
   return file;
 }
 
+/// Capture develops RAW and HEIC files, and gives them another extension.
+bool IsCaptured(const std::map<std::string, json>& captured, const std::string& name) {
+  if (captured.contains(name)) return true;
+  const bool developed = IsRawName(name) || IsHeicName(name);
+  return developed && std::any_of(captured.begin(), captured.end(), [&](const auto& one) {
+           return fs::path(one.first).stem() == fs::path(name).stem();
+         });
+}
+
 }  // namespace
+
+std::vector<std::string> OriginalPhotographs(const fs::path& folder) {
+  std::vector<std::string> names, raw;
+  std::set<fs::path> stems;
+  for (const fs::path file : pipeline::RealDisk().Children(folder)) {
+    if (IsLitterName(file)) continue;
+    if (IsPhotographName(file)) {
+      names.push_back(file.string());
+      stems.insert(file.stem());
+    } else if (IsRawName(file)) {
+      raw.push_back(file.string());
+    }
+  }
+  for (const std::string& name : raw)
+    if (!stems.contains(fs::path(name).stem())) names.push_back(name);
+  return names;
+}
 
 json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
   std::map<std::string, json> by_name;
@@ -87,11 +115,10 @@ json PhotographsJson(Snapshot& snapshot, const std::string& pose) {
       one["why"] = image.why;
     }
   }
-  for (const fs::path file : pipeline::RealDisk().Children(snapshot.PhotoFolder(pose))) {
-    if (!IsPhotographName(file) || IsLitterName(file) || !IsValidUtf8(file.string())) continue;
-    if (by_name.contains(file.string())) continue;
+  for (const std::string& name : OriginalPhotographs(snapshot.PhotoFolder(pose))) {
+    if (!IsValidUtf8(name) || IsCaptured(by_name, name)) continue;
     CapturedImage image;
-    image.name = file.string();
+    image.name = name;
     by_name[image.name] = PhotographJson(image);
     by_name[image.name]["captured"] = false;
   }
@@ -110,18 +137,19 @@ fs::path PhotographSource(Snapshot& snapshot, const std::string& pose, const std
     if (const int i = set->Find(name); i >= 0) return set->ImagePath(i);
   const fs::path folder = snapshot.PhotoFolder(pose);
   const fs::path file = folder / name;
-  if (!IsPhotographName(file) || !fs::is_regular_file(file) ||
+  if (!(IsPhotographName(file) || IsRawName(file)) || !fs::is_regular_file(file) ||
       pipeline::RealDisk().LeadsOutside(file, folder))
     NoPhotograph(pose, name);
   return file;
 }
 
 fs::path PictureFile(const fs::path& folder, const fs::path& photograph, int width) {
-  const std::string format = ReadImageInfo(photograph).format;
+  const bool raw = IsRawName(photograph);
+  const std::string format = raw ? "raw" : ReadImageInfo(photograph).format;
   if (width <= 0 && (format == "jpeg" || format == "png")) return photograph;
   const int most = std::min(width, kLargestThumbnail);
   return Kept(folder, photograph, std::to_string(most), ".jpg", [&](const fs::path& file) {
-    Image8 image = ReadImage(photograph, 3);
+    Image8 image = raw ? ReadRaw(photograph) : ReadImage(photograph, 3);
     const double share = most > 0 && most < image.width ? 1.0 * most / image.width : 1;
     if (share < 1)
       image = Resized(image, most, std::max(1, static_cast<int>(image.height * share)));

@@ -6,10 +6,15 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "studio/project/snapshot.h"
 
 namespace keypose::studio {
+
+/// Names of the photographs in a pose's folder, as capture takes them: a RAW file counts if no other
+/// photograph has its stem.
+std::vector<std::string> OriginalPhotographs(const std::filesystem::path& folder);
 
 /// All photographs of a pose: what capture and masks measured, and those that are not made yet.
 nlohmann::json PhotographsJson(Snapshot& snapshot, const std::string& pose);

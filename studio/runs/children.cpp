@@ -94,8 +94,6 @@ bool ReadAll(int fd, double seconds, std::string* text) {
 
 }  // namespace
 
-fs::path OwnFolder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
 ChildResult RunChild(const std::vector<std::string>& arguments, const fs::path& folder,
                      double seconds) {
   Pipe output = MakePipe();

@@ -7,9 +7,6 @@
 
 namespace keypose::studio {
 
-/// The folder of the studio's own program, where all others of Keypose are.
-std::filesystem::path OwnFolder();
-
 struct ChildResult {
   int exit_code = 0;
   std::string output;  ///< standard output and error, at most the last 64 kB

@@ -10,6 +10,7 @@
 
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "pipeline/session.h"
 #include "studio/runs/children.h"
 
 namespace keypose::studio {
@@ -76,7 +77,7 @@ void RunControl::Start(const RunSelection& selection) {
   if (follower_.joinable()) follower_.join();
   fs::create_directories(File(""));
   std::vector<std::string> words = {
-      (OwnFolder() / "keypose").string(), "run", "-C", project_.string(), "--progress", "jsonl"};
+      (pipeline::ProgramFolder() / "keypose").string(), "run", "-C", project_.string(), "--progress", "jsonl"};
   Add(words, "--from", selection.from);
   Add(words, "--until", selection.until);
   Add(words, "--only", selection.only);

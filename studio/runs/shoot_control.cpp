@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors.h"
+#include "pipeline/session.h"
 
 namespace keypose::studio {
 
@@ -37,7 +38,7 @@ void Keep(const std::string& event, const std::string& line, std::vector<std::st
 std::vector<std::string> WordsFor(const ShootSetup& setup, const fs::path& project,
                                   const fs::path& live) {
   // In one word with its flag, no value can be taken for another flag.
-  return {(OwnFolder() / "keypose-shoot").string(),
+  return {(pipeline::ProgramFolder() / "keypose-shoot").string(),
           "-C",
           project.string(),
           "--pose=" + setup.pose,

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "core/errors.h"
+#include "pipeline/session.h"
 #include "studio/project/picks.h"
 #include "studio/project/timeline.h"
 #include "studio/runs/children.h"
@@ -85,7 +86,7 @@ Answer Routes::Suggest(const Question& question) {
   const double count = body.at("count");
   if (!(count >= 1 && count <= 100)) throw UsageError("suggest 1 to 100 landmarks");
   const fs::path suggested = folder_ / ".keypose/studio/suggested.json";
-  std::vector<std::string> words = {(OwnFolder() / "keypose-landmarks").string(),
+  std::vector<std::string> words = {(pipeline::ProgramFolder() / "keypose-landmarks").string(),
                                     "suggest",
                                     "--suggested",
                                     suggested.string(),

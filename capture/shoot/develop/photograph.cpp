@@ -2,8 +2,9 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "capture/shoot/develop/raw.h"
 #include "core/io/files.h"
+#include "core/io/photograph_files.h"
+#include "core/io/raw_io.h"
 
 namespace keypose::capture::shoot {
 

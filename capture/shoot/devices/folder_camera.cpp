@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 
-#include "capture/shoot/develop/raw.h"
 #include "capture/shoot/devices/device_fault.h"
 #include "core/errors.h"
 #include "core/io/photograph_files.h"

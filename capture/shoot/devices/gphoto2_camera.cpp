@@ -7,7 +7,6 @@
 #include <deque>
 #include <fstream>
 
-#include "capture/shoot/develop/raw.h"
 #include "core/errors.h"
 #include "core/io/photograph_files.h"
 

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <set>
 
-#include "capture/shoot/develop/raw.h"
 #include "core/errors.h"
 #include "core/io/files.h"
 #include "core/io/photograph_files.h"

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "capture/shoot/develop/focus_stack.h"
-#include "capture/shoot/develop/raw.h"
 #include "capture/shoot/devices/device_fault.h"
 #include "capture/shoot/session/announcer.h"
 #include "capture/shoot/session/checks.h"
@@ -17,6 +16,7 @@
 #include "capture/shoot/session/wishes.h"
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/photograph_files.h"
 
 namespace keypose::capture::shoot {
 namespace {

@@ -1,4 +1,4 @@
-#include "capture/shoot/develop/raw.h"
+#include "core/io/raw_io.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,13 +7,13 @@
 #include <cmath>
 #include <filesystem>
 
-#include "capture/shoot/develop/photograph.h"
-#include "capture/shoot/testing/write_dng.h"
 #include "core/errors.h"
 #include "core/io/files.h"
+#include "core/io/photograph_files.h"
+#include "core/io/testing_dng.h"
 #include "core/srgb.h"
 
-namespace keypose::capture::shoot {
+namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
@@ -85,7 +85,7 @@ TEST_F(Raw, ComesUpright) {
   EXPECT_EQ(info.width, kHeight_px);
   EXPECT_EQ(info.height, kPatch_px * 4);
   EXPECT_EQ(info.camera_model, "Keypose Test");
-  const Image8 image = ReadPhotograph(file);
+  const Image8 image = ReadRaw(file);
   ASSERT_EQ(image.width, kHeight_px);
   ExpectPatches(image, true);
 }
@@ -110,4 +110,4 @@ TEST(IsRawName, KnowsTheKindsOfTheBigMakersInAnyCase) {
 }
 
 }  // namespace
-}  // namespace keypose::capture::shoot
+}  // namespace keypose

@@ -6,7 +6,7 @@
 
 #include "core/image.h"
 
-namespace keypose::capture::shoot {
+namespace keypose {
 
 struct DngOptions {
   std::array<double, 3> neutral = {1, 1, 1};  ///< what the sensor gives for white under this light
@@ -18,4 +18,4 @@ struct DngOptions {
 /// Source: Adobe, Digital Negative Specification 1.4.
 void WriteDng(const std::filesystem::path& file, const ImageF& linear, const DngOptions& options);
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose

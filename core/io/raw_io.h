@@ -6,10 +6,7 @@
 #include "core/image.h"
 #include "core/io/image_io.h"
 
-namespace keypose::capture::shoot {
-
-/// Whether the name's extension (any case) is one of .cr2 .cr3 .nef .arw .dng .raf .orf .rw2.
-bool IsRawName(const std::filesystem::path& file);
+namespace keypose {
 
 /// The pixels as sRGB with the camera's white balance, upright; no automatic brightness, so that
 /// all photographs of a set keep their exposure.
@@ -21,4 +18,4 @@ Image8 ReadRaw(const std::filesystem::path& file);
 /// @throws DiskError, InputError  as above
 ImageInfo ReadRawInfo(const std::filesystem::path& file);
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose

@@ -1,4 +1,4 @@
-#include "capture/shoot/testing/write_dng.h"
+#include "core/io/testing_dng.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/io/files.h"
 
-namespace keypose::capture::shoot {
+namespace keypose {
 namespace {
 
 void Put(std::string& bytes, std::uint32_t value, int count) {
@@ -125,4 +125,4 @@ void WriteDng(const std::filesystem::path& file, const ImageF& linear, const Dng
   WriteFile(file, tags.Done() + Mosaic(linear, options));
 }
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose

@@ -1,10 +1,7 @@
-#include "capture/shoot/develop/raw.h"
+#include "core/io/raw_io.h"
 
 #include <OpenImageIO/imageio.h>
 
-#include <algorithm>
-#include <array>
-#include <cctype>
 #include <memory>
 #include <new>
 
@@ -13,16 +10,13 @@
 #include "core/io/image_kind.h"
 #include "core/memory.h"
 
-namespace keypose::capture::shoot {
+namespace keypose {
 namespace {
 
 namespace fs = std::filesystem;
 using OIIO::ImageInput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
-
-constexpr std::array<const char*, 8> kRaw = {".cr2", ".cr3", ".nef", ".arw",
-                                             ".dng", ".raf", ".orf", ".rw2"};
 
 [[noreturn]] void ThrowUnread(const fs::path& file, const std::string& reason) {
   throw InputError("the RAW file " + file.string() + " cannot be developed (" + reason +
@@ -70,12 +64,6 @@ std::optional<double> Positive(const ImageSpec& spec, const char* name) {
 
 }  // namespace
 
-bool IsRawName(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(kRaw.begin(), kRaw.end(), extension) != kRaw.end();
-}
-
 Image8 ReadRaw(const fs::path& file) try {
   const auto input = Open(file);
   const ImageSpec spec = input->spec();
@@ -106,4 +94,4 @@ ImageInfo ReadRawInfo(const fs::path& file) {
   return info;
 }
 
-}  // namespace keypose::capture::shoot
+}  // namespace keypose
